@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Status and Result<T>: how everything outside the real-time path answers.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+namespace mauve {
+
+/// Why something was refused. Printed with to_string(), the same word in logs and on the wire.
+enum class Errc {
+  invalid_value,      ///< the value itself is wrong: wrong type, out of range, not parsable
+  unknown_name,       ///< nothing has this name or address
+  duplicate,          ///< something has this name already, or is connected already
+  type_mismatch,      ///< kind or type of port, service, contract or data does not fit
+  wrong_state,        ///< not possible in the present state (configured, running, stopped)
+  hook_failed,        ///< a user hook returned an error
+  hook_threw,         ///< a user constructor or hook threw
+  cycle,              ///< resources or states would wait for each other for ever
+  abi_mismatch,       ///< a plugin was built for another runtime
+  plugin_refused,     ///< a plugin file is missing, unsafe, damaged or incomplete
+  not_permitted,      ///< the caller, or the process, lacks a privilege
+  conflict,           ///< somebody else was quicker, or holds it
+  timed_out,          ///< not finished in the time allowed
+  limit,              ///< a size, count or depth limit
+  unsupported,        ///< a known thing that this version does not do
+  system,             ///< the operating system said no
+};
+
+/// "invalid_value", "unknown_name", ...
+[[nodiscard]] std::string_view to_string(Errc code);
+
+/// One refusal: what kind, where (a dotted address, or file:line:column), what, and how to get on.
+struct Error {
+  Errc code = Errc::invalid_value;
+  std::string at;       ///< address of the thing refused; may be filled by an outer layer
+  std::string message;  ///< one sentence, lower case, no full stop
+  std::string hint;     ///< one suggestion, may be empty
+};
+
+/// "control.core.gain: must be positive (hint)". For logs and exceptions; clients format the parts.
+[[nodiscard]] std::string to_string(const Error& error);
+
+/// Either a T or an Error. Same member names as std::expected, which C++20 does not have.
+template <typename T>
+class [[nodiscard]] Result {
+ public:
+  Result(T value) : content_(std::in_place_index<0>, std::move(value)) {}
+  Result(Error error) : content_(std::in_place_index<1>, std::move(error)) {}
+
+  [[nodiscard]] bool has_value() const { return content_.index() == 0; }
+  explicit operator bool() const { return has_value(); }
+  [[nodiscard]] T& value() & { return std::get<0>(content_); }
+  [[nodiscard]] const T& value() const& { return std::get<0>(content_); }
+  [[nodiscard]] T&& value() && { return std::get<0>(std::move(content_)); }
+  T& operator*() & { return value(); }
+  const T& operator*() const& { return value(); }
+  T&& operator*() && { return std::move(*this).value(); }
+  T* operator->() { return &value(); }
+  const T* operator->() const { return &value(); }
+  [[nodiscard]] Error& error() { return std::get<1>(content_); }
+  [[nodiscard]] const Error& error() const { return std::get<1>(content_); }
+
+ private:
+  std::variant<T, Error> content_;
+};
+
+/// Success, or an Error.
+template <>
+class [[nodiscard]] Result<void> {
+ public:
+  Result() = default;
+  Result(Error error) : error_(std::move(error)) {}
+
+  [[nodiscard]] bool has_value() const { return !error_.has_value(); }
+  explicit operator bool() const { return has_value(); }
+  [[nodiscard]] Error& error() { return *error_; }
+  [[nodiscard]] const Error& error() const { return *error_; }
+
+ private:
+  std::optional<Error> error_;
+};
+
+using Status = Result<void>;
+
+/// Success.
+[[nodiscard]] inline Status ok() { return {}; }
+
+/// A refusal with its parts in reading order.
+[[nodiscard]] inline Error refuse(Errc code, std::string at, std::string message,
+                                  std::string hint = {}) {
+  return {code, std::move(at), std::move(message), std::move(hint)};
+}
+
+}  // namespace mauve
