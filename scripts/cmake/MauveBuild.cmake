@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 # How every target of this house is built: language level, warnings, sanitizers, layers, tests.
+include(GNUInstallDirs)
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
@@ -10,6 +11,8 @@ endif()
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/lib")
 set(MAUVE_PLUGIN_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/lib/mauve/plugins")
+# Where an installed daemon finds plugins and its files; programs get these as compile definitions.
+set(MAUVE_INSTALL_PLUGINDIR "${CMAKE_INSTALL_FULL_LIBDIR}/mauve/plugins")
 
 find_program(MAUVE_CCACHE ccache)
 if(MAUVE_CCACHE)
@@ -25,30 +28,68 @@ set(MAUVE_SANITIZE "" CACHE STRING "Sanitizers for all targets: address,undefine
 if(MAUVE_SANITIZE)
   add_compile_options(-fsanitize=${MAUVE_SANITIZE} -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${MAUVE_SANITIZE})
+  if(MAUVE_SANITIZE MATCHES "thread" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # g++ warns at every atomic fence that the sanitizer cannot follow it; the code keeps its fences.
+    add_compile_options(-Wno-tsan)
+  endif()
+  if(MAUVE_SANITIZE MATCHES "undefined")
+    add_compile_options(-fno-sanitize-recover=undefined)
+  endif()
+  string(REPLACE "," "_" sanitizer_names "${MAUVE_SANITIZE}")
+  string(TOUPPER "MAUVE_SANITIZE_${sanitizer_names}" sanitizer_macro)
+  add_compile_definitions(${sanitizer_macro}=1)
 endif()
 
-# mauve_layer(NAME SOURCES ... LINKS ...): one layer of libmauve, an object library that sees only what it links.
+# mauve_layer(NAME LINKS ...): one layer of libmauve, an object library that sees only what it links.
+# Its sources are listed by libruntime/NAME/CMakeLists.txt with target_sources().
 function(mauve_layer name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
   add_library(mauve_${name} OBJECT ${ARG_SOURCES})
   target_include_directories(mauve_${name} PUBLIC
     "${PROJECT_SOURCE_DIR}/libruntime/include" "${PROJECT_SOURCE_DIR}/libruntime")
   target_link_libraries(mauve_${name} PUBLIC ${ARG_LINKS} Threads::Threads PRIVATE mauve_warnings)
+  target_compile_definitions(mauve_${name} PRIVATE MAUVE_VERSION="${PROJECT_VERSION}")
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     target_compile_options(mauve_${name} PRIVATE -fno-semantic-interposition)
   endif()
 endfunction()
 
-# mauve_test(NAME SOURCES ... LINKS ... [LABELS ...]): a GoogleTest program registered test by test.
+# mauve_test(NAME SOURCES ... LINKS ... [LABELS ...] [TIMEOUT s] [ENVIRONMENT A=b ...] [SERIAL]):
+# a GoogleTest program, registered test by test. Labels with a meaning: rt (needs real-time rights and
+# release timing), tsan (part of the thread sanitizer subset), campaign (long), release_only.
 function(mauve_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINKS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "SOURCES;LINKS;LABELS;ENVIRONMENT" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 60)
   endif()
+  if(MAUVE_SANITIZE)
+    math(EXPR ARG_TIMEOUT "${ARG_TIMEOUT} * 4")
+  endif()
+  set(properties TIMEOUT ${ARG_TIMEOUT})
+  if(ARG_LABELS)
+    list(JOIN ARG_LABELS "\\;" labels)
+    list(APPEND properties LABELS "${labels}")
+  endif()
+  if(ARG_ENVIRONMENT)
+    list(JOIN ARG_ENVIRONMENT "\\;" environment)
+    list(APPEND properties ENVIRONMENT "${environment}")
+  endif()
+  if(ARG_SERIAL)
+    list(APPEND properties RUN_SERIAL TRUE)
+  endif()
   add_executable(${name} ${ARG_SOURCES})
-  target_link_libraries(${name} PRIVATE ${ARG_LINKS} GTest::gtest_main mauve_warnings)
+  target_link_libraries(${name} PRIVATE ${ARG_LINKS} GTest::gtest_main GTest::gmock mauve_warnings)
   target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60
-    PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
+    WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}" PROPERTIES ${properties})
 endfunction()
+
+# mauve_add_subdirectories(DIR ...): those that are there. A folder joins the build with its CMakeLists.txt.
+macro(mauve_add_subdirectories)
+  foreach(mauve_folder ${ARGN})
+    if(EXISTS "${CMAKE_CURRENT_SOURCE_DIR}/${mauve_folder}/CMakeLists.txt")
+      add_subdirectory(${mauve_folder})
+    endif()
+  endforeach()
+endmacro()
