@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "protocol/methods.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/name.h"
+
+namespace mauve::protocol {
+namespace {
+
+using enum JsonType;
+
+constexpr Param kAddress[] = {{"address", string, true}};
+constexpr Param kAddresses[] = {{"addresses", strings, true}};
+constexpr Param kFor[] = {{"for", string}};
+constexpr Param kOfComponent[] = {{"component", string}};
+constexpr Param kSub[] = {{"sub", integer, true}};
+constexpr Param kSet[] = {{"values", object, true}, {"state", string}};
+constexpr Param kStart[] = {{"components", strings, true}, {"reset", boolean}};
+constexpr Param kStop[] = {{"components", strings}, {"all", boolean}};
+constexpr Param kSwap[] = {{"component", string, true}, {"core", string, true}, {"set", object},
+                           {"in_place", boolean},       {"state", string}};
+constexpr Param kConnect[] = {{"port", string, true}, {"service", string, true}};
+constexpr Param kDisconnect[] = {{"port", string, true}};
+constexpr Param kPlugin[] = {{"plugin", string, true}};
+constexpr Param kCheck[] = {{"text", string, true}, {"file", string}};
+constexpr Param kTail[] = {
+    {"component", string}, {"level", string}, {"n", integer}, {"follow", boolean}};
+constexpr Param kEveryMutation[] = {
+    {"if_generation", integer}, {"reason", string}, {"deadline_ms", integer}};
+
+constexpr Method kMethods[] = {
+    {"ping", "answers at once", {}, false, true},
+    {"version", "server, protocol and plugin ABI", {}},
+    {"status.get", "generation and one row a component (alias: status)", {}},
+    {"component.list", "all components", {}},
+    {"resource.list", "all resources", {}},
+    {"core.list", "cores of the loaded plugins, or those that fit a component", kFor},
+    {"port.list", "ports and what they are connected to", kOfComponent},
+    {"plugin.list", "plugins loaded, or those with something for a component", kFor},
+    {"client.list", "who is connected", {}},
+    {"command.list", "this table", {}},
+    {"object.get", "everything about one object", kAddress},
+    {"param.get", "value and status of one address", kAddress},
+    {"param.set", "sets properties in one change", kSet, true},
+    {"watch.subscribe", "every new value of the addresses", kAddresses},
+    {"watch.unsubscribe", "ends a watch or a log", kSub},
+    {"component.start", "starts at the next instant of the grid", kStart, true},
+    {"component.stop", "ends the job, writes safe values, parks", kStop, true, true},
+    {"core.swap", "replaces the core of a component", kSwap, true},
+    {"port.connect", "connects a port to a service", kConnect, true},
+    {"port.disconnect", "disconnects a port", kDisconnect, true},
+    {"plugin.load", "loads a plugin by name", kPlugin, true},
+    {"plugin.unload", "unloads a plugin that nothing uses", kPlugin, true},
+    {"plugin.reload", "moves every instance to the new code", kPlugin, true},
+    {"config.get", "the running system as an architecture file", {}},
+    {"config.check", "all errors of an architecture file", kCheck},
+    {"log.tail", "the last records, and those to come", kTail},
+};
+
+bool fits(const Json& value, JsonType type) {
+  switch (type) {
+    case string: return value.is_string();
+    case boolean: return value.is_boolean();
+    case integer: return value.is_number_unsigned();
+    case object: return value.is_object();
+    case strings:
+      return value.is_array() && std::all_of(value.begin(), value.end(),
+                                             [](const Json& item) { return item.is_string(); });
+  }
+  return false;
+}
+
+std::string_view words_for(JsonType type) {
+  switch (type) {
+    case string: return "a string";
+    case boolean: return "true or false";
+    case integer: return "an integer of 0 or more";
+    case object: return "an object";
+    case strings: return "an array of strings";
+  }
+  return "something else";
+}
+
+std::vector<Param> params_of(const Method& method) {
+  std::vector<Param> all(method.params.begin(), method.params.end());
+  if (method.mutation) all.insert(all.end(), std::begin(kEveryMutation), std::end(kEveryMutation));
+  return all;
+}
+
+std::string suggestion(std::string_view wanted, const std::vector<std::string>& known) {
+  const std::string nearest = nearest_name(wanted, known);
+  return nearest.empty() ? std::string{} : "did you mean '" + nearest + "'?";
+}
+
+Fault unknown_argument(const Method& method, const std::string& name,
+                       const std::vector<Param>& known) {
+  std::vector<std::string> names;
+  for (const Param& param : known) names.emplace_back(param.name);
+  return fault_of(kInvalidParams, "unknown argument '" + name.substr(0, 64) + "'",
+                  std::string(method.name), suggestion(name, names));
+}
+
+}  // namespace
+
+std::span<const Method> methods() { return kMethods; }
+
+const Method* find_method(std::string_view name) {
+  if (name == "status") name = "status.get";
+  const auto found = std::find_if(std::begin(kMethods), std::end(kMethods),
+                                  [&](const Method& method) { return method.name == name; });
+  return found == std::end(kMethods) ? nullptr : found;
+}
+
+Fault unknown_method(std::string_view name) {
+  std::vector<std::string> names;
+  for (const Method& method : kMethods) names.emplace_back(method.name);
+  std::string hint = suggestion(name, names);
+  if (hint.empty()) hint = "command.list shows all methods";
+  return fault_of(kUnknownMethod, "unknown method '" + std::string(name.substr(0, 64)) + "'", {},
+                  std::move(hint));
+}
+
+std::optional<Fault> check_params(const Method& method, const Json& params) {
+  const auto known = params_of(method);
+  for (const auto& [name, value] : params.items()) {
+    const auto param = std::find_if(known.begin(), known.end(),
+                                    [&](const Param& one) { return one.name == name; });
+    if (param == known.end()) return unknown_argument(method, name, known);
+    if (fits(value, param->type)) continue;
+    return fault_of(kInvalidParams,
+                    "argument '" + name + "' must be " + std::string(words_for(param->type)),
+                    std::string(method.name));
+  }
+  for (const Param& param : known) {
+    if (!param.required || params.contains(param.name)) continue;
+    return fault_of(kInvalidParams, "argument '" + std::string(param.name) + "' is missing",
+                    std::string(method.name));
+  }
+  return std::nullopt;
+}
+
+}  // namespace mauve::protocol

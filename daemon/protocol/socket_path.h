@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Where daemon and client meet when nobody says otherwise.
+#pragma once
+
+#include <string>
+
+namespace mauve::protocol {
+
+/// $MAUVE_SOCKET; for root /run/mauve/mauved.sock; else $XDG_RUNTIME_DIR/mauve/mauved.sock, and
+/// /run/user/UID in place of a variable that is not set. Reads the environment: at start, one thread.
+[[nodiscard]] std::string default_socket_path();
+
+}  // namespace mauve::protocol

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// "Did you mean ...?": the nearest of the names that exist.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mauve {
+
+/// The known name with the fewest single-character edits from `wanted` (a swap of two neighbours
+/// counts as one), of equals the first; else a known name that `wanted` begins; else "". [any]
+[[nodiscard]] std::string nearest_name(std::string_view wanted,
+                                       const std::vector<std::string>& known);
+
+}  // namespace mauve
