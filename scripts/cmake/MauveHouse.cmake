@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+# The house rules as build targets.
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+
+# A forbidden include fails every build, not a review.
+add_custom_target(layers ALL
+  COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/scripts/layers.py" "${PROJECT_SOURCE_DIR}"
+  COMMENT "Checking that includes follow the arrows" VERBATIM)
+
+# header_check: every header compiles alone. Built by the clang stage of scripts/test, not by default.
+file(GLOB_RECURSE mauve_headers CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}"
+  libruntime/*.h daemon/*.h ctl/*.h plugins/*.h)
+set(mauve_header_units)
+foreach(header ${mauve_headers})
+  set(unit "${PROJECT_BINARY_DIR}/header_check/${header}.cpp")
+  file(CONFIGURE OUTPUT "${unit}" CONTENT "#include \"${PROJECT_SOURCE_DIR}/${header}\"\n")
+  list(APPEND mauve_header_units "${unit}")
+endforeach()
+if(mauve_header_units)
+  find_package(Eigen3 QUIET NO_MODULE)
+  add_library(header_check OBJECT EXCLUDE_FROM_ALL ${mauve_header_units})
+  target_link_libraries(header_check PRIVATE mauve::internal mauve_warnings
+    nlohmann_json::nlohmann_json $<TARGET_NAME_IF_EXISTS:Eigen3::Eigen>)
+  target_include_directories(header_check PRIVATE daemon ctl plugins)
+  target_compile_definitions(header_check PRIVATE
+    MAUVE_PLUGIN_NAME="header_check" MAUVE_PLUGIN_VERSION="0.0.0")
+endif()

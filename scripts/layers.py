@@ -1,0 +1,138 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Fails when an include breaks the arrows of ARCHITECTURE.md, or a name and its string differ.
+
+Usage: layers.py [ROOT]    prints one line for each violation: file:line: what, and what to do instead
+"""
+import pathlib
+import re
+import sys
+
+# Layer: the layers that it may use (itself always). "public" is libruntime/include/mauve.
+RUNTIME = "public base rt model exec plugin analysis trace arch"
+MAY_USE = {
+    "public": "",
+    "base": "public",
+    "rt": "public base",
+    "model": "public base rt",
+    "exec": "public base rt model",
+    "plugin": "public base rt model",
+    "analysis": "public base rt model",
+    "trace": "public base rt model",
+    "arch": "public base rt model exec plugin analysis trace",
+    "protocol": "public base",
+    "log": "public base rt",
+    "daemon": RUNTIME + " protocol log",
+    "ctl": "public protocol",
+    "plugins": "public",
+    "tests": RUNTIME + " protocol log daemon ctl plugins",
+}
+# Folder: its layer. The longest match counts; a folder below libruntime that is not here is an error.
+FOLDERS = {"libruntime/include": "public", "daemon/protocol": "protocol", "daemon/log": "log",
+           "daemon": "daemon", "ctl": "ctl", "plugins": "plugins", "tests": "tests", "scripts": "tests",
+           **{f"libruntime/{name}": name for name in RUNTIME.split()[1:]}}
+# Third-party or system header (a prefix of what is included): the rooms it may be in. tests/ may use all.
+ROOMS = {
+    "nlohmann/": "libruntime/arch/ daemon/protocol/ ctl/render",
+    "boost/asio": "daemon/server/ ctl/client",
+    "boost/lockfree": "libruntime/rt/",
+    "boost/": "",
+    "spdlog/": "daemon/log/",
+    "fmt/": "daemon/log/",
+    "CLI/": "daemon/options daemon/main ctl/options ctl/main",
+    "Eigen/": "plugins/",
+    "GeographicLib/": "plugins/",
+    "yaml-cpp/": "plugins/",
+    "dlfcn.h": "libruntime/plugin/",
+    "link.h": "libruntime/plugin/",
+    "elf.h": "libruntime/plugin/ libruntime/include/mauve/plugin.h",
+    "libelf.h": "libruntime/plugin/",
+    "gelf.h": "libruntime/plugin/",
+    "pthread.h": "libruntime/rt/",
+    "sched.h": "libruntime/rt/",
+    "linux/futex.h": "libruntime/rt/",
+    "sys/mman.h": "libruntime/rt/ libruntime/plugin/",
+    "sys/syscall.h": "libruntime/rt/",
+    "systemd/": "daemon/",
+    "iostream": "daemon/ ctl/",
+    "syslog.h": "",
+    "gtest/": "",
+    "gmock/": "",
+    "benchmark/": "",
+}
+INCLUDE_ROOTS = ("libruntime/include", "libruntime", "daemon", "ctl", "plugins", "tests", "")
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^">]+)[">]', re.MULTILINE)
+MEMBER = re.compile(r'\b(\w+?)_?\s*\{\s*\*this\s*,\s*"([^"]*)"')
+SUFFIXES = (".h", ".cpp")
+
+
+def layer_of(path):
+    """The layer of a path like "daemon/log/sink.cpp", or None."""
+    matches = [folder for folder in FOLDERS if path.startswith(folder + "/")]
+    return FOLDERS[max(matches, key=len)] if matches else None
+
+
+def resolve(root, includer, name):
+    """The project file that an include means, relative to root; None for a foreign header."""
+    for base in (str(pathlib.PurePosixPath(includer).parent), *INCLUDE_ROOTS):
+        candidate = (root / base / name).resolve()
+        if candidate.is_file() and candidate.is_relative_to(root):
+            return candidate.relative_to(root).as_posix()
+    return None
+
+
+def room_problem(path, name):
+    """Why a foreign header must not be included here, or None."""
+    room = next((prefix for prefix in ROOMS if name == prefix or
+                 (prefix.endswith(("/", "asio", "lockfree")) and name.startswith(prefix))), None)
+    if room is None or path.startswith(("tests/", "scripts/")):
+        return None
+    if any(path.startswith(allowed) for allowed in ROOMS[room].split()):
+        return None
+    return f"<{name}> belongs in {ROOMS[room] or 'no room but tests/'}"
+
+
+def include_problem(root, path, layer, name):
+    target = resolve(root, path, name)
+    if target is None:
+        return room_problem(path, name)
+    used = layer_of(target)
+    if used is None or used == layer or used in MAY_USE[layer].split():
+        return None
+    return f'layer {layer} may use "{MAY_USE[layer] or "nothing"}", not {used} ({target})'
+
+
+def check_file(root, path):
+    text = (root / path).read_text(encoding="utf-8")
+    layer = layer_of(path)
+    if layer is None:
+        yield 1, "is in no layer; add its folder to scripts/layers.py and ARCHITECTURE.md"
+        return
+    for match in INCLUDE.finditer(text):
+        problem = include_problem(root, path, layer, match.group(1))
+        if problem:
+            yield text.count("\n", 0, match.start()) + 1, problem
+    for match in MEMBER.finditer(text):
+        if match.group(1) != match.group(2):
+            yield (text.count("\n", 0, match.start()) + 1,
+                   f'member {match.group(1)} is registered as "{match.group(2)}"; use one name')
+
+
+def sources(root):
+    for top in ("libruntime", "daemon", "ctl", "plugins", "tests", "scripts"):
+        for path in sorted((root / top).rglob("*")):
+            if path.suffix in SUFFIXES and path.is_file():
+                yield path.relative_to(root).as_posix()
+
+
+def main():
+    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parent.parent)
+    root = root.resolve()
+    problems = [f"{path}:{line}: {text}" for path in sources(root)
+                for line, text in check_file(root, path)]
+    print("\n".join(problems) if problems else "layers: every include follows the arrows")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The include rules and the size budget really refuse what they say they refuse."""
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SCRIPTS = pathlib.Path(__file__).resolve().parent.parent.parent / "scripts"
+
+
+def run(script, files):
+    """Exit code and output of a script on a tree that holds just these files."""
+    with tempfile.TemporaryDirectory() as root:
+        for path, text in files.items():
+            file = pathlib.Path(root) / path
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text, encoding="utf-8")
+        done = subprocess.run([sys.executable, SCRIPTS / script, root], capture_output=True,
+                              text=True, check=False)
+        return done.returncode, done.stdout + done.stderr
+
+
+class Layers(unittest.TestCase):
+    def refused(self, files, words):
+        code, output = run("layers.py", files)
+        self.assertEqual(code, 1, output)
+        self.assertIn(words, output)
+
+    def accepted(self, files):
+        code, output = run("layers.py", files)
+        self.assertEqual(code, 0, output)
+
+    def test_accepts_an_include_along_an_arrow(self):
+        self.accepted({"libruntime/rt/clock.h": "#pragma once\n",
+                       "libruntime/exec/task.cpp": '#include "rt/clock.h"\n#include <vector>\n'})
+
+    def test_refuses_a_lower_layer_that_knows_a_higher_one(self):
+        self.refused({"libruntime/exec/task.h": "#pragma once\n",
+                      "libruntime/model/fsm.cpp": '\n#include "exec/task.h"\n'},
+                     "libruntime/model/fsm.cpp:2: layer model may use")
+
+    def test_refuses_neighbours_that_must_not_know_each_other(self):
+        self.refused({"libruntime/exec/task.h": "", "libruntime/plugin/a.cpp": '#include "exec/task.h"\n'},
+                     "not exec")
+
+    def test_refuses_a_public_header_with_a_private_include(self):
+        self.refused({"libruntime/rt/clock.h": "", "libruntime/include/mauve/x.h": '#include "rt/clock.h"\n'},
+                     "layer public may use")
+
+    def test_refuses_a_plugin_that_looks_behind_the_public_headers(self):
+        self.refused({"libruntime/rt/clock.h": "", "plugins/a/a.cpp": '#include "rt/clock.h"\n'},
+                     "layer plugins may use")
+
+    def test_sees_a_relative_include(self):
+        self.refused({"libruntime/exec/task.h": "",
+                      "libruntime/rt/clock.cpp": '#include "../exec/task.h"\n'}, "not exec")
+
+    def test_refuses_a_library_outside_its_room(self):
+        self.refused({"libruntime/model/a.cpp": "#include <nlohmann/json.hpp>\n"},
+                     "<nlohmann/json.hpp> belongs in libruntime/arch/")
+        self.refused({"libruntime/exec/a.cpp": "#include <dlfcn.h>\n"}, "belongs in libruntime/plugin/")
+
+    def test_accepts_a_library_in_its_room(self):
+        self.accepted({"libruntime/arch/parse.cpp": "#include <nlohmann/json.hpp>\n",
+                       "tests/unit/a_test.cpp": "#include <gtest/gtest.h>\n"})
+
+    def test_refuses_a_file_in_no_layer(self):
+        self.refused({"libruntime/utils/a.h": ""}, "is in no layer")
+
+    def test_refuses_a_member_whose_string_differs(self):
+        self.refused({"plugins/a/a.cpp": 'Property<double> gain{*this, "gian", 1};\n'},
+                     'member gain is registered as "gian"')
+
+    def test_accepts_members_whose_strings_agree(self):
+        self.accepted({"plugins/a/a.cpp": 'Sync idle{*this, "idle", 1}, pace_{*this, "pace", 2};\n'})
+
+
+class Lines(unittest.TestCase):
+    def refused(self, files, words):
+        code, output = run("lines.py", files)
+        self.assertEqual(code, 1, output)
+        self.assertIn(words, output)
+
+    def test_refuses_a_long_header_source_and_line(self):
+        self.refused({"ctl/a.h": "\n" * 251}, "251 lines, the limit is 250")
+        self.refused({"ctl/a.cpp": "\n" * 401}, "401 lines, the limit is 400")
+        self.refused({"ctl/a.cpp": "//" + "x" * 99 + "\n"}, "101 columns")
+
+    def test_refuses_a_long_function_also_inside_a_class(self):
+        body = "  int x;\n" * 60
+        self.refused({"ctl/a.cpp": f"void f(int a) {{\n{body}}}\n"}, "a.cpp:1: function of 62 lines")
+        self.refused({"ctl/a.cpp": f"class A {{\n void f() const {{\n{body}}}\n}};\n"},
+                     "a.cpp:2: function of 62 lines")
+
+    def test_does_not_take_a_namespace_or_class_for_a_function(self):
+        body = "int f();\n" * 90
+        for head in ("namespace a", "class [[nodiscard]] A", "struct A : B<int()>"):
+            code, output = run("lines.py", {"ctl/a.cpp": f"{head} {{\n{body}}};\n"})
+            self.assertEqual(code, 0, output)
+
+    def test_is_not_confused_by_braces_in_strings_and_comments(self):
+        body = 'f("{"); g(\'{\'); h(R"({{)"); // {\n /* { */ int big = 1\'000;\n'
+        code, output = run("lines.py", {"ctl/a.cpp": f"void f() {{\n{body}}}\n" * 30})
+        self.assertEqual(code, 0, output)
+
+
+if __name__ == "__main__":
+    unittest.main()
