@@ -176,8 +176,8 @@ std::variant<Request, Refusal> parse_request(std::string_view line) {
 }
 
 Json make_request(Json id, std::string_view method, Json params) {
-  return {{"jsonrpc", "2.0"}, {"id", std::move(id)}, {"method", method},
-          {"params", std::move(params)}};
+  return {
+      {"jsonrpc", "2.0"}, {"id", std::move(id)}, {"method", method}, {"params", std::move(params)}};
 }
 
 Json make_response(Json id, Json result) {
@@ -193,7 +193,7 @@ Json make_notification(std::string_view method, Json params) {
 }
 
 Json to_json(const Fault& fault) {
-  Json data = {{"name", fault.name}, {"exit", fault.exit}, {"state", fault.state},
+  Json data = {{"name", fault.name},   {"exit", fault.exit}, {"state", fault.state},
                {"where", fault.where}, {"hint", fault.hint}, {"generation", nullptr}};
   if (fault.generation) data["generation"] = *fault.generation;
   return {{"code", fault.code}, {"message", fault.message}, {"data", std::move(data)}};

@@ -25,25 +25,25 @@ inline constexpr int kInternal = -32603;
 /// Exit codes of mauvectl, the same numbers as "exit" on the wire.
 enum class Exit : int {
   ok = 0,
-  refused = 1,         ///< refused or failed, nothing changed
-  usage = 2,           ///< wrong use
-  condition = 3,       ///< the condition asked for is false
+  refused = 1,    ///< refused or failed, nothing changed
+  usage = 2,      ///< wrong use
+  condition = 3,  ///< the condition asked for is false
   no_such_object = 4,
   permission = 5,
-  conflict = 6,        ///< another generation, locked, busy
-  unreachable = 7,     ///< no daemon
-  timed_out = 8,       ///< outcome unknown
-  partly = 9,          ///< applied partly, robot in safe state
+  conflict = 6,     ///< another generation, locked, busy
+  unreachable = 7,  ///< no daemon
+  timed_out = 8,    ///< outcome unknown
+  partly = 9,       ///< applied partly, robot in safe state
 };
 
 /// Everything that an error says on the wire: {"code","message","data":{...}}.
 struct Fault {
   int code = kInternal;
-  std::string name = "internal";   ///< one word, stable: "abi_mismatch"
-  std::string message;             ///< one sentence
-  int exit = 1;                    ///< see Exit
-  std::string state = "unchanged"; ///< what the robot is in now
-  std::string where;               ///< address, or file:line:column
+  std::string name = "internal";    ///< one word, stable: "abi_mismatch"
+  std::string message;              ///< one sentence
+  int exit = 1;                     ///< see Exit
+  std::string state = "unchanged";  ///< what the robot is in now
+  std::string where;                ///< address, or file:line:column
   std::string hint;
   std::optional<std::uint64_t> generation;  ///< the running one, where known
 };

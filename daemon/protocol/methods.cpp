@@ -22,8 +22,11 @@ constexpr Param kSub[] = {{"sub", integer, true}};
 constexpr Param kSet[] = {{"values", object, true}, {"state", string}};
 constexpr Param kStart[] = {{"components", strings, true}, {"reset", boolean}};
 constexpr Param kStop[] = {{"components", strings}, {"all", boolean}};
-constexpr Param kSwap[] = {{"component", string, true}, {"core", string, true}, {"set", object},
-                           {"in_place", boolean},       {"state", string}};
+constexpr Param kSwap[] = {{"component", string, true},
+                           {"core", string, true},
+                           {"set", object},
+                           {"in_place", boolean},
+                           {"state", string}};
 constexpr Param kConnect[] = {{"port", string, true}, {"service", string, true}};
 constexpr Param kDisconnect[] = {{"port", string, true}};
 constexpr Param kPlugin[] = {{"plugin", string, true}};
@@ -64,10 +67,14 @@ constexpr Method kMethods[] = {
 
 bool fits(const Json& value, JsonType type) {
   switch (type) {
-    case string: return value.is_string();
-    case boolean: return value.is_boolean();
-    case integer: return value.is_number_unsigned();
-    case object: return value.is_object();
+    case string:
+      return value.is_string();
+    case boolean:
+      return value.is_boolean();
+    case integer:
+      return value.is_number_unsigned();
+    case object:
+      return value.is_object();
     case strings:
       return value.is_array() && std::all_of(value.begin(), value.end(),
                                              [](const Json& item) { return item.is_string(); });
@@ -77,11 +84,16 @@ bool fits(const Json& value, JsonType type) {
 
 std::string_view words_for(JsonType type) {
   switch (type) {
-    case string: return "a string";
-    case boolean: return "true or false";
-    case integer: return "an integer of 0 or more";
-    case object: return "an object";
-    case strings: return "an array of strings";
+    case string:
+      return "a string";
+    case boolean:
+      return "true or false";
+    case integer:
+      return "an integer of 0 or more";
+    case object:
+      return "an object";
+    case strings:
+      return "an array of strings";
   }
   return "something else";
 }

@@ -7,7 +7,8 @@
 namespace mauve::protocol {
 
 /// $MAUVE_SOCKET; for root /run/mauve/mauved.sock; else $XDG_RUNTIME_DIR/mauve/mauved.sock, and
-/// /run/user/UID in place of a variable that is not set. Reads the environment: at start, one thread.
+/// /run/user/UID in place of a variable that is not set. Reads the environment: at start, one
+/// thread.
 [[nodiscard]] std::string default_socket_path();
 
 }  // namespace mauve::protocol

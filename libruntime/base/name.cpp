@@ -43,8 +43,8 @@ std::string nearest_name(std::string_view wanted, const std::vector<std::string>
   for (const std::string& name : known) {
     if (name.size() > kLongest) continue;
     if (begun == nullptr && wanted.size() >= 3 && name.starts_with(wanted)) begun = &name;
-    const std::size_t length_gap = std::max(name.size(), wanted.size()) -
-                                   std::min(name.size(), wanted.size());
+    const std::size_t length_gap =
+        std::max(name.size(), wanted.size()) - std::min(name.size(), wanted.size());
     if (length_gap >= best) continue;
     const std::size_t edits = distance(wanted, name);
     if (edits >= best) continue;

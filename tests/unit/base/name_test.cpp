@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "base/name.h"
+
+#include <gtest/gtest.h>
+
+namespace mauve {
+namespace {
+
+const std::vector<std::string> kKnown{"component", "components", "core", "plugins", "priority"};
+
+TEST(NearestName, ForgivesAWrongLetter) { EXPECT_EQ(nearest_name("cora", kKnown), "core"); }
+
+TEST(NearestName, ForgivesAMissingAndAnAddedLetter) {
+  EXPECT_EQ(nearest_name("plugns", kKnown), "plugins");
+  EXPECT_EQ(nearest_name("priorityy", kKnown), "priority");
+}
+
+TEST(NearestName, CountsTwoSwappedLettersAsOneEdit) {
+  EXPECT_EQ(nearest_name("croe", kKnown), "core");
+}
+
+TEST(NearestName, PrefersTheCloserOfTwo) {
+  EXPECT_EQ(nearest_name("componentz", {"component", "componentzz"}), "component");
+  EXPECT_EQ(nearest_name("componnets", kKnown), "components");
+}
+
+TEST(NearestName, CompletesABeginning) { EXPECT_EQ(nearest_name("prio", kKnown), "priority"); }
+
+TEST(NearestName, SaysNothingWhenNothingIsNear) {
+  EXPECT_EQ(nearest_name("xyz", kKnown), "");
+  EXPECT_EQ(nearest_name("", kKnown), "");
+  EXPECT_EQ(nearest_name("core", {}), "");
+}
+
+TEST(NearestName, DoesNotWorkHardForHostileNames) {
+  EXPECT_EQ(nearest_name(std::string(1 << 20, 'a'), {std::string(1 << 20, 'a')}), "");
+}
+
+}  // namespace
+}  // namespace mauve
