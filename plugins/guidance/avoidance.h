@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Finite-time avoidance as a pure function; the plugin around it is finite_time.cpp.
+///
+/// A reconstruction from what is known of Guerra, Efimov, Zheng, Perruquetti (Autonomous Robots 41,
+/// 2017): a unicycle with disturbed inputs, a supervisor over two controls, every law regulating
+/// the heading in finite time.
+#pragma once
+
+#include "guidance.h"
+#include "obstacles.h"
+
+namespace guidance {
+
+struct AvoidanceParameters {
+  double obstacle_distance = 1.2;  ///< d_obs, avoiding starts inside it, m
+  double safety_distance = 0.7;    ///< d_safe, kept while going round, m
+  double speed_max = 0.8;          ///< m/s
+  double avoid_speed = 0.7;        ///< share of the speed while avoiding
+  double dwell = 0.5;              ///< s between two decisions of the supervisor
+  double hysteresis = 1.15;        ///< leave when the obstacle is farther than this times d_obs
+  HeadingLaw heading;
+};
+
+/// The velocity wanted at this pose, before slew limits. `dt` is the time since the last step, s.
+/// [rt]
+[[nodiscard]] Velocity avoid(const AvoidanceParameters& parameters, const Pose2D& pose,
+                             const Obstacles& obstacles, double dt, Guidance& state);
+
+}  // namespace guidance

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The potential field as pure functions; the plugin around it is potential_field.cpp.
+///
+/// The equations are a reconstruction with the properties that the abstract of Guerra, Efimov,
+/// Zheng, Perruquetti (Control Engineering Practice 55, 2016) states: the goal attracts, obstacle
+/// centres are repelling equilibria, saddles sit on the obstacle borders, and a bounded extra input
+/// leaves them.
+#pragma once
+
+#include "guidance.h"
+#include "obstacles.h"
+
+namespace guidance {
+
+/// Metres, as in the published listing; repaired() makes any pair of them usable.
+struct FieldParameters {
+  double nu = 0.2;                 ///< inside this distance to the goal the pull fades linearly
+  double psi = 1.0;                ///< beyond it the pull is one
+  double obstacle_distance = 1.0;  ///< d, an obstacle pushes inside it
+  double safety_distance = 0.7;    ///< r_s, nearest approach of the robot's centre
+  double gain = 1.0;               ///< scales the pull
+  double escape = 0.6;             ///< strength of the input that leaves saddles
+  double speed_max = 0.6;          ///< m/s
+  HeadingLaw heading;
+};
+
+/// The parameters with d >= 1.25 r_s and d / sqrt(3) <= r_s (else the barrier could be passed) and
+/// psi >= nu > 0. The published pair d = r_s is outside and gets d = 1.25 r_s. [any]
+[[nodiscard]] FieldParameters repaired(FieldParameters parameters);
+
+/// L(s): 1 up to nu, 0 from psi, a cubic between them; a step when nu = psi. [any]
+[[nodiscard]] double blend(double distance, double nu, double psi);
+
+/// Strength of the pull at that distance from the goal, 0..1. [any]
+[[nodiscard]] double attraction(double distance, const FieldParameters& parameters);
+
+/// Strength of the push at that distance from an obstacle; equals the full pull at r_s. [any]
+[[nodiscard]] double repulsion(double distance, const FieldParameters& parameters);
+
+/// The velocity wanted at this pose, before slew limits; keeps its choice of side in `state`. [rt]
+[[nodiscard]] Velocity follow_field(const FieldParameters& parameters, const Pose2D& pose,
+                                    const Obstacles& obstacles, Guidance& state);
+
+}  // namespace guidance

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What all guidance cores share: the state they hand over in a swap, and the last step of every
+/// law.
+#pragma once
+
+#include <cstdint>
+
+#include "../types/pose.h"
+#include "../types/velocity.h"
+
+namespace guidance {
+
+using rover::Point2D;
+using rover::Pose2D;
+using rover::Velocity;
+
+/// What survives a change of core: where the robot is going and how it is just moving, so that the
+/// new law goes on from the very command the old one gave.
+struct Guidance {
+  Point2D goal;
+  Velocity command;           ///< the last one given
+  std::int32_t has_goal = 0;  ///< 1 while a goal is being pursued
+  std::int32_t side = 0;      ///< way round the obstacle: +1 leave it right, -1 left, 0 undecided
+  std::int32_t avoiding = 0;  ///< 1 while the supervisor of finite_time is in AVOID
+  std::int32_t goals_reached = 0;
+  double hit_range = 0.0;  ///< m to the goal when AVOID was entered
+  double dwell = 0.0;      ///< s since the supervisor last decided
+};
+
+/// Turns the heading error into a turn rate that reaches zero error in finite time.
+struct HeadingLaw {
+  double gain = 2.0;      ///< k, reaches the layer within 2 sqrt(|e0|) / k
+  double margin = 0.3;    ///< rho, above the disturbance of the turn rate, rad/s
+  double layer = 0.05;    ///< eps, rad: inside it the margin fades, so it does not chatter
+  double turn_max = 1.5;  ///< rad/s
+};
+
+/// omega = -k sqrt|e| sgn(e) - rho sat(e / eps), limited to turn_max. [rt]
+[[nodiscard]] double turn_rate(double heading_error, const HeadingLaw& law);
+
+/// How fast a command may change.
+struct SlewLimits {
+  double speed_up = 1.5;   ///< m/s^2
+  double slow_down = 3.0;  ///< m/s^2
+  double turn = 20.0;      ///< rad/s^2
+};
+
+/// `wanted`, brought within the limits of one step of `dt` seconds after `last`. [rt]
+[[nodiscard]] Velocity slewed(const Velocity& last, const Velocity& wanted,
+                              const SlewLimits& limits, double dt);
+
+}  // namespace guidance

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What a satellite navigation receiver says once an epoch: gnss_fix/1.
+#pragma once
+
+#include <cstdint>
+
+namespace rover {
+
+/// One epoch. With mode 1 the position is zero and means nothing.
+struct GnssFix {
+  double time = 0.0;       ///< s of the day, UTC; 0 when the receiver does not know it yet
+  double latitude = 0.0;   ///< deg, north positive
+  double longitude = 0.0;  ///< deg, east positive
+  double altitude = 0.0;   ///< m above mean sea level
+  double hdop = 0.0;       ///< horizontal dilution of precision
+  std::int32_t mode = 1;   ///< 1 none, 2 two dimensions, 3 three dimensions
+  std::int32_t satellites = 0;
+};
+
+}  // namespace rover

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Where something is in the plane: pose2d/1, point2d/1, odometry/1. Metres, radians, x east, y
+/// north.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+namespace rover {
+
+/// A place and a direction; heading is counted anticlockwise from x, in (-pi, pi].
+struct Pose2D {
+  double x = 0.0;
+  double y = 0.0;
+  double heading = 0.0;
+};
+
+/// A place.
+struct Point2D {
+  double x = 0.0;
+  double y = 0.0;
+};
+
+/// What the wheels say: the pose dead-reckoned since the start, and the speeds now.
+struct Odometry {
+  double time = 0.0;  ///< s since the driver was configured
+  double x = 0.0;
+  double y = 0.0;
+  double heading = 0.0;
+  double linear = 0.0;   ///< m/s, forward
+  double angular = 0.0;  ///< rad/s, anticlockwise
+};
+
+/// The same angle in [-pi, pi]. [any]
+[[nodiscard]] inline double wrap(double angle) {
+  return std::remainder(angle, 2.0 * std::numbers::pi);
+}
+
+/// Direction from the pose's place to the point, in the world. [any]
+[[nodiscard]] inline double bearing(const Pose2D& from, const Point2D& to) {
+  return std::atan2(to.y - from.y, to.x - from.x);
+}
+
+/// Distance in metres. [any]
+[[nodiscard]] inline double distance(const Pose2D& from, const Point2D& to) {
+  return std::hypot(to.x - from.x, to.y - from.y);
+}
+
+}  // namespace rover

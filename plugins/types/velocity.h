@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// How fast a ground robot moves or shall move: velocity/1.
+#pragma once
+
+namespace rover {
+
+/// Speeds in the robot's own frame. The default stands still, which is the safe value of every
+/// command.
+struct Velocity {
+  double linear = 0.0;   ///< m/s, forward
+  double angular = 0.0;  ///< rad/s, anticlockwise
+};
+
+}  // namespace rover
