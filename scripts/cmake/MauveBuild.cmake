@@ -19,6 +19,7 @@ if(MAUVE_CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER "${MAUVE_CCACHE}")
 endif()
 find_package(Threads REQUIRED)
+find_package(nlohmann_json 3.11 REQUIRED)
 
 add_library(mauve_warnings INTERFACE)
 target_compile_options(mauve_warnings INTERFACE
