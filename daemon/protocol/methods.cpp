@@ -72,7 +72,7 @@ bool fits(const Json& value, JsonType type) {
     case boolean:
       return value.is_boolean();
     case integer:
-      return value.is_number_unsigned();
+      return value.is_number_unsigned() || (value.is_number_integer() && value >= 0);
     case object:
       return value.is_object();
     case strings:

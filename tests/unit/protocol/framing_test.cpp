@@ -188,7 +188,9 @@ TEST(StrictJson, SurvivesRandomAndDamagedTexts) {
     }
     text.resize(random() % (text.size() + 1));
     const auto value = parse_json(text);
-    if (value) EXPECT_TRUE(parse_json(to_line(*value)));
+    if (value) {
+      EXPECT_TRUE(parse_json(to_line(*value)));
+    }
   }
 }
 
