@@ -11,6 +11,7 @@ endif()
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/lib")
 set(MAUVE_PLUGIN_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/lib/mauve/plugins")
+set(MAUVE_PLUGIN_INCLUDE_DIR "${CMAKE_CURRENT_SOURCE_DIR}/plugins")
 # Where an installed daemon finds plugins and its files; programs get these as compile definitions.
 set(MAUVE_INSTALL_PLUGINDIR "${CMAKE_INSTALL_FULL_LIBDIR}/mauve/plugins")
 
@@ -55,11 +56,13 @@ function(mauve_layer name)
   endif()
 endfunction()
 
-# mauve_test(NAME SOURCES ... LINKS ... [LABELS ...] [TIMEOUT s] [ENVIRONMENT A=b ...] [SERIAL]):
-# a GoogleTest program, registered test by test. Labels with a meaning: rt (needs real-time rights and
-# release timing), tsan (part of the thread sanitizer subset), campaign (long), release_only.
+# mauve_test(NAME SOURCES ... LINKS ... [LABELS ...] [TIMEOUT s] [ENVIRONMENT A=b ...] [DEPENDS target ...]
+#            [SERIAL]): a GoogleTest program, registered test by test. SERIAL: alone on the machine.
+# Labels with a meaning: rt (needs real-time rights and true timing), tsan (part of the thread sanitizer
+# subset), campaign (long), release_only (measures what a sanitizer would change).
+add_custom_target(tsan_tests)
 function(mauve_test name)
-  cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "SOURCES;LINKS;LABELS;ENVIRONMENT" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "SOURCES;LINKS;LABELS;ENVIRONMENT;DEPENDS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 60)
   endif()
@@ -82,6 +85,12 @@ function(mauve_test name)
   target_link_libraries(${name} PRIVATE ${ARG_LINKS} GTest::gtest_main GTest::gmock mauve_warnings)
   target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests")
+  if(ARG_DEPENDS)
+    add_dependencies(${name} ${ARG_DEPENDS})
+  endif()
+  if("tsan" IN_LIST ARG_LABELS)
+    add_dependencies(tsan_tests ${name})
+  endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
     WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}" PROPERTIES ${properties})
 endfunction()

@@ -1,2 +1,106 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 # What `cmake --install` puts where. Only targets and files that exist are installed.
+include(CMakePackageConfigHelpers)
+set(mauve_sources "${PROJECT_SOURCE_DIR}")
+set(MAUVE_PLUGIN_SUBDIR "${CMAKE_INSTALL_LIBDIR}/mauve/plugins")
+set(mauve_cmake_dir "${CMAKE_INSTALL_LIBDIR}/cmake/mauve")
+# Units belong to the prefix: /usr/lib/systemd for a package, /usr/local/lib/systemd by hand.
+set(MAUVE_SYSTEMD_DIR "lib" CACHE STRING "Holds systemd/system, sysusers.d and tmpfiles.d")
+
+# Programs and libmauve.
+foreach(program mauved mauvectl)
+  if(TARGET ${program})
+    set_target_properties(${program} PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+  endif()
+endforeach()
+if(TARGET mauved)
+  install(TARGETS mauved RUNTIME DESTINATION "${CMAKE_INSTALL_SBINDIR}")
+endif()
+if(TARGET mauvectl)
+  install(TARGETS mauvectl RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+endif()
+install(TARGETS mauve_runtime EXPORT mauveTargets LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+
+# Plugins of plugins/, and the headers of their types and contracts.
+get_property(mauve_plugins GLOBAL PROPERTY MAUVE_PLUGIN_TARGETS)
+foreach(plugin ${mauve_plugins})
+  get_target_property(folder ${plugin} SOURCE_DIR)
+  if(folder MATCHES "^${mauve_sources}/plugins(/|$)")
+    install(TARGETS ${plugin} LIBRARY DESTINATION "${MAUVE_PLUGIN_SUBDIR}")
+  endif()
+endforeach()
+foreach(pattern types/*.h guidance/control.h guidance/guidance.h drivers/*driver*.h)
+  file(GLOB headers CONFIGURE_DEPENDS RELATIVE "${mauve_sources}/plugins"
+    "${mauve_sources}/plugins/${pattern}")
+  foreach(header ${headers})
+    get_filename_component(folder "${header}" DIRECTORY)
+    install(FILES "${mauve_sources}/plugins/${header}"
+      DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/mauve-plugins/${folder}")
+  endforeach()
+endforeach()
+
+# The SDK.
+install(DIRECTORY "${mauve_sources}/libruntime/include/mauve"
+  DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h")
+install(EXPORT mauveTargets NAMESPACE mauve:: DESTINATION "${mauve_cmake_dir}")
+configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/mauveConfig.cmake.in"
+  "${PROJECT_BINARY_DIR}/package/mauveConfig.cmake" INSTALL_DESTINATION "${mauve_cmake_dir}"
+  PATH_VARS CMAKE_INSTALL_INCLUDEDIR MAUVE_PLUGIN_SUBDIR)
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/package/mauveConfigVersion.cmake"
+  COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/package/mauveConfig.cmake"
+  "${PROJECT_BINARY_DIR}/package/mauveConfigVersion.cmake"
+  "${CMAKE_CURRENT_LIST_DIR}/MauvePlugin.cmake" "${CMAKE_CURRENT_LIST_DIR}/mauve_plugin.map"
+  DESTINATION "${mauve_cmake_dir}")
+# The prefix is known only at install time (cmake --install --prefix), so mauve.pc is written then.
+install(CODE "
+  set(CMAKE_INSTALL_FULL_LIBDIR \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}\")
+  set(CMAKE_INSTALL_FULL_INCLUDEDIR \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}\")
+  set(PROJECT_DESCRIPTION \"${PROJECT_DESCRIPTION}\")
+  set(PROJECT_VERSION \"${PROJECT_VERSION}\")
+  configure_file(\"${CMAKE_CURRENT_LIST_DIR}/mauve.pc.in\" \"${PROJECT_BINARY_DIR}/package/mauve.pc\" @ONLY)")
+install(FILES "${PROJECT_BINARY_DIR}/package/mauve.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+
+# Example architectures and the schema. The service's own file is never overwritten.
+file(GLOB mauve_examples CONFIGURE_DEPENDS "${mauve_sources}/etc/*.json")
+install(FILES ${mauve_examples} DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve")
+if(EXISTS "${mauve_sources}/etc/minimal.json")
+  install(CODE "
+    set(folder \"\${CMAKE_INSTALL_PREFIX}/etc/mauve\")
+    if(CMAKE_INSTALL_PREFIX MATCHES \"^/usr(/local)?$\")
+      set(folder /etc/mauve)
+    endif()
+    set(file \"\$ENV{DESTDIR}\${folder}/architecture.json\")
+    if(EXISTS \"\${file}\")
+      message(STATUS \"Kept: \${file}\")
+    else()
+      message(STATUS \"Installing: \${file}\")
+      configure_file(\"${mauve_sources}/etc/minimal.json\" \"\${file}\" COPYONLY)
+    endif()")
+endif()
+
+# The service.
+foreach(pair "service:systemd/system" "socket:systemd/system" "sysusers:sysusers.d" "tmpfiles:tmpfiles.d")
+  string(REGEX MATCH "^([^:]+):(.+)$" pair "${pair}")
+  set(kind "${CMAKE_MATCH_1}")
+  set(folder "${MAUVE_SYSTEMD_DIR}/${CMAKE_MATCH_2}")
+  set(file "${mauve_sources}/systemd/mauved.${kind}")
+  if(EXISTS "${file}.in")
+    configure_file("${file}.in" "${PROJECT_BINARY_DIR}/package/mauved.${kind}" @ONLY)
+    set(file "${PROJECT_BINARY_DIR}/package/mauved.${kind}")
+  endif()
+  if(EXISTS "${file}")
+    set(name "mauved.${kind}")
+    if(kind MATCHES "sysusers|tmpfiles")
+      set(name "mauve.conf")
+    endif()
+    install(FILES "${file}" DESTINATION "${folder}" RENAME "${name}")
+  endif()
+endforeach()
+
+# Manual pages, completion, licence.
+if(EXISTS "${mauve_sources}/ctl/completion.bash")
+  install(FILES "${mauve_sources}/ctl/completion.bash"
+    DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" RENAME mauvectl)
+endif()
+install(FILES "${mauve_sources}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")

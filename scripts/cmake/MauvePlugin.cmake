@@ -58,6 +58,8 @@ function(mauve_add_plugin name)
     target_link_options(${ARG_TARGET} PRIVATE LINKER:-z,defs)
   endif()
   target_link_libraries(${ARG_TARGET} PRIVATE mauve::runtime ${ARG_LINKS})
+  # Types and contracts of other plugins, spelled alike here and after installation: "types/pose.h".
+  target_include_directories(${ARG_TARGET} PRIVATE "${MAUVE_PLUGIN_INCLUDE_DIR}")
   if(TARGET mauve_warnings)
     target_link_libraries(${ARG_TARGET} PRIVATE mauve_warnings)
     set_property(GLOBAL APPEND PROPERTY MAUVE_PLUGIN_TARGETS ${ARG_TARGET})
