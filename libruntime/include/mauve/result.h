@@ -12,22 +12,22 @@ namespace mauve {
 
 /// Why something was refused. Printed with to_string(), the same word in logs and on the wire.
 enum class Errc {
-  invalid_value,      ///< the value itself is wrong: wrong type, out of range, not parsable
-  unknown_name,       ///< nothing has this name or address
-  duplicate,          ///< something has this name already, or is connected already
-  type_mismatch,      ///< kind or type of port, service, contract or data does not fit
-  wrong_state,        ///< not possible in the present state (configured, running, stopped)
-  hook_failed,        ///< a user hook returned an error
-  hook_threw,         ///< a user constructor or hook threw
-  cycle,              ///< resources or states would wait for each other for ever
-  abi_mismatch,       ///< a plugin was built for another runtime
-  plugin_refused,     ///< a plugin file is missing, unsafe, damaged or incomplete
-  not_permitted,      ///< the caller, or the process, lacks a privilege
-  conflict,           ///< somebody else was quicker, or holds it
-  timed_out,          ///< not finished in the time allowed
-  limit,              ///< a size, count or depth limit
-  unsupported,        ///< a known thing that this version does not do
-  system,             ///< the operating system said no
+  invalid_value,   ///< the value itself is wrong: wrong type, out of range, not parsable
+  unknown_name,    ///< nothing has this name or address
+  duplicate,       ///< something has this name already, or is connected already
+  type_mismatch,   ///< kind or type of port, service, contract or data does not fit
+  wrong_state,     ///< not possible in the present state (configured, running, stopped)
+  hook_failed,     ///< a user hook returned an error
+  hook_threw,      ///< a user constructor or hook threw
+  cycle,           ///< resources or states would wait for each other for ever
+  abi_mismatch,    ///< a plugin was built for another runtime
+  plugin_refused,  ///< a plugin file is missing, unsafe, damaged or incomplete
+  not_permitted,   ///< the caller, or the process, lacks a privilege
+  conflict,        ///< somebody else was quicker, or holds it
+  timed_out,       ///< not finished in the time allowed
+  limit,           ///< a size, count or depth limit
+  unsupported,     ///< a known thing that this version does not do
+  system,          ///< the operating system said no
 };
 
 /// "invalid_value", "unknown_name", ...

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Architecture: components, resources and connections (paper 3.6, Listing 5).
+///
+///   struct Navigation : mauve::Architecture {
+///     mauve::Component<HokuyoShell, Hokuyo, mauve::PeriodicFsm<Hokuyo>> hokuyo{*this, "hokuyo"};
+///     mauve::SharedData<LaserScan> scan{*this, "scan"};
+///     mauve::Status on_configure() override {
+///       hokuyo.shell().scan.connect(scan.write_service());
+///       hokuyo.shell().device = "/dev/hokuyo";
+///       hokuyo.fsm().period = 25ms;
+///       return mauve::ok();
+///     }
+///   };
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <mauve/component.h>
+#include <mauve/resource.h>
+#include <mauve/ring_buffer.h>
+#include <mauve/shared_data.h>
+
+namespace mauve {
+
+/// Used by one thread, [control]; it alone owns the model.
+class Architecture {
+ public:
+  explicit Architecture(std::string name = "architecture") : name_(std::move(name)) {}
+  Architecture(const Architecture&) = delete;
+  Architecture& operator=(const Architecture&) = delete;
+  virtual ~Architecture();
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::vector<ComponentBase*>& components() const { return components_; }
+  [[nodiscard]] const std::vector<ResourceBase*>& resources() const { return resources_; }
+  [[nodiscard]] ComponentBase* find_component(std::string_view name) const;
+  [[nodiscard]] ResourceBase* find_resource(std::string_view name) const;
+  /// "scan.read" -> the service, or an error with the nearest name.
+  Result<ServiceBase*> find_service(std::string_view address) const;
+
+  /// Members register themselves; elements made from a file are owned.
+  void add(ComponentBase& component) { components_.push_back(&component); }
+  void add(ResourceBase& resource) { resources_.push_back(&resource); }
+  ComponentBase& own(std::unique_ptr<ComponentBase> component);
+  ResourceBase& own(std::unique_ptr<ResourceBase> resource);
+
+  /// Runs on_configure(), checks the wiring, then configures resources and components in their
+  /// order; a failure undoes all and says where.
+  Status configure();
+  Status cleanup();
+  [[nodiscard]] bool configured() const { return configured_; }
+
+ protected:
+  /// Connections and properties of an architecture written in code.
+  virtual Status on_configure() { return ok(); }
+
+ private:
+  std::string name_;
+  std::vector<ComponentBase*> components_;
+  std::vector<ResourceBase*> resources_;
+  std::vector<std::unique_ptr<ComponentBase>> owned_components_;
+  std::vector<std::unique_ptr<ResourceBase>> owned_resources_;
+  bool configured_ = false;
+};
+
+// --- members of an architecture ------------------------------------------------------------
+
+template <typename ShellT, typename CoreT, typename FsmT>
+Component<ShellT, CoreT, FsmT>::Component(Architecture& architecture, std::string name)
+    : ComponentBase(std::move(name),
+                    {typeid(FsmT).name(),
+                     ShellType::of<ShellT>(),
+                     FsmType::of<FsmT>(typeid(FsmT).name()),
+                     {}},
+                    CoreType::of<CoreT>(typeid(CoreT).name())) {
+  architecture.add(*this);
+}
+
+template <typename ShellT, typename CoreT, typename InterfaceT>
+Resource<ShellT, CoreT, InterfaceT>::Resource(Architecture& architecture, std::string name)
+    : ResourceBase(std::move(name), {typeid(InterfaceT).name(), ShellType::of<ShellT>(),
+                                     CoreType::of<CoreT>(typeid(CoreT).name()),
+                                     detail::make<InterfaceBase, InterfaceT>}) {
+  architecture.add(*this);
+}
+
+template <typename T>
+SharedData<T>::SharedData(Architecture& architecture, std::string name)
+    : SharedDataBase(std::move(name), data_type<T>()) {
+  architecture.add(*this);
+}
+
+template <typename T>
+SharedData<T>::SharedData(Architecture& architecture, std::string name, const T& initial)
+    : SharedDataBase(std::move(name), data_type<T>(), &initial) {
+  architecture.add(*this);
+}
+
+template <typename T>
+RingBuffer<T>::RingBuffer(Architecture& architecture, std::string name)
+    : RingBufferBase(std::move(name), data_type<T>()) {
+  architecture.add(*this);
+}
+
+}  // namespace mauve

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Component = shell + core + fsm, run by one real-time thread (paper 3.4).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <mauve/element_type.h>
+#include <mauve/time.h>
+
+namespace mauve {
+
+class Architecture;
+
+/// What happens to releases that a component could not serve in time.
+enum class OnOverrun : std::uint8_t {
+  catch_up,  ///< run every missed release back to back (paper Fig. 9)
+  skip,      ///< run the newest missed release at once, drop the older ones
+  stop,      ///< stop the component after `overrun_limit` overruns
+};
+[[nodiscard]] std::string_view to_string(OnOverrun value);
+
+/// How a component's thread is scheduled.
+struct TaskAttributes {
+  int priority = 10;              ///< SCHED_FIFO priority, 1 to 90
+  std::vector<int> cpus;          ///< empty: the deployer pins to one CPU and says which
+  Duration offset{0};             ///< phase of all releases on the common clock
+  Duration deadline{0};           ///< after the release; zero: the end of the current wait
+  Duration budget{0};             ///< execution time of one job; zero: not declared
+  std::size_t stack = 64 * 1024;  ///< bytes, touched and locked at start
+  OnOverrun on_overrun = OnOverrun::skip;
+  unsigned overrun_limit = 1;  ///< for OnOverrun::stop
+  bool start = true;           ///< false: parked after deployment
+
+  friend bool operator==(const TaskAttributes&, const TaskAttributes&) = default;
+};
+
+/// Everything a component runs with. Immutable once published; a change makes another one.
+struct Bundle {
+  std::shared_ptr<Shell> shell;
+  std::shared_ptr<CoreBase> core;
+  std::shared_ptr<FsmBase> fsm;
+  std::shared_ptr<const Bindings> bindings;
+  TaskAttributes task;
+  std::string core_name;  ///< "guidance/potential_field"
+  std::string fsm_name;
+};
+
+/// What the runtime sees of a component. Owned by an Architecture; touched by [control] only.
+class ComponentBase {
+ public:
+  ComponentBase(std::string name, ComponentType type, CoreType core);
+  ComponentBase(const ComponentBase&) = delete;
+  ComponentBase& operator=(const ComponentBase&) = delete;
+  virtual ~ComponentBase();
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const ComponentType& type() const { return type_; }
+
+  /// The elements in force. [control]
+  [[nodiscard]] const std::shared_ptr<const Bundle>& bundle() const { return bundle_; }
+  [[nodiscard]] Shell& shell() const { return *bundle_->shell; }
+  [[nodiscard]] CoreBase& core() const { return *bundle_->core; }
+  [[nodiscard]] FsmBase& fsm() const { return *bundle_->fsm; }
+
+  /// Task attributes, before deployment.
+  TaskAttributes& task();
+  [[nodiscard]] const TaskAttributes& task() const { return bundle_->task; }
+
+  /// Shell, core, fsm in this order; a failure undoes what this call had configured.
+  Status configure();
+  /// The other way round.
+  Status cleanup();
+  [[nodiscard]] bool configured() const { return configured_; }
+
+  /// Paper's Listing 6 on a component that is not deployed or is stopped: the fsm is cleaned with
+  /// the core, the shell is not touched.
+  Status cleanup_core();
+  /// Puts another core in place of a cleaned one; refused when the contract differs.
+  Status replace_core(const CoreType& core);
+  template <typename T>
+  Status replace_core() {
+    return replace_core(CoreType::of<T>(typeid(T).name()));
+  }
+
+  /// Makes the elements anew when a constructor failed; the error of the last attempt. Runtime
+  /// only.
+  [[nodiscard]] const Status& made() const { return made_; }
+  /// Runtime only: the bundle that a committed change left in force.
+  void install(std::shared_ptr<const Bundle> bundle) { bundle_ = std::move(bundle); }
+  /// Runtime only: before deployment the connection table is edited in place.
+  Status connect(std::string_view port, ServiceBase& service, std::shared_ptr<void> keep_alive,
+                 Duration max_age = Duration{0});
+  Status disconnect(std::string_view port);
+
+ private:
+  std::string name_;
+  ComponentType type_;
+  std::shared_ptr<const Bundle> bundle_;
+  Status made_;
+  bool configured_ = false;
+};
+
+/// A component of known classes, as a member of an Architecture:
+/// `mauve::Component<ControlShell, PotentialField, ControlFsm> control{*this, "control"};`
+template <typename ShellT, typename CoreT, typename FsmT>
+class Component final : public ComponentBase {
+ public:
+  Component(Architecture& architecture, std::string name);
+
+  [[nodiscard]] ShellT& shell() const { return static_cast<ShellT&>(ComponentBase::shell()); }
+  /// The contract class: the concrete core may have been replaced.
+  [[nodiscard]] auto& core() const {
+    return static_cast<typename detail::ContractOf<CoreT>::type&>(ComponentBase::core());
+  }
+  [[nodiscard]] FsmT& fsm() const { return static_cast<FsmT&>(ComponentBase::fsm()); }
+};
+
+}  // namespace mauve

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Configurable: what every shell, core, fsm and interface is (paper 3.2).
+#pragma once
+
+#include <atomic>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <mauve/result.h>
+
+namespace mauve {
+
+class PropertyBase;
+class ObservableBase;
+
+/// An element that is either configured or not. Properties are written only while it is not.
+class Configurable {
+ public:
+  Configurable() = default;
+  Configurable(const Configurable&) = delete;
+  Configurable& operator=(const Configurable&) = delete;
+  virtual ~Configurable() = default;
+
+  /// Dotted address, such as "control.core". Empty until a component or resource adopts it.
+  [[nodiscard]] const std::string& address() const { return address_; }
+  [[nodiscard]] bool configured() const { return configured_.load(std::memory_order_acquire); }
+
+  /// Checks the element, then calls on_configure(). What the hook throws becomes an Error.
+  /// Already configured: nothing happens. [control] or [factory], never a real-time thread.
+  Status configure();
+  /// Calls on_cleanup() when configured. An exception of the hook is swallowed and returned.
+  Status cleanup();
+
+  [[nodiscard]] const std::vector<PropertyBase*>& properties() const { return properties_; }
+  [[nodiscard]] const std::vector<ObservableBase*>& observables() const { return observables_; }
+  [[nodiscard]] PropertyBase* find_property(std::string_view name) const;
+  [[nodiscard]] ObservableBase* find_observable(std::string_view name) const;
+
+  /// Runtime only: gives the element its address.
+  void adopt(std::string address) { address_ = std::move(address); }
+
+ protected:
+  /// Called by configure(): open, allocate, compute; return an error to refuse. [factory]
+  virtual Status on_configure() { return ok(); }
+  /// Called by cleanup(): close what on_configure opened. [factory]
+  virtual void on_cleanup() {}
+  /// The runtime's own check before the hook (a state machine checks its table after it).
+  virtual Status verify() { return ok(); }
+
+ private:
+  friend class PropertyBase;
+  friend class ObservableBase;
+
+  std::string address_;
+  std::atomic<bool> configured_{false};
+  std::optional<Error> deferred_;  // a refused `property = value`, reported by configure()
+  std::vector<PropertyBase*> properties_;
+  std::vector<ObservableBase*> observables_;
+};
+
+}  // namespace mauve

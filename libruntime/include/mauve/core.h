@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Core: the algorithm and its inner data (paper 3.3.3). Sees the shell.
+#pragma once
+
+#include <mauve/configurable.h>
+#include <mauve/log.h>
+#include <mauve/observable.h>
+#include <mauve/property.h>
+#include <mauve/shell.h>
+#include <mauve/state.h>
+
+namespace mauve {
+
+/// What the runtime sees of a core.
+class CoreBase : public Configurable {
+ public:
+  /// Runtime only: before configure().
+  void bind(Shell& shell) { shell_ = &shell; }
+
+  /// The state handed over in a swap; null when none is declared.
+  [[nodiscard]] StateBase* state() const { return state_; }
+  /// Declared as having nothing to hand over.
+  [[nodiscard]] bool stateless() const { return stateless_; }
+
+  /// Called once on a helper thread after configure and before a swap: touch memory, fill tables,
+  /// so that the first job is not slower than the others. Ports are not connected.
+  virtual void warm() {}
+
+ protected:
+  [[nodiscard]] Shell& bound_shell() const { return *shell_; }
+
+ private:
+  friend class StateBase;
+  friend class Stateless;
+
+  Shell* shell_ = nullptr;
+  StateBase* state_ = nullptr;
+  bool stateless_ = false;
+};
+
+/// Derive from Core<YourShell>. For cores that can replace one another put a contract class with
+/// the virtual methods between: `class GuidanceCore : public mauve::Core<ControlShell>` with
+/// `using Contract = GuidanceCore; static constexpr const char* contract = "guidance/core/1";`.
+template <typename ShellT>
+class Core : public CoreBase {
+ public:
+  using ShellType = ShellT;
+
+ protected:
+  /// Bound before on_configure(); not in constructors.
+  [[nodiscard]] ShellT& shell() const { return static_cast<ShellT&>(bound_shell()); }
+};
+
+}  // namespace mauve

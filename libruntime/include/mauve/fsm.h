@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Clock-based state machines: when a component does what (paper 3.4, Listing 3).
+///
+///   struct ControlFsm : mauve::Fsm<GuidanceCore> {
+///     Exec wait_goal{*this, "wait_goal", &GuidanceCore::poll_goal};
+///     Sync idle{*this, "idle", 100ms};
+///     mauve::Status on_configure() override {
+///       start_at(wait_goal);
+///       wait_goal.when(&GuidanceCore::has_goal, reach_goal).then(idle);
+///       idle.then(wait_goal);
+///       return mauve::ok();
+///     }
+///   };
+#pragma once
+
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include <mauve/configurable.h>
+#include <mauve/core.h>
+#include <mauve/method.h>
+#include <mauve/property.h>
+#include <mauve/time.h>
+
+namespace mauve {
+
+class FsmBase;
+
+/// One state: an execution state runs a core method, a synchronization state waits until the
+/// component's clock has advanced by a duration.
+class FsmState {
+ public:
+  enum class Kind : std::uint8_t { execution, synchronization };
+
+  /// A transition: taken when the guard says so; the first true one wins.
+  struct Transition {
+    Method<bool()> guard;
+    FsmState* target;
+  };
+
+  FsmState(FsmBase& fsm, std::string_view name, Kind kind);
+  FsmState(const FsmState&) = delete;
+  FsmState& operator=(const FsmState&) = delete;
+  virtual ~FsmState() = default;
+
+  [[nodiscard]] std::string_view name() const { return name_; }
+  [[nodiscard]] Kind kind() const { return kind_; }
+  [[nodiscard]] std::size_t index() const { return index_; }
+  [[nodiscard]] const std::vector<Transition>& transitions() const { return transitions_; }
+  [[nodiscard]] FsmState* successor() const { return successor_; }
+
+  /// The successor when no guard is true.
+  FsmState& then(FsmState& target) {
+    successor_ = &target;
+    return *this;
+  }
+
+  /// Execution: runs the method. [rt]
+  virtual void run(CoreBase& /*core*/) {}
+  /// Synchronization: how far the clock advances.
+  [[nodiscard]] virtual Duration duration() const { return Duration{0}; }
+
+  /// The state after this one: guards in order, then the default. [rt]
+  [[nodiscard]] FsmState& next(CoreBase& core) const {
+    for (const Transition& transition : transitions_) {
+      if (transition.guard(core)) return *transition.target;
+    }
+    return *successor_;
+  }
+
+ protected:
+  void add(Method<bool()> guard, FsmState& target) { transitions_.push_back({guard, &target}); }
+
+ private:
+  friend class FsmBase;
+
+  std::string_view name_;
+  Kind kind_;
+  std::size_t index_;
+  std::vector<Transition> transitions_;
+  FsmState* successor_ = nullptr;
+};
+
+/// What the runtime sees of a state machine.
+class FsmBase : public Configurable {
+ public:
+  [[nodiscard]] const std::vector<FsmState*>& states() const { return states_; }
+  [[nodiscard]] FsmState* initial() const { return initial_; }
+  [[nodiscard]] FsmState* find_state(std::string_view name) const;
+  /// Greatest common divisor of all waits: the grid on which the component may be started.
+  [[nodiscard]] Duration grid() const;
+  /// The shortest wait: the bound of every wait for a resource.
+  [[nodiscard]] Duration shortest_wait() const;
+
+  /// Runtime only.
+  void bind(CoreBase& core) { core_ = &core; }
+  [[nodiscard]] CoreBase& core() const { return *core_; }
+
+ protected:
+  void start_at(FsmState& state) { initial_ = &state; }
+  /// After on_configure(): initial state set, every state has a successor, all reachable, no wait
+  /// of zero, no cycle of execution states (it would never wait and starve everything below).
+  Status verify() override;
+  /// The table is written anew by each on_configure().
+  void reset_table();
+
+ private:
+  friend class FsmState;
+
+  std::vector<FsmState*> states_;
+  FsmState* initial_ = nullptr;
+  CoreBase* core_ = nullptr;
+};
+
+/// Derive from Fsm<YourContract>; states are members.
+template <typename CoreT>
+class Fsm : public FsmBase {
+ public:
+  using CoreType = CoreT;
+
+  /// States that take guards of this core.
+  template <typename Derived>
+  class Guarded : public FsmState {
+   public:
+    using FsmState::FsmState;
+    Derived& when(bool (CoreT::*guard)(), FsmState& target) {
+      add(Method<bool()>(guard), target);
+      return static_cast<Derived&>(*this);
+    }
+    Derived& when(bool (CoreT::*guard)() const, FsmState& target) {
+      add(Method<bool()>(guard), target);
+      return static_cast<Derived&>(*this);
+    }
+  };
+
+  /// Execution state.
+  class Exec final : public Guarded<Exec> {
+   public:
+    Exec(FsmBase& fsm, std::string_view name, void (CoreT::*method)())
+        : Guarded<Exec>(fsm, name, FsmState::Kind::execution), method_(method) {}
+    void run(CoreBase& core) override { method_(core); }
+
+   private:
+    Method<void()> method_;
+  };
+
+  /// Synchronization state; its duration is a property of the same name.
+  class Sync final : public Guarded<Sync> {
+   public:
+    Sync(FsmBase& fsm, std::string_view name, Duration duration, std::string_view text = {})
+        : Guarded<Sync>(fsm, name, FsmState::Kind::synchronization),
+          duration_(fsm, name, duration, text,
+                    {.min = Duration{std::chrono::microseconds(10)}, .max = {}}) {}
+    [[nodiscard]] Duration duration() const override { return duration_.get(); }
+    /// In code: `fsm().pace = 10ms`.
+    Sync& operator=(Duration duration) {
+      duration_ = duration;
+      return *this;
+    }
+
+   private:
+    Property<Duration> duration_;
+  };
+};
+
+/// The usual machine: one `update` every `period` (property `fsm.period`).
+template <typename CoreT>
+class PeriodicFsm final : public Fsm<CoreT> {
+ public:
+  typename Fsm<CoreT>::Exec update{*this, "update", &CoreT::update};
+  typename Fsm<CoreT>::Sync period{*this, "period", 10ms, "time between two updates"};
+
+ private:
+  Status on_configure() override {
+    this->start_at(update);
+    update.then(period);
+    period.then(update);
+    return ok();
+  }
+};
+
+}  // namespace mauve

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The job that the calling thread is running: clock reading, lock bound, held resources.
+/// For ports and services; user code normally needs only now().
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <mauve/time.h>
+
+namespace mauve {
+
+class Gate;
+
+/// One per thread. The stepper fills it at each release; other threads keep the defaults.
+struct Job {
+  static constexpr std::size_t kMaxHeld = 8;  ///< deepest nesting of resources, checked at connect
+
+  Instant start = 0;           ///< monotonic time read when this job began; 0 outside a job
+  Duration lock_bound{0};      ///< how long an access may wait for a resource; 0: one second
+  bool detached = false;       ///< preparing: every port behaves as if it were not connected
+  std::size_t held_count = 0;  ///< resources locked by this thread, innermost last
+  std::array<Gate*, kMaxHeld> held{};
+};
+
+/// The calling thread's job. [any]
+[[nodiscard]] Job& this_job();
+
+/// Time for stamps: the start of the running job, or the clock outside one. [any]
+[[nodiscard]] Instant job_time();
+
+/// While it lives, ports used by this thread are not connected. [factory]: a core that is being
+/// prepared can move nothing.
+class Detached {
+ public:
+  Detached() : before_(this_job().detached) { this_job().detached = true; }
+  ~Detached() { this_job().detached = before_; }
+  Detached(const Detached&) = delete;
+  Detached& operator=(const Detached&) = delete;
+
+ private:
+  bool before_;
+};
+
+}  // namespace mauve

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What a plugin author includes: everything an element is made of, and MAUVE_PLUGIN.
+///
+///   MAUVE_PLUGIN(plugin) { plugin.core<PotentialField>("potential_field"); }
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <mauve/core.h>
+#include <mauve/element_type.h>
+#include <mauve/fsm.h>
+#include <mauve/interface.h>
+#include <mauve/log.h>
+#include <mauve/shell.h>
+#include <mauve/state.h>
+#include <mauve/type.h>
+#include <mauve/version.h>
+
+#if defined(__GNUC__)
+#define MAUVE_EXPORT __attribute__((visibility("default")))
+#else
+#define MAUVE_EXPORT
+#endif
+
+namespace mauve {
+
+/// What a plugin offers, filled by its MAUVE_PLUGIN block when it is loaded. Names are completed
+/// with the plugin's own: core "potential_field" of plugin "guidance" is
+/// "guidance/potential_field".
+class Plugin {
+ public:
+  explicit Plugin(std::string name) : name_(std::move(name)) {}
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+
+  /// A core; its contract is `T::Contract`, or T itself.
+  template <typename T>
+  void core(std::string_view name) {
+    cores.push_back(CoreType::of<T>(qualified(name)));
+  }
+  /// A state machine.
+  template <typename T>
+  void fsm(std::string_view name) {
+    fsms.push_back(FsmType::of<T>(qualified(name)));
+  }
+  /// A kind of component whose core is named in the file, or is `default_core` (a core of this
+  /// plugin, or "other/core").
+  template <typename ShellT, typename FsmT>
+  void component(std::string_view name, std::string_view default_core = {}) {
+    components.push_back({qualified(name), ShellType::of<ShellT>(),
+                          FsmType::of<FsmT>(qualified(name)),
+                          default_core.empty() ? std::string() : qualified(default_core)});
+  }
+  /// A kind of component with one core, registered under the same name.
+  template <typename ShellT, typename CoreT, typename FsmT>
+  void component(std::string_view name) {
+    core<CoreT>(name);
+    component<ShellT, FsmT>(name, name);
+  }
+  /// A kind of resource.
+  template <typename ShellT, typename CoreT, typename InterfaceT>
+  void resource(std::string_view name) {
+    resources.push_back({qualified(name), ShellType::of<ShellT>(),
+                         CoreType::of<CoreT>(qualified(name)),
+                         detail::make<InterfaceBase, InterfaceT>});
+  }
+  /// A described data type.
+  template <typename T>
+  void type() {
+    static_assert(detail::HasFields<T>, "describe it: specialise mauve::Described<T>");
+    types.push_back(&data_type<T>());
+  }
+
+  std::vector<CoreType> cores;
+  std::vector<FsmType> fsms;
+  std::vector<ComponentType> components;
+  std::vector<ResourceType> resources;
+  std::vector<const DataType*> types;
+
+ private:
+  [[nodiscard]] std::string qualified(std::string_view name) const {
+    return name.find('/') == std::string_view::npos ? name_ + "/" + std::string(name)
+                                                    : std::string(name);
+  }
+
+  std::string name_;
+};
+
+/// The first bytes of a plugin that the loader reads, from the file, before any of its code runs.
+/// Fixed layout for all times; only `reserved` may be used up.
+struct PluginManifest {
+  char magic[8] = {'M', 'A', 'U', 'V', 'E', 'P', 'L', 'G'};
+  std::uint32_t size = sizeof(PluginManifest);
+  std::uint32_t abi = kAbi;
+  std::uint64_t fingerprint = 0;  ///< of compiler, standard library and public classes
+  char name[64] = {};
+  char version[32] = {};
+  char compiler[64] = {};
+  std::uint64_t reserved[8] = {};
+};
+
+/// The one exported symbol of a plugin, `mauve_plugin`. The manifest comes first.
+struct PluginEntry {
+  PluginManifest manifest;
+  void (*declare)(Plugin& plugin) = nullptr;
+};
+
+namespace detail {
+
+/// Changes when two translation units disagree about the shape of the public classes.
+constexpr std::uint64_t abi_fingerprint() {
+  std::uint64_t h = hash(static_cast<std::uint64_t>(kAbi), kHashSeed);
+  for (const std::size_t size :
+       {sizeof(Configurable), sizeof(PropertyBase), sizeof(ObservableBase), sizeof(Shell),
+        sizeof(PortBase), sizeof(CoreBase), sizeof(StateBase), sizeof(FsmBase), sizeof(FsmState),
+        sizeof(InterfaceBase), sizeof(ServiceBase), sizeof(Job), sizeof(Plugin), sizeof(DataType),
+        sizeof(std::string), sizeof(void*)}) {
+    h = hash(static_cast<std::uint64_t>(size), h);
+  }
+#if defined(_GLIBCXX_USE_CXX11_ABI)
+  h = hash(static_cast<std::uint64_t>(_GLIBCXX_USE_CXX11_ABI), h);
+#endif
+#if defined(__SANITIZE_ADDRESS__)
+  h = hash("address", h);
+#endif
+#if defined(__SANITIZE_THREAD__)
+  h = hash("thread", h);
+#endif
+  return h;
+}
+
+template <std::size_t N>
+constexpr void copy_text(char (&into)[N], const char* text) {
+  for (std::size_t i = 0; i + 1 < N && text[i] != '\0'; ++i) into[i] = text[i];
+}
+
+constexpr PluginManifest make_manifest(const char* name, const char* version) {
+  PluginManifest manifest;
+  manifest.fingerprint = abi_fingerprint();
+  copy_text(manifest.name, name);
+  copy_text(manifest.version, version);
+#if defined(__VERSION__)
+  copy_text(manifest.compiler, __VERSION__);
+#endif
+  return manifest;
+}
+
+}  // namespace detail
+}  // namespace mauve
+
+#ifndef MAUVE_PLUGIN_NAME
+#define MAUVE_PLUGIN_NAME "unnamed"
+#endif
+#ifndef MAUVE_PLUGIN_VERSION
+#define MAUVE_PLUGIN_VERSION "0"
+#endif
+
+/// Once per plugin: `MAUVE_PLUGIN(plugin) { plugin.core<MyCore>("my_core"); }`
+#define MAUVE_PLUGIN(parameter)                                                                \
+  static void mauve_declare(::mauve::Plugin& parameter);                                       \
+  extern "C" MAUVE_EXPORT __attribute__((section(".mauve.manifest"), used))                    \
+  const ::mauve::PluginEntry mauve_plugin;                                                     \
+  extern "C" MAUVE_EXPORT const ::mauve::PluginEntry mauve_plugin = {                          \
+      ::mauve::detail::make_manifest(MAUVE_PLUGIN_NAME, MAUVE_PLUGIN_VERSION), mauve_declare}; \
+  static void mauve_declare(::mauve::Plugin& parameter)

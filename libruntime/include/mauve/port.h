@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Ports: how a shell reaches services of resources (paper 3.3.2). Never an exception, never a
+/// crash when nothing is connected.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <mauve/data_status.h>
+#include <mauve/service.h>
+
+namespace mauve {
+
+class Shell;
+
+/// One connection of one port. Immutable; owns the reader slot and keeps the service's plugin
+/// loaded. Made and destroyed off the real-time threads.
+class Binding {
+ public:
+  Binding(ServiceBase& service, std::shared_ptr<void> keep_alive, Duration max_age);
+  ~Binding();
+  Binding(const Binding&) = delete;
+  Binding& operator=(const Binding&) = delete;
+
+  [[nodiscard]] ServiceBase& service() const { return service_; }
+  [[nodiscard]] unsigned slot() const { return slot_; }
+  [[nodiscard]] Duration max_age() const { return max_age_; }
+
+ private:
+  std::shared_ptr<void> keep_alive_;
+  ServiceBase& service_;
+  unsigned slot_;
+  Duration max_age_;  // zero: no limit
+};
+
+/// The connections of all ports of a shell, by port index; null where not connected. A change
+/// makes a new table; the component's own thread exchanges the pointer at a boundary.
+using Bindings = std::vector<std::shared_ptr<const Binding>>;
+
+/// What the runtime sees of a port. Use is [rt] by the component's own thread.
+class PortBase {
+ public:
+  PortBase(Shell& shell, std::string_view name, Signature signature);
+  PortBase(const PortBase&) = delete;
+  PortBase& operator=(const PortBase&) = delete;
+  virtual ~PortBase() = default;
+
+  [[nodiscard]] std::string_view name() const { return name_; }
+  [[nodiscard]] const Signature& signature() const { return signature_; }
+  [[nodiscard]] std::size_t index() const { return index_; }
+  /// Dotted address, such as "control.ports.scan".
+  [[nodiscard]] std::string address() const;
+
+  /// Connects in code, before deployment: `shell().scan.connect(scan.interface().read)`.
+  Status connect(ServiceBase& service, Duration max_age = Duration{0});
+  [[nodiscard]] bool connected() const;
+
+  /// Writes the declared safe value, if any, to a service: at stop, fault and disconnect. [rt]
+  virtual void write_safe(ServiceBase& /*service*/) const {}
+  [[nodiscard]] virtual bool has_safe_value() const { return false; }
+  /// Accesses that found no connection, or a resource busy beyond the bound.
+  [[nodiscard]] std::uint64_t failures() const { return failures_; }
+
+ protected:
+  /// The connection in force, or null. Forgets the cursor when it changed. [rt]
+  [[nodiscard]] const Binding* binding();
+  void count_failure() { ++failures_; }
+  Cursor cursor_;
+
+ private:
+  Shell& shell_;
+  std::string_view name_;
+  Signature signature_;
+  std::size_t index_;
+  const Binding* seen_ = nullptr;
+  std::uint64_t failures_ = 0;
+};
+
+/// Reads the value of a connected service. `read()` by value up to 4 kB; larger data is read into
+/// the caller's storage or looked at in place.
+template <typename T>
+class ReadPort final : public PortBase {
+ public:
+  static constexpr std::size_t kMaxByValue = 4096;
+
+  /// `fallback` is what a read returns while there is no data.
+  ReadPort(Shell& shell, std::string_view name, T fallback = T{})
+      : PortBase(shell, name, Signature::read<T>()), default_(std::move(fallback)) {}
+
+  [[nodiscard]] T read() {
+    static_assert(sizeof(T) <= kMaxByValue, "over 4 kB: use read(into) or look()");
+    T value = default_;
+    static_cast<void>(read(value));
+    return value;
+  }
+  /// `into` gets the value, or the default when there is none.
+  DataStatus read(T& into) {
+    const Binding* connection = binding();
+    status_ = connection == nullptr ? DataStatus::no_data
+                                    : aged(*connection, connection->service().read(&into, cursor_));
+    if (!has_value(status_)) into = default_;
+    return status_;
+  }
+  /// Calls f(const T&) on the value in place; not at all when there is none.
+  template <typename F>
+  DataStatus look(F&& f) {
+    const Binding* connection = binding();
+    if (connection == nullptr) return status_ = DataStatus::no_data;
+    auto show = [&f](const void* data) { f(*static_cast<const T*>(data)); };
+    return status_ = aged(*connection, connection->service().look(Visitor(show), cursor_));
+  }
+
+  /// Of the last read.
+  [[nodiscard]] DataStatus status() const { return status_; }
+  /// Time between the job that wrote the value last read and this job.
+  [[nodiscard]] Duration age() const { return Duration{job_time() - cursor_.stamp}; }
+
+ private:
+  DataStatus aged(const Binding& connection, DataStatus status) {
+    if (status == DataStatus::timed_out) count_failure();
+    if (connection.max_age() == Duration{0} || !mauve::has_value(status)) return status;
+    return age() > connection.max_age() ? DataStatus::stale : status;
+  }
+
+  T default_;
+  DataStatus status_ = DataStatus::no_data;
+};
+
+/// The value to write when the component stops or faults, or the port is disconnected.
+template <typename T>
+struct Safe {
+  T value;
+};
+template <typename T>
+Safe(T) -> Safe<T>;
+
+/// Writes to a connected service; not connected: counted and dropped.
+template <typename T>
+class WritePort final : public PortBase {
+ public:
+  WritePort(Shell& shell, std::string_view name) : PortBase(shell, name, Signature::write<T>()) {}
+  WritePort(Shell& shell, std::string_view name, Safe<T> safe)
+      : PortBase(shell, name, Signature::write<T>()), safe_(std::move(safe.value)) {}
+
+  /// False: nobody got the value.
+  bool write(const T& value) {
+    const Binding* connection = binding();
+    return counted(connection != nullptr && connection->service().write(&value));
+  }
+  /// Calls f(T&) on the storage of the exchange, which holds some older value, then publishes it.
+  template <typename F>
+  bool fill(F&& f) {
+    const Binding* connection = binding();
+    auto into = [&f](void* data) { f(*static_cast<T*>(data)); };
+    return counted(connection != nullptr && connection->service().fill(Filler(into)));
+  }
+
+  void write_safe(ServiceBase& service) const override {
+    if (safe_) service.write(&*safe_);
+  }
+  [[nodiscard]] bool has_safe_value() const override { return safe_.has_value(); }
+
+ private:
+  bool counted(bool done) {
+    if (!done) count_failure();
+    return done;
+  }
+
+  std::optional<T> safe_;
+};
+
+template <typename Signature>
+class CallPort;
+
+/// Calls a connected service: `std::optional<MotionState> s = shell().predict_at(0.1);`, empty
+/// when nothing answers. For R = void it returns whether it was called.
+template <typename R, typename... P>
+class CallPort<R(P...)> final : public PortBase {
+ public:
+  CallPort(Shell& shell, std::string_view name)
+      : PortBase(shell, name, mauve::Signature::call<R, P...>()) {}
+
+  auto operator()(std::remove_cvref_t<P>... arguments) {
+    void* pointers[sizeof...(P) + 1] = {&arguments..., nullptr};
+    const Binding* connection = binding();
+    if constexpr (std::is_void_v<R>) {
+      const bool done = connection != nullptr && connection->service().invoke(nullptr, pointers);
+      if (!done) count_failure();
+      return done;
+    } else {
+      std::optional<R> result{std::in_place};
+      if (connection == nullptr || !connection->service().invoke(&*result, pointers)) {
+        count_failure();
+        result.reset();
+      }
+      return result;
+    }
+  }
+};
+
+/// Triggers an action of a connected service; not connected: nothing happens.
+template <typename... P>
+class EventPort final : public PortBase {
+ public:
+  EventPort(Shell& shell, std::string_view name)
+      : PortBase(shell, name, Signature::event<P...>()) {}
+
+  bool operator()(std::remove_cvref_t<P>... arguments) {
+    void* pointers[sizeof...(P) + 1] = {&arguments..., nullptr};
+    const Binding* connection = binding();
+    const bool done = connection != nullptr && connection->service().invoke(nullptr, pointers);
+    if (!done) count_failure();
+    return done;
+  }
+};
+
+}  // namespace mauve

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Property: a typed configuration value of a shell, core, fsm or interface (paper 3.3.1).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <mauve/configurable.h>
+#include <mauve/type.h>
+
+namespace mauve {
+
+/// Optional limits and unit of a property: `{.unit = "m/s", .min = 0.0, .max = 2.0}`.
+template <typename T>
+struct Limits {
+  std::string_view unit = {};
+  std::optional<T> min = {};
+  std::optional<T> max = {};
+};
+
+/// What the runtime sees of a property, whatever its type.
+class PropertyBase {
+ public:
+  PropertyBase(const PropertyBase&) = delete;
+  PropertyBase& operator=(const PropertyBase&) = delete;
+  virtual ~PropertyBase() = default;
+
+  [[nodiscard]] std::string_view name() const { return name_; }
+  [[nodiscard]] std::string_view text() const { return text_; }
+  [[nodiscard]] std::string_view unit() const { return unit_; }
+  [[nodiscard]] std::string address() const;
+  [[nodiscard]] const DataType& type() const { return *type_; }
+
+  /// Values as text-like trees; null where there is none (no limit, type without description).
+  [[nodiscard]] virtual Value value() const = 0;
+  [[nodiscard]] virtual Value default_value() const = 0;
+  [[nodiscard]] virtual Value min() const { return {}; }
+  [[nodiscard]] virtual Value max() const { return {}; }
+
+  /// Writes the value; refused when the element is configured, of another type, out of range.
+  /// [control] or [factory].
+  Status set(const Value& value);
+  /// Would set() accept this value (apart from being configured)?
+  [[nodiscard]] virtual Status accepts(const Value& value) const = 0;
+
+ protected:
+  PropertyBase(Configurable& owner, std::string_view name, std::string_view text,
+               std::string_view unit, const DataType& type);
+  /// An error when the owner is configured.
+  [[nodiscard]] Status writable() const;
+  /// Keeps an error for the owner's next configure().
+  void defer(Error error);
+  virtual Status assign(const Value& value) = 0;
+
+ private:
+  Configurable& owner_;
+  std::string_view name_;
+  std::string_view text_;
+  std::string_view unit_;
+  const DataType* type_;
+};
+
+/// Declared as a member: `mauve::Property<double> gain{*this, "gain", 0.2, "pull, 1/s"};`
+/// Reading is [any]; real-time code reads it as a plain value.
+template <typename T>
+class Property final : public PropertyBase {
+ public:
+  Property(Configurable& owner, std::string_view name, T value, std::string_view text = {},
+           Limits<T> limits = {})
+      : PropertyBase(owner, name, text, limits.unit, data_type<T>()),
+        default_(value),
+        value_(std::move(value)),
+        limits_(std::move(limits)) {}
+
+  operator const T&() const { return value_; }
+  [[nodiscard]] const T& get() const { return value_; }
+  const T& operator*() const { return value_; }
+  const T* operator->() const { return &value_; }
+
+  /// In code: `shell().device = "/dev/ttyS0"`. A refused value (element configured, out of range)
+  /// changes nothing and is reported by the element's next configure().
+  Property& operator=(T value) {
+    if (Status done = set_typed(std::move(value)); !done) defer(done.error());
+    return *this;
+  }
+  /// The same with the answer at once.
+  Status set_typed(T value) {
+    if (Status done = writable(); !done) return done;
+    if (Status done = in_range(value); !done) return done;
+    value_ = std::move(value);
+    return ok();
+  }
+
+  [[nodiscard]] Value value() const override { return encode(value_); }
+  [[nodiscard]] Value default_value() const override { return encode(default_); }
+  [[nodiscard]] Value min() const override { return limits_.min ? encode(*limits_.min) : Value(); }
+  [[nodiscard]] Value max() const override { return limits_.max ? encode(*limits_.max) : Value(); }
+  [[nodiscard]] Status accepts(const Value& value) const override {
+    T decoded = default_;
+    return decode(value, decoded);
+  }
+
+ protected:
+  Status assign(const Value& value) override {
+    T decoded = value_;
+    if (Status done = decode(value, decoded); !done) return done;
+    value_ = std::move(decoded);
+    return ok();
+  }
+
+ private:
+  static Value encode(const T& data) {
+    if constexpr (detail::HasCodec<T>) {
+      return Codec<T>::encode(data);
+    } else {
+      return {};
+    }
+  }
+  Status decode(const Value& value, T& data) const {
+    if constexpr (detail::HasCodec<T>) {
+      if (Status done = Codec<T>::decode(value, data); !done) return done;
+      return in_range(data);
+    } else {
+      return refuse(Errc::unsupported, address(), "its type has no description");
+    }
+  }
+  Status in_range([[maybe_unused]] const T& value) const {
+    if constexpr (requires { value < value; }) {
+      if (limits_.min && value < *limits_.min)
+        return beyond(value, "below the minimum ", *limits_.min);
+      if (limits_.max && *limits_.max < value)
+        return beyond(value, "above the maximum ", *limits_.max);
+      if constexpr (std::is_floating_point_v<T>) {
+        if (value != value) return refuse(Errc::invalid_value, address(), "is not a number");
+      }
+    }
+    return ok();
+  }
+  Error beyond(const T& value, const char* relation, const T& limit) const {
+    return refuse(Errc::invalid_value, address(),
+                  to_string(encode(value)) + " is " + relation + to_string(encode(limit)) +
+                      (unit().empty() ? "" : " " + std::string(unit())));
+  }
+
+  T default_;
+  T value_;
+  Limits<T> limits_;
+};
+
+/// An error that names the property: `return mauve::invalid(gain, "must be positive");`
+[[nodiscard]] Error invalid(const PropertyBase& property, std::string message);
+
+}  // namespace mauve

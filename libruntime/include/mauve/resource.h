@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Resource = shell + core + interface, without a thread: its core runs in the caller's thread,
+/// one caller at a time (paper 3.5).
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include <mauve/element_type.h>
+#include <mauve/interface.h>
+
+namespace mauve {
+
+class Architecture;
+class Tap;
+
+/// What the runtime sees of a resource. Owned by an Architecture.
+class ResourceBase {
+ public:
+  ResourceBase(std::string name, ResourceType type);
+  ResourceBase(const ResourceBase&) = delete;
+  ResourceBase& operator=(const ResourceBase&) = delete;
+  virtual ~ResourceBase();
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const ResourceType& type() const { return type_; }
+  [[nodiscard]] Shell& shell() const { return *shell_; }
+  [[nodiscard]] CoreBase& core() const { return *core_; }
+  [[nodiscard]] InterfaceBase& interface() const { return *interface_; }
+  [[nodiscard]] ServiceBase* find_service(std::string_view name) const {
+    return interface_->find_service(name);
+  }
+  [[nodiscard]] Gate& gate() { return gate_; }
+
+  /// Shell, core, interface in this order; a failure undoes what this call had configured.
+  Status configure();
+  Status cleanup();
+  [[nodiscard]] bool configured() const { return configured_; }
+  [[nodiscard]] const Status& made() const { return made_; }
+
+  /// Elements stay alive (and their library mapped) while anything holds this.
+  [[nodiscard]] std::shared_ptr<void> keep_alive() const { return interface_; }
+
+  /// Connects a port of the resource's own shell (a resource that writes on). [control]
+  Status connect(std::string_view port, ServiceBase& service, std::shared_ptr<void> keep_alive,
+                 Duration max_age = Duration{0});
+  Status disconnect(std::string_view port);
+  /// The connections in force. [control]
+  [[nodiscard]] const Bindings& bindings() const { return *bindings_; }
+
+  /// Exchanges the core under the resource's lock; the interface keeps its services. [control]
+  /// Returns the old core, still configured, for the caller to clean up.
+  std::shared_ptr<CoreBase> exchange_core(std::shared_ptr<CoreBase> core);
+
+ private:
+  Status rebind(std::shared_ptr<const Bindings> bindings);
+
+  std::string name_;
+  ResourceType type_;
+  Gate gate_;
+  std::shared_ptr<Shell> shell_;
+  std::shared_ptr<CoreBase> core_;
+  std::shared_ptr<InterfaceBase> interface_;
+  std::shared_ptr<const Bindings> bindings_;
+  Status made_;
+  bool configured_ = false;
+};
+
+/// A resource of known classes, as a member of an Architecture:
+/// `mauve::Resource<EkfShell, EkfCore, EkfInterface> localization{*this, "localization"};`
+template <typename ShellT, typename CoreT, typename InterfaceT>
+class Resource final : public ResourceBase {
+ public:
+  Resource(Architecture& architecture, std::string name);
+
+  [[nodiscard]] ShellT& shell() const { return static_cast<ShellT&>(ResourceBase::shell()); }
+  [[nodiscard]] CoreT& core() const { return static_cast<CoreT&>(ResourceBase::core()); }
+  [[nodiscard]] InterfaceT& interface() const {
+    return static_cast<InterfaceT&>(ResourceBase::interface());
+  }
+};
+
+}  // namespace mauve

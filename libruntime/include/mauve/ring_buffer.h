@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// RingBuffer: a bounded queue of one type, with services `read` (oldest first) and `write`.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+#include <mauve/resource.h>
+
+namespace mauve {
+
+/// Type "ring_buffer" of the architecture file. A read takes the oldest item (`no_data` when
+/// empty); a write to a full buffer drops the oldest item and counts it (`core.dropped`).
+class RingBufferBase : public ResourceBase {
+ public:
+  static constexpr std::int64_t kCapacity = 64;
+
+  /// `core.capacity` is a property (default 64 items).
+  RingBufferBase(std::string name, const DataType& data, std::shared_ptr<void> library = nullptr);
+
+  [[nodiscard]] ServiceBase& read_service() const { return *find_service("read"); }
+  [[nodiscard]] ServiceBase& write_service() const { return *find_service("write"); }
+};
+
+/// In code: `mauve::RingBuffer<Joystick> joystick{*this, "joystick"};`
+template <typename T>
+class RingBuffer final : public RingBufferBase {
+  static_assert(std::is_trivially_copyable_v<T>, "exchanged data has fixed size: no heap inside");
+
+ public:
+  RingBuffer(Architecture& architecture, std::string name);
+};
+
+}  // namespace mauve

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Services: what a resource offers to ports (paper 3.5). Four kinds, like ports.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include <mauve/configurable.h>
+#include <mauve/data_status.h>
+#include <mauve/job.h>
+#include <mauve/method.h>
+#include <mauve/type.h>
+
+namespace mauve {
+
+class InterfaceBase;
+class ResourceBase;
+template <typename CoreT>
+class Interface;
+
+/// One caller at a time: the priority-inheritance lock of a resource, with a bounded wait and a
+/// record of what the thread holds.
+class Gate {
+ public:
+  Gate();
+  ~Gate();
+  Gate(const Gate&) = delete;
+  Gate& operator=(const Gate&) = delete;
+
+  /// False when the caller's bound passed first, or it holds too many; nothing is held then. [any]
+  [[nodiscard]] bool enter();
+  void leave();
+  [[nodiscard]] std::uint64_t timeouts() const;
+
+ private:
+  struct Lock;
+  std::unique_ptr<Lock> lock_;
+};
+
+/// Holds a gate for a scope; false when it could not be entered.
+class Entry {
+ public:
+  explicit Entry(Gate& gate) : gate_(gate), entered_(gate.enter()) {}
+  ~Entry() {
+    if (entered_) gate_.leave();
+  }
+  Entry(const Entry&) = delete;
+  Entry& operator=(const Entry&) = delete;
+  explicit operator bool() const { return entered_; }
+
+ private:
+  Gate& gate_;
+  bool entered_;
+};
+
+/// What a port sees of a service. Data moves through untyped pointers; connect() has compared the
+/// signatures, so the casts are safe. Calls are [any] but not from inside the same resource.
+class ServiceBase {
+ public:
+  ServiceBase(InterfaceBase& owner, std::string_view name, Signature signature);
+  ServiceBase(const ServiceBase&) = delete;
+  ServiceBase& operator=(const ServiceBase&) = delete;
+  virtual ~ServiceBase() = default;
+
+  [[nodiscard]] std::string_view name() const { return name_; }
+  [[nodiscard]] const Signature& signature() const { return signature_; }
+  [[nodiscard]] ResourceBase& resource() const;
+  /// Dotted address, such as "scan.read".
+  [[nodiscard]] std::string address() const;
+
+  /// Called at connect and disconnect: a reader may get a private slot. [control]
+  virtual unsigned attach() { return 0; }
+  virtual void detach(unsigned /*slot*/) {}
+
+  /// Copies the value into `into`; leaves it alone when there is none.
+  virtual DataStatus read(void* /*into*/, Cursor& /*cursor*/) { return DataStatus::no_data; }
+  /// Shows the value in place for the time of the call.
+  virtual DataStatus look(Visitor /*visitor*/, Cursor& /*cursor*/) { return DataStatus::no_data; }
+  /// False: not written because the lock was not to be had in time.
+  virtual bool write(const void* /*data*/) { return false; }
+  /// Lets the writer fill the value in place.
+  virtual bool fill(Filler /*filler*/) { return false; }
+  /// Calls or fires; `result` may be null for void.
+  virtual bool invoke(void* /*result*/, void* const* /*arguments*/) { return false; }
+
+ protected:
+  [[nodiscard]] InterfaceBase& owner() const { return owner_; }
+  [[nodiscard]] CoreBase& core() const;
+  [[nodiscard]] Gate& gate() const;
+
+ private:
+  InterfaceBase& owner_;
+  std::string_view name_;
+  Signature signature_;
+};
+
+/// `ReadService<Pose> predict{*this, "predict", &EkfCore::predict};` The method may return
+/// std::optional<T>: empty means no data.
+template <typename T>
+class ReadService final : public ServiceBase {
+ public:
+  template <typename C>
+  ReadService(Interface<C>& owner, std::string_view name, std::type_identity_t<T (C::*)()> method)
+      : ServiceBase(owner, name, Signature::read<T>()), always_(Method<T()>(method)) {}
+  template <typename C>
+  ReadService(Interface<C>& owner, std::string_view name,
+              std::type_identity_t<std::optional<T> (C::*)()> method)
+      : ServiceBase(owner, name, Signature::read<T>()),
+        maybe_(Method<std::optional<T>()>(method)) {}
+
+  DataStatus read(void* into, Cursor& cursor) override {
+    Entry entry(gate());
+    if (!entry) return DataStatus::timed_out;
+    cursor.stamp = job_time();
+    if (always_) {
+      *static_cast<T*>(into) = (*always_)(core());
+      return DataStatus::new_data;
+    }
+    std::optional<T> value = (*maybe_)(core());
+    if (!value) return DataStatus::no_data;
+    *static_cast<T*>(into) = *std::move(value);
+    return DataStatus::new_data;
+  }
+  DataStatus look(Visitor visitor, Cursor& cursor) override {
+    T value{};
+    const DataStatus status = read(&value, cursor);
+    if (has_value(status)) visitor(&value);
+    return status;
+  }
+
+ private:
+  std::optional<Method<T()>> always_;
+  std::optional<Method<std::optional<T>()>> maybe_;
+};
+
+/// `WriteService<Imu> update_imu{*this, "update_imu", &EkfCore::update_imu};`
+template <typename T>
+class WriteService final : public ServiceBase {
+ public:
+  template <typename C>
+  WriteService(Interface<C>& owner, std::string_view name,
+               std::type_identity_t<void (C::*)(const T&)> method)
+      : ServiceBase(owner, name, Signature::write<T>()), method_(method) {}
+
+  bool write(const void* data) override {
+    Entry entry(gate());
+    if (!entry) return false;
+    method_(core(), *static_cast<const T*>(data));
+    return true;
+  }
+  bool fill(Filler filler) override {
+    T value{};
+    filler(&value);
+    return write(&value);
+  }
+
+ private:
+  Method<void(const T&)> method_;
+};
+
+template <typename Signature>
+class CallService;
+
+/// `CallService<MotionState(double)> predict_at{*this, "predict_at", &EkfCore::predict_at};`
+template <typename R, typename... P>
+class CallService<R(P...)> final : public ServiceBase {
+ public:
+  template <typename C>
+  CallService(Interface<C>& owner, std::string_view name,
+              std::type_identity_t<R (C::*)(P...)> method)
+      : ServiceBase(owner, name, Signature::call<R, P...>()), method_(method) {}
+
+  bool invoke(void* result, void* const* arguments) override {
+    return invoke(result, arguments, std::index_sequence_for<P...>{});
+  }
+
+ private:
+  template <std::size_t... I>
+  bool invoke([[maybe_unused]] void* result, [[maybe_unused]] void* const* arguments,
+              std::index_sequence<I...>) {
+    Entry entry(gate());
+    if (!entry) return false;
+    if constexpr (std::is_void_v<R>) {
+      method_(core(), *static_cast<std::remove_cvref_t<P>*>(arguments[I])...);
+    } else {
+      *static_cast<R*>(result) =
+          method_(core(), *static_cast<std::remove_cvref_t<P>*>(arguments[I])...);
+    }
+    return true;
+  }
+
+  Method<R(P...)> method_;
+};
+
+/// `EventService<> reset{*this, "reset", &EkfCore::reset};`
+template <typename... P>
+class EventService final : public ServiceBase {
+ public:
+  template <typename C>
+  EventService(Interface<C>& owner, std::string_view name,
+               std::type_identity_t<void (C::*)(P...)> method)
+      : ServiceBase(owner, name, Signature::event<P...>()), method_(method) {}
+
+  bool invoke(void* /*result*/, void* const* arguments) override {
+    return invoke(arguments, std::index_sequence_for<P...>{});
+  }
+
+ private:
+  template <std::size_t... I>
+  bool invoke([[maybe_unused]] void* const* arguments, std::index_sequence<I...>) {
+    Entry entry(gate());
+    if (!entry) return false;
+    method_(core(), *static_cast<std::remove_cvref_t<P>*>(arguments[I])...);
+    return true;
+  }
+
+  Method<void(P...)> method_;
+};
+
+}  // namespace mauve

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// SharedData: the latest value of one type, with services `read` and `write`.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <mauve/resource.h>
+
+namespace mauve {
+
+/// Type "shared_data" of the architecture file. Reads are wait-free for the first readers
+/// connected (the exchange has `kReaders` private slots, one of them the administrator's); further
+/// readers and concurrent writers take the resource's lock.
+class SharedDataBase : public ResourceBase {
+ public:
+  static constexpr unsigned kReaders = 8;
+
+  /// `initial` (may be null) is what readers get before the first write.
+  SharedDataBase(std::string name, const DataType& data, const void* initial = nullptr,
+                 std::shared_ptr<void> library = nullptr);
+
+  [[nodiscard]] ServiceBase& read_service() const { return *find_service("read"); }
+  [[nodiscard]] ServiceBase& write_service() const { return *find_service("write"); }
+};
+
+/// In code: `mauve::SharedData<LaserScan> scan{*this, "scan"};`, then
+/// `control.shell().scan.connect(scan.read_service());`
+template <typename T>
+class SharedData final : public SharedDataBase {
+  static_assert(std::is_trivially_copyable_v<T>, "exchanged data has fixed size: no heap inside");
+
+ public:
+  SharedData(Architecture& architecture, std::string name);
+  SharedData(Architecture& architecture, std::string name, const T& initial);
+};
+
+}  // namespace mauve

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Shell: the outside of a component or resource: ports and properties (paper 3.3.2).
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include <mauve/configurable.h>
+#include <mauve/port.h>
+#include <mauve/property.h>
+
+namespace mauve {
+
+/// Derive, and declare ports and properties as members.
+class Shell : public Configurable {
+ public:
+  [[nodiscard]] const std::vector<PortBase*>& ports() const { return ports_; }
+  [[nodiscard]] PortBase* find_port(std::string_view name) const;
+
+  /// Runtime only. The connections in force; exchanged by the component's own thread.
+  [[nodiscard]] const Bindings* bindings() const { return bindings_; }
+  void use(const Bindings* bindings) { bindings_ = bindings; }
+
+  /// Runtime only. Connections made in code with PortBase::connect, taken once by the owner.
+  [[nodiscard]] Bindings& initial_bindings() { return initial_; }
+
+ private:
+  friend class PortBase;
+
+  std::vector<PortBase*> ports_;
+  Bindings initial_;
+  const Bindings* bindings_ = nullptr;
+};
+
+}  // namespace mauve

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// State: the data of a core that must survive a change.
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include <mauve/type.h>
+
+namespace mauve {
+
+class CoreBase;
+
+/// What the runtime sees of a state.
+class StateBase {
+ public:
+  StateBase(const StateBase&) = delete;
+  StateBase& operator=(const StateBase&) = delete;
+  virtual ~StateBase() = default;
+
+  [[nodiscard]] const DataType& type() const { return type_; }
+  /// Same name, revision and layout: may be handed over by moving the object.
+  [[nodiscard]] bool fits(const StateBase& other) const { return same_type(type_, other.type_); }
+  /// The hand-over: the two cores exchange their state objects. [rt], two pointer stores.
+  void exchange(StateBase& other) { object_.swap(other.object_); }
+  /// Runtime only: the state object keeps the library alive that made it.
+  void keep_alive(std::shared_ptr<void> library);
+  /// For people and tools, off the real-time threads and only while the core is not running.
+  [[nodiscard]] const void* data() const { return object_.get(); }
+
+ protected:
+  StateBase(CoreBase& owner, const DataType& type, std::shared_ptr<void> object);
+  [[nodiscard]] void* object() const { return object_.get(); }
+
+ private:
+  const DataType& type_;
+  std::shared_ptr<void> object_;
+};
+
+/// Declared as a member: `mauve::State<Guidance> state{*this};`, used as `state->goal`. Cores that
+/// share the state type hand it over in a swap. Do not keep references into it.
+template <typename T>
+class State final : public StateBase {
+ public:
+  explicit State(CoreBase& owner, T initial = T{})
+      : StateBase(owner, data_type<T>(), std::make_shared<T>(std::move(initial))) {}
+
+  T& operator*() { return *static_cast<T*>(object()); }
+  T* operator->() { return static_cast<T*>(object()); }
+  const T& operator*() const { return *static_cast<const T*>(object()); }
+  const T* operator->() const { return static_cast<const T*>(object()); }
+};
+
+/// Declared as a member by a core that has nothing to hand over: `mauve::Stateless
+/// stateless{*this};`
+class Stateless {
+ public:
+  explicit Stateless(CoreBase& owner);
+};
+
+}  // namespace mauve

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Described data types: one description gives JSON, recording, layout check and hand-over.
+///
+///   template <> struct mauve::Described<Velocity> {
+///     static constexpr std::string_view name = "velocity/1";
+///     static constexpr auto fields() {
+///       return std::tuple{mauve::field("linear", &Velocity::linear, "m/s"),
+///                         mauve::field("angular", &Velocity::angular, "rad/s")};
+///     }
+///   };
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+#include <typeinfo>
+
+#include <mauve/codec.h>
+#include <mauve/result.h>
+#include <mauve/value.h>
+
+namespace mauve {
+
+/// What the runtime knows of a type at run time. Two plugins mean the same type when name and
+/// layout are equal. Lives as long as the library that instantiated it.
+struct DataType {
+  std::string name;      ///< "velocity/1", "double", or a compiler's name when not described
+  std::size_t size = 0;  ///< bytes
+  std::size_t alignment = 0;
+  std::uint64_t layout = 0;  ///< hash of names, kinds, offsets and sizes of all fields
+  bool flat = false;         ///< trivially copyable: may be exchanged as bytes
+  Value (*to_value)(const void* data) = nullptr;  ///< null: not described
+  Status (*from_value)(const Value& value, void* data) = nullptr;
+  Value (*describe)() = nullptr;              ///< fields with kinds and units, for people and tools
+  void (*construct)(void* memory) = nullptr;  ///< default value; null for void
+};
+
+[[nodiscard]] inline bool same_type(const DataType& a, const DataType& b) {
+  return a.layout == b.layout && a.name == b.name;
+}
+
+/// The description of T. [any], not on a real-time thread.
+template <typename T>
+[[nodiscard]] const DataType& data_type();
+
+// --- implementation ------------------------------------------------------------------------
+
+namespace detail {
+
+inline constexpr std::uint64_t kHashSeed = 0xcbf29ce484222325ULL;
+
+/// FNV-1a.
+constexpr std::uint64_t hash(std::string_view text, std::uint64_t seed = kHashSeed) {
+  for (const char c : text) seed = (seed ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
+  return seed;
+}
+constexpr std::uint64_t hash(std::uint64_t number, std::uint64_t seed) {
+  for (int i = 0; i < 8; ++i, number >>= 8) seed = (seed ^ (number & 0xff)) * 0x100000001b3ULL;
+  return seed;
+}
+
+template <typename T>
+std::uint64_t layout_of() {
+  std::uint64_t h = hash(sizeof(T), hash(alignof(T), kHashSeed));
+  if constexpr (HasFields<T>) {
+    const T sample{};
+    const auto* base = reinterpret_cast<const std::byte*>(&sample);
+    std::apply(
+        [&](const auto&... f) {
+          ((h = hash(f.name, h),
+            h = hash(static_cast<std::uint64_t>(
+                         reinterpret_cast<const std::byte*>(&(sample.*(f.member))) - base),
+                     h),
+            h = hash(data_type<std::remove_cvref_t<decltype(sample.*(f.member))>>().layout, h)),
+           ...);
+        },
+        Described<T>::fields());
+  } else {
+    h = hash(std::string_view(type_name<T>()), h);
+  }
+  return h;
+}
+
+template <typename T>
+DataType make_data_type() {
+  DataType type;
+  type.name = type_name<T>();
+  if constexpr (!std::is_void_v<T>) {
+    type.size = sizeof(T);
+    type.alignment = alignof(T);
+    type.layout = layout_of<T>();
+    type.flat = std::is_trivially_copyable_v<T>;
+    type.construct = [](void* memory) { ::new (memory) T{}; };
+    if constexpr (HasCodec<T>) {
+      type.to_value = [](const void* data) {
+        return Codec<T>::encode(*static_cast<const T*>(data));
+      };
+      type.from_value = [](const Value& value, void* data) {
+        return Codec<T>::decode(value, *static_cast<T*>(data));
+      };
+      type.describe = [] { return Codec<T>::describe(); };
+    }
+  }
+  return type;
+}
+
+}  // namespace detail
+
+template <typename T>
+const DataType& data_type() {
+  static const DataType type = detail::make_data_type<T>();
+  return type;
+}
+
+}  // namespace mauve

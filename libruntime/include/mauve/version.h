@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Version of the runtime and of the binary contract between runtime and plugins.
+#pragma once
+
+namespace mauve {
+
+inline constexpr int kVersionMajor = 0;
+inline constexpr int kVersionMinor = 1;
+inline constexpr int kVersionPatch = 0;
+inline constexpr const char* kVersion = "0.1.0";
+
+/// Raised with every change of a public class that a compiled plugin can see.
+inline constexpr int kAbi = 1;
+
+}  // namespace mauve
