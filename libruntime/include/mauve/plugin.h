@@ -162,7 +162,7 @@ constexpr PluginManifest make_manifest(const char* name, const char* version) {
 /// Once per plugin: `MAUVE_PLUGIN(plugin) { plugin.core<MyCore>("my_core"); }`
 #define MAUVE_PLUGIN(parameter)                                                                \
   static void mauve_declare(::mauve::Plugin& parameter);                                       \
-  extern "C" MAUVE_EXPORT __attribute__((section(".mauve.manifest"), used))                    \
+  extern "C" MAUVE_EXPORT __attribute__((section(".mauve.manifest")))                          \
   const ::mauve::PluginEntry mauve_plugin;                                                     \
   extern "C" MAUVE_EXPORT const ::mauve::PluginEntry mauve_plugin = {                          \
       ::mauve::detail::make_manifest(MAUVE_PLUGIN_NAME, MAUVE_PLUGIN_VERSION), mauve_declare}; \
