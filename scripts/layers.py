@@ -23,7 +23,7 @@ MAY_USE = {
     "protocol": "public base",
     "log": "public base rt",
     "daemon": RUNTIME + " protocol log",
-    "ctl": "public protocol",
+    "ctl": "public base protocol",
     "plugins": "public",
     "tests": RUNTIME + " protocol log daemon ctl plugins",
 }

@@ -95,6 +95,19 @@ function(mauve_test name)
     WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}" PROPERTIES ${properties})
 endfunction()
 
+# mauve_bench(NAME SOURCES ... LINKS ...): a program in build/PRESET/bench/, run by scripts/bench.
+function(mauve_bench name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;DEPENDS" ${ARGN})
+  add_executable(bench_${name} ${ARG_SOURCES})
+  target_link_libraries(bench_${name} PRIVATE ${ARG_LINKS} mauve_warnings)
+  target_include_directories(bench_${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
+  set_target_properties(bench_${name} PROPERTIES
+    OUTPUT_NAME "${name}" RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bench")
+  if(ARG_DEPENDS)
+    add_dependencies(bench_${name} ${ARG_DEPENDS})
+  endif()
+endfunction()
+
 # mauve_add_subdirectories(DIR ...): those that are there. A folder joins the build with its CMakeLists.txt.
 macro(mauve_add_subdirectories)
   foreach(mauve_folder ${ARGN})
