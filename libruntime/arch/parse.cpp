@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "arch/parse.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "arch/json.h"
+#include "arch/parse_element.h"
+#include "arch/parse_task.h"
+#include "arch/read.h"
+#include "base/address.h"
+
+namespace mauve::arch {
+namespace {
+
+// "velocity/1" of a plugin, or "double" and the like.
+bool is_data_name(std::string_view text) { return is_revised_name(text) || is_name(text); }
+
+void read_resource(const Source& source, ResourceSpec& resource) {
+  const auto data = [](const Source& value) -> std::optional<std::string> {
+    auto name = read_name(value, is_data_name, "write name and revision, such as \"velocity/1\"");
+    if (!name) return std::nullopt;
+    return name->value;
+  };
+  const auto capacity = [](const Source& value) { return read_integer(value, 1, 1 << 24); };
+  read_object(source, {type_field(resource),
+                       {"data", placed(resource.data, data)},
+                       {"capacity", placed(resource.capacity, capacity)},
+                       properties_field(resource, {"shell", "core", "interface"}),
+                       ports_field(resource),
+                       {"cross_core", placed(resource.cross_core, read_flag)},
+                       unsupported_field("on_fault")});
+  require_type(source, resource);
+}
+
+void read_component(const Source& source, ComponentSpec& component) {
+  read_object(
+      source,
+      {type_field(component),
+       type_name_field("core", component.core),
+       type_name_field("fsm", component.fsm),
+       properties_field(component, {"shell", "core", "fsm"}),
+       ports_field(component),
+       {"task", [&](const Source& value) { read_task(value, component.task); }},
+       {"start", [&](const Source& value) { component.start = read_flag(value).value_or(true); }},
+       unsupported_field("fallback_core"),
+       unsupported_field("on_fault")});
+  require_type(source, component);
+}
+
+template <typename Element>
+auto read_elements(std::vector<Element>& into, void (*read)(const Source&, Element&)) {
+  return [&into, read](const Source& source) {
+    read_members(source, [&](const Member& member, const Source& value) {
+      const Source element{value.node, member.key, value.problems};
+      if (!good_key(member, element)) return;
+      Element spec;
+      spec.name = member.key;
+      spec.where = member.where;
+      read(element, spec);
+      into.push_back(std::move(spec));
+    });
+  };
+}
+
+void read_plugins(const Source& source, std::vector<PlacedText>& plugins) {
+  read_items(source, [&](const Source& item) {
+    const auto name = read_name(item, is_name, "plugins are named, without path or \".so\"");
+    if (!name) return;
+    const auto same = std::find_if(plugins.begin(), plugins.end(), [&](const PlacedText& plugin) {
+      return plugin.value == name->value;
+    });
+    if (same != plugins.end()) {
+      return item.refuse("\"" + name->value + "\" appears twice", {}, Errc::duplicate);
+    }
+    plugins.push_back(*name);
+  });
+}
+
+void read_schema(const Source& source) {
+  const auto text = read_text(source);
+  if (text && *text != kSchema) {
+    source.refuse("this version of mauve reads \"" + std::string(kSchema) + "\" only", {},
+                  Errc::unsupported);
+  }
+}
+
+// Components and resources share one space of names.
+void refuse_shared_names(const Spec& spec, Problems& problems) {
+  for (const ComponentSpec& component : spec.components) {
+    const auto same =
+        std::find_if(spec.resources.begin(), spec.resources.end(),
+                     [&](const ResourceSpec& resource) { return resource.name == component.name; });
+    if (same == spec.resources.end()) continue;
+    problems.add(component.where, Errc::duplicate, component.name,
+                 "a resource has this name already",
+                 "it is in line " + std::to_string(same->where.line));
+  }
+}
+
+void require_key(const Source& root, const Node::Object& members, std::string_view key,
+                 std::string_view example) {
+  const bool there = std::any_of(members.begin(), members.end(),
+                                 [&](const Member& member) { return member.key == key; });
+  if (there) return;
+  root.refuse("\"" + std::string(key) + "\" is missing", "write " + std::string(example));
+}
+
+}  // namespace
+
+std::optional<Spec> parse(std::string_view text, Problems& problems) {
+  const std::optional<Node> node = parse_json(text, problems);
+  if (!node) return std::nullopt;
+  const Source root{*node, "", problems};
+  Spec spec;
+  const Node::Object* members = read_object(
+      root, {{"$schema", [](const Source& value) { static_cast<void>(read_text(value)); }},
+             {"schema", read_schema},
+             {"name",
+              [&](const Source& value) {
+                if (auto name = read_name(value, is_name, "a name such as \"rover\"")) {
+                  spec.name = name->value;
+                }
+              }},
+             {"plugins", [&](const Source& value) { read_plugins(value, spec.plugins); }},
+             {"resources", read_elements(spec.resources, read_resource)},
+             {"components", read_elements(spec.components, read_component)},
+             unsupported_field("rules")});
+  if (members == nullptr) return std::nullopt;
+  require_key(root, *members, "schema", "\"schema\": \"mauve/architecture/1\"");
+  require_key(root, *members, "name", "\"name\": \"rover\"");
+  refuse_shared_names(spec, problems);
+  return spec;
+}
+
+}  // namespace mauve::arch

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The "task" of a component.
+#pragma once
+
+#include "arch/read.h"
+#include "arch/spec.h"
+
+namespace mauve::arch {
+
+/// Reads priority, cpus, offset, deadline, budget, stack, on_overrun and overrun_limit.
+void read_task(const Source& source, TaskSpec& task);
+
+}  // namespace mauve::arch

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What is wrong in a file: every item has a place, and a file has as many items as it needs.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mauve/result.h"
+
+namespace mauve::arch {
+
+/// A place in a text. Both count from 1; columns count characters, not bytes. 0 means unknown.
+struct Position {
+  std::uint32_t line = 0;
+  std::uint32_t column = 0;
+
+  friend bool operator==(Position, Position) = default;
+  friend auto operator<=>(Position, Position) = default;
+};
+
+/// One refusal with its place. `error.at` is the dotted address, empty for a syntax error.
+struct Problem {
+  Position where;
+  Error error;
+};
+
+/// "rover.json:12:5: control.task.priority: must be from 1 to 98 (hint)".
+[[nodiscard]] std::string to_string(const Problem& problem, std::string_view file);
+
+/// Collects what several passes find. [any], one thread at a time.
+class Problems {
+ public:
+  void add(Position where, Error error);
+  void add(Position where, Errc code, std::string at, std::string message, std::string hint = {});
+
+  [[nodiscard]] bool empty() const { return found_.empty(); }
+  [[nodiscard]] std::size_t size() const { return found_.size(); }
+  /// In the order of the file; what has no place comes last.
+  [[nodiscard]] std::vector<Problem> sorted() const;
+
+ private:
+  std::vector<Problem> found_;
+};
+
+}  // namespace mauve::arch

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The architecture file as plain data, every item with its place in the text. Nothing here is
+/// checked against plugins; see check.h.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "arch/problem.h"
+#include "mauve/time.h"
+#include "mauve/value.h"
+
+namespace mauve::arch {
+
+inline constexpr std::string_view kSchema = "mauve/architecture/1";
+inline constexpr int kLowestPriority = 1;
+inline constexpr int kHighestPriority = 98;  ///< 99 is kept for the guard thread
+inline constexpr int kHighestCpu = 1023;
+inline constexpr std::size_t kSmallestStack = 16 * 1024;
+inline constexpr std::size_t kLargestStack = 64 * 1024 * 1024;
+
+/// A value and where it stands.
+template <typename T>
+struct Placed {
+  T value{};
+  Position where;
+};
+
+using PlacedText = Placed<std::string>;
+
+/// `"core.gain": 0.2`
+struct PropertySpec {
+  std::string name;  ///< "core.gain": group and name
+  Value value;
+  Position where;  ///< of the name
+  Position value_where;
+};
+
+/// `"scan": "scan.read"` or `"scan": { "connect": "scan.read", "max_age": "50ms" }`
+struct ConnectionSpec {
+  std::string port;
+  std::string service;              ///< "scan.read"
+  std::optional<Duration> max_age;  ///< older values are `stale`
+  Position where;                   ///< of the port's name
+  Position service_where;
+};
+
+/// What a component and a resource have in common.
+struct ElementSpec {
+  std::string name;
+  Position where;
+  PlacedText type;  ///< "drivers/laser_sim" or a built-in: "shared_data"
+  std::vector<PropertySpec> properties;
+  std::vector<ConnectionSpec> connections;
+};
+
+struct ResourceSpec : ElementSpec {
+  std::optional<PlacedText> data;  ///< "laser_scan/1", for resources made for any data type
+  std::optional<Placed<std::size_t>> capacity;
+  std::optional<Placed<bool>> cross_core;  ///< its lock may be shared across CPUs
+};
+
+enum class OnOverrun { catch_up, skip, stop };
+
+/// "catch_up", "skip", "stop".
+[[nodiscard]] std::string_view to_string(OnOverrun policy);
+
+/// The task attributes; what is absent has the deployer's default.
+struct TaskSpec {
+  Position where;
+  std::optional<Placed<int>> priority;
+  Placed<std::vector<int>> cpus;
+  std::optional<Placed<Duration>> offset;
+  std::optional<Placed<Duration>> deadline;
+  std::optional<Placed<Duration>> budget;
+  std::optional<Placed<std::size_t>> stack;  ///< bytes
+  std::optional<Placed<OnOverrun>> on_overrun;
+  std::optional<Placed<std::uint32_t>> overrun_limit;
+};
+
+struct ComponentSpec : ElementSpec {
+  std::optional<PlacedText> core;  ///< instead of the one the type brings
+  std::optional<PlacedText> fsm;
+  TaskSpec task;
+  bool start = true;  ///< false: stays parked after deployment
+};
+
+/// A whole file.
+struct Spec {
+  std::string name;
+  std::vector<PlacedText> plugins;
+  std::vector<ResourceSpec> resources;
+  std::vector<ComponentSpec> components;
+};
+
+}  // namespace mauve::arch
