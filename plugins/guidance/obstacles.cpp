@@ -26,7 +26,7 @@ const Obstacle* Obstacles::nearest() const {
 void nearest_points(const rover::LaserScan& scan, const rover::Pose2D& pose, double limit,
                     Obstacles& out, double gap) {
   constexpr std::size_t kNone = rover::LaserScan::kCapacity;
-  const std::size_t beams = std::min<std::size_t>(scan.size, rover::LaserScan::kCapacity);
+  const std::size_t beams = scan.ranges.size();
   out.size = 0;
   std::size_t nearest = kNone;
   float last = 0.0F;

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include <mauve/type.h>
+
 namespace rover {
 
 /// One epoch. With mode 1 the position is zero and means nothing.
@@ -18,3 +20,19 @@ struct GnssFix {
 };
 
 }  // namespace rover
+
+template <>
+struct mauve::Described<rover::GnssFix> {
+  static constexpr std::string_view name = "gnss_fix/1";
+  static constexpr auto fields() {
+    using rover::GnssFix;
+    return std::tuple{
+        field("time", &GnssFix::time, "s", "of the day, UTC"),
+        field("latitude", &GnssFix::latitude, "deg", "north positive"),
+        field("longitude", &GnssFix::longitude, "deg", "east positive"),
+        field("altitude", &GnssFix::altitude, "m", "above mean sea level"),
+        field("mode", &GnssFix::mode, "", "1 none, 2 two dimensions, 3 three dimensions"),
+        field("satellites", &GnssFix::satellites),
+        field("hdop", &GnssFix::hdop)};
+  }
+};

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Where something is in the plane: pose2d/1, point2d/1, odometry/1. Metres, radians, x east, y
-/// north.
+/// Where something is in the plane: pose2d/1, point2d/1, odometry/1. Metres, radians, x east.
 #pragma once
 
 #include <cmath>
 #include <numbers>
+
+#include <mauve/type.h>
 
 namespace rover {
 
@@ -47,3 +48,36 @@ struct Odometry {
 }
 
 }  // namespace rover
+
+template <>
+struct mauve::Described<rover::Pose2D> {
+  static constexpr std::string_view name = "pose2d/1";
+  static constexpr auto fields() {
+    using rover::Pose2D;
+    return std::tuple{field("x", &Pose2D::x, "m"), field("y", &Pose2D::y, "m"),
+                      field("heading", &Pose2D::heading, "rad", "anticlockwise from x")};
+  }
+};
+
+template <>
+struct mauve::Described<rover::Point2D> {
+  static constexpr std::string_view name = "point2d/1";
+  static constexpr auto fields() {
+    using rover::Point2D;
+    return std::tuple{field("x", &Point2D::x, "m"), field("y", &Point2D::y, "m")};
+  }
+};
+
+template <>
+struct mauve::Described<rover::Odometry> {
+  static constexpr std::string_view name = "odometry/1";
+  static constexpr auto fields() {
+    using rover::Odometry;
+    return std::tuple{field("time", &Odometry::time, "s"),
+                      field("x", &Odometry::x, "m"),
+                      field("y", &Odometry::y, "m"),
+                      field("heading", &Odometry::heading, "rad"),
+                      field("linear", &Odometry::linear, "m/s", "forward"),
+                      field("angular", &Odometry::angular, "rad/s", "anticlockwise")};
+  }
+};

@@ -3,9 +3,10 @@
 /// heap.
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <cstdint>
+
+#include <mauve/bounded.h>
+#include <mauve/type.h>
 
 namespace rover {
 
@@ -18,8 +19,7 @@ struct LaserScan {
   float angle_increment = 0.0F;
   float range_min = 0.0F;
   float range_max = 0.0F;
-  std::uint32_t size = 0;  ///< beams in use
-  std::array<float, kCapacity> ranges{};
+  mauve::Bounded<float, kCapacity> ranges;
 
   /// A range that is a real return, neither an error code nor "nothing there". [any]
   [[nodiscard]] bool valid(std::size_t beam) const {
@@ -34,3 +34,17 @@ struct LaserScan {
 };
 
 }  // namespace rover
+
+template <>
+struct mauve::Described<rover::LaserScan> {
+  static constexpr std::string_view name = "laser_scan/1";
+  static constexpr auto fields() {
+    using rover::LaserScan;
+    return std::tuple{field("time", &LaserScan::time, "s"),
+                      field("angle_min", &LaserScan::angle_min, "rad"),
+                      field("angle_increment", &LaserScan::angle_increment, "rad"),
+                      field("range_min", &LaserScan::range_min, "m"),
+                      field("range_max", &LaserScan::range_max, "m"),
+                      field("ranges", &LaserScan::ranges, "m", "one for each beam")};
+  }
+};

@@ -2,6 +2,8 @@
 /// How fast a ground robot moves or shall move: velocity/1.
 #pragma once
 
+#include <mauve/type.h>
+
 namespace rover {
 
 /// Speeds in the robot's own frame. The default stands still, which is the safe value of every
@@ -12,3 +14,13 @@ struct Velocity {
 };
 
 }  // namespace rover
+
+template <>
+struct mauve::Described<rover::Velocity> {
+  static constexpr std::string_view name = "velocity/1";
+  static constexpr auto fields() {
+    using rover::Velocity;
+    return std::tuple{field("linear", &Velocity::linear, "m/s", "forward"),
+                      field("angular", &Velocity::angular, "rad/s", "anticlockwise")};
+  }
+};

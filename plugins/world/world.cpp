@@ -75,7 +75,7 @@ void cast(const Map& map, const Pose2D& pose, const Laser& laser, Random& random
   scan.angle_increment = static_cast<float>(kStep);
   scan.range_min = static_cast<float>(laser.range_min);
   scan.range_max = static_cast<float>(laser.range_max);
-  scan.size = Laser::kBeams;
+  scan.ranges.resize(Laser::kBeams);
   std::fill_n(scan.ranges.begin(), Laser::kBeams, scan.range_max);
   const double cosine = std::cos(pose.heading);
   const double sine = std::sin(pose.heading);

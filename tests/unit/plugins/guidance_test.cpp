@@ -297,8 +297,9 @@ TEST(Obstacles, IgnoresErrorCodesAndAnEmptyScan) {
 
   guidance::nearest_points(scan, {}, 5.0, obstacles);
   EXPECT_EQ(obstacles.size, 0U);
-  scan.size = 3;
-  scan.ranges = {0.0F, 0.01F, 4.0F};
+  scan.ranges.resize(3);
+  scan.ranges[1] = 0.01F;
+  scan.ranges[2] = 4.0F;
   guidance::nearest_points(scan, {}, 5.0, obstacles);
 
   EXPECT_EQ(obstacles.size, 0U);

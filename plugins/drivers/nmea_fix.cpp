@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "nmea_fix.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+namespace drivers {
+namespace {
+
+using rover::GnssFix;
+
+/// The comma-separated fields of a sentence; field 0 is the address. Beyond the capacity they are
+/// cut.
+struct Fields {
+  std::array<std::string_view, 32> text{};
+  std::size_t size = 0;
+
+  explicit Fields(std::string_view frame) {
+    while (size < text.size()) {
+      const std::size_t comma = frame.find(',');
+      text[size++] = frame.substr(0, comma);
+      if (comma == std::string_view::npos) break;
+      frame.remove_prefix(comma + 1);
+    }
+  }
+  std::string_view operator[](std::size_t i) const {
+    return i < size ? text[i] : std::string_view();
+  }
+};
+
+/// Plain decimal: digits, at most one dot, perhaps a minus. No exponent, no "inf".
+std::optional<double> number(std::string_view text) {
+  const auto plain = [](char c) { return (c >= '0' && c <= '9') || c == '.' || c == '-'; };
+  if (!std::all_of(text.begin(), text.end(), plain)) return {};
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return {};
+  return value;
+}
+
+/// An optional number: empty is `otherwise`, nonsense is nothing.
+std::optional<double> number_or(std::string_view text, double otherwise) {
+  return text.empty() ? otherwise : number(text);
+}
+
+/// "dddmm.mmmm" with its hemisphere: degrees, or nothing when it cannot be.
+std::optional<double> angle(std::string_view text, std::string_view side, std::string_view sides,
+                            double largest) {
+  const std::optional<double> packed = number(text);
+  if (!packed || side.size() != 1 || sides.find(side) == std::string_view::npos) return {};
+  const double degrees = std::floor(*packed / 100.0);
+  const double minutes = *packed - 100.0 * degrees;
+  const double angle = degrees + minutes / 60.0;
+  if (*packed < 0.0 || minutes >= 60.0 || angle > largest) return {};
+  return side[0] == sides[0] ? angle : -angle;
+}
+
+/// "hhmmss.ss": seconds of the day.
+std::optional<double> time_of_day(std::string_view text) {
+  const std::optional<double> packed = number_or(text, 0.0);
+  if (!packed || *packed < 0.0 || *packed >= 240000.0) return {};
+  const double hours = std::floor(*packed / 10000.0);
+  const double minutes = std::floor(std::fmod(*packed, 10000.0) / 100.0);
+  const double seconds = std::fmod(*packed, 100.0);
+  if (minutes >= 60.0 || seconds >= 61.0) return {};
+  return hours * 3600.0 + minutes * 60.0 + seconds;
+}
+
+/// GGA: 1 time, 2-5 position, 6 quality, 7 satellites, 8 dilution, 9 altitude. Nothing: malformed.
+std::optional<GnssFix> read_gga(const Fields& fields, int dimensions) {
+  const auto time = time_of_day(fields[1]);
+  const auto quality = number_or(fields[6], 0.0);
+  const auto satellites = number_or(fields[7], 0.0);
+  const auto hdop = number_or(fields[8], 0.0);
+  const auto altitude = number_or(fields[9], 0.0);
+  if (fields.size < 10 || !time || !quality || !satellites || !hdop || !altitude) return {};
+  if (*satellites < 0.0 || *satellites > 1000.0) return {};
+  GnssFix fix;
+  fix.time = *time;
+  fix.satellites = static_cast<std::int32_t>(*satellites);
+  fix.hdop = *hdop;
+  if (*quality == 0.0 || (fields[2].empty() && fields[4].empty())) return fix;
+  const auto latitude = angle(fields[2], fields[3], "NS", 90.0);
+  const auto longitude = angle(fields[4], fields[5], "EW", 180.0);
+  if (!latitude || !longitude) return {};
+  fix.latitude = *latitude;
+  fix.longitude = *longitude;
+  fix.altitude = *altitude;
+  // GSA comes after GGA in most receivers, so what we have is of the epoch before: only its "2D" is
+  // worth more than an altitude in this very sentence.
+  fix.mode = fields[9].empty() || dimensions == 2 ? 2 : 3;
+  return fix;
+}
+
+}  // namespace
+
+FixReader::Event FixReader::read(std::string_view frame) {
+  const Fields fields(frame);
+  const std::string_view address = fields[0];
+  if (address.size() != 5 || address[0] == 'P') return Event::ignored;
+  const std::string_view sentence = address.substr(2);
+  if (sentence == "GSA") {
+    const std::string_view mode = fields[2];
+    if (mode.size() != 1 || mode[0] < '1' || mode[0] > '3') return Event::malformed;
+    dimensions_ = std::max(dimensions_, mode[0] - '0');
+    return Event::ignored;
+  }
+  if (sentence != "GGA") return Event::ignored;
+  const std::optional<GnssFix> fix = read_gga(fields, dimensions_);
+  dimensions_ = 0;
+  if (!fix) return Event::malformed;
+  fix_ = *fix;
+  return Event::fix;
+}
+
+}  // namespace drivers
