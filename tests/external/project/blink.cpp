@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "blink.h"
+
+MAUVE_PLUGIN(plugin) {
+  plugin.type<blink::Lit>();
+  plugin.component<blink::Shell, blink::Core, mauve::PeriodicFsm<blink::Core>>("blink");
+}
