@@ -23,14 +23,15 @@ void read_resource(const Source& source, ResourceSpec& resource) {
     if (!name) return std::nullopt;
     return name->value;
   };
-  const auto capacity = [](const Source& value) { return read_integer(value, 1, 1 << 24); };
-  read_object(source, {type_field(resource),
-                       {"data", placed(resource.data, data)},
-                       {"capacity", placed(resource.capacity, capacity)},
-                       properties_field(resource, {"shell", "core", "interface"}),
-                       ports_field(resource),
-                       {"cross_core", placed(resource.cross_core, read_flag)},
-                       unsupported_field("on_fault")});
+  read_object(
+      source,
+      {type_field(resource),
+       {"data", placed(resource.data, data)},
+       properties_field(resource, {"shell", "core", "interface"}),
+       ports_field(resource),
+       {"cross_core",
+        [&](const Source& value) { resource.cross_core = read_flag(value).value_or(false); }},
+       unsupported_field("on_fault")});
   require_type(source, resource);
 }
 

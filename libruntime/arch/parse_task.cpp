@@ -41,24 +41,12 @@ bool read_on_overrun(const Source& source, TaskSpec& task) {
     refuse_unsupported(source, "\"fallback\"", "use catch_up, skip or stop");
     return false;
   }
-  const auto word = read_word(source, {"catch_up", "skip", "stop"});
+  const auto word = read_word(source, {"catch_up", "skip", "stop"});  // in the order of OnOverrun
   if (word) task.on_overrun = Placed<OnOverrun>{static_cast<OnOverrun>(*word), source.node.where};
   return word.has_value();
 }
 
 }  // namespace
-
-std::string_view to_string(OnOverrun policy) {
-  switch (policy) {
-    case OnOverrun::catch_up:
-      return "catch_up";
-    case OnOverrun::skip:
-      return "skip";
-    case OnOverrun::stop:
-      return "stop";
-  }
-  return "skip";
-}
 
 void read_task(const Source& source, TaskSpec& task) {
   task.where = source.node.where;

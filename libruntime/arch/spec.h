@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "arch/problem.h"
+#include "mauve/component.h"
 #include "mauve/time.h"
 #include "mauve/value.h"
 
@@ -18,7 +19,7 @@ namespace mauve::arch {
 
 inline constexpr std::string_view kSchema = "mauve/architecture/1";
 inline constexpr int kLowestPriority = 1;
-inline constexpr int kHighestPriority = 98;  ///< 99 is kept for the guard thread
+inline constexpr int kHighestPriority = 90;  ///< above are the guard and the kernel's threads
 inline constexpr int kHighestCpu = 1023;
 inline constexpr std::size_t kSmallestStack = 16 * 1024;
 inline constexpr std::size_t kLargestStack = 64 * 1024 * 1024;
@@ -60,14 +61,8 @@ struct ElementSpec {
 
 struct ResourceSpec : ElementSpec {
   std::optional<PlacedText> data;  ///< "laser_scan/1", for resources made for any data type
-  std::optional<Placed<std::size_t>> capacity;
-  std::optional<Placed<bool>> cross_core;  ///< its lock may be shared across CPUs
+  bool cross_core = false;         ///< its lock may be shared across CPUs: for admission
 };
-
-enum class OnOverrun { catch_up, skip, stop };
-
-/// "catch_up", "skip", "stop".
-[[nodiscard]] std::string_view to_string(OnOverrun policy);
 
 /// The task attributes; what is absent has the deployer's default.
 struct TaskSpec {

@@ -16,7 +16,7 @@ constexpr std::string_view kRover = R"({
   "plugins": ["types", "drivers", "guidance"],
   "resources": {
     "scan":    { "type": "shared_data", "data": "laser_scan/1" },
-    "log":     { "type": "ring_buffer", "data": "laser_scan/1", "capacity": 16, "cross_core": true },
+    "log":     { "type": "ring_buffer", "data": "laser_scan/1", "cross_core": true },
     "pose":    { "type": "localization/ekf", "properties": { "core.process_noise": 0.05 },
                  "ports": { "scan": "scan.read" } }
   },
@@ -65,8 +65,7 @@ TEST(Parse, ReadsAWholeArchitecture) {
   ASSERT_EQ(spec.resources.size(), 3U);
   EXPECT_EQ(spec.resources[0].name, "scan");
   EXPECT_EQ(spec.resources[0].data->value, "laser_scan/1");
-  EXPECT_EQ(spec.resources[1].capacity->value, 16U);
-  EXPECT_TRUE(spec.resources[1].cross_core->value);
+  EXPECT_TRUE(spec.resources[1].cross_core);
   EXPECT_EQ(spec.resources[2].properties[0].value, Value(0.05));
   EXPECT_EQ(spec.resources[2].connections[0].service, "scan.read");
 }
@@ -122,9 +121,9 @@ TEST(Parse, RefusesEachMistakeWithItsPlaceAddressAndHint) {
       {"\"plugins\"", "\"plugin\"", "", "unknown key \"plugin\"", "did you mean \"plugins\"?", 5},
       {"\"priority\": 60", "\"prioritty\": 60", "laser.task", "unknown key \"prioritty\"",
        "did you mean \"priority\"?", 14},
-      {"\"priority\": 60", "\"priority\": 0", "laser.task.priority", "0 is not from 1 to 98", "",
+      {"\"priority\": 60", "\"priority\": 0", "laser.task.priority", "0 is not from 1 to 90", "",
        14},
-      {"\"priority\": 60", "\"priority\": 99", "laser.task.priority", "99 is not from 1 to 98", "",
+      {"\"priority\": 60", "\"priority\": 91", "laser.task.priority", "91 is not from 1 to 90", "",
        14},
       {"\"priority\": 60", "\"priority\": \"60\"", "laser.task.priority",
        "expected an integer, got a string", "", 14},
@@ -149,12 +148,12 @@ TEST(Parse, RefusesEachMistakeWithItsPlaceAddressAndHint) {
        "expected \"resource.service\" or an object, got an integer",
        "write \"scan\": \"resource.service\"", 13},
       {"\"connect\": \"pose.predict\", ", "", "control.ports.pose", "\"connect\" is missing",
-       "write \"connect\": \"resource.service\"", 19},
+       "write \"connect\": \"resource.service\"", 18},
       {"\"core.gain\"", "\"gain\"", "control.gain", "not the name of a property",
-       "write the part and the name, such as \"core.gain\"; there is: shell, core, fsm", 18},
+       "write the part and the name, such as \"core.gain\"; there is: shell, core, fsm", 17},
       {"\"core.gain\"", "\"cor.gain\"", "control.cor.gain", "not the name of a property",
-       "write the part and the name, such as \"core.gain\"; did you mean \"core\"?", 18},
-      {"\"core.gain\": 0.2", "\"core.gain\": null", "control.core.gain", "has no value", "", 18},
+       "write the part and the name, such as \"core.gain\"; did you mean \"core\"?", 17},
+      {"\"core.gain\": 0.2", "\"core.gain\": null", "control.core.gain", "has no value", "", 17},
       {"\"type\": \"drivers/laser_sim\", ", "", "laser", "\"type\" is missing",
        "write \"type\": \"plugin/name\"", 13},
       {"\"drivers/laser_sim\"", "\"drivers/../laser\"", "laser.type",
@@ -175,9 +174,7 @@ TEST(Parse, RefusesEachMistakeWithItsPlaceAddressAndHint) {
        "expected true or false, got an integer", "", 23},
       {"\"data\": \"laser_scan/1\" }", "\"data\": \"laser scan\" }", "scan.data",
        "\"laser scan\" is not a valid name here", "write name and revision, such as \"velocity/1\"",
-       7},
-      {"\"capacity\": 16", "\"capacity\": 0", "log.capacity", "0 is not from 1 to 16777216", "",
-       8}};
+       7}};
   for (const Wrong& wrong : wrongs) {
     const auto problems = problems_of(rover_with(wrong.what, wrong.by));
     ASSERT_EQ(problems.size(), 1U) << wrong.by;
@@ -237,7 +234,7 @@ TEST(Parse, PrintsAProblemAsFileLineColumn) {
 
   ASSERT_EQ(problems.size(), 1U);
   EXPECT_EQ(to_string(problems[0], "rover.json"),
-            "rover.json:14:80: laser.task.priority: 0 is not from 1 to 98");
+            "rover.json:14:80: laser.task.priority: 0 is not from 1 to 90");
 }
 
 // Any damage is either accepted or reported with a line; nothing crashes and nothing is silent.
