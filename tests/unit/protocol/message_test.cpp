@@ -144,8 +144,9 @@ TEST(ServerMessage, IgnoresMembersItDoesNotKnow) {
 }
 
 TEST(ServerMessage, DoesNotTrustTheErrorOfAServer) {
-  const auto message = parse_server_message(
-      R"({"jsonrpc":"2.0","id":1,"error":{"code":"x","message":7,"data":{"exit":300,"name":[],"generation":-1}}})");
+  const auto message =
+      parse_server_message(R"({"jsonrpc":"2.0","id":1,"error":{"code":"x","message":7,)"
+                           R"("data":{"exit":300,"name":[],"generation":-1}}})");
 
   ASSERT_TRUE(message);
   const auto& fault = std::get<Fault>(std::get<Response>(*message).outcome);
