@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The last records, for `mauvectl logs`.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "log/event.h"
+
+namespace mauve::log {
+
+/// Which records somebody wants.
+struct Filter {
+  Level level = Level::debug;  ///< this one and worse
+  std::string component;       ///< empty: all
+
+  [[nodiscard]] bool accepts(const Record& record) const;
+};
+
+/// A bounded memory of records, and those who want to see each new one. [any]
+class History {
+ public:
+  using Follower = std::function<void(const Record&)>;
+
+  explicit History(std::size_t capacity) : capacity_(capacity) {}
+
+  /// Keeps the record, drops the oldest one if full, and tells the followers. [log]
+  void add(const Record& record);
+
+  /// The newest `count` records that pass, oldest first.
+  [[nodiscard]] std::vector<Record> tail(std::size_t count, const Filter& filter) const;
+
+  /// Calls `follower` on the [log] thread for every later record that passes. It must not wait and
+  /// must not call back into the log. First it is given the newest `count` kept ones, here and now,
+  /// so that nothing is missed or seen twice in between.
+  std::uint64_t follow(std::size_t count, Filter filter, Follower follower);
+
+  /// After the return the follower is not called any more.
+  void unfollow(std::uint64_t id);
+
+ private:
+  struct Entry {
+    Filter filter;
+    Follower follower;
+  };
+
+  [[nodiscard]] std::vector<Record> tail_locked(std::size_t count, const Filter& filter) const;
+
+  const std::size_t capacity_;
+  mutable std::mutex mutex_;
+  std::deque<Record> records_;
+  std::map<std::uint64_t, Entry> followers_;
+  std::uint64_t next_id_ = 1;
+};
+
+}  // namespace mauve::log

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "log/log.h"
+
+#include <sys/prctl.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace mauve::log {
+
+Log::Log(Level level, std::size_t history) : level_(level), history_(history) {}
+
+Log::~Log() { stop(); }
+
+void Log::add_sink(std::unique_ptr<Sink> sink) {
+  sinks_.push_back(std::move(sink));
+  broken_.push_back(false);
+}
+
+void Log::start() {
+  thread_ = std::thread([this] {
+    prctl(PR_SET_NAME, "mauve-log");
+    run();
+  });
+}
+
+void Log::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+}
+
+void Log::set_source(Source source) {
+  const std::lock_guard lock(source_mutex_);
+  source_ = std::move(source);
+}
+
+void Log::write(Event event, Fields fields) { write(make_record(event, std::move(fields))); }
+
+void Log::write(Record record) {
+  if (record.level < level_) {
+    return;
+  }
+  const std::lock_guard lock(mutex_);
+  if (queue_.size() >= kQueue) {
+    ++lost_;
+    return;
+  }
+  queue_.push_back(std::move(record));
+}
+
+void Log::flush() {
+  std::unique_lock lock(mutex_);
+  if (!thread_.joinable()) {
+    return;
+  }
+  // The round in progress may have taken its batch already: the one after it holds everything.
+  const auto wanted = rounds_ + 2;
+  while (rounds_ < wanted && !stopping_) {
+    hurry_ = true;
+    wake_.notify_all();
+    done_.wait(lock);
+  }
+}
+
+void Log::run() {
+  std::vector<Record> batch;
+  for (bool last = false; !last;) {
+    std::uint64_t lost = 0;
+    {
+      std::unique_lock lock(mutex_);
+      wake_.wait_for(lock, kPeriod, [this] { return stopping_ || hurry_; });
+      hurry_ = false;
+      last = stopping_;
+      batch.swap(queue_);
+      lost = std::exchange(lost_, 0);
+    }
+    if (lost > 0) {
+      batch.push_back(make_record(Event::events_lost, {{"count", static_cast<std::int64_t>(lost)},
+                                                       {"source", std::string("the daemon")}}));
+    }
+    drain(batch);
+    batch.clear();
+    {
+      const std::lock_guard lock(mutex_);
+      ++rounds_;
+    }
+    done_.notify_all();
+  }
+}
+
+void Log::drain(std::vector<Record>& batch) {
+  {
+    const std::lock_guard lock(source_mutex_);
+    if (source_) {
+      source_([&](Record record) { batch.push_back(std::move(record)); });
+    }
+  }
+  std::stable_sort(batch.begin(), batch.end(), [](const Record& a, const Record& b) {
+    return a.monotonic_ns < b.monotonic_ns;
+  });
+  for (auto& record : batch) {
+    deliver(std::move(record));
+  }
+  if (!batch.empty()) {
+    for (auto& sink : sinks_) {
+      sink->flush();
+    }
+  }
+}
+
+void Log::deliver(Record record) {
+  if (record.level < level_) {
+    return;
+  }
+  record.seq = ++seq_;
+  history_.add(record);
+  for (std::size_t i = 0; i < sinks_.size(); ++i) {
+    const auto written = sinks_[i]->write(record);
+    if (!written && !broken_[i]) {
+      broken_[i] = true;
+      report_failure(i, written.error());
+    } else if (written) {
+      broken_[i] = false;
+    }
+  }
+}
+
+void Log::report_failure(std::size_t sink, const Error& error) {
+  auto record = make_record(Event::sink_failed, {{"target", error.at}, {"text", error.message}});
+  record.seq = ++seq_;
+  history_.add(record);
+  for (std::size_t i = 0; i < sinks_.size(); ++i) {
+    if (i != sink) {
+      static_cast<void>(sinks_[i]->write(record));
+    }
+  }
+}
+
+}  // namespace mauve::log

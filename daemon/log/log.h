@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The log: takes events from every thread and brings them to the sinks on a thread of its own.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "log/event.h"
+#include "log/history.h"
+#include "log/sink.h"
+
+namespace mauve::log {
+
+/// Never waits for a sink: who reports too much loses events, and the loss is reported.
+///
+/// Real-time threads do not call it. They write into rings of their own; a Source empties those
+/// rings on the [log] thread, 50 times a second.
+class Log {
+ public:
+  /// Empties the rings: calls `take` once for each event found. [log]
+  using Source = std::function<void(const std::function<void(Record)>& take)>;
+
+  explicit Log(Level level, std::size_t history = kHistory);
+  /// Writes what is there, then ends the thread.
+  ~Log();
+  Log(const Log&) = delete;
+  Log& operator=(const Log&) = delete;
+
+  /// Before start().
+  void add_sink(std::unique_ptr<Sink> sink);
+  void start();
+  /// Writes everything reported so far and ends the [log] thread; nothing is written afterwards.
+  void stop();
+
+  /// Sets or (empty) removes the source. After the return the old one is not called any more. [any]
+  void set_source(Source source);
+
+  /// Reports an event. Allocates, takes an ordinary mutex: not for real-time threads. [any]
+  void write(Event event, Fields fields = {});
+  void write(Record record);
+
+  /// Waits until everything reported so far is in the history and in the sinks. [any but log]
+  void flush();
+
+  void set_level(Level level) { level_ = level; }
+  [[nodiscard]] Level level() const { return level_; }
+  [[nodiscard]] History& history() { return history_; }
+
+  static constexpr std::size_t kHistory = 4096;
+  static constexpr std::size_t kQueue = 8192;
+  static constexpr std::chrono::milliseconds kPeriod{20};
+
+ private:
+  void run();
+  void drain(std::vector<Record>& batch);
+  void deliver(Record record);
+  void report_failure(std::size_t sink, const Error& error);
+
+  std::atomic<Level> level_;
+  History history_;
+  std::vector<std::unique_ptr<Sink>> sinks_;
+  std::vector<bool> broken_;  ///< by sink; one complaint each until it works again
+  std::uint64_t seq_ = 0;     ///< [log]
+
+  std::mutex source_mutex_;
+  Source source_;
+
+  std::mutex mutex_;  ///< guards what follows
+  std::condition_variable wake_;
+  std::condition_variable done_;
+  std::vector<Record> queue_;
+  std::uint64_t lost_ = 0;
+  std::uint64_t rounds_ = 0;  ///< complete rounds of the [log] thread
+  bool hurry_ = false;
+  bool stopping_ = false;
+  std::thread thread_;
+};
+
+}  // namespace mauve::log

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Where records go: a terminal, a file of JSON lines, the journal.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include <mauve/result.h>
+
+#include "log/event.h"
+
+namespace mauve::log {
+
+/// One destination. Used by the [log] thread alone; may block, since nobody waits for it.
+class Sink {
+ public:
+  virtual ~Sink() = default;
+  /// Fails when the destination is broken (disk full); the next record is tried again.
+  [[nodiscard]] virtual Status write(const Record& record) = 0;
+  virtual void flush() = 0;
+};
+
+/// Text on stderr, coloured when that is a terminal.
+[[nodiscard]] std::unique_ptr<Sink> terminal_sink();
+
+/// JSON lines appended to a file, made if it is not there (0640).
+[[nodiscard]] Result<std::unique_ptr<Sink>> file_sink(const std::filesystem::path& path);
+
+/// journald's native protocol with the fields MAUVE_EVENT, MAUVE_COMPONENT, MAUVE_<FIELD>.
+[[nodiscard]] std::unique_ptr<Sink> journal_sink();
+
+/// Whether stderr is connected to the journal: the process runs as a service.
+[[nodiscard]] bool stderr_is_journal();
+
+}  // namespace mauve::log

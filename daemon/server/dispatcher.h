@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What the server needs from the daemon behind it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <variant>
+
+#include "protocol/methods.h"
+#include "server/outbox.h"
+#include "server/peer.h"
+
+namespace mauve::server {
+
+/// Who asks. A copy may be kept; the outbox stays valid (and deaf) after the client has gone.
+struct Caller {
+  std::uint64_t client = 0;  ///< number of the connection, never used again
+  Peer peer;
+  Role role = Role::none;
+  std::shared_ptr<Outbox> outbox;
+};
+
+using Outcome = std::variant<protocol::Json, protocol::Fault>;
+/// Brings the answer to the client. Called at most once, from any thread, at any time: it does not
+/// wait, and does nothing when the client has gone.
+using Reply = std::function<void(Outcome)>;
+
+/// Serves requests. All functions are called on [io] and must not wait.
+class Dispatcher {
+ public:
+  virtual ~Dispatcher() = default;
+
+  /// The parameters of the greeting; the server adds "role" and "limits".
+  virtual protocol::Json hello() = 0;
+
+  /// `method` is the row of the request's method, its arguments are checked against it. The role of
+  /// the caller is not checked yet.
+  virtual void dispatch(const Caller& caller, const protocol::Method& method,
+                        protocol::Request request, Reply reply) = 0;
+
+  /// The client has gone: its subscriptions may end.
+  virtual void gone(std::uint64_t client) = 0;
+};
+
+}  // namespace mauve::server

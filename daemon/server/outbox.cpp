@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "server/outbox.h"
+
+#include "protocol/message.h"
+
+namespace mauve::server {
+
+using protocol::Json;
+
+Outbox::Outbox(std::size_t max_bytes, std::size_t max_subscriptions, std::function<void()> ready)
+    : max_bytes_(max_bytes), max_subscriptions_(max_subscriptions), ready_(std::move(ready)) {}
+
+std::optional<std::uint64_t> Outbox::open() {
+  const std::lock_guard lock(mutex_);
+  if (shut_ || open_.size() >= max_subscriptions_) {
+    return std::nullopt;
+  }
+  open_.insert(next_);
+  return next_++;
+}
+
+bool Outbox::close(std::uint64_t sub) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(items_, [&](const Item& item) {
+    if (item.sub == sub) {
+      bytes_ -= item.line.size();
+    }
+    return item.sub == sub;
+  });
+  std::erase_if(lost_, [&](const auto& entry) { return entry.first.first == sub; });
+  return open_.erase(sub) > 0;
+}
+
+void Outbox::shut() {
+  const std::lock_guard lock(mutex_);
+  shut_ = true;
+  open_.clear();
+  items_.clear();
+  lost_.clear();
+  bytes_ = 0;
+}
+
+bool Outbox::push(std::uint64_t sub, const std::string& address, std::string_view method,
+                  Json params) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (open_.count(sub) == 0) {
+      return false;
+    }
+    if (bytes_ >= max_bytes_) {
+      ++lost_[{sub, address}];
+      ++dropped_;
+      return true;
+    }
+  }
+  // Written out of the lock: it is long work, and the [io] thread must not wait for it.
+  params["sub"] = sub;
+  auto line = protocol::to_line(protocol::make_notification(method, std::move(params))) + '\n';
+  bool tell = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (open_.count(sub) == 0) {
+      return false;
+    }
+    if (const auto lost = lost_.find({sub, address}); lost != lost_.end()) {
+      announce(lost);
+    }
+    queue(sub, std::move(line));
+    tell = !std::exchange(told_, true);
+  }
+  if (tell) {
+    ready_();
+  }
+  return true;
+}
+
+void Outbox::queue(std::uint64_t sub, std::string line) {
+  bytes_ += line.size();
+  items_.push_back({sub, std::move(line)});
+}
+
+void Outbox::announce(std::map<Source, std::uint64_t>::iterator lost) {
+  const auto [sub, address] = lost->first;
+  Json params = {{"sub", sub}, {"count", lost->second}};
+  if (!address.empty()) {
+    params["address"] = address;
+  }
+  lost_.erase(lost);
+  queue(sub, protocol::to_line(protocol::make_notification("dropped", std::move(params))) + '\n');
+}
+
+std::optional<std::string> Outbox::take() {
+  const std::lock_guard lock(mutex_);
+  if (items_.empty() && !lost_.empty()) {
+    announce(lost_.begin());
+  }
+  if (items_.empty()) {
+    told_ = false;
+    return std::nullopt;
+  }
+  auto line = std::move(items_.front().line);
+  items_.pop_front();
+  bytes_ -= line.size();
+  return line;
+}
+
+std::size_t Outbox::bytes() const {
+  const std::lock_guard lock(mutex_);
+  return bytes_;
+}
+
+std::size_t Outbox::subscriptions() const {
+  const std::lock_guard lock(mutex_);
+  return open_.size();
+}
+
+std::uint64_t Outbox::dropped() const {
+  const std::lock_guard lock(mutex_);
+  return dropped_;
+}
+
+}  // namespace mauve::server

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Who is at the other end of a connection, by the word of the kernel, and what he may do.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include <mauve/result.h>
+
+namespace mauve::server {
+
+/// Each role may do what the ones before it may.
+enum class Role : std::uint8_t {
+  none,       ///< nothing: the connection is refused
+  viewer,     ///< look
+  operator_,  ///< change the running system with the code that is loaded
+  admin,      ///< load code
+};
+
+/// "none", "viewer", "operator", "admin".
+[[nodiscard]] std::string_view to_string(Role role);
+
+/// Frozen by the kernel at connect. The pid is for the log only: it may be reused.
+struct Peer {
+  pid_t pid = 0;
+  uid_t uid = 0;
+  std::vector<gid_t> groups;  ///< primary and supplementary
+};
+
+/// [io] SO_PEERCRED and SO_PEERGROUPS of a connected Unix socket.
+[[nodiscard]] Result<Peer> peer_of(int socket);
+
+/// Who has which role. A group that does not exist on this machine gives no role.
+struct RoleRules {
+  uid_t own_uid = 0;  ///< the user the daemon runs as: admin, since he could attach a debugger
+  std::optional<gid_t> viewers;
+  std::optional<gid_t> operators;
+  std::optional<gid_t> admins;
+};
+
+/// [main] The rules of this machine: groups mauve-view, mauve, mauve-admin and the effective uid.
+[[nodiscard]] RoleRules machine_rules();
+
+/// [any] The highest role that a rule gives.
+[[nodiscard]] Role role_of(const Peer& peer, const RoleRules& rules);
+
+}  // namespace mauve::server

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "server/server.h"
+
+#include <sys/prctl.h>
+
+#include <algorithm>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/post.hpp>
+#include <future>
+
+namespace mauve::server {
+
+namespace asio = boost::asio;
+using log::Event;
+
+namespace {
+
+constexpr std::chrono::milliseconds kSweep{200};
+
+std::int64_t number(std::uint64_t value) { return static_cast<std::int64_t>(value); }
+
+/// Often enough for the shortest patience.
+std::chrono::milliseconds sweep_period(const Limits& limits) {
+  const auto shortest =
+      std::min({limits.first_byte, limits.idle, limits.half_request, limits.stalled});
+  return std::clamp(shortest / 4, std::chrono::milliseconds(5), kSweep);
+}
+
+}  // namespace
+
+Server::Server(ServerOptions options, Dispatcher& dispatcher, log::Log& log)
+    : options_(std::move(options)),
+      dispatcher_(dispatcher),
+      log_(log),
+      work_(io_.get_executor()),
+      acceptor_(io_),
+      sweeper_(io_),
+      rate_(options_.limits.mutations_per_second),
+      context_{
+          options_.limits, dispatcher_, rate_,
+          [this](std::uint64_t client, const std::string& reason) { on_end(client, reason); }} {}
+
+Server::~Server() { stop(std::chrono::milliseconds(0)); }
+
+Status Server::open() {
+  auto endpoint = Endpoint::open(options_.socket);
+  if (!endpoint) {
+    return endpoint.error();
+  }
+  endpoint_.emplace(std::move(endpoint.value()));
+  boost::system::error_code error;
+  acceptor_.assign(Protocol(), endpoint_->release_listener(), error);
+  if (error) {
+    return refuse(Errc::system, options_.socket.string(), error.message());
+  }
+  log_.write(Event::listening, {{"socket", endpoint_->path().string()}});
+  return ok();
+}
+
+void Server::start() {
+  accept();
+  thread_ = std::thread([this] {
+    prctl(PR_SET_NAME, "mauve-io");
+    io_.run();
+  });
+}
+
+void Server::stop(std::chrono::milliseconds grace) {
+  if (thread_.joinable()) {
+    auto empty = std::make_shared<std::promise<void>>();
+    auto emptied = empty->get_future();
+    asio::post(io_, [this, empty, grace] {
+      closing_ = true;
+      boost::system::error_code ignored;
+      acceptor_.close(ignored);
+      const auto sessions = sessions_;
+      for (const auto& [id, session] : sessions) {
+        grace.count() > 0 ? session->finish() : session->end("the daemon ends");
+      }
+      empty->set_value();
+    });
+    emptied.wait();
+    const auto until = std::chrono::steady_clock::now() + grace;
+    while (!clients().empty() && std::chrono::steady_clock::now() < until) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    io_.stop();
+    thread_.join();
+  }
+  sessions_.clear();
+  endpoint_.reset();
+}
+
+std::vector<ClientInfo> Server::clients() const {
+  const std::lock_guard lock(clients_mutex_);
+  std::vector<ClientInfo> out;
+  for (const auto& [id, client] : clients_) {
+    out.push_back(client);
+  }
+  return out;
+}
+
+void Server::accept() {
+  if (closing_ || std::exchange(accepting_, true)) {
+    return;
+  }
+  acceptor_.async_accept([this](const boost::system::error_code& error, Protocol::socket socket) {
+    on_accept(error, std::move(socket));
+  });
+}
+
+void Server::on_accept(const boost::system::error_code& error, Protocol::socket socket) {
+  accepting_ = false;
+  if (closing_ || error == asio::error::operation_aborted) {
+    return;
+  }
+  const bool exhausted = error == asio::error::no_descriptors || error == asio::error::no_memory ||
+                         error == asio::error::no_buffer_space ||
+                         error == boost::system::errc::too_many_files_open_in_system;
+  if (exhausted) {
+    return pause_accept();
+  }
+  if (!error) {
+    resume_accept();
+    admit(std::move(socket));
+  }
+  accept();
+}
+
+/// The listening socket stays readable while nobody can be accepted: asking again at once would
+/// spin. sweep() and every session that ends try again.
+void Server::pause_accept() {
+  if (!paused_) {
+    log_.write(Event::accept_paused);
+  }
+  paused_ = true;
+  sweep();
+}
+
+void Server::resume_accept() {
+  if (paused_) {
+    paused_ = false;
+    log_.write(Event::accept_resumed);
+  }
+}
+
+void Server::admit(Protocol::socket socket) {
+  auto peer = peer_of(socket.native_handle());
+  if (!peer) {
+    return;
+  }
+  const auto role = role_of(*peer, options_.roles);
+  if (auto allowed = may_enter(*peer, role); !allowed) {
+    return turn_away(std::move(socket), *peer, allowed.error());
+  }
+  Caller caller{next_client_++, std::move(*peer), role, nullptr};
+  const auto id = caller.client;
+  log_.write(Event::client_connected, {{"client", number(id)},
+                                       {"uid", number(caller.peer.uid)},
+                                       {"pid", number(static_cast<std::uint64_t>(caller.peer.pid))},
+                                       {"role", std::string(to_string(role))}});
+  {
+    const std::lock_guard lock(clients_mutex_);
+    clients_[id] = {id, caller.peer, role, std::chrono::system_clock::now()};
+  }
+  auto session = std::make_shared<Session>(std::move(socket), std::move(caller), context_);
+  sessions_[id] = session;
+  session->start();
+  sweep();
+}
+
+Status Server::may_enter(const Peer& peer, Role role) const {
+  if (role == Role::none) {
+    return refuse(Errc::not_permitted, "uid " + std::to_string(peer.uid),
+                  "this user has no role here",
+                  "join the group mauve-view, mauve or mauve-admin, then log in again");
+  }
+  const auto& limits = options_.limits;
+  const auto extra = peer.uid == 0 ? limits.reserved_for_root : 0;
+  const auto same_uid = static_cast<std::size_t>(std::count_if(
+      sessions_.begin(), sessions_.end(),
+      [&](const auto& entry) { return entry.second->caller().peer.uid == peer.uid; }));
+  if (same_uid >= limits.clients_per_uid + extra) {
+    return refuse(Errc::limit, "uid " + std::to_string(peer.uid),
+                  "this user has too many connections", "close some; mauvectl list clients");
+  }
+  if (sessions_.size() >= limits.clients + extra) {
+    return refuse(Errc::limit, "clients", "too many clients are connected",
+                  "close some; root can always connect");
+  }
+  return ok();
+}
+
+void Server::turn_away(Protocol::socket socket, const Peer& peer, const Error& why) {
+  log_.write(Event::client_refused, {{"uid", number(peer.uid)}, {"reason", why.message}});
+  const auto line =
+      protocol::to_line(protocol::make_error(nullptr, protocol::fault_of(why))) + '\n';
+  boost::system::error_code ignored;
+  // A fresh socket has room for one line; if not, the client learns from the closed connection.
+  socket.non_blocking(true, ignored);
+  socket.send(asio::buffer(line), 0, ignored);
+}
+
+void Server::on_end(std::uint64_t client, const std::string& reason) {
+  log_.write(Event::client_gone, {{"client", number(client)}, {"reason", reason}});
+  sessions_.erase(client);
+  {
+    const std::lock_guard lock(clients_mutex_);
+    clients_.erase(client);
+  }
+  if (paused_) {
+    accept();
+  }
+}
+
+/// Runs while there is somebody to watch: an idle daemon does not wake up.
+void Server::sweep() {
+  if (std::exchange(sweeping_, true)) {
+    return;
+  }
+  sweeper_.expires_after(sweep_period(options_.limits));
+  sweeper_.async_wait([this](const boost::system::error_code& error) {
+    sweeping_ = false;
+    if (error) {
+      return;
+    }
+    const auto now = Session::Clock::now();
+    const auto sessions = sessions_;  // check_patience() may take one out
+    for (const auto& [id, session] : sessions) {
+      session->check_patience(now);
+    }
+    if (paused_) {
+      accept();
+    }
+    if (paused_ || !sessions_.empty()) {
+      sweep();
+    }
+  });
+}
+
+}  // namespace mauve::server

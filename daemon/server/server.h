@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The admin socket: accepts clients and runs their sessions on one thread that never waits.
+#pragma once
+
+#include <utility>  // Boost.Asio 1.74 needs it and does not include it
+
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "log/log.h"
+#include "server/dispatcher.h"
+#include "server/endpoint.h"
+#include "server/limits.h"
+#include "server/session.h"
+
+namespace mauve::server {
+
+/// One row of client.list.
+struct ClientInfo {
+  std::uint64_t client = 0;
+  Peer peer;
+  Role role = Role::none;
+  std::chrono::system_clock::time_point since;
+};
+
+struct ServerOptions {
+  std::filesystem::path socket;
+  Limits limits;
+  RoleRules roles;
+};
+
+class Server {
+ public:
+  /// Dispatcher and log outlive the server.
+  Server(ServerOptions options, Dispatcher& dispatcher, log::Log& log);
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  /// Takes the socket: refuses with conflict when another daemon has it. Clients may connect and
+  /// wait from now on. [main]
+  Status open();
+  /// Starts the [io] thread: clients are served. [main]
+  void start();
+  /// Lets no one in any more, gives the clients `grace` to take their last answers, then ends the
+  /// [io] thread and removes the socket. The second time does nothing. [main]
+  void stop(std::chrono::milliseconds grace);
+
+  /// [any] Who is connected.
+  [[nodiscard]] std::vector<ClientInfo> clients() const;
+
+ private:
+  using Protocol = boost::asio::local::stream_protocol;
+
+  void accept();
+  void on_accept(const boost::system::error_code& error, Protocol::socket socket);
+  void pause_accept();
+  void resume_accept();
+  void admit(Protocol::socket socket);
+  [[nodiscard]] Status may_enter(const Peer& peer, Role role) const;
+  void turn_away(Protocol::socket socket, const Peer& peer, const Error& why);
+  void on_end(std::uint64_t client, const std::string& reason);
+  void sweep();
+
+  ServerOptions options_;
+  Dispatcher& dispatcher_;
+  log::Log& log_;
+  std::optional<Endpoint> endpoint_;
+  boost::asio::io_context io_{1};
+  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
+  Protocol::acceptor acceptor_;
+  boost::asio::steady_timer sweeper_;
+  RateLimiter rate_;
+  SessionContext context_;
+  std::map<std::uint64_t, std::shared_ptr<Session>> sessions_;  ///< [io]
+  std::uint64_t next_client_ = 1;
+  bool accepting_ = false;
+  bool sweeping_ = false;
+  bool paused_ = false;  ///< out of descriptors
+  bool closing_ = false;
+  mutable std::mutex clients_mutex_;
+  std::map<std::uint64_t, ClientInfo> clients_;  ///< a copy for other threads
+  std::thread thread_;
+};
+
+}  // namespace mauve::server
