@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Everything that can be made by name: "guidance/potential_field", "laser_scan/1", "double".
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mauve/element_type.h"
+#include "mauve/plugin.h"
+#include "plugin/library.h"
+
+namespace mauve::plugin {
+
+/// A plugin that is mapped and checked, but whose names may not be in the catalog yet. What its
+/// types make keeps the library mapped; the types themselves do not, and throw std::runtime_error
+/// when they are used after a newer version took over.
+class LoadedPlugin {
+ public:
+  /// Wraps what the library declared. Refused: a name twice, a name outside "PLUGIN/". [factory]
+  static Result<LoadedPlugin> of(std::shared_ptr<Library> library);
+
+  [[nodiscard]] const PluginInfo& info() const { return library_->info(); }
+  [[nodiscard]] const std::shared_ptr<Library>& library() const { return library_; }
+
+  std::map<std::string, CoreType, std::less<>> cores;  ///< those of resource types too
+  std::map<std::string, FsmType, std::less<>> fsms;    ///< those of component types too
+  std::map<std::string, ComponentType, std::less<>> components;
+  std::map<std::string, ResourceType, std::less<>> resources;
+  std::map<std::string, const DataType*, std::less<>> types;
+
+ private:
+  explicit LoadedPlugin(std::shared_ptr<Library> library) : library_(std::move(library)) {}
+  Status collect();
+
+  std::shared_ptr<Library> library_;
+};
+
+/// Names and what they mean now. Owned by [control], except prepare_load() and release().
+class Catalog {
+ public:
+  /// Plugins are looked for as NAME.so in these directories, in this order, and nowhere else.
+  explicit Catalog(std::vector<std::string> directories = {});
+  ~Catalog();
+
+  /// The newest meaning of a name, or an error with the nearest name. [control]
+  [[nodiscard]] Result<CoreType> core(std::string_view name) const;
+  [[nodiscard]] Result<FsmType> fsm(std::string_view name) const;
+  [[nodiscard]] Result<ComponentType> component(std::string_view name) const;
+  [[nodiscard]] Result<ResourceType> resource(std::string_view name) const;
+  /// A described type of a plugin, or bool, int8 to uint64, float, double, duration. The pointer
+  /// keeps the library: hand it to SharedDataBase as `library`.
+  [[nodiscard]] Result<std::shared_ptr<const DataType>> type(std::string_view name) const;
+
+  /// Names of all cores that can stand behind this contract. [control]
+  [[nodiscard]] std::vector<std::string> cores_for(const Contract& contract) const;
+  /// All plugins by name; valid until the next change. [control]
+  [[nodiscard]] std::vector<const LoadedPlugin*> plugins() const;
+  [[nodiscard]] const LoadedPlugin* find(std::string_view plugin) const;
+  [[nodiscard]] const std::vector<std::string>& directories() const { return directories_; }
+
+  /// Finds, checks and maps a plugin; the catalog does not change. [factory], while [control] may
+  /// go on using the catalog.
+  [[nodiscard]] Result<LoadedPlugin> prepare_load(std::string_view plugin) const;
+  /// Puts the names of a prepared plugin in force and returns the library that had them before
+  /// (null: none), for release() once its instances are replaced. Refused: a data type that
+  /// another plugin registered with another layout. [control]
+  Result<std::shared_ptr<Library>> commit(LoadedPlugin loaded);
+  /// Takes the names away. Refused while anything made by the plugin exists: the message names
+  /// the users. [control]
+  Result<std::shared_ptr<Library>> remove(std::string_view plugin);
+
+  /// A plugin that is part of the program. [control]
+  Status add(Plugin plugin);
+
+  /// The same in one call, for programs with one thread for all this. load() refuses what is
+  /// loaded already; reload() leaves old instances on the old code, and says so.
+  Status load(std::string_view plugin);
+  Result<Unmapped> unload(std::string_view plugin);
+  Result<Unmapped> reload(std::string_view plugin);
+
+ private:
+  using Map = std::map<std::string, LoadedPlugin, std::less<>>;
+
+  template <typename T>
+  Result<T> lookup(std::map<std::string, T, std::less<>> LoadedPlugin::*kind, const char* what,
+                   std::string_view name) const;
+  [[nodiscard]] Error unknown_plugin(std::string_view plugin) const;
+
+  std::vector<std::string> directories_;
+  Map plugins_;
+};
+
+}  // namespace mauve::plugin

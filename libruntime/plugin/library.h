@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// A plugin in memory: its code, what it declared, and who still uses it.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "mauve/plugin.h"
+#include "plugin/image.h"
+
+namespace mauve::plugin {
+
+/// What people are told about a plugin.
+struct PluginInfo {
+  std::string name;
+  std::string version;
+  std::string compiler;
+  std::string build_id;               ///< hexadecimal, empty when the linker wrote none
+  std::string file;                   ///< where it was loaded from; empty: compiled in
+  std::uint64_t serial = 0;           ///< how many plugins this process had loaded before, plus one
+  std::vector<std::string> warnings;  ///< things that are allowed but will hurt
+};
+
+/// Did the code of a plugin really leave the address space?
+struct Unmapped {
+  bool unmapped = false;
+  std::string reason;  ///< why not, and who holds it; empty when it did
+};
+
+/// Mapped from construction to destruction. Everything made by the plugin holds a shared_ptr to it,
+/// so that no order of destruction can run code that is gone. Drop the last one on [factory].
+class Library {
+ public:
+  /// Maps the image and calls its `declare`. [factory]
+  static Result<std::shared_ptr<Library>> open(Image image);
+  /// A plugin that is part of the program. [any]
+  static Result<std::shared_ptr<Library>> compiled_in(Plugin plugin);
+
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+  ~Library();
+
+  [[nodiscard]] const PluginInfo& info() const { return info_; }
+  /// As the plugin wrote it. Calling its makers is for hold.cpp only: they must keep the library.
+  [[nodiscard]] const Plugin& declared() const { return *declared_; }
+
+  /// Everything that still needs the code: addresses of elements, states, data types. [control]
+  [[nodiscard]] std::vector<std::string> users() const;
+  [[nodiscard]] bool used() const;
+
+  /// From now on nothing new is made from it (a newer version took its names). [control]
+  void retire() { retired_.store(true, std::memory_order_release); }
+  [[nodiscard]] bool retired() const { return retired_.load(std::memory_order_acquire); }
+
+  /// Drops this reference and says what became of the code. [factory]
+  static Unmapped release(std::shared_ptr<Library> library);
+
+ private:
+  friend class Hold;
+  struct User {
+    const Configurable* element;  // null: `what` says all
+    std::string what;
+  };
+  using Users = std::list<User>;
+
+  explicit Library(PluginInfo info);
+  Status declare(const PluginEntry& entry);
+
+  PluginInfo info_;
+  Image image_;
+  void* handle_ = nullptr;
+  std::unique_ptr<Plugin> declared_;  // destroyed before the code is unmapped
+  std::atomic<bool> retired_{false};
+  mutable std::mutex mutex_;  // of users_; never taken by a real-time thread
+  Users users_;
+};
+
+}  // namespace mauve::plugin
