@@ -141,7 +141,7 @@ std::optional<Fault> check_params(const Method& method, const Json& params) {
   const auto known = params_of(method);
   for (const auto& [name, value] : params.items()) {
     const auto param = std::find_if(known.begin(), known.end(),
-                                    [&](const Param& one) { return one.name == name; });
+                                    [&key = name](const Param& one) { return one.name == key; });
     if (param == known.end()) return unknown_argument(method, name, known);
     if (fits(value, param->type)) continue;
     return fault_of(kInvalidParams,
