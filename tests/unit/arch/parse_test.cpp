@@ -245,7 +245,7 @@ TEST(Parse, SurvivesRandomDamageAndAlwaysNamesALine) {
   std::mt19937 random(11);
   for (int round = 0; round < 5'000; ++round) {
     std::string text(kRover);
-    for (unsigned change = random() % 3 + 1; change > 0; --change) {
+    for (auto change = random() % 3 + 1; change > 0; --change) {
       const std::size_t where = random() % text.size();
       const std::size_t length = random() % 8;
       text.replace(where, std::min(length, text.size() - where),
