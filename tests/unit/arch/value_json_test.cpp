@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "arch/value_json.h"
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "arch/json.h"
+
+namespace mauve::arch {
+namespace {
+
+const Value kSample =
+    Value::Object{{"z", Value::Array{Value(true), Value(-3), Value(0.1), Value("10ms"), Value()}},
+                  {"a", Value::Object{{"x", Value(1.0)}}},
+                  {"empty", Value::Array{}}};
+
+Value read_back(const std::string& text) {
+  Problems problems;
+  const auto node = parse_json(text, problems);
+  EXPECT_TRUE(node) << text;
+  return node ? to_value(*node) : Value{};
+}
+
+Value random_value(std::mt19937_64& random, int depth) {
+  switch (random() % (depth == 0 ? 5 : 7)) {
+    case 0:
+      return {};
+    case 1:
+      return random() % 2 == 0;
+    case 2:
+      return static_cast<std::int64_t>(random());
+    case 3: {
+      const double number =
+          std::ldexp(static_cast<double>(random()), static_cast<int>(random() % 400) - 200);
+      return number;
+    }
+    case 4:
+      return std::string(random() % 5, static_cast<char>(random() % 126 + 1));
+    case 5: {
+      Value::Array array;
+      for (auto n = random() % 4; n > 0; --n) array.push_back(random_value(random, depth - 1));
+      return array;
+    }
+    default: {
+      Value::Object object;
+      for (auto n = random() % 4; n > 0; --n) {
+        object.emplace_back("key" + std::to_string(n), random_value(random, depth - 1));
+      }
+      return object;
+    }
+  }
+}
+
+TEST(ValueJson, KeepsTheOrderOfMembersInText) {
+  EXPECT_EQ(read_back(to_json_text(kSample)), kSample);
+}
+
+TEST(ValueJson, ReadsBackEveryValueItWrites) {
+  std::mt19937_64 random(3);
+  for (int round = 0; round < 2'000; ++round) {
+    const Value value = random_value(random, 4);
+    ASSERT_EQ(read_back(to_json_text(value)), value) << to_json_text(value);
+  }
+}
+
+TEST(ValueJson, GoesOverTheWireAndBack) {
+  const auto value = from_json(nlohmann::json::parse(to_json(kSample).dump()));
+
+  ASSERT_TRUE(value);
+  EXPECT_EQ(*value->find("z"), *kSample.find("z"));
+  EXPECT_EQ(*value->find("a"), *kSample.find("a"));
+}
+
+TEST(ValueJson, WritesNullForANumberThatJsonCannotHold) {
+  EXPECT_TRUE(to_json(Value(std::nan(""))).is_null());
+  EXPECT_TRUE(to_json(Value(std::numeric_limits<double>::infinity())).is_null());
+}
+
+TEST(ValueJson, RefusesIntegersBeyond64BitsSigned) {
+  EXPECT_TRUE(from_json(nlohmann::json(std::numeric_limits<std::int64_t>::max())));
+  const auto value = from_json(nlohmann::json::array({std::numeric_limits<std::uint64_t>::max()}));
+  ASSERT_FALSE(value);
+  EXPECT_EQ(value.error().code, Errc::limit);
+}
+
+TEST(ValueJson, WritesTextThatIsNotUtf8WithoutThrowing) {
+  EXPECT_NE(to_json_text(Value("a\xff")).find("a"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace mauve::arch
