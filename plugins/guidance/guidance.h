@@ -3,7 +3,12 @@
 /// law.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+
+#include <mauve/time.h>
+#include <mauve/type.h>
 
 #include "../types/pose.h"
 #include "../types/velocity.h"
@@ -23,8 +28,9 @@ struct Guidance {
   std::int32_t side = 0;      ///< way round the obstacle: +1 leave it right, -1 left, 0 undecided
   std::int32_t avoiding = 0;  ///< 1 while the supervisor of finite_time is in AVOID
   std::int32_t goals_reached = 0;
-  double hit_range = 0.0;  ///< m to the goal when AVOID was entered
-  double dwell = 0.0;      ///< s since the supervisor last decided
+  mauve::Instant stepped_at = 0;  ///< start of the job that gave `command`
+  double hit_range = 0.0;         ///< m to the goal when AVOID was entered
+  double dwell = 0.0;             ///< s since the supervisor last decided
 };
 
 /// Turns the heading error into a turn rate that reaches zero error in finite time.
@@ -36,7 +42,11 @@ struct HeadingLaw {
 };
 
 /// omega = -k sqrt|e| sgn(e) - rho sat(e / eps), limited to turn_max. [rt]
-[[nodiscard]] double turn_rate(double heading_error, const HeadingLaw& law);
+[[nodiscard]] inline double turn_rate(double heading_error, const HeadingLaw& law) {
+  const double pull = law.gain * std::sqrt(std::abs(heading_error));
+  const double push = law.margin * std::clamp(heading_error / law.layer, -1.0, 1.0);
+  return std::clamp(-std::copysign(pull, heading_error) - push, -law.turn_max, law.turn_max);
+}
 
 /// How fast a command may change.
 struct SlewLimits {
@@ -46,7 +56,31 @@ struct SlewLimits {
 };
 
 /// `wanted`, brought within the limits of one step of `dt` seconds after `last`. [rt]
-[[nodiscard]] Velocity slewed(const Velocity& last, const Velocity& wanted,
-                              const SlewLimits& limits, double dt);
+[[nodiscard]] inline Velocity slewed(const Velocity& last, const Velocity& wanted,
+                                     const SlewLimits& limits, double dt) {
+  // Slowing down towards zero may be quicker than picking up speed, in either direction of travel.
+  const bool slower = std::abs(wanted.linear) < std::abs(last.linear);
+  const double speed_step = (slower ? limits.slow_down : limits.speed_up) * dt;
+  const double turn_step = limits.turn * dt;
+  return {std::clamp(wanted.linear, last.linear - speed_step, last.linear + speed_step),
+          std::clamp(wanted.angular, last.angular - turn_step, last.angular + turn_step)};
+}
 
 }  // namespace guidance
+
+template <>
+struct mauve::Described<guidance::Guidance> {
+  static constexpr std::string_view name = "guidance/1";
+  static constexpr auto fields() {
+    using guidance::Guidance;
+    return std::tuple{field("goal", &Guidance::goal, "m"),
+                      field("command", &Guidance::command),
+                      field("has_goal", &Guidance::has_goal),
+                      field("side", &Guidance::side),
+                      field("avoiding", &Guidance::avoiding),
+                      field("goals_reached", &Guidance::goals_reached),
+                      field("stepped_at", &Guidance::stepped_at, "ns"),
+                      field("hit_range", &Guidance::hit_range, "m"),
+                      field("dwell", &Guidance::dwell, "s")};
+  }
+};

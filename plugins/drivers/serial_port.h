@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// A serial device read without ever waiting, and a pseudo-terminal that stands for one.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include <mauve/result.h>
+
+namespace drivers {
+
+/// Owns a file descriptor.
+class Descriptor {
+ public:
+  Descriptor() = default;
+  explicit Descriptor(int number) : number_(number) {}
+  Descriptor(Descriptor&& other) noexcept : number_(other.number_) { other.number_ = -1; }
+  Descriptor& operator=(Descriptor&& other) noexcept;
+  ~Descriptor();
+
+  [[nodiscard]] int number() const { return number_; }
+  [[nodiscard]] bool open() const { return number_ >= 0; }
+
+ private:
+  int number_ = -1;
+};
+
+/// The reading end. A file or a FIFO serves as well: then baud and raw mode do not apply.
+class SerialPort {
+ public:
+  /// Opens `device` raw and non-blocking; `baud` 0 leaves the speed alone. [factory]
+  mauve::Status open(const std::string& device, int baud);
+  void close() { device_ = Descriptor(); }
+  [[nodiscard]] bool is_open() const { return device_.open(); }
+  /// Bytes that are there now; 0 when there are none, -1 when the device failed. Never waits. [rt]
+  [[nodiscard]] std::ptrdiff_t read(std::span<char> into) const;
+
+ private:
+  Descriptor device_;
+};
+
+/// A pseudo-terminal whose other end can be opened as a serial device under a name of our choice.
+class PseudoTerminal {
+ public:
+  PseudoTerminal() = default;
+  ~PseudoTerminal() { close(); }
+  PseudoTerminal(const PseudoTerminal&) = delete;
+  PseudoTerminal& operator=(const PseudoTerminal&) = delete;
+
+  /// Creates the pair and, when `link` is not empty, a symbolic link to the device. A link of that
+  /// name is replaced, anything else there is refused. [factory]
+  mauve::Status open(const std::string& link);
+  void close();
+  /// Path of the device.
+  [[nodiscard]] const std::string& device() const { return path_; }
+  /// Sends what fits; the rest is lost, as on a real line nobody listens to. False: lost some. [rt]
+  bool send(std::string_view bytes) const;
+
+ private:
+  Descriptor master_;
+  Descriptor slave_;  // kept open: else the pair hangs up whenever the reader closes
+  std::string path_;
+  std::string link_;
+};
+
+}  // namespace drivers

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What stands in front of the robot, and how far it may go on.
+#pragma once
+
+#include <cstdint>
+
+#include "../types/scan.h"
+#include "../types/velocity.h"
+
+namespace safety {
+
+/// How much of a forward speed is let through.
+enum class Zone : std::uint8_t {
+  clear,  ///< all of it
+  slow,   ///< half
+  stop,   ///< none; turning and reversing stay allowed
+};
+
+/// Metres.
+struct Limits {
+  double stop_distance = 1.0;
+  double slow_distance = 3.0;
+  double half_width = 0.35;  ///< of the corridor that the robot sweeps
+  double hysteresis = 0.1;   ///< a zone is left only when the way is free by this share more
+};
+
+/// Range of the nearest return in the corridor ahead; range_max when there is none. [rt]
+[[nodiscard]] double free_way(const rover::LaserScan& scan, double half_width);
+
+/// The zone that follows `before` with that much free way. [rt]
+[[nodiscard]] Zone next_zone(Zone before, double free_way, const Limits& limits);
+
+/// The command that is safe in the zone. [rt]
+[[nodiscard]] rover::Velocity limited(const rover::Velocity& command, Zone zone);
+
+}  // namespace safety

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "../../../plugins/drivers/serial_port.h"
+
+namespace {
+
+using drivers::PseudoTerminal;
+using drivers::SerialPort;
+
+namespace fs = std::filesystem;
+
+std::string link_name(const char* name) {
+  return (fs::path(testing::TempDir()) / (std::string("mauve_serial_") + name)).string();
+}
+
+std::string take(const SerialPort& port) {
+  std::array<char, 4096> bytes{};
+  const auto count = port.read(bytes);
+  return {bytes.data(), static_cast<std::size_t>(count > 0 ? count : 0)};
+}
+
+TEST(SerialPort, ReadsWhatWasSentUnchanged) {
+  const std::string link = link_name("unchanged");
+  PseudoTerminal line;
+  SerialPort port;
+  ASSERT_TRUE(line.open(link));
+  ASSERT_TRUE(port.open(link, 9600));
+
+  EXPECT_EQ(take(port), "");
+  ASSERT_TRUE(line.send(std::string("\x03\x04\r\n$\xff\x11", 7)));
+
+  EXPECT_EQ(take(port), std::string("\x03\x04\r\n$\xff\x11", 7));
+  EXPECT_EQ(take(port), "");
+}
+
+TEST(SerialPort, NeverWaitsForBytes) {
+  PseudoTerminal line;
+  SerialPort port;
+  ASSERT_TRUE(line.open(""));
+  ASSERT_TRUE(port.open(line.device(), 0));
+  std::array<char, 16> bytes{};
+
+  EXPECT_EQ(port.read(bytes), 0);
+}
+
+TEST(SerialPort, SaysWhyADeviceCannotBeOpened) {
+  SerialPort port;
+  const auto missing = port.open("/nowhere/ttyS9", 9600);
+  PseudoTerminal line;
+  ASSERT_TRUE(line.open(""));
+  const auto slow = port.open(line.device(), 1234);
+
+  ASSERT_FALSE(missing);
+  EXPECT_NE(missing.error().message.find("/nowhere/ttyS9"), std::string::npos);
+  ASSERT_FALSE(slow);
+  EXPECT_NE(slow.error().message.find("1234 baud"), std::string::npos);
+  EXPECT_FALSE(port.is_open());
+}
+
+TEST(SerialPort, ReadsAPlainFileToo) {
+  const std::string path = link_name("file");
+  std::ofstream(path) << "$GPGGA";
+  SerialPort port;
+
+  ASSERT_TRUE(port.open(path, 9600));
+
+  EXPECT_EQ(take(port), "$GPGGA");
+  fs::remove(path);
+}
+
+TEST(PseudoTerminal, LosesWhatDoesNotFitInsteadOfWaiting) {
+  PseudoTerminal line;
+  ASSERT_TRUE(line.open(""));
+  const std::string block(4096, 'x');
+  bool all = true;
+
+  for (int i = 0; i < 100; ++i) all = line.send(block) && all;
+
+  EXPECT_FALSE(all);
+}
+
+TEST(PseudoTerminal, RemovesItsLinkAndNothingElse) {
+  const std::string link = link_name("link");
+  {
+    PseudoTerminal line;
+    ASSERT_TRUE(line.open(link));
+    EXPECT_TRUE(fs::is_symlink(link));
+    PseudoTerminal successor;
+    ASSERT_TRUE(successor.open(link));
+    line.close();
+    EXPECT_TRUE(fs::is_symlink(link));
+  }
+  EXPECT_FALSE(fs::exists(fs::symlink_status(link)));
+
+  std::ofstream(link) << "precious";
+  PseudoTerminal line;
+  EXPECT_FALSE(line.open(link));
+  EXPECT_TRUE(fs::is_regular_file(link));
+  fs::remove(link);
+}
+
+}  // namespace
