@@ -39,12 +39,15 @@ struct RpcCode {
   Exit exit;
 };
 
-constexpr std::array<RpcCode, 5> kRpcCodes{{
+constexpr std::array<RpcCode, 8> kRpcCodes{{
     {kParseError, "parse_error", Exit::usage},
     {kInvalidRequest, "invalid_request", Exit::usage},
     {kUnknownMethod, "unknown_method", Exit::usage},
     {kInvalidParams, "invalid_params", Exit::usage},
     {kInternal, "internal", Exit::refused},
+    {kUnreachable, "unreachable", Exit::unreachable},
+    {kBadAnswer, "bad_answer", Exit::unreachable},
+    {kUsage, "usage", Exit::usage},
 }};
 
 bool is_id(const Json& id) { return id.is_string() || id.is_number_integer(); }

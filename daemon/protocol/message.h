@@ -21,6 +21,10 @@ inline constexpr int kInvalidRequest = -32600;
 inline constexpr int kUnknownMethod = -32601;
 inline constexpr int kInvalidParams = -32602;
 inline constexpr int kInternal = -32603;
+/// Made by a client about itself, never sent: no daemon, a daemon that makes no sense, wrong use.
+inline constexpr int kUnreachable = -32001;
+inline constexpr int kBadAnswer = -32002;
+inline constexpr int kUsage = -32003;
 
 /// Exit codes of mauvectl, the same numbers as "exit" on the wire.
 enum class Exit : int {
@@ -51,7 +55,7 @@ struct Fault {
 /// The wire form of an Error. A state of "safe" makes the exit code 9.
 [[nodiscard]] Fault fault_of(const Error& error, std::string state = "unchanged",
                              std::optional<std::uint64_t> generation = std::nullopt);
-/// One of the JSON-RPC codes above, with the name and exit code that belong to it.
+/// One of the codes above, with the name and exit code that belong to it.
 [[nodiscard]] Fault fault_of(int code, std::string message, std::string where = {},
                              std::string hint = {});
 /// Back again: unknown names and JSON-RPC's own become invalid_value.

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What the commands do: ask, print, and return the exit code. One function a row of the table.
+#pragma once
+
+#include "session.h"
+
+namespace mauve::ctl {
+
+int run_status(Session& session);
+int run_list(Session& session);
+int run_show(Session& session);
+int run_get(Session& session);
+int run_watch(Session& session);
+int run_plugins(Session& session);
+int run_check(Session& session);
+int run_export(Session& session);
+int run_logs(Session& session);
+int run_ping(Session& session);
+int run_version(Session& session);
+
+int run_set(Session& session);
+int run_start(Session& session);
+int run_stop(Session& session);
+int run_swap_core(Session& session);
+int run_connect(Session& session);
+int run_disconnect(Session& session);
+int run_load(Session& session);
+int run_unload(Session& session);
+int run_reload(Session& session);
+
+}  // namespace mauve::ctl

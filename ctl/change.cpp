@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <string>
+#include <utility>
+
+#include "actions.h"
+#include "protocol/framing.h"
+#include "words.h"
+
+namespace mauve::ctl {
+namespace {
+
+using protocol::Exit;
+using protocol::fault_of;
+using Render = std::string (*)(std::string_view, const Json&);
+
+int exit_of(const Json& receipt) {
+  const std::string state = word(receipt, "state");
+  if (state == "safe") return static_cast<int>(Exit::partly);
+  return static_cast<int>(state == "rolled_back" ? Exit::refused : Exit::ok);
+}
+
+int change(Session& session, std::string_view method, Json params, std::string_view done,
+           Render render = render_receipt) {
+  const auto answer = session.call(method, std::move(params));
+  if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
+  const auto& receipt = std::get<Json>(answer);
+  session.print(receipt, render(done, receipt));
+  return exit_of(receipt);
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+/// "gain=0.3" to {"gain": 0.3}; what is not JSON is a text.
+std::variant<Json, Fault> assignments(const std::vector<std::string>& given) {
+  Json values = Json::object();
+  for (const auto& one : given) {
+    const auto equals = one.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      return fault_of(protocol::kUsage, "'" + one + "' is not NAME=VALUE", {},
+                      "example: control.core.gain=0.3");
+    }
+    const std::string name = one.substr(0, equals);
+    if (values.contains(name)) {
+      return fault_of(protocol::kUsage, "'" + name + "' is set twice");
+    }
+    const std::string text = one.substr(equals + 1);
+    auto parsed = protocol::parse_json(text);
+    values[name] = parsed ? std::move(*parsed) : Json(text);
+  }
+  return values;
+}
+
+int change_plugin(Session& session, std::string_view method, std::string_view verb) {
+  const std::string plugin = session.arguments.one("PLUGIN");
+  return change(session, method, {{"plugin", plugin}}, std::string(verb) + " " + plugin,
+                render_plugin);
+}
+
+void add_state(const Session& session, Json& params) {
+  if (session.arguments.has("--state")) params["state"] = session.arguments.one("--state");
+}
+
+}  // namespace
+
+int run_set(Session& session) {
+  auto values = assignments(session.arguments.all("ADDRESS=VALUE"));
+  if (const auto* fault = std::get_if<Fault>(&values)) return session.fail(*fault);
+  std::vector<std::string> names;
+  for (const auto& [name, value] : std::get<Json>(values).items()) names.push_back(name);
+  Json params = {{"values", std::move(std::get<Json>(values))}};
+  add_state(session, params);
+  return change(session, "param.set", std::move(params), "set " + listed(names));
+}
+
+int run_start(Session& session) {
+  const auto names = session.arguments.all("COMPONENT");
+  Json params = {{"components", names}};
+  if (session.arguments.has("--reset")) params["reset"] = true;
+  return change(session, "component.start", std::move(params), "started " + listed(names));
+}
+
+int run_stop(Session& session) {
+  const auto names = session.arguments.all("COMPONENT");
+  const bool all = session.arguments.has("--all");
+  if (all != names.empty()) {
+    return session.fail(fault_of(
+        protocol::kUsage, all ? "either names of components, or --all" : "no component named", {},
+        "example: mauvectl stop control, or: mauvectl stop --all"));
+  }
+  if (all) return change(session, "component.stop", {{"all", true}}, "stopped everything");
+  return change(session, "component.stop", {{"components", names}}, "stopped " + listed(names));
+}
+
+int run_swap_core(Session& session) {
+  const std::string component = session.arguments.one("COMPONENT");
+  auto values = assignments(session.arguments.all("--set"));
+  if (const auto* fault = std::get_if<Fault>(&values)) return session.fail(*fault);
+  Json params = {{"component", component}, {"core", session.arguments.one("CORE")}};
+  if (session.arguments.has("--set")) params["set"] = std::move(std::get<Json>(values));
+  if (session.arguments.has("--in-place")) params["in_place"] = true;
+  add_state(session, params);
+  return change(session, "core.swap", std::move(params), "swapped " + component);
+}
+
+int run_connect(Session& session) {
+  const std::string port = session.arguments.one("PORT");
+  const std::string service = session.arguments.one("SERVICE");
+  return change(session, "port.connect", {{"port", port}, {"service", service}},
+                "connected " + port + " to " + service);
+}
+
+int run_disconnect(Session& session) {
+  const std::string port = session.arguments.one("PORT");
+  return change(session, "port.disconnect", {{"port", port}}, "disconnected " + port);
+}
+
+int run_load(Session& session) { return change_plugin(session, "plugin.load", "loaded"); }
+int run_unload(Session& session) { return change_plugin(session, "plugin.unload", "unloaded"); }
+int run_reload(Session& session) { return change_plugin(session, "plugin.reload", "reloaded"); }
+
+}  // namespace mauve::ctl

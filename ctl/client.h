@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// One connection to mauved: greeting, requests one at a time, notifications. One thread.
+#pragma once
+
+#include <chrono>
+#include <deque>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "protocol/message.h"
+
+namespace mauve::ctl {
+
+using protocol::Fault;
+using protocol::Json;
+using protocol::Notification;
+
+class Client {
+ public:
+  Client(std::string socket_path, std::chrono::nanoseconds greeting_timeout);
+  ~Client();
+  Client(const Client&) = delete;
+  Client& operator=(const Client&) = delete;
+
+  /// Connects and reads the greeting. Nothing to be said, or the Fault: unreachable, not_permitted,
+  /// bad_answer, or what the server says in place of its greeting.
+  [[nodiscard]] std::optional<Fault> connect();
+
+  /// Sends one request and waits for its answer; notifications that come before it are kept for
+  /// next(). A lost connection or a timeout says "unknown" as the state after a mutation.
+  [[nodiscard]] std::variant<Json, Fault> call(std::string_view method, const Json& params,
+                                               std::chrono::nanoseconds timeout);
+
+  /// The next notification; waits as long as it takes. A Fault when the daemon goes away.
+  [[nodiscard]] std::variant<Notification, Fault> next();
+
+  /// What the daemon said of itself.
+  [[nodiscard]] const Json& greeting() const { return greeting_; }
+
+ private:
+  struct Connection;
+  using Deadline = std::chrono::steady_clock::time_point;
+
+  std::optional<Fault> accept_greeting(std::string_view line);
+  std::variant<std::string, Fault> read_line(Deadline deadline);
+  std::variant<protocol::ServerMessage, Fault> read_message(Deadline deadline);
+  std::optional<Fault> send(const std::string& line, Deadline deadline);
+  [[nodiscard]] Fault gone() const;
+  [[nodiscard]] Fault bad_answer(std::string message) const;
+
+  std::string path_;
+  std::chrono::nanoseconds greeting_timeout_;
+  std::unique_ptr<Connection> connection_;
+  std::deque<Notification> notifications_;
+  Json greeting_ = Json::object();
+  std::int64_t last_id_ = 0;
+};
+
+}  // namespace mauve::ctl

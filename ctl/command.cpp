@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "command.h"
+
+#include <algorithm>
+
+#include "actions.h"
+
+namespace mauve::ctl {
+namespace {
+
+constexpr Argument one(std::string_view name, std::string_view text, Kind kind) {
+  return {name, text, kind, true};
+}
+constexpr Argument maybe(std::string_view name, std::string_view text, Kind kind) {
+  return {name, text, kind};
+}
+constexpr Argument some(std::string_view name, std::string_view text, Kind kind) {
+  return {name, text, kind, true, true};
+}
+constexpr Argument any(std::string_view name, std::string_view text, Kind kind) {
+  return {name, text, kind, false, true};
+}
+constexpr Argument flag(std::string_view name, std::string_view text) {
+  return {name, text, Kind::none, false, false, true};
+}
+
+constexpr Argument kState = maybe("--state", "\"drop\": begin with a fresh state", Kind::none);
+constexpr Argument kComponent = one("COMPONENT", "name of a component", Kind::component);
+constexpr Argument kPort = one("PORT", "such as control.ports.scan", Kind::port);
+
+constexpr Argument kList[] = {maybe(
+    "KIND", "components (default), resources, cores, ports, plugins or clients", Kind::category)};
+constexpr Argument kShow[] = {
+    one("ADDRESS", "component, resource or anything in them", Kind::address)};
+constexpr Argument kGet[] = {
+    some("ADDRESS", "such as control.core.gain or fix.read", Kind::address)};
+constexpr Argument kSet[] = {some("ADDRESS=VALUE", "JSON, or a bare text", Kind::assignment),
+                             kState};
+constexpr Argument kStart[] = {some("COMPONENT", "names of components", Kind::component),
+                               flag("--reset", "with a fresh core state")};
+constexpr Argument kStop[] = {any("COMPONENT", "names of components", Kind::component),
+                              flag("--all", "every component, at once")};
+constexpr Argument kSwap[] = {
+    kComponent, one("CORE", "such as guidance/finite_time", Kind::core),
+    any("--set", "KEY=VALUE of a property of the new core", Kind::none),
+    flag("--in-place", "stop, swap, start: for hardware that one core only can hold"), kState};
+constexpr Argument kConnect[] = {kPort, one("SERVICE", "such as scan.read", Kind::service)};
+constexpr Argument kDisconnect[] = {kPort};
+constexpr Argument kPlugin[] = {one("PLUGIN", "name of a plugin, not a path", Kind::plugin)};
+constexpr Argument kPlugins[] = {maybe("--for", "only what fits this component", Kind::component)};
+constexpr Argument kCheck[] = {one("FILE", "an architecture file", Kind::file)};
+constexpr Argument kLogs[] = {
+    maybe("COMPONENT", "only this one", Kind::component),
+    flag("-f,--follow", "go on with what comes"),
+    maybe("-n,--lines", "how many of the last records", Kind::none),
+    maybe("--level", "debug, info, warn or error, and worse", Kind::level)};
+
+constexpr Command kCommands[] = {
+    {"status", "generation and one line a component", "mauvectl status", {}, false, run_status},
+    {"list", "components, resources, cores, ports, plugins or clients", "mauvectl list ports",
+     kList, false, run_list},
+    {"show", "everything about one object", "mauvectl show control", kShow, false, run_show},
+    {"get", "values and their status", "mauvectl get control.core.gain fix.read", kGet, false,
+     run_get},
+    {"set", "properties, all in one change", "mauvectl set control.core.gain=0.3", kSet, true,
+     run_set},
+    {"watch", "every new value, one a line, until Ctrl-C", "mauvectl --json watch fix.read", kGet,
+     false, run_watch},
+    {"start", "components, at the next instant of their grid", "mauvectl start gnss", kStart, true,
+     run_start},
+    {"stop", "components: end the job, write safe values, park", "mauvectl stop --all", kStop, true,
+     run_stop},
+    {"swap-core", "replace the core of a running component",
+     "mauvectl swap-core control guidance/finite_time --set gain=0.3", kSwap, true, run_swap_core},
+    {"connect", "a port to a service", "mauvectl connect control.ports.scan scan.read", kConnect,
+     true, run_connect},
+    {"disconnect", "a port", "mauvectl disconnect gnss.ports.fix", kDisconnect, true,
+     run_disconnect},
+    {"load", "a plugin, by name", "mauvectl load guidance_extra", kPlugin, true, run_load},
+    {"unload", "a plugin that nothing uses", "mauvectl unload guidance_extra", kPlugin, true,
+     run_unload},
+    {"reload", "a rebuilt plugin: move every instance to the new code", "mauvectl reload guidance",
+     kPlugin, true, run_reload},
+    {"plugins", "what is loaded and what it brings", "mauvectl plugins --for control", kPlugins,
+     false, run_plugins},
+    {"check", "an architecture file, all errors at once", "mauvectl check rover.json", kCheck,
+     false, run_check},
+    {"export",
+     "the running system as an architecture file",
+     "mauvectl export > now.json",
+     {},
+     false,
+     run_export},
+    {"logs", "the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},
+    {"ping", "does the daemon answer", "mauvectl ping", {}, false, run_ping},
+    {"version", "of client and daemon", "mauvectl version", {}, false, run_version},
+};
+
+constexpr Category kCategories[] = {
+    {"components", "component.list"}, {"resources", "resource.list"}, {"cores", "core.list"},
+    {"ports", "port.list"},           {"plugins", "plugin.list"},     {"clients", "client.list"},
+};
+
+}  // namespace
+
+std::span<const Command> commands() { return kCommands; }
+
+const Command* find_command(std::string_view name) {
+  const auto found = std::find_if(std::begin(kCommands), std::end(kCommands),
+                                  [&](const Command& one) { return one.name == name; });
+  return found == std::end(kCommands) ? nullptr : found;
+}
+
+std::span<const Category> categories() { return kCategories; }
+
+}  // namespace mauve::ctl

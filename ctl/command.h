@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The commands of mauvectl: one row each, from which parser, help, completion and manual are made.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mauve::ctl {
+
+class Session;
+
+/// What completion offers for an argument.
+enum class Kind {
+  none,
+  component,
+  core,
+  port,
+  service,
+  address,
+  assignment,
+  plugin,
+  file,
+  category,
+  level
+};
+
+struct Argument {
+  std::string_view name;  ///< "COMPONENT", or "--set" for an option
+  std::string_view text;
+  Kind kind = Kind::none;
+  bool required = false;
+  bool many = false;
+  bool flag = false;  ///< an option without value
+
+  [[nodiscard]] bool is_option() const { return name.starts_with('-'); }
+};
+
+struct Command {
+  std::string_view name;
+  std::string_view text;  ///< one sentence, lower case
+  std::string_view example;
+  std::span<const Argument> arguments;
+  bool changes = false;  ///< takes --if-generation and --reason
+  int (*run)(Session&) = nullptr;
+};
+
+[[nodiscard]] std::span<const Command> commands();
+[[nodiscard]] const Command* find_command(std::string_view name);
+
+/// What `list` can list, and the method of the wire for it.
+struct Category {
+  std::string_view name;
+  std::string_view method;
+};
+[[nodiscard]] std::span<const Category> categories();
+
+/// Said before or after the command.
+struct Globals {
+  std::string socket;
+  bool json = false;
+  std::string colour = "auto";
+  std::string timeout;  ///< as written, empty: what suits the command
+  std::optional<std::uint64_t> if_generation;
+  std::string reason;
+};
+
+/// The values of the arguments that were given, by the names in the table.
+class Arguments {
+ public:
+  void add(std::string_view name, std::string value) {
+    values_[std::string(name)].push_back(std::move(value));
+  }
+  [[nodiscard]] bool has(std::string_view name) const { return values_.contains(name); }
+  /// The first, or empty.
+  [[nodiscard]] std::string one(std::string_view name) const {
+    const auto found = values_.find(name);
+    return found == values_.end() ? std::string{} : found->second.front();
+  }
+  [[nodiscard]] std::vector<std::string> all(std::string_view name) const {
+    const auto found = values_.find(name);
+    return found == values_.end() ? std::vector<std::string>{} : found->second;
+  }
+
+ private:
+  std::map<std::string, std::vector<std::string>, std::less<>> values_;
+};
+
+}  // namespace mauve::ctl

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "complete.h"
+
+#include <algorithm>
+#include <chrono>
+#include <string_view>
+
+#include "client.h"
+#include "options.h"
+#include "protocol/socket_path.h"
+#include "words.h"
+
+namespace mauve::ctl {
+namespace {
+
+constexpr std::chrono::milliseconds kMoment{500};
+constexpr std::string_view kLevels[] = {"debug", "info", "warn", "error"};
+
+using Words = std::vector<std::string>;
+
+/// The command line as far as it is understood: options are left out of `positionals`.
+struct Typed {
+  const Command* command = nullptr;
+  Words positionals;
+  const Argument* waiting = nullptr;  ///< the option that the last word is the value of
+  std::string socket;
+};
+
+/// "-n" and "--lines" both mean "-n,--lines".
+bool is_called(const Argument& argument, std::string_view word) {
+  std::string_view rest = argument.name;
+  while (!rest.empty()) {
+    const auto comma = rest.find(',');
+    if (rest.substr(0, comma) == word) return true;
+    rest = comma == std::string_view::npos ? std::string_view{} : rest.substr(comma + 1);
+  }
+  return false;
+}
+
+const Argument* option_called(const Command* command, std::string_view word) {
+  const auto find_in = [&](std::span<const Argument> arguments) -> const Argument* {
+    const auto found = std::find_if(arguments.begin(), arguments.end(), [&](const Argument& one) {
+      return one.is_option() && is_called(one, word);
+    });
+    return found == arguments.end() ? nullptr : &*found;
+  };
+  const Argument* own = command == nullptr ? nullptr : find_in(command->arguments);
+  return own != nullptr ? own : find_in(global_options());
+}
+
+Typed understand(const Words& words) {
+  Typed typed;
+  for (std::size_t i = 0; i + 1 < words.size(); ++i) {
+    if (typed.waiting != nullptr) {
+      if (typed.waiting->name == "--socket") typed.socket = words[i];
+      typed.waiting = nullptr;
+    } else if (words[i].starts_with('-')) {
+      const Argument* option = option_called(typed.command, words[i]);
+      if (option != nullptr && !option->flag) typed.waiting = option;
+    } else if (typed.command == nullptr) {
+      typed.command = find_command(words[i]);
+    } else {
+      typed.positionals.push_back(words[i]);
+    }
+  }
+  return typed;
+}
+
+Words options_of(const Command* command) {
+  Words names{"--help"};
+  const auto add = [&](const Argument& one) {
+    if (one.is_option()) names.emplace_back(one.name.substr(one.name.rfind(',') + 1));
+  };
+  if (command != nullptr) {
+    std::for_each(command->arguments.begin(), command->arguments.end(), add);
+  }
+  std::for_each(global_options().begin(), global_options().end(), add);
+  return names;
+}
+
+const Argument* next_positional(const Typed& typed) {
+  std::size_t place = typed.positionals.size();
+  for (const Argument& one : typed.command->arguments) {
+    if (one.is_option()) continue;
+    if (one.many || place == 0) return &one;
+    --place;
+  }
+  return nullptr;
+}
+
+/// Live names; silent when there is no daemon.
+class Live {
+ public:
+  explicit Live(const Typed& typed)
+      : client_(typed.socket.empty() ? protocol::default_socket_path() : typed.socket, kMoment),
+        connected_(!client_.connect()) {}
+
+  Words names(std::string_view method, const Json& params = Json::object()) {
+    Words result;
+    const Json answer = ask(method, params);
+    const Json items = answer.is_object() ? answer.value("items", Json::array()) : Json::array();
+    for (const Json& item : items) {
+      std::string name =
+          word(item, item.is_object() && item.contains("address") ? "address" : "name");
+      if (!name.empty()) result.push_back(std::move(name));
+    }
+    return result;
+  }
+
+  /// Elements; below an element what `show` says is in it.
+  Words addresses(const std::string& begun) {
+    const auto dot = begun.find('.');
+    if (dot != std::string::npos) return inside(begun.substr(0, dot));
+    Words result = names("component.list");
+    for (auto& name : names("resource.list")) result.push_back(std::move(name));
+    return result;
+  }
+
+ private:
+  Json ask(std::string_view method, const Json& params) {
+    if (!connected_) return {};
+    auto answer = client_.call(method, params, kMoment);
+    return std::holds_alternative<Json>(answer) ? std::get<Json>(std::move(answer)) : Json();
+  }
+
+  Words inside(const std::string& element) {
+    Words result;
+    collect(ask("object.get", {{"address", element}}), result);
+    return result;
+  }
+
+  /// Every "address" in the answer, however deep: the parser of the wire bounds the depth.
+  static void collect(const Json& value, Words& result) {
+    if (!value.is_structured()) return;
+    if (value.is_object() && value.contains("address")) result.push_back(word(value, "address"));
+    for (const Json& member : value) collect(member, result);
+  }
+
+  Client client_;
+  bool connected_;
+};
+
+Words candidates(const Typed& typed, Kind kind, const std::string& begun) {
+  switch (kind) {
+    case Kind::none:
+    case Kind::file:
+      return {};
+    case Kind::level:
+      return {std::begin(kLevels), std::end(kLevels)};
+    case Kind::category: {
+      Words names;
+      for (const Category& one : categories()) names.emplace_back(one.name);
+      return names;
+    }
+    case Kind::component:
+      return Live(typed).names("component.list");
+    case Kind::core:
+      return Live(typed).names("core.list", {{"for", typed.positionals.front()}});
+    case Kind::port:
+      return Live(typed).names("port.list");
+    case Kind::plugin:
+      return Live(typed).names("plugin.list");
+    case Kind::service:
+    case Kind::address:
+    case Kind::assignment:
+      return Live(typed).addresses(begun);
+  }
+  return {};
+}
+
+Words all_candidates(const Typed& typed, const std::string& begun) {
+  if (typed.waiting != nullptr) return candidates(typed, typed.waiting->kind, begun);
+  if (begun.starts_with('-')) return options_of(typed.command);
+  if (typed.command == nullptr) {
+    Words names;
+    for (const Command& one : commands()) names.emplace_back(one.name);
+    return names;
+  }
+  const Argument* argument = next_positional(typed);
+  return argument == nullptr ? Words{} : candidates(typed, argument->kind, begun);
+}
+
+}  // namespace
+
+std::vector<std::string> completions(const std::vector<std::string>& words) {
+  if (words.empty()) return {};
+  const std::string& begun = words.back();
+  Words result = all_candidates(understand(words), begun);
+  std::erase_if(result, [&](const std::string& one) { return !one.starts_with(begun); });
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+}  // namespace mauve::ctl

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <charconv>
+#include <string>
+
+#include "actions.h"
+#include "words.h"
+
+namespace mauve::ctl {
+namespace {
+
+using protocol::fault_of;
+
+bool is_about(const Json& params, const Json& subscription) {
+  return params.is_object() && params.contains("sub") && params["sub"] == subscription;
+}
+
+/// The form that scripts read: the same members for every line.
+Json sample_line(Json params, bool dropped) {
+  params.erase("sub");
+  if (!dropped) return params;
+  params["value"] = nullptr;
+  params["status"] = "dropped";
+  return params;
+}
+
+Json subscription_of(const Json& result) {
+  return result.is_object() ? result.value("sub", Json()) : Json();
+}
+
+/// Prints what arrives until the daemon goes away; Ctrl-C ends the process.
+template <typename Print>
+int follow(Session& session, const Json& subscription, std::string_view method, Print print) {
+  while (true) {
+    auto arrived = session.next();
+    if (const auto* fault = std::get_if<Fault>(&arrived)) return session.fail(*fault);
+    auto& notification = std::get<Notification>(arrived);
+    const bool dropped = notification.method == "dropped";
+    if (notification.method != method && !dropped) continue;
+    if (is_about(notification.params, subscription)) print(std::move(notification.params), dropped);
+  }
+}
+
+/// A count as written, or nothing.
+std::optional<std::uint64_t> count_of(const std::string& text) {
+  std::uint64_t count = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return count;
+}
+
+}  // namespace
+
+int run_watch(Session& session) {
+  const auto answer =
+      session.call("watch.subscribe", {{"addresses", session.arguments.all("ADDRESS")}});
+  if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
+  return follow(session, subscription_of(std::get<Json>(answer)), "value",
+                [&](Json params, bool dropped) {
+                  const std::string text = render_sample(params, session.look());
+                  session.print(sample_line(std::move(params), dropped), text);
+                });
+}
+
+int run_logs(Session& session) {
+  const Arguments& given = session.arguments;
+  Json params = {{"follow", given.has("-f,--follow")}};
+  if (given.has("COMPONENT")) params["component"] = given.one("COMPONENT");
+  if (given.has("--level")) params["level"] = given.one("--level");
+  if (given.has("-n,--lines")) {
+    const auto count = count_of(given.one("-n,--lines"));
+    if (!count) {
+      return session.fail(fault_of(protocol::kUsage, "-n takes a count", given.one("-n,--lines")));
+    }
+    params["n"] = *count;
+  }
+  const auto answer = session.call("log.tail", params);
+  if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
+  const auto& result = std::get<Json>(answer);
+  const Json records = result.is_object() ? result.value("records", Json::array()) : Json::array();
+  for (const Json& record : records) session.print(record, render_record(record, session.look()));
+  if (!given.has("-f,--follow")) return 0;
+  return follow(session, subscription_of(result), "log", [&](Json record, bool dropped) {
+    record.erase("sub");
+    if (dropped) record["event"] = "dropped";
+    session.print(record, render_record(record, session.look()));
+  });
+}
+
+}  // namespace mauve::ctl

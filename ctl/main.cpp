@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// mauvectl: looks at mauved and changes what runs in it.
+#include <signal.h>
+#include <unistd.h>
+
+#include <exception>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "complete.h"
+#include "options.h"
+#include "session.h"
+
+namespace {
+
+using namespace mauve::ctl;
+
+// The signal handler has nothing else to look at.
+volatile sig_atomic_t g_changing = 0;
+
+/// Ends at once, as if there were no handler, but says what may still go on.
+extern "C" void end_at_once(int signal_number) {
+  constexpr char kText[] =
+      "\nmauvectl: stopped waiting; the daemon may still carry out the change\n";
+  if (g_changing != 0) [[maybe_unused]]
+    const auto written = write(2, kText, sizeof kText - 1);
+  signal(signal_number, SIG_DFL);
+  raise(signal_number);
+}
+
+Colour colour_of(const std::string& name) {
+  if (name == "always") return Colour::always;
+  return name == "never" ? Colour::never : Colour::automatic;
+}
+
+int refuse_use(const Misuse& misuse) {
+  const Screen screen = standard_screen(misuse.json, colour_of(misuse.colour));
+  if (screen.json) {
+    screen.out << mauve::protocol::to_line(fault_json(misuse.fault)) << std::endl;
+  } else {
+    screen.err << render_fault({}, misuse.fault, {screen.width, screen.colour_err});
+  }
+  return misuse.fault.exit;
+}
+
+int run(const std::vector<std::string>& words) {
+  if (!words.empty() && words.front() == "__complete") {
+    for (const auto& one : completions({words.begin() + 1, words.end()})) std::cout << one << '\n';
+    return 0;
+  }
+  auto parsed = parse_options(words);
+  if (const auto* misuse = std::get_if<Misuse>(&parsed)) return refuse_use(*misuse);
+  if (const auto* text = std::get_if<Text>(&parsed)) {
+    std::cout << text->text;
+    return 0;
+  }
+  auto& asked = std::get<Invocation>(parsed);
+  g_changing = asked.command->changes ? 1 : 0;
+  const Screen screen = standard_screen(asked.globals.json, colour_of(asked.globals.colour));
+  Session session(*asked.command, std::move(asked.arguments), std::move(asked.globals), screen);
+  return asked.command->run(session);
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  signal(SIGINT, end_at_once);
+  signal(SIGTERM, end_at_once);
+  // The last door: a full memory or a library's surprise is an error with an exit code, not a
+  // crash.
+  try {
+    return run({words + 1, words + count});
+  } catch (const std::exception& error) {
+    std::cerr << "error: mauvectl failed: " << error.what() << '\n';
+    return 1;
+  }
+}

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+
+#include "base/name.h"
+#include "protocol/socket_path.h"
+#include "session.h"
+
+namespace mauve::ctl {
+namespace {
+
+using protocol::fault_of;
+
+constexpr Argument kGlobals[] = {
+    {"--socket", "of the daemon (default: MAUVE_SOCKET, else the usual place)", Kind::file},
+    {"--json", "one line of JSON on stdout, errors included", Kind::none, false, false, true},
+    {"--timeout", "how long to wait for an answer, such as 5s", Kind::none},
+    {"--if-generation", "change only if this generation is running", Kind::none},
+    {"--reason", "why you change it, for the log", Kind::none},
+    {"--color", "auto, always or never", Kind::none},
+};
+
+constexpr std::string_view kExamples =
+    "Examples:\n"
+    "  mauvectl status\n"
+    "  mauvectl watch fix.read\n"
+    "  mauvectl set control.core.gain=0.3\n"
+    "  mauvectl swap-core control guidance/finite_time\n"
+    "Exit codes: 0 done, 1 refused, 2 wrong use, 3 condition false, 4 no such object, 5 "
+    "permission,\n"
+    "  6 conflict, 7 no daemon, 8 timed out, 9 done partly and in the safe state.\n"
+    "Texts for people may change between releases; JSON only grows.";
+
+using Values = std::map<std::string_view, std::vector<std::string>>;
+
+std::string cli_name(const Argument& argument) {
+  if (argument.is_option()) return std::string(argument.name);
+  return argument.name == "ADDRESS=VALUE" ? "ASSIGNMENT" : std::string(argument.name);
+}
+
+void add_argument(CLI::App& app, const Argument& argument, Values& values) {
+  const std::string name = cli_name(argument);
+  const std::string text(argument.text);
+  if (argument.flag) {
+    app.add_flag_callback(
+        name, [&values, key = argument.name] { values[key] = {"true"}; }, text);
+    return;
+  }
+  CLI::Option* option = app.add_option(name, values[argument.name], text);
+  option->type_name(argument.is_option() ? "VALUE" : "")->required(argument.required);
+  const bool takes_many = argument.many && !argument.is_option();
+  if (!takes_many) option->expected(1)->allow_extra_args(false);
+  if (argument.many) option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+std::string near(std::string_view wanted, std::vector<std::string> known, std::string otherwise) {
+  const std::string nearest = nearest_name(wanted, known);
+  return nearest.empty() ? std::move(otherwise) : "did you mean '" + nearest + "'?";
+}
+
+std::vector<std::string> option_names(const Command* command) {
+  std::vector<std::string> names{"--help", "--version"};
+  const auto add = [&](const Argument& argument) {
+    if (!argument.is_option()) return;
+    names.emplace_back(argument.name.substr(argument.name.rfind(',') + 1));
+  };
+  std::for_each(std::begin(kGlobals), std::end(kGlobals), add);
+  if (command != nullptr) {
+    std::for_each(command->arguments.begin(), command->arguments.end(), add);
+  }
+  return names;
+}
+
+Fault misuse(std::string message, std::string hint) {
+  return fault_of(protocol::kUsage, std::move(message), {}, std::move(hint));
+}
+
+Fault unexpected(const std::string& word, const Command* command) {
+  const std::string help =
+      "mauvectl " + (command != nullptr ? std::string(command->name) + " " : "") + "--help";
+  if (word.starts_with('-')) {
+    return misuse("unknown option '" + word + "'", near(word, option_names(command), help));
+  }
+  if (command != nullptr) {
+    return misuse("'" + word + "' is one argument too many for " + std::string(command->name),
+                  "example: " + std::string(command->example));
+  }
+  std::vector<std::string> names;
+  for (const Command& one : commands()) names.emplace_back(one.name);
+  return misuse("unknown command '" + word + "'", near(word, names, help));
+}
+
+/// The parser of the library, filled from the table, and where its values go.
+struct Parser {
+  CLI::App app{"Looks at mauved and changes what runs in it.", "mauvectl"};
+  Values global_values;
+  std::map<std::string_view, Values> values;
+
+  Parser() {
+    app.footer(std::string(kExamples));
+    app.allow_extras();
+    app.require_subcommand(0, 1);
+    app.set_version_flag("--version", std::string("mauvectl ") + MAUVE_VERSION);
+    for (const Argument& argument : kGlobals) add_argument(app, argument, global_values);
+    for (const Command& command : commands()) add_command(command);
+  }
+
+  void add_command(const Command& command) {
+    CLI::App* sub = app.add_subcommand(std::string(command.name), std::string(command.text));
+    sub->fallthrough();
+    sub->footer("Example: " + std::string(command.example));
+    for (const Argument& argument : command.arguments) {
+      add_argument(*sub, argument, values[command.name]);
+    }
+  }
+
+  [[nodiscard]] const Command* chosen() const {
+    const auto subcommands = app.get_subcommands();
+    return subcommands.empty() ? nullptr : find_command(subcommands.front()->get_name());
+  }
+
+  [[nodiscard]] std::string global(std::string_view name) const {
+    const auto found = global_values.find(name);
+    return found == global_values.end() || found->second.empty() ? std::string{}
+                                                                 : found->second.back();
+  }
+};
+
+std::optional<Fault> read_globals(const Parser& parser, const Command& command, Globals& globals) {
+  globals.socket = parser.global("--socket");
+  if (globals.socket.empty()) globals.socket = protocol::default_socket_path();
+  globals.json = !parser.global("--json").empty();
+  globals.reason = parser.global("--reason");
+  globals.timeout = parser.global("--timeout");
+  if (!globals.timeout.empty() && !timeout_of(globals.timeout)) {
+    return misuse("'" + globals.timeout + "' is not a time to wait", "example: --timeout 5s");
+  }
+  if (const auto colour = parser.global("--color"); !colour.empty()) globals.colour = colour;
+  if (globals.colour != "auto" && globals.colour != "always" && globals.colour != "never") {
+    return misuse("--color is auto, always or never", {});
+  }
+  const std::string generation = parser.global("--if-generation");
+  if (!command.changes && (!generation.empty() || !globals.reason.empty())) {
+    return misuse("--if-generation and --reason are for commands that change something",
+                  std::string(command.name) + " changes nothing");
+  }
+  if (generation.empty()) return std::nullopt;
+  std::uint64_t number = 0;
+  const char* end = generation.data() + generation.size();
+  const auto read = std::from_chars(generation.data(), end, number);
+  if (read.ec != std::errc{} || read.ptr != end) {
+    return misuse("'" + generation + "' is not a generation", "mauvectl status shows it");
+  }
+  globals.if_generation = number;
+  return std::nullopt;
+}
+
+std::variant<Invocation, Text, Misuse> invocation_of(const Parser& parser) {
+  const Command* command = parser.chosen();
+  const bool json = !parser.global("--json").empty();
+  if (const auto extra = parser.app.remaining(true); !extra.empty()) {
+    return Misuse{unexpected(extra.front(), command), json};
+  }
+  if (command == nullptr) return Misuse{misuse("no command given", "mauvectl --help"), json};
+  Invocation invocation;
+  invocation.command = command;
+  for (const auto& [name, given] : parser.values.at(command->name)) {
+    for (const auto& value : given) invocation.arguments.add(name, value);
+  }
+  if (auto fault = read_globals(parser, *command, invocation.globals)) {
+    return Misuse{std::move(*fault), json};
+  }
+  return invocation;
+}
+
+}  // namespace
+
+std::variant<Invocation, Text, Misuse> parse_options(const std::vector<std::string>& words) {
+  Parser parser;
+  for (const Command& command : commands()) parser.values.try_emplace(command.name);
+  // The door of the library's exceptions: they also carry the calls for help.
+  try {
+    parser.app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  } catch (const CLI::CallForHelp&) {
+    return Text{parser.app.help()};
+  } catch (const CLI::CallForVersion& version) {
+    return Text{std::string(version.what()) + "\n"};
+  } catch (const CLI::ParseError& error) {
+    const bool json = std::find(words.begin(), words.end(), "--json") != words.end();
+    const Command* command = parser.chosen();
+    return Misuse{
+        misuse(error.what(), command != nullptr ? "example: " + std::string(command->example)
+                                                : "mauvectl --help"),
+        json};
+  }
+  return invocation_of(parser);
+}
+
+std::span<const Argument> global_options() { return kGlobals; }
+
+}  // namespace mauve::ctl

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "render.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "table.h"
+#include "words.h"
+
+namespace mauve::ctl {
+namespace {
+
+const Json& member(const Json& object, std::string_view key) {
+  static const Json kNothing;
+  if (!object.is_object()) return kNothing;
+  const auto found = object.find(key);
+  return found == object.end() ? kNothing : *found;
+}
+
+Paint paint_of(const std::string& state) {
+  if (state == "running") return Paint::green;
+  if (state == "faulted") return Paint::red;
+  return state == "stopped" ? Paint::yellow : Paint::plain;
+}
+
+Cell count_cell(const Json& component, std::string_view key) {
+  std::string text = word(component, key);
+  const bool bad = text != "0" && text != "-" && !text.empty();
+  return {std::move(text), bad ? Paint::yellow : Paint::plain};
+}
+
+std::string heading(const Json& status, const Json& components) {
+  const auto running = std::count_if(components.begin(), components.end(), [](const Json& one) {
+    return word(one, "state") == "running";
+  });
+  std::string text = word(status, "architecture") + ": " + std::to_string(running) + " of " +
+                     counted(components.size(), "component") + " running, generation " +
+                     word(status, "generation");
+  if (status.contains("uptime_s")) text += ", up " + seconds_in_words(number(status, "uptime_s"));
+  const Json& realtime = member(status, "realtime");
+  if (realtime.is_boolean()) text += realtime == true ? ", real time" : ", NOT real time";
+  if (realtime.is_string()) text += ", real time: " + compact(realtime);
+  return text;
+}
+
+bool all_numbers(const Json& items, const std::string& key) {
+  return std::all_of(items.begin(), items.end(), [&](const Json& item) {
+    return !item.contains(key) || item[key].is_number() || item[key].is_null();
+  });
+}
+
+bool is_list_of_objects(const Json& value) {
+  return value.is_array() && !value.empty() &&
+         std::all_of(value.begin(), value.end(), [](const Json& one) { return one.is_object(); });
+}
+
+std::string in_capitals(std::string text) {
+  for (char& letter : text) {
+    if (letter >= 'a' && letter <= 'z') letter = static_cast<char>(letter - 'a' + 'A');
+    if (letter == '_') letter = ' ';
+  }
+  return text;
+}
+
+std::string table_of(const Json& items, Look look) {
+  const auto keys = keys_in_order(items);
+  std::vector<Column> columns;
+  for (const auto& key : keys) columns.push_back({in_capitals(key), all_numbers(items, key)});
+  Table table(std::move(columns));
+  for (const Json& item : items) {
+    std::vector<Cell> row;
+    for (const auto& key : keys) {
+      std::string text = word(item, key);
+      const Paint paint = key == "state" ? paint_of(text) : Paint::plain;
+      row.push_back({std::move(text), paint});
+    }
+    table.add(std::move(row));
+  }
+  return table.text(look.width, look.colour);
+}
+
+std::string indented(const std::string& text, std::size_t depth) {
+  const std::string space(depth, ' ');
+  std::string result;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size() - 1);
+    result += space + text.substr(at, end + 1 - at);
+    at = end + 1;
+  }
+  return result;
+}
+
+Look narrower(Look look, std::size_t by) {
+  if (look.width > by + 20) look.width -= by;
+  return look;
+}
+
+std::string titled(const std::string& key, const std::string& block, Look look) {
+  return painted(harmless(key), Paint::bold, look.colour) + "\n" + indented(block, 2);
+}
+
+}  // namespace
+
+std::string render_status(const Json& status, Look look) {
+  const Json& components = member(status, "components");
+  Table table({{"NAME"},
+               {"STATE"},
+               {"FSM"},
+               {"CORE"},
+               {"PRIO", true},
+               {"RELEASES", true},
+               {"MISSED", true},
+               {"OVERRUNS", true}});
+  for (const Json& one : components) {
+    const std::string state = word(one, "state");
+    table.add({{word(one, "name")},
+               {state, paint_of(state)},
+               {word(one, "fsm_state")},
+               {word(one, "core")},
+               {word(one, "priority")},
+               {word(one, "releases")},
+               count_cell(one, "missed"),
+               count_cell(one, "overruns")});
+  }
+  const std::string first = cut(heading(status, components), look.width);
+  return first + "\n" + (components.empty() ? "" : table.text(look.width, look.colour));
+}
+
+std::string render_list(const Json& result, Look look) {
+  const Json& items = member(result, "items");
+  if (!items.is_array() || items.empty()) return "none\n";
+  if (is_list_of_objects(items)) return table_of(items, look);
+  std::string text;
+  for (const Json& item : items) text += compact(item) + "\n";
+  return text;
+}
+
+std::string render_object(const Json& object, Look look) {
+  if (!object.is_object()) return compact(object) + "\n";
+  const auto keys = keys_in_order(object);
+  const auto is_block = [&](const std::string& key) {
+    return (object[key].is_object() && !object[key].empty()) || is_list_of_objects(object[key]);
+  };
+  std::size_t widest = 0;
+  for (const auto& key : keys) {
+    if (!is_block(key)) widest = std::max(widest, columns(key));
+  }
+  std::string lines;
+  std::string blocks;
+  for (const auto& key : keys) {
+    const Json& value = object[key];
+    if (is_block(key)) {
+      const Look inside = narrower(look, 2);
+      blocks += titled(
+          key, value.is_object() ? render_object(value, inside) : table_of(value, inside), look);
+      continue;
+    }
+    const std::string space(widest - columns(key) + 2, ' ');
+    lines += cut(harmless(key) + space + compact(value), look.width) + "\n";
+  }
+  return lines + blocks;
+}
+
+std::string render_receipt(std::string_view done, const Json& receipt) {
+  const std::string generation = word(receipt, "generation");
+  if (member(receipt, "changed") == false) {
+    return "nothing to change (generation " + generation + " still running)\n";
+  }
+  const Json& components = member(receipt, "components");
+  std::string text(done);
+  const std::string state = word(receipt, "state");
+  if (state == "rolled_back") text += ", but it was rolled back";
+  if (state == "safe") text += " only partly, the robot is in its safe state";
+  double pause = 0;
+  std::uint64_t missed = 0;
+  std::uint64_t bytes = 0;
+  for (const Json& one : components) {
+    pause = std::max(pause, number(one, "pause_ns"));
+    missed += whole_number(one, "missed");
+    bytes += whole_number(one, "bytes");
+  }
+  if (!components.empty()) {
+    text += components.size() > 1 ? ": longest pause " : ": pause ";
+    text += nanoseconds_in_words(pause) + ", " + counted(missed, "release") + " missed";
+  }
+  if (bytes > 0) text += ", " + counted(bytes, "byte") + " of state kept";
+  const auto attempts = whole_number(receipt, "attempts");
+  if (attempts > 1) text += ", " + counted(attempts, "attempt");
+  return text + " (generation " + generation + ")\n";
+}
+
+std::string render_plugin(std::string_view done, const Json& result) {
+  std::string text = render_receipt(done, result);
+  if (member(result, "unmapped") == false && !word(result, "why").empty()) {
+    text += "  the old code stays in memory: " + word(result, "why") + "\n";
+  }
+  return text;
+}
+
+std::string render_errors(std::string_view file, const Json& result, Look look) {
+  const Json& errors = member(result, "errors");
+  if (errors.empty()) return std::string(file) + ": no error\n";
+  std::string text;
+  for (const Json& error : errors) {
+    text += std::string(file) + ":" + word(error, "line") + ":" + word(error, "column") + ": " +
+            painted("error", Paint::red, look.colour) + ": ";
+    if (const auto at = word(error, "at"); !at.empty()) text += at + ": ";
+    text += word(error, "message") + "\n";
+    if (const auto hint = word(error, "hint"); !hint.empty()) text += "  hint: " + hint + "\n";
+  }
+  return text + counted(errors.size(), "error") + "\n";
+}
+
+}  // namespace mauve::ctl

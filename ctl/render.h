@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Answers of the daemon as texts for people. Pure: a value in, a text out, newline at its end.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "protocol/message.h"
+#include "screen.h"
+
+namespace mauve::ctl {
+
+using protocol::Fault;
+using protocol::Json;
+
+/// How wide, and with colours or not.
+struct Look {
+  std::size_t width = 0;
+  bool colour = false;
+};
+
+[[nodiscard]] std::string render_status(const Json& status, Look look);
+
+/// The "items" of any list, one row each; nested things stand as compact JSON.
+[[nodiscard]] std::string render_list(const Json& result, Look look);
+
+/// Everything about one object, indented.
+[[nodiscard]] std::string render_object(const Json& object, Look look);
+
+/// {"address","value","status"}: one line, structures below it.
+[[nodiscard]] std::string render_value(const Json& value, Look look);
+
+/// The same as exactly one line, for watching.
+[[nodiscard]] std::string render_sample(const Json& params, Look look);
+
+[[nodiscard]] std::string render_record(const Json& record, Look look);
+
+/// "swapped control: pause 38 ns, 0 releases missed (generation 42)".
+[[nodiscard]] std::string render_receipt(std::string_view done, const Json& receipt);
+
+/// "loaded extra (generation 43)", with why the code stays mapped where it does.
+[[nodiscard]] std::string render_plugin(std::string_view done, const Json& result);
+
+/// "FILE:3:5: error: control.core.gain: must be positive", with hints.
+[[nodiscard]] std::string render_errors(std::string_view file, const Json& result, Look look);
+
+/// An architecture file, keys in the order in which people write them.
+[[nodiscard]] std::string render_architecture(const Json& architecture);
+/// The same order in one line.
+[[nodiscard]] std::string architecture_line(const Json& architecture);
+
+/// "error: ..." with the four parts. `command` is what was asked, may be empty.
+[[nodiscard]] std::string render_fault(std::string_view command, const Fault& fault, Look look);
+
+/// {"error":{"code","name","message","state","where","hint","exit","generation"}}.
+[[nodiscard]] Json fault_json(const Fault& fault);
+
+}  // namespace mauve::ctl

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <array>
+#include <cstdio>
+#include <string>
+
+#include "render.h"
+#include "table.h"
+#include "words.h"
+
+namespace mauve::ctl {
+namespace {
+
+Paint paint_of_level(const std::string& level) {
+  if (level == "error" || level == "err" || level == "critical") return Paint::red;
+  return level == "warn" || level == "warning" ? Paint::yellow : Paint::plain;
+}
+
+std::string wide(std::string text, std::size_t width) {
+  const std::size_t used = columns(text);
+  return used < width ? text.append(width - used, ' ') : text;
+}
+
+std::string seconds_of(const Json& params) {
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), "%12.6f", number(params, "t_ns") / 1e9);
+  return text.data();
+}
+
+}  // namespace
+
+std::string render_value(const Json& value, Look look) {
+  const std::string address = painted(word(value, "address"), Paint::bold, look.colour);
+  const std::string status = word(value, "status");
+  const Json content = value.is_object() ? value.value("value", Json()) : Json();
+  if (content.is_object() && !content.empty()) {
+    std::string text = address + " (" + status + ")\n";
+    const std::string block =
+        render_object(content, {look.width > 22 ? look.width - 2 : 0, look.colour});
+    for (std::size_t at = 0; at < block.size();) {
+      const std::size_t end = block.find('\n', at);
+      text += "  " + block.substr(at, end + 1 - at);
+      at = end + 1;
+    }
+    return text;
+  }
+  const std::string tail = status == "current" || status.empty() ? "" : " (" + status + ")";
+  const std::size_t around = columns(word(value, "address")) + 3 + columns(tail);
+  const std::size_t room = look.width > around + 20 ? look.width - around : 0;
+  return address + " = " + cut(compact(content), room) + tail + "\n";
+}
+
+std::string render_sample(const Json& params, Look look) {
+  std::string text = seconds_of(params) + "  " + word(params, "address") + "  ";
+  if (params.contains("count")) {
+    return text +
+           painted(word(params, "count") + " values dropped: this reader was too slow",
+                   Paint::yellow, look.colour) +
+           "\n";
+  }
+  text += wide(word(params, "status"), 8) + "  " + word(params, "value");
+  return cut(text, look.width) + "\n";
+}
+
+std::string render_record(const Json& record, Look look) {
+  if (record.contains("count")) {
+    return painted("(" + word(record, "count") + " records dropped: this reader was too slow)",
+                   Paint::yellow, look.colour) +
+           "\n";
+  }
+  const std::string level = word(record, "level");
+  std::string text =
+      word(record, "t") + "  " + painted(wide(level, 5), paint_of_level(level), look.colour) + "  ";
+  if (const auto component = word(record, "component"); !component.empty() && component != "-") {
+    text += component + ": ";
+  }
+  return text + word(record, "text") + "\n";
+}
+
+}  // namespace mauve::ctl

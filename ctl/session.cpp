@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "session.h"
+
+#include <utility>
+
+#include "base/duration.h"
+
+namespace mauve::ctl {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::chrono::nanoseconds kQuestion = 5s;
+// A change is prepared, proved and committed before its answer: constructing a core may take long.
+constexpr std::chrono::nanoseconds kChange = 30s;
+constexpr std::chrono::nanoseconds kLongest = 24h;
+
+}  // namespace
+
+std::optional<std::chrono::nanoseconds> timeout_of(std::string_view text) {
+  const auto parsed = parse_duration(text);
+  if (!parsed || *parsed <= 0ns || *parsed > kLongest) return std::nullopt;
+  return *parsed;
+}
+
+Session::Session(const Command& asked_command, Arguments asked_arguments, Globals asked_globals,
+                 Screen where)
+    : command(asked_command),
+      arguments(std::move(asked_arguments)),
+      globals(std::move(asked_globals)),
+      screen(where),
+      client_(globals.socket, timeout_of(globals.timeout).value_or(kQuestion)) {}
+
+std::chrono::nanoseconds Session::timeout() const {
+  return timeout_of(globals.timeout).value_or(command.changes ? kChange : kQuestion);
+}
+
+std::variant<Json, Fault> Session::call(std::string_view method, Json params) {
+  if (!connected_) {
+    if (auto fault = client_.connect()) return std::move(*fault);
+    connected_ = true;
+  }
+  if (command.changes) {
+    if (globals.if_generation) params["if_generation"] = *globals.if_generation;
+    if (!globals.reason.empty()) params["reason"] = globals.reason;
+    if (!globals.timeout.empty()) {
+      params["deadline_ms"] =
+          std::chrono::duration_cast<std::chrono::milliseconds>(timeout()).count();
+    }
+  }
+  return client_.call(method, params, timeout());
+}
+
+void Session::print(const Json& value, std::string_view text) {
+  if (screen.json) {
+    screen.out << protocol::to_line(value) << '\n';
+  } else {
+    screen.out << text;
+  }
+  screen.out.flush();
+}
+
+int Session::fail(const Fault& fault) {
+  if (screen.json) {
+    screen.out << protocol::to_line(fault_json(fault)) << '\n';
+  } else {
+    screen.err << render_fault(asked(), fault, {screen.width, screen.colour_err});
+  }
+  screen.out.flush();
+  return fault.exit;
+}
+
+std::string Session::asked() const {
+  std::string text(command.name);
+  for (const Argument& argument : command.arguments) {
+    if (argument.is_option() || argument.many || !arguments.has(argument.name)) continue;
+    return text + " " + arguments.one(argument.name);
+  }
+  return text;
+}
+
+}  // namespace mauve::ctl

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// One run of mauvectl: the command that was asked, the connection it needs, where it answers.
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "client.h"
+#include "command.h"
+#include "render.h"
+#include "screen.h"
+
+namespace mauve::ctl {
+
+class Session {
+ public:
+  Session(const Command& command, Arguments arguments, Globals globals, Screen screen);
+
+  const Command& command;
+  const Arguments arguments;
+  const Globals globals;
+  Screen screen;
+
+  /// Connects at the first call. Adds if_generation and reason for commands that change something.
+  [[nodiscard]] std::variant<Json, Fault> call(std::string_view method, Json params);
+  [[nodiscard]] std::variant<Notification, Fault> next() { return client_.next(); }
+
+  /// Prints one line of JSON, or the text. Flushed, so that a pipe sees it at once.
+  void print(const Json& value, std::string_view text);
+  /// Prints the error in its four parts, or as JSON. Returns its exit code.
+  int fail(const Fault& fault);
+  /// What the user asked, for messages: "swap-core arm".
+  [[nodiscard]] std::string asked() const;
+  [[nodiscard]] Look look() const { return {screen.width, screen.colour_out}; }
+
+ private:
+  [[nodiscard]] std::chrono::nanoseconds timeout() const;
+
+  Client client_;
+  bool connected_ = false;
+};
+
+/// A number and a unit, "5s"; checked by the option parser.
+[[nodiscard]] std::optional<std::chrono::nanoseconds> timeout_of(std::string_view text);
+
+}  // namespace mauve::ctl

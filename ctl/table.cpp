@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "table.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace mauve::ctl {
+namespace {
+
+constexpr std::size_t kGap = 2;
+constexpr std::size_t kNarrowest = 8;
+
+bool starts_code_point(char byte) { return (static_cast<unsigned char>(byte) & 0xC0) != 0x80; }
+
+std::string_view first_columns(std::string_view text, std::size_t count) {
+  std::size_t seen = 0;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (starts_code_point(text[at]) && seen++ == count) return text.substr(0, at);
+  }
+  return text;
+}
+
+std::string_view last_columns(std::string_view text, std::size_t count) {
+  if (count == 0) return {};
+  for (std::size_t at = text.size(); at-- > 0;) {
+    if (starts_code_point(text[at]) && --count == 0) return text.substr(at);
+  }
+  return text;
+}
+
+std::string padded(const std::string& text, std::size_t width, bool to_the_right) {
+  const std::size_t used = columns(text);
+  const std::string space(width > used ? width - used : 0, ' ');
+  return to_the_right ? space + text : text + space;
+}
+
+void strip_end(std::string& line) { line.erase(line.find_last_not_of(' ') + 1); }
+
+}  // namespace
+
+std::size_t columns(std::string_view text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), starts_code_point));
+}
+
+std::string shortened(std::string_view text, std::size_t width) {
+  if (columns(text) <= width) return std::string(text);
+  if (width == 0) return {};
+  const std::size_t tail = (width - 1) / 2;
+  std::string result(first_columns(text, width - 1 - tail));
+  return result.append("…").append(last_columns(text, tail));
+}
+
+std::string harmless(std::string_view text) {
+  std::string result(text);
+  for (char& byte : result) {
+    const auto value = static_cast<unsigned char>(byte);
+    if (value < 0x20 || value == 0x7F) byte = '?';
+  }
+  // The C1 controls, two bytes in UTF-8.
+  for (std::size_t at = 0; (at = result.find('\xC2', at)) != std::string::npos; ++at) {
+    if (at + 1 < result.size() && static_cast<unsigned char>(result[at + 1]) < 0xA0) {
+      result.replace(at, 2, "?");
+    }
+  }
+  return result;
+}
+
+std::vector<std::size_t> Table::widths(std::size_t width) const {
+  std::vector<std::size_t> result;
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    std::size_t widest = columns(columns_[i].title);
+    for (const auto& row : rows_) widest = std::max(widest, columns(row[i].text));
+    result.push_back(widest);
+  }
+  if (width == 0 || result.empty()) return result;
+  auto total = std::accumulate(result.begin(), result.end(), kGap * (result.size() - 1));
+  while (total > width) {
+    std::size_t widest = columns_.size();
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      if (columns_[i].number || result[i] <= kNarrowest) continue;
+      if (widest == columns_.size() || result[i] > result[widest]) widest = i;
+    }
+    if (widest == columns_.size()) break;
+    --result[widest];
+    --total;
+  }
+  return result;
+}
+
+std::string Table::text(std::size_t width, bool colour) const {
+  const auto fitted = widths(width);
+  std::string result;
+  const auto add_line = [&](auto&& cell) {
+    std::string line;
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      if (i > 0) line.append(kGap, ' ');
+      const auto [text, paint] = cell(i);
+      const std::string fitting = padded(shortened(text, fitted[i]), fitted[i], columns_[i].number);
+      line += painted(fitting, paint, colour);
+    }
+    strip_end(line);
+    result += line + "\n";
+  };
+  add_line([&](std::size_t i) { return Cell{columns_[i].title, Paint::bold}; });
+  for (const auto& row : rows_) add_line([&](std::size_t i) { return row[i]; });
+  return result;
+}
+
+}  // namespace mauve::ctl

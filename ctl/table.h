@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Rows and columns of text for a terminal.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "screen.h"
+
+namespace mauve::ctl {
+
+/// Columns on a terminal: code points, which is exact for the texts that mauve prints.
+[[nodiscard]] std::size_t columns(std::string_view text);
+
+/// The text, its middle replaced by "…" where it is wider than the width.
+[[nodiscard]] std::string shortened(std::string_view text, std::size_t width);
+
+/// The text without what could steer a terminal: control characters become '?'.
+[[nodiscard]] std::string harmless(std::string_view text);
+
+struct Cell {
+  std::string text;
+  Paint paint = Paint::plain;
+};
+
+struct Column {
+  std::string title;
+  bool number = false;  ///< to the right
+};
+
+class Table {
+ public:
+  explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
+
+  /// As many cells as columns.
+  void add(std::vector<Cell> row) { rows_.push_back(std::move(row)); }
+
+  /// The titles, then the rows, each ended by a newline. With a width, the widest text columns are
+  /// made narrower until a row fits, but not below 8 columns.
+  [[nodiscard]] std::string text(std::size_t width, bool colour) const;
+
+ private:
+  [[nodiscard]] std::vector<std::size_t> widths(std::size_t width) const;
+
+  std::vector<Column> columns_;
+  std::vector<std::vector<Cell>> rows_;
+};
+
+}  // namespace mauve::ctl

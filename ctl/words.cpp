@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "words.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "table.h"
+
+namespace mauve::ctl {
+namespace {
+
+constexpr std::array<std::string_view, 24> kFirst{
+    "address",  "name", "plugin", "kind",     "type",   "data",     "core",      "state",
+    "status",   "fsm",  "value",  "default",  "unit",   "text",     "version",   "fsm_state",
+    "priority", "cpus", "period", "releases", "missed", "overruns", "connected", "service"};
+
+std::size_t rank(const std::string& key) {
+  const auto found = std::find(kFirst.begin(), kFirst.end(), key);
+  return static_cast<std::size_t>(found - kFirst.begin());
+}
+
+std::string joined(const Json& value) {
+  std::string result;
+  for (const auto& [key, member] : value.items()) {
+    if (!result.empty()) result += ", ";
+    if (value.is_object()) result += harmless(key) + ": ";
+    result += compact(member);
+  }
+  return result;
+}
+
+std::string one_decimal(double value, const char* unit) {
+  std::array<char, 48> text{};
+  const char* format = value >= 100 ? "%.0f %s" : "%.1f %s";
+  std::snprintf(text.data(), text.size(), format, value, unit);
+  return text.data();
+}
+
+}  // namespace
+
+std::string word(const Json& object, std::string_view key) {
+  if (!object.is_object()) return {};
+  const auto found = object.find(key);
+  return found == object.end() ? std::string{} : compact(*found);
+}
+
+std::string compact(const Json& value) {
+  if (value.is_null()) return "-";
+  if (value.is_string()) return harmless(value.get_ref<const std::string&>());
+  if (value.is_object()) return "{" + joined(value) + "}";
+  if (value.is_array()) return "[" + joined(value) + "]";
+  return protocol::to_line(value);
+}
+
+std::string cut(std::string_view text, std::size_t width) {
+  if (width == 0 || columns(text) <= width) return std::string(text);
+  std::size_t kept = 0;
+  for (std::size_t seen = 0; kept < text.size(); ++kept) {
+    const bool starts = (static_cast<unsigned char>(text[kept]) & 0xC0) != 0x80;
+    if (starts && ++seen == width) break;
+  }
+  return std::string(text.substr(0, kept)) + "…";
+}
+
+std::string nanoseconds_in_words(double nanoseconds) {
+  if (nanoseconds < 1e3) return std::to_string(static_cast<long>(nanoseconds)) + " ns";
+  if (nanoseconds < 1e6) return one_decimal(nanoseconds / 1e3, "us");
+  if (nanoseconds < 1e9) return one_decimal(nanoseconds / 1e6, "ms");
+  return one_decimal(nanoseconds / 1e9, "s");
+}
+
+std::string seconds_in_words(double seconds) {
+  struct Unit {
+    long seconds;
+    const char* name;
+  };
+  constexpr std::array<Unit, 4> kUnits{{{86400, "d"}, {3600, "h"}, {60, "min"}, {1, "s"}}};
+  auto rest = static_cast<long>(seconds);
+  std::string result;
+  for (std::size_t i = 0; i < kUnits.size(); ++i) {
+    const bool last = i + 1 == kUnits.size();
+    if (rest < kUnits[i].seconds && !last) continue;
+    result = std::to_string(rest / kUnits[i].seconds) + " " + kUnits[i].name;
+    rest %= kUnits[i].seconds;
+    if (last || rest < kUnits[i + 1].seconds) return result;
+    return result + " " + std::to_string(rest / kUnits[i + 1].seconds) + " " + kUnits[i + 1].name;
+  }
+  return result;
+}
+
+std::string counted(std::uint64_t count, std::string_view noun) {
+  return std::to_string(count) + " " + std::string(noun) + (count == 1 ? "" : "s");
+}
+
+std::vector<std::string> keys_in_order(const Json& value) {
+  std::vector<std::string> keys;
+  const auto collect = [&](const Json& object) {
+    for (const auto& [key, member] : object.items()) keys.push_back(key);
+  };
+  if (value.is_object()) collect(value);
+  if (value.is_array()) {
+    for (const Json& item : value) {
+      if (item.is_object()) collect(item);
+    }
+  }
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  std::stable_sort(keys.begin(), keys.end(),
+                   [](const std::string& a, const std::string& b) { return rank(a) < rank(b); });
+  return keys;
+}
+
+double number(const Json& object, std::string_view key) {
+  if (!object.is_object()) return 0;
+  const auto found = object.find(key);
+  return found != object.end() && found->is_number() ? found->get<double>() : 0;
+}
+
+std::uint64_t whole_number(const Json& object, std::string_view key) {
+  const double value = number(object, key);
+  return value > 0 && value < 1.8e19 ? static_cast<std::uint64_t>(value) : 0;
+}
+
+}  // namespace mauve::ctl

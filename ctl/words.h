@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Small texts that the renderers share.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocol/message.h"
+
+namespace mauve::ctl {
+
+using protocol::Json;
+
+/// A member as a reader sees it: texts bare, null as "-", structures compact, absent as "".
+[[nodiscard]] std::string word(const Json& object, std::string_view key);
+
+/// A value in one line: {latitude: 43.1, mode: 3}, [1, 2], bare text.
+[[nodiscard]] std::string compact(const Json& value);
+
+/// At most so many columns, "…" at the end of what was cut; 0: as it is.
+[[nodiscard]] std::string cut(std::string_view text, std::size_t width);
+
+/// "38 ns", "1.2 us", "3.4 ms", "5 s".
+[[nodiscard]] std::string nanoseconds_in_words(double nanoseconds);
+
+/// "3 d 2 h", "5 min 12 s", "7 s".
+[[nodiscard]] std::string seconds_in_words(double seconds);
+
+/// "1 release", "2 releases".
+[[nodiscard]] std::string counted(std::uint64_t count, std::string_view noun);
+
+/// The keys of an object, or of all objects in an array: what people look for first, then a to z.
+[[nodiscard]] std::vector<std::string> keys_in_order(const Json& value);
+
+/// A number of nanoseconds, counts and so on: 0 where the member is absent or of another type.
+[[nodiscard]] double number(const Json& object, std::string_view key);
+[[nodiscard]] std::uint64_t whole_number(const Json& object, std::string_view key);
+
+}  // namespace mauve::ctl
