@@ -87,7 +87,11 @@ void Server::stop(std::chrono::milliseconds grace) {
     io_.stop();
     thread_.join();
   }
-  sessions_.clear();
+  // Nothing runs on [io] any more: this thread may end what is left.
+  const auto late = sessions_;
+  for (const auto& [id, session] : late) {
+    session->end("the daemon ends");
+  }
   endpoint_.reset();
 }
 

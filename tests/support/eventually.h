@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Waiting for a condition, with a bound that only a broken program reaches.
+#pragma once
+
+#include <chrono>
+#include <thread>
+
+namespace mauve::test {
+
+/// True as soon as `condition()` is; false when it was not within `limit`.
+template <typename Condition>
+[[nodiscard]] bool eventually(Condition condition,
+                              std::chrono::milliseconds limit = std::chrono::seconds(20)) {
+  const auto until = std::chrono::steady_clock::now() + limit;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > until) {
+      return false;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+}  // namespace mauve::test

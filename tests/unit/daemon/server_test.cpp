@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "server/server.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "fake_dispatcher.h"
+#include "support/eventually.h"
+
+namespace mauve::test {
+namespace {
+
+using protocol::Json;
+using std::chrono::milliseconds;
+
+TEST(Server, GreetsWithRoleAndLimits) {
+  ServedSocket served;
+  ASSERT_TRUE(served.opened);
+
+  RawClient client(served.path());
+  const auto hello = client.json();
+
+  EXPECT_EQ(hello["method"], "hello");
+  EXPECT_EQ(hello["params"]["role"], "admin");
+  EXPECT_EQ(hello["params"]["limits"]["line"], 1048576);
+  EXPECT_EQ(hello["params"]["limits"]["inflight"], 8);
+}
+
+TEST(Server, AnswersARequestWithItsId) {
+  ServedSocket served;
+  auto client = served.client();
+
+  const auto answer = client.ask("ping");
+
+  EXPECT_EQ(answer["id"], 1);
+  EXPECT_EQ(answer["result"]["pong"], true);
+}
+
+TEST(Server, RefusesAnUnknownMethodWithTheNearestName) {
+  ServedSocket served;
+  auto client = served.client();
+
+  const auto answer = client.ask("component.stopp");
+
+  EXPECT_EQ(answer["error"]["code"], -32601);
+  EXPECT_THAT(answer["error"]["data"]["hint"].get<std::string>(),
+              testing::HasSubstr("component.stop"));
+}
+
+TEST(Server, RefusesAnUnknownArgumentBeforeTheDispatcherSeesIt) {
+  ServedSocket served;
+  auto client = served.client();
+
+  const auto answer = client.ask("component.stop", {{"componentz", {"a"}}});
+
+  EXPECT_EQ(answer["error"]["code"], -32602);
+  EXPECT_EQ(served.dispatcher.served(), 0U);
+}
+
+TEST(Server, LetsAQuickAnswerOvertakeASlowOne) {
+  ServedSocket served;
+  auto client = served.client();
+  ASSERT_TRUE(client.send(R"({"jsonrpc":"2.0","id":"slow","method":"status"})"
+                          "\n"));
+  ASSERT_TRUE(client.send(R"({"jsonrpc":"2.0","id":"quick","method":"ping"})"
+                          "\n"));
+
+  EXPECT_EQ(client.json()["id"], "quick");
+  served.dispatcher.answer_all();
+  EXPECT_EQ(client.json()["id"], "slow");
+}
+
+TEST(Server, StopsReadingAClientWithEightRequestsInFlight) {
+  ServedSocket served;
+  auto client = served.client();
+  for (int i = 0; i < 12; ++i) {
+    ASSERT_TRUE(client.send(R"({"jsonrpc":"2.0","id":1,"method":"status"})"
+                            "\n"));
+  }
+  ASSERT_TRUE(eventually([&] { return served.dispatcher.kept() == 8; }));
+  auto other = served.client();
+  EXPECT_EQ(other.ask("ping")["result"]["pong"], true);
+  EXPECT_EQ(served.dispatcher.kept(), 8U);
+
+  served.dispatcher.answer_all();
+
+  ASSERT_TRUE(eventually([&] { return served.dispatcher.kept() == 4; }));
+  served.dispatcher.answer_all();
+  for (int i = 0; i < 12; ++i) {
+    EXPECT_EQ(client.json()["result"]["late"], true) << i;
+  }
+}
+
+TEST(Server, AnswersAClientThatHasClosedItsSendingSide) {
+  ServedSocket served;
+  auto client = served.client();
+  ASSERT_TRUE(client.send(R"({"jsonrpc":"2.0","id":7,"method":"status"})"
+                          "\n"));
+  client.half_close();
+  ASSERT_TRUE(eventually([&] { return served.dispatcher.kept() == 1; }));
+
+  served.dispatcher.answer_all();
+
+  EXPECT_EQ(client.json()["id"], 7);
+  EXPECT_TRUE(client.closed_by_peer());
+}
+
+TEST(Server, KeepsSendingToAHalfClosedSubscriberUntilItIsGone) {
+  ServedSocket served;
+  auto client = served.client();
+  const auto sub = client.ask("watch.subscribe", {{"addresses", {"a"}}})["result"]["sub"];
+  client.half_close();
+  const auto outbox = served.dispatcher.outbox(0);
+
+  ASSERT_TRUE(outbox->push(sub, "a", "value", {{"value", 1}}));
+  EXPECT_EQ(client.notification("value")["params"]["value"], 1);
+  client.close();
+
+  EXPECT_TRUE(eventually([&] { return served.server->clients().empty(); }));
+  EXPECT_FALSE(outbox->push(sub, "a", "value", {{"value", 2}}));
+}
+
+TEST(Server, SendsAnAnswerLargerThanTheHardLimit) {
+  ServedSocket served;
+  served.dispatcher.big_answer = 3 * 1024 * 1024;
+  auto client = served.client();
+
+  const auto answer = client.ask("config.get");
+
+  EXPECT_EQ(answer["result"]["architecture"].get<std::string>().size(), 3U * 1024 * 1024);
+}
+
+TEST(Server, TellsTheDispatcherOnceThatAClientHasGone) {
+  ServedSocket served;
+  {
+    auto client = served.client();
+    EXPECT_EQ(client.ask("ping")["result"]["pong"], true);
+  }
+
+  ASSERT_TRUE(eventually([&] { return served.server->clients().empty(); }));
+  EXPECT_EQ(served.dispatcher.gone_clients(), std::vector<std::uint64_t>{1});
+}
+
+TEST(Server, ForgetsTheAnswerForAClientThatDiedMeanwhile) {
+  ServedSocket served;
+  {
+    auto client = served.client();
+    ASSERT_TRUE(client.send(R"({"jsonrpc":"2.0","id":7,"method":"component.start",)"
+                            R"("params":{"components":["a"]}})"
+                            "\n"));
+    ASSERT_TRUE(eventually([&] { return served.dispatcher.kept() == 1; }));
+  }
+
+  served.dispatcher.answer_all();
+
+  auto other = served.client();
+  EXPECT_EQ(other.ask("ping")["result"]["pong"], true);
+}
+
+TEST(Server, GivesClientsTheirLastAnswersWhenItStops) {
+  ServedSocket served;
+  auto client = served.client();
+  ASSERT_TRUE(client.send(R"({"jsonrpc":"2.0","id":7,"method":"status"})"
+                          "\n"));
+  ASSERT_TRUE(eventually([&] { return served.dispatcher.kept() == 1; }));
+  std::thread stopper([&] { served.server->stop(std::chrono::seconds(10)); });
+
+  served.dispatcher.answer_all();
+
+  EXPECT_EQ(client.json()["id"], 7);
+  EXPECT_TRUE(client.closed_by_peer());
+  stopper.join();
+  EXPECT_FALSE(RawClient(served.path()).connected());
+}
+
+TEST(Server, ClosesTheRestWhenTheGraceIsOver) {
+  ServedSocket served;
+  auto client = served.client();
+  ASSERT_TRUE(client.send(R"({"jsonrpc":"2.0","id":7,"method":"status"})"
+                          "\n"));
+  ASSERT_TRUE(eventually([&] { return served.dispatcher.kept() == 1; }));
+
+  served.server->stop(milliseconds(30));
+
+  EXPECT_TRUE(client.closed_by_peer());
+}
+
+TEST(Server, ListsItsClients) {
+  ServedSocket served;
+  auto client = served.client();
+  EXPECT_EQ(client.ask("ping")["result"]["pong"], true);
+
+  const auto clients = served.server->clients();
+
+  ASSERT_EQ(clients.size(), 1U);
+  EXPECT_EQ(clients[0].peer.uid, geteuid());
+  EXPECT_EQ(clients[0].peer.pid, getpid());
+  EXPECT_EQ(clients[0].role, server::Role::admin);
+}
+
+}  // namespace
+}  // namespace mauve::test
