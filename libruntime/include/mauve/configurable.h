@@ -27,7 +27,7 @@ class Configurable {
   [[nodiscard]] const std::string& address() const { return address_; }
   [[nodiscard]] bool configured() const { return configured_.load(std::memory_order_acquire); }
 
-  /// Checks the element, then calls on_configure(). What the hook throws becomes an Error.
+  /// Calls on_configure(), then checks the element. What the hook throws becomes an Error.
   /// Already configured: nothing happens. [control] or [factory], never a real-time thread.
   Status configure();
   /// Calls on_cleanup() when configured. An exception of the hook is swallowed and returned.
@@ -46,7 +46,9 @@ class Configurable {
   virtual Status on_configure() { return ok(); }
   /// Called by cleanup(): close what on_configure opened. [factory]
   virtual void on_cleanup() {}
-  /// The runtime's own check before the hook (a state machine checks its table after it).
+  /// Runtime only: forgets what an earlier on_configure() set up, before it is called again.
+  virtual void reset() {}
+  /// Runtime only: checks what on_configure() set up.
   virtual Status verify() { return ok(); }
 
  private:

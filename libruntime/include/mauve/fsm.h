@@ -103,7 +103,7 @@ class FsmBase : public Configurable {
   /// of zero, no cycle of execution states (it would never wait and starve everything below).
   Status verify() override;
   /// The table is written anew by each on_configure().
-  void reset_table();
+  void reset() override;
 
  private:
   friend class FsmState;

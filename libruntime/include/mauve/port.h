@@ -27,12 +27,15 @@ class Binding {
   Binding& operator=(const Binding&) = delete;
 
   [[nodiscard]] ServiceBase& service() const { return service_; }
+  /// Never used twice, so that a port notices that it was connected anew.
+  [[nodiscard]] std::uint64_t id() const { return id_; }
   [[nodiscard]] unsigned slot() const { return slot_; }
   [[nodiscard]] Duration max_age() const { return max_age_; }
 
  private:
   std::shared_ptr<void> keep_alive_;
   ServiceBase& service_;
+  std::uint64_t id_;
   unsigned slot_;
   Duration max_age_;  // zero: no limit
 };
@@ -76,7 +79,7 @@ class PortBase {
   std::string_view name_;
   Signature signature_;
   std::size_t index_;
-  const Binding* seen_ = nullptr;
+  std::uint64_t seen_ = 0;  // id of the binding that the cursor belongs to
   std::uint64_t failures_ = 0;
 };
 

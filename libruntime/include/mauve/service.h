@@ -19,6 +19,7 @@ namespace mauve {
 
 class InterfaceBase;
 class ResourceBase;
+class TapList;
 template <typename CoreT>
 class Interface;
 
@@ -84,6 +85,8 @@ class ServiceBase {
   virtual bool write(const void* /*data*/) { return false; }
   /// Lets the writer fill the value in place.
   virtual bool fill(Filler /*filler*/) { return false; }
+  /// Where every value written can be listened to; null for services that compute their value.
+  [[nodiscard]] virtual TapList* taps() { return nullptr; }
   /// Calls or fires; `result` may be null for void.
   virtual bool invoke(void* /*result*/, void* const* /*arguments*/) { return false; }
 

@@ -38,6 +38,13 @@ class Value {
   /// The member of an object with this name, or null.
   [[nodiscard]] const Value* find(std::string_view name) const;
 
+  /// Calls f with the content: std::monostate, bool, std::int64_t, double, std::string, Array or
+  /// Object.
+  template <typename F>
+  decltype(auto) visit(F&& f) const {
+    return std::visit(std::forward<F>(f), content_);
+  }
+
   friend bool operator==(const Value&, const Value&) = default;
 
  private:

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <mauve/value.h>
+
+#include <charconv>
+#include <cmath>
+
+#include <mauve/codec.h>
+
+namespace mauve {
+namespace {
+
+std::string quoted(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    if (static_cast<unsigned char>(c) < 0x20) {
+      out += '?';
+    } else {
+      out += c;
+    }
+  }
+  return out + '"';
+}
+
+/// The shortest text that reads back as the same number.
+std::string shortest(double number) {
+  if (!std::isfinite(number)) return "null";
+  char buffer[40];
+  const auto end = std::to_chars(buffer, buffer + sizeof buffer, number).ptr;
+  return {buffer, end};
+}
+
+struct Printer {
+  std::string operator()(std::monostate) const { return "null"; }
+  std::string operator()(bool value) const { return value ? "true" : "false"; }
+  std::string operator()(std::int64_t value) const { return std::to_string(value); }
+  std::string operator()(double value) const { return shortest(value); }
+  std::string operator()(const std::string& value) const { return quoted(value); }
+  std::string operator()(const Value::Array& items) const {
+    std::string out = "[";
+    for (const Value& item : items) out += (out.size() > 1 ? "," : "") + to_string(item);
+    return out + "]";
+  }
+  std::string operator()(const Value::Object& members) const {
+    std::string out = "{";
+    for (const auto& [name, member] : members) {
+      out += (out.size() > 1 ? "," : "") + quoted(name) + ":" + to_string(member);
+    }
+    return out + "}";
+  }
+};
+
+struct KindName {
+  std::string_view operator()(std::monostate) const { return "null"; }
+  std::string_view operator()(bool) const { return "a boolean"; }
+  std::string_view operator()(std::int64_t) const { return "an integer"; }
+  std::string_view operator()(double) const { return "a number"; }
+  std::string_view operator()(const std::string&) const { return "a string"; }
+  std::string_view operator()(const Value::Array&) const { return "an array"; }
+  std::string_view operator()(const Value::Object&) const { return "an object"; }
+};
+
+}  // namespace
+
+const Value* Value::find(std::string_view name) const {
+  const auto* object = get_if<Object>();
+  if (object == nullptr) return nullptr;
+  for (const auto& [key, member] : *object) {
+    if (key == name) return &member;
+  }
+  return nullptr;
+}
+
+std::string_view kind_of(const Value& value) { return value.visit(KindName{}); }
+
+std::string to_string(const Value& value) { return value.visit(Printer{}); }
+
+namespace detail {
+
+Error out_of_range(std::int64_t low, std::int64_t high, const Value& value) {
+  return refuse(
+      Errc::invalid_value, {},
+      to_string(value) + " is not from " + std::to_string(low) + " to " + std::to_string(high));
+}
+
+}  // namespace detail
+}  // namespace mauve

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Change: what is to become different in a running architecture, and the receipt for it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <mauve/component.h>
+#include <mauve/element_type.h>
+#include <mauve/time.h>
+#include <mauve/value.h>
+
+namespace mauve {
+
+/// What happens to the state of a core that is replaced.
+enum class StatePolicy : std::uint8_t {
+  keep,  ///< hand it over where both cores share the state type
+  drop,  ///< the new core starts fresh
+};
+
+/// What one component is to do after the change.
+enum class Mode : std::uint8_t { keep, run, park };
+
+/// A port and the service it is to be connected to.
+struct NewConnection {
+  std::string port;     ///< name inside the component: "scan"
+  std::string service;  ///< address: "scan.read"
+  Duration max_age{0};  ///< values older than this are `stale`; zero: no limit
+};
+
+/// The change of one component. Everything not said stays as it is.
+struct Edit {
+  std::string component;
+  std::optional<CoreType> core;  ///< replaces the core; also the core in force again, freshly made
+  std::optional<FsmType> fsm;    ///< replaces the state machine
+  /// "core.gain", "fsm.pace", "shell.device" -> value.
+  std::vector<std::pair<std::string, Value>> properties;
+  std::vector<NewConnection> connect;
+  std::vector<std::string> disconnect;  ///< names of ports
+  Mode mode = Mode::keep;
+  StatePolicy state = StatePolicy::keep;
+};
+
+/// All edits take effect at one logical instant, or none does.
+struct Change {
+  std::vector<Edit> edits;
+};
+
+/// What a change cost one component.
+struct MemberReceipt {
+  std::string name;
+  Duration pause{0};         ///< measured on its thread: from taking the new bundle to being ready
+  std::uint64_t missed = 0;  ///< releases lost between the instant and its first job after it
+  std::size_t bytes = 0;     ///< size of the state handed over
+};
+
+enum class ChangeState : std::uint8_t { unchanged, applied, rolled_back, safe };
+[[nodiscard]] std::string_view to_string(ChangeState state);
+
+/// Answer to every change.
+struct Receipt {
+  std::uint64_t generation = 0;  ///< in force now
+  ChangeState state = ChangeState::unchanged;
+  Duration commit{0};     ///< logical instant of the change, since T0
+  unsigned attempts = 0;  ///< tries until the coordinator met its instant
+  std::vector<MemberReceipt> components;
+};
+
+}  // namespace mauve

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Clocks: the machine's monotonic one, and one that a test moves by hand.
+#pragma once
+
+#include <atomic>
+
+#include <mauve/time.h>
+
+namespace mauve {
+
+/// Where the runtime reads the time. [any]
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  [[nodiscard]] virtual Instant now() const = 0;
+};
+
+/// CLOCK_MONOTONIC.
+class MonotonicClock final : public Clock {
+ public:
+  [[nodiscard]] Instant now() const override;
+};
+
+/// Stands still until it is moved. For tests and simulated runs.
+class ManualClock final : public Clock {
+ public:
+  explicit ManualClock(Instant start = 0) : now_(start) {}
+  [[nodiscard]] Instant now() const override { return now_.load(std::memory_order_relaxed); }
+  void set(Instant now) { now_.store(now, std::memory_order_relaxed); }
+  void advance(Duration by) { set(now() + by.count()); }
+
+ private:
+  std::atomic<Instant> now_;
+};
+
+}  // namespace mauve

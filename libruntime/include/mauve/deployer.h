@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Deployer: turns components into real-time threads, releases them all at one instant T0 of one
+/// monotonic clock, and changes them while they run (paper 3.7 and 3.9).
+///
+///   mauve::Deployer deployer(architecture);
+///   if (mauve::Status up = deployer.deploy(); !up) ...
+///   mauve::Result<mauve::Receipt> done = deployer.swap_core<FiniteTime>("control");
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <typeinfo>
+#include <vector>
+
+#include <mauve/architecture.h>
+#include <mauve/change.h>
+#include <mauve/clock.h>
+#include <mauve/log.h>
+
+namespace mauve {
+
+/// What to do when the process may not use SCHED_FIFO or lock memory.
+enum class Realtime : std::uint8_t {
+  require,  ///< refuse to deploy
+  prefer,   ///< run without, and say so once (`Deployer::warnings`)
+  off,      ///< ordinary threads
+};
+
+struct DeployOptions {
+  Realtime realtime = Realtime::prefer;
+  /// No threads: the caller moves a manual clock with run_for(), jobs run in its own thread in the
+  /// order of release and priority.
+  bool simulated = false;
+};
+
+enum class ComponentState : std::uint8_t { not_configured, stopped, running, faulted };
+[[nodiscard]] std::string_view to_string(ComponentState state);
+
+/// A look at one component; numbers may be some jobs apart.
+struct ComponentStatus {
+  std::string name;
+  std::string type;
+  std::string core;
+  std::string fsm_state;
+  ComponentState state = ComponentState::not_configured;
+  int priority = 0;
+  std::vector<int> cpus;
+  bool realtime = false;          ///< the system really runs it with SCHED_FIFO
+  std::uint64_t releases = 0;     ///< jobs that ran
+  std::uint64_t missed = 0;       ///< releases that never ran
+  std::uint64_t overruns = 0;     ///< jobs that ended after their wait or deadline
+  std::uint64_t over_budget = 0;  ///< jobs longer than the declared budget, on the wall clock
+  Duration lateness_max{0};       ///< of job starts
+  Duration lateness_last{0};
+  Duration execution_max{0};  ///< of jobs, on the wall clock
+  Duration execution_last{0};
+  Duration next_release{0};  ///< since T0
+  std::string fault;         ///< what was thrown, when faulted
+};
+
+/// Something that happened on a real-time thread, as told to the [log] thread.
+struct Happening {
+  Instant time = 0;  ///< monotonic
+  LogLevel level = LogLevel::info;
+  std::string component;
+  std::string event;  ///< "swapped", "overrun", "missed", "faulted", "log", ...
+  std::string text;   ///< formatted for people
+};
+
+class PreparedChange;
+class Retired;
+
+/// All calls are [control] unless they say otherwise; none may be made from a component's thread.
+class Deployer {
+ public:
+  explicit Deployer(Architecture& architecture, DeployOptions options = {});
+  /// Shuts down.
+  ~Deployer();
+  Deployer(const Deployer&) = delete;
+  Deployer& operator=(const Deployer&) = delete;
+
+  /// Configures the architecture if it is not, creates all threads, releases them at T0.
+  Status deploy();
+  /// Stops writers before readers so that safe values still reach the hardware, then ends all
+  /// threads. Never longer than `bound`: a core that hangs is left behind, its safe values written
+  /// on its behalf; the names of such components are returned.
+  std::vector<std::string> shutdown(Duration bound = 2s);
+
+  [[nodiscard]] Instant t0() const;
+  [[nodiscard]] const Clock& clock() const;
+  [[nodiscard]] std::uint64_t generation() const;
+  /// True when every component runs with the policy it asked for.
+  [[nodiscard]] bool realtime() const;
+  /// What could not be had in Realtime::prefer, and what the deployer decided (CPUs), in words.
+  [[nodiscard]] const std::vector<std::string>& warnings() const;
+  [[nodiscard]] std::vector<ComponentStatus> status() const;
+  [[nodiscard]] ComponentStatus status(std::string_view component) const;
+
+  /// Step 1 of a change: checks everything, makes, configures and warms the new elements beside
+  /// the running system. Runs user code. [factory] or [control]; an error changes nothing.
+  Result<PreparedChange> prepare(const Change& change);
+  /// Step 2: takes effect at one instant on all components. Waits until it did, at most about one
+  /// job and one second. Elements no longer in force come back in `retired`.
+  Result<Receipt> commit(PreparedChange& change, Retired& retired);
+  /// All steps in the calling thread.
+  Result<Receipt> apply(const Change& change);
+
+  /// Shorthands for apply().
+  Result<Receipt> start(const std::vector<std::string>& components, bool reset = false);
+  Result<Receipt> stop(const std::vector<std::string>& components);
+  Result<Receipt> swap_core(std::string_view component, const CoreType& core,
+                            StatePolicy state = StatePolicy::keep);
+  template <typename T>
+  Result<Receipt> swap_core(std::string_view component) {
+    return swap_core(component, CoreType::of<T>(typeid(T).name()));
+  }
+  /// `address` as "control.core.gain"; also properties of resources.
+  Result<Receipt> set(std::string_view address, const Value& value,
+                      StatePolicy state = StatePolicy::keep);
+  Result<Receipt> connect(std::string_view port, std::string_view service);
+  Result<Receipt> disconnect(std::string_view port);
+
+  /// The paper's way, for hardware that one core only can hold: stop, clean up, configure, start
+  /// on the same clock. In three steps, so that a daemon can run user code on its factory thread:
+  /// park [control], exchange [factory], resume [control]. When the new core cannot be configured
+  /// the old one is configured again and resumed, and the error of the new one is returned.
+  Result<Receipt> swap_core_in_place(const Edit& edit);
+  Status in_place_park(PreparedChange& change);
+  Status in_place_exchange(PreparedChange& change);
+  Result<Receipt> in_place_resume(PreparedChange& change, Status exchanged, Retired& retired);
+  /// Step 1 of a swap in place: makes the elements but does not configure them. [factory]
+  Result<PreparedChange> prepare_in_place(const Edit& edit);
+
+  /// [log] Takes what happened since the last call. One caller.
+  std::size_t drain(const std::function<void(const Happening&)>& visit);
+
+  /// Simulated deployments: runs all jobs due in this time.
+  void run_for(Duration duration);
+
+ private:
+  class System;
+  std::unique_ptr<System> system_;
+};
+
+/// A change that was prepared and can be committed once. Owns what it made; dropping it cleans up
+/// and frees the unused elements: do that on [factory].
+class PreparedChange {
+ public:
+  class Content;
+  explicit PreparedChange(std::unique_ptr<Content> content);
+  PreparedChange(PreparedChange&&) noexcept;
+  PreparedChange& operator=(PreparedChange&&) noexcept;
+  ~PreparedChange();
+  [[nodiscard]] Content& content() { return *content_; }
+
+ private:
+  std::unique_ptr<Content> content_;
+};
+
+/// Elements that are no longer in force. Cleaned up and freed by release() or the destructor, which
+/// run user code: [factory].
+class Retired {
+ public:
+  Retired() = default;
+  Retired(Retired&&) = default;
+  Retired& operator=(Retired&&) = delete;
+  ~Retired() { static_cast<void>(release()); }
+
+  /// Cleans up in the reverse order of dependency; the first error of a hook is returned.
+  Status release();
+  /// Runtime only: in the order of dependency.
+  void add(std::shared_ptr<Configurable> element) { elements_.push_back(std::move(element)); }
+
+ private:
+  std::vector<std::shared_ptr<Configurable>> elements_;
+};
+
+}  // namespace mauve

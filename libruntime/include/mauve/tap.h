@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Tap: a bounded copy of every value written to a resource, for `watch` and recording.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include <mauve/data_status.h>
+#include <mauve/service.h>
+
+namespace mauve {
+
+/// One listener. Values that find it full are counted, the writer never waits.
+class Tap {
+ public:
+  /// Room for `capacity` values of `data`.
+  Tap(const DataType& data, std::size_t capacity);
+
+  /// [rt], under the resource's lock: one writer at a time.
+  void push(const void* value, Instant stamp);
+  /// Takes the oldest value; false when empty. `value` stays valid for the call. One reader.
+  bool pop(const std::function<void(const void* value, Instant stamp)>& visit);
+  /// Values lost since the last call.
+  [[nodiscard]] std::uint64_t take_lost() { return lost_.exchange(0, std::memory_order_relaxed); }
+  [[nodiscard]] const DataType& data() const { return data_; }
+
+ private:
+  [[nodiscard]] std::byte* slot(std::uint64_t index) const;
+
+  const DataType& data_;
+  std::size_t capacity_;
+  std::size_t stride_;
+  std::unique_ptr<std::byte[]> memory_;
+  std::atomic<std::uint64_t> head_{0};
+  std::atomic<std::uint64_t> tail_{0};
+  std::atomic<std::uint64_t> lost_{0};
+};
+
+/// The listeners of one resource.
+class TapList {
+ public:
+  static constexpr std::size_t kMaxTaps = 8;
+
+  /// False when all places are taken. [control]
+  bool attach(Tap& tap, Gate& gate);
+  /// After it returns no writer touches the tap. [control]
+  void detach(Tap& tap, Gate& gate);
+  /// [rt], under the gate; one load each when nobody listens.
+  void push(const void* value, Instant stamp) {
+    if (count_.load(std::memory_order_relaxed) == 0) return;
+    for (Tap* tap : taps_) {
+      if (tap != nullptr) tap->push(value, stamp);
+    }
+  }
+
+ private:
+  std::array<Tap*, kMaxTaps> taps_{};  // changed under the gate only
+  std::atomic<std::size_t> count_{0};
+};
+
+}  // namespace mauve

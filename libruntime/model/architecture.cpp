@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <mauve/architecture.h>
+
+#include <set>
+
+#include "base/name.h"
+#include "model/connection.h"
+#include "model/guard.h"
+
+namespace mauve {
+namespace {
+
+template <typename T>
+T* find_named(const std::vector<T*>& items, std::string_view name) {
+  for (T* item : items) {
+    if (item->name() == name) return item;
+  }
+  return nullptr;
+}
+
+template <typename Names, typename Items>
+void collect_names(Names& names, const Items& items) {
+  for (const auto* item : items) names.emplace_back(item->name());
+}
+
+std::string did_you_mean(std::string_view wanted, const std::vector<std::string>& known) {
+  const std::string nearest = nearest_name(wanted, known);
+  return nearest.empty() ? "" : "did you mean " + nearest + "?";
+}
+
+}  // namespace
+
+Architecture::~Architecture() { static_cast<void>(cleanup()); }
+
+ComponentBase* Architecture::find_component(std::string_view name) const {
+  return find_named(components_, name);
+}
+
+ResourceBase* Architecture::find_resource(std::string_view name) const {
+  return find_named(resources_, name);
+}
+
+Result<ServiceBase*> Architecture::find_service(std::string_view address) const {
+  const auto dot = address.find('.');
+  const std::string_view owner = address.substr(0, dot);
+  ResourceBase* resource = find_resource(owner);
+  if (resource == nullptr) {
+    std::vector<std::string> names;
+    collect_names(names, resources_);
+    return refuse(Errc::unknown_name, std::string(address),
+                  "there is no resource " + std::string(owner), did_you_mean(owner, names));
+  }
+  const std::string_view name = dot == std::string_view::npos ? "" : address.substr(dot + 1);
+  if (ServiceBase* service = resource->find_service(name)) return service;
+  std::vector<std::string> names;
+  for (const ServiceBase* service : resource->interface().services()) {
+    names.push_back(service->address());
+  }
+  return refuse(Errc::unknown_name, std::string(address),
+                "resource " + resource->name() + " has no service of this name",
+                did_you_mean(address, names));
+}
+
+ComponentBase& Architecture::own(std::unique_ptr<ComponentBase> component) {
+  add(*component);
+  owned_components_.push_back(std::move(component));
+  return *components_.back();
+}
+
+ResourceBase& Architecture::own(std::unique_ptr<ResourceBase> resource) {
+  add(*resource);
+  owned_resources_.push_back(std::move(resource));
+  return *resources_.back();
+}
+
+Status Architecture::configure() {
+  if (configured_) return ok();
+  std::set<std::string> names;
+  std::vector<std::string> all;
+  collect_names(all, components_);
+  collect_names(all, resources_);
+  for (const std::string& name : all) {
+    if (!names.insert(name).second) return refuse(Errc::duplicate, name, "this name is used twice");
+  }
+  Status done = call_hook(name_, "on_configure", [this] { return on_configure(); });
+  for (ResourceBase* resource : resources_) {
+    if (done) done = resource->configure();
+  }
+  if (done) done = check_resource_graph(*this);
+  for (ComponentBase* component : components_) {
+    if (done) done = component->configure();
+  }
+  configured_ = true;
+  if (!done) static_cast<void>(cleanup());
+  return done;
+}
+
+Status Architecture::cleanup() {
+  if (!configured_) return ok();
+  configured_ = false;
+  Status first = ok();
+  for (auto it = components_.rbegin(); it != components_.rend(); ++it) {
+    Status done = (*it)->cleanup();
+    if (first && !done) first = std::move(done);
+  }
+  for (auto it = resources_.rbegin(); it != resources_.rend(); ++it) {
+    Status done = (*it)->cleanup();
+    if (first && !done) first = std::move(done);
+  }
+  return first;
+}
+
+}  // namespace mauve

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <mauve/component.h>
+
+#include "model/connection.h"
+#include "model/elements.h"
+
+namespace mauve {
+namespace {
+
+/// The connections that were made in code, taken over from the shell.
+void take_initial(Shell& shell, Bindings& table) {
+  table.resize(shell.ports().size());
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    if (shell.initial_bindings()[i] == nullptr) continue;
+    table[i] = std::move(shell.initial_bindings()[i]);
+    shell.initial_bindings()[i] = nullptr;
+  }
+}
+
+}  // namespace
+
+std::string_view to_string(OnOverrun value) {
+  switch (value) {
+    case OnOverrun::catch_up:
+      return "catch_up";
+    case OnOverrun::skip:
+      return "skip";
+    case OnOverrun::stop:
+      return "stop";
+  }
+  return "unknown";
+}
+
+ComponentBase::ComponentBase(std::string name, ComponentType type, CoreType core)
+    : name_(std::move(name)), type_(std::move(type)) {
+  auto bundle = std::make_shared<Bundle>();
+  auto table = std::make_shared<Bindings>();
+  made_ = check_contract(name_ + ".core", core, type_.fsm, type_.shell);
+  if (made_) made_ = make_element(name_ + ".shell", type_.shell.make, bundle->shell);
+  if (made_) made_ = make_element(name_ + ".core", core.make, bundle->core);
+  if (made_) made_ = make_element(name_ + ".fsm", type_.fsm.make, bundle->fsm);
+  if (made_) {
+    bundle->core->bind(*bundle->shell);
+    bundle->fsm->bind(*bundle->core);
+    table->resize(bundle->shell->ports().size());
+  }
+  bundle->bindings = std::move(table);
+  bundle->core_name = core.name;
+  bundle->fsm_name = type_.fsm.name;
+  bundle_ = std::move(bundle);
+}
+
+ComponentBase::~ComponentBase() { static_cast<void>(cleanup()); }
+
+TaskAttributes& ComponentBase::task() {
+  // Before deployment nobody else sees the bundle.
+  return std::const_pointer_cast<Bundle>(bundle_)->task;
+}
+
+Status ComponentBase::configure() {
+  if (configured_) return ok();
+  if (!made_) return made_;
+  auto bundle = std::make_shared<Bundle>(*bundle_);
+  auto table = std::make_shared<Bindings>(*bundle->bindings);
+  take_initial(*bundle->shell, *table);
+  bundle->bindings = std::move(table);
+  bundle_ = std::move(bundle);
+  const std::array<Configurable*, 3> order{&shell(), &core(), &fsm()};
+  if (Status done = configure_in_order(order); !done) return done;
+  shell().use(bundle_->bindings.get());
+  configured_ = true;
+  return ok();
+}
+
+Status ComponentBase::cleanup() {
+  if (!configured_) return ok();
+  configured_ = false;
+  shell().use(nullptr);
+  const std::array<Configurable*, 3> order{&shell(), &core(), &fsm()};
+  return cleanup_in_reverse(order);
+}
+
+Status ComponentBase::cleanup_core() {
+  configured_ = false;
+  const std::array<Configurable*, 2> order{&core(), &fsm()};
+  return cleanup_in_reverse(order);
+}
+
+Status ComponentBase::replace_core(const CoreType& core) {
+  if (ComponentBase::core().configured()) {
+    return refuse(Errc::wrong_state, name_ + ".core", "is configured",
+                  "call cleanup_core() first, or let the deployer swap the core");
+  }
+  if (Status fits = check_contract(name_ + ".core", core, type_.fsm, type_.shell); !fits) {
+    return fits;
+  }
+  auto bundle = std::make_shared<Bundle>(*bundle_);
+  if (Status made = make_element(name_ + ".core", core.make, bundle->core); !made) return made;
+  bundle->core->bind(*bundle->shell);
+  bundle->fsm->bind(*bundle->core);
+  bundle->core_name = core.name;
+  bundle_ = std::move(bundle);
+  return ok();
+}
+
+Status ComponentBase::connect(std::string_view port, ServiceBase& service,
+                              std::shared_ptr<void> keep_alive, Duration max_age) {
+  auto table =
+      with_connection(shell(), *bundle_->bindings, port, service, std::move(keep_alive), max_age);
+  if (!table) return table.error();
+  auto bundle = std::make_shared<Bundle>(*bundle_);
+  bundle->bindings = *std::move(table);
+  bundle_ = std::move(bundle);
+  return ok();
+}
+
+Status ComponentBase::disconnect(std::string_view port) {
+  auto table = without_connection(shell(), *bundle_->bindings, port);
+  if (!table) return table.error();
+  auto bundle = std::make_shared<Bundle>(*bundle_);
+  bundle->bindings = *std::move(table);
+  bundle_ = std::move(bundle);
+  return ok();
+}
+
+}  // namespace mauve

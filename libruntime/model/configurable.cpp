@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <mauve/configurable.h>
+
+#include "model/guard.h"
+
+#include <mauve/observable.h>
+#include <mauve/property.h>
+
+namespace mauve {
+namespace {
+
+template <typename T>
+T* find_named(const std::vector<T*>& items, std::string_view name) {
+  for (T* item : items) {
+    if (item->name() == name) return item;
+  }
+  return nullptr;
+}
+
+/// The element's address where the hook did not say one.
+Status located(Status status, const std::string& address) {
+  if (!status && status.error().at.empty()) status.error().at = address;
+  return status;
+}
+
+}  // namespace
+
+Status Configurable::configure() {
+  if (configured()) return ok();
+  if (deferred_) {
+    Error error = *std::move(deferred_);
+    deferred_.reset();
+    return error;
+  }
+  reset();
+  if (Status hook = call_hook(address_, "on_configure", [this] { return on_configure(); }); !hook) {
+    return located(std::move(hook), address_);
+  }
+  if (Status sound = verify(); !sound) {
+    static_cast<void>(call_hook(address_, "on_cleanup", [this] { return on_cleanup(), ok(); }));
+    return located(std::move(sound), address_);
+  }
+  configured_.store(true, std::memory_order_release);
+  return ok();
+}
+
+Status Configurable::cleanup() {
+  if (!configured()) return ok();
+  configured_.store(false, std::memory_order_release);
+  return call_hook(address_, "on_cleanup", [this] { return on_cleanup(), ok(); });
+}
+
+PropertyBase* Configurable::find_property(std::string_view name) const {
+  return find_named(properties_, name);
+}
+
+ObservableBase* Configurable::find_observable(std::string_view name) const {
+  return find_named(observables_, name);
+}
+
+}  // namespace mauve

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The rules of connecting: same kind, same type, not twice, and no cycle of resources.
+#pragma once
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include <mauve/architecture.h>
+#include <mauve/port.h>
+
+namespace mauve {
+
+/// May `port`, now connected to `present` (may be null), be connected to `service`?
+[[nodiscard]] Status check_connection(const PortBase& port, const Binding* present,
+                                      const ServiceBase& service);
+
+/// A copy of `table` in which port `name` of `shell` is connected to `service`.
+[[nodiscard]] Result<std::shared_ptr<const Bindings>> with_connection(
+    const Shell& shell, const Bindings& table, std::string_view name, ServiceBase& service,
+    std::shared_ptr<void> keep_alive, Duration max_age);
+
+/// A copy of `table` in which port `name` of `shell` is not connected.
+[[nodiscard]] Result<std::shared_ptr<const Bindings>> without_connection(const Shell& shell,
+                                                                         const Bindings& table,
+                                                                         std::string_view name);
+
+/// Refused when resources that write on into one another form a cycle (two callers would wait for
+/// each other for ever), or nest deeper than a job can hold.
+[[nodiscard]] Status check_resource_graph(const Architecture& architecture);
+
+}  // namespace mauve

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <mauve/core.h>
+
+namespace mauve {
+
+StateBase::StateBase(CoreBase& owner, const DataType& type, std::shared_ptr<void> object)
+    : type_(type), object_(std::move(object)) {
+  owner.state_ = this;
+}
+
+void StateBase::keep_alive(std::shared_ptr<void> library) {
+  // The object goes first, then the library whose code destroys it.
+  struct Kept {
+    std::shared_ptr<void> library;
+    std::shared_ptr<void> object;
+  };
+  auto kept = std::make_shared<Kept>(Kept{std::move(library), object_});
+  void* const address = object_.get();
+  object_ = std::shared_ptr<void>(std::move(kept), address);
+}
+
+Stateless::Stateless(CoreBase& owner) { owner.stateless_ = true; }
+
+}  // namespace mauve

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Making elements from their types, and configuring them in the order of dependency (paper 3.2.2).
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+
+#include "model/guard.h"
+
+#include <mauve/element_type.h>
+
+namespace mauve {
+
+/// Runs a maker behind the door for exceptions, and gives the element its address.
+template <typename Base>
+Status make_element(const std::string& address, const detail::Make<Base>& make,
+                    std::shared_ptr<Base>& into) {
+  Status done = call_hook(address, "constructor", [&] { return into = make(), ok(); });
+  if (done) into->adopt(address);
+  return done;
+}
+
+/// May a core of this type be called by this state machine, and see this shell?
+[[nodiscard]] Status check_contract(const std::string& at, const CoreType& core, const FsmType& fsm,
+                                    const ShellType& shell);
+
+/// Configures from front to back; a failure cleans up what this call had configured.
+Status configure_in_order(std::span<Configurable* const> elements);
+/// Cleans up from back to front; returns the first error, but cleans all.
+Status cleanup_in_reverse(std::span<Configurable* const> elements);
+
+}  // namespace mauve

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <mauve/port.h>
+
+#include <atomic>
+
+#include "model/connection.h"
+
+#include <mauve/resource.h>
+#include <mauve/shell.h>
+
+namespace mauve {
+namespace {
+
+std::uint64_t next_binding_id() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
+}  // namespace
+
+Binding::Binding(ServiceBase& service, std::shared_ptr<void> keep_alive, Duration max_age)
+    : keep_alive_(std::move(keep_alive)),
+      service_(service),
+      id_(next_binding_id()),
+      slot_(service.attach()),
+      max_age_(max_age) {}
+
+Binding::~Binding() { service_.detach(slot_); }
+
+PortBase::PortBase(Shell& shell, std::string_view name, Signature signature)
+    : shell_(shell), name_(name), signature_(std::move(signature)), index_(shell.ports_.size()) {
+  shell.ports_.push_back(this);
+  shell.initial_.emplace_back();
+}
+
+std::string PortBase::address() const {
+  std::string owner = shell_.address();
+  if (const auto dot = owner.rfind('.'); dot != std::string::npos) owner.resize(dot);
+  return owner.empty() ? std::string(name_) : owner + ".ports." + std::string(name_);
+}
+
+Status PortBase::connect(ServiceBase& service, Duration max_age) {
+  if (shell_.bindings() != nullptr || shell_.configured()) {
+    return refuse(Errc::wrong_state, address(), "its component is deployed or configured",
+                  "use the deployer to connect ports of a running component");
+  }
+  std::shared_ptr<const Binding>& binding = shell_.initial_[index_];
+  if (Status fits = check_connection(*this, binding.get(), service); !fits) return fits;
+  binding = std::make_shared<const Binding>(service, service.resource().keep_alive(), max_age);
+  return ok();
+}
+
+bool PortBase::connected() const {
+  const Bindings* table = shell_.bindings();
+  return (table != nullptr ? *table : shell_.initial_bindings())[index_] != nullptr;
+}
+
+const Binding* PortBase::binding() {
+  const Bindings* table = shell_.bindings();
+  if (table == nullptr || this_job().detached) return nullptr;
+  const Binding* binding = (*table)[index_].get();
+  if (binding == nullptr) return nullptr;
+  if (binding->id() != seen_) {
+    seen_ = binding->id();
+    cursor_ = Cursor{binding->slot(), 0, 0};
+  }
+  return binding;
+}
+
+PortBase* Shell::find_port(std::string_view name) const {
+  for (PortBase* port : ports_) {
+    if (port->name() == name) return port;
+  }
+  return nullptr;
+}
+
+}  // namespace mauve

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <mauve/resource.h>
+
+#include <array>
+
+#include "model/connection.h"
+#include "model/elements.h"
+
+namespace mauve {
+
+ResourceBase::ResourceBase(std::string name, ResourceType type)
+    : name_(std::move(name)), type_(std::move(type)) {
+  auto table = std::make_shared<Bindings>();
+  made_ = make_element(name_ + ".shell", type_.shell.make, shell_);
+  if (made_) made_ = make_element(name_ + ".core", type_.core.make, core_);
+  if (made_) made_ = make_element(name_ + ".interface", type_.interface, interface_);
+  if (made_) {
+    core_->bind(*shell_);
+    interface_->bind(*this, *core_);
+    table->resize(shell_->ports().size());
+  }
+  bindings_ = std::move(table);
+}
+
+ResourceBase::~ResourceBase() { static_cast<void>(cleanup()); }
+
+Status ResourceBase::configure() {
+  if (configured_) return ok();
+  if (!made_) return made_;
+  auto table = std::make_shared<Bindings>(*bindings_);
+  for (std::size_t i = 0; i < table->size(); ++i) {
+    if (auto& initial = shell_->initial_bindings()[i])
+      (*table)[i] = std::exchange(initial, nullptr);
+  }
+  bindings_ = std::move(table);
+  const std::array<Configurable*, 3> order{shell_.get(), core_.get(), interface_.get()};
+  if (Status done = configure_in_order(order); !done) return done;
+  shell_->use(bindings_.get());
+  configured_ = true;
+  return ok();
+}
+
+Status ResourceBase::cleanup() {
+  if (!configured_) return ok();
+  configured_ = false;
+  shell_->use(nullptr);
+  const std::array<Configurable*, 3> order{shell_.get(), core_.get(), interface_.get()};
+  return cleanup_in_reverse(order);
+}
+
+Status ResourceBase::rebind(std::shared_ptr<const Bindings> bindings) {
+  // Accessors use the table under the gate: after the exchange nobody sees the old one.
+  Entry entry(gate_);
+  if (!entry) return refuse(Errc::timed_out, name_, "is busy");
+  if (configured_) shell_->use(bindings.get());
+  bindings_.swap(bindings);
+  return ok();
+}
+
+Status ResourceBase::connect(std::string_view port, ServiceBase& service,
+                             std::shared_ptr<void> keep_alive, Duration max_age) {
+  auto table = with_connection(*shell_, *bindings_, port, service, std::move(keep_alive), max_age);
+  if (!table) return table.error();
+  return rebind(*std::move(table));
+}
+
+Status ResourceBase::disconnect(std::string_view port) {
+  auto table = without_connection(*shell_, *bindings_, port);
+  if (!table) return table.error();
+  return rebind(*std::move(table));
+}
+
+std::shared_ptr<CoreBase> ResourceBase::exchange_core(std::shared_ptr<CoreBase> core) {
+  Entry entry(gate_);
+  if (!entry) return core;  // given back untouched: the resource is busy
+  StateBase* const old_state = core_->state();
+  StateBase* const new_state = core->state();
+  if (old_state != nullptr && new_state != nullptr && new_state->fits(*old_state)) {
+    new_state->exchange(*old_state);
+  }
+  core->bind(*shell_);
+  interface_->bind(*this, *core);
+  core_.swap(core);
+  return core;
+}
+
+}  // namespace mauve

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <mauve/shared_data.h>
+
+#include <cstring>
+
+#include <mauve/core.h>
+#include <mauve/tap.h>
+
+#include "rt/latest_value.h"
+
+namespace mauve {
+namespace {
+
+/// The exchange lives in the core: it is the inner data of the resource.
+class SharedDataCore final : public CoreBase {
+ public:
+  SharedDataCore(const DataType& data, std::shared_ptr<void> library)
+      : data_(data),
+        library_(std::move(library)),
+        exchange_(data.size, data.alignment, SharedDataBase::kReaders) {}
+
+  const DataType& data_;
+  std::shared_ptr<void> library_;  // of the data type
+  rt::LatestValue exchange_;
+  TapList taps_;
+  Stateless stateless_{*this};
+};
+
+Signature data_signature(PortKind kind, const DataType& data) {
+  return {kind, data.name, data.layout, &data};
+}
+
+/// Readers with a slot of their own never wait; the others keep the writer out while they copy.
+class ReadLatest final : public ServiceBase {
+ public:
+  ReadLatest(InterfaceBase& owner, const DataType& data)
+      : ServiceBase(owner, "read", data_signature(PortKind::read, data)) {}
+
+  unsigned attach() override { return exchange().attach(); }
+  void detach(unsigned slot) override { exchange().detach(slot); }
+  [[nodiscard]] TapList* taps() override { return &shared().taps_; }
+
+  DataStatus read(void* into, Cursor& cursor) override {
+    auto copy = [&](const void* data) { std::memcpy(into, data, exchange().size()); };
+    return look(Visitor(copy), cursor);
+  }
+  DataStatus look(Visitor visitor, Cursor& cursor) override {
+    if (cursor.slot == rt::LatestValue::kNoSlot) {
+      Entry entry(gate());
+      return entry ? show(exchange().newest(), visitor, cursor) : DataStatus::timed_out;
+    }
+    const DataStatus status = show(exchange().acquire(cursor.slot), visitor, cursor);
+    exchange().release(cursor.slot);
+    return status;
+  }
+
+ private:
+  static DataStatus show(const rt::LatestValue::View& view, Visitor visitor, Cursor& cursor) {
+    if (view.data == nullptr) return DataStatus::no_data;
+    visitor(view.data);
+    const bool fresh = view.header.sequence != cursor.seen;
+    cursor.seen = view.header.sequence;
+    cursor.stamp = view.header.stamp;
+    return fresh ? DataStatus::new_data : DataStatus::old_data;
+  }
+  SharedDataCore& shared() { return static_cast<SharedDataCore&>(core()); }
+  rt::LatestValue& exchange() { return shared().exchange_; }
+};
+
+/// Writers take turns under the lock: uncontended it costs one exchange of a word, and a single
+/// writer never waits.
+class WriteLatest final : public ServiceBase {
+ public:
+  WriteLatest(InterfaceBase& owner, const DataType& data)
+      : ServiceBase(owner, "write", data_signature(PortKind::write, data)) {}
+
+  [[nodiscard]] TapList* taps() override { return &shared().taps_; }
+
+  bool write(const void* data) override {
+    auto copy = [&](void* into) { std::memcpy(into, data, shared().exchange_.size()); };
+    return fill(Filler(copy));
+  }
+  bool fill(Filler filler) override {
+    Entry entry(gate());
+    if (!entry) return false;
+    const Instant stamp = job_time();
+    void* const value = shared().exchange_.begin_write();
+    filler(value);
+    shared().exchange_.end_write(stamp);
+    shared().taps_.push(value, stamp);
+    return true;
+  }
+
+ private:
+  SharedDataCore& shared() { return static_cast<SharedDataCore&>(core()); }
+};
+
+class SharedDataInterface final : public InterfaceBase {
+ public:
+  explicit SharedDataInterface(const DataType& data) : read_(*this, data), write_(*this, data) {}
+
+ private:
+  ReadLatest read_;
+  WriteLatest write_;
+};
+
+ResourceType shared_data_type(const DataType& data, const std::shared_ptr<void>& library) {
+  return {"shared_data", ShellType::of<EmptyShell>(),
+          CoreType{"shared_data",
+                   {},
+                   [&data, library] { return std::make_shared<SharedDataCore>(data, library); }},
+          [&data] { return std::make_shared<SharedDataInterface>(data); }};
+}
+
+}  // namespace
+
+SharedDataBase::SharedDataBase(std::string name, const DataType& data, const void* initial,
+                               std::shared_ptr<void> library)
+    : ResourceBase(std::move(name), shared_data_type(data, library)) {
+  if (initial != nullptr) write_service().write(initial);
+}
+
+}  // namespace mauve

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "rt/pi_mutex.h"
+
+#include <time.h>
+
+namespace mauve::rt {
+
+PiMutex::PiMutex() {
+  pthread_mutexattr_t attributes;
+  pthread_mutexattr_init(&attributes);
+  pthread_mutexattr_setprotocol(&attributes, PTHREAD_PRIO_INHERIT);
+  pthread_mutex_init(&mutex_, &attributes);
+  pthread_mutexattr_destroy(&attributes);
+}
+
+PiMutex::~PiMutex() { pthread_mutex_destroy(&mutex_); }
+
+bool PiMutex::try_lock() { return pthread_mutex_trylock(&mutex_) == 0; }
+
+bool PiMutex::lock_until(Instant deadline) {
+  timespec until{};
+  until.tv_sec = static_cast<time_t>(deadline / 1'000'000'000);
+  until.tv_nsec = static_cast<long>(deadline % 1'000'000'000);
+  return pthread_mutex_clocklock(&mutex_, CLOCK_MONOTONIC, &until) == 0;
+}
+
+void PiMutex::unlock() { pthread_mutex_unlock(&mutex_); }
+
+}  // namespace mauve::rt

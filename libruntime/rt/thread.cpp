@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "rt/thread.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include <alloca.h>
+#include <limits.h>
+#include <sched.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace mauve::rt {
+namespace {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr std::size_t kStackFactor = 16;  // instrumented frames are larger
+#else
+constexpr std::size_t kStackFactor = 1;
+#endif
+constexpr std::size_t kStackReserve = 16 * 1024;  // not touched: frames below the thread's entry
+
+/// Every page is mapped before the first release.
+__attribute__((noinline)) void touch_stack(std::size_t bytes) {
+  auto* memory = static_cast<volatile char*>(alloca(bytes));
+  for (std::size_t i = 0; i < bytes; i += 4096) memory[i] = 0;
+}
+
+/// The first throw of a thread costs 50 to 180 us (unwinder tables); have it now.
+void warm_exceptions() {
+  try {
+    throw 0;
+  } catch (int) {
+  }
+}
+
+cpu_set_t to_set(const std::vector<int>& cpus) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  for (const int cpu : cpus) CPU_SET(static_cast<std::size_t>(cpu), &set);
+  return set;
+}
+
+Error no_fifo(int priority, int error) {
+  rlimit limit{};
+  getrlimit(RLIMIT_RTPRIO, &limit);
+  if (error == EPERM && (geteuid() == 0 || limit.rlim_cur >= static_cast<rlim_t>(priority))) {
+    return refuse(Errc::not_permitted, "realtime",
+                  "the kernel refuses SCHED_FIFO in this control group (no real-time run time)",
+                  "give the group a budget (cpu.rt_runtime_us), start in the root group, or boot "
+                  "with rt_group_sched=0");
+  }
+  if (error == EPERM) {
+    return refuse(Errc::not_permitted, "realtime",
+                  "no permission for SCHED_FIFO priority " + std::to_string(priority) +
+                      " (RLIMIT_RTPRIO is " + std::to_string(limit.rlim_cur) + ")",
+                  "grant CAP_SYS_NICE, or a limit: `@mauve - rtprio 90` in "
+                  "/etc/security/limits.conf, LimitRTPRIO=90 in a unit");
+  }
+  return refuse(Errc::system, "realtime",
+                std::string("cannot create a SCHED_FIFO thread: ") + std::strerror(error));
+}
+
+}  // namespace
+
+Thread::~Thread() { join(); }
+
+void* Thread::enter(void* self) {
+  auto& thread = *static_cast<Thread*>(self);
+  touch_stack(thread.stack_ > 2 * kStackReserve ? thread.stack_ - kStackReserve : 4096);
+  warm_exceptions();
+  thread.body_();
+  thread.finished_.store(true);
+  return nullptr;
+}
+
+Status Thread::start(const ThreadAttributes& attributes, std::function<void()> body) {
+  body_ = std::move(body);
+  stack_ = attributes.stack;
+  const auto smallest = static_cast<std::size_t>(sysconf(_SC_THREAD_STACK_MIN));
+  pthread_attr_t attr;
+  pthread_attr_init(&attr);
+  pthread_attr_setstacksize(&attr, std::max(attributes.stack * kStackFactor, smallest + 4096));
+  if (attributes.priority > 0) {
+    sched_param parameter{};
+    parameter.sched_priority = attributes.priority;
+    pthread_attr_setinheritsched(&attr, PTHREAD_EXPLICIT_SCHED);
+    pthread_attr_setschedpolicy(&attr, SCHED_FIFO);
+    pthread_attr_setschedparam(&attr, &parameter);
+  }
+  if (!attributes.cpus.empty()) {
+    const cpu_set_t set = to_set(attributes.cpus);
+    pthread_attr_setaffinity_np(&attr, sizeof set, &set);
+  }
+  const int error = pthread_create(&handle_, &attr, &Thread::enter, this);
+  pthread_attr_destroy(&attr);
+  if (error == EAGAIN) {
+    return refuse(Errc::system, attributes.name,
+                  "no memory or no room for one more thread (is RLIMIT_MEMLOCK too small for its "
+                  "locked stack?)",
+                  "raise RLIMIT_MEMLOCK (LimitMEMLOCK=infinity in a unit), or lower task.stack");
+  }
+  if (error != 0) return no_fifo(attributes.priority, error);
+  running_ = true;
+  pthread_setname_np(handle_, attributes.name.substr(0, 15).c_str());
+  return ok();
+}
+
+void Thread::join() {
+  if (!running_) return;
+  pthread_join(handle_, nullptr);
+  running_ = false;
+}
+
+void Thread::abandon() {
+  if (running_) pthread_detach(handle_);
+  running_ = false;
+}
+
+bool Thread::is_fifo(int priority) const {
+  int policy = 0;
+  sched_param parameter{};
+  return running_ && pthread_getschedparam(handle_, &policy, &parameter) == 0 &&
+         policy == SCHED_FIFO && parameter.sched_priority == priority;
+}
+
+Status Thread::set_priority(int priority) {
+  sched_param parameter{};
+  parameter.sched_priority = priority;
+  const int error =
+      pthread_setschedparam(handle_, priority > 0 ? SCHED_FIFO : SCHED_OTHER, &parameter);
+  if (error != 0) return no_fifo(priority, error);
+  return ok();
+}
+
+Status Thread::set_cpus(const std::vector<int>& cpus) {
+  const cpu_set_t set = to_set(cpus);
+  const int error = pthread_setaffinity_np(handle_, sizeof set, &set);
+  if (error != 0) {
+    return refuse(Errc::system, "cpus", std::string("not possible: ") + std::strerror(error));
+  }
+  return ok();
+}
+
+Status may_use_fifo(int priority) {
+  Thread probe;
+  return probe.start({"mauve-probe", priority, {}, 64 * 1024}, [] {});
+}
+
+std::vector<int> usable_cpus() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  sched_getaffinity(0, sizeof set, &set);
+  std::vector<int> cpus;
+  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+    if (CPU_ISSET(static_cast<std::size_t>(cpu), &set)) cpus.push_back(cpu);
+  }
+  return cpus;
+}
+
+Boost::Boost(int priority) {
+  sched_param parameter{};
+  parameter.sched_priority = priority;
+  raised_ = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter) == 0;
+}
+
+Boost::~Boost() {
+  const sched_param normal{};
+  if (raised_) pthread_setschedparam(pthread_self(), SCHED_OTHER, &normal);
+}
+
+}  // namespace mauve::rt

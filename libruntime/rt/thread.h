@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Real-time threads and the privileges they need.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <pthread.h>
+
+#include <mauve/result.h>
+
+namespace mauve::rt {
+
+/// How a thread is created. Priority 0: not real-time (SCHED_OTHER).
+struct ThreadAttributes {
+  std::string name;               ///< at most 15 characters are shown by the system
+  int priority = 0;               ///< SCHED_FIFO
+  std::vector<int> cpus;          ///< empty: anywhere
+  std::size_t stack = 64 * 1024;  ///< bytes; touched before the body runs
+};
+
+/// A joinable thread with explicit stack, policy and CPUs.
+class Thread {
+ public:
+  Thread() = default;
+  ~Thread();
+  Thread(const Thread&) = delete;
+  Thread& operator=(const Thread&) = delete;
+
+  /// Starts `body`. Errors say which privilege is missing.
+  Status start(const ThreadAttributes& attributes, std::function<void()> body);
+  [[nodiscard]] bool running() const { return running_ && !finished_.load(); }
+  /// Waits for the end of the body.
+  void join();
+  /// Gives up on a thread that does not end; its stack stays allocated for ever.
+  void abandon();
+  /// The policy and priority the system really gave it: true when SCHED_FIFO at `priority`.
+  [[nodiscard]] bool is_fifo(int priority) const;
+  /// Changes the priority of a running thread (also demotion to 0). [control]
+  Status set_priority(int priority);
+  Status set_cpus(const std::vector<int>& cpus);
+
+ private:
+  static void* enter(void* self);
+
+  pthread_t handle_{};
+  std::size_t stack_ = 0;
+  std::function<void()> body_;
+  std::atomic<bool> finished_{false};
+  bool running_ = false;
+};
+
+/// May this process create SCHED_FIFO threads of this priority? The error names the missing
+/// privilege and how to grant it.
+[[nodiscard]] Status may_use_fifo(int priority);
+
+/// CPUs that this process may use.
+[[nodiscard]] std::vector<int> usable_cpus();
+
+/// Raises the calling thread to SCHED_FIFO for a scope, where permitted.
+class Boost {
+ public:
+  explicit Boost(int priority);
+  ~Boost();
+  Boost(const Boost&) = delete;
+  Boost& operator=(const Boost&) = delete;
+
+ private:
+  bool raised_ = false;
+};
+
+}  // namespace mauve::rt
