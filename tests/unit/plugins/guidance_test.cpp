@@ -7,6 +7,7 @@
 
 #include "../../../plugins/guidance/avoidance.h"
 #include "../../../plugins/guidance/field.h"
+#include "../../../plugins/guidance/gap.h"
 #include "../../../plugins/world/world.h"
 
 namespace {
@@ -233,6 +234,24 @@ TEST(FiniteTime, ReachesTheGoalInThreeHundredOpenWorldsWithoutTouching) {
 
 TEST(FiniteTime, ReachesTheGoalInDenseWorldsWithoutTouching) {
   expect_all_reached(drive_worlds(finite_time(), 50, 14, 1.6, 7.0), 50);
+}
+
+TEST(WidestGap, ReachesTheGoalInOpenWorldsWithoutTouching) {
+  world::Random random(1);
+  LaserScan scan;
+  const world::Map* map = nullptr;
+  const Law law = [&](const Pose2D& pose, const Obstacles&, Guidance& state) {
+    world::cast(*map, pose, {}, random, scan);
+    return guidance::follow_gap({}, pose, scan, state);
+  };
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    const world::Map discs = world::random_map(seed, seed % 7, 2.1, {}, {10.0, 0.0});
+    map = &discs;
+    const Drive run = drive(law, discs, {10.0, 0.0}, seed, {0.1, 0.5});
+
+    EXPECT_TRUE(run.reached) << "world " << seed;
+    EXPECT_GT(run.clearance, kTouching) << "world " << seed;
+  }
 }
 
 TEST(FiniteTime, IsQuickerThanTheFieldInOpenWorlds) {
