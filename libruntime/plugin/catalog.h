@@ -11,32 +11,9 @@
 #include "mauve/element_type.h"
 #include "mauve/plugin.h"
 #include "plugin/library.h"
+#include "plugin/loaded_plugin.h"
 
 namespace mauve::plugin {
-
-/// A plugin that is mapped and checked, but whose names may not be in the catalog yet. What its
-/// types make keeps the library mapped; the types themselves do not, and throw std::runtime_error
-/// when they are used after a newer version took over.
-class LoadedPlugin {
- public:
-  /// Wraps what the library declared. Refused: a name twice, a name outside "PLUGIN/". [factory]
-  static Result<LoadedPlugin> of(std::shared_ptr<Library> library);
-
-  [[nodiscard]] const PluginInfo& info() const { return library_->info(); }
-  [[nodiscard]] const std::shared_ptr<Library>& library() const { return library_; }
-
-  std::map<std::string, CoreType, std::less<>> cores;  ///< those of resource types too
-  std::map<std::string, FsmType, std::less<>> fsms;    ///< those of component types too
-  std::map<std::string, ComponentType, std::less<>> components;
-  std::map<std::string, ResourceType, std::less<>> resources;
-  std::map<std::string, const DataType*, std::less<>> types;
-
- private:
-  explicit LoadedPlugin(std::shared_ptr<Library> library) : library_(std::move(library)) {}
-  Status collect();
-
-  std::shared_ptr<Library> library_;
-};
 
 /// Names and what they mean now. Owned by [control], except prepare_load() and release().
 class Catalog {
@@ -82,15 +59,19 @@ class Catalog {
   Result<Unmapped> reload(std::string_view plugin);
 
  private:
-  using Map = std::map<std::string, LoadedPlugin, std::less<>>;
-
   template <typename T>
-  Result<T> lookup(std::map<std::string, T, std::less<>> LoadedPlugin::*kind, const char* what,
+  [[nodiscard]] const T* find(ByName<T> LoadedPlugin::*kind, std::string_view name) const;
+  template <typename T>
+  Result<T> lookup(ByName<T> LoadedPlugin::*kind, std::string_view what,
                    std::string_view name) const;
-  [[nodiscard]] Error unknown_plugin(std::string_view plugin) const;
+  template <typename T>
+  [[nodiscard]] Error unknown(ByName<T> LoadedPlugin::*kind, std::string_view what,
+                              std::string_view name) const;
+  [[nodiscard]] Error not_loaded(std::string_view plugin) const;
+  [[nodiscard]] Status check_types(const LoadedPlugin& loaded) const;
 
   std::vector<std::string> directories_;
-  Map plugins_;
+  ByName<LoadedPlugin> plugins_;
 };
 
 }  // namespace mauve::plugin

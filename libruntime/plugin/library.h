@@ -3,7 +3,7 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
+#include <cstddef>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -12,6 +12,7 @@
 
 #include "mauve/plugin.h"
 #include "plugin/image.h"
+#include "plugin/plugin_file.h"
 
 namespace mauve::plugin {
 
@@ -22,7 +23,7 @@ struct PluginInfo {
   std::string compiler;
   std::string build_id;               ///< hexadecimal, empty when the linker wrote none
   std::string file;                   ///< where it was loaded from; empty: compiled in
-  std::uint64_t serial = 0;           ///< how many plugins this process had loaded before, plus one
+  std::size_t serial = 0;             ///< rises with every load in this process
   std::vector<std::string> warnings;  ///< things that are allowed but will hurt
 };
 
@@ -32,32 +33,31 @@ struct Unmapped {
   std::string reason;  ///< why not, and who holds it; empty when it did
 };
 
-/// Mapped from construction to destruction. Everything made by the plugin holds a shared_ptr to it,
-/// so that no order of destruction can run code that is gone. Drop the last one on [factory].
+/// Mapped from construction to destruction. Everything made by the plugin holds it (hold.h), so no
+/// order of destruction can run code that is gone. The last reference is dropped on [factory].
 class Library {
  public:
-  /// Maps the image and calls its `declare`. [factory]
-  static Result<std::shared_ptr<Library>> open(Image image);
+  /// Checks and maps a plugin and calls its `declare`. [factory]
+  static Result<std::shared_ptr<Library>> open(const PluginFile& file);
   /// A plugin that is part of the program. [any]
-  static Result<std::shared_ptr<Library>> compiled_in(Plugin plugin);
+  static std::shared_ptr<Library> compiled_in(Plugin plugin);
 
   Library(const Library&) = delete;
   Library& operator=(const Library&) = delete;
   ~Library();
 
   [[nodiscard]] const PluginInfo& info() const { return info_; }
-  /// As the plugin wrote it. Calling its makers is for hold.cpp only: they must keep the library.
+  /// As the plugin wrote it. Only hold.cpp may call its makers.
   [[nodiscard]] const Plugin& declared() const { return *declared_; }
 
-  /// Everything that still needs the code: addresses of elements, states, data types. [control]
+  /// What still needs the code: addresses of elements, states, data types. [control]
   [[nodiscard]] std::vector<std::string> users() const;
-  [[nodiscard]] bool used() const;
 
-  /// From now on nothing new is made from it (a newer version took its names). [control]
+  /// From now on nothing new is made from it: a newer version took its names. [control]
   void retire() { retired_.store(true, std::memory_order_release); }
   [[nodiscard]] bool retired() const { return retired_.load(std::memory_order_acquire); }
 
-  /// Drops this reference and says what became of the code. [factory]
+  /// Drops this reference and says what became of the code. Null: nothing was mapped. [factory]
   static Unmapped release(std::shared_ptr<Library> library);
 
  private:
@@ -68,8 +68,9 @@ class Library {
   };
   using Users = std::list<User>;
 
-  explicit Library(PluginInfo info);
-  Status declare(const PluginEntry& entry);
+  Library() = default;
+  Status map(const std::string& name);
+  Status declare(const PluginManifest& checked);
 
   PluginInfo info_;
   Image image_;

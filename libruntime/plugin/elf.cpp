@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "plugin/elf.h"
+
+#include <algorithm>
+#include <cstring>
+#include <iterator>
+#include <utility>
+
+#include "plugin/elf_file.h"
+
+namespace mauve::plugin {
+
+namespace {
+
+constexpr const char* kEntry = "mauve_plugin";
+constexpr const char* kHouseBuild = "build it with mauve_add_plugin()";
+
+// The compiler's own frame_dummy; sanitizers add one for each source file.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || \
+    defined(MAUVE_SANITIZE_ADDRESS_UNDEFINED) || defined(MAUVE_SANITIZE_THREAD)
+constexpr std::size_t kInitialisers = ~std::size_t{0};
+#else
+constexpr std::size_t kInitialisers = 1;
+#endif
+
+Error bad(std::string message, std::string hint) {
+  return refuse(Errc::plugin_refused, {}, std::move(message), std::move(hint));
+}
+
+/// The bytes may be anything, but messages are text.
+std::string printable(std::string_view bytes) {
+  std::string text(bytes);
+  for (char& c : text) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  return text;
+}
+
+template <std::size_t N>
+std::string text_of(const char (&field)[N]) {
+  return printable({field, strnlen(field, N)});
+}
+
+bool is_exported(const GElf_Sym& symbol) {
+  const auto visibility = GELF_ST_VISIBILITY(symbol.st_other);
+  return symbol.st_shndx != SHN_UNDEF && GELF_ST_BIND(symbol.st_info) != STB_LOCAL &&
+         (visibility == STV_DEFAULT || visibility == STV_PROTECTED);
+}
+
+/// The entry that dlsym will give out must be the manifest that is checked here.
+Result<PluginManifest> read_manifest(const ElfFile& file, const GElf_Sym& entry) {
+  const auto section = file.section(".mauve.manifest");
+  if (!section) return bad("is not a mauve plugin: it has no section .mauve.manifest", kHouseBuild);
+  const GElf_Xword offset = entry.st_value - section->header.sh_addr;
+  const std::size_t size = section->bytes.size();
+  if (entry.st_value < section->header.sh_addr || offset > size ||
+      size - offset < sizeof(PluginEntry) || entry.st_size < sizeof(PluginEntry)) {
+    return bad("is damaged: its manifest is too short", "build or copy it again");
+  }
+  PluginManifest manifest;
+  std::memcpy(&manifest, section->bytes.data() + offset, sizeof manifest);
+  return manifest;
+}
+
+Result<GElf_Sym> find_entry(const std::vector<ElfSymbol>& symbols) {
+  for (const ElfSymbol& at : symbols) {
+    if (at.name == kEntry && is_exported(at.symbol)) return at.symbol;
+  }
+  return bad("is not a mauve plugin: it does not export mauve_plugin",
+             "write MAUVE_PLUGIN(plugin) { ... } in one of its sources");
+}
+
+Status check_exports(const std::vector<ElfSymbol>& symbols) {
+  for (const ElfSymbol& at : symbols) {
+    if (!is_exported(at.symbol) || at.name == kEntry) continue;
+    const bool unique = GELF_ST_BIND(at.symbol.st_info) == STB_GNU_UNIQUE;
+    return bad("exports " + printable(at.name) +
+                   (unique ? ", a unique symbol that could never be unloaded"
+                           : ", but mauve_plugin must be its only exported symbol"),
+               kHouseBuild);
+  }
+  return ok();
+}
+
+Status check_segments(const ElfFile& file) {
+  bool stack_declared = false;
+  for (const GElf_Phdr& segment : file.segments()) {
+    const bool executable = (segment.p_flags & PF_X) != 0;
+    if (segment.p_type == PT_TLS) {
+      return bad("has thread-local variables: their first use allocates on a real-time thread",
+                 "make them members of the core");
+    }
+    if (segment.p_type == PT_GNU_STACK && !executable) stack_declared = true;
+    if (segment.p_type == PT_LOAD && executable && (segment.p_flags & PF_W) != 0) {
+      return bad("has a segment that is writable and executable", kHouseBuild);
+    }
+  }
+  if (!stack_declared) return bad("asks for an executable stack", kHouseBuild);
+  return ok();
+}
+
+Status check_needed(const ElfFile& file) {
+  const std::string runtime = "libmauve.so." + std::to_string(kVersionMajor);
+  for (const std::string& name : file.needed()) {
+    if (name.starts_with("libmauve.so") && name != runtime) {
+      return refuse(Errc::abi_mismatch, {},
+                    "needs " + printable(name) + ", but this runtime is " + runtime,
+                    std::string("rebuild it with mauve ") + kVersion);
+    }
+    const bool system = name.starts_with("lib") || name.starts_with("ld-");
+    if (!system || name.find('/') != std::string::npos) {
+      return bad("needs " + printable(name) + ", which is not a system library",
+                 "plugins share headers, not code: link the sources into each");
+    }
+  }
+  return ok();
+}
+
+Status check_initialisers(const ElfFile& file) {
+  const std::size_t count = file.dynamic(DT_INIT_ARRAYSZ).value_or(0) / sizeof(GElf_Addr);
+  if (count <= kInitialisers) return ok();
+  std::string where;
+  for (const ElfSymbol& at : file.symbols(SHT_SYMTAB)) {
+    if (at.name.starts_with("_GLOBAL__sub_I_")) where += " " + printable(at.name);
+  }
+  return bad("has static initialisers, which would run unguarded:" +
+                 (where.empty() ? " " + std::to_string(count - kInitialisers) : where),
+             "make the variables constexpr, or static inside a function");
+}
+
+Status check_dynamic(const ElfFile& file) {
+  if (file.dynamic().empty()) return bad("is damaged: it has no dynamic section", kHouseBuild);
+  if (file.dynamic(DT_TEXTREL) || (file.dynamic(DT_FLAGS).value_or(0) & DF_TEXTREL) != 0) {
+    return bad("has text relocations: its code would be writable", "compile it with -fPIC");
+  }
+  if (file.dynamic(DT_RPATH) || file.dynamic(DT_RUNPATH)) {
+    return bad("has a search path for libraries of its own (RPATH or RUNPATH)", kHouseBuild);
+  }
+  if (Status good = check_needed(file); !good) return good;
+  return check_initialisers(file);
+}
+
+std::string build_id(const ElfFile& file) {
+  const auto section = file.section(".note.gnu.build-id");
+  Elf64_Nhdr note;
+  if (!section || section->bytes.size() < sizeof note) return {};
+  std::memcpy(&note, section->bytes.data(), sizeof note);
+  const std::size_t begin = sizeof note + ((std::size_t{note.n_namesz} + 3) & ~std::size_t{3});
+  const std::size_t size = section->bytes.size();
+  if (begin > size || note.n_descsz > size - begin) return {};
+  std::string text;
+  for (const std::byte byte : section->bytes.subspan(begin, note.n_descsz)) {
+    constexpr const char* kDigits = "0123456789abcdef";
+    text += kDigits[std::to_integer<unsigned>(byte) >> 4];
+    text += kDigits[std::to_integer<unsigned>(byte) & 15];
+  }
+  return text;
+}
+
+}  // namespace
+
+Status check_manifest(const PluginManifest& manifest, std::string_view name) {
+  const PluginManifest ours = detail::make_manifest("", kVersion);
+  const std::string rebuild = std::string("rebuild it with mauve ") + kVersion;
+  if (!std::equal(std::begin(ours.magic), std::end(ours.magic), std::begin(manifest.magic))) {
+    return bad("is not a mauve plugin: its manifest has no magic number", kHouseBuild);
+  }
+  if (manifest.size != ours.size || manifest.abi != ours.abi) {
+    return refuse(Errc::abi_mismatch, {},
+                  "has ABI " + std::to_string(manifest.abi) + ", this runtime has " +
+                      std::to_string(ours.abi),
+                  rebuild);
+  }
+  if (manifest.fingerprint != ours.fingerprint) {
+    return refuse(Errc::abi_mismatch, {},
+                  "was built with other headers, another standard library or other sanitizers (" +
+                      text_of(manifest.compiler) + ") than this runtime (" +
+                      text_of(ours.compiler) + ")",
+                  rebuild);
+  }
+  if (text_of(manifest.name) != name) {
+    return bad("says that its name is \"" + text_of(manifest.name) + "\"",
+               "file and plugin have the same name: " + text_of(manifest.name) + ".so");
+  }
+  return ok();
+}
+
+Result<Facts> inspect(std::span<const std::byte> bytes, std::string_view name) {
+  const Result<ElfFile> file = ElfFile::open(bytes);
+  if (!file) return file.error();
+  const std::vector<ElfSymbol> symbols = file->symbols(SHT_DYNSYM);
+  const Result<GElf_Sym> entry = find_entry(symbols);
+  if (!entry) return entry.error();
+  Result<PluginManifest> manifest = read_manifest(*file, *entry);
+  if (!manifest) return manifest.error();
+  Status good = check_manifest(*manifest, name);
+  if (good) good = check_exports(symbols);
+  if (good) good = check_segments(*file);
+  if (good) good = check_dynamic(*file);
+  if (!good) return good.error();
+
+  Facts facts{*manifest, build_id(*file), {}};
+  if ((file->dynamic(DT_FLAGS_1).value_or(0) & DF_1_NODELETE) != 0) {
+    facts.warnings.emplace_back("linked with -z nodelete: a reload cannot unmap it");
+  }
+  return facts;
+}
+
+}  // namespace mauve::plugin

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The parts of a shared object that the check looks at, taken apart by libelf.
+#pragma once
+
+#include <gelf.h>
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mauve/result.h"
+
+namespace mauve::plugin {
+
+/// One entry of the symbol table for the dynamic linker, or of the one for people.
+struct ElfSymbol {
+  std::string name;
+  GElf_Sym symbol;
+};
+
+/// A view: the bytes must outlive it.
+class ElfFile {
+ public:
+  /// Refused: not ELF, damaged, cut off, or not a shared object for this machine.
+  static Result<ElfFile> open(std::span<const std::byte> bytes);
+
+  [[nodiscard]] const std::vector<GElf_Phdr>& segments() const { return segments_; }
+  [[nodiscard]] const std::vector<GElf_Dyn>& dynamic() const { return dynamic_; }
+  /// The last value with this tag.
+  [[nodiscard]] std::optional<GElf_Xword> dynamic(GElf_Sxword tag) const;
+  /// Names of the libraries it needs.
+  [[nodiscard]] std::vector<std::string> needed() const;
+  /// The symbols of a table: SHT_DYNSYM, or SHT_SYMTAB when it was not stripped.
+  [[nodiscard]] std::vector<ElfSymbol> symbols(GElf_Word table) const;
+  /// The section with this name and its bytes.
+  struct Section {
+    GElf_Shdr header;
+    std::span<const std::byte> bytes;
+  };
+  [[nodiscard]] std::optional<Section> section(const std::string& name) const;
+
+ private:
+  struct Close {
+    void operator()(Elf* elf) const { elf_end(elf); }
+  };
+
+  Status read_segments();
+  Status check_sections();
+  void read_dynamic();
+  [[nodiscard]] std::string text(std::size_t strings, std::size_t offset) const;
+
+  std::span<const std::byte> bytes_;
+  std::unique_ptr<Elf, Close> elf_;
+  std::vector<GElf_Phdr> segments_;
+  std::vector<GElf_Dyn> dynamic_;
+  std::size_t dynamic_strings_ = 0;
+};
+
+}  // namespace mauve::plugin

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Objects of a plugin that keep its code mapped. The code that does so lives in libmauve.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "mauve/element_type.h"
+#include "plugin/library.h"
+
+namespace mauve::plugin {
+
+/// One registered user of a library, for as long as it lives.
+class Hold {
+ public:
+  /// `element` may be null: `what` says all.
+  Hold(std::shared_ptr<Library> library, const Configurable* element, std::string what);
+  Hold(const Hold&) = delete;
+  Hold& operator=(const Hold&) = delete;
+  ~Hold();
+
+ private:
+  std::shared_ptr<Library> library_;
+  Library::Users::iterator user_;
+};
+
+/// A maker whose objects hold the library, and whose states do too. It does not hold the library
+/// itself, and throws std::runtime_error when the library was retired or is gone. `plain` belongs
+/// to what the library declared; `name` is the type's.
+detail::Make<Shell> keep(const std::shared_ptr<Library>& library, const detail::Make<Shell>& plain,
+                         const std::string& name);
+detail::Make<CoreBase> keep(const std::shared_ptr<Library>& library,
+                            const detail::Make<CoreBase>& plain, const std::string& name);
+detail::Make<FsmBase> keep(const std::shared_ptr<Library>& library,
+                           const detail::Make<FsmBase>& plain, const std::string& name);
+detail::Make<InterfaceBase> keep(const std::shared_ptr<Library>& library,
+                                 const detail::Make<InterfaceBase>& plain, const std::string& name);
+
+/// The description of a data type, holding the library it lies in.
+std::shared_ptr<const DataType> keep(const std::shared_ptr<Library>& library, const DataType& type);
+
+}  // namespace mauve::plugin

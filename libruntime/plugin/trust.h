@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Whose files may become code of this process.
+#pragma once
+
+#include <sys/stat.h>
+#include <sys/types.h>
+
+#include <set>
+#include <string>
+
+#include "mauve/result.h"
+
+namespace mauve::plugin {
+
+/// Trusted are root, the user the process runs as, and whoever can replace libmauve itself (its
+/// owner and the owners of the directories above it, and groups that may write there): they need
+/// no plugin to run code here. So a developer's tree works under sudo, and an installed runtime
+/// takes plugins from root only.
+struct Trust {
+  std::set<uid_t> owners;
+  std::set<gid_t> groups;
+
+  /// Of this process; found once. [factory]
+  static const Trust& of_this_process();
+  /// Of the owner `user` and of those who can replace `library`, an absolute path.
+  static Trust of(uid_t user, const std::string& library);
+
+  /// Refused: another owner, writable by an untrusted group or by everybody. A sticky directory
+  /// may be writable (/tmp): what it holds is checked for itself.
+  [[nodiscard]] Status check(const struct stat& status, const std::string& path) const;
+};
+
+}  // namespace mauve::plugin
