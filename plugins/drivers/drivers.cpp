@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Plugin "drivers": what moves and measures, real and simulated.
+#include "parts.h"
+
+MAUVE_PLUGIN(plugin) {
+  drivers::declare_gnss(plugin);
+  drivers::declare_laser_replay(plugin);
+  drivers::declare_world(plugin);
+  drivers::declare_robot_sim(plugin);
+  drivers::declare_laser_sim(plugin);
+  drivers::declare_receiver_sim(plugin);
+}

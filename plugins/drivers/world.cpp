@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Resource kind "drivers/world": the simulated world that the simulated drivers share. The same
+/// seed gives the same run. Obstacles are listed in `obstacles`, or thrown at random when
+/// `random_discs` is set.
+#include <cstdint>
+
+#include "../types/gnss.h"
+#include "../world/world.h"
+#include "parts.h"
+
+template <>
+struct mauve::Described<world::Disc> {
+  static constexpr std::string_view name = "disc/1";
+  static constexpr auto fields() {
+    using world::Disc;
+    return std::tuple{field("at", &Disc::at, "m"), field("radius", &Disc::radius, "m")};
+  }
+};
+
+namespace drivers {
+namespace {
+
+using rover::GnssFix;
+using rover::LaserScan;
+using rover::Odometry;
+using rover::Point2D;
+using rover::Pose2D;
+using rover::Velocity;
+
+using Discs = mauve::Bounded<world::Disc, world::Map::kCapacity>;
+
+/// Where the origin of the world lies on the globe.
+constexpr double kLatitude = 43.5661;
+constexpr double kLongitude = 1.4744;
+constexpr double kAltitude = 151.0;
+constexpr double kMetresPerDegree = 111'194.9;
+
+/// What survives a change of the world: the robot goes on where it is, among other obstacles.
+struct Moving {
+  world::Robot robot{1};
+  world::Random random{1};
+};
+
+class WorldCore final : public mauve::Core<mauve::EmptyShell> {
+ public:
+  /// [rt] Drives on for `seconds` and tells what the wheels measured.
+  Odometry drive(Velocity command, double seconds) {
+    state_->robot.drive(command, {speed_disturbance, turn_disturbance}, seconds);
+    const Pose2D& pose = state_->robot.pose();
+    const double clearance = map_.clearance({pose.x, pose.y}) - robot_radius;
+    if (clearance < nearest) nearest = clearance;
+    x = pose.x;
+    y = pose.y;
+    return state_->robot.odometry();
+  }
+
+  /// [rt] One turn of the laser.
+  LaserScan scan() {
+    LaserScan scan;
+    scan.time = state_->robot.odometry().time;
+    world::cast(map_, state_->robot.pose(), {0.02, laser_range, laser_noise}, state_->random, scan);
+    return scan;
+  }
+
+  /// [rt] What the antenna receives.
+  GnssFix antenna() {
+    const Pose2D& pose = state_->robot.pose();
+    const double east = pose.x + state_->random.normal(gnss_noise);
+    const double north = pose.y + state_->random.normal(gnss_noise);
+    GnssFix fix;
+    fix.time = state_->robot.odometry().time;
+    fix.latitude = kLatitude + north / kMetresPerDegree;
+    fix.longitude = kLongitude + east / (kMetresPerDegree * kCosLatitude);
+    fix.altitude = kAltitude + state_->random.normal(2.0 * gnss_noise);
+    fix.mode = 3;
+    fix.satellites = 9;
+    fix.hdop = 0.9;
+    return fix;
+  }
+
+ private:
+  static constexpr double kCosLatitude = 0.72457;
+
+  mauve::State<Moving> state_{*this};
+  mauve::Property<std::int64_t> seed{*this, "seed", 1, "of everything random", {.min = 0}};
+  mauve::Property<Pose2D> start{*this, "start", {}, "where the robot stands at first"};
+  mauve::Property<Discs> obstacles{*this, "obstacles", {}, "discs in the way"};
+  mauve::Property<int> random_discs{
+      *this, "random_discs", 0, "more of them, at random", {.min = 0, .max = 32}};
+  mauve::Property<Point2D> random_goal{
+      *this, "random_goal", {10.0, 0.0}, "random discs lie on the way to here"};
+  mauve::Property<double> robot_radius{
+      *this, "robot_radius", 0.3, "for the clearance", {.unit = "m", .min = 0.0}};
+  mauve::Property<double> speed_disturbance{
+      *this, "speed_disturbance", 0.05, "up to", {.unit = "m/s", .min = 0.0, .max = 1.0}};
+  mauve::Property<double> turn_disturbance{
+      *this, "turn_disturbance", 0.25, "up to", {.unit = "rad/s", .min = 0.0, .max = 3.0}};
+  mauve::Property<double> laser_range{
+      *this, "laser_range", 8.0, "of the laser", {.unit = "m", .min = 0.1, .max = 100.0}};
+  mauve::Property<double> laser_noise{
+      *this, "laser_noise", 0.01, "standard deviation", {.unit = "m", .min = 0.0, .max = 1.0}};
+  mauve::Property<double> gnss_noise{
+      *this, "gnss_noise", 0.5, "standard deviation", {.unit = "m", .min = 0.0, .max = 100.0}};
+  mauve::Observable<double> nearest{*this, "nearest", 1e9, "the robot came to an obstacle, m"};
+  mauve::Observable<double> x{*this, "x", 0.0, "true position, m"};
+  mauve::Observable<double> y{*this, "y", 0.0, "true position, m"};
+
+  mauve::Status on_configure() override {
+    const auto number = static_cast<std::uint64_t>(seed.get());
+    const Pose2D from = start;
+    map_ = {};
+    if (random_discs > 0) {
+      map_ = world::random_map(number, static_cast<std::size_t>(random_discs.get()), 2.1,
+                               {from.x, from.y}, random_goal);
+    }
+    for (const world::Disc& disc : obstacles.get()) map_.add(disc);
+    if (map_.clearance({from.x, from.y}) < robot_radius) {
+      return mauve::invalid(start, "is inside an obstacle");
+    }
+    *state_ = {world::Robot(number, from), world::Random(number + 1)};
+    return mauve::ok();
+  }
+
+  world::Map map_;
+};
+
+struct WorldInterface : mauve::Interface<WorldCore> {
+  mauve::CallService<Odometry(Velocity, double)> drive{*this, "drive", &WorldCore::drive};
+  mauve::ReadService<LaserScan> scan{*this, "scan", &WorldCore::scan};
+  mauve::ReadService<GnssFix> antenna{*this, "antenna", &WorldCore::antenna};
+};
+
+}  // namespace
+
+void declare_world(mauve::Plugin& plugin) {
+  plugin.resource<mauve::EmptyShell, WorldCore, WorldInterface>("world");
+}
+
+}  // namespace drivers

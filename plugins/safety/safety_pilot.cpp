@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Plugin "safety". Component kind "safety/pilot": lets a command through as far as the way is
+/// free. Nearer than `slow_distance` it halves the forward speed, nearer than `stop_distance` it
+/// lets the robot only turn and reverse. Without a fresh scan, or without a command, the robot
+/// stands. Component kind "safety/cruise": a steady command, to try the pilot without a robot.
+#include <mauve/plugin.h>
+
+#include "../types/scan.h"
+#include "../types/velocity.h"
+#include "zones.h"
+
+namespace safety {
+namespace {
+
+using rover::LaserScan;
+using rover::Velocity;
+using namespace std::chrono_literals;  // NOLINT: durations of states
+
+struct PilotShell : mauve::Shell {
+  mauve::ReadPort<Velocity> command{*this, "command"};
+  mauve::ReadPort<LaserScan> scan{*this, "scan"};
+  mauve::WritePort<Velocity> safe_command{*this, "safe_command", mauve::Safe{Velocity{}}};
+};
+
+/// What survives a change.
+struct PilotState {
+  Zone zone = Zone::clear;
+};
+
+class Pilot final : public mauve::Core<PilotShell> {
+ public:
+  /// [rt] state look: which zone are we in?
+  void look() {
+    const mauve::DataStatus seen = shell().scan.look(
+        [this](const LaserScan& scan) { free_way = safety::free_way(scan, half_width); });
+    const bool fresh = has_value(seen) && seen != mauve::DataStatus::stale &&
+                       (scan_timeout.get() == 0ms || shell().scan.age() <= scan_timeout.get());
+    if (!fresh) free_way = 0.0;
+    state->zone =
+        next_zone(state->zone, free_way, {stop_distance, slow_distance, half_width, hysteresis});
+    zone = static_cast<int>(state->zone);
+  }
+  /// [rt] states clear, slow and stop: hand on what is safe.
+  void pass() { hand_on(Zone::clear); }
+  void halve() { hand_on(Zone::slow); }
+  void stop() { hand_on(Zone::stop); }
+
+  bool must_stop() const { return state->zone == Zone::stop; }
+  bool must_slow() const { return state->zone == Zone::slow; }
+
+ private:
+  mauve::State<PilotState> state{*this};
+  mauve::Property<double> stop_distance{*this,
+                                        "stop_distance",
+                                        1.0,
+                                        "no forward speed nearer than",
+                                        {.unit = "m", .min = 0.0, .max = 50.0}};
+  mauve::Property<double> slow_distance{*this,
+                                        "slow_distance",
+                                        3.0,
+                                        "half speed nearer than",
+                                        {.unit = "m", .min = 0.0, .max = 50.0}};
+  mauve::Property<double> half_width{*this,
+                                     "half_width",
+                                     0.35,
+                                     "of the corridor that is watched",
+                                     {.unit = "m", .min = 0.01, .max = 10.0}};
+  mauve::Property<double> hysteresis{
+      *this, "hysteresis", 0.1, "share beyond which a zone is left", {.min = 0.0, .max = 1.0}};
+  mauve::Property<mauve::Duration> scan_timeout{*this,
+                                                "scan_timeout",
+                                                500ms,
+                                                "an older scan counts as none; 0ms: never",
+                                                {.min = 0ms, .max = {}}};
+  mauve::Observable<double> free_way{*this, "free_way", 0.0, "to the next obstacle ahead, m"};
+  mauve::Observable<int> zone{*this, "zone", 0, "0 clear, 1 slow, 2 stop"};
+
+  mauve::Status on_configure() override {
+    if (slow_distance < stop_distance) {
+      return mauve::invalid(slow_distance, "must not be below stop_distance");
+    }
+    return mauve::ok();
+  }
+
+  void hand_on(Zone zone_now) {
+    const Velocity wanted = shell().command.read();
+    const mauve::DataStatus status = shell().command.status();
+    const bool usable = has_value(status) && status != mauve::DataStatus::stale;
+    shell().safe_command.write(usable ? limited(wanted, zone_now) : Velocity{});
+  }
+};
+
+/// Each zone is a state, so that `mauvectl status` and traces show it.
+struct PilotFsm : mauve::Fsm<Pilot> {
+  Exec look{*this, "look", &Pilot::look};
+  Exec clear{*this, "clear", &Pilot::pass};
+  Exec slow{*this, "slow", &Pilot::halve};
+  Exec stop{*this, "stop", &Pilot::stop};
+  Sync period{*this, "period", 10ms, "between two looks"};
+
+  mauve::Status on_configure() override {
+    start_at(look);
+    look.when(&Pilot::must_stop, stop).when(&Pilot::must_slow, slow).then(clear);
+    clear.then(period);
+    slow.then(period);
+    stop.then(period);
+    period.then(look);
+    return mauve::ok();
+  }
+};
+
+struct CruiseShell : mauve::Shell {
+  mauve::WritePort<Velocity> command{*this, "command", mauve::Safe{Velocity{}}};
+};
+
+class Cruise final : public mauve::Core<CruiseShell> {
+ public:
+  void update() { shell().command.write(velocity); }
+
+ private:
+  mauve::Stateless stateless{*this};
+  mauve::Property<Velocity> velocity{*this, "velocity", {0.5, 0.0}, "commanded all the time"};
+};
+
+}  // namespace
+}  // namespace safety
+
+MAUVE_PLUGIN(plugin) {
+  plugin.component<safety::PilotShell, safety::Pilot, safety::PilotFsm>("pilot");
+  plugin.component<safety::CruiseShell, safety::Cruise, mauve::PeriodicFsm<safety::Cruise>>(
+      "cruise");
+}
