@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/core.h>
 
+#include <cstring>
+#include <new>
+
 namespace mauve {
 
 StateBase::StateBase(CoreBase& owner, const DataType& type, std::shared_ptr<void> object)
@@ -9,6 +12,16 @@ StateBase::StateBase(CoreBase& owner, const DataType& type, std::shared_ptr<void
 }
 
 void StateBase::keep_alive(std::shared_ptr<void> library) {
+  if (type_.flat && type_.to_value != nullptr) {
+    // Described plain bytes need no code, so that a reload can unmap the plugin they came from.
+    const auto alignment = static_cast<std::align_val_t>(type_.alignment);
+    const std::shared_ptr<void> plain(
+        ::operator new(type_.size, alignment),
+        [alignment](void* memory) { ::operator delete(memory, alignment); });
+    std::memcpy(plain.get(), object_.get(), type_.size);
+    object_ = plain;
+    return;
+  }
   // The object goes first, then the library whose code destroys it.
   struct Kept {
     std::shared_ptr<void> library;

@@ -23,7 +23,8 @@ class StateBase {
   [[nodiscard]] bool fits(const StateBase& other) const { return same_type(type_, other.type_); }
   /// The hand-over: the two cores exchange their state objects. [rt], two pointer stores.
   void exchange(StateBase& other) { object_.swap(other.object_); }
-  /// Runtime only: the state object keeps the library alive that made it.
+  /// Runtime only: the state object keeps the library alive that made it; a described, trivially
+  /// copyable one is moved to memory that needs no library.
   void keep_alive(std::shared_ptr<void> library);
   /// For people and tools, off the real-time threads and only while the core is not running.
   [[nodiscard]] const void* data() const { return object_.get(); }
