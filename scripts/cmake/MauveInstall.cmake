@@ -89,7 +89,17 @@ foreach(pair "service:systemd/system" "socket:systemd/system" "sysusers:sysusers
     configure_file("${file}.in" "${PROJECT_BINARY_DIR}/package/mauved.${kind}" @ONLY)
     set(file "${PROJECT_BINARY_DIR}/package/mauved.${kind}")
   endif()
-  if(EXISTS "${file}")
+  if(kind STREQUAL "service" AND EXISTS "${file}")
+    # The prefix is known only at install time; the unit in the sources says /usr.
+    install(CODE "
+      file(READ \"${file}\" unit)
+      string(REPLACE /usr/sbin/ \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_SBINDIR}/\" unit \"\${unit}\")
+      file(WRITE \"${PROJECT_BINARY_DIR}/package/mauved.service\" \"\${unit}\")")
+    set(file "${PROJECT_BINARY_DIR}/package/mauved.service")
+  elseif(NOT EXISTS "${file}")
+    set(file "")
+  endif()
+  if(file)
     set(name "mauved.${kind}")
     if(kind MATCHES "sysusers|tmpfiles")
       set(name "mauve.conf")

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "control.h"
+
+#include <sys/prctl.h>
+
+#include <utility>
+
+namespace mauve::daemon {
+
+WorkerThread::~WorkerThread() { stop(); }
+
+void WorkerThread::start() {
+  thread_ = std::thread([this] {
+    prctl(PR_SET_NAME, name_);
+    run();
+  });
+}
+
+void WorkerThread::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+}
+
+bool WorkerThread::post(Job job) {
+  const std::lock_guard lock(mutex_);
+  if (stopping_) {
+    return false;
+  }
+  jobs_.push_back(std::move(job));
+  wake_.notify_one();
+  return true;
+}
+
+bool WorkerThread::post_urgent(Job job) {
+  const std::lock_guard lock(mutex_);
+  if (stopping_) {
+    return false;
+  }
+  urgent_.push_back(std::move(job));
+  wake_.notify_one();
+  return true;
+}
+
+bool WorkerThread::is_this_thread() const { return std::this_thread::get_id() == thread_.get_id(); }
+
+void WorkerThread::run() {
+  for (;;) {
+    Job job;
+    {
+      std::unique_lock lock(mutex_);
+      wake_.wait(lock, [this] { return stopping_ || !urgent_.empty() || !jobs_.empty(); });
+      auto& queue = urgent_.empty() ? jobs_ : urgent_;
+      if (queue.empty()) {
+        return;
+      }
+      job = std::move(queue.front());
+      queue.pop_front();
+    }
+    job();
+  }
+}
+
+Control::Control() = default;
+
+Control::~Control() { stop(); }
+
+void Control::start() {
+  control_.start();
+  factory_.start();
+}
+
+void Control::stop() {
+  std::deque<Change> dropped;
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    dropped.swap(waiting_);
+  }
+  // The factory may still post a continuation to [control]: it ends first.
+  factory_.stop();
+  control_.stop();
+}
+
+void Control::read(Job job) { control_.post(std::move(job)); }
+
+void Control::urgent(Job job) { control_.post_urgent(std::move(job)); }
+
+bool Control::change(Change change) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (stopping_ || waiting_.size() >= kWaiting) {
+      return false;
+    }
+    waiting_.push_back(std::move(change));
+  }
+  begin_next();
+  return true;
+}
+
+void Control::begin_next() {
+  Change next;
+  {
+    const std::lock_guard lock(mutex_);
+    if (busy_ || stopping_ || waiting_.empty()) {
+      return;
+    }
+    busy_ = true;
+    next = std::move(waiting_.front());
+    waiting_.pop_front();
+  }
+  Ticket ticket(nullptr, [this](void*) { ended(); });
+  control_.post(
+      [next = std::move(next), ticket = std::move(ticket)]() mutable { next(std::move(ticket)); });
+}
+
+void Control::ended() {
+  {
+    const std::lock_guard lock(mutex_);
+    busy_ = false;
+  }
+  begin_next();
+}
+
+void Control::in_factory(Job work, Job then) {
+  factory_.post([this, work = std::move(work), then = std::move(then)]() mutable {
+    work();
+    work = nullptr;  // what it holds is destroyed here, before [control] goes on
+    control_.post(std::move(then));
+  });
+}
+
+bool Control::busy() const {
+  const std::lock_guard lock(mutex_);
+  return busy_;
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The two threads behind the socket: [control] owns the model, [factory] does what takes long.
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+namespace mauve::daemon {
+
+/// A thread that runs closures one after another.
+class WorkerThread {
+ public:
+  using Job = std::function<void()>;
+
+  explicit WorkerThread(const char* name) : name_(name) {}
+  ~WorkerThread();
+  WorkerThread(const WorkerThread&) = delete;
+  WorkerThread& operator=(const WorkerThread&) = delete;
+
+  void start();
+  /// Runs what is queued, then ends. Later jobs are dropped.
+  void stop();
+  /// [any] Behind everything queued before, or in front of it. Dropped (false) after stop().
+  bool post(Job job);
+  bool post_urgent(Job job);
+  [[nodiscard]] bool is_this_thread() const;
+
+ private:
+  void run();
+
+  const char* name_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::deque<Job> urgent_;
+  std::deque<Job> jobs_;
+  bool stopping_ = false;
+  std::thread thread_;
+};
+
+/// Orders requests: reads run at once, changes one at a time, urgent things before all others.
+///
+/// A change may take long: it sends its slow part to [factory] and gives [control] back meanwhile,
+/// so that reads and `component.stop` are served. The next change begins when it is done.
+class Control {
+ public:
+  using Job = std::function<void()>;
+
+  /// Held by a change for as long as it lasts; the next one begins when the last copy is gone, on
+  /// whichever path that happens.
+  using Ticket = std::shared_ptr<void>;
+  using Change = std::function<void(Ticket)>;
+
+  Control();
+  ~Control();
+
+  void start();
+  /// Lets the work under way end and drops the changes that wait; what they hold (a Reply) is
+  /// destroyed. [main]
+  void stop();
+
+  /// [any] Runs on [control] as soon as that is free; a change under way does not hold it up.
+  void read(Job job);
+  /// [any] The same, before everything that waits.
+  void urgent(Job job);
+  /// [any] Runs on [control] when no other change is under way. False: too many wait already.
+  [[nodiscard]] bool change(Change change);
+
+  /// [control] Runs `work` on [factory], then `then` on [control].
+  void in_factory(Job work, Job then);
+
+  /// [any] Whether a change is under way.
+  [[nodiscard]] bool busy() const;
+  [[nodiscard]] bool on_control_thread() const { return control_.is_this_thread(); }
+
+  static constexpr std::size_t kWaiting = 256;  ///< changes: 32 clients with 8 requests each
+
+ private:
+  void begin_next();
+  void ended();
+
+  mutable std::mutex mutex_;
+  std::deque<Change> waiting_;
+  bool busy_ = false;
+  bool stopping_ = false;
+  WorkerThread control_{"mauve-control"};
+  WorkerThread factory_{"mauve-factory"};
+};
+
+}  // namespace mauve::daemon

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "notify.h"
+
+#include <systemd/sd-daemon.h>
+
+namespace mauve::daemon::notify {
+
+namespace {
+
+/// A status of several lines would be read as several assignments.
+std::string one_line(std::string text) {
+  for (auto& c : text) {
+    if (c == '\n') {
+      c = ' ';
+    }
+  }
+  return text;
+}
+
+void tell(const std::string& state) { sd_notify(0, state.c_str()); }
+
+}  // namespace
+
+void ready(const std::string& status) { tell("READY=1\nSTATUS=" + one_line(status)); }
+
+void status(const std::string& status) { tell("STATUS=" + one_line(status)); }
+
+void stopping(const std::string& status) { tell("STOPPING=1\nSTATUS=" + one_line(status)); }
+
+void extend(std::chrono::microseconds time) {
+  tell("EXTEND_TIMEOUT_USEC=" + std::to_string(time.count()));
+}
+
+}  // namespace mauve::daemon::notify

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What the service manager is told (sd_notify). Does nothing when there is none.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace mauve::daemon::notify {
+
+/// All threads run with the asked policy and the socket is open. `status` is one line of truth.
+void ready(const std::string& status);
+void status(const std::string& status);
+/// The orderly end has begun.
+void stopping(const std::string& status);
+/// Start or stop take longer than the unit allows: this much more, from now.
+void extend(std::chrono::microseconds time);
+
+}  // namespace mauve::daemon::notify

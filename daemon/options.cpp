@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "options.h"
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <filesystem>
+#include <map>
+
+#include "mauve/version.h"
+#include "protocol/socket_path.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+constexpr int kWrongUse = 2;
+
+const std::map<std::string, Realtime> kRealtime = {
+    {"require", Realtime::require}, {"prefer", Realtime::prefer}, {"off", Realtime::off}};
+const std::map<std::string, log::Level> kLevels = {{"debug", log::Level::debug},
+                                                   {"info", log::Level::info},
+                                                   {"warn", log::Level::warn},
+                                                   {"error", log::Level::error}};
+
+/// A build tree and an installed copy have the same shape; a program elsewhere uses the latter.
+std::string default_plugin_dir() {
+  std::error_code failed;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
+  const auto beside = program.parent_path().parent_path() / "lib" / "mauve" / "plugins";
+  if (!failed && std::filesystem::is_directory(beside, failed)) {
+    return beside.string();
+  }
+  return MAUVE_INSTALL_PLUGINDIR;
+}
+
+void declare(CLI::App& app, Options& options) {
+  app.name("mauved");
+  app.footer(
+      "Examples:\n"
+      "  mauved etc/rover.json\n"
+      "  mauved --check my.json\n"
+      "  mauved /etc/mauve/architecture.json --realtime require");
+  app.set_version_flag("--version", "mauved " MAUVE_VERSION);
+  app.add_option("architecture", options.architecture, "The architecture file (JSON)")
+      ->required()
+      ->type_name("ARCHITECTURE.json");
+  app.add_option("--socket", options.socket, "The admin socket")->type_name("PATH");
+  app.add_option("--plugin-dir", options.plugin_dirs,
+                 "Load plugins from this directory and the others given, and from nowhere else")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
+  app.add_option("--realtime", options.realtime,
+                 "Without real-time privileges: require refuses to start, prefer warns, off does "
+                 "not ask for them")
+      ->type_name("require|prefer|off")
+      ->transform(CLI::Transformer(kRealtime))
+      ->default_str("prefer");
+  app.add_flag("--check", options.check, "Only say what is wrong with the file; needs no root");
+  app.add_option("--log-file", options.log_file, "Also write the log as JSON lines to this file")
+      ->type_name("FILE");
+  app.add_option("--log-level", options.log_level, "Report this and worse")
+      ->type_name("debug|info|warn|error")
+      ->transform(CLI::Transformer(kLevels))
+      ->default_str("info");
+}
+
+Leave leave(const CLI::App& app, const CLI::ParseError& error) {
+  const bool asked = error.get_exit_code() == 0;
+  if (!asked) {
+    return {kWrongUse, std::string("error: ") + error.what() + "\nhint: mauved --help\n"};
+  }
+  const auto* version = dynamic_cast<const CLI::CallForVersion*>(&error);
+  return {0, version != nullptr ? std::string(error.what()) + "\n" : app.help()};
+}
+
+}  // namespace
+
+std::string_view to_string(Realtime mode) {
+  constexpr std::array<std::string_view, 3> kNames = {"require", "prefer", "off"};
+  return kNames.at(static_cast<std::size_t>(mode));
+}
+
+std::variant<Options, Leave> parse_options(int argc, const char* const* argv) {
+  CLI::App app{"Runs an architecture on real-time threads and lets mauvectl change it."};
+  Options options;
+  declare(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return leave(app, error);
+  }
+  if (options.socket.empty()) {
+    options.socket = protocol::default_socket_path();
+  }
+  if (options.plugin_dirs.empty()) {
+    options.plugin_dirs = {default_plugin_dir()};
+  }
+  return options;
+}
+
+}  // namespace mauve::daemon

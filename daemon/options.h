@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The command line of mauved.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "log/event.h"
+
+namespace mauve::daemon {
+
+/// What to do without the privileges for real-time threads.
+enum class Realtime { require, prefer, off };
+
+/// "require", "prefer", "off".
+[[nodiscard]] std::string_view to_string(Realtime mode);
+
+struct Options {
+  std::string architecture;              ///< the file
+  std::string socket;                    ///< never empty
+  std::vector<std::string> plugin_dirs;  ///< where plugins may come from, and nowhere else
+  Realtime realtime = Realtime::prefer;
+  bool check = false;    ///< only say what is wrong with the file
+  std::string log_file;  ///< JSON lines; empty for none
+  log::Level log_level = log::Level::info;
+};
+
+/// The program ends at once: --help, --version, or wrong use.
+struct Leave {
+  int exit = 0;      ///< 0, or 2 for wrong use
+  std::string text;  ///< for stdout when exit is 0, else for stderr
+};
+
+/// [main] Never throws. Without --plugin-dir the only directory is lib/mauve/plugins beside the
+/// program's own, or the installed one.
+[[nodiscard]] std::variant<Options, Leave> parse_options(int argc, const char* const* argv);
+
+}  // namespace mauve::daemon

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+namespace mauve::daemon {
+namespace {
+
+std::variant<Options, Leave> parse(std::vector<const char*> arguments) {
+  arguments.insert(arguments.begin(), "mauved");
+  return parse_options(static_cast<int>(arguments.size()), arguments.data());
+}
+
+Options accepted(std::vector<const char*> arguments) {
+  auto parsed = parse(std::move(arguments));
+  if (const auto* leave = std::get_if<Leave>(&parsed)) {
+    ADD_FAILURE() << leave->text;
+    return {};
+  }
+  return std::get<Options>(parsed);
+}
+
+Leave left(std::vector<const char*> arguments) {
+  auto parsed = parse(std::move(arguments));
+  return std::holds_alternative<Leave>(parsed) ? std::get<Leave>(parsed) : Leave{-1, "accepted"};
+}
+
+TEST(Options, HaveDefaultsForAllButTheFile) {
+  setenv("MAUVE_SOCKET", "/tmp/a.sock", 1);
+  const auto options = accepted({"rover.json"});
+  unsetenv("MAUVE_SOCKET");
+
+  EXPECT_EQ(options.architecture, "rover.json");
+  EXPECT_EQ(options.socket, "/tmp/a.sock");
+  EXPECT_EQ(options.realtime, Realtime::prefer);
+  EXPECT_EQ(options.plugin_dirs.size(), 1U);
+  EXPECT_EQ(options.log_level, log::Level::info);
+  EXPECT_FALSE(options.check);
+}
+
+TEST(Options, TakeEverythingFromTheCommandLine) {
+  const auto options =
+      accepted({"rover.json", "--socket", "s", "--plugin-dir", "a", "--plugin-dir", "b",
+                "--realtime", "require", "--log-file", "l", "--log-level", "debug"});
+
+  EXPECT_EQ(options.socket, "s");
+  EXPECT_EQ(options.plugin_dirs, (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(options.realtime, Realtime::require);
+  EXPECT_EQ(options.log_file, "l");
+  EXPECT_EQ(options.log_level, log::Level::debug);
+}
+
+TEST(Options, TakeTheFileBehindTheCheckFlagOrBeforeIt) {
+  EXPECT_EQ(accepted({"--check", "rover.json"}).architecture, "rover.json");
+  EXPECT_TRUE(accepted({"rover.json", "--check"}).check);
+}
+
+TEST(Options, TakeTheFileBehindAPluginDirectory) {
+  const auto options = accepted({"--plugin-dir", "a", "rover.json"});
+
+  EXPECT_EQ(options.architecture, "rover.json");
+  EXPECT_EQ(options.plugin_dirs, std::vector<std::string>{"a"});
+}
+
+TEST(Options, RefuseWrongUseWithTwo) {
+  EXPECT_EQ(left({}).exit, 2);
+  EXPECT_EQ(left({"a.json", "b.json"}).exit, 2);
+  EXPECT_EQ(left({"a.json", "--realtime", "maybe"}).exit, 2);
+  EXPECT_EQ(left({"a.json", "--nonsense"}).exit, 2);
+  EXPECT_EQ(left({"a.json", "--log-level", "loud"}).exit, 2);
+  EXPECT_THAT(left({}).text, testing::HasSubstr("hint: mauved --help"));
+}
+
+TEST(Options, TellTheVersion) {
+  const auto leave = left({"--version"});
+
+  EXPECT_EQ(leave.exit, 0);
+  EXPECT_THAT(leave.text, testing::MatchesRegex("mauved [0-9]+\\.[0-9]+\\.[0-9]+.*\n"));
+}
+
+TEST(Options, ShowExamplesInTheHelp) {
+  const auto leave = left({"--help"});
+
+  EXPECT_EQ(leave.exit, 0);
+  EXPECT_THAT(leave.text, testing::HasSubstr("mauved etc/rover.json"));
+  EXPECT_THAT(leave.text, testing::HasSubstr("--plugin-dir"));
+}
+
+}  // namespace
+}  // namespace mauve::daemon

@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-3.0-or-later
+# The unit is understood by systemd, and its exposure is 1.0 or less. Usage: unit_file_test.sh SOURCE_DIR
+set -euo pipefail
+if ! command -v systemd-analyze >/dev/null; then
+  echo "SKIPPED: systemd-analyze is not installed, so the unit file was NOT checked" >&2
+  exit 77
+fi
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# Complaints about a program that is not installed are not what is tested here.
+sed 's#/usr/sbin/mauved#/bin/true#' "$1/systemd/mauved.service" >"$work/mauved.service"
+complaints=$(systemd-analyze verify --man=no "$work/mauved.service" 2>&1)
+if [[ -n $complaints ]]; then
+  echo "systemd-analyze verify: $complaints" >&2
+  exit 1
+fi
+systemd-analyze security --offline=true --threshold=10 "$work/mauved.service" | tail -1
+
+# With the drop-ins in force (comment signs taken away) it must still be understood.
+for drop_in in capabilities devices; do
+  mkdir -p "$work/mauved.service.d"
+  sed -E 's/^#(\[|[A-Z][A-Za-z]+=)/\1/' "$1/systemd/mauved-$drop_in.conf" \
+    >"$work/mauved.service.d/$drop_in.conf"
+  complaints=$(systemd-analyze verify --man=no "$work/mauved.service" 2>&1)
+  if [[ -n $complaints ]]; then
+    echo "systemd-analyze verify with $drop_in.conf: $complaints" >&2
+    exit 1
+  fi
+  rm -r "$work/mauved.service.d"
+done
+
+# Users and directories: parsed for real, below a root of their own.
+mkdir -p "$work/root/etc"
+if command -v systemd-sysusers >/dev/null; then
+  systemd-sysusers --root="$work/root" "$1/systemd/mauved.sysusers" >"$work/out" 2>&1 ||
+    { cat "$work/out" >&2; exit 1; }
+  grep -q '^mauve:' "$work/root/etc/passwd"
+  grep -q '^mauve-view:' "$work/root/etc/group"
+  grep -q '^mauve-admin:' "$work/root/etc/group"
+fi
+echo "the unit is understood"
