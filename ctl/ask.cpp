@@ -118,12 +118,13 @@ int run_version(Session& session) {
 int run_check(Session& session) {
   const std::string file = session.arguments.one("FILE");
   std::error_code error;
-  std::ifstream stream(file, std::ios::binary);
-  const bool readable = stream && !std::filesystem::is_directory(file, error);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!readable || stream.bad()) {
+  // Reading a folder is the one thing at which the stream would throw.
+  std::ifstream stream;
+  if (!std::filesystem::is_directory(file, error)) stream.open(file, std::ios::binary);
+  if (!stream.is_open()) {
     return session.fail(fault_of(protocol::kUsage, "the file cannot be read", file));
   }
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
   const auto answer = session.call("config.check", {{"text", text}, {"file", file}});
   if (const auto* fault = std::get_if<Fault>(&answer)) {
     Fault said = *fault;

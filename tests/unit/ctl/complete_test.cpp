@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "complete.h"
+
+#include <algorithm>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "unit/ctl/fake_server.h"
+
+namespace mauve::ctl {
+namespace {
+
+using Words = std::vector<std::string>;
+
+void serve_names(Peer& peer) {
+  peer.say(kHello);
+  for (auto request = peer.hear(); !request.id.is_null(); request = peer.hear()) {
+    if (request.method == "component.list") {
+      peer.answer(request,
+                  protocol::Json::parse(R"({"items":[{"name":"control"},{"name":"laser"}]})"));
+    } else if (request.method == "resource.list") {
+      peer.answer(request, protocol::Json::parse(R"({"items":[{"name":"scan"}]})"));
+    } else if (request.method == "core.list") {
+      peer.answer(request,
+                  {{"items", {{{"name", "for_" + request.params["for"].get<std::string>()}}}}});
+    } else {
+      peer.answer(
+          request,
+          protocol::Json::parse(
+              R"({"address":"control","properties":[{"address":"control.core.gain"},{"address":"control.fsm.pace"}]})"));
+    }
+  }
+}
+
+TEST(Completion, OffersCommands) {
+  EXPECT_EQ(completions({"st"}), (Words{"start", "status", "stop"}));
+  EXPECT_GT(completions({""}).size(), 15U);
+}
+
+TEST(Completion, OffersTheOptionsOfTheCommandAndTheGlobalOnes) {
+  const Words words = completions({"swap-core", "--"});
+
+  EXPECT_NE(std::find(words.begin(), words.end(), "--in-place"), words.end());
+  EXPECT_NE(std::find(words.begin(), words.end(), "--socket"), words.end());
+  EXPECT_EQ(completions({"status", "--in"}), Words{});
+}
+
+TEST(Completion, OffersKindsAndLevels) {
+  EXPECT_EQ(completions({"list", "p"}), (Words{"plugins", "ports"}));
+  EXPECT_EQ(completions({"logs", "--level", ""}), (Words{"debug", "error", "info", "warn"}));
+}
+
+TEST(Completion, AsksTheDaemonForNames) {
+  FakeServer server(serve_names, 4);
+
+  EXPECT_EQ(completions({"--socket", server.path(), "start", "l"}), Words{"laser"});
+  EXPECT_EQ(completions({"--socket", server.path(), "swap-core", "arm", ""}), Words{"for_arm"});
+  EXPECT_EQ(completions({"--socket", server.path(), "get", ""}),
+            (Words{"control", "laser", "scan"}));
+  EXPECT_EQ(completions({"--socket", server.path(), "set", "control.c"}),
+            Words{"control.core.gain"});
+}
+
+TEST(Completion, IsSilentWithoutDaemon) {
+  EXPECT_EQ(completions({"--socket", "/nowhere", "start", ""}), Words{});
+  EXPECT_EQ(completions({}), Words{});
+}
+
+}  // namespace
+}  // namespace mauve::ctl

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "options.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace mauve::ctl {
+namespace {
+
+using Words = std::vector<std::string>;
+
+Invocation accepted(const Words& words) {
+  auto parsed = parse_options(words);
+  if (auto* misuse = std::get_if<Misuse>(&parsed)) ADD_FAILURE() << misuse->fault.message;
+  if (auto* invocation = std::get_if<Invocation>(&parsed)) return std::move(*invocation);
+  ADD_FAILURE() << "not a command";
+  return {find_command("ping"), {}, {}};
+}
+
+Misuse refused(const Words& words) {
+  auto parsed = parse_options(words);
+  if (auto* misuse = std::get_if<Misuse>(&parsed)) return std::move(*misuse);
+  ADD_FAILURE() << "accepted";
+  return {};
+}
+
+TEST(Options, ReadACommandWithItsArguments) {
+  const auto asked = accepted({"swap-core", "control", "guidance/finite_time", "--set", "gain=0.3",
+                               "--set", "name=[1, 2]", "--in-place", "--state", "drop"});
+
+  EXPECT_EQ(asked.command->name, "swap-core");
+  EXPECT_EQ(asked.arguments.one("COMPONENT"), "control");
+  EXPECT_EQ(asked.arguments.one("CORE"), "guidance/finite_time");
+  EXPECT_EQ(asked.arguments.all("--set"), (Words{"gain=0.3", "name=[1, 2]"}));
+  EXPECT_TRUE(asked.arguments.has("--in-place"));
+  EXPECT_EQ(asked.arguments.one("--state"), "drop");
+}
+
+TEST(Options, TakeAnOptionBetweenTheArguments) {
+  const auto asked = accepted({"swap-core", "--set", "gain=0.3", "control", "guidance/stop"});
+
+  EXPECT_EQ(asked.arguments.one("COMPONENT"), "control");
+  EXPECT_EQ(asked.arguments.all("--set"), Words{"gain=0.3"});
+}
+
+TEST(Options, AcceptGlobalOptionsBeforeAndAfterTheCommand) {
+  const auto before = accepted({"--json", "--socket", "/x", "get", "a", "b"});
+  const auto after = accepted({"get", "a", "b", "--json", "--socket", "/x"});
+
+  for (const auto* asked : {&before, &after}) {
+    EXPECT_TRUE(asked->globals.json);
+    EXPECT_EQ(asked->globals.socket, "/x");
+    EXPECT_EQ(asked->arguments.all("ADDRESS"), (Words{"a", "b"}));
+  }
+}
+
+TEST(Options, KeepAssignmentsAsTheyAreWritten) {
+  const auto asked =
+      accepted({"set", "a.core.x=[1,2]", "a.core.y=-3", "a.core.z={\"k\": 1}", "b.n="});
+
+  EXPECT_EQ(asked.arguments.all("ADDRESS=VALUE"),
+            (Words{"a.core.x=[1,2]", "a.core.y=-3", "a.core.z={\"k\": 1}", "b.n="}));
+}
+
+TEST(Options, ReadTheGuardsOfAChange) {
+  const auto asked =
+      accepted({"stop", "--all", "--if-generation", "41", "--reason", "maintenance"});
+
+  EXPECT_EQ(asked.globals.if_generation, 41U);
+  EXPECT_EQ(asked.globals.reason, "maintenance");
+}
+
+TEST(Options, RefuseTheGuardsOfAChangeElsewhere) {
+  EXPECT_EQ(refused({"status", "--if-generation", "41"}).fault.exit, 2);
+  EXPECT_EQ(refused({"status", "--reason", "x"}).fault.exit, 2);
+}
+
+TEST(Options, NameTheNearestCommand) {
+  EXPECT_EQ(refused({"staus"}).fault.hint, "did you mean 'status'?");
+  EXPECT_EQ(refused({"swap", "a", "b"}).fault.hint, "did you mean 'swap-core'?");
+}
+
+TEST(Options, NameTheNearestOption) {
+  EXPECT_EQ(refused({"status", "--jsn"}).fault.hint, "did you mean '--json'?");
+  EXPECT_EQ(refused({"swap-core", "a", "b", "--inplace"}).fault.hint, "did you mean '--in-place'?");
+}
+
+TEST(Options, AreWrongUseWithExitCode2) {
+  for (const Words& words :
+       {Words{}, Words{"get"}, Words{"status", "extra"}, Words{"swap-core", "a"}, Words{"--socket"},
+        Words{"connect", "a"}, Words{"--timeout", "5", "status"},
+        Words{"--timeout", "-5s", "status"}, Words{"--color", "pink", "status"},
+        Words{"stop", "a", "--if-generation", "x"}, Words{"stop", "a", "--if-generation", "-1"}}) {
+    EXPECT_EQ(refused(words).fault.exit, 2);
+  }
+}
+
+TEST(Options, AnswerWrongUseAsJsonWhereAsked) {
+  EXPECT_TRUE(refused({"get", "--json"}).json);
+  EXPECT_TRUE(refused({"--json", "staus"}).json);
+  EXPECT_FALSE(refused({"staus"}).json);
+}
+
+TEST(Options, PrintHelpAndVersion) {
+  const auto help = parse_options({"--help"});
+  const auto one = parse_options({"swap-core", "--help"});
+  const auto version = parse_options({"--version"});
+
+  EXPECT_NE(std::get<Text>(help).text.find("swap-core"), std::string::npos);
+  EXPECT_NE(std::get<Text>(one).text.find("mauvectl swap-core"), std::string::npos);
+  EXPECT_EQ(std::get<Text>(version).text.rfind("mauvectl ", 0), 0U);
+}
+
+TEST(Commands, HaveAnExampleThatParses) {
+  for (const Command& command : commands()) {
+    Words words;
+    std::string word;
+    for (const char letter :
+         std::string(command.example.substr(0, command.example.find(" >"))) + " ") {
+      if (letter != ' ') {
+        word += letter;
+      } else {
+        words.push_back(std::exchange(word, {}));
+      }
+    }
+    ASSERT_EQ(words.front(), "mauvectl");
+    words.erase(words.begin());
+    EXPECT_EQ(accepted(words).command->name, command.name);
+  }
+}
+
+}  // namespace
+}  // namespace mauve::ctl

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "render.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace mauve::ctl {
+namespace {
+
+const Json kStatus = Json::parse(R"({
+  "generation": 42, "architecture": "rover", "uptime_s": 192.5, "realtime": true,
+  "components": [
+    {"name": "laser", "type": "drivers/laser_sim", "core": "drivers/laser_sim", "fsm_state": "period",
+     "state": "running", "priority": 60, "releases": 7680, "missed": 0, "overruns": 0},
+    {"name": "control", "type": "guidance/control", "core": "guidance/potential_field",
+     "fsm_state": "reach_goal", "state": "stopped", "priority": 40, "releases": 19200, "missed": 3,
+     "overruns": 0}]})");
+
+const Json kReceipt = Json::parse(R"({"generation": 42, "changed": true, "state": "applied",
+  "commit": 918273000000, "attempts": 1,
+  "components": [{"name": "control", "pause_ns": 38, "missed": 0, "bytes": 0}]})");
+
+Json receipt_with(const char* key, Json value) {
+  Json receipt = kReceipt;
+  receipt[key] = std::move(value);
+  return receipt;
+}
+
+TEST(RenderStatus, IsATable) {
+  EXPECT_EQ(
+      render_status(kStatus, {}),
+      "rover: 1 of 2 components running, generation 42, up 3 min 12 s, real time\n"
+      "NAME     STATE    FSM         CORE                      PRIO  RELEASES  MISSED  OVERRUNS\n"
+      "laser    running  period      drivers/laser_sim           60      7680       0         0\n"
+      "control  stopped  reach_goal  guidance/potential_field    40     19200       3         0\n");
+}
+
+TEST(RenderStatus, FitsInto80Columns) {
+  const std::string text = render_status(kStatus, {80, false});
+
+  EXPECT_EQ(text,
+            "rover: 1 of 2 components running, generation 42, up 3 min 12 s, real time\n"
+            "NAME     STATE    FSM         CORE              PRIO  RELEASES  MISSED  OVERRUNS\n"
+            "laser    running  period      drivers/…ser_sim    60      7680       0         0\n"
+            "control  stopped  reach_goal  guidance…l_field    40     19200       3         0\n");
+}
+
+TEST(RenderStatus, HasEscapesOnlyWithColours) {
+  EXPECT_EQ(render_status(kStatus, {}).find('\033'), std::string::npos);
+  EXPECT_NE(render_status(kStatus, {0, true}).find("\033[32mrunning"), std::string::npos);
+}
+
+TEST(RenderStatus, SurvivesAnAnswerWithoutAnything) {
+  EXPECT_FALSE(render_status(Json::object(), {}).empty());
+  EXPECT_FALSE(render_status(Json::array({1}), {}).empty());
+}
+
+TEST(RenderReceipt, IsOneSentence) {
+  EXPECT_EQ(render_receipt("swapped control", kReceipt),
+            "swapped control: pause 38 ns, 0 releases missed (generation 42)\n");
+}
+
+TEST(RenderReceipt, CountsOverAllComponents) {
+  const Json two = Json::parse(R"([{"name": "a", "pause_ns": 38, "missed": 1, "bytes": 0},
+                                   {"name": "b", "pause_ns": 1500, "missed": 0, "bytes": 48}])");
+
+  EXPECT_EQ(
+      render_receipt("set a.core.x, b.core.x", receipt_with("components", two)),
+      "set a.core.x, b.core.x: longest pause 1.5 us, 1 release missed, 48 bytes of state kept "
+      "(generation 42)\n");
+}
+
+TEST(RenderReceipt, SaysWhenNothingHadToChange) {
+  EXPECT_EQ(render_receipt("started control", receipt_with("changed", false)),
+            "nothing to change (generation 42 still running)\n");
+}
+
+TEST(RenderReceipt, SaysWhenItTookSeveralAttempts) {
+  EXPECT_EQ(render_receipt("swapped control", receipt_with("attempts", 3)),
+            "swapped control: pause 38 ns, 0 releases missed, 3 attempts (generation 42)\n");
+}
+
+TEST(RenderReceipt, SaysWhenItWasRolledBackOrPartly) {
+  EXPECT_NE(
+      render_receipt("swapped control", receipt_with("state", "rolled_back")).find("rolled back"),
+      std::string::npos);
+  EXPECT_NE(render_receipt("swapped control", receipt_with("state", "safe")).find("safe state"),
+            std::string::npos);
+}
+
+TEST(RenderReceipt, MayBeAboutNoComponent) {
+  EXPECT_EQ(render_receipt("connected a to b", receipt_with("components", Json::array())),
+            "connected a to b (generation 42)\n");
+}
+
+TEST(RenderPlugin, SaysWhyTheOldCodeStays) {
+  const Json result = Json::parse(R"({"plugin": "extra", "generation": 43, "loaded": true,
+    "unmapped": false, "why": "a thread-local object is alive"})");
+
+  EXPECT_EQ(render_plugin("reloaded extra", result),
+            "reloaded extra (generation 43)\n"
+            "  the old code stays in memory: a thread-local object is alive\n");
+}
+
+TEST(RenderFault, HasFourParts) {
+  Fault fault = protocol::fault_of(refuse(Errc::abi_mismatch, "/usr/lib/mauve/plugins/pid.so",
+                                          "core 'pid' speaks ABI 2", "rebuild it"),
+                                   "unchanged", 41);
+
+  EXPECT_EQ(render_fault("swap-core arm", fault, {}),
+            "error: swap-core arm: core 'pid' speaks ABI 2\n"
+            "  where  : /usr/lib/mauve/plugins/pid.so\n"
+            "  state  : unchanged (generation 41 still running)\n"
+            "  hint   : rebuild it\n");
+}
+
+TEST(RenderFault, SaysWhatTheRobotIsInNow) {
+  Fault fault = protocol::fault_of(refuse(Errc::hook_failed, "", "no"), "rolled_back", 41);
+  EXPECT_NE(render_fault("", fault, {}).find("rolled back (generation 41 runs again)"),
+            std::string::npos);
+  fault.state = "safe";
+  EXPECT_NE(render_fault("", fault, {}).find("safe, outputs"), std::string::npos);
+  fault.state = "unknown";
+  EXPECT_NE(render_fault("", fault, {}).find("unknown"), std::string::npos);
+}
+
+TEST(RenderFault, LetsNoServerSteerTheTerminal) {
+  const Fault fault = protocol::fault_of(refuse(Errc::system, "", "\033[2Jgone\nerror: x"));
+
+  EXPECT_EQ(render_fault("", fault, {}).find('\033'), std::string::npos);
+}
+
+TEST(FaultJson, HasEverythingInOneObject) {
+  const Json error =
+      fault_json(protocol::fault_of(refuse(Errc::unknown_name, "a.b", "no such", "c")));
+
+  EXPECT_EQ(error, Json::parse(R"({"error": {"code": -32012, "name": "unknown_name",
+    "message": "no such", "state": "unchanged", "where": "a.b", "hint": "c", "exit": 4,
+    "generation": null}})"));
+}
+
+TEST(RenderValue, IsOneLineForAScalar) {
+  EXPECT_EQ(
+      render_value(Json::parse(R"({"address":"a.core.gain","value":0.2,"status":"current"})"), {}),
+      "a.core.gain = 0.2\n");
+  EXPECT_EQ(
+      render_value(Json::parse(R"({"address":"a.read","value":null,"status":"no_data"})"), {}),
+      "a.read = - (no_data)\n");
+}
+
+TEST(RenderValue, ShowsTheFieldsOfAStructure) {
+  EXPECT_EQ(render_value(Json::parse(R"({"address":"fix.read","status":"new_data",
+                                         "value":{"latitude":43.5,"mode":3}})"),
+                         {}),
+            "fix.read (new_data)\n"
+            "  latitude  43.5\n"
+            "  mode      3\n");
+}
+
+TEST(RenderSample, IsOneLineWithItsTime) {
+  const Json params = Json::parse(
+      R"({"sub":1,"address":"fix.read","value":{"mode":3},"status":"new_data","t_ns":91827000})");
+
+  EXPECT_EQ(render_sample(params, {}), "    0.091827  fix.read  new_data  {mode: 3}\n");
+  EXPECT_EQ(render_sample(params, {24, false}), "    0.091827  fix.read …\n");
+}
+
+TEST(RenderSample, SaysHowManyWereDropped) {
+  EXPECT_EQ(render_sample(Json::parse(R"({"sub":1,"address":"fix.read","count":120})"), {}),
+            "    0.000000  fix.read  120 values dropped: this reader was too slow\n");
+}
+
+TEST(RenderRecord, IsOneLine) {
+  EXPECT_EQ(render_record(Json::parse(R"({"sub":2,"seq":7,"t":"2026-01-01T00:00:00.000Z","t_ns":9,
+    "level":"warn","component":"gnss","event":"frame_bad","text":"checksum","fields":{}})"),
+                          {}),
+            "2026-01-01T00:00:00.000Z  warn   gnss: checksum\n");
+}
+
+TEST(RenderList, IsATableWithTheNameFirst) {
+  const Json result = Json::parse(R"({"items":[
+    {"zone":"b","name":"scan","data":"laser_scan/1","readers":2},
+    {"name":"pose","data":"pose2d/1","readers":11,"writers":["a","b"]}]})");
+
+  EXPECT_EQ(render_list(result, {}),
+            "NAME  DATA          READERS  WRITERS  ZONE\n"
+            "scan  laser_scan/1        2           b\n"
+            "pose  pose2d/1           11  [a, b]\n");
+}
+
+TEST(RenderList, SaysWhenThereIsNothing) {
+  EXPECT_EQ(render_list(Json::parse(R"({"items":[]})"), {}), "none\n");
+}
+
+TEST(RenderObject, IndentsWhatIsInside) {
+  const Json object = Json::parse(R"({"kind":"component","address":"control",
+    "ports":[{"name":"scan","service":"scan.read"}],"task":{"priority":40,"cpus":[1]}})");
+
+  EXPECT_EQ(render_object(object, {}),
+            "address  control\n"
+            "kind     component\n"
+            "ports\n"
+            "  NAME  SERVICE\n"
+            "  scan  scan.read\n"
+            "task\n"
+            "  priority  40\n"
+            "  cpus      [1]\n");
+}
+
+TEST(RenderErrors, PointAtLineAndColumn) {
+  const Json result = Json::parse(R"({"errors":[{"line":3,"column":5,"at":"control.core.gain",
+    "message":"must be positive","hint":"try 0.2"}]})");
+
+  EXPECT_EQ(render_errors("rover.json", result, {}),
+            "rover.json:3:5: error: control.core.gain: must be positive\n"
+            "  hint: try 0.2\n"
+            "1 error\n");
+  EXPECT_EQ(render_errors("rover.json", Json::parse(R"({"errors":[]})"), {}),
+            "rover.json: no error\n");
+}
+
+TEST(RenderArchitecture, KeepsTheOrderPeopleWrite) {
+  const Json architecture =
+      Json::parse(R"({"components":{"laser":{"task":{"cpus":[1],"priority":60},
+    "type":"drivers/laser"}},"name":"rover","schema":"mauve/architecture/1","plugins":[]})");
+
+  EXPECT_EQ(architecture_line(architecture),
+            R"({"schema":"mauve/architecture/1","name":"rover","plugins":[],"components":{"laser":)"
+            R"({"type":"drivers/laser","task":{"priority":60,"cpus":[1]}}}})"
+            "\n");
+}
+
+}  // namespace
+}  // namespace mauve::ctl

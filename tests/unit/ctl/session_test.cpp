@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// Whole commands against a fake server: what is asked, what is printed, which exit code.
+#include "session.h"
+
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "options.h"
+#include "unit/ctl/fake_server.h"
+
+namespace mauve::ctl {
+namespace {
+
+struct Outcome {
+  int exit = -1;
+  std::string out;
+  std::string err;
+};
+
+Outcome run(const std::string& socket, std::vector<std::string> words) {
+  words.insert(words.begin(), {"--socket", socket});
+  auto parsed = parse_options(words);
+  if (auto* misuse = std::get_if<Misuse>(&parsed)) {
+    ADD_FAILURE() << misuse->fault.message;
+    return {};
+  }
+  auto& asked = std::get<Invocation>(parsed);
+  std::ostringstream out;
+  std::ostringstream err;
+  Screen screen{out, err};
+  screen.json = asked.globals.json;
+  Session session(*asked.command, std::move(asked.arguments), std::move(asked.globals), screen);
+  const int exit = asked.command->run(session);
+  return {exit, out.str(), err.str()};
+}
+
+/// Runs a command against a server that gives every request the same answer; what was asked is
+/// kept.
+struct Scene {
+  std::vector<protocol::Request> asked;
+  Outcome outcome;
+
+  Scene(std::vector<std::string> words, const Json& answer) {
+    FakeServer server([&](Peer& peer) {
+      peer.say(kHello);
+      for (auto request = peer.hear(); !request.id.is_null(); request = peer.hear()) {
+        peer.answer(request, answer);
+        asked.push_back(std::move(request));
+      }
+    });
+    outcome = run(server.path(), std::move(words));
+  }
+};
+
+const Json kReceipt = Json::parse(R"({"generation": 42, "changed": true, "state": "applied",
+  "commit": 7, "attempts": 1, "components": [{"name": "control", "pause_ns": 38, "missed": 0, "bytes": 0}]})");
+
+TEST(SwapCore, AsksWithEverythingThatWasSaid) {
+  const Scene scene({"swap-core", "control", "guidance/finite_time", "--set", "gain=0.3", "--set",
+                     "mode=fast", "--in-place", "--state", "drop", "--if-generation", "41",
+                     "--reason", "test", "--timeout", "20s"},
+                    kReceipt);
+
+  ASSERT_EQ(scene.asked.size(), 1U);
+  EXPECT_EQ(scene.asked[0].method, "core.swap");
+  EXPECT_EQ(scene.asked[0].params, Json::parse(R"({"component": "control",
+    "core": "guidance/finite_time", "set": {"gain": 0.3, "mode": "fast"}, "in_place": true,
+    "state": "drop", "if_generation": 41, "reason": "test", "deadline_ms": 20000})"));
+  EXPECT_EQ(scene.outcome.exit, 0);
+  EXPECT_EQ(scene.outcome.out, "swapped control: pause 38 ns, 0 releases missed (generation 42)\n");
+}
+
+TEST(SwapCore, PrintsTheReceiptAsOneLineOfJson) {
+  const Scene scene({"--json", "swap-core", "control", "guidance/finite_time"}, kReceipt);
+
+  EXPECT_EQ(Json::parse(scene.outcome.out), kReceipt);
+  EXPECT_EQ(scene.outcome.out.find('\n'), scene.outcome.out.size() - 1);
+  EXPECT_EQ(scene.asked[0].params.size(), 2U);
+}
+
+TEST(SwapCore, EndsWith9WhenTheRobotIsInItsSafeState) {
+  Json receipt = kReceipt;
+  receipt["state"] = "safe";
+  EXPECT_EQ(Scene({"swap-core", "control", "b/c"}, receipt).outcome.exit, 9);
+  receipt["state"] = "rolled_back";
+  EXPECT_EQ(Scene({"swap-core", "control", "b/c"}, receipt).outcome.exit, 1);
+}
+
+TEST(Set, SendsJsonWhereItIsAndTextElse) {
+  const Scene scene({"set", "a.x=1", "a.y=true", "a.z=10ms", "a.s=\"1\"", "a.v=[1,2]", "a.e="},
+                    kReceipt);
+
+  EXPECT_EQ(scene.asked[0].params["values"],
+            Json::parse(R"({"a.x":1,"a.y":true,"a.z":"10ms","a.s":"1","a.v":[1,2],"a.e":""})"));
+}
+
+TEST(Set, RefusesWhatIsNoAssignmentWithoutAsking) {
+  const Outcome outcome = run("/nowhere", {"set", "a.x"});
+
+  EXPECT_EQ(outcome.exit, 2);
+  EXPECT_EQ(run("/nowhere", {"set", "a.x=1", "a.x=2"}).exit, 2);
+}
+
+TEST(Stop, WantsNamesOrAll) {
+  EXPECT_EQ(run("/nowhere", {"stop"}).exit, 2);
+  EXPECT_EQ(run("/nowhere", {"stop", "a", "--all"}).exit, 2);
+  EXPECT_EQ(Scene({"stop", "--all"}, kReceipt).asked[0].params, (Json{{"all", true}}));
+  EXPECT_EQ(Scene({"stop", "a", "b"}, kReceipt).asked[0].params,
+            (Json{{"components", {"a", "b"}}}));
+}
+
+TEST(Get, PrintsOneLineForEachAddress) {
+  const Scene scene({"--json", "get", "a.x", "b.y"},
+                    {{"address", "a.x"}, {"value", 1}, {"status", "current"}});
+
+  EXPECT_EQ(scene.asked.size(), 2U);
+  EXPECT_EQ(scene.asked[1].params, (Json{{"address", "b.y"}}));
+  const std::string line = R"({"address":"a.x","status":"current","value":1})"
+                           "\n";
+  EXPECT_EQ(scene.outcome.out, line + line);
+}
+
+TEST(Get, GoesOnBehindAnAddressThatIsRefused) {
+  FakeServer server([](Peer& peer) {
+    peer.say(kHello);
+    const auto first = peer.hear();
+    const auto fault = protocol::fault_of(refuse(Errc::unknown_name, "a.x", "no such"));
+    peer.say(protocol::to_line(protocol::make_error(first.id, fault)) + "\n");
+    peer.answer(peer.hear(), {{"address", "b"}, {"value", 2}, {"status", "current"}});
+    peer.wait_for_the_end();
+  });
+
+  const Outcome outcome = run(server.path(), {"get", "a.x", "b"});
+
+  EXPECT_EQ(outcome.exit, 4);
+  EXPECT_EQ(outcome.out, "b = 2\n");
+  EXPECT_NE(outcome.err.find("no such"), std::string::npos);
+}
+
+TEST(Watch, PrintsEveryValueInTheSameFormUntilTheDaemonGoes) {
+  FakeServer server([](Peer& peer) {
+    peer.say(kHello);
+    peer.answer(peer.hear(), {{"sub", 5}});
+    const auto notify = [&](const char* method, const char* params) {
+      peer.say(protocol::to_line(protocol::make_notification(method, Json::parse(params))) + "\n");
+    };
+    notify("value",
+           R"({"sub":5,"address":"fix.read","value":{"mode":3},"status":"new_data","t_ns":1})");
+    notify("value", R"({"sub":6,"address":"other.read","value":1,"status":"new_data","t_ns":1})");
+    notify("dropped", R"({"sub":5,"address":"fix.read","count":12})");
+  });
+
+  const Outcome outcome = run(server.path(), {"--json", "watch", "fix.read"});
+
+  EXPECT_EQ(outcome.exit, 7);
+  std::istringstream lines(outcome.out);
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(
+      Json::parse(line),
+      Json::parse(R"({"address":"fix.read","value":{"mode":3},"status":"new_data","t_ns":1})"));
+  std::getline(lines, line);
+  EXPECT_EQ(Json::parse(line),
+            Json::parse(R"({"address":"fix.read","value":null,"status":"dropped","count":12})"));
+  std::getline(lines, line);
+  EXPECT_EQ(Json::parse(line)["error"]["exit"], 7);
+}
+
+TEST(Logs, AskForWhatWasSaid) {
+  const Scene scene(
+      {"logs", "gnss", "--level", "warn", "-n", "5"},
+      Json::parse(R"({"records":[{"t":"T","level":"warn","component":"gnss","text":"x"}]})"));
+
+  EXPECT_EQ(scene.asked[0].params,
+            Json::parse(R"({"component":"gnss","level":"warn","n":5,"follow":false})"));
+  EXPECT_EQ(scene.outcome.out, "T  warn   gnss: x\n");
+}
+
+TEST(List, KnowsItsKinds) {
+  EXPECT_EQ(Scene({"list"}, {{"items", Json::array()}}).asked[0].method, "component.list");
+  EXPECT_EQ(Scene({"list", "ports"}, {{"items", Json::array()}}).asked[0].method, "port.list");
+  EXPECT_EQ(Scene({"list", "core"}, {{"items", Json::array()}}).asked[0].method, "core.list");
+  EXPECT_NE(run("/nowhere", {"list", "pots"}).err.find("did you mean 'ports'"), std::string::npos);
+}
+
+TEST(Plugins, MayBeAskedForOneComponent) {
+  const Json none = {{"items", Json::array()}};
+  EXPECT_EQ(Scene({"plugins"}, none).asked[0].params, Json::object());
+  EXPECT_EQ(Scene({"plugins", "--for", "arm"}, none).asked[0].params, (Json{{"for", "arm"}}));
+}
+
+TEST(Check, SaysHowToDoItWithoutTheDaemon) {
+  const Outcome outcome = run("/nowhere", {"check", __FILE__});
+
+  EXPECT_EQ(outcome.exit, 7);
+  EXPECT_NE(outcome.err.find("mauved --check"), std::string::npos);
+}
+
+TEST(Check, EndsWith1WhenThereAreErrors) {
+  const Json errors =
+      Json::parse(R"({"errors":[{"line":1,"column":2,"at":"","message":"no","hint":""}]})");
+
+  const Scene bad({"check", __FILE__}, errors);
+  const Scene good({"check", __FILE__}, {{"errors", Json::array()}});
+
+  EXPECT_EQ(bad.outcome.exit, 1);
+  EXPECT_EQ(good.outcome.exit, 0);
+  EXPECT_EQ(bad.asked[0].params["file"], __FILE__);
+}
+
+TEST(Check, RefusesAFileThatCannotBeRead) {
+  EXPECT_EQ(run("/nowhere", {"check", "/nowhere/x.json"}).exit, 2);
+  EXPECT_EQ(run("/nowhere", {"check", "/tmp"}).exit, 2);
+}
+
+TEST(Errors, AreJsonOnStandardOutputWhereAsked) {
+  const Outcome outcome = run("/nowhere", {"--json", "status"});
+
+  EXPECT_EQ(outcome.exit, 7);
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_EQ(Json::parse(outcome.out)["error"]["name"], "unreachable");
+}
+
+TEST(Plugin, IsLoadedByName) {
+  const Scene scene(
+      {"load", "extra"},
+      Json::parse(R"({"plugin":"extra","generation":43,"loaded":true,"unmapped":false,"why":""})"));
+
+  EXPECT_EQ(scene.asked[0].method, "plugin.load");
+  EXPECT_EQ(scene.outcome.out, "loaded extra (generation 43)\n");
+}
+
+}  // namespace
+}  // namespace mauve::ctl

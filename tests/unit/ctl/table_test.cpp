@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "table.h"
+
+#include <gtest/gtest.h>
+
+#include "words.h"
+
+namespace mauve::ctl {
+namespace {
+
+Table small() {
+  Table table({{"NAME"}, {"RELEASES", true}});
+  table.add({{"laser"}, {"7"}});
+  table.add({{"control_of_the_arm"}, {"12345"}});
+  return table;
+}
+
+TEST(Table, PutsTextsLeftAndNumbersRight) {
+  EXPECT_EQ(small().text(0, false),
+            "NAME                RELEASES\n"
+            "laser                      7\n"
+            "control_of_the_arm     12345\n");
+}
+
+TEST(Table, FitsTheTerminalByShorteningTheWidestText) {
+  EXPECT_EQ(small().text(22, false),
+            "NAME          RELEASES\n"
+            "laser                7\n"
+            "contro…e_arm     12345\n");
+}
+
+TEST(Table, DoesNotShortenBelowWhatCanBeRead) {
+  EXPECT_EQ(small().text(5, false),
+            "NAME      RELEASES\n"
+            "laser            7\n"
+            "cont…arm     12345\n");
+}
+
+TEST(Table, PaintsOnlyWithColours) {
+  Table table({{"STATE"}});
+  table.add({{"faulted", Paint::red}});
+
+  EXPECT_EQ(table.text(0, false), "STATE\nfaulted\n");
+  EXPECT_EQ(table.text(0, true), "\033[1mSTATE  \033[0m\n\033[1;31mfaulted\033[0m\n");
+}
+
+TEST(Shortened, CountsCodePointsNotBytes) {
+  EXPECT_EQ(columns("µs…"), 3U);
+  EXPECT_EQ(shortened("ééééé", 5), "ééééé");
+  EXPECT_EQ(shortened("éééééé", 5), "éé…éé");
+  EXPECT_EQ(shortened("abc", 1), "…");
+  EXPECT_EQ(shortened("abc", 0), "");
+}
+
+TEST(Harmless, TakesEscapesAndControlsAway) {
+  EXPECT_EQ(harmless("a\033[2Jb\nc\x7f"), "a?[2Jb?c?");
+  EXPECT_EQ(harmless("\xC2\x9B"
+                     "31m"),
+            "?31m");
+  EXPECT_EQ(harmless("é µ …"), "é µ …");
+}
+
+TEST(Words, WriteTimesWithTheUnitThatFits) {
+  EXPECT_EQ(nanoseconds_in_words(0), "0 ns");
+  EXPECT_EQ(nanoseconds_in_words(38), "38 ns");
+  EXPECT_EQ(nanoseconds_in_words(1234), "1.2 us");
+  EXPECT_EQ(nanoseconds_in_words(196000), "196 us");
+  EXPECT_EQ(nanoseconds_in_words(5e9), "5.0 s");
+  EXPECT_EQ(seconds_in_words(7.9), "7 s");
+  EXPECT_EQ(seconds_in_words(192), "3 min 12 s");
+  EXPECT_EQ(seconds_in_words(3600), "1 h");
+  EXPECT_EQ(seconds_in_words(266400), "3 d 2 h");
+}
+
+TEST(Words, WriteAnyValueInOneLine) {
+  EXPECT_EQ(compact(Json::parse(R"({"b":[1,2.5,"x"],"a":null,"c":true})")),
+            "{a: -, b: [1, 2.5, x], c: true}");
+  EXPECT_EQ(compact("two\nlines"), "two?lines");
+}
+
+TEST(Words, CutAtTheEnd) {
+  EXPECT_EQ(cut("µµµµ", 3), "µµ…");
+  EXPECT_EQ(cut("abc", 3), "abc");
+  EXPECT_EQ(cut("abc", 0), "abc");
+}
+
+}  // namespace
+}  // namespace mauve::ctl
