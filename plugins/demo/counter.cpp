@@ -8,12 +8,22 @@
 #include <mauve/plugin.h>
 
 namespace demo {
-namespace {
 
 /// What the cores hand over: the count goes on where the other one left it.
 struct Count {
   std::int64_t value = 0;
 };
+
+}  // namespace demo
+
+template <>
+struct mauve::Described<demo::Count> {
+  static constexpr std::string_view name = "demo_count/1";
+  static constexpr auto fields() { return std::tuple{field("value", &demo::Count::value)}; }
+};
+
+namespace demo {
+namespace {
 
 /// The contract of both cores.
 class CountingCore : public mauve::Core<mauve::EmptyShell> {

@@ -18,7 +18,6 @@
 #include "serial_port.h"
 
 namespace drivers {
-namespace {
 
 /// What survives a change: bytes read and not used yet, and the sentence begun.
 struct GnssLine {
@@ -28,6 +27,18 @@ struct GnssLine {
   std::size_t next = 0;
   std::size_t end = 0;
 };
+
+}  // namespace drivers
+
+/// Opaque to tools; raise the revision when anything in it changes.
+template <>
+struct mauve::Described<drivers::GnssLine> {
+  static constexpr std::string_view name = "gnss_line/1";
+  static constexpr auto fields() { return std::tuple{}; }
+};
+
+namespace drivers {
+namespace {
 
 class GnssNmea final : public GnssCore {
   mauve::State<GnssLine> state{*this};

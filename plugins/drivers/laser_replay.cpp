@@ -10,17 +10,29 @@
 #include "recording.h"
 
 namespace drivers {
+
+/// What survives a change.
+struct ReplayPosition {
+  std::uint64_t next = 0;
+};
+
+}  // namespace drivers
+
+template <>
+struct mauve::Described<drivers::ReplayPosition> {
+  static constexpr std::string_view name = "replay_position/1";
+  static constexpr auto fields() {
+    return std::tuple{field("next", &drivers::ReplayPosition::next)};
+  }
+};
+
+namespace drivers {
 namespace {
 
 using rover::LaserScan;
 
 struct LaserShell : mauve::Shell {
   mauve::WritePort<LaserScan> scan{*this, "scan"};
-};
-
-/// What survives a change.
-struct ReplayPosition {
-  std::uint64_t next = 0;
 };
 
 class LaserReplay final : public mauve::Core<LaserShell> {

@@ -18,6 +18,23 @@ struct mauve::Described<world::Disc> {
 };
 
 namespace drivers {
+
+/// What survives a change of the world: the robot goes on where it is, among other obstacles.
+struct Moving {
+  world::Robot robot{1};
+  world::Random random{1};
+};
+
+}  // namespace drivers
+
+/// Opaque to tools; raise the revision when anything in it changes.
+template <>
+struct mauve::Described<drivers::Moving> {
+  static constexpr std::string_view name = "simulated_robot/1";
+  static constexpr auto fields() { return std::tuple{}; }
+};
+
+namespace drivers {
 namespace {
 
 using rover::GnssFix;
@@ -34,12 +51,6 @@ constexpr double kLatitude = 43.5661;
 constexpr double kLongitude = 1.4744;
 constexpr double kAltitude = 151.0;
 constexpr double kMetresPerDegree = 111'194.9;
-
-/// What survives a change of the world: the robot goes on where it is, among other obstacles.
-struct Moving {
-  world::Robot robot{1};
-  world::Random random{1};
-};
 
 class WorldCore final : public mauve::Core<mauve::EmptyShell> {
  public:

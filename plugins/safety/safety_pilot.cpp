@@ -3,11 +3,28 @@
 /// free. Nearer than `slow_distance` it halves the forward speed, nearer than `stop_distance` it
 /// lets the robot only turn and reverse. Without a fresh scan, or without a command, the robot
 /// stands. Component kind "safety/cruise": a steady command, to try the pilot without a robot.
+#include <cstdint>
+
 #include <mauve/plugin.h>
 
 #include "../types/scan.h"
 #include "../types/velocity.h"
 #include "zones.h"
+
+namespace safety {
+
+/// What survives a change.
+struct PilotState {
+  std::uint8_t zone = 0;
+};
+
+}  // namespace safety
+
+template <>
+struct mauve::Described<safety::PilotState> {
+  static constexpr std::string_view name = "pilot_state/1";
+  static constexpr auto fields() { return std::tuple{field("zone", &safety::PilotState::zone)}; }
+};
 
 namespace safety {
 namespace {
@@ -22,11 +39,6 @@ struct PilotShell : mauve::Shell {
   mauve::WritePort<Velocity> safe_command{*this, "safe_command", mauve::Safe{Velocity{}}};
 };
 
-/// What survives a change.
-struct PilotState {
-  Zone zone = Zone::clear;
-};
-
 class Pilot final : public mauve::Core<PilotShell> {
  public:
   /// [rt] state look: which zone are we in?
@@ -36,8 +48,8 @@ class Pilot final : public mauve::Core<PilotShell> {
     const bool fresh = has_value(seen) && seen != mauve::DataStatus::stale &&
                        (scan_timeout.get() == 0ms || shell().scan.age() <= scan_timeout.get());
     if (!fresh) free_way = 0.0;
-    state->zone =
-        next_zone(state->zone, free_way, {stop_distance, slow_distance, half_width, hysteresis});
+    const Zone now = next_zone(Zone{state->zone}, free_way, limits_);
+    state->zone = static_cast<std::uint8_t>(now);
     zone = static_cast<int>(state->zone);
   }
   /// [rt] states clear, slow and stop: hand on what is safe.
@@ -45,8 +57,8 @@ class Pilot final : public mauve::Core<PilotShell> {
   void halve() { hand_on(Zone::slow); }
   void stop() { hand_on(Zone::stop); }
 
-  bool must_stop() const { return state->zone == Zone::stop; }
-  bool must_slow() const { return state->zone == Zone::slow; }
+  bool must_stop() const { return Zone{state->zone} == Zone::stop; }
+  bool must_slow() const { return Zone{state->zone} == Zone::slow; }
 
  private:
   mauve::State<PilotState> state{*this};
@@ -79,6 +91,7 @@ class Pilot final : public mauve::Core<PilotShell> {
     if (slow_distance < stop_distance) {
       return mauve::invalid(slow_distance, "must not be below stop_distance");
     }
+    limits_ = {stop_distance, slow_distance, half_width, hysteresis};
     return mauve::ok();
   }
 
@@ -88,6 +101,8 @@ class Pilot final : public mauve::Core<PilotShell> {
     const bool usable = has_value(status) && status != mauve::DataStatus::stale;
     shell().safe_command.write(usable ? limited(wanted, zone_now) : Velocity{});
   }
+
+  Limits limits_;
 };
 
 /// Each zone is a state, so that `mauvectl status` and traces show it.

@@ -253,8 +253,10 @@ struct Codec<T> {
     for (const auto& member : *object) {
       Status done = refuse(Errc::unknown_name, member.first,
                            "no field of " + std::string(Described<T>::name));
-      std::apply([&](const auto&... f) { (decode_field(f, member, data, done) || ...); },
-                 Described<T>::fields());
+      const auto try_fields = [&](const auto&... f) {
+        static_cast<void>((decode_field(f, member, data, done) || ...));
+      };
+      std::apply(try_fields, Described<T>::fields());
       if (!done) return done;
     }
     return ok();
