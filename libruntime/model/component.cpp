@@ -45,8 +45,8 @@ ComponentBase::ComponentBase(std::string name, ComponentType type, CoreType core
     table->resize(bundle->shell->ports().size());
   }
   bundle->bindings = std::move(table);
-  bundle->core_name = core.name;
-  bundle->fsm_name = type_.fsm.name;
+  bundle->core_type = std::move(core);
+  bundle->fsm_type = type_.fsm;
   bundle_ = std::move(bundle);
 }
 
@@ -80,6 +80,12 @@ Status ComponentBase::cleanup() {
   return cleanup_in_reverse(order);
 }
 
+void ComponentBase::abandon() {
+  // Leaked on purpose: code of these elements is still being run.
+  if (configured_) new std::shared_ptr<const Bundle>(bundle_);
+  configured_ = false;
+}
+
 Status ComponentBase::cleanup_core() {
   configured_ = false;
   const std::array<Configurable*, 2> order{&core(), &fsm()};
@@ -98,7 +104,7 @@ Status ComponentBase::replace_core(const CoreType& core) {
   if (Status made = make_element(name_ + ".core", core.make, bundle->core); !made) return made;
   bundle->core->bind(*bundle->shell);
   bundle->fsm->bind(*bundle->core);
-  bundle->core_name = core.name;
+  bundle->core_type = core;
   bundle_ = std::move(bundle);
   return ok();
 }

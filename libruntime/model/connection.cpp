@@ -27,6 +27,11 @@ Result<PortBase*> find_port(const Shell& shell, std::string_view name) {
 /// Depth-first walk along "writes on into"; the path is what a thread would hold.
 class Walk {
  public:
+  /// As if `from` wrote on into `into`.
+  Status visit_from(const ResourceBase& from, const ResourceBase& into) {
+    path_.push_back(&from);
+    return follow(into);
+  }
   Status visit(const ResourceBase& resource) {
     if (done_[&resource]) return ok();
     path_.push_back(&resource);
@@ -109,6 +114,11 @@ Result<std::shared_ptr<const Bindings>> without_connection(const Shell& shell,
   auto changed = std::make_shared<Bindings>(table);
   (*changed)[index] = nullptr;
   return std::shared_ptr<const Bindings>(std::move(changed));
+}
+
+Status check_nesting(const ResourceBase& from, const ResourceBase& into) {
+  Walk walk;
+  return walk.visit_from(from, into);
 }
 
 Status check_resource_graph(const Architecture& architecture) {

@@ -29,4 +29,7 @@ namespace mauve {
 /// each other for ever), or nest deeper than a job can hold.
 [[nodiscard]] Status check_resource_graph(const Architecture& architecture);
 
+/// Would `from` writing on into `into` close a cycle?
+[[nodiscard]] Status check_nesting(const ResourceBase& from, const ResourceBase& into);
+
 }  // namespace mauve

@@ -16,7 +16,7 @@ ResourceBase::ResourceBase(std::string name, ResourceType type)
   if (made_) made_ = make_element(name_ + ".interface", type_.interface, interface_);
   if (made_) {
     core_->bind(*shell_);
-    interface_->bind(*this, *core_);
+    interface_->bind(*this, core_);
     table->resize(shell_->ports().size());
   }
   bindings_ = std::move(table);
@@ -79,7 +79,7 @@ std::shared_ptr<CoreBase> ResourceBase::exchange_core(std::shared_ptr<CoreBase> 
     new_state->exchange(*old_state);
   }
   core->bind(*shell_);
-  interface_->bind(*this, *core);
+  interface_->bind(*this, core);
   core_.swap(core);
   return core;
 }

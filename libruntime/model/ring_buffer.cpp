@@ -38,8 +38,6 @@ class RingBufferCore final : public CoreBase {
 
   [[nodiscard]] std::size_t item_size() const { return data_.size; }
 
-  TapList taps_;
-
  private:
   Status on_configure() override {
     slots_ = static_cast<std::size_t>(capacity_.get());
@@ -68,10 +66,10 @@ class RingBufferCore final : public CoreBase {
 
 class Take final : public ServiceBase {
  public:
-  Take(InterfaceBase& owner, const DataType& data)
-      : ServiceBase(owner, "read", {PortKind::read, data.name, data.layout, &data}) {}
+  Take(InterfaceBase& owner, const DataType& data, TapList& taps)
+      : ServiceBase(owner, "read", {PortKind::read, data.name, data.layout, &data}), taps_(taps) {}
 
-  [[nodiscard]] TapList* taps() override { return &ring().taps_; }
+  [[nodiscard]] TapList* taps() override { return &taps_; }
 
   DataStatus read(void* into, Cursor& cursor) override {
     auto copy = [&](const void* data) { std::memcpy(into, data, ring().item_size()); };
@@ -85,33 +83,40 @@ class Take final : public ServiceBase {
 
  private:
   RingBufferCore& ring() { return static_cast<RingBufferCore&>(core()); }
+
+  TapList& taps_;
 };
 
 class Put final : public ServiceBase {
  public:
-  Put(InterfaceBase& owner, const DataType& data)
-      : ServiceBase(owner, "write", {PortKind::write, data.name, data.layout, &data}) {}
+  Put(InterfaceBase& owner, const DataType& data, TapList& taps)
+      : ServiceBase(owner, "write", {PortKind::write, data.name, data.layout, &data}),
+        taps_(taps) {}
 
-  [[nodiscard]] TapList* taps() override { return &ring().taps_; }
+  [[nodiscard]] TapList* taps() override { return &taps_; }
 
   bool write(const void* data) override {
     Entry entry(gate());
     if (!entry) return false;
     const Instant stamp = job_time();
     ring().push(data, stamp);
-    ring().taps_.push(data, stamp);
+    taps_.push(data, stamp);
     return true;
   }
 
  private:
   RingBufferCore& ring() { return static_cast<RingBufferCore&>(core()); }
+
+  TapList& taps_;
 };
 
 class RingBufferInterface final : public InterfaceBase {
  public:
-  explicit RingBufferInterface(const DataType& data) : take_(*this, data), put_(*this, data) {}
+  explicit RingBufferInterface(const DataType& data)
+      : take_(*this, data, taps_), put_(*this, data, taps_) {}
 
  private:
+  TapList taps_;  // survives an exchange of the core
   Take take_;
   Put put_;
 };

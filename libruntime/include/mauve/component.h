@@ -45,8 +45,8 @@ struct Bundle {
   std::shared_ptr<FsmBase> fsm;
   std::shared_ptr<const Bindings> bindings;
   TaskAttributes task;
-  std::string core_name;  ///< "guidance/potential_field"
-  std::string fsm_name;
+  CoreType core_type;  ///< how the core was made; keeps its library loaded
+  FsmType fsm_type;
 };
 
 /// What the runtime sees of a component. Owned by an Architecture; touched by [control] only.
@@ -91,6 +91,8 @@ class ComponentBase {
   [[nodiscard]] const Status& made() const { return made_; }
   /// Runtime only: the bundle that a committed change left in force.
   void install(std::shared_ptr<const Bundle> bundle) { bundle_ = std::move(bundle); }
+  /// Runtime only: gives the elements up without touching them (their thread hangs in them).
+  void abandon();
   /// Runtime only: before deployment the connection table is edited in place.
   Status connect(std::string_view port, ServiceBase& service, std::shared_ptr<void> keep_alive,
                  Duration max_age = Duration{0});

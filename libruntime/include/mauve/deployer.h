@@ -23,6 +23,10 @@
 
 namespace mauve {
 
+namespace exec {
+class System;
+}
+
 /// What to do when the process may not use SCHED_FIFO or lock memory.
 enum class Realtime : std::uint8_t {
   require,  ///< refuse to deploy
@@ -142,8 +146,7 @@ class Deployer {
   void run_for(Duration duration);
 
  private:
-  class System;
-  std::unique_ptr<System> system_;
+  std::unique_ptr<exec::System> system_;
 };
 
 /// A change that was prepared and can be committed once. Owns what it made; dropping it cleans up
@@ -172,6 +175,8 @@ class Retired {
 
   /// Cleans up in the reverse order of dependency; the first error of a hook is returned.
   Status release();
+  /// Runtime only: what was added is in force now.
+  void forget() { elements_.clear(); }
   /// Runtime only: in the order of dependency.
   void add(std::shared_ptr<Configurable> element) { elements_.push_back(std::move(element)); }
 

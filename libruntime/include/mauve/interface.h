@@ -2,7 +2,9 @@
 /// Interface: the services of a resource (paper 3.5).
 #pragma once
 
+#include <memory>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <mauve/configurable.h>
@@ -18,9 +20,10 @@ class InterfaceBase : public Configurable {
   [[nodiscard]] ServiceBase* find_service(std::string_view name) const;
 
   /// Runtime only. The core is exchanged under the gate of the resource.
-  void bind(ResourceBase& resource, CoreBase& core) {
+  /// Shared: a connection may be the last to go, and gives its slot back to the core.
+  void bind(ResourceBase& resource, std::shared_ptr<CoreBase> core) {
     resource_ = &resource;
-    core_ = &core;
+    core_ = std::move(core);
   }
   [[nodiscard]] ResourceBase& resource() const { return *resource_; }
   [[nodiscard]] CoreBase& core() const { return *core_; }
@@ -30,7 +33,7 @@ class InterfaceBase : public Configurable {
 
   std::vector<ServiceBase*> services_;
   ResourceBase* resource_ = nullptr;
-  CoreBase* core_ = nullptr;
+  std::shared_ptr<CoreBase> core_;
 };
 
 /// Derive from Interface<YourCore> and declare services as members.

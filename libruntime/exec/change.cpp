@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <mauve/change.h>
+
+#include "exec/prepared.h"
+
+namespace mauve {
+
+std::string_view to_string(ChangeState state) {
+  switch (state) {
+    case ChangeState::unchanged:
+      return "unchanged";
+    case ChangeState::applied:
+      return "applied";
+    case ChangeState::rolled_back:
+      return "rolled_back";
+    case ChangeState::safe:
+      return "safe";
+  }
+  return "unknown";
+}
+
+PreparedChange::PreparedChange(std::unique_ptr<Content> content) : content_(std::move(content)) {}
+PreparedChange::PreparedChange(PreparedChange&&) noexcept = default;
+PreparedChange& PreparedChange::operator=(PreparedChange&&) noexcept = default;
+PreparedChange::~PreparedChange() = default;
+
+Status Retired::release() {
+  Status first = ok();
+  while (!elements_.empty()) {
+    Status done = elements_.back()->cleanup();
+    if (first && !done) first = std::move(done);
+    elements_.pop_back();
+  }
+  return first;
+}
+
+}  // namespace mauve

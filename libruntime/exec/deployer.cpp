@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <mauve/deployer.h>
+
+#include "exec/system.h"
+
+namespace mauve {
+namespace {
+
+/// "control.core.gain" -> {"control", "core.gain"}.
+std::pair<std::string, std::string> split_owner(std::string_view address) {
+  const auto dot = address.find('.');
+  if (dot == std::string_view::npos) return {std::string(address), {}};
+  return {std::string(address.substr(0, dot)), std::string(address.substr(dot + 1))};
+}
+
+/// "control.ports.scan" -> {"control", "scan"}.
+Result<std::pair<std::string, std::string>> split_port(std::string_view address) {
+  auto [owner, rest] = split_owner(address);
+  constexpr std::string_view kPorts = "ports.";
+  if (rest.rfind(kPorts, 0) != 0) {
+    return refuse(Errc::unknown_name, std::string(address), "is no port",
+                  "ports are written COMPONENT.ports.NAME");
+  }
+  return std::pair{owner, rest.substr(kPorts.size())};
+}
+
+}  // namespace
+
+std::string_view to_string(ComponentState state) {
+  switch (state) {
+    case ComponentState::not_configured:
+      return "not_configured";
+    case ComponentState::stopped:
+      return "stopped";
+    case ComponentState::running:
+      return "running";
+    case ComponentState::faulted:
+      return "faulted";
+  }
+  return "unknown";
+}
+
+Deployer::Deployer(Architecture& architecture, DeployOptions options)
+    : system_(std::make_unique<exec::System>(architecture, options)) {}
+
+Deployer::~Deployer() { shutdown(); }
+
+Status Deployer::deploy() { return exec::bring_up(*system_); }
+
+std::vector<std::string> Deployer::shutdown(Duration bound) {
+  return exec::bring_down(*system_, bound);
+}
+
+Instant Deployer::t0() const { return system_->t0; }
+const Clock& Deployer::clock() const { return system_->runner->clock(); }
+std::uint64_t Deployer::generation() const { return system_->generation; }
+const std::vector<std::string>& Deployer::warnings() const { return system_->warnings; }
+
+bool Deployer::realtime() const {
+  for (const exec::Deployed& deployed : system_->deployed) {
+    if (!deployed.realtime) return false;
+  }
+  return system_->up;
+}
+
+std::vector<ComponentStatus> Deployer::status() const {
+  std::vector<ComponentStatus> all;
+  for (const exec::Deployed& deployed : system_->deployed) {
+    if (deployed.task != nullptr) all.push_back(exec::look_at(deployed));
+  }
+  return all;
+}
+
+ComponentStatus Deployer::status(std::string_view component) const {
+  const exec::Deployed* deployed = system_->find(component);
+  return deployed == nullptr || deployed->task == nullptr ? ComponentStatus{}
+                                                          : exec::look_at(*deployed);
+}
+
+Result<PreparedChange> Deployer::prepare(const Change& change) {
+  return exec::prepare_change(*system_, change);
+}
+
+Result<Receipt> Deployer::commit(PreparedChange& change, Retired& retired) {
+  return exec::commit_change(*system_, change, retired);
+}
+
+Result<Receipt> Deployer::apply(const Change& change) {
+  Result<PreparedChange> prepared = prepare(change);
+  if (!prepared) return prepared.error();
+  Retired retired;
+  return commit(*prepared, retired);
+}
+
+Result<Receipt> Deployer::start(const std::vector<std::string>& components, bool reset) {
+  Change change;
+  for (const std::string& name : components) {
+    const Result<ComponentBase*> component = system_->component(name);
+    if (!component) return component.error();
+    if (status(name).state == ComponentState::running) {
+      return refuse(Errc::wrong_state, name, "is running already");
+    }
+    Edit edit;
+    edit.component = name;
+    edit.mode = Mode::run;
+    if (reset) edit.core = (*component)->bundle()->core_type;
+    if (reset) edit.state = StatePolicy::drop;
+    change.edits.push_back(std::move(edit));
+  }
+  return apply(change);
+}
+
+Result<Receipt> Deployer::stop(const std::vector<std::string>& components) {
+  Change change;
+  for (const std::string& name : components) {
+    const Result<ComponentBase*> component = system_->component(name);
+    if (!component) return component.error();
+    if (status(name).state != ComponentState::running) continue;
+    Edit edit;
+    edit.component = name;
+    edit.mode = Mode::park;
+    change.edits.push_back(std::move(edit));
+  }
+  if (change.edits.empty()) return Receipt{generation(), ChangeState::unchanged, {}, 0, {}};
+  return apply(change);
+}
+
+Result<Receipt> Deployer::swap_core(std::string_view component, const CoreType& core,
+                                    StatePolicy state) {
+  Edit edit;
+  edit.component = component;
+  edit.core = core;
+  edit.state = state;
+  return apply({{edit}});
+}
+
+Result<Receipt> Deployer::set(std::string_view address, const Value& value, StatePolicy state) {
+  auto [owner, path] = split_owner(address);
+  Edit edit;
+  edit.component = owner;
+  edit.properties.emplace_back(path, value);
+  edit.state = state;
+  return apply({{edit}});
+}
+
+Result<Receipt> Deployer::connect(std::string_view port, std::string_view service) {
+  auto parts = split_port(port);
+  if (!parts) return parts.error();
+  Edit edit;
+  edit.component = parts->first;
+  edit.connect.push_back({parts->second, std::string(service), Duration{0}});
+  return apply({{edit}});
+}
+
+Result<Receipt> Deployer::disconnect(std::string_view port) {
+  auto parts = split_port(port);
+  if (!parts) return parts.error();
+  Edit edit;
+  edit.component = parts->first;
+  edit.disconnect.push_back(parts->second);
+  return apply({{edit}});
+}
+
+std::size_t Deployer::drain(const std::function<void(const Happening&)>& visit) {
+  return exec::drain_events(*system_, visit);
+}
+
+void Deployer::run_for(Duration duration) {
+  system_->runner->run_until(system_->runner->now() + duration.count());
+}
+
+}  // namespace mauve

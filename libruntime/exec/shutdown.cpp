@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Orderly end in bounded time: who writes safe values stops before who reads them.
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "exec/system.h"
+
+namespace mauve::exec {
+namespace {
+
+using Resources = std::set<const ResourceBase*>;
+
+Resources reached(const ComponentBase& component, bool by_safe_writes) {
+  Resources resources;
+  for (const PortBase* port : component.shell().ports()) {
+    const auto& binding = (*component.bundle()->bindings)[port->index()];
+    if (binding == nullptr) continue;
+    const bool wanted =
+        by_safe_writes ? port->has_safe_value() : port->signature().kind == PortKind::read;
+    if (wanted) resources.insert(&binding->service().resource());
+  }
+  return resources;
+}
+
+bool shares(const Resources& a, const Resources& b) {
+  return std::any_of(a.begin(), a.end(), [&](const auto* item) { return b.count(item) != 0; });
+}
+
+/// Stage of each component: later than all whose safe values it reads. Loops are cut at the number
+/// of components.
+std::map<const Deployed*, std::size_t> stages(const std::vector<Deployed>& deployed) {
+  std::map<const Deployed*, std::size_t> stage;
+  for (std::size_t round = 0; round < deployed.size(); ++round) {
+    for (const Deployed& writer : deployed) {
+      const Resources written = reached(*writer.component, true);
+      for (const Deployed& reader : deployed) {
+        if (&reader == &writer || !shares(written, reached(*reader.component, false))) continue;
+        stage[&reader] = std::min(std::max(stage[&reader], stage[&writer] + 1), deployed.size());
+      }
+    }
+  }
+  return stage;
+}
+
+/// Parks the task and waits; false when it does not come to a boundary.
+bool park(System& system, Deployed& deployed, Instant deadline) {
+  if (deployed.state() != ComponentState::running) return true;
+  PreparedChange change = only_mode(*deployed.component, Mode::park);
+  Retired nothing;
+  const Duration bound{std::max<Instant>(deadline - system.runner->now(), 1'000'000)};
+  return commit_change(system, change, nothing, bound).has_value();
+}
+
+/// Its thread is stuck in user code: the outputs get their safe values from here.
+void write_safe_values(const ComponentBase& component) {
+  for (const PortBase* port : component.shell().ports()) {
+    const auto& binding = (*component.bundle()->bindings)[port->index()];
+    if (binding != nullptr) port->write_safe(binding->service());
+  }
+}
+
+/// Every running component that reads what just stopped gets one more job to act on it.
+void let_readers_run(System& system, const std::vector<Deployed*>& readers, Instant deadline) {
+  std::vector<std::uint64_t> before;
+  for (const Deployed* reader : readers) before.push_back(reader->task->counters().releases.load());
+  static_cast<void>(system.runner->await(
+      [&] {
+        for (std::size_t i = 0; i < readers.size(); ++i) {
+          if (readers[i]->state() == ComponentState::running &&
+              readers[i]->task->counters().releases.load() <= before[i] + 1) {
+            return false;
+          }
+        }
+        return true;
+      },
+      deadline));
+}
+
+}  // namespace
+
+std::vector<std::string> bring_down(System& system, Duration bound) {
+  std::vector<std::string> left_behind;
+  if (!system.up) return left_behind;
+  system.up = false;
+  const Instant deadline = system.runner->now() + bound.count();
+  const auto stage = stages(system.deployed);
+  std::size_t last = 0;
+  for (const auto& [deployed, number] : stage) last = std::max(last, number);
+  const auto stage_of = [&](const Deployed& deployed) {
+    const auto found = stage.find(&deployed);
+    return found == stage.end() ? std::size_t{0} : found->second;
+  };
+  std::set<const Deployed*> hung;
+  for (std::size_t number = 0; number <= last; ++number) {
+    std::vector<Deployed*> later;
+    for (Deployed& deployed : system.deployed) {
+      if (stage_of(deployed) > number) later.push_back(&deployed);
+      if (stage_of(deployed) != number) continue;
+      const Instant patience = system.runner->now() + bound.count() / 4;
+      if (park(system, deployed, std::min(deadline, patience))) continue;
+      hung.insert(&deployed);
+      write_safe_values(*deployed.component);
+    }
+    if (!later.empty()) {
+      let_readers_run(system, later, std::min(deadline, system.runner->now() + bound.count() / 4));
+    }
+  }
+  for (Deployed& deployed : system.deployed) {
+    const bool stuck = hung.count(&deployed) != 0;
+    const Instant until = stuck ? system.runner->now() : deadline;
+    if (system.runner->end(*deployed.task, until)) continue;
+    left_behind.push_back(deployed.component->name());
+    deployed.component->abandon();
+    static_cast<void>(deployed.task.release());  // its thread still runs in it
+  }
+  return left_behind;
+}
+
+}  // namespace mauve::exec

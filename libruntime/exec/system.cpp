@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/system.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "base/name.h"
+#include "rt/memory.h"
+
+namespace mauve::exec {
+namespace {
+
+constexpr int kDeployerPriority = 98;
+
+/// Checks what real time needs. Realtime::prefer turns a refusal into a warning.
+Status check_privileges(System& system, int highest) {
+  system.realtime = false;
+  if (system.options.simulated || system.options.realtime == Realtime::off) return ok();
+  Status fifo = rt::may_use_fifo(highest);
+  Status memory = rt::lock_memory();
+  system.realtime = fifo.has_value();
+  for (const Status* status : {&fifo, &memory}) {
+    if (*status) continue;
+    if (system.options.realtime == Realtime::require) return *status;
+    system.warnings.push_back("timing is not guaranteed: " + status->error().message + " (" +
+                              status->error().hint + ")");
+  }
+  return ok();
+}
+
+/// The CPU with the fewest components so far.
+int least_loaded(std::map<int, int>& load) {
+  const auto least = std::min_element(
+      load.begin(), load.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  ++least->second;
+  return least->first;
+}
+
+void choose_cpus(System& system) {
+  std::map<int, int> load;
+  for (const int cpu : rt::usable_cpus()) load[cpu] = 0;
+  for (const Deployed& deployed : system.deployed) {
+    for (const int cpu : deployed.component->bundle()->task.cpus) ++load[cpu];
+  }
+  for (Deployed& deployed : system.deployed) {
+    deployed.cpus = deployed.component->bundle()->task.cpus;
+    if (!deployed.cpus.empty()) continue;
+    deployed.cpus = {least_loaded(load)};
+    if (!system.options.simulated) {
+      system.warnings.push_back(deployed.component->name() + " is pinned to CPU " +
+                                std::to_string(deployed.cpus.front()) + ": its task names no cpus");
+    }
+  }
+}
+
+Status check_cpus(const ComponentBase& component) {
+  const std::vector<int> usable = rt::usable_cpus();
+  for (const int cpu : component.bundle()->task.cpus) {
+    if (std::find(usable.begin(), usable.end(), cpu) != usable.end()) continue;
+    return refuse(Errc::invalid_value, component.name() + ".task.cpus",
+                  "CPU " + std::to_string(cpu) + " is not one that this process may use",
+                  "there are " + std::to_string(usable.size()) + " usable CPUs, from " +
+                      std::to_string(usable.front()) + " to " + std::to_string(usable.back()));
+  }
+  return ok();
+}
+
+std::unique_ptr<Published> first_bundle(const ComponentBase& component) {
+  auto first = std::make_unique<Published>();
+  first->bundle = component.bundle();
+  first->grid = component.fsm().grid();
+  first->shortest_wait = component.fsm().shortest_wait();
+  first->mode = Mode::run;
+  return first;
+}
+
+Status create_threads(System& system) {
+  for (Deployed& deployed : system.deployed) {
+    const TaskAttributes& task = deployed.component->bundle()->task;
+    const int priority = system.realtime ? task.priority : 0;
+    Status started = system.runner->add(
+        *deployed.task, {deployed.component->name(), priority, deployed.cpus, task.stack});
+    if (!started) return started;
+    deployed.priority = task.priority;
+    deployed.realtime = system.realtime && system.runner->is_fifo(*deployed.task, task.priority);
+  }
+  return ok();
+}
+
+/// T0 is far enough ahead that every thread waits for it by then.
+void release_all(System& system) {
+  system.runner->settle();
+  std::optional<rt::Boost> boost;
+  if (system.realtime) boost.emplace(kDeployerPriority);
+  system.t0 = system.runner->now() + system.runner->lead(system.deployed.size()).count();
+  for (Deployed& deployed : system.deployed) {
+    deployed.task->begin(first_bundle(*deployed.component), system.t0);
+  }
+  system.runner->open();
+}
+
+}  // namespace
+
+Deployed* System::find(std::string_view component) {
+  for (Deployed& candidate : deployed) {
+    if (candidate.component->name() == component) return &candidate;
+  }
+  return nullptr;
+}
+
+Result<ComponentBase*> System::component(std::string_view name) const {
+  if (ComponentBase* found = architecture.find_component(name)) return found;
+  std::vector<std::string> names;
+  for (const ComponentBase* known : architecture.components()) names.push_back(known->name());
+  const std::string nearest = nearest_name(name, names);
+  return refuse(Errc::unknown_name, std::string(name), "there is no component of this name",
+                nearest.empty() ? "" : "did you mean " + nearest + "?");
+}
+
+Status bring_up(System& system) {
+  if (system.up)
+    return refuse(Errc::wrong_state, system.architecture.name(), "is deployed already");
+  if (Status configured = system.architecture.configure(); !configured) return configured;
+  int highest = 1;
+  for (ComponentBase* component : system.architecture.components()) {
+    if (Status sound = check_cpus(*component); !sound) return sound;
+    highest = std::max(highest, component->bundle()->task.priority);
+    auto task = std::make_unique<Task>(component->name(), system.runner->clock());
+    system.deployed.push_back({component, std::move(task), {}, 0, false, 0});
+  }
+  choose_cpus(system);
+  Status ready = check_privileges(system, highest);
+  if (ready) ready = create_threads(system);
+  if (!ready) {
+    system.runner = system.options.simulated ? make_simulation() : make_threads();
+    system.deployed.clear();
+    return ready;
+  }
+  release_all(system);
+  system.generation = 1;
+  system.up = true;
+  return ok();
+}
+
+ComponentStatus look_at(const Deployed& deployed) {
+  const Counters& counters = deployed.task->counters();
+  const Bundle& bundle = *deployed.component->bundle();
+  ComponentStatus status;
+  status.name = deployed.component->name();
+  status.type = deployed.component->type().name;
+  status.core = bundle.core_type.name;
+  const auto& states = bundle.fsm->states();
+  const std::size_t index = counters.fsm_state.load(std::memory_order_relaxed);
+  if (index < states.size()) status.fsm_state = states[index]->name();
+  status.state = counters.state.load(std::memory_order_acquire);
+  status.priority = deployed.priority;
+  status.cpus = deployed.cpus;
+  status.realtime = deployed.realtime;
+  status.releases = counters.releases.load(std::memory_order_relaxed);
+  status.missed = counters.missed.load(std::memory_order_relaxed);
+  status.overruns = counters.overruns.load(std::memory_order_relaxed);
+  status.over_budget = counters.over_budget.load(std::memory_order_relaxed);
+  status.lateness_max = Duration{counters.lateness_max.load(std::memory_order_relaxed)};
+  status.lateness_last = Duration{counters.lateness_last.load(std::memory_order_relaxed)};
+  status.execution_max = Duration{counters.execution_max.load(std::memory_order_relaxed)};
+  status.execution_last = Duration{counters.execution_last.load(std::memory_order_relaxed)};
+  status.next_release = Duration{counters.next_release.load(std::memory_order_relaxed)};
+  if (status.state == ComponentState::faulted) status.fault = deployed.task->fault();
+  return status;
+}
+
+}  // namespace mauve::exec
