@@ -41,6 +41,8 @@ class Catalog {
   /// Finds, checks and maps a plugin; the catalog does not change. [factory], while [control] may
   /// go on using the catalog.
   [[nodiscard]] Result<LoadedPlugin> prepare_load(std::string_view plugin) const;
+  /// Would commit() accept it? [control]
+  [[nodiscard]] Status check_types(const LoadedPlugin& loaded) const;
   /// Puts the names of a prepared plugin in force and returns the library that had them before
   /// (null: none), for release() once its instances are replaced. Refused: a data type that
   /// another plugin registered with another layout. [control]
@@ -68,7 +70,6 @@ class Catalog {
   [[nodiscard]] Error unknown(ByName<T> LoadedPlugin::*kind, std::string_view what,
                               std::string_view name) const;
   [[nodiscard]] Error not_loaded(std::string_view plugin) const;
-  [[nodiscard]] Status check_types(const LoadedPlugin& loaded) const;
 
   std::vector<std::string> directories_;
   ByName<LoadedPlugin> plugins_;
