@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The check of the bytes holds against any bytes.
+#include "plugin/elf.h"
+
+#include <elf.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "plugin/elf_file.h"
+#include "support/temp_dir.h"
+#include "unit/plugin/zoo.h"
+
+namespace mauve::plugin::test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+std::vector<std::byte> bytes_of(std::string_view zoo) {
+  const std::string text = mauve::test::TempDir::read(zoo_file(zoo));
+  const auto* begin = reinterpret_cast<const std::byte*>(text.data());
+  return {begin, begin + text.size()};
+}
+
+const std::vector<std::byte>& good() {
+  static const std::vector<std::byte> bytes = bytes_of("1/good.so");
+  return bytes;
+}
+
+Elf64_Ehdr header_of(const std::vector<std::byte>& bytes) {
+  Elf64_Ehdr header;
+  std::memcpy(&header, bytes.data(), sizeof header);
+  return header;
+}
+
+TEST(ElfCheck, ReadsTheManifestOfAGoodPlugin) {
+  const Result<Facts> facts = inspect(good(), "good");
+
+  ASSERT_TRUE(facts) << to_string(facts.error());
+  EXPECT_STREQ(facts->manifest.name, "good");
+  EXPECT_STREQ(facts->manifest.version, kVersion);
+}
+
+TEST(ElfCheck, FindsOneExportedSymbolInAPluginOfTheHouse) {
+  const Result<ElfFile> file = ElfFile::open(good());
+  ASSERT_TRUE(file);
+
+  std::vector<std::string> exported;
+  for (const ElfSymbol& at : file->symbols(SHT_DYNSYM)) {
+    if (at.symbol.st_shndx != SHN_UNDEF) exported.push_back(at.name);
+  }
+
+  EXPECT_THAT(exported, ElementsAre("mauve_plugin"));
+}
+
+TEST(ElfCheck, RefusesWhatIsNotElf) {
+  for (const std::string text : {"", "\x7f", "#!/bin/sh\nexit 0\n"}) {
+    const Result<Facts> facts = inspect(std::as_bytes(std::span(text)), "good");
+    ASSERT_FALSE(facts);
+    EXPECT_THAT(facts.error().message, HasSubstr("is not a shared object"));
+  }
+}
+
+TEST(ElfCheck, RefusesAnotherMachine) {
+  std::vector<std::byte> bytes = good();
+  Elf64_Ehdr header = header_of(bytes);
+  header.e_machine = EM_S390;
+  std::memcpy(bytes.data(), &header, sizeof header);
+
+  EXPECT_THAT(inspect(bytes, "good").error().message, HasSubstr("another machine"));
+}
+
+TEST(ElfCheck, RefusesAProgram) {
+  std::vector<std::byte> bytes = good();
+  Elf64_Ehdr header = header_of(bytes);
+  header.e_type = ET_EXEC;
+  std::memcpy(bytes.data(), &header, sizeof header);
+
+  EXPECT_THAT(inspect(bytes, "good").error().message, HasSubstr("is not a shared object"));
+}
+
+TEST(ElfCheck, RefusesAFileCutOffAnywhere) {
+  const std::size_t step = good().size() / 997 + 1;
+  for (std::size_t size = 0; size < good().size(); size += step) {
+    const std::vector<std::byte> cut(good().begin(),
+                                     good().begin() + static_cast<std::ptrdiff_t>(size));
+    EXPECT_FALSE(inspect(cut, "good")) << "with " << size << " of " << good().size() << " bytes";
+  }
+}
+
+/// Puts random bytes where the tables of an ELF file are. No changed file is ever loaded.
+class Mutation {
+ public:
+  explicit Mutation(unsigned seed) : random_(seed) {}
+
+  std::vector<std::byte> of(std::vector<std::byte> bytes) {
+    const Elf64_Ehdr header = header_of(bytes);
+    const std::size_t tables[][2] = {
+        {0, sizeof header},
+        {header.e_phoff, std::size_t{header.e_phnum} * sizeof(Elf64_Phdr)},
+        {header.e_shoff, std::size_t{header.e_shnum} * sizeof(Elf64_Shdr)},
+        {0, 4096},
+        {0, bytes.size()}};
+    for (std::size_t changes = 1 + below(4); changes > 0; --changes) {
+      const auto& [begin, size] = tables[below(std::size(tables))];
+      bytes[begin + below(size)] = static_cast<std::byte>(below(256));
+    }
+    return bytes;
+  }
+
+ private:
+  std::size_t below(std::size_t limit) { return random_() % limit; }
+
+  std::mt19937_64 random_;
+};
+
+TEST(ElfCheck, NeverCrashesOnChangedBytes) {
+  Mutation mutation(20240229);
+  int refused = 0;
+  constexpr int kRounds = 3000;
+  for (int i = 0; i < kRounds; ++i) {
+    if (!inspect(mutation.of(good()), "good")) ++refused;
+  }
+  EXPECT_GT(refused, kRounds / 10);
+}
+
+TEST(ElfCheck, SpeaksInPrintableWordsAboutBadNames) {
+  PluginManifest manifest = detail::make_manifest("good", "1");
+  manifest.name[1] = '\n';
+  manifest.name[2] = '\xff';
+
+  const Status checked = check_manifest(manifest, "good");
+
+  ASSERT_FALSE(checked);
+  EXPECT_THAT(checked.error().message, HasSubstr("\"g??d\""));
+}
+
+}  // namespace
+}  // namespace mauve::plugin::test

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Every broken plugin is refused with words that help, and leaves nothing behind.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "unit/plugin/zoo.h"
+
+namespace mauve::plugin::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+struct Fault {
+  const char* plugin;
+  Errc code;
+  const char* words;
+};
+
+void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.plugin; }
+
+class Zoo : public ::testing::TestWithParam<Fault> {};
+
+TEST_P(Zoo, IsRefusedWithWordsThatHelp) {
+  Catalog catalog({MAUVE_ZOO});
+
+  const Status loaded = catalog.load(GetParam().plugin);
+
+  ASSERT_FALSE(loaded);
+  EXPECT_EQ(loaded.error().code, GetParam().code) << to_string(loaded.error());
+  EXPECT_THAT(to_string(loaded.error()), HasSubstr(GetParam().words));
+  EXPECT_FALSE(loaded.error().at.empty());
+  EXPECT_THAT(catalog.plugins(), IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Plugins, Zoo,
+    ::testing::Values(
+        Fault{"no_entry", Errc::plugin_refused, "does not export mauve_plugin"},
+        Fault{"wrong_magic", Errc::plugin_refused, "no magic number"},
+        Fault{"wrong_abi", Errc::abi_mismatch, "rebuild it with mauve"},
+        Fault{"wrong_size", Errc::abi_mismatch, "rebuild it with mauve"},
+        Fault{"wrong_fingerprint", Errc::abi_mismatch, "was built with other headers"},
+        Fault{"no_declare", Errc::plugin_refused, "its entry is not the one"},
+        Fault{"missing_symbol", Errc::plugin_refused, "zoo::nobody_wrote_me(double)"},
+        Fault{"throwing_declare", Errc::hook_threw, "cannot declare throwing_declare"},
+        Fault{"duplicate_name", Errc::duplicate, "duplicate_name/number: is registered twice"},
+        Fault{"bad_name", Errc::invalid_value, "good/number: is no name"},
+        Fault{"no_default_core", Errc::unknown_name, "no_default_core/nubmer is not registered"},
+        Fault{"other_contract", Errc::type_mismatch, "its state machine calls zoo/number/1"},
+        Fault{"thread_local_data", Errc::plugin_refused, "has thread-local variables"},
+        Fault{"search_path", Errc::plugin_refused, "RPATH or RUNPATH"},
+        Fault{"executable_stack", Errc::plugin_refused, "executable stack"},
+        Fault{"needs_neighbour", Errc::plugin_refused, "needs neighbour.so"},
+        Fault{"two_symbols", Errc::plugin_refused, "must be its only exported symbol"}),
+    [](const auto& each) { return std::string(each.param.plugin); });
+
+TEST(ZooOfInitialisers, AreRefusedBeforeTheyRun) {
+#if defined(MAUVE_SANITIZE_ADDRESS_UNDEFINED) || defined(MAUVE_SANITIZE_THREAD)
+  GTEST_SKIP() << "sanitizers add initialisers of their own, so here they cannot be told apart";
+#endif
+  Catalog catalog({MAUVE_ZOO});
+
+  const Status loaded = catalog.load("static_initialiser");
+
+  ASSERT_FALSE(loaded);
+  EXPECT_THAT(loaded.error().message, HasSubstr("static_initialiser"));
+  EXPECT_THAT(loaded.error().hint, HasSubstr("constexpr"));
+}
+
+TEST(ZooOfTextRelocations, IsRefusedWhereItCanBeBuilt) {
+  if (!std::filesystem::exists(zoo_file("text_relocation.so"))) {
+    GTEST_SKIP() << "the assembler line of this plugin is for x86_64";
+  }
+  Catalog catalog({MAUVE_ZOO});
+
+  const Status loaded = catalog.load("text_relocation");
+
+  ASSERT_FALSE(loaded);
+  EXPECT_THAT(loaded.error().hint, HasSubstr("-fPIC"));
+}
+
+TEST(ZooOfConstructors, ThrowToTheirCallerAndLeaveNoUser) {
+  Catalog catalog({MAUVE_ZOO});
+  ASSERT_TRUE(catalog.load("throwing_constructor"));
+
+  std::string what;
+  try {
+    make_core(catalog, "throwing_constructor/number");
+  } catch (const std::exception& error) {
+    what = error.what();
+  }
+
+  EXPECT_EQ(what, "no hardware");
+  const auto unloaded = catalog.unload("throwing_constructor");
+  ASSERT_TRUE(unloaded) << to_string(unloaded.error());
+  EXPECT_TRUE(unloaded->unmapped) << unloaded->reason;
+}
+
+TEST(ZooOfNames, RefusesAPluginUnderAnotherFileName) {
+  const PluginDir folder;
+  folder.put("1/good.so", "better.so");
+  Catalog catalog(folder.list());
+
+  const Status loaded = catalog.load("better");
+
+  ASSERT_FALSE(loaded);
+  EXPECT_THAT(loaded.error().message, HasSubstr("its name is \"good\""));
+  EXPECT_EQ(loaded.error().at, (folder / "better.so").string());
+}
+
+TEST(ZooOfTypes, RefusesAnotherLayoutUnderTheSameName) {
+  const PluginDir folder;
+  folder.put("1/good.so", "good.so");
+  folder.put("other_layout.so", "other_layout.so");
+  Catalog catalog(folder.list());
+  ASSERT_TRUE(catalog.load("good"));
+
+  const Status loaded = catalog.load("other_layout");
+
+  ASSERT_FALSE(loaded);
+  EXPECT_EQ(loaded.error().code, Errc::type_mismatch);
+  EXPECT_EQ(loaded.error().at, "zoo_number/1");
+  EXPECT_EQ(catalog.find("other_layout"), nullptr);
+  EXPECT_TRUE(catalog.type("zoo_number/1"));
+}
+
+}  // namespace
+}  // namespace mauve::plugin::test
