@@ -139,9 +139,9 @@ void PseudoTerminal::close() {
   slave_ = Descriptor();
 }
 
-bool PseudoTerminal::send(std::string_view bytes) const {
+std::size_t PseudoTerminal::send_some(std::string_view bytes) const {
   const ssize_t count = ::write(master_.number(), bytes.data(), bytes.size());
-  return count == static_cast<ssize_t>(bytes.size());
+  return count > 0 ? static_cast<std::size_t>(count) : 0;
 }
 
 }  // namespace drivers

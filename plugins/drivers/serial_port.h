@@ -55,8 +55,11 @@ class PseudoTerminal {
   void close();
   /// Path of the device.
   [[nodiscard]] const std::string& device() const { return path_; }
-  /// Sends what fits; the rest is lost, as on a real line nobody listens to. False: lost some. [rt]
-  bool send(std::string_view bytes) const;
+  /// Sends what fits and tells how many bytes that was. Never waits. [rt]
+  [[nodiscard]] std::size_t send_some(std::string_view bytes) const;
+  /// The same; what does not fit is lost, as on a real line nobody listens to. False: lost some.
+  /// [rt]
+  bool send(std::string_view bytes) const { return send_some(bytes) == bytes.size(); }
 
  private:
   Descriptor master_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Copy this folder, rename it, write your law. Core "my_core/straight": turns to the goal and drives.
+/// Copy this folder, rename it, write your law. Core "my_core/straight": turns to the goal, drives.
 /// Try it on a running rover:
 ///   mauvectl load my_core
 ///   mauvectl swap-core control my_core/straight --set speed=0.4
