@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "arch/build.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arch/built_in.h"
+#include "arch/parts.h"
+#include "arch/resolve.h"
+#include "base/name.h"
+#include "model/connection.h"
+
+namespace mauve::arch {
+namespace {
+
+void apply(const TaskSpec& spec, TaskAttributes& task) {
+  if (spec.priority) task.priority = spec.priority->value;
+  task.cpus = spec.cpus.value;
+  if (spec.offset) task.offset = spec.offset->value;
+  if (spec.deadline) task.deadline = spec.deadline->value;
+  if (spec.budget) task.budget = spec.budget->value;
+  if (spec.stack) task.stack = spec.stack->value;
+  if (spec.on_overrun) task.on_overrun = spec.on_overrun->value;
+  if (spec.overrun_limit) task.overrun_limit = spec.overrun_limit->value;
+}
+
+class Builder {
+ public:
+  Builder(const Spec& spec, const plugin::Catalog& catalog, Problems& problems)
+      : spec_(spec), problems_(problems), resolver_(spec, catalog, problems) {}
+
+  std::unique_ptr<Architecture> run() {
+    for (const ResourceSpec& resource : spec_.resources) make(resource);
+    for (const ComponentSpec& component : spec_.components) make(component);
+    for (const ResourceSpec& resource : spec_.resources) {
+      if (auto* made = architecture_->find_resource(resource.name)) connect(resource, *made);
+    }
+    for (const ComponentSpec& component : spec_.components) {
+      if (auto* made = architecture_->find_component(component.name)) connect(component, *made);
+    }
+    check_cycles();
+    return problems_.empty() ? std::move(architecture_) : nullptr;
+  }
+
+ private:
+  void make(const ResourceSpec& spec) {
+    std::optional<ResourceParts> parts = resolver_.resource(spec);
+    if (!parts) return;
+    auto resource = parts->type ? std::make_unique<ResourceBase>(spec.name, *std::move(parts->type))
+                                : make_built_in(spec.type.value, spec.name, std::move(parts->data));
+    if (!resource->made()) return problems_.add(spec.type.where, resource->made().error());
+    set_properties(spec, parts_of(*resource));
+    architecture_->own(std::move(resource));
+  }
+
+  void make(const ComponentSpec& spec) {
+    std::optional<ComponentParts> parts = resolver_.component(spec);
+    if (!parts) return;
+    auto component =
+        std::make_unique<ComponentBase>(spec.name, std::move(parts->type), std::move(parts->core));
+    if (!component->made()) {
+      const Error& error = component->made().error();
+      const bool of_core = spec.core && error.at.ends_with(".core");
+      return problems_.add(of_core ? spec.core->where : spec.type.where, error);
+    }
+    set_properties(spec, parts_of(*component));
+    apply(spec.task, component->task());
+    component->task().start = spec.start;
+    architecture_->own(std::move(component));
+  }
+
+  void set_properties(const ElementSpec& spec, const Parts& parts) {
+    for (const PropertySpec& property : spec.properties) {
+      PropertyBase* const found = find_property(parts, property.name);
+      if (found == nullptr) {
+        const std::string nearest = nearest_name(property.name, property_names(parts));
+        problems_.add(property.where, Errc::unknown_name, spec.name + "." + property.name,
+                      spec.name + " has no property of this name",
+                      nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
+      } else if (Status done = found->set(property.value); !done) {
+        problems_.add(property.value_where, std::move(done.error()));
+      }
+    }
+  }
+
+  template <typename Owner>
+  void connect(const ElementSpec& spec, Owner& owner) {
+    for (const ConnectionSpec& connection : spec.connections) {
+      ServiceBase* const service = find_service(spec, connection);
+      if (service == nullptr) continue;
+      const PortBase* const port = owner.shell().find_port(connection.port);
+      if (connection.max_age && port != nullptr && port->signature().kind != PortKind::read) {
+        problems_.add(connection.where, Errc::invalid_value, port->address(),
+                      "\"max_age\" has no meaning here: only read ports have it");
+        continue;
+      }
+      Status done = owner.connect(connection.port, *service, service->resource().keep_alive(),
+                                  connection.max_age.value_or(Duration{0}));
+      if (!done) problems_.add(connection.where, std::move(done.error()));
+    }
+  }
+
+  // Null when there is none; reported, unless its resource was refused and reported already.
+  ServiceBase* find_service(const ElementSpec& spec, const ConnectionSpec& connection) {
+    const std::string resource = connection.service.substr(0, connection.service.find('.'));
+    const bool refused = architecture_->find_resource(resource) == nullptr &&
+                         std::any_of(spec_.resources.begin(), spec_.resources.end(),
+                                     [&](const ResourceSpec& r) { return r.name == resource; });
+    if (refused) return nullptr;
+    Result<ServiceBase*> service = architecture_->find_service(connection.service);
+    if (service) return *service;
+    Error& error = service.error();
+    problems_.add(connection.service_where, error.code, spec.name + ".ports." + connection.port,
+                  connection.service + ": " + error.message, error.hint);
+    return nullptr;
+  }
+
+  void check_cycles() {
+    Status sound = check_resource_graph(*architecture_);
+    if (sound) return;
+    const auto found = std::find_if(
+        spec_.resources.begin(), spec_.resources.end(),
+        [&](const ResourceSpec& resource) { return resource.name == sound.error().at; });
+    problems_.add(found == spec_.resources.end() ? Position{} : found->where,
+                  std::move(sound.error()));
+  }
+
+  const Spec& spec_;
+  Problems& problems_;
+  Resolver resolver_;
+  std::unique_ptr<Architecture> architecture_ = std::make_unique<Architecture>(spec_.name);
+};
+
+}  // namespace
+
+std::unique_ptr<Architecture> build(const Spec& spec, const plugin::Catalog& catalog,
+                                    Problems& problems) {
+  return Builder(spec, catalog, problems).run();
+}
+
+}  // namespace mauve::arch

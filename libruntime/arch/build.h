@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// From a Spec to an Architecture: everything made, set and connected, nothing configured.
+#pragma once
+
+#include <memory>
+
+#include "arch/spec.h"
+#include "mauve/architecture.h"
+#include "plugin/catalog.h"
+
+namespace mauve::arch {
+
+/// Makes all elements, sets properties and task attributes and connects ports. Everything that
+/// does not fit goes to `problems`, all of it in one pass: unknown plugins, types, cores, state
+/// machines, data, properties, ports and services (with the nearest name), values of the wrong
+/// type or out of range, contracts, kinds and types of ports that differ, cycles of resources.
+/// Null when `problems` is not empty afterwards. Runs constructors of plugins, no hooks. [control]
+[[nodiscard]] std::unique_ptr<Architecture> build(const Spec& spec, const plugin::Catalog& catalog,
+                                                  Problems& problems);
+
+}  // namespace mauve::arch

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "arch/describe.h"
+
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "arch/built_in.h"
+#include "arch/parts.h"
+#include "arch/spec.h"
+#include "base/duration.h"
+#include "base/size.h"
+
+namespace mauve::arch {
+namespace {
+
+void add_if(Value::Object& object, bool wanted, std::string key, Value value) {
+  if (wanted) object.emplace_back(std::move(key), std::move(value));
+}
+
+template <typename Container>
+void add_unless_empty(Value::Object& object, std::string key, Container content) {
+  if (!content.empty()) object.emplace_back(std::move(key), std::move(content));
+}
+
+Value::Object changed_properties(const Parts& parts) {
+  Value::Object properties;
+  for (const auto& [group, part] : parts) {
+    for (const PropertyBase* property : part->properties()) {
+      Value value = property->value();
+      const bool changed = !value.is_null() && !(value == property->default_value());
+      add_if(properties, changed, std::string(group) + "." + std::string(property->name()),
+             std::move(value));
+    }
+  }
+  return properties;
+}
+
+Value connection(const Binding& binding) {
+  std::string service = binding.service().address();
+  if (binding.max_age() == Duration{0}) return service;
+  return Value::Object{{"connect", std::move(service)},
+                       {"max_age", format_duration(binding.max_age())}};
+}
+
+Value::Object connections(const Shell& shell, const Bindings& bindings) {
+  Value::Object ports;
+  for (const PortBase* port : shell.ports()) {
+    if (port->index() >= bindings.size() || bindings[port->index()] == nullptr) continue;
+    ports.emplace_back(std::string(port->name()), connection(*bindings[port->index()]));
+  }
+  return ports;
+}
+
+Value::Object task(const TaskAttributes& attributes) {
+  const TaskAttributes defaults;
+  Value::Object object;
+  Value::Array cpus;
+  for (const int cpu : attributes.cpus) cpus.emplace_back(cpu);
+  add_if(object, attributes.priority != defaults.priority, "priority", attributes.priority);
+  add_unless_empty(object, "cpus", std::move(cpus));
+  add_if(object, attributes.offset != defaults.offset, "offset",
+         format_duration(attributes.offset));
+  add_if(object, attributes.deadline != defaults.deadline, "deadline",
+         format_duration(attributes.deadline));
+  add_if(object, attributes.budget != defaults.budget, "budget",
+         format_duration(attributes.budget));
+  add_if(object, attributes.stack != defaults.stack, "stack", format_size(attributes.stack));
+  add_if(object, attributes.on_overrun != defaults.on_overrun, "on_overrun",
+         to_string(attributes.on_overrun));
+  const bool limited = attributes.on_overrun == OnOverrun::stop &&
+                       attributes.overrun_limit != defaults.overrun_limit;
+  add_if(object, limited, "overrun_limit", static_cast<std::int64_t>(attributes.overrun_limit));
+  return object;
+}
+
+Value describe(const ResourceBase& resource) {
+  Value::Object object{{"type", resource.type().name}};
+  if (is_built_in(resource.type().name)) {
+    object.emplace_back("data", resource.find_service("read")->signature().types);
+  }
+  Value::Object properties = changed_properties(parts_of(resource));
+  Value::Object ports = connections(resource.shell(), resource.bindings());
+  add_unless_empty(object, "properties", std::move(properties));
+  add_unless_empty(object, "ports", std::move(ports));
+  return object;
+}
+
+Value describe(const ComponentBase& component, bool parked) {
+  const Bundle& bundle = *component.bundle();
+  Value::Object object{{"type", component.type().name}, {"core", bundle.core_type.name}};
+  // A plugin's component type registers its own state machine under its own name.
+  add_if(object, bundle.fsm_type.name != component.type().name, "fsm", bundle.fsm_type.name);
+  Value::Object properties = changed_properties(parts_of(component));
+  Value::Object ports = connections(component.shell(), *bundle.bindings);
+  Value::Object attributes = task(bundle.task);
+  add_unless_empty(object, "properties", std::move(properties));
+  add_unless_empty(object, "ports", std::move(ports));
+  add_unless_empty(object, "task", std::move(attributes));
+  add_if(object, parked, "start", false);
+  return object;
+}
+
+Value::Array loaded_plugins(const plugin::Catalog& catalog) {
+  Value::Array names;
+  for (const plugin::LoadedPlugin* plugin : catalog.plugins()) {
+    if (!plugin->info().file.empty()) names.emplace_back(plugin->info().name);
+  }
+  return names;
+}
+
+}  // namespace
+
+Value describe(const Architecture& architecture, const plugin::Catalog& catalog,
+               const Parked& parked) {
+  Value::Object resources;
+  for (const ResourceBase* resource : architecture.resources()) {
+    resources.emplace_back(resource->name(), describe(*resource));
+  }
+  Value::Object components;
+  for (const ComponentBase* component : architecture.components()) {
+    const bool waits = parked ? parked(*component) : !component->task().start;
+    components.emplace_back(component->name(), describe(*component, waits));
+  }
+  return Value::Object{{"schema", kSchema},
+                       {"name", architecture.name()},
+                       {"plugins", loaded_plugins(catalog)},
+                       {"resources", std::move(resources)},
+                       {"components", std::move(components)}};
+}
+
+}  // namespace mauve::arch

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// From a running architecture back to the form of the file.
+#pragma once
+
+#include <functional>
+
+#include "mauve/architecture.h"
+#include "mauve/value.h"
+#include "plugin/catalog.h"
+
+namespace mauve::arch {
+
+/// Is this component parked now? It is then exported with "start": false.
+using Parked = std::function<bool(const ComponentBase&)>;
+
+/// The architecture as its file would be written: what has its default is left out. Reading the
+/// result (parse, build) gives the same system: elements, cores, state machines, property values,
+/// connections and task attributes. Without `parked`, the task attribute `start` decides.
+/// [control]
+[[nodiscard]] Value describe(const Architecture& architecture, const plugin::Catalog& catalog,
+                             const Parked& parked = {});
+
+}  // namespace mauve::arch

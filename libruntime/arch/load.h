@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// From an architecture file to an Architecture, in one call.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "arch/problem.h"
+#include "arch/spec.h"
+#include "mauve/architecture.h"
+#include "plugin/catalog.h"
+
+namespace mauve::arch {
+
+/// The text of a file. Refused: not there, not readable, no regular file, longer than parse()
+/// takes. `at` of the error is the path.
+[[nodiscard]] Result<std::string> read_file(const std::string& path);
+
+/// Loads the plugins that the file names and the catalog does not have yet. [control] and
+/// [factory] in one: for a daemon that starts, a check, or a program with one thread.
+void load_plugins(const Spec& spec, plugin::Catalog& catalog, Problems& problems);
+
+/// Parses, loads plugins and builds: everything that can be said about a file without configuring
+/// anything. All problems of all three steps come out together; null when there is any.
+[[nodiscard]] std::unique_ptr<Architecture> load(std::string_view text, plugin::Catalog& catalog,
+                                                 Problems& problems);
+
+}  // namespace mauve::arch

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The parts of a component or resource by the names they have in addresses.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "mauve/component.h"
+#include "mauve/resource.h"
+
+namespace mauve::arch {
+
+/// "shell", "core", and "fsm" or "interface".
+using Parts = std::array<std::pair<std::string_view, Configurable*>, 3>;
+
+[[nodiscard]] Parts parts_of(const ComponentBase& component);
+[[nodiscard]] Parts parts_of(const ResourceBase& resource);
+
+/// "core.gain" -> the property, or null.
+[[nodiscard]] PropertyBase* find_property(const Parts& parts, std::string_view name);
+/// "core.bad_frames" -> the observable, or null.
+[[nodiscard]] ObservableBase* find_observable(const Parts& parts, std::string_view name);
+
+/// "core.gain" and so on, in the order of declaration.
+[[nodiscard]] std::vector<std::string> property_names(const Parts& parts);
+
+}  // namespace mauve::arch

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The names of a Spec against the catalog: which type, core, state machine and data is meant.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "arch/spec.h"
+#include "mauve/element_type.h"
+#include "plugin/catalog.h"
+
+namespace mauve::arch {
+
+/// What a component is made of. The state machine of `type` is the one that the file names.
+struct ComponentParts {
+  ComponentType type;
+  CoreType core;
+};
+
+/// What a resource is made of: a type of a plugin, or the data of a built-in one.
+struct ResourceParts {
+  std::optional<ResourceType> type;
+  std::shared_ptr<const DataType> data;
+};
+
+/// Looks names up for one Spec. An unknown name is reported with the nearest one, and not again
+/// when its whole plugin could not be loaded. [control]
+class Resolver {
+ public:
+  Resolver(const Spec& spec, const plugin::Catalog& catalog, Problems& problems)
+      : spec_(spec), catalog_(catalog), problems_(problems) {}
+
+  [[nodiscard]] std::optional<ComponentParts> component(const ComponentSpec& component);
+  [[nodiscard]] std::optional<ResourceParts> resource(const ResourceSpec& resource);
+
+ private:
+  template <typename T>
+  std::optional<T> find(const PlacedText& name, const std::string& at,
+                        Result<T> (plugin::Catalog::*lookup)(std::string_view) const);
+  std::optional<ResourceParts> built_in(const ResourceSpec& resource);
+  bool plugin_loaded(const PlacedText& name, const std::string& at);
+  std::string fitting_cores(const Contract& contract) const;
+
+  const Spec& spec_;
+  const plugin::Catalog& catalog_;
+  Problems& problems_;
+};
+
+}  // namespace mauve::arch

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "arch/describe.h"
+
+#include <memory>
+#include <random>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "arch/load.h"
+#include "arch/value_json.h"
+#include "unit/arch/architecture_text.h"
+#include "unit/arch/sample_plugin.h"
+
+namespace mauve::arch {
+namespace {
+
+class Describe : public testing::Test {
+ protected:
+  Describe() { EXPECT_TRUE(catalog_.add(sample::make_plugin())); }
+
+  std::unique_ptr<Architecture> made(std::string_view text) {
+    Problems problems;
+    auto architecture = load(text, catalog_, problems);
+    for (const Problem& problem : problems.sorted()) ADD_FAILURE() << to_string(problem, "text");
+    return architecture;
+  }
+  std::string exported(const Architecture& architecture) {
+    return to_json_text(describe(architecture, catalog_));
+  }
+
+  plugin::Catalog catalog_;
+};
+
+TEST_F(Describe, WritesTheFormOfTheFileAndLeavesDefaultsOut) {
+  const auto architecture = made(sample::kArchitecture);
+  ASSERT_NE(architecture, nullptr);
+
+  const Value value = describe(*architecture, catalog_);
+
+  EXPECT_EQ(*value.find("schema"), Value("mauve/architecture/1"));
+  EXPECT_EQ(*value.find("resources")->find("pose"),
+            Value(Value::Object{{"type", "shared_data"}, {"data", "pose/1"}}));
+  EXPECT_EQ(*value.find("components")->find("right"),
+            Value(Value::Object{{"type", "sample/bare"},
+                                {"core", "sample/repel"},
+                                {"fsm", "sample/periodic"},
+                                {"start", false}}));
+  const Value& left = *value.find("components")->find("left");
+  EXPECT_EQ(*left.find("ports")->find("pose"),
+            Value(Value::Object{{"connect", "pose.read"}, {"max_age", "50ms"}}));
+  EXPECT_EQ(*left.find("task")->find("stack"), Value("128KiB"));
+  EXPECT_EQ(left.find("properties")->find("core.steps"), nullptr);
+}
+
+TEST_F(Describe, GivesTheSameSystemWhenReadAgain) {
+  const auto first = made(sample::kArchitecture);
+  ASSERT_NE(first, nullptr);
+  const std::string text = exported(*first);
+
+  const auto second = made(text);
+
+  ASSERT_NE(second, nullptr) << text;
+  EXPECT_EQ(exported(*second), text);
+  ASSERT_EQ(second->components().size(), 2U);
+  EXPECT_EQ(second->components()[0]->task(), first->components()[0]->task());
+}
+
+TEST_F(Describe, WritesWhatRunsAndNotWhatTheFileSaid) {
+  const auto architecture = made(sample::kArchitecture);
+  ASSERT_NE(architecture, nullptr);
+  ASSERT_TRUE(architecture->find_component("left")->disconnect("scan"));
+  ASSERT_TRUE(architecture->find_component("left")->replace_core(*catalog_.core("sample/repel")));
+
+  const Value value = describe(*architecture, catalog_, [](const ComponentBase&) { return false; });
+
+  const Value& left = *value.find("components")->find("left");
+  EXPECT_EQ(left.find("ports")->find("scan"), nullptr);
+  EXPECT_EQ(*left.find("core"), Value("sample/repel"));
+  EXPECT_EQ(value.find("components")->find("right")->find("start"), nullptr);
+}
+
+// One random architecture of the sample plugin.
+Value random_architecture(std::mt19937& random) {
+  const auto chance = [&] { return random() % 2 == 0; };
+  Value::Object resources;
+  Value::Object components;
+  const unsigned count = random() % 4 + 1;
+  for (unsigned i = 0; i < count; ++i) {
+    const std::string n = std::to_string(i);
+    resources.emplace_back(
+        "pose" + n,
+        Value::Object{{"type", chance() ? "shared_data" : "ring_buffer"}, {"data", "pose/1"}});
+    Value::Object relay{{"type", "sample/relay"}};
+    if (chance()) relay.emplace_back("ports", Value::Object{{"next", "pose" + n + ".write"}});
+    resources.emplace_back("relay" + n, std::move(relay));
+    Value::Object properties{{"fsm.period", std::to_string(random() % 5000 + 10) + "us"}};
+    if (chance()) properties.emplace_back("core.gain", static_cast<double>(random() % 2001) / 1000);
+    if (chance()) properties.emplace_back("core.steps", static_cast<std::int64_t>(random() % 9));
+    Value::Object ports;
+    if (chance()) ports.emplace_back("pose", "relay" + n + ".read");
+    if (chance()) ports.emplace_back("command", "pose" + n + ".write");
+    Value::Object task{{"priority", static_cast<std::int64_t>(random() % 90 + 1)}};
+    if (chance()) task.emplace_back("offset", std::to_string(random() % 100'000) + "ns");
+    if (chance()) task.emplace_back("on_overrun", chance() ? "catch_up" : "stop");
+    components.emplace_back("c" + n, Value::Object{{"type", "sample/control"},
+                                                   {"properties", std::move(properties)},
+                                                   {"ports", std::move(ports)},
+                                                   {"task", std::move(task)},
+                                                   {"start", chance()}});
+  }
+  return Value::Object{{"schema", kSchema},
+                       {"name", "random"},
+                       {"resources", std::move(resources)},
+                       {"components", std::move(components)}};
+}
+
+TEST_F(Describe, GivesTheSameSystemForAnyArchitecture) {
+  std::mt19937 random(5);
+  for (int round = 0; round < 300; ++round) {
+    const std::string written = to_json_text(random_architecture(random));
+    const auto first = made(written);
+    ASSERT_NE(first, nullptr) << written;
+    const std::string text = exported(*first);
+    const auto second = made(text);
+    ASSERT_NE(second, nullptr) << text;
+    ASSERT_EQ(exported(*second), text);
+    for (std::size_t i = 0; i < first->components().size(); ++i) {
+      ASSERT_EQ(second->components()[i]->task(), first->components()[i]->task()) << written;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mauve::arch
