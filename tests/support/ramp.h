@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// A small component for tests: a ramp that adds `step` each job and writes its value; the value
+/// is the state that survives swaps. Its clock and counts tell what ran when.
+#pragma once
+
+#include <atomic>
+#include <stdexcept>
+#include <vector>
+
+#include <mauve/architecture.h>
+#include <mauve/deployer.h>
+#include <mauve/plugin.h>
+
+namespace ramp {
+
+struct Position {
+  double value = 0;
+};
+
+struct Shell : mauve::Shell {
+  mauve::ReadPort<double> speed{*this, "speed", 1.0};
+  mauve::WritePort<double> out{*this, "out", mauve::Safe{-1.0}};
+};
+
+/// The contract.
+class RampCore : public mauve::Core<Shell> {
+ public:
+  using Contract = RampCore;
+  static constexpr const char* contract = "ramp/core/1";
+  virtual void update() = 0;
+};
+
+using Fsm = mauve::PeriodicFsm<RampCore>;
+
+/// Adds `step`.
+class Up : public RampCore {
+ public:
+  mauve::Property<double> step{
+      *this, "step", 1.0, "added each job", {.unit = "m", .min = 0, .max = 10}};
+  mauve::State<Position> state{*this};
+  mauve::Observable<int> jobs{*this, "jobs", 0, "jobs run"};
+
+  void update() override {
+    state->value += step;
+    ++jobs;
+    shell().out.write(state->value);
+  }
+  mauve::Status on_configure() override {
+    ++configured_cores();
+    return step == 7.0 ? mauve::invalid(step, "must not be seven") : mauve::ok();
+  }
+  void on_cleanup() override { --configured_cores(); }
+
+  /// Cores configured and not cleaned up, in this process.
+  static std::atomic<int>& configured_cores() {
+    static std::atomic<int> count{0};
+    return count;
+  }
+};
+
+/// Subtracts 1.
+class Down : public RampCore {
+ public:
+  mauve::State<Position> state{*this};
+  void update() override {
+    state->value -= 1.0;
+    shell().out.write(state->value);
+  }
+};
+
+/// Declares neither state nor statelessness.
+class Forgetful : public RampCore {
+ public:
+  mauve::Property<double> step{*this, "step", 1.0, "added each job"};
+  void update() override { shell().out.write(value_ += step); }
+
+ private:
+  double value_ = 0;
+};
+
+struct ThrowingOnConfigure : Up {
+  mauve::Status on_configure() override { throw std::runtime_error("no such device"); }
+};
+struct ThrowingConstructor : Up {
+  ThrowingConstructor() { throw std::runtime_error("out of luck"); }
+};
+struct ThrowingInJob : Up {
+  void update() override {
+    if (state->value > 3) throw std::runtime_error("sensor lost");
+    Up::update();
+  }
+};
+
+/// Of another contract.
+class Stranger : public mauve::Core<Shell> {
+ public:
+  using Contract = Stranger;
+  static constexpr const char* contract = "stranger/core/1";
+  void update() {}
+};
+
+/// One ramp at 10 ms, its output in `position`, its speed from `speed`.
+struct Architecture : mauve::Architecture {
+  mauve::SharedData<double> position{*this, "position"};
+  mauve::SharedData<double> speed{*this, "speed"};
+  mauve::Component<Shell, Up, Fsm> control{*this, "control"};
+
+  mauve::Status on_configure() override {
+    if (auto done = control.shell().out.connect(position.write_service()); !done) return done;
+    return mauve::ok();
+  }
+};
+
+inline double read(mauve::SharedDataBase& data) {
+  double value = 0;
+  mauve::Cursor cursor;
+  cursor.slot = data.read_service().attach();
+  static_cast<void>(data.read_service().read(&value, cursor));
+  data.read_service().detach(cursor.slot);
+  return value;
+}
+
+}  // namespace ramp

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include "support/ramp.h"
+
+namespace mauve {
+namespace {
+
+struct Two : Architecture {
+  SharedData<double> left_position{*this, "left_position"};
+  SharedData<double> right_position{*this, "right_position"};
+  Component<ramp::Shell, ramp::ThrowingInJob, ramp::Fsm> left{*this, "left"};
+  Component<ramp::Shell, ramp::Up, ramp::Fsm> right{*this, "right"};
+
+  Status on_configure() override {
+    if (auto done = left.shell().out.connect(left_position.write_service()); !done) return done;
+    return right.shell().out.connect(right_position.write_service());
+  }
+};
+
+TEST(Fault, ThrowingCoreFaultsOnlyItsComponentAndWritesSafeValues) {
+  Two architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+
+  deployer.run_for(100ms);
+
+  EXPECT_EQ(deployer.status("left").state, ComponentState::faulted);
+  EXPECT_EQ(deployer.status("left").fault, "sensor lost");
+  EXPECT_EQ(ramp::read(architecture.left_position), -1.0);
+  EXPECT_EQ(deployer.status("right").releases, 10u);
+  EXPECT_EQ(ramp::read(architecture.right_position), 10.0);
+}
+
+TEST(Fault, IsToldWithItsText) {
+  Two architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  deployer.run_for(100ms);
+
+  std::vector<std::string> told;
+  deployer.drain(
+      [&](const Happening& h) { told.push_back(h.component + " " + h.event + " " + h.text); });
+
+  EXPECT_NE(std::find(told.begin(), told.end(), "left faulted threw: sensor lost"), told.end());
+}
+
+TEST(Fault, FaultedComponentStartsAgainWithAnotherCore) {
+  Two architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  deployer.run_for(100ms);
+
+  ASSERT_TRUE(deployer.swap_core<ramp::Down>("left"));
+  ASSERT_TRUE(deployer.start({"left"}));
+  deployer.run_for(50ms);
+
+  EXPECT_EQ(deployer.status("left").state, ComponentState::running);
+}
+
+}  // namespace
+}  // namespace mauve

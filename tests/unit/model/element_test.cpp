@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Configurable elements: order, hooks, properties.
+#include <gtest/gtest.h>
+
+#include "support/ramp.h"
+
+namespace mauve {
+namespace {
+
+std::vector<std::string>& calls() {
+  static std::vector<std::string> all;
+  return all;
+}
+
+struct LoudShell : Shell {
+  Status on_configure() override { return calls().push_back("+shell"), ok(); }
+  void on_cleanup() override { calls().push_back("-shell"); }
+};
+struct LoudCore : Core<LoudShell> {
+  Property<int> fail{*this, "fail", 0, "refuse to be configured"};
+  void update() {}
+  Status on_configure() override {
+    calls().push_back("+core");
+    return fail == 1 ? invalid(fail, "told to fail") : ok();
+  }
+  void on_cleanup() override { calls().push_back("-core"); }
+};
+struct LoudFsm : Fsm<LoudCore> {
+  Exec update{*this, "update", &LoudCore::update};
+  Sync wait{*this, "wait", 10ms};
+  Status on_configure() override {
+    calls().push_back("+fsm");
+    start_at(update);
+    update.then(wait);
+    wait.then(update);
+    return ok();
+  }
+  void on_cleanup() override { calls().push_back("-fsm"); }
+};
+struct Loud : Architecture {
+  Component<LoudShell, LoudCore, LoudFsm> component{*this, "loud"};
+};
+
+TEST(Configurable, ConfiguresShellCoreFsmAndCleansTheOtherWayRound) {
+  calls().clear();
+  {
+    Loud loud;
+    ASSERT_TRUE(loud.configure());
+    ASSERT_TRUE(loud.configure()) << "configured already: nothing happens";
+  }
+  EXPECT_EQ(calls(),
+            (std::vector<std::string>{"+shell", "+core", "+fsm", "-fsm", "-core", "-shell"}));
+}
+
+TEST(Configurable, UndoesWhatTheSameCallHadConfigured) {
+  calls().clear();
+  Loud loud;
+  loud.component.core().fail = 1;
+
+  const Status refused = loud.configure();
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().at, "loud.core.fail");
+  EXPECT_EQ(calls(), (std::vector<std::string>{"+shell", "+core", "-shell"}));
+}
+
+TEST(Configurable, CleaningTheCoreCleansTheFsmButNotTheShell) {
+  Loud loud;
+  ASSERT_TRUE(loud.configure());
+  calls().clear();
+
+  ASSERT_TRUE(loud.component.cleanup_core());
+
+  EXPECT_EQ(calls(), (std::vector<std::string>{"-fsm", "-core"}));
+  EXPECT_TRUE(loud.component.shell().configured());
+  EXPECT_TRUE(loud.component.configure());
+}
+
+TEST(Configurable, ReplacesACleanedCoreAsInThePaper) {
+  ramp::Architecture architecture;
+  ASSERT_TRUE(architecture.configure());
+  ASSERT_FALSE(architecture.control.replace_core<ramp::Down>()) << "still configured";
+
+  ASSERT_TRUE(architecture.control.cleanup_core());
+  ASSERT_FALSE(architecture.control.replace_core<ramp::Stranger>()) << "another contract";
+  ASSERT_TRUE(architecture.control.replace_core<ramp::Down>());
+  EXPECT_TRUE(architecture.control.configure());
+}
+
+TEST(Configurable, HookThatThrowsBecomesAnErrorWithItsAddress) {
+  struct Throwing : Architecture {
+    Component<ramp::Shell, ramp::ThrowingOnConfigure, ramp::Fsm> control{*this, "control"};
+  } architecture;
+
+  const Status refused = architecture.configure();
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::hook_threw);
+  EXPECT_EQ(refused.error().at, "control.core");
+}
+
+TEST(Configurable, ConstructorThatThrowsBecomesAnError) {
+  struct Throwing : Architecture {
+    Component<ramp::Shell, ramp::ThrowingConstructor, ramp::Fsm> control{*this, "control"};
+  } architecture;
+
+  const Status refused = architecture.configure();
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::hook_threw);
+  EXPECT_NE(refused.error().message.find("out of luck"), std::string::npos);
+}
+
+TEST(Property, IsReadOnlyWhileConfigured) {
+  ramp::Architecture architecture;
+  auto* step = architecture.control.ComponentBase::core().find_property("step");
+  ASSERT_TRUE(step->set(2.0));
+  ASSERT_TRUE(architecture.configure());
+
+  const Status refused = step->set(3.0);
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::wrong_state);
+  EXPECT_EQ(refused.error().at, "control.core.step");
+  EXPECT_EQ(step->value(), Value(2.0));
+}
+
+TEST(Property, RefusesWrongTypeAndOutOfRangeWithItsAddress) {
+  ramp::Architecture architecture;
+  auto* step = architecture.control.ComponentBase::core().find_property("step");
+
+  const Status text = step->set("fast");
+  const Status low = step->set(-1.0);
+
+  ASSERT_FALSE(text);
+  EXPECT_EQ(text.error().message, "expected a number, got \"fast\"");
+  EXPECT_EQ(text.error().at, "control.core.step");
+  ASSERT_FALSE(low);
+  EXPECT_EQ(low.error().message, "-1 is below the minimum 0 m");
+  EXPECT_EQ(step->value(), Value(1.0)) << "a refused value changes nothing";
+}
+
+TEST(Property, AssignmentThatIsRefusedIsReportedByConfigure) {
+  ramp::Architecture architecture;
+  architecture.control.fsm().period = -5ms;
+
+  const Status refused = architecture.configure();
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().at, "control.fsm.period");
+}
+
+TEST(Property, DurationsNeedAUnit) {
+  ramp::Architecture architecture;
+  auto* period = architecture.control.fsm().find_property("period");
+
+  EXPECT_TRUE(period->set("25ms"));
+  EXPECT_EQ(period->value(), Value("25ms"));
+  EXPECT_FALSE(period->set("25"));
+  EXPECT_FALSE(period->set(25));
+}
+
+TEST(Architecture, RefusesANameUsedTwice) {
+  struct Twice : Architecture {
+    SharedData<double> first{*this, "same"};
+    SharedData<double> second{*this, "same"};
+  } architecture;
+
+  const Status refused = architecture.configure();
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::duplicate);
+}
+
+}  // namespace
+}  // namespace mauve

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Resources that write on into others, locks, taps, and the wait-free exchange.
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "rt/latest_value.h"
+
+#include <mauve/architecture.h>
+#include <mauve/deployer.h>
+#include <mauve/plugin.h>
+#include <mauve/tap.h>
+
+namespace mauve {
+namespace {
+
+struct RelayShell : Shell {
+  WritePort<double> out{*this, "out", Safe{0.0}};
+};
+/// Writes on what is written to it, times `factor`.
+class RelayCore : public Core<RelayShell> {
+ public:
+  Property<double> factor{*this, "factor", 2.0, "multiplies"};
+  Stateless stateless{*this};
+  void write(const double& value) { shell().out.write(value * factor); }
+};
+struct RelayInterface : Interface<RelayCore> {
+  WriteService<double> write{*this, "write", &RelayCore::write};
+};
+using Relay = Resource<RelayShell, RelayCore, RelayInterface>;
+
+struct SourceShell : Shell {
+  WritePort<double> out{*this, "out"};
+};
+class SourceCore : public Core<SourceShell> {
+ public:
+  void update() { shell().out.write(1.0); }
+};
+
+struct Chain : Architecture {
+  Relay first{*this, "first"};
+  Relay second{*this, "second"};
+  SharedData<double> end{*this, "end"};
+  Component<SourceShell, SourceCore, PeriodicFsm<SourceCore>> source{*this, "source"};
+};
+
+double value_of(SharedDataBase& data) {
+  double value = -1;
+  Cursor cursor;
+  cursor.slot = data.read_service().attach();
+  static_cast<void>(data.read_service().read(&value, cursor));
+  data.read_service().detach(cursor.slot);
+  return value;
+}
+
+TEST(Resource, WritesOnThroughItsOwnPorts) {
+  Chain chain;
+  ASSERT_TRUE(chain.source.shell().out.connect(chain.first.interface().write));
+  ASSERT_TRUE(chain.first.shell().out.connect(chain.second.interface().write));
+  ASSERT_TRUE(chain.second.shell().out.connect(chain.end.write_service()));
+  Deployer deployer(chain, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+
+  deployer.run_for(10ms);
+
+  EXPECT_EQ(value_of(chain.end), 4.0);
+}
+
+TEST(Resource, CycleIsRefusedAtConfigureWithItsPath) {
+  Chain chain;
+  ASSERT_TRUE(chain.first.shell().out.connect(chain.second.interface().write));
+  ASSERT_TRUE(chain.second.shell().out.connect(chain.first.interface().write));
+
+  const Status refused = chain.configure();
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::cycle);
+  EXPECT_NE(refused.error().message.find("first -> second -> first"), std::string::npos);
+}
+
+TEST(Resource, CycleIsRefusedAtConnectOfARunningSystem) {
+  Chain chain;
+  ASSERT_TRUE(chain.first.shell().out.connect(chain.second.interface().write));
+  Deployer deployer(chain, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+
+  const Result<Receipt> cycle = deployer.connect("second.ports.out", "first.write");
+  const Result<Receipt> self = deployer.connect("second.ports.out", "second.write");
+  const Result<Receipt> fine = deployer.connect("second.ports.out", "end.write");
+
+  ASSERT_FALSE(cycle);
+  EXPECT_EQ(cycle.error().code, Errc::cycle);
+  ASSERT_FALSE(self);
+  EXPECT_TRUE(fine);
+}
+
+TEST(Resource, PropertyChangesWhileItIsUsed) {
+  Chain chain;
+  ASSERT_TRUE(chain.source.shell().out.connect(chain.first.interface().write));
+  ASSERT_TRUE(chain.first.shell().out.connect(chain.end.write_service()));
+  Deployer deployer(chain, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  deployer.run_for(10ms);
+
+  const Result<Receipt> done = deployer.set("first.core.factor", 10.0);
+  deployer.run_for(10ms);
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_EQ(value_of(chain.end), 10.0);
+}
+
+TEST(Gate, IsLeftBehindAfterTheBoundOfTheCaller) {
+  Gate gate;
+  std::atomic<bool> held{false};
+  std::atomic<bool> leave{false};
+  std::thread holder([&] {
+    Entry entry(gate);
+    held = true;
+    while (!leave) std::this_thread::yield();
+  });
+  while (!held) std::this_thread::yield();
+  this_job().lock_bound = 2ms;
+
+  EXPECT_FALSE(gate.enter());
+  EXPECT_EQ(gate.timeouts(), 1u);
+
+  this_job().lock_bound = 0ms;
+  leave = true;
+  holder.join();
+  EXPECT_TRUE(gate.enter());
+  gate.leave();
+}
+
+TEST(Gate, IsLeftWhenACoreThrows) {
+  Gate gate;
+  try {
+    Entry entry(gate);
+    throw 1;
+  } catch (int) {
+  }
+  EXPECT_EQ(this_job().held_count, 0u);
+  ASSERT_TRUE(gate.enter());
+  gate.leave();
+}
+
+TEST(Tap, SeesEveryWriteAndCountsWhatItLost) {
+  SharedDataBase data("data", data_type<double>());
+  Tap tap(data_type<double>(), 3);
+  ServiceBase& write = data.write_service();
+  ASSERT_TRUE(write.taps()->attach(tap, data.gate()));
+  for (const double value : {1.0, 2.0, 3.0, 4.0}) write.write(&value);
+
+  std::vector<double> seen;
+  while (tap.pop(
+      [&](const void* value, Instant) { seen.push_back(*static_cast<const double*>(value)); })) {
+  }
+  EXPECT_EQ(seen, (std::vector<double>{1.0, 2.0, 3.0}));
+  EXPECT_EQ(tap.take_lost(), 1u);
+  EXPECT_EQ(tap.take_lost(), 0u);
+  write.taps()->detach(tap, data.gate());
+  const double last = 5.0;
+  write.write(&last);
+  EXPECT_FALSE(tap.pop([](const void*, Instant) {}));
+}
+
+TEST(SharedData, ServesMoreReadersThanItHasSlots) {
+  SharedDataBase data("data", data_type<double>());
+  const double value = 7.0;
+  data.write_service().write(&value);
+  for (unsigned reader = 0; reader < SharedDataBase::kReaders + 3; ++reader) {
+    Cursor cursor;
+    cursor.slot = data.read_service().attach();
+    double seen = 0;
+    EXPECT_EQ(data.read_service().read(&seen, cursor), DataStatus::new_data);
+    EXPECT_EQ(seen, 7.0);
+  }
+}
+
+/// Every value carries its number in each word; a torn read would mix two.
+TEST(LatestValue, NeverShowsATornOrAnOlderValue) {
+  struct Wide {
+    std::array<std::uint64_t, 64> words{};
+  };
+  rt::LatestValue exchange(sizeof(Wide), alignof(Wide), 4);
+  std::atomic<bool> done{false};
+  std::vector<std::thread> readers;
+  std::atomic<int> faults{0};
+  for (int i = 0; i < 3; ++i) {
+    readers.emplace_back([&, slot = exchange.attach()] {
+      std::uint64_t last = 0;
+      while (!done) {
+        const auto view = exchange.acquire(slot);
+        if (view.data != nullptr) {
+          const auto& wide = *static_cast<const Wide*>(view.data);
+          for (const auto word : wide.words) faults += word != wide.words[0] ? 1 : 0;
+          faults += wide.words[0] < last ? 1 : 0;
+          last = wide.words[0];
+        }
+        exchange.release(slot);
+      }
+    });
+  }
+  for (std::uint64_t n = 1; n <= 100'000; ++n) {
+    Wide wide;
+    wide.words.fill(n);
+    exchange.write(&wide, 0);
+  }
+  done = true;
+  for (auto& reader : readers) reader.join();
+  EXPECT_EQ(faults, 0);
+}
+
+}  // namespace
+}  // namespace mauve

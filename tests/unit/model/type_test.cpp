@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Described types: to values and back, and layouts that tell types apart.
+#include <gtest/gtest.h>
+
+#include <mauve/plugin.h>
+
+namespace {
+
+struct Point {
+  double x = 0;
+  double y = 0;
+};
+struct Scan {
+  std::uint8_t mode = 0;
+  mauve::Bounded<float, 4> ranges;
+  mauve::Text<8> frame;
+  std::array<int, 2> counts{};
+  Point origin;
+};
+struct OtherPoint {
+  double y = 0;
+  double x = 0;
+};
+
+}  // namespace
+
+template <>
+struct mauve::Described<Point> {
+  static constexpr std::string_view name = "point/1";
+  static constexpr auto fields() {
+    return std::tuple{field("x", &Point::x, "m"), field("y", &Point::y, "m")};
+  }
+};
+template <>
+struct mauve::Described<OtherPoint> {
+  static constexpr std::string_view name = "point/1";
+  static constexpr auto fields() {
+    return std::tuple{field("x", &OtherPoint::x, "m"), field("y", &OtherPoint::y, "m")};
+  }
+};
+template <>
+struct mauve::Described<Scan> {
+  static constexpr std::string_view name = "scan/1";
+  static constexpr auto fields() {
+    return std::tuple{field("mode", &Scan::mode), field("ranges", &Scan::ranges, "m"),
+                      field("frame", &Scan::frame), field("counts", &Scan::counts),
+                      field("origin", &Scan::origin)};
+  }
+};
+
+namespace mauve {
+namespace {
+
+TEST(Type, GoesToAValueAndBack) {
+  Scan scan;
+  scan.mode = 3;
+  scan.ranges.push_back(1.5F);
+  scan.frame = "laser";
+  scan.counts = {1, 2};
+  scan.origin = {0.5, -1};
+
+  const Value value = data_type<Scan>().to_value(&scan);
+  EXPECT_EQ(
+      to_string(value),
+      R"({"mode":3,"ranges":[1.5],"frame":"laser","counts":[1,2],"origin":{"x":0.5,"y":-1}})");
+  Scan back;
+  ASSERT_TRUE(data_type<Scan>().from_value(value, &back));
+  EXPECT_EQ(data_type<Scan>().to_value(&back), value);
+}
+
+TEST(Type, RefusesFieldsThatDoNotFitAndNamesThem) {
+  Scan scan;
+  const Status unknown = data_type<Scan>().from_value(Value::Object{{"modes", 1}}, &scan);
+  const Status range = data_type<Scan>().from_value(Value::Object{{"mode", 300}}, &scan);
+  const Status full =
+      data_type<Scan>().from_value(Value::Object{{"ranges", Value::Array{1, 2, 3, 4, 5}}}, &scan);
+
+  EXPECT_EQ(unknown.error().at, "modes");
+  EXPECT_EQ(range.error().message, "300 is not from 0 to 255");
+  EXPECT_FALSE(full);
+}
+
+TEST(Type, LayoutTellsStructsOfTheSameNameApart) {
+  EXPECT_EQ(data_type<Point>().name, data_type<OtherPoint>().name);
+  EXPECT_FALSE(same_type(data_type<Point>(), data_type<OtherPoint>()));
+}
+
+TEST(Type, NamesBasicTypes) {
+  EXPECT_EQ(data_type<double>().name, "double");
+  EXPECT_EQ(data_type<std::uint16_t>().name, "uint16");
+  EXPECT_EQ(data_type<bool>().name, "bool");
+  EXPECT_EQ(data_type<Duration>().name, "duration");
+}
+
+TEST(Bounded, KeepsItsCapacity) {
+  Bounded<int, 2> items;
+  EXPECT_TRUE(items.push_back(1));
+  EXPECT_TRUE(items.push_back(2));
+  EXPECT_FALSE(items.push_back(3));
+  EXPECT_EQ(items.size(), 2u);
+  items.resize(9);
+  EXPECT_EQ(items.size(), 2u);
+}
+
+}  // namespace
+}  // namespace mauve
