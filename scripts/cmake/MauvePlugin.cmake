@@ -52,7 +52,8 @@ function(mauve_add_plugin name)
     target_compile_options(${ARG_TARGET} PRIVATE -fno-gnu-unique)
   endif()
   target_link_options(${ARG_TARGET} PRIVATE
-    "LINKER:--version-script=${MAUVE_PLUGIN_VERSION_SCRIPT}" LINKER:-z,now LINKER:-z,noexecstack)
+    "LINKER:--version-script=${MAUVE_PLUGIN_VERSION_SCRIPT}" LINKER:-z,now LINKER:-z,noexecstack
+    LINKER:--build-id=sha1)
   if(NOT (MAUVE_SANITIZE AND CMAKE_CXX_COMPILER_ID MATCHES "Clang"))
     # clang keeps the sanitizer runtime in the program, so there its symbols stay open in a plugin.
     target_link_options(${ARG_TARGET} PRIVATE LINKER:-z,defs)
