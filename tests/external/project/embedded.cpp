@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The runtime without the daemon: an architecture in code, configured, refused and configured
-/// again.
+/// The runtime without the daemon: an architecture in code, configured, refused, run and changed.
 #include <cstdio>
 #include <string>
 
 #include <mauve/architecture.h>
+#include <mauve/deployer.h>
 
 #include "blink.h"
 
@@ -30,9 +30,7 @@ void expect(bool truth, const char* what) {
   if (!truth) ++failures;
 }
 
-}  // namespace
-
-int main() {
+void configures_and_refuses() {
   Lighthouse good;
   const mauve::Status configured = good.configure();
   if (!configured) std::printf("%s\n", to_string(configured.error()).c_str());
@@ -45,5 +43,29 @@ int main() {
   const mauve::Status refused = bad.configure();
   expect(!refused && !bad.configured(), "a value out of range is refused");
   expect(!refused && refused.error().at == "blinker.core.brightness", "the refusal says where");
+}
+
+void runs_and_changes_while_it_runs() {
+  using namespace std::chrono_literals;
+  Lighthouse lighthouse;
+  mauve::Deployer deployer(lighthouse, {.realtime = mauve::Realtime::off, .simulated = true});
+  expect(deployer.deploy().has_value(), "it deploys");
+
+  deployer.run_for(95ms);
+  expect(deployer.status("blinker").releases == 10, "ten releases in 95 ms at 10 ms");
+
+  const auto receipt = deployer.set("blinker.core.brightness", mauve::Value(0.9));
+  expect(receipt.has_value(), "a property changes on the running component");
+  deployer.run_for(100ms);
+  expect(deployer.status("blinker").releases == 20, "and no release is missed");
+  expect(deployer.status("blinker").missed == 0, "by count");
+  expect(deployer.shutdown().empty(), "it shuts down");
+}
+
+}  // namespace
+
+int main() {
+  configures_and_refuses();
+  runs_and_changes_while_it_runs();
   return failures == 0 ? 0 : 1;
 }
