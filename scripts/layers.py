@@ -113,7 +113,8 @@ def check_file(root, path):
         if problem:
             yield text.count("\n", 0, match.start()) + 1, problem
     for match in MEMBER.finditer(text):
-        if match.group(1) != match.group(2):
+        # Tests give wrong and double names on purpose.
+        if match.group(1) != match.group(2) and layer != "tests":
             yield (text.count("\n", 0, match.start()) + 1,
                    f'member {match.group(1)} is registered as "{match.group(2)}"; use one name')
 
