@@ -64,6 +64,9 @@ install(FILES "${PROJECT_BINARY_DIR}/package/mauve.pc" DESTINATION "${CMAKE_INST
 # Example architectures and the schema. The service's own file is never overwritten.
 file(GLOB mauve_examples CONFIGURE_DEPENDS "${mauve_sources}/etc/*.json")
 install(FILES ${mauve_examples} DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve")
+if(EXISTS "${mauve_sources}/etc/samples")
+  install(DIRECTORY "${mauve_sources}/etc/samples" DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve")
+endif()
 if(EXISTS "${mauve_sources}/etc/minimal.json")
   install(CODE "
     set(folder \"\${CMAKE_INSTALL_PREFIX}/etc/mauve\")
@@ -108,7 +111,13 @@ foreach(pair "service:systemd/system" "socket:systemd/system" "sysusers:sysusers
   endif()
 endforeach()
 
-# Manual pages, completion, licence.
+file(GLOB mauve_drop_ins CONFIGURE_DEPENDS "${mauve_sources}/systemd/*.conf")
+if(mauve_drop_ins)
+  # To be copied to /etc/systemd/system/mauved.service.d/ by those who need them.
+  install(FILES ${mauve_drop_ins} DESTINATION "${CMAKE_INSTALL_DOCDIR}/systemd")
+endif()
+
+# Completion, licence.
 if(EXISTS "${mauve_sources}/ctl/completion.bash")
   install(FILES "${mauve_sources}/ctl/completion.bash"
     DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" RENAME mauvectl)
