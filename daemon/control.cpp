@@ -27,6 +27,15 @@ void WorkerThread::stop() {
   }
 }
 
+void WorkerThread::halt() {
+  std::deque<Job> dropped;  // destroyed out of the lock: it may hold the last ticket of a change
+  std::deque<Job> dropped_urgent;
+  const std::lock_guard lock(mutex_);
+  stopping_ = true;
+  dropped.swap(jobs_);
+  dropped_urgent.swap(urgent_);
+}
+
 bool WorkerThread::post(Job job) {
   const std::lock_guard lock(mutex_);
   if (stopping_) {

@@ -25,6 +25,8 @@ class WorkerThread {
   void start();
   /// Runs what is queued, then ends. Later jobs are dropped.
   void stop();
+  /// [this thread] Drops what is queued: the job that calls this is the last one.
+  void halt();
   /// [any] Behind everything queued before, or in front of it. Dropped (false) after stop().
   bool post(Job job);
   bool post_urgent(Job job);
@@ -62,6 +64,9 @@ class Control {
   /// Lets the work under way end and drops the changes that wait; what they hold (a Reply) is
   /// destroyed. [main]
   void stop();
+
+  /// [control] The job that calls this is the last one on [control]: no change can follow.
+  void halt() { control_.halt(); }
 
   /// [any] Runs on [control] as soon as that is free; a change under way does not hold it up.
   void read(Job job);

@@ -2,8 +2,8 @@
 #include "options.h"
 
 #include <CLI/CLI.hpp>
-#include <array>
 #include <filesystem>
+#include <functional>
 #include <map>
 
 #include "mauve/version.h"
@@ -17,10 +17,10 @@ constexpr int kWrongUse = 2;
 
 const std::map<std::string, Realtime> kRealtime = {
     {"require", Realtime::require}, {"prefer", Realtime::prefer}, {"off", Realtime::off}};
-const std::map<std::string, log::Level> kLevels = {{"debug", log::Level::debug},
-                                                   {"info", log::Level::info},
-                                                   {"warn", log::Level::warn},
-                                                   {"error", log::Level::error}};
+const std::map<std::string, logging::Level> kLevels = {{"debug", logging::Level::debug},
+                                                       {"info", logging::Level::info},
+                                                       {"warn", logging::Level::warn},
+                                                       {"error", logging::Level::error}};
 
 /// A build tree and an installed copy have the same shape; a program elsewhere uses the latter.
 std::string default_plugin_dir() {
@@ -31,6 +31,12 @@ std::string default_plugin_dir() {
     return beside.string();
   }
   return MAUVE_INSTALL_PLUGINDIR;
+}
+
+/// A word out of a map; CLI11 has checked that it is there.
+template <typename T>
+std::function<void(const std::string&)> chosen(const std::map<std::string, T>& words, T& into) {
+  return [&words, &into](const std::string& word) { into = words.at(word); };
 }
 
 void declare(CLI::App& app, Options& options) {
@@ -49,18 +55,20 @@ void declare(CLI::App& app, Options& options) {
                  "Load plugins from this directory and the others given, and from nowhere else")
       ->type_name("DIR")
       ->allow_extra_args(false);
-  app.add_option("--realtime", options.realtime,
-                 "Without real-time privileges: require refuses to start, prefer warns, off does "
-                 "not ask for them")
+  app.add_option_function(
+         "--realtime", chosen(kRealtime, options.realtime),
+         "Without real-time privileges: require refuses to start, prefer warns, off does "
+         "not ask for them")
       ->type_name("require|prefer|off")
-      ->transform(CLI::Transformer(kRealtime))
+      ->check(CLI::IsMember(kRealtime))
       ->default_str("prefer");
   app.add_flag("--check", options.check, "Only say what is wrong with the file; needs no root");
   app.add_option("--log-file", options.log_file, "Also write the log as JSON lines to this file")
       ->type_name("FILE");
-  app.add_option("--log-level", options.log_level, "Report this and worse")
+  app.add_option_function("--log-level", chosen(kLevels, options.log_level),
+                          "Report this and worse")
       ->type_name("debug|info|warn|error")
-      ->transform(CLI::Transformer(kLevels))
+      ->check(CLI::IsMember(kLevels))
       ->default_str("info");
 }
 
@@ -74,11 +82,6 @@ Leave leave(const CLI::App& app, const CLI::ParseError& error) {
 }
 
 }  // namespace
-
-std::string_view to_string(Realtime mode) {
-  constexpr std::array<std::string_view, 3> kNames = {"require", "prefer", "off"};
-  return kNames.at(static_cast<std::size_t>(mode));
-}
 
 std::variant<Options, Leave> parse_options(int argc, const char* const* argv) {
   CLI::App app{"Runs an architecture on real-time threads and lets mauvectl change it."};

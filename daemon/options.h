@@ -8,14 +8,9 @@
 #include <vector>
 
 #include "log/event.h"
+#include "mauve/deployer.h"
 
 namespace mauve::daemon {
-
-/// What to do without the privileges for real-time threads.
-enum class Realtime { require, prefer, off };
-
-/// "require", "prefer", "off".
-[[nodiscard]] std::string_view to_string(Realtime mode);
 
 struct Options {
   std::string architecture;              ///< the file
@@ -24,7 +19,7 @@ struct Options {
   Realtime realtime = Realtime::prefer;
   bool check = false;    ///< only say what is wrong with the file
   std::string log_file;  ///< JSON lines; empty for none
-  log::Level log_level = log::Level::info;
+  logging::Level log_level = logging::Level::info;
 };
 
 /// The program ends at once: --help, --version, or wrong use.

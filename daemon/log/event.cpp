@@ -10,7 +10,7 @@
 
 #include "log/json_text.h"
 
-namespace mauve::log {
+namespace mauve::logging {
 
 namespace {
 
@@ -81,7 +81,7 @@ const EventInfo& info(Event event) {
   const auto& events = all_events();
   const auto it = std::find_if(events.begin(), events.end(),
                                [&](const EventInfo& row) { return row.event == event; });
-  return it == events.end() ? info(Event::core_event) : *it;
+  return it == events.end() ? info(Event::core_message) : *it;
 }
 
 std::string_view to_string(Event event) { return info(event).name; }
@@ -139,4 +139,4 @@ std::string to_json_line(const Record& record) {
       to_string(record.event), json_string(record.component), json_string(record.text), fields);
 }
 
-}  // namespace mauve::log
+}  // namespace mauve::logging

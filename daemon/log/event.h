@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-namespace mauve::log {
+namespace mauve::logging {
 
 enum class Level : std::uint8_t { debug, info, warn, error };
 
@@ -59,7 +59,7 @@ struct Record {
   std::uint64_t seq = 0;                       ///< 1, 2, 3...: a gap is a loss
   std::chrono::system_clock::time_point time;  ///< wall clock
   std::int64_t monotonic_ns = 0;               ///< CLOCK_MONOTONIC
-  Event event = Event::core_event;
+  Event event = Event::core_message;
   Level level = Level::info;
   std::string component;  ///< empty when about the daemon itself
   std::string text;       ///< one sentence
@@ -76,4 +76,4 @@ struct Record {
 /// [any] The record as one line of JSON, without the line end. Always valid UTF-8.
 [[nodiscard]] std::string to_json_line(const Record& record);
 
-}  // namespace mauve::log
+}  // namespace mauve::logging

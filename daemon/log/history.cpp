@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace mauve::log {
+namespace mauve::logging {
 
 bool Filter::accepts(const Record& record) const {
   return record.level >= level && (component.empty() || component == record.component);
@@ -38,13 +38,11 @@ std::vector<Record> History::tail_locked(std::size_t count, const Filter& filter
   return out;
 }
 
-std::uint64_t History::follow(std::size_t count, Filter filter, Follower follower) {
+History::Following History::follow(std::size_t count, Filter filter, Follower follower) {
   const std::lock_guard lock(mutex_);
-  for (const auto& record : tail_locked(count, filter)) {
-    follower(record);
-  }
-  followers_[next_id_] = {std::move(filter), std::move(follower)};
-  return next_id_++;
+  Following following{next_id_++, tail_locked(count, filter)};
+  followers_[following.id] = {std::move(filter), std::move(follower)};
+  return following;
 }
 
 void History::unfollow(std::uint64_t id) {
@@ -52,4 +50,4 @@ void History::unfollow(std::uint64_t id) {
   followers_.erase(id);
 }
 
-}  // namespace mauve::log
+}  // namespace mauve::logging

@@ -13,7 +13,7 @@
 
 #include "log/event.h"
 
-namespace mauve::log {
+namespace mauve::logging {
 
 /// Which records somebody wants.
 struct Filter {
@@ -36,10 +36,15 @@ class History {
   /// The newest `count` records that pass, oldest first.
   [[nodiscard]] std::vector<Record> tail(std::size_t count, const Filter& filter) const;
 
-  /// Calls `follower` on the [log] thread for every later record that passes. It must not wait and
-  /// must not call back into the log. First it is given the newest `count` kept ones, here and now,
-  /// so that nothing is missed or seen twice in between.
-  std::uint64_t follow(std::size_t count, Filter filter, Follower follower);
+  /// What follow() begins with.
+  struct Following {
+    std::uint64_t id = 0;
+    std::vector<Record> kept;  ///< as tail() gives them
+  };
+
+  /// Calls `follower` on the [log] thread for every later record that passes; it must not wait and
+  /// must not call back into the log. No record is missed or seen twice between `kept` and those.
+  Following follow(std::size_t count, Filter filter, Follower follower);
 
   /// After the return the follower is not called any more.
   void unfollow(std::uint64_t id);
@@ -59,4 +64,4 @@ class History {
   std::uint64_t next_id_ = 1;
 };
 
-}  // namespace mauve::log
+}  // namespace mauve::logging

@@ -12,7 +12,7 @@
 
 #include "log/sink.h"
 
-namespace mauve::log {
+namespace mauve::logging {
 
 namespace {
 
@@ -34,7 +34,7 @@ std::string field_name(std::string_view name) {
 
 std::vector<std::string> entries(const Record& record) {
   std::vector<std::string> out = {
-      "MESSAGE=" + record.text,
+      "MESSAGE=" + (record.component.empty() ? "" : record.component + ": ") + record.text,
       fmt::format("PRIORITY={}", priority(record.level)),
       "MESSAGE_ID=" + message_id(record.event),
       "SYSLOG_IDENTIFIER=mauved",
@@ -74,4 +74,4 @@ class JournalSink final : public Sink {
 
 std::unique_ptr<Sink> journal_sink() { return std::make_unique<JournalSink>(); }
 
-}  // namespace mauve::log
+}  // namespace mauve::logging

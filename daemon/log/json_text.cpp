@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-namespace mauve::log {
+namespace mauve::logging {
 
 namespace {
 
@@ -85,4 +85,4 @@ std::string json_string(std::string_view text) {
   return out;
 }
 
-}  // namespace mauve::log
+}  // namespace mauve::logging

@@ -5,10 +5,10 @@
 #include <string>
 #include <string_view>
 
-namespace mauve::log {
+namespace mauve::logging {
 
 /// [any] `text` quoted for JSON. Bytes that are not UTF-8 become U+FFFD, so that a line from a
 /// broken plugin can still be read by every tool.
 [[nodiscard]] std::string json_string(std::string_view text);
 
-}  // namespace mauve::log
+}  // namespace mauve::logging

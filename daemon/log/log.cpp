@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace mauve::log {
+namespace mauve::logging {
 
 Log::Log(Level level, std::size_t history) : level_(level), history_(history) {}
 
@@ -142,4 +142,4 @@ void Log::report_failure(std::size_t sink, const Error& error) {
   }
 }
 
-}  // namespace mauve::log
+}  // namespace mauve::logging

@@ -16,7 +16,7 @@
 #include "log/history.h"
 #include "log/sink.h"
 
-namespace mauve::log {
+namespace mauve::logging {
 
 /// Never waits for a sink: who reports too much loses events, and the loss is reported.
 ///
@@ -83,4 +83,4 @@ class Log {
   std::thread thread_;
 };
 
-}  // namespace mauve::log
+}  // namespace mauve::logging

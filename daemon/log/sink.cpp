@@ -15,7 +15,7 @@
 #include <spdlog/sinks/ansicolor_sink.h>
 #include <spdlog/sinks/basic_file_sink.h>
 
-namespace mauve::log {
+namespace mauve::logging {
 
 namespace {
 
@@ -71,7 +71,9 @@ class TerminalSink final : public SpdlogSink {
                    "%Y-%m-%dT%H:%M:%S.%eZ %^%-7l%$ %v", "the terminal") {}
 
  private:
-  std::string line(const Record& record) override { return record.text; }
+  std::string line(const Record& record) override {
+    return record.component.empty() ? record.text : record.component + ": " + record.text;
+  }
 };
 
 class FileSink final : public SpdlogSink {
@@ -109,4 +111,4 @@ bool stderr_is_journal() {
   return fmt::format("{}:{}", status.st_dev, status.st_ino) == stream;
 }
 
-}  // namespace mauve::log
+}  // namespace mauve::logging

@@ -9,7 +9,7 @@
 
 #include "log/event.h"
 
-namespace mauve::log {
+namespace mauve::logging {
 
 /// One destination. Used by the [log] thread alone; may block, since nobody waits for it.
 class Sink {
@@ -32,4 +32,4 @@ class Sink {
 /// Whether stderr is connected to the journal: the process runs as a service.
 [[nodiscard]] bool stderr_is_journal();
 
-}  // namespace mauve::log
+}  // namespace mauve::logging

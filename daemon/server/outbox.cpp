@@ -74,6 +74,22 @@ bool Outbox::push(std::uint64_t sub, const std::string& address, std::string_vie
   return true;
 }
 
+void Outbox::lose(std::uint64_t sub, const std::string& address, std::uint64_t count) {
+  bool tell = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (open_.count(sub) == 0) {
+      return;
+    }
+    lost_[{sub, address}] += count;
+    dropped_ += count;
+    tell = !std::exchange(told_, true);
+  }
+  if (tell) {
+    ready_();
+  }
+}
+
 void Outbox::queue(std::uint64_t sub, std::string line) {
   bytes_ += line.size();
   items_.push_back({sub, std::move(line)});

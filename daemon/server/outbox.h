@@ -36,6 +36,9 @@ class Outbox {
   bool push(std::uint64_t sub, const std::string& address, std::string_view method,
             protocol::Json params);
 
+  /// [any but rt] Tells the client that `count` values were lost before they came here.
+  void lose(std::uint64_t sub, const std::string& address, std::uint64_t count);
+
   /// [io] The next line with its end, or nothing.
   [[nodiscard]] std::optional<std::string> take();
 

@@ -11,7 +11,7 @@
 namespace mauve::server {
 
 namespace asio = boost::asio;
-using log::Event;
+using logging::Event;
 
 namespace {
 
@@ -28,7 +28,7 @@ std::chrono::milliseconds sweep_period(const Limits& limits) {
 
 }  // namespace
 
-Server::Server(ServerOptions options, Dispatcher& dispatcher, log::Log& log)
+Server::Server(ServerOptions options, Dispatcher& dispatcher, logging::Log& log)
     : options_(std::move(options)),
       dispatcher_(dispatcher),
       log_(log),
@@ -42,16 +42,12 @@ Server::Server(ServerOptions options, Dispatcher& dispatcher, log::Log& log)
 
 Server::~Server() { stop(std::chrono::milliseconds(0)); }
 
-Status Server::open() {
-  auto endpoint = Endpoint::open(options_.socket);
-  if (!endpoint) {
-    return endpoint.error();
-  }
-  endpoint_.emplace(std::move(endpoint.value()));
+Status Server::open(Endpoint endpoint) {
+  endpoint_.emplace(std::move(endpoint));
   boost::system::error_code error;
   acceptor_.assign(Protocol(), endpoint_->release_listener(), error);
   if (error) {
-    return refuse(Errc::system, options_.socket.string(), error.message());
+    return refuse(Errc::system, endpoint_->path().string(), error.message());
   }
   log_.write(Event::listening, {{"socket", endpoint_->path().string()}});
   return ok();

@@ -9,7 +9,6 @@
 #include <boost/asio/local/stream_protocol.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -35,7 +34,6 @@ struct ClientInfo {
 };
 
 struct ServerOptions {
-  std::filesystem::path socket;
   Limits limits;
   RoleRules roles;
 };
@@ -43,14 +41,13 @@ struct ServerOptions {
 class Server {
  public:
   /// Dispatcher and log outlive the server.
-  Server(ServerOptions options, Dispatcher& dispatcher, log::Log& log);
+  Server(ServerOptions options, Dispatcher& dispatcher, logging::Log& log);
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// Takes the socket: refuses with conflict when another daemon has it. Clients may connect and
-  /// wait from now on. [main]
-  Status open();
+  /// Takes over the listening socket. Clients who connected to it before have waited. [main]
+  Status open(Endpoint endpoint);
   /// Starts the [io] thread: clients are served. [main]
   void start();
   /// Lets no one in any more, gives the clients `grace` to take their last answers, then ends the
@@ -75,7 +72,7 @@ class Server {
 
   ServerOptions options_;
   Dispatcher& dispatcher_;
-  log::Log& log_;
+  logging::Log& log_;
   std::optional<Endpoint> endpoint_;
   boost::asio::io_context io_{1};
   boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;

@@ -86,13 +86,14 @@ class FakeDispatcher final : public server::Dispatcher {
 
 /// A server on a socket of its own, for as long as the test lasts.
 struct ServedSocket {
-  explicit ServedSocket(server::Limits limits = {}) : log(log::Level::debug) {
+  explicit ServedSocket(server::Limits limits = {}) : log(logging::Level::debug) {
     log.start();
     server::RoleRules rules;
     rules.own_uid = geteuid();
-    server::ServerOptions options{dir / "mauved.sock", limits, rules};
-    server = std::make_unique<server::Server>(options, dispatcher, log);
-    opened = server->open();
+    server =
+        std::make_unique<server::Server>(server::ServerOptions{limits, rules}, dispatcher, log);
+    auto endpoint = server::Endpoint::open(path());
+    opened = endpoint ? server->open(std::move(*endpoint)) : Status(endpoint.error());
     server->start();
   }
   ~ServedSocket() {
@@ -118,7 +119,7 @@ struct ServedSocket {
   }
 
   TempDir dir;
-  log::Log log;
+  logging::Log log;
   FakeDispatcher dispatcher;
   std::unique_ptr<server::Server> server;
   Status opened;

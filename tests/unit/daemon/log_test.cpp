@@ -12,7 +12,7 @@
 #include "support/eventually.h"
 #include "support/temp_dir.h"
 
-namespace mauve::log {
+namespace mauve::logging {
 namespace {
 
 using test::TempDir;
@@ -61,7 +61,7 @@ TEST(Record, SaysItsFieldsInOneSentence) {
   EXPECT_EQ(record.text, "arm missed 3 releases");
   EXPECT_EQ(record.component, "arm");
   EXPECT_EQ(record.level, Level::warn);
-  ASSERT_EQ(record.fields.size(), 1U);
+  ASSERT_EQ(record.fields.size(), 2U);
 }
 
 TEST(Record, KeepsAPlaceholderWithoutAField) {
@@ -184,20 +184,22 @@ TEST_F(LogTest, FiltersTheTailByLevelAndComponent) {
   EXPECT_EQ(log.history().tail(10, {Level::debug, "arm"}).size(), 2U);
 }
 
-TEST_F(LogTest, TellsFollowersWhatIsKeptAndThenEveryNewRecord) {
+TEST_F(LogTest, GivesFollowersWhatIsKeptAndThenEveryNewRecord) {
   log.write(Event::listening, {{"socket", std::string("a")}});
   log.flush();
   std::vector<std::string> followed;
-  const auto id =
+  const auto following =
       log.history().follow(10, {}, [&](const Record& record) { followed.push_back(record.text); });
   log.write(Event::listening, {{"socket", std::string("b")}});
   log.flush();
 
-  log.history().unfollow(id);
+  log.history().unfollow(following.id);
   log.write(Event::listening, {{"socket", std::string("c")}});
   log.flush();
 
-  EXPECT_THAT(followed, testing::ElementsAre("listening on a", "listening on b"));
+  ASSERT_EQ(following.kept.size(), 1U);
+  EXPECT_EQ(following.kept[0].text, "listening on a");
+  EXPECT_THAT(followed, testing::ElementsAre("listening on b"));
 }
 
 TEST_F(LogTest, NeverWaitsForASinkAndCountsWhatIsLost) {
@@ -276,4 +278,4 @@ TEST(FileSink, FailsOnAFullDiskWithoutThrowing) {
 }
 
 }  // namespace
-}  // namespace mauve::log
+}  // namespace mauve::logging

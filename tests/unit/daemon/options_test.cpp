@@ -37,7 +37,7 @@ TEST(Options, HaveDefaultsForAllButTheFile) {
   EXPECT_EQ(options.socket, "/tmp/a.sock");
   EXPECT_EQ(options.realtime, Realtime::prefer);
   EXPECT_EQ(options.plugin_dirs.size(), 1U);
-  EXPECT_EQ(options.log_level, log::Level::info);
+  EXPECT_EQ(options.log_level, logging::Level::info);
   EXPECT_FALSE(options.check);
 }
 
@@ -50,7 +50,7 @@ TEST(Options, TakeEverythingFromTheCommandLine) {
   EXPECT_EQ(options.plugin_dirs, (std::vector<std::string>{"a", "b"}));
   EXPECT_EQ(options.realtime, Realtime::require);
   EXPECT_EQ(options.log_file, "l");
-  EXPECT_EQ(options.log_level, log::Level::debug);
+  EXPECT_EQ(options.log_level, logging::Level::debug);
 }
 
 TEST(Options, TakeTheFileBehindTheCheckFlagOrBeforeIt) {

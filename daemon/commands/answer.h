@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Answering requests, and the audit line of every change.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "commands/command.h"
+
+namespace mauve::daemon {
+
+/// [any] The answer, or the refusal with the generation in force. `state` is what the system is in
+/// after a refusal. A mutation leaves its audit line in the log.
+void answer(Running& running, const Call& call, Result<Json> result,
+            const std::string& state = "unchanged");
+
+/// [control] Refused: the generation is not the one the caller saw (`if_generation`), or his
+/// deadline has passed (`deadline_ms`). Nothing has happened yet.
+[[nodiscard]] Status check_conditions(const Running& running, const Call& call);
+
+/// A receipt as on the wire.
+[[nodiscard]] Json to_json(const Receipt& receipt);
+
+/// [any] An optional argument whose JSON type was checked.
+[[nodiscard]] std::string text_or(const Json& params, const char* name, std::string otherwise = {});
+[[nodiscard]] bool flag(const Json& params, const char* name);
+[[nodiscard]] std::vector<std::string> texts(const Json& params, const char* name);
+
+}  // namespace mauve::daemon

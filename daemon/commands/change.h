@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The way of every change: prepared on [factory], committed on [control], what it replaced freed
+/// on [factory]; the answer goes out as soon as it is in force.
+#pragma once
+
+#include <functional>
+
+#include "commands/command.h"
+
+namespace mauve::daemon {
+
+/// [control] Takes over the call and the ticket: answers with the receipt or the refusal.
+void apply(Running& running, const CallPtr& call, Ticket ticket, Change change);
+
+/// [control] The same for a swap in place: the component is parked while the cores are exchanged.
+void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit);
+
+/// [control] Commits and keeps the books; on an error nothing was changed, or `state` says what.
+struct Committed {
+  Result<Receipt> receipt;
+  std::string state = "unchanged";
+};
+Committed commit(Running& running, PreparedChange& change, Retired& retired);
+
+/// What a change of this component starts from.
+[[nodiscard]] Edit edit_of(std::string_view component);
+
+/// [any] "drop" or nothing; anything else is refused.
+[[nodiscard]] Result<StatePolicy> state_policy(const Json& params);
+
+}  // namespace mauve::daemon

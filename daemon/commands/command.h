@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What a command is, and what it works on.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "control.h"
+#include "log/log.h"
+#include "mauve/architecture.h"
+#include "mauve/deployer.h"
+#include "plugin/catalog.h"
+#include "server/dispatcher.h"
+#include "server/server.h"
+
+namespace mauve::daemon {
+
+class Watches;
+
+using protocol::Fault;
+using protocol::Json;
+
+/// The running system as commands see it. Owned by Daemon, which outlives every command. The model
+/// (architecture, deployer, catalog) is used on [control] only, save where they say [factory].
+struct Running {
+  Architecture& architecture;
+  Deployer& deployer;
+  plugin::Catalog& catalog;
+  Control& control;
+  logging::Log& log;
+  Watches& watches;
+  std::function<std::vector<server::ClientInfo>()> clients;  ///< [any]
+  std::string boot;                                          ///< another one at every start
+  std::chrono::steady_clock::time_point since;
+  std::atomic<std::uint64_t> generation{0};  ///< a copy for other threads
+};
+
+/// One request under way. Dropped unanswered only when the daemon ends.
+struct Call {
+  server::Caller caller;
+  const protocol::Method* method = nullptr;
+  Json params;
+  server::Reply reply;
+  std::chrono::steady_clock::time_point received;
+};
+using CallPtr = std::shared_ptr<Call>;
+
+/// A change holds its ticket until it is over; the next one begins then.
+using Ticket = Control::Ticket;
+
+/// How a command is run.
+enum class Lane {
+  any,      ///< at once on [io]: it looks at nothing
+  read,     ///< on [control], between the steps of a change
+  urgent,   ///< on [control], before everything that waits
+  factory,  ///< on [factory]: slow, and it looks at nothing of the model
+  change,   ///< on [control], one at a time
+};
+
+/// One row of the table. `read` serves all lanes but the last: its result is the answer. `change`
+/// answers by itself, when it is done.
+struct Command {
+  std::string_view method;
+  server::Role role = server::Role::viewer;
+  Lane lane = Lane::read;
+  Result<Json> (*read)(Running&, const Call&) = nullptr;
+  void (*change)(Running&, const CallPtr&, Ticket) = nullptr;
+};
+
+/// [any] All commands of this daemon. A test compares them with protocol::methods().
+[[nodiscard]] std::span<const Command> commands();
+[[nodiscard]] const Command* find_command(std::string_view method);
+
+// --- one function for each command, in a file of its own or with its relatives -----------------
+
+Result<Json> ping(Running&, const Call&);
+Result<Json> version(Running&, const Call&);
+Result<Json> status(Running&, const Call&);
+Result<Json> list_components(Running&, const Call&);
+Result<Json> list_resources(Running&, const Call&);
+Result<Json> list_cores(Running&, const Call&);
+Result<Json> list_ports(Running&, const Call&);
+Result<Json> list_plugins(Running&, const Call&);
+Result<Json> list_clients(Running&, const Call&);
+Result<Json> list_commands(Running&, const Call&);
+Result<Json> show(Running&, const Call&);
+Result<Json> get(Running&, const Call&);
+Result<Json> export_architecture(Running&, const Call&);
+Result<Json> check_architecture(Running&, const Call&);
+Result<Json> watch(Running&, const Call&);
+Result<Json> unwatch(Running&, const Call&);
+Result<Json> tail_log(Running&, const Call&);
+Result<Json> stop(Running&, const Call&);
+void set(Running&, const CallPtr&, Ticket);
+void start(Running&, const CallPtr&, Ticket);
+void swap_core(Running&, const CallPtr&, Ticket);
+void connect(Running&, const CallPtr&, Ticket);
+void disconnect(Running&, const CallPtr&, Ticket);
+void load_plugin(Running&, const CallPtr&, Ticket);
+void unload_plugin(Running&, const CallPtr&, Ticket);
+void reload_plugin(Running&, const CallPtr&, Ticket);
+
+}  // namespace mauve::daemon

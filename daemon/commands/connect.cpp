@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// port.connect and port.disconnect, for ports of components and of resources.
+#include "commands/answer.h"
+#include "commands/change.h"
+#include "commands/model.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+/// The edit of the element whose port it is, with the port's name in `port`.
+Result<Edit> edit_of_port(const Running& running, const Json& params, std::string& port) {
+  const auto address = text_or(params, "port");
+  auto parts = split_port(address);
+  if (!parts) {
+    return parts.error();
+  }
+  const auto target = find_target(running, address);
+  if (!target) {
+    return target.error();
+  }
+  port = parts->second;
+  return edit_of(parts->first);
+}
+
+}  // namespace
+
+void connect(Running& running, const CallPtr& call, Ticket ticket) {
+  std::string port;
+  auto edit = edit_of_port(running, call->params, port);
+  if (!edit) {
+    return answer(running, *call, edit.error());
+  }
+  edit->connect.push_back({port, text_or(call->params, "service"), Duration{0}});
+  apply(running, call, std::move(ticket), {{*std::move(edit)}});
+}
+
+void disconnect(Running& running, const CallPtr& call, Ticket ticket) {
+  std::string port;
+  auto edit = edit_of_port(running, call->params, port);
+  if (!edit) {
+    return answer(running, *call, edit.error());
+  }
+  edit->disconnect.push_back(port);
+  apply(running, call, std::move(ticket), {{*std::move(edit)}});
+}
+
+}  // namespace mauve::daemon

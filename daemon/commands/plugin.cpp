@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// plugin.load and plugin.unload: code comes and goes while the robot moves.
+#include <optional>
+
+#include "commands/answer.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using logging::Event;
+using plugin::Library;
+using plugin::LoadedPlugin;
+
+void log_loaded(Running& running, const plugin::PluginInfo& info) {
+  running.log.write(Event::plugin_loaded, {{"plugin", info.name},
+                                           {"version", info.version},
+                                           {"file", info.file},
+                                           {"build_id", info.build_id}});
+}
+
+struct Load {
+  std::string name;
+  std::optional<Result<LoadedPlugin>> loaded;
+};
+
+void finish_load(Running& running, const Call& call, Load& load) {
+  if (!*load.loaded) {
+    return answer(running, call, load.loaded->error());
+  }
+  const auto info = (*load.loaded)->info();
+  auto done = running.catalog.commit(std::move(**load.loaded));
+  if (!done) {
+    return answer(running, call, done.error());
+  }
+  log_loaded(running, info);
+  answer(running, call,
+         Json{{"plugin", info.name},
+              {"version", info.version},
+              {"warnings", info.warnings},
+              {"loaded", true},
+              {"unmapped", nullptr},
+              {"why", ""},
+              {"generation", running.generation.load()}});
+}
+
+}  // namespace
+
+void load_plugin(Running& running, const CallPtr& call, Ticket ticket) {
+  auto load = std::make_shared<Load>();
+  load->name = text_or(call->params, "plugin");
+  if (const auto* there = running.catalog.find(load->name)) {
+    return answer(
+        running, *call,
+        refuse(Errc::duplicate, load->name, "is loaded already, version " + there->info().version,
+               "mauvectl reload " + load->name + " takes the file of now"));
+  }
+  running.control.in_factory(
+      [&running, load] { load->loaded = running.catalog.prepare_load(load->name); },
+      [&running, call, load, ticket = std::move(ticket)] {
+        finish_load(running, *call, *load);
+        // A plugin that was refused is unmapped where it was mapped.
+        running.control.in_factory([load] { load->loaded.reset(); }, [ticket] {});
+      });
+}
+
+void unload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
+  const auto name = text_or(call->params, "plugin");
+  auto library = running.catalog.remove(name);
+  if (!library) {
+    return answer(running, *call, library.error());
+  }
+  auto unmapped = std::make_shared<plugin::Unmapped>();
+  running.control.in_factory(
+      [unmapped, library = *std::move(library)]() mutable {
+        *unmapped = Library::release(std::move(library));
+      },
+      [&running, call, name, unmapped, ticket = std::move(ticket)] {
+        const auto event = unmapped->unmapped ? Event::plugin_unloaded : Event::plugin_resident;
+        running.log.write(event, {{"plugin", name}, {"text", unmapped->reason}});
+        answer(running, *call,
+               Json{{"plugin", name},
+                    {"loaded", false},
+                    {"unmapped", unmapped->unmapped},
+                    {"why", unmapped->reason},
+                    {"generation", running.generation.load()}});
+      });
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// plugin.reload: every live core and state machine moves to the new code in one transaction, then
+/// the old code is unmapped, or it is said why not.
+///
+///   [factory] map the new file, make and configure the new elements
+///   [control] the names change hands, all members swap at one instant
+///   [factory] the old elements are cleaned up and freed, the old code unmapped
+#include <optional>
+
+#include "commands/answer.h"
+#include "commands/change.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using logging::Event;
+using plugin::Library;
+using plugin::LoadedPlugin;
+
+struct Reload {
+  std::string name;
+  Change change;  ///< types are filled in by [factory]
+  std::optional<Result<LoadedPlugin>> loaded;
+  std::optional<Result<PreparedChange>> prepared;
+  std::optional<Retired> retired{std::in_place};
+  std::optional<Receipt> receipt;
+  std::shared_ptr<Library> old;
+  plugin::Unmapped unmapped;
+};
+using ReloadPtr = std::shared_ptr<Reload>;
+
+bool is_of(const std::string& type, const std::string& plugin) {
+  return type.starts_with(plugin + "/");
+}
+
+/// Which components run code of the plugin. The types in force stand for those to come.
+Change members(const Running& running, const std::string& plugin) {
+  Change change;
+  for (const auto* component : running.architecture.components()) {
+    const auto& bundle = *component->bundle();
+    auto edit = edit_of(component->name());
+    if (is_of(bundle.core_type.name, plugin)) {
+      edit.core = bundle.core_type;
+    }
+    if (is_of(bundle.fsm_type.name, plugin)) {
+      edit.fsm = bundle.fsm_type;
+    }
+    if (edit.core || edit.fsm) {
+      change.edits.push_back(std::move(edit));
+    }
+  }
+  return change;
+}
+
+template <typename T>
+Status take_new(const std::map<std::string, T, std::less<>>& offered, std::optional<T>& type,
+                const std::string& component) {
+  if (!type) {
+    return ok();
+  }
+  const auto found = offered.find(type->name);
+  if (found == offered.end()) {
+    return refuse(Errc::plugin_refused, component,
+                  "runs " + type->name + ", which the new file does not have any more",
+                  "swap it for another one first");
+  }
+  type = found->second;
+  return ok();
+}
+
+/// [factory]
+void prepare(Running& running, Reload& reload) {
+  reload.loaded = running.catalog.prepare_load(reload.name);
+  if (!*reload.loaded) {
+    reload.prepared = reload.loaded->error();
+    return;
+  }
+  const auto& offered = **reload.loaded;
+  for (auto& edit : reload.change.edits) {
+    auto found = is_of(edit.core ? edit.core->name : "", reload.name)
+                     ? take_new(offered.cores, edit.core, edit.component)
+                     : ok();
+    if (found && edit.fsm) {
+      found = take_new(offered.fsms, edit.fsm, edit.component);
+    }
+    if (!found) {
+      reload.prepared = found.error();
+      return;
+    }
+  }
+  reload.prepared = running.deployer.prepare(reload.change);
+}
+
+/// [control] An error: nothing was changed. The names change hands last, since that cannot be taken
+/// back; what could refuse it is asked before anything moves.
+Status put_in_force(Running& running, const Call& call, Reload& reload) {
+  if (!*reload.prepared) {
+    return reload.prepared->error();
+  }
+  if (auto met = check_conditions(running, call); !met) {
+    return met;
+  }
+  if (auto good = running.catalog.check_types(**reload.loaded); !good) {
+    return good;
+  }
+  if (!reload.change.edits.empty()) {
+    auto done = commit(running, **reload.prepared, *reload.retired);
+    if (!done.receipt) {
+      return done.receipt.error();
+    }
+    reload.receipt = *std::move(done.receipt);
+  }
+  auto old = running.catalog.commit(std::move(**reload.loaded));
+  if (!old) {
+    return old.error();
+  }
+  reload.old = *std::move(old);
+  return ok();
+}
+
+/// [factory]
+void free_old(Reload& reload, bool in_force) {
+  static_cast<void>(reload.retired->release());
+  reload.prepared.reset();
+  reload.change.edits.clear();  // the new types, and with them their library
+  reload.loaded.reset();
+  if (in_force) {
+    reload.unmapped = Library::release(std::move(reload.old));
+  }
+}
+
+Json result_of(const Running& running, const Reload& reload) {
+  auto result = reload.receipt ? to_json(*reload.receipt) : to_json(Receipt{});
+  result["generation"] = running.generation.load();
+  result["changed"] = true;
+  result["state"] = "applied";
+  result["plugin"] = reload.name;
+  result["loaded"] = true;
+  result["unmapped"] = reload.unmapped.unmapped;
+  result["why"] = reload.unmapped.reason;
+  return result;
+}
+
+void finish(Running& running, const Call& call, const Reload& reload) {
+  const auto event = reload.unmapped.unmapped ? Event::plugin_unloaded : Event::plugin_resident;
+  running.log.write(event, {{"plugin", reload.name},
+                            {"text", reload.unmapped.unmapped ? std::string("replaced by a new one")
+                                                              : reload.unmapped.reason}});
+  answer(running, call, result_of(running, reload));
+}
+
+}  // namespace
+
+void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
+  auto reload = std::make_shared<Reload>();
+  reload->name = text_or(call->params, "plugin");
+  if (running.catalog.find(reload->name) == nullptr) {
+    return answer(running, *call,
+                  refuse(Errc::unknown_name, reload->name, "no such plugin is loaded",
+                         "mauvectl load " + reload->name));
+  }
+  reload->change = members(running, reload->name);
+  running.control.in_factory(
+      [&running, reload] { prepare(running, *reload); },
+      [&running, call, reload, ticket = std::move(ticket)]() mutable {
+        const auto done = put_in_force(running, *call, *reload);
+        if (!done) {
+          answer(running, *call, done.error());
+        }
+        running.control.in_factory(
+            [reload, in_force = done.has_value()] { free_old(*reload, in_force); },
+            [&running, call, reload, in_force = done.has_value(), ticket = std::move(ticket)] {
+              if (in_force) {
+                finish(running, *call, *reload);
+              }
+            });
+      });
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// object.get and param.get: everything about one thing, and the value of one thing.
+#include "arch/value_json.h"
+#include "base/duration.h"
+#include "commands/answer.h"
+#include "commands/value.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+Json property_row(const std::string& name, const PropertyBase& property) {
+  return {{"name", name},
+          {"value", arch::to_json(property.value())},
+          {"default", arch::to_json(property.default_value())},
+          {"min", arch::to_json(property.min())},
+          {"max", arch::to_json(property.max())},
+          {"unit", property.unit()},
+          {"type", property.type().name},
+          {"text", property.text()}};
+}
+
+Json observable_row(const std::string& name, const ObservableBase& observable) {
+  return {{"name", name},
+          {"value", arch::to_json(observable.value())},
+          {"type", observable.type().name},
+          {"text", observable.text()}};
+}
+
+Json port_row(const Element& element, const PortBase& port) {
+  const auto* binding = connection(element, port);
+  return {{"name", port.name()},
+          {"kind", to_string(port.signature().kind)},
+          {"type", port.signature().types},
+          {"service", binding == nullptr ? Json() : Json(binding->service().address())},
+          {"max_age", binding == nullptr || binding->max_age() == Duration{0}
+                          ? Json()
+                          : Json(format_duration(binding->max_age()))},
+          {"safe_value", port.has_safe_value()},
+          {"failures", port.failures()}};
+}
+
+Json service_row(const ServiceBase& service) {
+  return {{"name", service.name()},
+          {"kind", to_string(service.signature().kind)},
+          {"type", service.signature().types}};
+}
+
+void add_parts(Json& object, const Element& element) {
+  Json properties = Json::array();
+  Json observables = Json::array();
+  Json ports = Json::array();
+  for (const auto& [group, part] : element.parts()) {
+    const auto prefix = std::string(group) + ".";
+    for (const auto* property : part->properties()) {
+      properties.push_back(property_row(prefix + std::string(property->name()), *property));
+    }
+    for (const auto* observable : part->observables()) {
+      observables.push_back(observable_row(prefix + std::string(observable->name()), *observable));
+    }
+  }
+  for (const auto* port : element.shell().ports()) {
+    ports.push_back(port_row(element, *port));
+  }
+  object["properties"] = std::move(properties);
+  object["observables"] = std::move(observables);
+  object["ports"] = std::move(ports);
+}
+
+Json task_of(const TaskAttributes& task, const ComponentStatus& status) {
+  return {{"priority", task.priority},
+          {"cpus", status.cpus},
+          {"offset", format_duration(task.offset)},
+          {"deadline", format_duration(task.deadline)},
+          {"budget", format_duration(task.budget)},
+          {"stack", task.stack},
+          {"on_overrun", to_string(task.on_overrun)},
+          {"start", task.start}};
+}
+
+Json counters_of(const ComponentStatus& status) {
+  return {{"releases", status.releases},
+          {"missed", status.missed},
+          {"overruns", status.overruns},
+          {"over_budget", status.over_budget},
+          {"lateness_last_ns", status.lateness_last.count()},
+          {"lateness_max_ns", status.lateness_max.count()},
+          {"execution_last_ns", status.execution_last.count()},
+          {"execution_max_ns", status.execution_max.count()},
+          {"next_release_ns", status.next_release.count()}};
+}
+
+Json show_component(const Running& running, ComponentBase& component) {
+  const auto status = running.deployer.status(component.name());
+  const auto& bundle = *component.bundle();
+  Json states = Json::array();
+  for (const auto* state : bundle.fsm->states()) {
+    states.push_back(state->name());
+  }
+  Json object = {{"address", component.name()},
+                 {"kind", "component"},
+                 {"type", component.type().name},
+                 {"core", bundle.core_type.name},
+                 {"contract", bundle.core_type.contract.name},
+                 {"fsm", bundle.fsm_type.name},
+                 {"fsm_state", status.fsm_state},
+                 {"fsm_states", std::move(states)},
+                 {"state", to_string(status.state)},
+                 {"realtime", status.realtime},
+                 {"task", task_of(bundle.task, status)},
+                 {"counters", counters_of(status)}};
+  if (!status.fault.empty()) {
+    object["fault"] = status.fault;
+  }
+  add_parts(object, {&component, nullptr});
+  return object;
+}
+
+/// Addresses of all ports that are connected to the resource.
+Json users_of(const Running& running, const ResourceBase& resource) {
+  Json users = Json::array();
+  const auto add = [&](const Element& element) {
+    for (const auto* port : element.shell().ports()) {
+      const auto* binding = connection(element, *port);
+      if (binding != nullptr && &binding->service().resource() == &resource) {
+        users.push_back(port->address());
+      }
+    }
+  };
+  for (auto* component : running.architecture.components()) {
+    add({component, nullptr});
+  }
+  for (auto* other : running.architecture.resources()) {
+    add({nullptr, other});
+  }
+  return users;
+}
+
+Json show_resource(const Running& running, ResourceBase& resource) {
+  Json services = Json::array();
+  for (const auto* service : resource.interface().services()) {
+    services.push_back(service_row(*service));
+  }
+  Json object = {
+      {"address", resource.name()},           {"kind", "resource"},
+      {"type", resource.type().name},         {"services", std::move(services)},
+      {"users", users_of(running, resource)}, {"lock_timeouts", resource.gate().timeouts()}};
+  add_parts(object, {nullptr, &resource});
+  return object;
+}
+
+Result<Json> show_target(const Running& running, const std::string& address) {
+  const auto target = find_target(running, address);
+  if (!target) {
+    return target.error();
+  }
+  Json object;
+  if (target->property != nullptr) {
+    object = property_row(address, *target->property);
+    object["kind"] = "property";
+  } else if (target->observable != nullptr) {
+    object = observable_row(address, *target->observable);
+    object["kind"] = "observable";
+  } else if (target->port != nullptr) {
+    object = port_row(target->element, *target->port);
+  } else {
+    object = service_row(*target->service);
+  }
+  object.erase("name");
+  object["address"] = address;
+  const auto* data = target->service != nullptr ? target->service->signature().data
+                     : target->port != nullptr  ? target->port->signature().data
+                                                : nullptr;
+  if (data != nullptr && data->describe != nullptr) {
+    object["fields"] = arch::to_json(data->describe());
+  }
+  return object;
+}
+
+}  // namespace
+
+Result<Json> show(Running& running, const Call& call) {
+  const auto address = text_or(call.params, "address");
+  if (address.find('.') != std::string::npos) {
+    return show_target(running, address);
+  }
+  const auto element = find_element(running, address);
+  if (!element) {
+    return element.error();
+  }
+  return element->component != nullptr ? show_component(running, *element->component)
+                                       : show_resource(running, *element->resource);
+}
+
+Result<Json> get(Running& running, const Call& call) {
+  const auto address = text_or(call.params, "address");
+  const auto target = find_target(running, address);
+  if (!target) {
+    return target.error();
+  }
+  return sample(running, address, *target);
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// status.get, ping, version: is it well, and what is it?
+#include "commands/answer.h"
+#include "commands/command.h"
+#include "mauve/version.h"
+
+namespace mauve::daemon {
+
+Result<Json> ping(Running& /*running*/, const Call& /*call*/) { return Json{{"pong", true}}; }
+
+Result<Json> version(Running& running, const Call& /*call*/) {
+  return Json{{"server", std::string("mauved ") + kVersion},
+              {"version", kVersion},
+              {"protocol", {protocol::kVersion}},
+              {"abi", kAbi},
+              {"boot", running.boot}};
+}
+
+Result<Json> status(Running& running, const Call& /*call*/) {
+  Json rows = Json::array();
+  for (const auto& one : running.deployer.status()) {
+    Json row = {{"name", one.name},
+                {"type", one.type},
+                {"core", one.core},
+                {"fsm_state", one.fsm_state},
+                {"state", to_string(one.state)},
+                {"priority", one.priority},
+                {"cpus", one.cpus},
+                {"realtime", one.realtime},
+                {"releases", one.releases},
+                {"missed", one.missed},
+                {"overruns", one.overruns},
+                {"over_budget", one.over_budget},
+                {"lateness_max_ns", one.lateness_max.count()},
+                {"execution_max_ns", one.execution_max.count()}};
+    if (!one.fault.empty()) {
+      row["fault"] = one.fault;
+    }
+    rows.push_back(std::move(row));
+  }
+  const std::chrono::duration<double> up = std::chrono::steady_clock::now() - running.since;
+  return Json{{"generation", running.deployer.generation()},
+              {"architecture", running.architecture.name()},
+              {"uptime_s", up.count()},
+              {"realtime", running.deployer.realtime()},
+              {"components", std::move(rows)}};
+}
+
+}  // namespace mauve::daemon

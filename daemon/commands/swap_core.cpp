@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// core.swap: another core behind the same contract, at a boundary, state handed over.
+#include "arch/value_json.h"
+#include "commands/answer.h"
+#include "commands/change.h"
+#include "commands/model.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+/// "gain" and "core.gain" mean the same here.
+std::string property_path(const std::string& key) {
+  return key.find('.') == std::string::npos ? "core." + key : key;
+}
+
+Result<Edit> edit_from(const Running& running, const Json& params) {
+  const auto component = find_component(running, text_or(params, "component"));
+  if (!component) {
+    return component.error();
+  }
+  auto core = running.catalog.core(text_or(params, "core"));
+  if (!core) {
+    return core.error();
+  }
+  const auto policy = state_policy(params);
+  if (!policy) {
+    return policy.error();
+  }
+  auto edit = edit_of((*component)->name());
+  edit.core = *std::move(core);
+  edit.state = *policy;
+  if (const auto set = params.find("set"); set != params.end()) {
+    for (const auto& [key, json] : set->items()) {
+      auto value = arch::from_json(json);
+      if (!value) {
+        value.error().at = edit.component + "." + property_path(key);
+        return value.error();
+      }
+      edit.properties.emplace_back(property_path(key), *std::move(value));
+    }
+  }
+  return edit;
+}
+
+}  // namespace
+
+void swap_core(Running& running, const CallPtr& call, Ticket ticket) {
+  auto edit = edit_from(running, call->params);
+  if (!edit) {
+    return answer(running, *call, edit.error());
+  }
+  if (flag(call->params, "in_place")) {
+    return apply_in_place(running, call, std::move(ticket), *std::move(edit));
+  }
+  apply(running, call, std::move(ticket), {{*std::move(edit)}});
+}
+
+}  // namespace mauve::daemon

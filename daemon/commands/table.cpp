@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "commands/table.h"
+
+#include <algorithm>
+#include <array>
+
+#include "commands/answer.h"
+#include "mauve/version.h"
+#include "watch.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using server::Role;
+
+constexpr std::array<Command, 26> kCommands = {{
+    {"ping", Role::viewer, Lane::any, ping, nullptr},
+    {"version", Role::viewer, Lane::any, version, nullptr},
+    {"command.list", Role::viewer, Lane::any, list_commands, nullptr},
+    {"client.list", Role::viewer, Lane::any, list_clients, nullptr},
+    {"status.get", Role::viewer, Lane::read, status, nullptr},
+    {"component.list", Role::viewer, Lane::read, list_components, nullptr},
+    {"resource.list", Role::viewer, Lane::read, list_resources, nullptr},
+    {"core.list", Role::viewer, Lane::read, list_cores, nullptr},
+    {"port.list", Role::viewer, Lane::read, list_ports, nullptr},
+    {"plugin.list", Role::viewer, Lane::read, list_plugins, nullptr},
+    {"object.get", Role::viewer, Lane::read, show, nullptr},
+    {"param.get", Role::viewer, Lane::read, get, nullptr},
+    {"config.get", Role::viewer, Lane::read, export_architecture, nullptr},
+    {"config.check", Role::viewer, Lane::factory, check_architecture, nullptr},
+    {"watch.subscribe", Role::viewer, Lane::read, watch, nullptr},
+    {"watch.unsubscribe", Role::viewer, Lane::read, unwatch, nullptr},
+    {"log.tail", Role::viewer, Lane::read, tail_log, nullptr},
+    {"component.stop", Role::operator_, Lane::urgent, stop, nullptr},
+    {"param.set", Role::operator_, Lane::change, nullptr, set},
+    {"component.start", Role::operator_, Lane::change, nullptr, start},
+    {"core.swap", Role::operator_, Lane::change, nullptr, swap_core},
+    {"port.connect", Role::operator_, Lane::change, nullptr, connect},
+    {"port.disconnect", Role::operator_, Lane::change, nullptr, disconnect},
+    {"plugin.load", Role::admin, Lane::change, nullptr, load_plugin},
+    {"plugin.unload", Role::admin, Lane::change, nullptr, unload_plugin},
+    {"plugin.reload", Role::admin, Lane::change, nullptr, reload_plugin},
+}};
+
+std::string_view group_of(Role role) {
+  constexpr std::array<std::string_view, 4> kGroups = {"", "mauve-view", "mauve", "mauve-admin"};
+  return kGroups.at(static_cast<std::size_t>(role));
+}
+
+Error not_permitted(const Command& command, const server::Caller& caller) {
+  return refuse(Errc::not_permitted, std::string(command.method),
+                "needs role " + std::string(to_string(command.role)) + ", you have " +
+                    std::string(to_string(caller.role)),
+                "join the group " + std::string(group_of(command.role)) + ", then log in again");
+}
+
+}  // namespace
+
+std::span<const Command> commands() { return kCommands; }
+
+const Command* find_command(std::string_view method) {
+  const auto it = std::find_if(kCommands.begin(), kCommands.end(),
+                               [&](const Command& row) { return row.method == method; });
+  return it == kCommands.end() ? nullptr : &*it;
+}
+
+Json CommandTable::hello() {
+  return {{"server", std::string("mauved ") + kVersion},
+          {"protocol", {protocol::kVersion}},
+          {"caps", {"events", "oob"}},
+          {"generation", running_.generation.load()},
+          {"boot", running_.boot}};
+}
+
+void CommandTable::dispatch(const server::Caller& caller, const protocol::Method& method,
+                            protocol::Request request, server::Reply reply) {
+  auto call = std::make_shared<Call>();
+  call->caller = caller;
+  call->method = &method;
+  call->params = std::move(request.params);
+  call->reply = std::move(reply);
+  call->received = std::chrono::steady_clock::now();
+  const auto* command = find_command(method.name);
+  if (command == nullptr) {
+    return answer(running_, *call,
+                  refuse(Errc::unsupported, std::string(method.name), "not in this version"));
+  }
+  if (caller.role < command->role) {
+    return answer(running_, *call, not_permitted(*command, caller));
+  }
+  run(*command, call);
+}
+
+void CommandTable::run(const Command& command, const CallPtr& call) {
+  const auto serve = [this, &command, call] {
+    answer(running_, *call, command.read(running_, *call));
+  };
+  switch (command.lane) {
+    case Lane::any:
+      return serve();
+    case Lane::read:
+      return running_.control.read(serve);
+    case Lane::urgent:
+      return running_.control.urgent(serve);
+    case Lane::factory:
+      return running_.control.in_factory(serve, [] {});
+    case Lane::change:
+      break;
+  }
+  const bool queued = running_.control.change([this, &command, call](Ticket ticket) {
+    if (auto met = check_conditions(running_, *call); !met) {
+      return answer(running_, *call, met.error());
+    }
+    command.change(running_, call, std::move(ticket));
+  });
+  if (!queued) {
+    answer(running_, *call,
+           refuse(Errc::conflict, std::string(command.method), "too many changes wait already",
+                  "try again when they are done"));
+  }
+}
+
+void CommandTable::gone(std::uint64_t client) { running_.watches.forget(client); }
+
+}  // namespace mauve::daemon

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Between the socket and the commands: who may do what, and on which thread it runs.
+#pragma once
+
+#include "commands/command.h"
+
+namespace mauve::daemon {
+
+class CommandTable final : public server::Dispatcher {
+ public:
+  explicit CommandTable(Running& running) : running_(running) {}
+
+  Json hello() override;
+  void dispatch(const server::Caller& caller, const protocol::Method& method,
+                protocol::Request request, server::Reply reply) override;
+  void gone(std::uint64_t client) override;
+
+ private:
+  void run(const Command& command, const CallPtr& call);
+
+  Running& running_;
+};
+
+}  // namespace mauve::daemon

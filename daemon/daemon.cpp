@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "daemon.h"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <future>
+#include <iostream>
+#include <random>
+
+#include "arch/load.h"
+#include "happenings.h"
+#include "mauve/version.h"
+#include "notify.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using logging::Event;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kStatusEvery{2'000};
+constexpr Duration kComponentsMayTake = 2s;
+constexpr milliseconds kLastAnswers{500};
+/// All of the above, the change under way (its commit is bounded too), and some air.
+constexpr milliseconds kWholeEndMayTake{8'000};
+constexpr milliseconds kLastWordsMayTake{150};
+
+std::string random_id() {
+  std::random_device random;
+  std::string id;
+  for (int i = 0; i < 16; ++i) {
+    id += "0123456789abcdef"[random() % 16];
+  }
+  return id;
+}
+
+std::string counted(std::size_t count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+/// "core 'x' is unknown (did you mean 'y'?)", with its address in front.
+std::string sentence(const Error& error) { return to_string(error); }
+
+}  // namespace
+
+int check_file(const Options& options) {
+  const auto text = arch::read_file(options.architecture);
+  if (!text) {
+    std::cerr << sentence(text.error()) << "\n";
+    return 1;
+  }
+  plugin::Catalog catalog(options.plugin_dirs);
+  arch::Problems problems;
+  static_cast<void>(arch::load(*text, catalog, problems));
+  for (const auto& problem : problems.sorted()) {
+    std::cerr << arch::to_string(problem, options.architecture) << "\n";
+  }
+  if (!problems.empty()) {
+    std::cerr << counted(problems.size(), "error") << " in " << options.architecture << "\n";
+    return 1;
+  }
+  std::cout << options.architecture << ": no errors\n";
+  return 0;
+}
+
+Daemon::Daemon(Options options)
+    : options_(std::move(options)), log_(options_.log_level), catalog_(options_.plugin_dirs) {}
+
+Daemon::~Daemon() = default;
+
+int Daemon::run() {
+  if (auto opened = open_log(); !opened) {
+    std::cerr << "error: " << sentence(opened.error()) << "\n";
+    return 1;
+  }
+  log_.write(Event::daemon_starting,
+             {{"version", std::string(kVersion)}, {"file", options_.architecture}});
+  if (auto started = start(); !started) {
+    report_refusal(started.error());
+    return 1;
+  }
+  serve_until_signal();
+  return shut_down(signals_.wait());
+}
+
+Status Daemon::open_log() {
+  log_.add_sink(logging::stderr_is_journal() ? logging::journal_sink() : logging::terminal_sink());
+  if (!options_.log_file.empty()) {
+    auto file = logging::file_sink(options_.log_file);
+    if (!file) {
+      return file.error();
+    }
+    log_.add_sink(*std::move(file));
+  }
+  log_.start();
+  return ok();
+}
+
+/// The socket first: two daemons must not hold the same hardware, not even for a moment.
+Status Daemon::start() {
+  auto endpoint = server::Endpoint::open(options_.socket);
+  if (!endpoint) {
+    return endpoint.error();
+  }
+  endpoint_.emplace(std::move(*endpoint));
+  if (auto loaded = load(); !loaded) {
+    return loaded;
+  }
+  return deploy();
+}
+
+Status Daemon::load() {
+  const auto text = arch::read_file(options_.architecture);
+  if (!text) {
+    return text.error();
+  }
+  arch::Problems problems;
+  architecture_ = arch::load(*text, catalog_, problems);
+  for (const auto& problem : problems.sorted()) {
+    log_.write(Event::start_refused, {{"text", arch::to_string(problem, options_.architecture)},
+                                      {"line", static_cast<std::int64_t>(problem.where.line)},
+                                      {"at", problem.error.at}});
+  }
+  if (architecture_ == nullptr) {
+    return refuse(Errc::invalid_value, options_.architecture,
+                  "has " + counted(problems.size(), "error"), "mauved --check shows them again");
+  }
+  for (const auto* loaded : catalog_.plugins()) {
+    log_.write(Event::plugin_loaded, {{"plugin", loaded->info().name},
+                                      {"version", loaded->info().version},
+                                      {"file", loaded->info().file},
+                                      {"build_id", loaded->info().build_id}});
+  }
+  return ok();
+}
+
+Status Daemon::deploy() {
+  deployer_ = std::make_unique<Deployer>(*architecture_, DeployOptions{options_.realtime, false});
+  if (auto deployed = deployer_->deploy(); !deployed) {
+    return deployed;
+  }
+  log_.set_source(happenings_of(*deployer_));
+  if (options_.realtime == Realtime::off) {
+    log_.write(Event::realtime_off);
+  }
+  for (const auto& warning : deployer_->warnings()) {
+    const bool timing = warning.starts_with("timing");
+    log_.write(timing ? Event::realtime_missing : Event::task_placed, {{"text", warning}});
+  }
+  return ok();
+}
+
+void Daemon::serve_until_signal() {
+  running_.reset(new Running{*architecture_, *deployer_, catalog_, control_, log_, watches_,
+                             [this] { return server_->clients(); }, random_id(),
+                             std::chrono::steady_clock::now()});
+  running_->generation = deployer_->generation();
+  table_ = std::make_unique<CommandTable>(*running_);
+  server_ = std::make_unique<server::Server>(server::ServerOptions{{}, server::machine_rules()},
+                                             *table_, log_);
+  control_.start();
+  watches_.start(*running_);
+  if (auto opened = server_->open(std::move(*endpoint_)); !opened) {
+    report_refusal(opened.error());
+  }
+  endpoint_.reset();
+  server_->start();
+  log_.write(Event::daemon_running, {{"text", state_line()}});
+  notify::ready(state_line());
+}
+
+std::string Daemon::state_line() const {
+  std::uint64_t missed = 0;
+  std::uint64_t overruns = 0;
+  std::size_t running = 0;
+  const auto all = deployer_->status();
+  for (const auto& one : all) {
+    missed += one.missed;
+    overruns += one.overruns;
+    running += one.state == ComponentState::running ? 1 : 0;
+  }
+  return architecture_->name() + " is running: " + std::to_string(running) + " of " +
+         counted(all.size(), "component") + ", generation " +
+         std::to_string(deployer_->generation()) + ", " + std::to_string(missed) + " missed, " +
+         std::to_string(overruns) + " overruns" + (deployer_->realtime() ? "" : ", NOT real time");
+}
+
+int Daemon::shut_down(const std::string& cause) {
+  notify::stopping("stopping on " + cause);
+  log_.write(Event::daemon_stopping, {{"cause", cause}});
+  const Reaper reaper(signals_, kWholeEndMayTake, [this](const std::string& why) {
+    log_.write(Event::daemon_hurried, {{"cause", why}});
+    unlink(options_.socket.c_str());
+    std::this_thread::sleep_for(kLastWordsMayTake);
+  });
+  const auto left_behind = stop_components();
+  for (const auto& name : left_behind) {
+    log_.write(Event::component_stuck, {{"component", name}});
+  }
+  server_->stop(kLastAnswers);
+  control_.stop();
+  watches_.stop();
+  log_.flush();
+  log_.set_source({});
+  log_.write(Event::daemon_stopped);
+  log_.stop();
+  if (!left_behind.empty()) {
+    // A thread still runs in code that a tidy end would unmap under its feet.
+    _exit(1);
+  }
+  return 0;
+}
+
+/// On [control], before everything that waits there, so that no change is under way meanwhile; none
+/// can follow.
+std::vector<std::string> Daemon::stop_components() {
+  std::promise<std::vector<std::string>> stopped;
+  control_.urgent([&] {
+    stopped.set_value(deployer_->shutdown(kComponentsMayTake));
+    control_.halt();
+  });
+  return stopped.get_future().get();
+}
+
+void Daemon::report_refusal(const Error& error) {
+  log_.write(Event::start_refused, {{"text", sentence(error)}, {"at", error.at}});
+  notify::status("refused: " + sentence(error));
+  log_.flush();
+}
+
+}  // namespace mauve::daemon

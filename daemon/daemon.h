@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The life of mauved: load, check, build, deploy, serve, shut down.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commands/command.h"
+#include "commands/table.h"
+#include "options.h"
+#include "server/server.h"
+#include "signals.h"
+#include "watch.h"
+
+namespace mauve::daemon {
+
+/// `mauved --check`: prints everything wrong with the file, one line each. 0: nothing. [main]
+[[nodiscard]] int check_file(const Options& options);
+
+class Daemon {
+ public:
+  explicit Daemon(Options options);
+  ~Daemon();
+  Daemon(const Daemon&) = delete;
+  Daemon& operator=(const Daemon&) = delete;
+
+  /// Runs until a signal ends it. The exit code: 0 after an orderly end, 1 when it could not start,
+  /// or when a core hung and had to be left behind. [main], before any other thread.
+  [[nodiscard]] int run();
+
+ private:
+  Status open_log();
+  Status start();
+  Status load();
+  Status deploy();
+  void serve_until_signal();
+  [[nodiscard]] int shut_down(const std::string& cause);
+  [[nodiscard]] std::vector<std::string> stop_components();
+  void report_refusal(const Error& error);
+  [[nodiscard]] std::string state_line() const;
+
+  const Options options_;
+  Signals signals_;
+  logging::Log log_;
+  std::optional<server::Endpoint> endpoint_;
+  plugin::Catalog catalog_;
+  std::unique_ptr<Architecture> architecture_;
+  std::unique_ptr<Deployer> deployer_;
+  Control control_;
+  Watches watches_{log_};
+  std::unique_ptr<Running> running_;
+  std::unique_ptr<CommandTable> table_;
+  std::unique_ptr<server::Server> server_;
+};
+
+}  // namespace mauve::daemon

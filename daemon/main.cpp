@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <exception>
+#include <iostream>
+
+#include "daemon.h"
+#include "options.h"
+
+int main(int argc, char** argv) {
+  using namespace mauve::daemon;
+  try {
+    const auto parsed = parse_options(argc, argv);
+    if (const auto* leave = std::get_if<Leave>(&parsed)) {
+      (leave->exit == 0 ? std::cout : std::cerr) << leave->text;
+      return leave->exit;
+    }
+    const auto& options = std::get<Options>(parsed);
+    return options.check ? check_file(options) : Daemon(options).run();
+  } catch (const std::exception& error) {
+    // Every other door is shut: this is a fault of mauved or of the machine (out of memory).
+    std::cerr << "error: " << error.what() << "\n";
+    return 1;
+  }
+}

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "signals.h"
+
+#include <signal.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <ctime>
+
+namespace mauve::daemon {
+
+namespace {
+
+constexpr std::chrono::milliseconds kGlance{20};
+
+sigset_t ending_signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGTERM);
+  sigaddset(&set, SIGINT);
+  struct sigaction present {};
+  if (sigaction(SIGHUP, nullptr, &present) == 0 && present.sa_handler != SIG_IGN) {
+    sigaddset(&set, SIGHUP);
+  }
+  return set;
+}
+
+std::string name_of(int number) {
+  const char* name = sigabbrev_np(number);
+  return name == nullptr ? "signal " + std::to_string(number) : "SIG" + std::string(name);
+}
+
+}  // namespace
+
+Signals::Signals() {
+  const auto set = ending_signals();
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  signal(SIGPIPE, SIG_IGN);  // a closed terminal or log reader is no reason to drop a robot
+}
+
+std::optional<std::string> Signals::wait(std::chrono::milliseconds time) const {
+  const auto set = ending_signals();
+  const std::timespec limit{time.count() / 1000, time.count() % 1000 * 1'000'000};
+  const int number = sigtimedwait(&set, nullptr, &limit);
+  return number > 0 ? std::optional(name_of(number)) : std::nullopt;
+}
+
+std::string Signals::wait() const {
+  const auto set = ending_signals();
+  int number = 0;
+  while (sigwait(&set, &number) != 0) {
+  }
+  return name_of(number);
+}
+
+Reaper::Reaper(const Signals& signals, std::chrono::milliseconds patience,
+               std::function<void(const std::string& cause)> last_words)
+    : signals_(signals), patience_(patience), last_words_(std::move(last_words)) {
+  thread_ = std::thread([this] {
+    prctl(PR_SET_NAME, "mauve-reaper");
+    run();
+  });
+}
+
+Reaper::~Reaper() {
+  {
+    const std::lock_guard lock(mutex_);
+    finished_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+void Reaper::run() {
+  const auto until = std::chrono::steady_clock::now() + patience_;
+  std::string cause = "it takes too long";
+  while (std::chrono::steady_clock::now() < until) {
+    if (const auto second = signals_.wait(kGlance)) {
+      cause = "second signal, " + *second;
+      if (finished_within(kHurry)) {
+        return;
+      }
+      break;
+    }
+    if (finished_within(std::chrono::milliseconds(0))) {
+      return;
+    }
+  }
+  last_words_(cause);
+  _exit(1);
+}
+
+bool Reaper::finished_within(std::chrono::milliseconds time) {
+  std::unique_lock lock(mutex_);
+  return wake_.wait_for(lock, time, [this] { return finished_; });
+}
+
+}  // namespace mauve::daemon

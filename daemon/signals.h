@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The signals that end the daemon, and the guarantee that it ends.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+namespace mauve::daemon {
+
+/// SIGTERM, SIGINT and SIGHUP (unless ignored, as under nohup). Blocked in every thread that is
+/// started after this was made.
+class Signals {
+ public:
+  /// [main] Before any other thread.
+  Signals();
+
+  /// [main] Waits for one: its name, or nothing when the time is over.
+  [[nodiscard]] std::optional<std::string> wait(std::chrono::milliseconds time) const;
+  [[nodiscard]] std::string wait() const;
+};
+
+/// Ends the process when the orderly way takes too long, or when a second signal comes.
+class Reaper {
+ public:
+  /// `last_words` is called before the process is ended with exit code 1; it must not block.
+  Reaper(const Signals& signals, std::chrono::milliseconds patience,
+         std::function<void(const std::string& cause)> last_words);
+  /// The orderly way was quick enough.
+  ~Reaper();
+  Reaper(const Reaper&) = delete;
+  Reaper& operator=(const Reaper&) = delete;
+
+  /// What an orderly end still gets after a second signal.
+  static constexpr std::chrono::milliseconds kHurry{300};
+
+ private:
+  void run();
+  [[nodiscard]] bool finished_within(std::chrono::milliseconds time);
+
+  const Signals& signals_;
+  const std::chrono::milliseconds patience_;
+  const std::function<void(const std::string&)> last_words_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool finished_ = false;
+  std::thread thread_;
+};
+
+}  // namespace mauve::daemon

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "watch.h"
+
+#include <sys/prctl.h>
+
+#include <algorithm>
+
+#include "arch/value_json.h"
+#include "commands/value.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+constexpr std::chrono::milliseconds kPeriod{10};
+constexpr std::size_t kTapBytes = 4 * 1024 * 1024;
+
+/// A second's worth of a fast small value, a few of a large one.
+std::size_t capacity_for(const DataType& data) {
+  return std::clamp<std::size_t>(kTapBytes / std::max<std::size_t>(data.size, 1), 16, 2048);
+}
+
+/// What makes two samples the same.
+bool same_sample(const Json& a, const Json& b) {
+  return a.is_object() && b.is_object() && a["value"] == b["value"] &&
+         a.value("t_ns", Json()) == b.value("t_ns", Json());
+}
+
+}  // namespace
+
+Watches::Tapped::Tapped(std::string at, ServiceBase& service)
+    : address(std::move(at)),
+      keep(service.resource().keep_alive()),
+      list(service.taps()),
+      gate(service.resource().gate()),
+      tap(*service.signature().data, capacity_for(*service.signature().data)) {
+  attached = list->attach(tap, gate);
+}
+
+Watches::Tapped::~Tapped() {
+  if (attached) {
+    list->detach(tap, gate);
+  }
+}
+
+void Watches::start(Running& running) {
+  running_ = &running;
+  thread_ = std::thread([this] {
+    prctl(PR_SET_NAME, "mauve-watch");
+    run();
+  });
+}
+
+void Watches::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+  remove([](std::uint64_t, std::uint64_t) { return true; });
+}
+
+Result<std::uint64_t> Watches::subscribe(const Running& running, const server::Caller& caller,
+                                         const std::vector<std::string>& addresses) {
+  if (addresses.empty() || addresses.size() > kMaxAddresses) {
+    return refuse(Errc::limit, "addresses",
+                  "one subscription takes 1 to " + std::to_string(kMaxAddresses) + " addresses",
+                  "use several subscriptions");
+  }
+  const auto sub = caller.outbox->open();
+  if (!sub) {
+    return refuse(Errc::limit, "subscriptions", "this connection has too many", "end some of them");
+  }
+  for (const auto& address : addresses) {
+    if (auto added = add(running, address, {caller.client, *sub, caller.outbox}); !added) {
+      unsubscribe(caller, *sub);
+      return added.error();
+    }
+  }
+  wake_.notify_all();
+  return *sub;
+}
+
+Status Watches::add(const Running& running, const std::string& address, const Subscriber& who) {
+  const auto target = find_target(running, address);
+  if (!target) {
+    return target.error();
+  }
+  if (target->service != nullptr && target->service->taps() != nullptr) {
+    return tap(address, *target->service, who);
+  }
+  auto now = sample(running, address, *target);
+  if (!now) {
+    return now.error();
+  }
+  const auto same = [&](const Polled& one) { return one.address == address; };
+  auto found = std::find_if(polled_.begin(), polled_.end(), same);
+  if (found == polled_.end()) {
+    found = polled_.insert(found, {address, *now, {}});
+  }
+  found->subscribers.push_back(who);
+  auto params = *std::move(now);
+  params.emplace("t_ns", running.deployer.clock().now() - running.deployer.t0());
+  who.outbox->push(who.sub, address, "value", std::move(params));
+  const std::lock_guard lock(mutex_);
+  has_polled_ = true;
+  return ok();
+}
+
+Status Watches::tap(const std::string& address, ServiceBase& service, const Subscriber& who) {
+  const auto* data = service.signature().data;
+  if (data == nullptr || data->to_value == nullptr) {
+    return refuse(Errc::unsupported, address, "its type has no description",
+                  "describe it: specialise mauve::Described");
+  }
+  const std::lock_guard lock(mutex_);
+  const auto same = [&](const Tapped& one) { return one.address == address; };
+  auto found = std::find_if(tapped_.begin(), tapped_.end(), same);
+  if (found == tapped_.end()) {
+    found = tapped_.emplace(found, address, service);
+    if (!found->attached) {
+      tapped_.erase(found);
+      return refuse(Errc::limit, address, "is watched in too many places already");
+    }
+  }
+  found->subscribers.push_back(who);
+  return ok();
+}
+
+Result<std::uint64_t> Watches::follow_log(const server::Caller& caller,
+                                          const logging::Filter& filter, std::size_t count,
+                                          const std::function<void(const logging::Record&)>& kept,
+                                          std::function<Json(const logging::Record&)> encode) {
+  const auto sub = caller.outbox->open();
+  if (!sub) {
+    return refuse(Errc::limit, "subscriptions", "this connection has too many", "end some of them");
+  }
+  const auto following = log_.history().follow(
+      count, filter,
+      [outbox = caller.outbox, sub = *sub, encode = std::move(encode)](
+          const logging::Record& record) { outbox->push(sub, {}, "log", encode(record)); });
+  for (const auto& record : following.kept) {
+    kept(record);
+  }
+  followers_.push_back({caller.client, *sub, following.id});
+  return *sub;
+}
+
+bool Watches::unsubscribe(const server::Caller& caller, std::uint64_t sub) {
+  remove([&](std::uint64_t client, std::uint64_t number) {
+    return client == caller.client && number == sub;
+  });
+  return caller.outbox->close(sub);
+}
+
+void Watches::forget(std::uint64_t client) {
+  running_->control.read([this, client] {
+    remove([client](std::uint64_t other, std::uint64_t) { return other == client; });
+  });
+}
+
+void Watches::remove(const Leaves& leaves) {
+  const auto clean = [&](auto& watched) {
+    for (auto& one : watched) {
+      std::erase_if(one.subscribers,
+                    [&](const Subscriber& who) { return leaves(who.client, who.sub); });
+    }
+    watched.remove_if([](const auto& one) { return one.subscribers.empty(); });
+  };
+  clean(polled_);
+  std::erase_if(followers_, [&](const LogFollower& one) {
+    const bool gone = leaves(one.client, one.sub);
+    if (gone) {
+      log_.history().unfollow(one.follower);
+    }
+    return gone;
+  });
+  const std::lock_guard lock(mutex_);
+  has_polled_ = !polled_.empty();
+  clean(tapped_);
+}
+
+void Watches::run() {
+  std::unique_lock lock(mutex_);
+  while (!stopping_) {
+    if (tapped_.empty() && !has_polled_) {
+      wake_.wait(lock);
+      continue;
+    }
+    bring_values();
+    if (has_polled_ && !std::exchange(poll_pending_, true)) {
+      running_->control.read([this] { poll(); });
+    }
+    wake_.wait_for(lock, kPeriod, [this] { return stopping_; });
+  }
+}
+
+void Watches::bring_values() {
+  const auto t0 = running_->deployer.t0();
+  for (auto& one : tapped_) {
+    const auto& type = one.tap.data();
+    while (one.tap.pop([&](const void* value, Instant stamp) {
+      const Json params = {{"address", one.address},
+                           {"value", arch::to_json(type.to_value(value))},
+                           {"status", to_string(DataStatus::new_data)},
+                           {"t_ns", stamp - t0}};
+      for (const auto& who : one.subscribers) {
+        who.outbox->push(who.sub, one.address, "value", params);
+      }
+    })) {
+    }
+    if (const auto lost = one.tap.take_lost(); lost > 0) {
+      for (const auto& who : one.subscribers) {
+        who.outbox->lose(who.sub, one.address, lost);
+      }
+    }
+  }
+}
+
+/// An address that stopped having a value (a core without that observable) is told as null once.
+void Watches::poll() {
+  const auto time = running_->deployer.clock().now() - running_->deployer.t0();
+  for (auto& one : polled_) {
+    const auto target = find_target(*running_, one.address);
+    auto now = target ? sample(*running_, one.address, *target) : Result<Json>(target.error());
+    auto params = now ? *std::move(now)
+                      : Json{{"address", one.address}, {"value", nullptr}, {"status", "no_data"}};
+    if (same_sample(params, one.last)) {
+      continue;
+    }
+    one.last = params;
+    params.emplace("t_ns", time);
+    for (const auto& who : one.subscribers) {
+      who.outbox->push(who.sub, one.address, "value", params);
+    }
+  }
+  const std::lock_guard lock(mutex_);
+  poll_pending_ = false;
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Watches: clients who want to see every new value of some addresses, or every log record.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "commands/command.h"
+#include "commands/model.h"
+#include "mauve/tap.h"
+
+namespace mauve::daemon {
+
+/// Values written to shared data or a queue are all seen, through a bounded tap that its writer
+/// never waits for. Everything else (properties, observables, ports, services that compute their
+/// value) is looked at 50 times a second and told when it differs.
+class Watches {
+ public:
+  explicit Watches(logging::Log& log) : log_(log) {}
+  ~Watches() { stop(); }
+  Watches(const Watches&) = delete;
+  Watches& operator=(const Watches&) = delete;
+
+  /// Starts the [watch] thread, which brings values from the taps to the clients. [main]
+  void start(Running& running);
+  /// Ends the thread and all watches: before the architecture goes. [main], [control] has ended.
+  void stop();
+
+  /// All addresses, or none and the error of the first wrong one. [control]
+  Result<std::uint64_t> subscribe(const Running& running, const server::Caller& caller,
+                                  const std::vector<std::string>& addresses);
+  /// The kept records go to `kept`, the later ones to the client. [control]
+  Result<std::uint64_t> follow_log(const server::Caller& caller, const logging::Filter& filter,
+                                   std::size_t count,
+                                   const std::function<void(const logging::Record&)>& kept,
+                                   std::function<Json(const logging::Record&)> encode);
+  /// [control]
+  bool unsubscribe(const server::Caller& caller, std::uint64_t sub);
+  /// The client has gone. [io]
+  void forget(std::uint64_t client);
+
+  static constexpr std::size_t kMaxAddresses = 64;  ///< of one subscription
+
+ private:
+  struct Subscriber {
+    std::uint64_t client;
+    std::uint64_t sub;
+    std::shared_ptr<server::Outbox> outbox;
+  };
+  struct Tapped {
+    Tapped(std::string at, ServiceBase& service);
+    ~Tapped();
+
+    std::string address;
+    std::shared_ptr<void> keep;  ///< the resource's elements and their library
+    TapList* list;
+    Gate& gate;
+    Tap tap;
+    bool attached = false;
+    std::vector<Subscriber> subscribers;
+  };
+  struct Polled {
+    std::string address;
+    Json last;
+    std::vector<Subscriber> subscribers;
+  };
+  struct LogFollower {
+    std::uint64_t client;
+    std::uint64_t sub;
+    std::uint64_t follower;
+  };
+  using Leaves = std::function<bool(std::uint64_t client, std::uint64_t sub)>;
+
+  Status add(const Running& running, const std::string& address, const Subscriber& who);
+  Status tap(const std::string& address, ServiceBase& service, const Subscriber& who);
+  void poll();
+  void run();
+  void bring_values();
+  void remove(const Leaves& leaves);
+
+  logging::Log& log_;
+  Running* running_ = nullptr;
+  std::list<Polled> polled_;            ///< [control]
+  std::vector<LogFollower> followers_;  ///< [control]
+
+  std::mutex mutex_;  ///< guards what follows
+  std::condition_variable wake_;
+  std::list<Tapped> tapped_;
+  bool has_polled_ = false;
+  bool poll_pending_ = false;
+  bool stopping_ = false;
+  std::thread thread_;
+};
+
+}  // namespace mauve::daemon
