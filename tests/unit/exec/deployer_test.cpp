@@ -4,20 +4,13 @@
 
 #include <thread>
 
+#include "support/eventually.h"
 #include "support/ramp.h"
 
 namespace mauve {
 namespace {
 
-/// Waits for a condition that must come true on any machine.
-template <typename Condition>
-bool eventually(Condition condition) {
-  for (int i = 0; i < 10'000; ++i) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(1ms);
-  }
-  return false;
-}
+using test::eventually;
 
 TEST(Deployer, RunsComponentsOnThreads) {
   ramp::Architecture architecture;

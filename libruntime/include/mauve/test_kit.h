@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Test kit for authors of cores: ports with values set by hand, a clock moved by hand, no threads.
+///
+///   mauve::CoreBench<ControlShell, PotentialField> bench;
+///   bench.core().gain = 0.3;
+///   ASSERT_TRUE(bench.configure());
+///   bench.give(bench.shell().pose, Pose2D{1, 2, 0});
+///   bench.core().advance();
+///   EXPECT_GT(bench.written(bench.shell().command)->linear, 0);
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <mauve/architecture.h>
+#include <mauve/deployer.h>
+#include <mauve/job.h>
+
+namespace mauve {
+
+/// The far ends of all ports of one shell: a value to read, a place to write to, an answer to give.
+class PortBench {
+ public:
+  explicit PortBench(Shell& shell) {
+    for (PortBase* port : shell.ports()) {
+      const Signature& signature = port->signature();
+      ends_.emplace_back();
+      if (signature.data == nullptr || !signature.data->flat) continue;
+      ends_.back() = std::make_unique<SharedDataBase>(std::string(port->name()), *signature.data);
+      static_cast<void>(port->connect(signature.kind == PortKind::read
+                                          ? ends_.back()->read_service()
+                                          : ends_.back()->write_service()));
+    }
+  }
+
+  /// What the port reads from now on, written now.
+  template <typename T>
+  void give(const ReadPort<T>& port, const T& value) {
+    ends_[port.index()]->write_service().write(&value);
+  }
+  /// The last value that the core wrote; empty when it never did.
+  template <typename T>
+  [[nodiscard]] std::optional<T> written(const WritePort<T>& port) {
+    T value{};
+    Cursor cursor{ends_[port.index()]->read_service().attach(), 0, 0};
+    const DataStatus status = ends_[port.index()]->read_service().read(&value, cursor);
+    ends_[port.index()]->read_service().detach(cursor.slot);
+    return has_value(status) ? std::optional<T>(value) : std::nullopt;
+  }
+  /// Before configure: what a call port gets as answer.
+  template <typename R, typename... P>
+  void answer(CallPort<R(P...)>& port, std::function<R(P...)> function) {
+    answers_.push_back(std::make_unique<Answer<R, P...>>(std::move(function)));
+    static_cast<void>(port.connect(*answers_.back()));
+  }
+
+ private:
+  static SharedDataBase& nowhere() {
+    static SharedDataBase resource("test_kit", data_type<double>());
+    return resource;
+  }
+  template <typename R, typename... P>
+  class Answer final : public ServiceBase {
+   public:
+    explicit Answer(std::function<R(P...)> function)
+        : ServiceBase(nowhere().interface(), "answer", Signature::call<R, P...>()),
+          function_(std::move(function)) {}
+    bool invoke(void* result, void* const* arguments) override {
+      return call(result, arguments, std::index_sequence_for<P...>{});
+    }
+
+   private:
+    template <std::size_t... I>
+    bool call(void* result, void* const* arguments, std::index_sequence<I...>) {
+      *static_cast<R*>(result) = function_(*static_cast<std::remove_cvref_t<P>*>(arguments[I])...);
+      return true;
+    }
+    std::function<R(P...)> function_;
+  };
+
+  std::vector<std::unique_ptr<SharedDataBase>> ends_;  // by port index; null: not of this kind
+  std::vector<std::unique_ptr<ServiceBase>> answers_;
+};
+
+/// One core with its shell; its methods are called by the test.
+template <typename ShellT, typename CoreT>
+class CoreBench {
+ public:
+  CoreBench() {
+    shell_.adopt("bench.shell");
+    core_.adopt("bench.core");
+    core_.bind(shell_);
+  }
+  ~CoreBench() {
+    static_cast<void>(core_.cleanup());
+    static_cast<void>(shell_.cleanup());
+    this_job().start = 0;
+  }
+
+  [[nodiscard]] ShellT& shell() { return shell_; }
+  [[nodiscard]] CoreT& core() { return core_; }
+
+  /// Shell, then core; the ports are connected from now on.
+  Status configure() {
+    bindings_ = std::move(shell_.initial_bindings());
+    shell_.initial_bindings().assign(bindings_.size(), nullptr);
+    shell_.use(&bindings_);
+    if (Status done = shell_.configure(); !done) return done;
+    return core_.configure();
+  }
+  template <typename T>
+  void give(const ReadPort<T>& port, const T& value) {
+    ports_.give(port, value);
+  }
+  template <typename T>
+  [[nodiscard]] std::optional<T> written(const WritePort<T>& port) {
+    return ports_.written(port);
+  }
+  template <typename R, typename... P>
+  void answer(CallPort<R(P...)>& port, std::function<R(P...)> function) {
+    ports_.answer(port, std::move(function));
+  }
+  /// Moves the clock that ages of read values are measured with; it starts at one second.
+  void advance(Duration by) { this_job().start = (now_ += by.count()); }
+
+ private:
+  Instant now_ = this_job().start = 1'000'000'000;
+  ShellT shell_;
+  PortBench ports_{shell_};
+  CoreT core_;
+  Bindings bindings_;
+};
+
+/// One component with its state machine, on simulated time: `bench.run_for(100ms)`.
+template <typename ShellT, typename CoreT, typename FsmT>
+class ComponentBench : public Architecture {
+ public:
+  [[nodiscard]] ShellT& shell() { return component_.shell(); }
+  [[nodiscard]] CoreT& core() { return static_cast<CoreT&>(component_.ComponentBase::core()); }
+  [[nodiscard]] FsmT& fsm() { return component_.fsm(); }
+  [[nodiscard]] PortBench& ports() { return ports_; }
+  [[nodiscard]] Deployer& deployer() { return deployer_; }
+  [[nodiscard]] ComponentStatus status() const { return deployer_.status("component"); }
+
+  /// Configures and releases at T0 of the simulated clock.
+  Status deploy() { return deployer_.deploy(); }
+  void run_for(Duration duration) { deployer_.run_for(duration); }
+
+ private:
+  Component<ShellT, CoreT, FsmT> component_{*this, "component"};
+  PortBench ports_{component_.shell()};
+  Deployer deployer_{*this, {.realtime = Realtime::off, .simulated = true}};
+};
+
+}  // namespace mauve

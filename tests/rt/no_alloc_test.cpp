@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// No heap call on a real-time path: jobs, ports, resources, swaps, stop, start, events.
+#include <gtest/gtest.h>
+
+#include <sys/resource.h>
+
+#include "rt/heap_probe.h"
+#include "support/eventually.h"
+#include "support/ramp.h"
+
+namespace mauve {
+namespace {
+
+using test::eventually;
+
+/// What a job of this thread found.
+struct Watch {
+  std::atomic<long> faults{0};
+  std::atomic<int> jobs{0};
+};
+Watch& watch() {
+  static Watch instance;
+  return instance;
+}
+
+long minor_faults() {
+  rusage usage{};
+  getrusage(RUSAGE_THREAD, &usage);
+  return usage.ru_minflt;
+}
+
+/// Watches its own thread from its first job on, logs, reads and writes.
+struct Watched : ramp::Up {
+  Watched() = default;
+  void update() override {
+    heap::watch_this_thread(true);
+    static_cast<void>(shell().speed.read());
+    log(LogLevel::debug, "at {} after {} jobs", state->value, jobs.get());
+    ramp::Up::update();
+    // The first jobs of a new core may touch memory for the first time; the ones after may not.
+    const long faults = minor_faults();
+    if (++seen_ > 3) watch().faults += faults - last_;
+    last_ = faults;
+    ++watch().jobs;
+  }
+
+ private:
+  int seen_ = 0;
+  long last_ = 0;
+};
+
+struct Watching : Architecture {
+  SharedData<double> position{*this, "position"};
+  RingBuffer<double> queue{*this, "queue"};
+  Component<ramp::Shell, Watched, ramp::Fsm> control{*this, "control"};
+  Status on_configure() override {
+    control.fsm().period = 1ms;
+    if (auto done = control.shell().speed.connect(queue.read_service()); !done) return done;
+    return control.shell().out.connect(position.write_service());
+  }
+};
+
+void drain_quietly(Deployer& deployer) {
+  deployer.drain([](const Happening&) {});
+}
+
+TEST(RealTimePath, CallsNoHeapInJobsAndSwaps) {
+  Watching architecture;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(eventually([] { return watch().jobs > 20; }));
+  const std::size_t before = heap::calls();
+
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(deployer.swap_core<Watched>("control"));
+    ASSERT_TRUE(deployer.set("control.core.step", 2.0 + i % 2));
+    drain_quietly(deployer);
+  }
+  ASSERT_TRUE(deployer.disconnect("control.ports.out"));
+  ASSERT_TRUE(deployer.connect("control.ports.out", "position.write"));
+  ASSERT_TRUE(deployer.stop({"control"}));
+  ASSERT_TRUE(deployer.start({"control"}));
+  const int jobs = watch().jobs;
+  ASSERT_TRUE(eventually([&] { return watch().jobs > jobs + 100; }));
+
+  EXPECT_EQ(heap::calls() - before, 0u);
+}
+
+TEST(RealTimePath, TakesNoPageFaultOnceItRuns) {
+  Watching architecture;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+  if (!deployer.realtime()) GTEST_SKIP() << "memory cannot be locked without privileges";
+  const int jobs = watch().jobs;
+  ASSERT_TRUE(eventually([&] { return watch().jobs > jobs + 50; }));
+  watch().faults = 0;
+
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(deployer.swap_core<Watched>("control"));
+  const int after = watch().jobs;
+  ASSERT_TRUE(eventually([&] { return watch().jobs > after + 200; }));
+
+  EXPECT_EQ(watch().faults, 0);
+}
+
+TEST(HeapProbe, SeesAHeapCall) {
+  heap::watch_this_thread(true);
+  const std::size_t before = heap::calls();
+  auto* volatile memory = new int(1);
+  const std::size_t after = heap::calls();
+  delete memory;
+  heap::watch_this_thread(false);
+
+  EXPECT_GT(after, before) << "a detector that sees nothing proves nothing";
+}
+
+}  // namespace
+}  // namespace mauve

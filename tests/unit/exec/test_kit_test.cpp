@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The kit that authors test their cores with.
+#include <gtest/gtest.h>
+
+#include <mauve/plugin.h>
+#include <mauve/test_kit.h>
+
+namespace mauve {
+namespace {
+
+struct FollowShell : Shell {
+  ReadPort<double> target{*this, "target"};
+  WritePort<double> command{*this, "command", Safe{0.0}};
+  CallPort<double(double)> limit{*this, "limit"};
+};
+class Follow : public Core<FollowShell> {
+ public:
+  Property<double> gain{*this, "gain", 0.5, "pull"};
+  void update() {
+    const double wanted = shell().target.read() * gain;
+    if (shell().target.age() > 100ms) return;
+    shell().command.write(shell().limit(wanted).value_or(wanted));
+  }
+  Status on_configure() override { return gain > 0 ? ok() : invalid(gain, "must be positive"); }
+};
+
+TEST(CoreBench, StepsACoreWithValuesSetByHand) {
+  CoreBench<FollowShell, Follow> bench;
+  bench.core().gain = 0.25;
+  ASSERT_TRUE(bench.configure());
+  EXPECT_FALSE(bench.written(bench.shell().command).has_value());
+
+  bench.give(bench.shell().target, 8.0);
+  bench.core().update();
+
+  EXPECT_EQ(bench.written(bench.shell().command), 2.0);
+}
+
+TEST(CoreBench, AnswersCalls) {
+  CoreBench<FollowShell, Follow> bench;
+  bench.answer(bench.shell().limit, std::function<double(double)>([](double) { return 1.0; }));
+  ASSERT_TRUE(bench.configure());
+  bench.give(bench.shell().target, 8.0);
+
+  bench.core().update();
+
+  EXPECT_EQ(bench.written(bench.shell().command), 1.0);
+}
+
+TEST(CoreBench, MovesTheClockThatAgesAreMeasuredWith) {
+  CoreBench<FollowShell, Follow> bench;
+  ASSERT_TRUE(bench.configure());
+  bench.give(bench.shell().target, 8.0);
+  bench.advance(101ms);
+
+  bench.core().update();
+
+  EXPECT_FALSE(bench.written(bench.shell().command).has_value()) << "too old to follow";
+}
+
+TEST(CoreBench, ReportsARefusedConfiguration) {
+  CoreBench<FollowShell, Follow> bench;
+  bench.core().gain = -1.0;
+
+  EXPECT_EQ(bench.configure().error().at, "bench.core.gain");
+}
+
+TEST(ComponentBench, RunsTheStateMachineOnSimulatedTime) {
+  ComponentBench<FollowShell, Follow, PeriodicFsm<Follow>> bench;
+  ASSERT_TRUE(bench.deploy());
+  bench.ports().give(bench.shell().target, 4.0);
+
+  bench.run_for(100ms);
+
+  EXPECT_EQ(bench.status().releases, 10u);
+  EXPECT_EQ(bench.status().missed, 0u);
+}
+
+}  // namespace
+}  // namespace mauve
