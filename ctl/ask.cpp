@@ -51,7 +51,10 @@ int run_list(Session& session) {
   const auto found = std::find_if(all.begin(), all.end(), [&](const Category& one) {
     return one.name == kind || one.name == kind + "s";
   });
-  if (found != all.end()) return ask(session, found->method, Json::object(), render_list);
+  if (found != all.end()) {
+    const bool plugins = found->name == "plugins";
+    return ask(session, found->method, Json::object(), plugins ? render_plugins : render_list);
+  }
   const std::string nearest = nearest_category(kind);
   return session.fail(fault_of(protocol::kUsage, "there is no list of '" + kind + "'", {},
                                nearest.empty()
@@ -75,7 +78,7 @@ int run_get(Session& session) {
 
 int run_plugins(Session& session) {
   return ask(session, "plugin.list", without_empty({{"for", session.arguments.one("--for")}}),
-             render_list);
+             render_plugins);
 }
 
 int run_export(Session& session) {

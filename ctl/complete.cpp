@@ -97,22 +97,29 @@ class Live {
 
   Words names(std::string_view method, const Json& params = Json::object()) {
     Words result;
-    const Json answer = ask(method, params);
-    const Json items = answer.is_object() ? answer.value("items", Json::array()) : Json::array();
-    for (const Json& item : items) {
-      std::string name =
-          word(item, item.is_object() && item.contains("address") ? "address" : "name");
-      if (!name.empty()) result.push_back(std::move(name));
+    const Json found = items(ask(method, params), "items");
+    for (const Json& item : found) {
+      if (std::string name = word(item, "name"); !name.empty()) result.push_back(std::move(name));
     }
     return result;
   }
 
-  /// Elements; below an element what `show` says is in it.
+  /// Elements; below an element what is in it.
   Words addresses(const std::string& begun) {
     const auto dot = begun.find('.');
     if (dot != std::string::npos) return inside(begun.substr(0, dot));
     Words result = names("component.list");
     for (auto& name : names("resource.list")) result.push_back(std::move(name));
+    return result;
+  }
+
+  Words services() {
+    Words result;
+    for (const Json& resource : items(ask("resource.list", Json::object()), "items")) {
+      for (const Json& service : items(resource, "services")) {
+        result.push_back(word(resource, "name") + "." + compact(service));
+      }
+    }
     return result;
   }
 
@@ -123,17 +130,23 @@ class Live {
     return std::holds_alternative<Json>(answer) ? std::get<Json>(std::move(answer)) : Json();
   }
 
-  Words inside(const std::string& element) {
-    Words result;
-    collect(ask("object.get", {{"address", element}}), result);
-    return result;
+  static Json items(const Json& object, const char* key) {
+    return object.is_object() ? object.value(key, Json::array()) : Json::array();
   }
 
-  /// Every "address" in the answer, however deep: the parser of the wire bounds the depth.
-  static void collect(const Json& value, Words& result) {
-    if (!value.is_structured()) return;
-    if (value.is_object() && value.contains("address")) result.push_back(word(value, "address"));
-    for (const Json& member : value) collect(member, result);
+  Words inside(const std::string& element) {
+    const Json object = ask("object.get", {{"address", element}});
+    Words result;
+    const auto add = [&](const char* group, const std::string& prefix) {
+      for (const Json& one : items(object, group)) {
+        result.push_back(element + "." + prefix + word(one, "name"));
+      }
+    };
+    add("properties", "");
+    add("observables", "");
+    add("services", "");
+    add("ports", "ports.");
+    return result;
   }
 
   Client client_;
@@ -161,6 +174,7 @@ Words candidates(const Typed& typed, Kind kind, const std::string& begun) {
     case Kind::plugin:
       return Live(typed).names("plugin.list");
     case Kind::service:
+      return Live(typed).services();
     case Kind::address:
     case Kind::assignment:
       return Live(typed).addresses(begun);

@@ -63,8 +63,16 @@ std::string in_capitals(std::string text) {
   return text;
 }
 
+bool says_something(const Json& items, const std::string& key) {
+  return std::any_of(items.begin(), items.end(), [&](const Json& item) {
+    const std::string text = word(item, key);
+    return !text.empty() && text != "-" && text != "[]";
+  });
+}
+
 std::string table_of(const Json& items, Look look) {
-  const auto keys = keys_in_order(items);
+  auto keys = keys_in_order(items);
+  std::erase_if(keys, [&](const std::string& key) { return !says_something(items, key); });
   std::vector<Column> columns;
   for (const auto& key : keys) columns.push_back({in_capitals(key), all_numbers(items, key)});
   Table table(std::move(columns));
@@ -78,6 +86,27 @@ std::string table_of(const Json& items, Look look) {
     table.add(std::move(row));
   }
   return table.text(look.width, look.colour);
+}
+
+/// A property as people read it: its default only where it differs, the range in one word.
+Json short_property(Json property) {
+  if (property.contains("default") && property.contains("value") &&
+      property["default"] == property["value"]) {
+    property.erase("default");
+  }
+  const std::string low = word(property, "min");
+  const std::string high = word(property, "max");
+  if (low.size() + high.size() > 2) property["range"] = low + " to " + high;
+  for (const char* key : {"min", "max", "type"}) property.erase(key);
+  return property;
+}
+
+std::string block_of(const std::string& key, const Json& value, Look look) {
+  if (value.is_object()) return render_object(value, look);
+  if (key != "properties") return table_of(value, look);
+  Json rows = Json::array();
+  for (const Json& property : value) rows.push_back(short_property(property));
+  return table_of(rows, look);
 }
 
 std::string indented(const std::string& text, std::size_t depth) {
@@ -123,8 +152,14 @@ std::string render_status(const Json& status, Look look) {
                count_cell(one, "missed"),
                count_cell(one, "overruns")});
   }
-  const std::string first = cut(heading(status, components), look.width);
-  return first + "\n" + (components.empty() ? "" : table.text(look.width, look.colour));
+  std::string text = cut(heading(status, components), look.width) + "\n";
+  if (!components.empty()) text += table.text(look.width, look.colour);
+  for (const Json& one : components) {
+    if (const auto fault = word(one, "fault"); !fault.empty()) {
+      text += painted(word(one, "name") + ": " + fault, Paint::red, look.colour) + "\n";
+    }
+  }
+  return text;
 }
 
 std::string render_list(const Json& result, Look look) {
@@ -151,9 +186,7 @@ std::string render_object(const Json& object, Look look) {
   for (const auto& key : keys) {
     const Json& value = object[key];
     if (is_block(key)) {
-      const Look inside = narrower(look, 2);
-      blocks += titled(
-          key, value.is_object() ? render_object(value, inside) : table_of(value, inside), look);
+      blocks += titled(key, block_of(key, value, narrower(look, 2)), look);
       continue;
     }
     const std::string space(widest - columns(key) + 2, ' ');
@@ -188,14 +221,6 @@ std::string render_receipt(std::string_view done, const Json& receipt) {
   const auto attempts = whole_number(receipt, "attempts");
   if (attempts > 1) text += ", " + counted(attempts, "attempt");
   return text + " (generation " + generation + ")\n";
-}
-
-std::string render_plugin(std::string_view done, const Json& result) {
-  std::string text = render_receipt(done, result);
-  if (member(result, "unmapped") == false && !word(result, "why").empty()) {
-    text += "  the old code stays in memory: " + word(result, "why") + "\n";
-  }
-  return text;
 }
 
 std::string render_errors(std::string_view file, const Json& result, Look look) {

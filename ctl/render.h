@@ -38,8 +38,11 @@ struct Look {
 /// "swapped control: pause 38 ns, 0 releases missed (generation 42)".
 [[nodiscard]] std::string render_receipt(std::string_view done, const Json& receipt);
 
-/// "loaded extra (generation 43)", with why the code stays mapped where it does.
+/// "loaded extra (generation 43)", with what became of the old code, and warnings.
 [[nodiscard]] std::string render_plugin(std::string_view done, const Json& result);
+
+/// What is loaded and what each brings.
+[[nodiscard]] std::string render_plugins(const Json& result, Look look);
 
 /// "FILE:3:5: error: control.core.gain: must be positive", with hints.
 [[nodiscard]] std::string render_errors(std::string_view file, const Json& result, Look look);

@@ -20,7 +20,8 @@ void serve_names(Peer& peer) {
       peer.answer(request,
                   protocol::Json::parse(R"({"items":[{"name":"control"},{"name":"laser"}]})"));
     } else if (request.method == "resource.list") {
-      peer.answer(request, protocol::Json::parse(R"({"items":[{"name":"scan"}]})"));
+      peer.answer(request, protocol::Json::parse(
+                               R"({"items":[{"name":"scan","services":["read","write"]}]})"));
     } else if (request.method == "core.list") {
       peer.answer(request,
                   {{"items", {{{"name", "for_" + request.params["for"].get<std::string>()}}}}});
@@ -28,7 +29,8 @@ void serve_names(Peer& peer) {
       peer.answer(
           request,
           protocol::Json::parse(
-              R"({"address":"control","properties":[{"address":"control.core.gain"},{"address":"control.fsm.pace"}]})"));
+              R"({"address":"control","properties":[{"name":"core.gain"},{"name":"fsm.pace"}],
+                        "ports":[{"name":"scan"}]})"));
     }
   }
 }
@@ -52,7 +54,7 @@ TEST(Completion, OffersKindsAndLevels) {
 }
 
 TEST(Completion, AsksTheDaemonForNames) {
-  FakeServer server(serve_names, 4);
+  FakeServer server(serve_names, 6);
 
   EXPECT_EQ(completions({"--socket", server.path(), "start", "l"}), Words{"laser"});
   EXPECT_EQ(completions({"--socket", server.path(), "swap-core", "arm", ""}), Words{"for_arm"});
@@ -60,6 +62,10 @@ TEST(Completion, AsksTheDaemonForNames) {
             (Words{"control", "laser", "scan"}));
   EXPECT_EQ(completions({"--socket", server.path(), "set", "control.c"}),
             Words{"control.core.gain"});
+  EXPECT_EQ(completions({"--socket", server.path(), "get", "control.p"}),
+            Words{"control.ports.scan"});
+  EXPECT_EQ(completions({"--socket", server.path(), "connect", "control.ports.scan", "s"}),
+            (Words{"scan.read", "scan.write"}));
 }
 
 TEST(Completion, IsSilentWithoutDaemon) {

@@ -51,6 +51,14 @@ TEST(RenderStatus, HasEscapesOnlyWithColours) {
   EXPECT_NE(render_status(kStatus, {0, true}).find("\033[32mrunning"), std::string::npos);
 }
 
+TEST(RenderStatus, SaysWhyAComponentIsFaulted) {
+  const Json status = Json::parse(R"({"generation":1,"architecture":"a","components":[
+    {"name":"gnss","state":"faulted","fault":"the core threw: no device"}]})");
+
+  EXPECT_NE(render_status(status, {}).find("\ngnss: the core threw: no device\n"),
+            std::string::npos);
+}
+
 TEST(RenderStatus, SurvivesAnAnswerWithoutAnything) {
   EXPECT_FALSE(render_status(Json::object(), {}).empty());
   EXPECT_FALSE(render_status(Json::array({1}), {}).empty());
@@ -101,6 +109,27 @@ TEST(RenderPlugin, SaysWhyTheOldCodeStays) {
   EXPECT_EQ(render_plugin("reloaded extra", result),
             "reloaded extra (generation 43)\n"
             "  the old code stays in memory: a thread-local object is alive\n");
+}
+
+TEST(RenderPlugin, SaysThatTheOldCodeIsGone) {
+  const Json result = Json::parse(R"({"plugin": "extra", "generation": 43, "loaded": false,
+    "unmapped": true, "why": "", "warnings": []})");
+
+  EXPECT_EQ(render_plugin("unloaded extra", result),
+            "unloaded extra, the old code is out of memory (generation 43)\n");
+}
+
+TEST(RenderPlugins, SayWhatEachBrings) {
+  const Json result = Json::parse(R"({"items": [{"name": "guidance", "version": "1.2.0", "users": 3,
+    "file": "/x/guidance.so", "cores": ["guidance/stop", "guidance/finite_time"], "types": [],
+    "components": ["guidance/control"], "warnings": ["built with another compiler"]}]})");
+
+  EXPECT_EQ(render_plugins(result, {}),
+            "guidance 1.2.0, 3 objects in use\n"
+            "  components  control\n"
+            "  cores       stop, finite_time\n"
+            "warning: guidance: built with another compiler\n");
+  EXPECT_EQ(render_plugins(Json::parse(R"({"items": []})"), {}), "none\n");
 }
 
 TEST(RenderFault, HasFourParts) {
@@ -206,6 +235,19 @@ TEST(RenderObject, IndentsWhatIsInside) {
             "task\n"
             "  priority  40\n"
             "  cpus      [1]\n");
+}
+
+TEST(RenderObject, ShowsOfAPropertyWhatIsWorthAColumn) {
+  const Json object = Json::parse(R"({"address":"control","properties":[
+    {"name":"core.gain","value":0.3,"default":0.2,"min":0,"max":10,"unit":"1/s","type":"double","text":"pull"},
+    {"name":"fsm.pace","value":"10ms","default":"10ms","min":null,"max":null,"unit":"","type":"duration","text":""}]})");
+
+  EXPECT_EQ(render_object(object, {}),
+            "address  control\n"
+            "properties\n"
+            "  NAME       VALUE  DEFAULT  UNIT  TEXT  RANGE\n"
+            "  core.gain  0.3        0.2  1/s   pull  0 to 10\n"
+            "  fsm.pace   10ms\n");
 }
 
 TEST(RenderErrors, PointAtLineAndColumn) {

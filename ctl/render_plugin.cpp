@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <array>
+#include <string>
+
+#include "render.h"
+#include "table.h"
+#include "words.h"
+
+namespace mauve::ctl {
+namespace {
+
+const Json& list_in(const Json& object, const char* key) {
+  static const Json kNone = Json::array();
+  if (!object.is_object()) return kNone;
+  const auto found = object.find(key);
+  return found != object.end() && found->is_array() ? *found : kNone;
+}
+
+/// "drivers/laser_sim" is "laser_sim" in the row of the plugin "drivers".
+std::string own_name(std::string name, const std::string& plugin) {
+  return name.starts_with(plugin + "/") ? name.substr(plugin.size() + 1) : name;
+}
+
+std::string warnings_of(const Json& plugin, const std::string& name, Look look) {
+  std::string text;
+  for (const Json& warning : list_in(plugin, "warnings")) {
+    text += painted("warning:", Paint::yellow, look.colour) + " " + name + ": " + compact(warning) +
+            "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string render_plugin(std::string_view done, const Json& result) {
+  const std::string unmapped = word(result, "unmapped");
+  std::string text(done);
+  if (unmapped == "true") text += ", the old code is out of memory";
+  text = render_receipt(text, result);
+  if (const auto why = word(result, "why"); unmapped == "false" && !why.empty()) {
+    text += "  the old code stays in memory: " + why + "\n";
+  }
+  return text + warnings_of(result, word(result, "plugin"), {});
+}
+
+std::string render_plugins(const Json& result, Look look) {
+  constexpr std::array<const char*, 5> kKinds{"components", "cores", "fsms", "resources", "types"};
+  const Json& items = list_in(result, "items");
+  if (items.empty()) return "none\n";
+  std::string text;
+  for (const Json& plugin : items) {
+    const std::string name = word(plugin, "name");
+    text += painted(name, Paint::bold, look.colour) + " " + word(plugin, "version");
+    if (const auto users = whole_number(plugin, "users"); users > 0) {
+      text += ", " + counted(users, "object") + " in use";
+    }
+    text += "\n";
+    for (const char* kind : kKinds) {
+      std::string names;
+      for (const Json& one : list_in(plugin, kind)) {
+        names += (names.empty() ? "" : ", ") + own_name(compact(one), name);
+      }
+      if (names.empty()) continue;
+      std::string line = "  " + std::string(kind);
+      line.append(14 - line.size(), ' ').append(names);
+      text += cut(line, look.width) + "\n";
+    }
+    text += warnings_of(plugin, name, look);
+  }
+  return text;
+}
+
+}  // namespace mauve::ctl
