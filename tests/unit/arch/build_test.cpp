@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "arch/build.h"
 
+#include <algorithm>
+#include <iterator>
 #include <memory>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -233,6 +236,54 @@ TEST_F(Build, ReportsAMissingPluginOnceAndNotEveryNameOfIt) {
 TEST_F(Build, DoesNotReportConnectionsToAResourceThatIsRefused) {
   const Problem problem = only_problem(with("\"sample/relay\"", "\"sample/rely\""));
   EXPECT_EQ(problem.error.at, "relay.type");
+}
+
+// Any damage to a valid file gives an architecture or problems, each with a line; never both,
+// never neither, never a crash.
+TEST_F(Build, SurvivesRandomDamageAndAlwaysNamesALine) {
+  const std::string_view pieces[] = {
+      "{",    "}",      "[]",   "\"",      ":",           ",",           "null",         "1e9",
+      "-1",   "\"x\"",  "true", "\"1ms\"", "scan",        "pose",        "relay",        "read",
+      "core", "sample", "left", "reset",   "shared_data", "ring_buffer", "\"sample/x\"", "write"};
+  std::mt19937 random(13);
+  for (int round = 0; round < 3'000; ++round) {
+    std::string text(sample::kArchitecture);
+    for (auto change = random() % 3 + 1; change > 0; --change) {
+      const std::size_t where = random() % text.size();
+      const std::size_t length = std::min<std::size_t>(random() % 8, text.size() - where);
+      text.replace(where, length, pieces[random() % std::size(pieces)]);
+    }
+    Problems problems;
+    const auto architecture = load(text, catalog_, problems);
+    ASSERT_NE(architecture == nullptr, problems.empty()) << text;
+    for (const Problem& problem : problems.sorted()) {
+      ASSERT_GT(problem.where.line, 0U) << to_string(problem, "text") << text;
+    }
+  }
+}
+
+// Words of the file exchanged for one another: mostly valid JSON with a wrong meaning.
+TEST_F(Build, SurvivesExchangedWords) {
+  const std::string_view words[] = {"scan", "pose", "relay", "left",   "right",   "read",  "write",
+                                    "core", "fsm",  "shell", "sample", "control", "repel", "reset"};
+  std::mt19937 random(17);
+  for (int round = 0; round < 3'000; ++round) {
+    std::string text(sample::kArchitecture);
+    for (int change = 0; change < 2; ++change) {
+      const std::string_view word = words[random() % std::size(words)];
+      const std::size_t found = text.find(word, random() % text.size());
+      if (found != std::string::npos) {
+        text.replace(found, word.size(), words[random() % std::size(words)]);
+      }
+    }
+    Problems problems;
+    const auto architecture = load(text, catalog_, problems);
+    ASSERT_NE(architecture == nullptr, problems.empty()) << text;
+    for (const Problem& problem : problems.sorted()) {
+      ASSERT_GT(problem.where.line, 0U) << to_string(problem, "text") << text;
+      ASSERT_FALSE(problem.error.message.empty());
+    }
+  }
 }
 
 TEST(ReadFile, SaysWhatIsWrongWithTheFile) {
