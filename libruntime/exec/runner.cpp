@@ -22,7 +22,9 @@ class Threads final : public Runner {
   }
 
   [[nodiscard]] const Clock& clock() const override { return clock_; }
-  [[nodiscard]] Duration lead(std::size_t count) const override { return 200us + 5us * static_cast<std::int64_t>(count); }
+  [[nodiscard]] Duration lead(std::size_t count) const override {
+    return 200us + 5us * static_cast<std::int64_t>(count);
+  }
 
   Status add(Task& task, const rt::ThreadAttributes& attributes) override {
     auto worker = std::make_unique<Worker>(task);

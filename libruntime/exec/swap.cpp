@@ -65,7 +65,8 @@ SwapResult::State give_up(std::vector<Member>& members) {
 
 SwapResult swap(std::vector<Member>& members, Runner& runner, Duration bound) {
   SwapResult result;
-  Duration lead = std::max(kShortestLead, Duration(kLeadPerMember * static_cast<std::int64_t>(members.size())));
+  Duration lead =
+      std::max(kShortestLead, Duration(kLeadPerMember * static_cast<std::int64_t>(members.size())));
   for (; result.attempts < kMaxAttempts; lead *= 2) {
     ++result.attempts;
     auto transaction = std::make_unique<Transaction>(runner.now() + lead.count());

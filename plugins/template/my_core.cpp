@@ -10,8 +10,8 @@
 namespace my_core {
 
 class Straight final : public guidance::GuidanceCore {
-  mauve::Property<double> speed{*this, "speed", 0.3, "at most",
-                                {.unit = "m/s", .min = 0.0, .max = 1.0}};
+  mauve::Property<double> speed{
+      *this, "speed", 0.3, "at most", {.unit = "m/s", .min = 0.0, .max = 1.0}};
 
   // [rt] Every 10 ms on the way to a goal: no heap, no lock, no file, no print here.
   guidance::Velocity steer(const guidance::Pose2D& pose, const guidance::Obstacles& obstacles,
