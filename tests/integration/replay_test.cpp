@@ -197,7 +197,7 @@ TEST(ReplayLaser, TheSafetyPilotSlowsAndStopsOnARealRecording) {
     return speeds.count(0.0) > 0 && speeds.count(0.25) > 0;
   });
 
-  EXPECT_TRUE(daemon.value("laser.core.finished"));
+  EXPECT_TRUE(eventually([&] { return daemon.value("laser.core.finished") == true; }));
   EXPECT_EQ(daemon.value("scan.read")["ranges"].size(), 682U);
   EXPECT_TRUE(speeds.count(0.0)) << "stops";
   EXPECT_TRUE(speeds.count(0.25)) << "slows";
