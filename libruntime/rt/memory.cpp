@@ -18,6 +18,8 @@ Status lock_memory() {
   getrlimit(RLIMIT_MEMLOCK, &limit);
   mallopt(M_TRIM_THRESHOLD, -1);
   mallopt(M_MMAP_MAX, 0);
+  // A thread that allocates for the first time gets an arena; locked, its spare room is real.
+  mallopt(M_TOP_PAD, 16 * 1024);
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   return ok();  // the shadow memory of a sanitizer cannot be locked
 #endif
