@@ -6,6 +6,7 @@
 #include <exception>
 
 #include "exec/swap.h"
+#include "rt/cache.h"
 
 #include <mauve/job.h>
 
@@ -35,6 +36,15 @@ Instant next_on_grid(Instant base, Duration step, Instant instant) {
   if (instant <= base || step <= Duration{0}) return base;
   const Instant past = instant - base;
   return base + (past + step.count() - 1) / step.count() * step.count();
+}
+
+/// What take() touches was written by the coordinator, often on another CPU, from where each cache
+/// line takes 100 ns. It is brought here while the old bundle is still in force.
+void fetch(const Published& next) {
+  rt::touch(&next, sizeof next);
+  rt::touch(next.bundle.get(), sizeof *next.bundle);
+  if (next.into != nullptr) rt::touch(next.into, sizeof *next.into);
+  for (const auto& [into, from] : next.observables) rt::touch(into, sizeof *into);
 }
 
 }  // namespace
@@ -78,14 +88,16 @@ void Task::serve() {
       break;
   }
   if (running_ && release_ < next->transaction->instant()) return;  // jobs lie between
-  take(*next);
+  if (due() || !claim(*next)) return;  // due: the job's own boundary is here
+  fetch(*next);
+  take(*next, clock_.now());
   acknowledge();
 }
 
 void Task::release() {
   const Instant now = clock_.now();
   drop_missed(now);
-  meet_boundary();
+  meet_boundary(now);
   if (running_) run_job(now);
   acknowledge();
 }
@@ -102,21 +114,24 @@ void Task::drop_missed(Instant now) {
 }
 
 /// The one place where a running component changes. Before it everything is old, after it new.
-void Task::meet_boundary() {
+void Task::meet_boundary(Instant now) {
   Published* next = pending_.load(std::memory_order_acquire);
   if (next == nullptr || release_ < next->transaction->instant()) return;
   // The coordinator is late: a member at its instant decides for all that nothing happens.
   if (next->transaction->decide(Transaction::State::aborted) == Transaction::State::aborted) {
     give_back(*next);
-  } else {
-    take(*next);
+  } else if (claim(*next)) {
+    take(*next, now);
   }
 }
 
-void Task::take(Published& next) {
+/// From here on the coordinator cannot take it back.
+bool Task::claim(Published& next) {
   Published* expected = &next;
-  if (!pending_.compare_exchange_strong(expected, nullptr, std::memory_order_acq_rel)) return;
-  const Instant begin = clock_.now();
+  return pending_.compare_exchange_strong(expected, nullptr, std::memory_order_acq_rel);
+}
+
+void Task::take(Published& next, Instant begin) {
   const bool was_running = running_;
   for (const auto& [port, service] : next.safe_writes) port->write_safe(*service);
   if (next.mode == Mode::park) write_safe_values();
@@ -170,8 +185,7 @@ void Task::rearm(const Published& next, bool was_running) {
 }
 
 void Task::give_back(Published& next) {
-  Published* expected = &next;
-  if (!pending_.compare_exchange_strong(expected, nullptr, std::memory_order_acq_rel)) return;
+  if (!claim(next)) return;
   note(rt::EventKind::aborted, LogLevel::debug);
   retired_.store(&next, std::memory_order_release);
   finish(next);

@@ -92,13 +92,17 @@ class Task {
   [[nodiscard]] bool running() const { return running_; }
   /// When the next job is due (monotonic); only while running.
   [[nodiscard]] Instant next_release() const { return release_; }
+  /// Has the time of the next job come?
+  [[nodiscard]] bool due() const { return running_ && clock_.now() >= release_; }
   /// The boundary and the job of the armed release.
   void release();
 
  private:
   void drop_missed(Instant now);
-  void meet_boundary();
-  void take(Published& next);
+  void meet_boundary(Instant now);
+  [[nodiscard]] bool claim(Published& next);
+  /// `begin`: when the job that the change delays would have begun.
+  void take(Published& next, Instant begin);
   void give_back(Published& next);
   void finish(Published& next);
   void acknowledge();

@@ -52,7 +52,7 @@ struct Change {
 /// What a change cost one component.
 struct MemberReceipt {
   std::string name;
-  Duration pause{0};         ///< measured on its thread: from taking the new bundle to being ready
+  Duration pause{0};         ///< measured on its thread: its next job begins at most so much later
   std::uint64_t missed = 0;  ///< releases lost between the instant and its first job after it
   std::size_t bytes = 0;     ///< size of the state handed over
 };
