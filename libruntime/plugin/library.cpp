@@ -6,10 +6,10 @@
 
 #include <cstdlib>
 #include <cstring>
-#include <exception>
 #include <string_view>
 #include <utility>
 
+#include "model/guard.h"
 #include "plugin/elf.h"
 #include "plugin/prefault.h"
 
@@ -102,16 +102,11 @@ Status Library::declare(const PluginManifest& checked) {
     return refuse(Errc::plugin_refused, {}, "is damaged: its entry is not the one in its manifest",
                   "build or copy it again");
   }
-  try {
+  Status declared = call_hook({}, "its MAUVE_PLUGIN block", [&] {
     entry->declare(*declared_);
-  } catch (const std::exception& error) {
-    return refuse(Errc::hook_threw, {},
-                  std::string("its MAUVE_PLUGIN block threw: ") + error.what(),
-                  "only register types there");
-  } catch (...) {
-    return refuse(Errc::hook_threw, {}, "its MAUVE_PLUGIN block threw something",
-                  "only register types there");
-  }
+    return ok();
+  });
+  if (!declared) return declared;
   prefault(entry);
   return ok();
 }

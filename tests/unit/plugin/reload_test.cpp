@@ -3,6 +3,8 @@
 #include <dlfcn.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
 
 #include <fstream>
 #include <memory>
@@ -172,6 +174,30 @@ TEST_F(Reload, ChangesNothingBeforeTheCommit) {
   EXPECT_EQ(catalog_.find("good")->info().serial + 1,
             catalog_.prepare_load("good")->info().serial - 1);
   EXPECT_EQ(number(*make_core(catalog_, "good/number")) % 100, 1);
+}
+
+TEST_F(Reload, TakesThePageFaultsOfNewCodeBeforeItsFirstJob) {
+#if defined(MAUVE_SANITIZE_ADDRESS_UNDEFINED) || defined(MAUVE_SANITIZE_THREAD)
+  GTEST_SKIP() << "a sanitizer touches memory of its own in every call";
+#endif
+  if (madvise(nullptr, 0, 22 /* MADV_POPULATE_READ */) != 0) {
+    GTEST_SKIP() << "this kernel (before 5.14) cannot populate pages on request";
+  }
+  const auto faults = [] {
+    rusage usage{};
+    getrusage(RUSAGE_THREAD, &usage);
+    return usage.ru_minflt + usage.ru_majflt;
+  };
+  ASSERT_TRUE(catalog_.load("good"));
+  const std::shared_ptr<CoreBase> core = make_core(catalog_, "good/number");
+  static_cast<void>(faults());
+
+  const long before = faults();
+  const int first = number(*core);
+  const long after = faults();
+
+  EXPECT_EQ(first, 101);
+  EXPECT_EQ(after, before);
 }
 
 TEST_F(Reload, PreparesOnOneThreadWhileAnotherLooksNamesUp) {
