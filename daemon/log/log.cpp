@@ -52,6 +52,7 @@ void Log::write(Record record) {
     return;
   }
   queue_.push_back(std::move(record));
+  wake_.notify_one();
 }
 
 void Log::flush() {
@@ -74,7 +75,7 @@ void Log::run() {
     std::uint64_t lost = 0;
     {
       std::unique_lock lock(mutex_);
-      wake_.wait_for(lock, kPeriod, [this] { return stopping_ || hurry_; });
+      wake_.wait_for(lock, kPeriod, [this] { return stopping_ || hurry_ || !queue_.empty(); });
       hurry_ = false;
       last = stopping_;
       batch.swap(queue_);

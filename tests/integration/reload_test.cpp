@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// Plugins that come, are rebuilt and go while the daemon runs.
+#include "trial_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using testing::HasSubstr;
+using Json = protocol::Json;
+
+TEST(Reload, RunsTheNewCodeOfAFileRebuiltAtTheSamePath) {
+  TrialDaemon daemon;
+  ASSERT_TRUE(daemon.becomes("first.core.number", 1));
+  ASSERT_TRUE(eventually([&] { return daemon.value("first.core.count") > 5; }));
+  daemon.install(2);
+
+  const auto result = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+
+  EXPECT_EQ(result["state"], "applied") << result;
+  EXPECT_EQ(result["components"].size(), 2U);
+  EXPECT_TRUE(daemon.becomes("first.core.number", 2));
+  EXPECT_TRUE(daemon.becomes("second.core.number", 2));
+  EXPECT_EQ(daemon.component("first")["state"], "running");
+}
+
+TEST(Reload, SaysWhetherTheOldCodeWasUnmappedOrWhyNot) {
+  TrialDaemon daemon;
+  static_cast<void>(daemon.client());
+  daemon.install(2);
+
+  const auto result = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+
+  ASSERT_TRUE(result["unmapped"].is_boolean()) << result;
+  EXPECT_EQ(result["unmapped"].get<bool>(), result["why"].get<std::string>().empty()) << result;
+}
+
+TEST(Reload, KeepsTheOldCodeWhenTheNewFileIsDamaged) {
+  TrialDaemon daemon;
+  static_cast<void>(daemon.client());
+  std::filesystem::remove(daemon.plugins() / "trial.so");
+  daemon.place().write("plugins/trial.so", "this is no library");
+
+  const auto error = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+
+  EXPECT_EQ(error["data"]["name"], "plugin_refused") << error;
+  EXPECT_EQ(daemon.component("first")["state"], "running");
+  EXPECT_EQ(daemon.ask("status.get")["generation"], 1);
+  EXPECT_EQ(daemon.ask("param.set", {{"values", {{"first.core.gain", 2}}}})["state"], "applied");
+}
+
+TEST(Reload, CanBeDoneOverAndOver) {
+  TrialDaemon daemon;
+  static_cast<void>(daemon.client());
+  for (int round = 0; round < 10; ++round) {
+    daemon.install(round % 2 == 0 ? 2 : 1);
+    ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}})["state"], "applied") << round;
+    EXPECT_TRUE(daemon.becomes("first.core.number", round % 2 == 0 ? 2 : 1));
+  }
+  EXPECT_EQ(daemon.ask("param.set", {{"values", {{"first.core.gain", 2}}}})["state"], "applied");
+}
+
+TEST(Load, BringsAPluginThatWasNotThereAtTheStart) {
+  TrialDaemon daemon(R"({ "schema": "mauve/architecture/1", "name": "empty", "components": {} })");
+  EXPECT_EQ(daemon.ask("plugin.list")["items"].size(), 0U);
+
+  const auto loaded = daemon.ask("plugin.load", {{"plugin", "trial"}});
+
+  EXPECT_EQ(loaded["loaded"], true) << loaded;
+  EXPECT_EQ(daemon.ask("plugin.list")["items"][0]["name"], "trial");
+}
+
+TEST(Unload, UnmapsAPluginThatNothingUses) {
+  TrialDaemon daemon(R"({ "schema": "mauve/architecture/1", "name": "empty", "components": {} })");
+  ASSERT_EQ(daemon.ask("plugin.load", {{"plugin", "trial"}})["loaded"], true);
+
+  const auto unloaded = daemon.ask("plugin.unload", {{"plugin", "trial"}});
+
+  EXPECT_EQ(unloaded["unmapped"], true) << unloaded;
+  EXPECT_EQ(daemon.ask("plugin.list")["items"].size(), 0U);
+}
+
+TEST(Unload, NamesTheUsersOfAPluginInUse) {
+  TrialDaemon daemon;
+
+  const auto error = daemon.ask("plugin.unload", {{"plugin", "trial"}});
+
+  EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("first.core"));
+}
+
+}  // namespace
+}  // namespace mauve::test

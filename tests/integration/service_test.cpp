@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// The life of mauved as a process: start, refusal, readiness, end.
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <chrono>
+
+#include "trial_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using testing::HasSubstr;
+using Json = protocol::Json;
+using Clock = std::chrono::steady_clock;
+
+/// Stands in for the service manager while it lives.
+class NotifySocket {
+ public:
+  NotifySocket() {
+    fd_ = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    timeval patience{20, 0};
+    setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strncpy(address.sun_path, (dir_ / "n").c_str(), sizeof address.sun_path - 1);
+    EXPECT_EQ(bind(fd_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    setenv("NOTIFY_SOCKET", address.sun_path, 1);
+  }
+  ~NotifySocket() {
+    unsetenv("NOTIFY_SOCKET");
+    ::close(fd_);
+  }
+  std::string next() const {
+    char buffer[1000];
+    const auto size = recv(fd_, buffer, sizeof buffer, 0);
+    return size < 0 ? std::string() : std::string(buffer, static_cast<std::size_t>(size));
+  }
+
+ private:
+  TempDir dir_;
+  int fd_ = -1;
+};
+
+TEST(Service, IsReadyWhenClientsAreServedAndSaysWhenItStops) {
+  const NotifySocket manager;
+  TrialDaemon daemon;
+
+  const auto ready = manager.next();
+  EXPECT_THAT(ready, HasSubstr("READY=1"));
+  EXPECT_THAT(ready, HasSubstr("STATUS=trial is running: 2 of 2 components"));
+  EXPECT_TRUE(RawClient(daemon.socket()).connected());
+
+  daemon.process().signal(SIGTERM);
+  EXPECT_THAT(manager.next(), HasSubstr("STOPPING=1"));
+}
+
+TEST(Service, EndsInOrderOnSigterm) {
+  TrialDaemon daemon;
+  static_cast<void>(daemon.client());
+  const auto begin = Clock::now();
+
+  daemon.process().signal(SIGTERM);
+
+  EXPECT_EQ(daemon.process().wait(), 0);
+  EXPECT_LT(Clock::now() - begin, std::chrono::seconds(8));
+  EXPECT_FALSE(std::filesystem::exists(daemon.socket()));
+  EXPECT_THAT(daemon.errors(), HasSubstr("stopping on SIGTERM"));
+  EXPECT_THAT(daemon.errors(), HasSubstr("info    stopped"));
+}
+
+TEST(Service, EndsWhileClientsAreConnectedAndWatching) {
+  TrialDaemon daemon;
+  auto idle = daemon.client();
+  auto watching = daemon.client();
+  ASSERT_TRUE(watching.ask("watch.subscribe", {{"addresses", {"signal.read"}}}).contains("result"));
+
+  daemon.process().signal(SIGINT);
+
+  EXPECT_EQ(daemon.process().wait(), 0);
+  EXPECT_TRUE(idle.closed_by_peer());
+}
+
+TEST(Service, EndsInBoundedTimeWhenACoreHangs) {
+  TrialDaemon daemon;
+  auto client = daemon.client();
+  ASSERT_TRUE(client.send(R"({"jsonrpc":"2.0","id":1,"method":"core.swap","params":)"
+                          R"({"component":"first","core":"trial/hanging"}})"
+                          "\n"));
+  ASSERT_TRUE(client.json().contains("result"));
+  ASSERT_TRUE(daemon.becomes("signal.read", 9.0));
+  const auto begin = Clock::now();
+
+  daemon.process().signal(SIGTERM);
+
+  EXPECT_EQ(daemon.process().wait(), 1);
+  EXPECT_LT(Clock::now() - begin, std::chrono::seconds(15));
+  EXPECT_THAT(daemon.errors(), HasSubstr("first: did not come back"));
+  EXPECT_FALSE(std::filesystem::exists(daemon.socket()));
+}
+
+TEST(Service, EndsInBoundedTimeWhileAChangeIsPrepared) {
+  TrialDaemon daemon;
+  auto client = daemon.client();
+  ASSERT_TRUE(
+      client.send(R"({"jsonrpc":"2.0","id":1,"method":"core.swap","params":{"component":"first",)"
+                  R"("core":"trial/slow","set":{"configure_time":"100s"}}})"
+                  "\n"));
+  EXPECT_TRUE(daemon.ask("ping").contains("pong"));
+  const auto begin = Clock::now();
+
+  daemon.process().signal(SIGTERM);
+
+  EXPECT_EQ(daemon.process().wait(), 1);
+  EXPECT_LT(Clock::now() - begin, std::chrono::seconds(20));
+}
+
+TEST(Service, HurriesOnASecondSignal) {
+  TrialDaemon daemon;
+  auto client = daemon.client();
+  ASSERT_TRUE(
+      client.send(R"({"jsonrpc":"2.0","id":1,"method":"core.swap","params":{"component":"first",)"
+                  R"("core":"trial/slow","set":{"configure_time":"100s"}}})"
+                  "\n"));
+  EXPECT_TRUE(daemon.ask("ping").contains("pong"));
+  daemon.process().signal(SIGTERM);
+  ASSERT_TRUE(eventually([&] { return daemon.errors().find("stopping") != std::string::npos; }));
+  const auto begin = Clock::now();
+
+  daemon.process().signal(SIGTERM);
+
+  EXPECT_EQ(daemon.process().wait(), 1);
+  EXPECT_LT(Clock::now() - begin, std::chrono::seconds(5));
+  EXPECT_THAT(daemon.errors(), HasSubstr("second signal"));
+}
+
+TEST(Service, RefusesASecondInstanceOnTheSameSocket) {
+  TrialDaemon daemon;
+  static_cast<void>(daemon.client());
+  const auto errors = (daemon.place() / "second.txt").string();
+
+  Process second(daemon.command(), errors);
+
+  EXPECT_EQ(second.wait(), 1);
+  EXPECT_THAT(TempDir::read(errors), HasSubstr("another mauved"));
+  EXPECT_EQ(daemon.component("first")["state"], "running");
+}
+
+TEST(Service, ClearsTheSocketOfOneThatWasKilled) {
+  TrialDaemon daemon;
+  static_cast<void>(daemon.client());
+  daemon.process().signal(SIGKILL);
+  static_cast<void>(daemon.process().wait());
+  ASSERT_TRUE(std::filesystem::exists(daemon.socket()));
+
+  daemon.start();
+
+  EXPECT_EQ(daemon.component("first")["state"], "running");
+}
+
+TEST(Service, TellsAllErrorsOfAFileAndStartsNothing) {
+  TrialDaemon daemon(R"({
+    "schema": "mauve/architecture/1", "name": "bad", "plugins": ["trial", "nothere"],
+    "components": { "a": { "type": "trial/unit", "core": "trial/stedy", "tsk": {} } }
+  })");
+
+  EXPECT_EQ(daemon.process().wait(), 1);
+
+  const auto errors = daemon.errors();
+  EXPECT_THAT(errors, testing::ContainsRegex("trial.json:2:[0-9]+: plugins.nothere"));
+  EXPECT_THAT(errors, HasSubstr("did you mean \"trial/steady\"?"));
+  EXPECT_THAT(errors, HasSubstr("unknown key \"tsk\""));
+  EXPECT_FALSE(std::filesystem::exists(daemon.socket()));
+}
+
+TEST(Service, RefusesAFileWhoseHooksRefuse) {
+  TrialDaemon daemon(R"({
+    "schema": "mauve/architecture/1", "name": "bad", "plugins": ["trial"],
+    "components": { "a": { "type": "trial/unit", "core": "trial/throwing_hook" } }
+  })");
+
+  EXPECT_EQ(daemon.process().wait(), 1);
+  EXPECT_THAT(daemon.errors(), HasSubstr("no such device"));
+}
+
+TEST(Check, NeedsNoSocketAndPrintsEveryErrorWithItsPlace) {
+  const TempDir dir;
+  const auto file = dir.write("bad.json", "{\n  \"schema\": 1,\n  \"nmae\": \"x\"\n}\n");
+  const auto errors = (dir / "errors.txt").string();
+
+  Process check({MAUVE_BIN_DIR "/mauved", "--check", file.string()}, errors);
+
+  EXPECT_EQ(check.wait(), 1);
+  EXPECT_THAT(TempDir::read(errors), HasSubstr("bad.json:2:"));
+  EXPECT_THAT(TempDir::read(errors), HasSubstr("bad.json:3:3: unknown key \"nmae\""));
+}
+
+TEST(Check, AcceptsTheArchitecturesThatAreShipped) {
+  TempDir dir;
+  const auto errors = (dir / "errors.txt").string();
+
+  Process check({MAUVE_BIN_DIR "/mauved", MAUVE_ETC_DIR "/minimal.json", "--check", "--plugin-dir",
+                 MAUVE_PLUGIN_DIR},
+                errors);
+
+  EXPECT_EQ(check.wait(), 0) << TempDir::read(errors);
+}
+
+TEST(Log, IsJsonLinesInAFile) {
+  const TempDir dir;
+  const auto log = (dir / "log.jsonl").string();
+  TrialDaemon daemon(kTrial, {"--realtime", "off", "--log-file", log});
+  static_cast<void>(daemon.client());
+  daemon.process().signal(SIGTERM);
+  ASSERT_EQ(daemon.process().wait(), 0);
+
+  std::ifstream lines(log);
+  std::vector<std::string> events;
+  for (std::string line; std::getline(lines, line);) {
+    const auto json = protocol::parse_json(line);
+    ASSERT_TRUE(json) << line;
+    events.push_back((*json)["event"]);
+  }
+
+  EXPECT_EQ(events.front(), "daemon_starting");
+  EXPECT_THAT(events, testing::Contains("component_stopped"));
+  EXPECT_EQ(events.back(), "daemon_stopped");
+}
+
+TEST(Realtime, IsRequiredInWordsThatNameWhatIsMissing) {
+  if (geteuid() != 0 || !std::filesystem::exists("/usr/bin/setpriv")) {
+    GTEST_SKIP() << "needs root and setpriv to give privileges away";
+  }
+  TrialDaemon daemon;
+  auto words = daemon.command();
+  const auto place = std::filesystem::temp_directory_path() / ("mauve-" + std::to_string(getpid()));
+  for (auto& word : words) {
+    if (word == daemon.socket().string()) {
+      word = (place / "s").string();
+    }
+    word = word == "off" ? "require" : word;
+  }
+  words.insert(words.begin(),
+               {"/usr/bin/setpriv", "--bounding-set=-sys_nice,-ipc_lock", "--inh-caps=-all",
+                "/usr/bin/prlimit", "--rtprio=0:0", "--memlock=65536:65536"});
+  const auto errors = (daemon.place() / "require.txt").string();
+
+  Process refused(words, errors);
+
+  EXPECT_EQ(refused.wait(), 1);
+  EXPECT_THAT(TempDir::read(errors), HasSubstr("realtime: "));
+  std::filesystem::remove_all(place);
+}
+
+}  // namespace
+}  // namespace mauve::test

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// Changes of a running daemon, over its socket.
+#include "trial_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using testing::HasSubstr;
+using Json = protocol::Json;
+
+Json swap(const std::string& core) { return {{"component", "first"}, {"core", core}}; }
+
+TEST(Swap, ReplacesACoreAndKeepsItsState) {
+  TrialDaemon daemon;
+  ASSERT_TRUE(eventually([&] { return daemon.value("first.core.count") > 10; }));
+
+  const auto receipt = daemon.ask(
+      "core.swap", {{"component", "first"}, {"core", "trial/other"}, {"set", {{"gain", 3.0}}}});
+
+  EXPECT_EQ(receipt["generation"], 2) << receipt;
+  EXPECT_EQ(receipt["changed"], true);
+  EXPECT_EQ(receipt["state"], "applied");
+  EXPECT_GT(receipt["commit"], 0);
+  ASSERT_EQ(receipt["components"].size(), 1U);
+  EXPECT_EQ(receipt["components"][0]["name"], "first");
+  EXPECT_TRUE(receipt["components"][0]["missed"].is_number());
+  EXPECT_GT(receipt["components"][0]["bytes"], 0);
+  EXPECT_EQ(daemon.component("first")["core"], "trial/other");
+  EXPECT_TRUE(daemon.becomes("signal.read", 3.0));
+  EXPECT_TRUE(eventually([&] { return daemon.value("first.core.count") > 10; }));
+}
+
+TEST(Swap, ChangesNothingWhenItIsRefused) {
+  TrialDaemon daemon;
+  const std::vector<std::pair<Json, std::string>> refused = {
+      {swap("trial/refusing"), "invalid_value"},
+      {swap("trial/throwing_hook"), "hook_threw"},
+      {swap("trial/another"), "type_mismatch"},
+      {swap("trial/othr"), "unknown_name"},
+      {swap("nothere/core"), "unknown_name"},
+      {{{"component", "frist"}, {"core", "trial/other"}}, "unknown_name"},
+      {{{"component", "signal"}, {"core", "trial/other"}}, "type_mismatch"},
+      {{{"component", "first"}, {"core", "trial/other"}, {"set", {{"gain", 11}}}}, "invalid_value"},
+      {{{"component", "first"}, {"core", "trial/other"}, {"set", {{"gian", 1}}}}, "unknown_name"},
+      {{{"component", "first"}, {"core", "trial/other"}, {"set", {{"gain", "x"}}}},
+       "invalid_value"},
+      {{{"component", "first"}, {"core", "trial/other"}, {"state", "drip"}}, "invalid_value"},
+      {{{"component", "first"}, {"core", "trial/other"}, {"if_generation", 7}}, "conflict"},
+  };
+  for (const auto& [params, name] : refused) {
+    const auto error = daemon.ask("core.swap", params);
+    EXPECT_EQ(error["data"]["name"], name) << params << error;
+    EXPECT_EQ(error["data"]["state"], "unchanged");
+    EXPECT_EQ(error["data"]["generation"], 1);
+    EXPECT_FALSE(error["message"].get<std::string>().empty());
+  }
+
+  EXPECT_EQ(daemon.component("first")["core"], "trial/steady");
+  EXPECT_EQ(daemon.component("first")["state"], "running");
+}
+
+TEST(Swap, SuggestsTheNearestName) {
+  TrialDaemon daemon;
+
+  EXPECT_THAT(daemon.ask("core.swap", swap("trial/othr"))["data"]["hint"].get<std::string>(),
+              HasSubstr("trial/other"));
+  EXPECT_THAT(
+      daemon.ask("param.get", {{"address", "first.core.gian"}})["data"]["hint"].get<std::string>(),
+      HasSubstr("first.core.gain"));
+}
+
+TEST(SwapInPlace, ExchangesTheCoresOfAParkedComponent) {
+  TrialDaemon daemon;
+
+  const auto receipt = daemon.ask(
+      "core.swap", {{"component", "first"}, {"core", "trial/other"}, {"in_place", true}});
+
+  EXPECT_EQ(receipt["state"], "applied") << receipt;
+  EXPECT_EQ(daemon.component("first")["core"], "trial/other");
+  EXPECT_EQ(daemon.component("first")["state"], "running");
+}
+
+TEST(SwapInPlace, GoesBackToTheOldCoreWhenTheNewOneRefuses) {
+  TrialDaemon daemon;
+
+  const auto error = daemon.ask(
+      "core.swap", {{"component", "first"}, {"core", "trial/refusing"}, {"in_place", true}});
+
+  EXPECT_EQ(error["data"]["name"], "invalid_value") << error;
+  EXPECT_EQ(error["data"]["state"], "rolled_back");
+  EXPECT_EQ(daemon.component("first")["core"], "trial/steady");
+  EXPECT_EQ(daemon.component("first")["state"], "running");
+}
+
+TEST(Set, ChangesSeveralPropertiesAtOneInstant) {
+  TrialDaemon daemon;
+
+  const auto receipt = daemon.ask(
+      "param.set", {{"values", {{"first.core.gain", 2.5}, {"second.fsm.period", "10ms"}}}});
+
+  EXPECT_EQ(receipt["generation"], 2) << receipt;
+  EXPECT_EQ(receipt["components"].size(), 2U);
+  EXPECT_TRUE(daemon.becomes("signal.read", 2.5));
+  EXPECT_EQ(daemon.value("second.fsm.period"), "10ms");
+}
+
+TEST(Set, RefusesAllWhenOneIsWrong) {
+  TrialDaemon daemon;
+
+  const auto error =
+      daemon.ask("param.set", {{"values", {{"first.core.gain", 2.5}, {"second.core.gain", 99}}}});
+
+  EXPECT_EQ(error["data"]["where"], "second.core.gain") << error;
+  EXPECT_EQ(daemon.value("first.core.gain"), 1.0);
+}
+
+TEST(Set, RefusesToForgetAStateThatIsNotDeclared) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("core.swap", swap("trial/forgetful"))["state"], "applied");
+
+  const auto refused = daemon.ask("param.set", {{"values", {{"first.core.gain", 2}}}});
+  EXPECT_THAT(refused["data"]["hint"].get<std::string>(), HasSubstr("--state drop"));
+
+  EXPECT_EQ(
+      daemon.ask("param.set", {{"values", {{"first.core.gain", 2}}}, {"state", "drop"}})["state"],
+      "applied");
+}
+
+TEST(Connect, TakesEffectAndSoDoesDisconnect) {
+  TrialDaemon daemon;
+  ASSERT_TRUE(daemon.becomes("second.core.input", 1.0));
+
+  ASSERT_EQ(daemon.ask("port.disconnect", {{"port", "second.ports.input"}})["state"], "applied");
+  EXPECT_TRUE(daemon.becomes("second.core.input", 0.5));  // the default of the port
+
+  ASSERT_EQ(daemon.ask("port.connect",
+                       {{"port", "second.ports.input"}, {"service", "signal.read"}})["state"],
+            "applied");
+  EXPECT_TRUE(daemon.becomes("second.core.input", 1.0));
+}
+
+TEST(Connect, WritesTheSafeValueWhenAWriterIsDisconnected) {
+  TrialDaemon daemon;
+  ASSERT_TRUE(daemon.becomes("signal.read", 1.0));
+
+  ASSERT_EQ(daemon.ask("port.disconnect", {{"port", "first.ports.output"}})["state"], "applied");
+
+  EXPECT_TRUE(daemon.becomes("signal.read", -1.0));
+}
+
+TEST(Connect, ChangesNothingWhenItIsRefused) {
+  TrialDaemon daemon;
+  const auto connecting = [&](const char* port, const char* service) {
+    return daemon.ask("port.connect", {{"port", port}, {"service", service}})["data"]["name"];
+  };
+
+  EXPECT_EQ(connecting("second.ports.input", "signal.read"), "duplicate");
+  EXPECT_EQ(connecting("first.ports.input", "signal.write"), "type_mismatch");
+  EXPECT_EQ(connecting("first.ports.input", "count.read"), "type_mismatch");
+  EXPECT_EQ(connecting("first.ports.inptu", "signal.read"), "unknown_name");
+  EXPECT_EQ(connecting("first.ports.input", "signal.raed"), "unknown_name");
+  EXPECT_EQ(connecting("first.input", "signal.read"), "invalid_value");
+  EXPECT_NE(daemon.ask("port.disconnect", {{"port", "first.ports.input"}})["data"], Json());
+  EXPECT_EQ(daemon.ask("status.get")["generation"], 1);
+}
+
+TEST(Stop, ParksWithSafeValuesAndStartGoesOn) {
+  TrialDaemon daemon;
+  ASSERT_TRUE(daemon.becomes("signal.read", 1.0));
+
+  ASSERT_EQ(daemon.ask("component.stop", {{"components", {"first"}}})["state"], "applied");
+  EXPECT_EQ(daemon.component("first")["state"], "stopped");
+  EXPECT_TRUE(daemon.becomes("signal.read", -1.0));
+  EXPECT_EQ(daemon.ask("component.stop", {{"components", {"first"}}})["changed"], false);
+
+  ASSERT_EQ(daemon.ask("component.start", {{"components", {"first"}}})["state"], "applied");
+  EXPECT_TRUE(daemon.becomes("signal.read", 1.0));
+  EXPECT_EQ(daemon.ask("component.start", {{"components", {"first"}}})["data"]["name"],
+            "wrong_state");
+}
+
+TEST(Stop, OfAllIsServedWhileALongChangeIsPrepared) {
+  TrialDaemon daemon;
+  auto slow = daemon.client();
+  ASSERT_TRUE(slow.send(R"({"jsonrpc":"2.0","id":7,"method":"core.swap","params":)"
+                        R"({"component":"first","core":"trial/slow"}})"
+                        "\n"));
+  auto other = daemon.client();
+  EXPECT_EQ(other.ask("ping")["result"]["pong"], true);
+
+  EXPECT_EQ(other.ask("component.stop", {{"all", true}})["result"]["state"], "applied");
+
+  EXPECT_FALSE(slow.line(std::chrono::milliseconds(0)).has_value());
+  EXPECT_EQ(daemon.component("first")["state"], "stopped");
+  EXPECT_EQ(daemon.component("second")["state"], "stopped");
+  // What was prepared before the stop must not set anything going again.
+  const auto answer = slow.json();
+  EXPECT_EQ(answer["id"], 7);
+  EXPECT_EQ(answer["error"]["data"]["name"], "conflict") << answer;
+  EXPECT_EQ(daemon.component("first")["state"], "stopped");
+}
+
+TEST(Change, WaitsForTheOneUnderWayWhileReadsAreServed) {
+  TrialDaemon daemon;
+  auto slow = daemon.client();
+  ASSERT_TRUE(slow.send(R"({"jsonrpc":"2.0","id":7,"method":"core.swap","params":)"
+                        R"({"component":"first","core":"trial/slow"}})"
+                        "\n"));
+  auto second = daemon.client();
+  ASSERT_TRUE(second.send(R"({"jsonrpc":"2.0","id":8,"method":"param.set","params":)"
+                          R"({"values":{"second.core.gain":2}}})"
+                          "\n"));
+  EXPECT_EQ(daemon.ask("status.get")["generation"], 1);
+  EXPECT_FALSE(second.line(std::chrono::milliseconds(0)).has_value());
+
+  EXPECT_EQ(slow.json()["result"]["generation"], 2);
+  EXPECT_EQ(second.json()["result"]["generation"], 3);
+}
+
+TEST(Change, IsGivenUpWhenItsDeadlinePassesBeforeItBegins) {
+  TrialDaemon daemon;
+
+  const auto error = daemon.ask(
+      "core.swap", {{"component", "first"}, {"core", "trial/slow"}, {"deadline_ms", 100}});
+
+  EXPECT_EQ(error["data"]["name"], "timed_out") << error;
+  EXPECT_EQ(daemon.component("first")["core"], "trial/steady");
+}
+
+TEST(Fault, StopsItsOwnComponentOnly) {
+  TrialDaemon daemon;
+  ASSERT_TRUE(daemon.becomes("signal.read", 1.0));
+
+  ASSERT_EQ(daemon.ask("core.swap", swap("trial/throwing_job"))["state"], "applied");
+
+  ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
+  EXPECT_THAT(daemon.component("first")["fault"].get<std::string>(), HasSubstr("division"));
+  EXPECT_EQ(daemon.component("second")["state"], "running");
+  EXPECT_TRUE(daemon.becomes("signal.read", -1.0));
+  const auto records = daemon.ask("log.tail", {{"level", "error"}})["records"];
+  ASSERT_FALSE(records.empty());
+  EXPECT_EQ(records[0]["event"], "component_faulted");
+  EXPECT_EQ(records[0]["component"], "first");
+}
+
+TEST(Fault, IsOverAfterASwapToASoundCoreAndAStart) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("core.swap", swap("trial/throwing_job"))["state"], "applied");
+  ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
+
+  EXPECT_EQ(daemon.ask("core.swap", swap("trial/steady"))["state"], "applied");
+  EXPECT_EQ(daemon.ask("component.start", {{"components", {"first"}}})["state"], "applied");
+
+  EXPECT_EQ(daemon.component("first")["state"], "running");
+  EXPECT_TRUE(daemon.becomes("signal.read", 1.0));
+}
+
+TEST(Export, GivesTheSameSystemWhenItIsLoaded) {
+  Json exported;
+  {
+    TrialDaemon daemon;
+    ASSERT_EQ(daemon.ask("core.swap", {{"component", "first"},
+                                       {"core", "trial/other"},
+                                       {"set", {{"gain", 3.0}}}})["state"],
+              "applied");
+    ASSERT_EQ(daemon.ask("port.disconnect", {{"port", "second.ports.input"}})["state"], "applied");
+    ASSERT_EQ(daemon.ask("component.stop", {{"components", {"second"}}})["state"], "applied");
+    exported = daemon.ask("config.get")["architecture"];
+  }
+  TrialDaemon again(exported.dump());
+
+  EXPECT_EQ(again.ask("config.get")["architecture"], exported);
+  EXPECT_EQ(again.component("first")["core"], "trial/other");
+  EXPECT_EQ(again.component("second")["state"], "stopped");
+  EXPECT_EQ(again.value("first.core.gain"), 3.0);
+}
+
+}  // namespace
+}  // namespace mauve::test

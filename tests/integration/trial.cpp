@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Plugin "trial" of the integration tests: one component and cores that behave well or badly.
+/// Built twice, with NUMBER 1 and 2, so that a rebuilt file can be told from the one before.
+#include <mauve/plugin.h>
+
+#include <chrono>
+#include <cstdint>
+#include <stdexcept>
+#include <thread>
+
+namespace trial {
+
+struct Memory {
+  std::int64_t count = 0;
+};
+
+}  // namespace trial
+
+template <>
+struct mauve::Described<trial::Memory> {
+  static constexpr std::string_view name = "trial_memory/1";
+  static constexpr auto fields() { return std::tuple{field("count", &trial::Memory::count)}; }
+};
+
+namespace trial {
+namespace {
+
+struct TrialShell : mauve::Shell {
+  mauve::ReadPort<double> input{*this, "input", 0.5};
+  mauve::WritePort<double> output{*this, "output", mauve::Safe{-1.0}};
+  mauve::Property<std::int64_t> size{*this, "size", 7, "of the shell"};
+};
+
+class TrialCore : public mauve::Core<TrialShell> {
+ public:
+  using Contract = TrialCore;
+  static constexpr const char* contract = "trial/core/1";
+
+  virtual void update() = 0;  // [rt] every period
+};
+
+/// Counts, writes its gain, shows which build it is of.
+class Steady : public TrialCore {
+ public:
+  void update() override {
+    count = ++state->count;
+    number = NUMBER;  // a swap to the same core hands observables over
+    input = shell().input.read();
+    shell().output.write(gain);
+  }
+
+ protected:
+  mauve::State<Memory> state{*this};
+  mauve::Property<double> gain{*this, "gain", 1.0, "written out", {.min = 0.0, .max = 10.0}};
+  mauve::Observable<std::int64_t> count{*this, "count", 0, "jobs so far"};
+  mauve::Observable<double> input{*this, "input", 0, "what was read"};
+  mauve::Observable<std::int64_t> number{*this, "number", 0, "of the build"};
+};
+
+class Other final : public Steady {};
+
+/// Writes its count: every value differs from the one before.
+class Counting final : public Steady {
+  void update() override {
+    Steady::update();
+    shell().output.write(static_cast<double>(state->count));
+  }
+};
+
+/// Takes its time to get ready.
+class Slow final : public Steady {
+  mauve::Property<mauve::Duration> configure_time{*this, "configure_time",
+                                                  std::chrono::milliseconds(1500)};
+  mauve::Status on_configure() override {
+    std::this_thread::sleep_for(configure_time.get());
+    return mauve::ok();
+  }
+};
+
+class Refusing final : public Steady {
+  mauve::Status on_configure() override { return mauve::invalid(gain, "is not to its liking"); }
+};
+
+class ThrowingHook final : public Steady {
+  mauve::Status on_configure() override { throw std::runtime_error("no such device"); }
+};
+
+class ThrowingJob final : public Steady {
+  void update() override { throw std::runtime_error("division by something"); }
+};
+
+class Hanging final : public Steady {
+  void update() override {
+    shell().output.write(9.0);
+    for (volatile bool for_ever = true; for_ever;) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  }
+};
+
+/// Neither state nor statelessness declared.
+class Forgetful final : public TrialCore {
+  mauve::Property<double> gain{*this, "gain", 1.0, "written out"};
+  void update() override {}
+};
+
+struct AnotherShell : mauve::Shell {};
+class AnotherCore : public mauve::Core<AnotherShell> {
+ public:
+  using Contract = AnotherCore;
+  static constexpr const char* contract = "trial/another/1";
+  void update() {}
+};
+
+}  // namespace
+}  // namespace trial
+
+MAUVE_PLUGIN(plugin) {
+  plugin.core<trial::Steady>("steady");
+  plugin.core<trial::Other>("other");
+  plugin.core<trial::Counting>("counting");
+  plugin.core<trial::Slow>("slow");
+  plugin.core<trial::Refusing>("refusing");
+  plugin.core<trial::ThrowingHook>("throwing_hook");
+  plugin.core<trial::ThrowingJob>("throwing_job");
+  plugin.core<trial::Hanging>("hanging");
+  plugin.core<trial::Forgetful>("forgetful");
+  plugin.core<trial::AnotherCore>("another");
+  plugin.component<trial::TrialShell, mauve::PeriodicFsm<trial::TrialCore>>("unit", "steady");
+}

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// mauved on an architecture of two components from the plugin "trial", in a directory of the test.
+#pragma once
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "support/daemon_process.h"
+#include "support/raw_client.h"
+#include "support/temp_dir.h"
+
+namespace mauve::test {
+
+inline constexpr const char* kTrial = R"({
+  "schema": "mauve/architecture/1",
+  "name": "trial",
+  "plugins": ["trial"],
+  "resources": {
+    "signal": { "type": "shared_data", "data": "double" },
+    "count": { "type": "shared_data", "data": "int64" }
+  },
+  "components": {
+    "first":  { "type": "trial/unit", "properties": { "fsm.period": "2ms" },
+                "ports": { "output": "signal.write" } },
+    "second": { "type": "trial/unit", "properties": { "fsm.period": "5ms" },
+                "ports": { "input": "signal.read" } }
+  }
+})";
+
+class TrialDaemon {
+ public:
+  using Json = protocol::Json;
+
+  explicit TrialDaemon(const std::string& architecture = kTrial,
+                       std::vector<std::string> more = {"--realtime", "off"})
+      : file_(place_.write("trial.json", architecture)), more_(std::move(more)) {
+    std::filesystem::create_directory(plugins());
+    install(1);
+    start();
+  }
+
+  /// Puts build 1 or 2 of the plugin in place, as a build tool does: a new file, then its name.
+  void install(int number) const {
+    const auto from = std::filesystem::path(MAUVE_TRIAL_DIR) / std::to_string(number) / "trial.so";
+    std::filesystem::copy_file(from, plugins() / "new",
+                               std::filesystem::copy_options::overwrite_existing);
+    std::filesystem::rename(plugins() / "new", plugins() / "trial.so");
+  }
+  void start() { process_ = std::make_unique<Process>(command(), errors_path()); }
+
+  /// A client that has read its greeting; gives up when the daemon has ended.
+  [[nodiscard]] RawClient client() {
+    std::unique_ptr<RawClient> found;
+    static_cast<void>(eventually([&] {
+      found = std::make_unique<RawClient>(socket());
+      return (found->connected() && !found->json().is_null()) || !process_->running();
+    }));
+    return std::move(*found);
+  }
+  /// One question on a connection of its own: the result, or the object under "error".
+  Json ask(const std::string& method, Json params = Json::object()) {
+    auto asking = client();
+    auto answer = asking.ask(method, std::move(params));
+    return answer.contains("result") ? answer["result"] : answer["error"];
+  }
+  Json value(const std::string& address) {
+    return ask("param.get", {{"address", address}})["value"];
+  }
+  Json component(const std::string& name) {
+    const auto status = ask("status.get");
+    for (const auto& row : status["components"]) {
+      if (row["name"] == name) {
+        return row;
+      }
+    }
+    return nullptr;
+  }
+  /// Waits until the value at an address is `wanted`.
+  [[nodiscard]] bool becomes(const std::string& address, const Json& wanted) {
+    return eventually([&] { return value(address) == wanted; });
+  }
+
+  [[nodiscard]] Process& process() { return *process_; }
+  [[nodiscard]] std::filesystem::path socket() const { return place_ / "mauved.sock"; }
+  [[nodiscard]] std::filesystem::path plugins() const { return place_ / "plugins"; }
+  [[nodiscard]] const TempDir& place() const { return place_; }
+  [[nodiscard]] std::string errors() const { return TempDir::read(errors_path()); }
+  [[nodiscard]] std::vector<std::string> command() const {
+    std::vector<std::string> words = {MAUVE_BIN_DIR "/mauved", file_.string(), "--socket",
+                                      socket().string(),       "--plugin-dir", plugins().string()};
+    words.insert(words.end(), more_.begin(), more_.end());
+    return words;
+  }
+
+ private:
+  [[nodiscard]] std::string errors_path() const { return (place_ / "errors.txt").string(); }
+
+  TempDir place_;
+  std::filesystem::path file_;
+  std::vector<std::string> more_;
+  std::unique_ptr<Process> process_;
+};
+
+}  // namespace mauve::test
