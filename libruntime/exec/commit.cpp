@@ -119,7 +119,7 @@ PreparedChange only_mode(ComponentBase& component, Mode mode) {
   PreparedMember member;
   member.component = &component;
   member.base = component.bundle();
-  member.next = std::make_shared<Bundle>(*component.bundle());
+  member.next = component.bundle();
   member.mode = mode;
   content->members.push_back(std::move(member));
   return PreparedChange(std::move(content));
@@ -147,7 +147,7 @@ Result<Receipt> commit_change(System& system, PreparedChange& change, Retired& r
                   {}};
   for (std::size_t i = 0; i < members.size(); ++i) {
     const PreparedMember& member = content.members[i];
-    member.component->install(member.next);
+    if (member.next != member.base) member.component->install(member.next);
     retire(member, retired);
     receipt.components.push_back({member.component->name(), members[i].in_force->pause,
                                   members[i].task->counters().missed.load() - missed_before[i],

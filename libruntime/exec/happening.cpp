@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// From fixed records of real-time threads to text. [log]
 #include <algorithm>
+#include <array>
+#include <cstdio>
 
 #include "base/duration.h"
 #include "exec/system.h"
@@ -30,6 +32,20 @@ std::string_view name_of(rt::EventKind kind) {
   return "unknown";
 }
 
+/// Three digits and a unit, for people: "3.01 ms".
+std::string rounded(std::int64_t nanoseconds) {
+  constexpr std::array<std::pair<double, const char*>, 4> kUnits{
+      {{1e9, "s"}, {1e6, "ms"}, {1e3, "us"}, {1, "ns"}}};
+  const auto value = static_cast<double>(nanoseconds);
+  for (const auto& [size, unit] : kUnits) {
+    if (value < size && size > 1) continue;
+    char text[40];
+    std::snprintf(text, sizeof text, "%.3g %s", value / size, unit);
+    return text;
+  }
+  return {};
+}
+
 std::string to_text(const LogArgument& argument) {
   return argument.is_number ? to_string(Value(argument.number)) : std::to_string(argument.integer);
 }
@@ -48,15 +64,18 @@ std::string fill_in(std::string text, const LogArgument& a, const LogArgument& b
 }
 
 std::string text_of(const rt::Event& event) {
-  const auto time = [](const LogArgument& a) { return format_duration(Duration{a.integer}); };
+  const auto since_t0 = [](const LogArgument& a) {
+    return "T0 + " + format_duration(Duration{a.integer});
+  };
+  const auto time = [](const LogArgument& a) { return rounded(a.integer); };
   const auto count = [](const LogArgument& a) { return std::to_string(a.integer); };
   switch (event.kind) {
     case rt::EventKind::log:
       return fill_in(event.literal, event.a, event.b);
     case rt::EventKind::started:
-      return "first release at T0 + " + time(event.a);
+      return "first release at " + since_t0(event.a);
     case rt::EventKind::stopped:
-      return "stopped at T0 + " + time(event.a);
+      return "stopped at " + since_t0(event.a);
     case rt::EventKind::swapped:
       return "new elements in force, pause " + time(event.a) + ", " + count(event.b) +
              " bytes handed over";

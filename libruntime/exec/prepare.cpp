@@ -108,7 +108,10 @@ class MemberBuilder {
     PreparedMember member;
     member.component = &component_;
     member.base = component_.bundle();
-    member.next = next_;
+    // Stopping and starting leave the bundle alone, so that `stop --all` does not overtake a change
+    // that is being prepared.
+    const bool only_mode = !remake_fsm_ && edit_.connect.empty() && edit_.disconnect.empty();
+    member.next = only_mode ? member.base : next_;
     member.mode = edit_.mode;
     member.state = edit_.state;
     member.restart = edit_.mode == Mode::run;

@@ -14,7 +14,7 @@ namespace mauve::exec {
 struct PreparedMember {
   ComponentBase* component = nullptr;
   std::shared_ptr<const Bundle> base;  ///< what it was prepared against
-  std::shared_ptr<Bundle> next;
+  std::shared_ptr<const Bundle> next;  ///< the same as `base` when only the mode changes
   Mode mode = Mode::keep;
   StatePolicy state = StatePolicy::keep;
   bool restart = false;

@@ -260,6 +260,22 @@ TEST_F(Swap, RefusesAChangeThatSomebodyElseOvertook) {
   EXPECT_EQ(refused.error().code, Errc::conflict);
 }
 
+TEST_F(Swap, CommitsAPreparedChangeOnAComponentThatWasStoppedMeanwhile) {
+  Edit edit;
+  edit.component = "control";
+  edit.core = CoreType::of<ramp::Down>("ramp/down");
+  Result<PreparedChange> slow = deployer.prepare({{edit}});
+  ASSERT_TRUE(slow);
+  ASSERT_TRUE(deployer.stop({"control"}));
+
+  Retired retired;
+  const Result<Receipt> done = deployer.commit(*slow, retired);
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_EQ(control().core, "ramp/down");
+  EXPECT_EQ(control().state, ComponentState::stopped) << "a swap does not start it";
+}
+
 TEST_F(Swap, MovesNothingWhileACoreIsPrepared) {
   deployer.run_for(50ms);
   struct Eager : ramp::Up {
