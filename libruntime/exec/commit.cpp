@@ -5,6 +5,8 @@
 #include "exec/swap.h"
 #include "exec/system.h"
 
+#include <mauve/job.h>
+
 namespace mauve::exec {
 namespace {
 
@@ -127,6 +129,7 @@ PreparedChange only_mode(ComponentBase& component, Mode mode) {
 
 Result<Receipt> commit_change(System& system, PreparedChange& change, Retired& retired,
                               Duration longest_job) {
+  if (Status outside = refuse_in_job("deployer", "commit()"); !outside) return outside.error();
   PreparedChange::Content& content = change.content();
   std::vector<Member> members;
   std::vector<std::uint64_t> missed_before;

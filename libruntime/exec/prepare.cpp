@@ -260,6 +260,7 @@ Status check_once(const Change& change) {
 }  // namespace
 
 Result<PreparedChange> prepare_change(System& system, const Change& change, bool configure) {
+  if (Status outside = refuse_in_job("deployer", "a change"); !outside) return outside.error();
   if (!system.up) {
     return refuse(Errc::wrong_state, system.architecture.name(), "is not deployed",
                   "before deployment change the elements themselves");

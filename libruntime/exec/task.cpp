@@ -205,6 +205,7 @@ void Task::finish(Published& next) {
 void Task::run_job(Instant now) {
   Job& job = this_job();
   job.start = now;
+  job.running = true;
   job.lock_bound = current_->shortest_wait;
   this_ring() = &events_;
   const Instant lateness = now - release_;
@@ -223,6 +224,7 @@ void Task::run_job(Instant now) {
   }
   this_ring() = nullptr;
   job.start = 0;
+  job.running = false;
 }
 
 /// Execution states up to the next synchronization state, which arms the next release.

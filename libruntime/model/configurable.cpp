@@ -3,6 +3,7 @@
 
 #include "model/guard.h"
 
+#include <mauve/job.h>
 #include <mauve/observable.h>
 #include <mauve/property.h>
 
@@ -26,6 +27,7 @@ Status located(Status status, const std::string& address) {
 }  // namespace
 
 Status Configurable::configure() {
+  if (Status outside = refuse_in_job(address_, "configure()"); !outside) return outside;
   if (configured()) return ok();
   if (deferred_) {
     Error error = *std::move(deferred_);
@@ -45,6 +47,7 @@ Status Configurable::configure() {
 }
 
 Status Configurable::cleanup() {
+  if (Status outside = refuse_in_job(address_, "cleanup()"); !outside) return outside;
   if (!configured()) return ok();
   configured_.store(false, std::memory_order_release);
   return call_hook(address_, "on_cleanup", [this] { return on_cleanup(), ok(); });

@@ -16,4 +16,10 @@ Instant job_time() {
   return start != 0 ? start : MonotonicClock().now();
 }
 
+Status refuse_in_job(const std::string& at, const char* what) {
+  if (!this_job().running) return ok();
+  return refuse(Errc::wrong_state, at, std::string(what) + " was called from a real-time job",
+                "call it from a thread that is no component's");
+}
+
 }  // namespace mauve

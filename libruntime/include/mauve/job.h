@@ -6,7 +6,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
+#include <mauve/result.h>
 #include <mauve/time.h>
 
 namespace mauve {
@@ -17,9 +19,10 @@ class Gate;
 struct Job {
   static constexpr std::size_t kMaxHeld = 8;  ///< deepest nesting of resources, checked at connect
 
-  Instant start = 0;           ///< monotonic time read when this job began; 0 outside a job
-  Duration lock_bound{0};      ///< how long an access may wait for a resource; 0: one second
-  bool detached = false;       ///< preparing: every port behaves as if it were not connected
+  Instant start = 0;       ///< monotonic time read when this job began; 0 outside a job
+  Duration lock_bound{0};  ///< how long an access may wait for a resource; 0: one second
+  bool running = false;    ///< between release and wait: no deployer call, no configure, no cleanup
+  bool detached = false;   ///< preparing: every port behaves as if it were not connected
   std::size_t held_count = 0;  ///< resources locked by this thread, innermost last
   std::array<Gate*, kMaxHeld> held{};
 };
@@ -29,6 +32,9 @@ struct Job {
 
 /// Time for stamps: the start of the running job, or the clock outside one. [any]
 [[nodiscard]] Instant job_time();
+
+/// An error when the calling thread runs a job: `what` takes locks, time and memory. [any]
+[[nodiscard]] Status refuse_in_job(const std::string& at, const char* what);
 
 /// While it lives, ports used by this thread are not connected. [factory]: a core that is being
 /// prepared can move nothing.

@@ -58,5 +58,30 @@ TEST(Fault, FaultedComponentStartsAgainWithAnotherCore) {
   EXPECT_EQ(deployer.status("left").state, ComponentState::running);
 }
 
+/// A core that tries to change its own component from its job.
+struct Meddling : ramp::Up {
+  static inline Deployer* deployer = nullptr;
+  static inline Status answer = ok();
+  void update() override {
+    const Result<Receipt> refused = deployer->set("control.core.step", 2.0);
+    if (!refused) answer = refused.error();
+  }
+};
+
+TEST(Fault, DeployerRefusesToBeCalledFromARealTimeJob) {
+  struct Alone : Architecture {
+    Component<ramp::Shell, Meddling, ramp::Fsm> control{*this, "control"};
+  } architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  Meddling::deployer = &deployer;
+  ASSERT_TRUE(deployer.deploy());
+
+  deployer.run_for(10ms);
+
+  ASSERT_FALSE(Meddling::answer);
+  EXPECT_EQ(Meddling::answer.error().code, Errc::wrong_state);
+  EXPECT_EQ(deployer.status("control").state, ComponentState::running);
+}
+
 }  // namespace
 }  // namespace mauve
