@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "exec/system.h"
 
@@ -30,13 +32,23 @@ bool shares(const Resources& a, const Resources& b) {
 /// Stage of each component: later than all whose safe values it reads. Loops are cut at the number
 /// of components.
 std::map<const Deployed*, std::size_t> stages(const std::vector<Deployed>& deployed) {
+  std::vector<std::pair<const Deployed*, Resources>> writers;
+  std::vector<std::pair<const Deployed*, Resources>> readers;
+  for (const Deployed& one : deployed) {
+    Resources written = reached(*one.component, true);
+    Resources read = reached(*one.component, false);
+    if (!written.empty()) writers.emplace_back(&one, std::move(written));
+    if (!read.empty()) readers.emplace_back(&one, std::move(read));
+  }
   std::map<const Deployed*, std::size_t> stage;
-  for (std::size_t round = 0; round < deployed.size(); ++round) {
-    for (const Deployed& writer : deployed) {
-      const Resources written = reached(*writer.component, true);
-      for (const Deployed& reader : deployed) {
-        if (&reader == &writer || !shares(written, reached(*reader.component, false))) continue;
-        stage[&reader] = std::min(std::max(stage[&reader], stage[&writer] + 1), deployed.size());
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const auto& [writer, written] : writers) {
+      for (const auto& [reader, read] : readers) {
+        const std::size_t after = std::min(stage[writer] + 1, deployed.size());
+        if (reader == writer || stage[reader] >= after || !shares(written, read)) continue;
+        stage[reader] = after;
+        changed = true;
       }
     }
   }
