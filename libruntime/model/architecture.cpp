@@ -30,7 +30,11 @@ std::string did_you_mean(std::string_view wanted, const std::vector<std::string>
 
 }  // namespace
 
-Architecture::~Architecture() { static_cast<void>(cleanup()); }
+Architecture::~Architecture() {
+  // Members of a derived class are gone by now, each cleaned up by its own destructor.
+  while (!owned_components_.empty()) owned_components_.pop_back();
+  while (!owned_resources_.empty()) owned_resources_.pop_back();
+}
 
 ComponentBase* Architecture::find_component(std::string_view name) const {
   return find_named(components_, name);
