@@ -160,6 +160,20 @@ TEST(Property, DurationsNeedAUnit) {
   EXPECT_FALSE(period->set(25));
 }
 
+TEST(Architecture, LeavesAloneWhatItsDerivedClassHasDestroyed) {
+  struct OnTheHeap : Architecture {
+    using Member = Component<LoudShell, LoudCore, LoudFsm>;
+    std::unique_ptr<Member> component = std::make_unique<Member>(*this, "loud");
+  };
+  calls().clear();
+  {
+    OnTheHeap architecture;
+    ASSERT_TRUE(architecture.configure());
+  }
+  EXPECT_EQ(calls(),
+            (std::vector<std::string>{"+shell", "+core", "+fsm", "-fsm", "-core", "-shell"}));
+}
+
 TEST(Architecture, RefusesANameUsedTwice) {
   struct Twice : Architecture {
     SharedData<double> first{*this, "same"};
