@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What the runtime adds to each state and to each job, against calling the same core methods one
+/// after the other. Releases are run back to back, without the sleep between them, on the real
+/// clock: their instants lie far ahead, so that no job is late.
+#include <iostream>
+#include <string>
+
+#include "bench/support/machine.h"
+#include "bench/support/report.h"
+
+#include <mauve/architecture.h>
+
+#include "exec/task.h"
+
+namespace bench {
+namespace {
+
+using mauve::exec::Published;
+using mauve::exec::Task;
+
+constexpr std::size_t kStates = 100;
+constexpr int kPriority = 50;
+
+/// The contract: methods that a compiler cannot see through.
+struct Stepping : mauve::Core<mauve::EmptyShell> {
+  using Contract = Stepping;
+  static constexpr const char* contract = "stepping/core/1";
+  virtual void step() = 0;
+  virtual bool at_end() = 0;
+};
+
+struct Counting final : Stepping {
+  mauve::Stateless stateless{*this};
+  std::uint64_t steps = 0;
+  void step() override { ++steps; }
+  bool at_end() override { return steps == 0; }
+};
+
+/// `States` execution states in a row, then one wait. With `Guards`, each state has a transition
+/// that is asked and not taken.
+template <std::size_t States, bool Guards>
+struct Chain : mauve::Fsm<Stepping> {
+  Chain() {
+    for (std::size_t i = 0; i < States; ++i) {
+      states.push_back(std::make_unique<Exec>(*this, "step", &Stepping::step));
+    }
+  }
+  mauve::Status on_configure() override {
+    start_at(*states.front());
+    for (std::size_t i = 0; i < States; ++i) {
+      mauve::FsmState& next = i + 1 < States ? static_cast<mauve::FsmState&>(*states[i + 1]) : wait;
+      if (Guards) states[i]->when(&Stepping::at_end, wait);
+      states[i]->then(next);
+    }
+    wait.then(*states.front());
+    return mauve::ok();
+  }
+
+  std::vector<std::unique_ptr<Exec>> states;
+  Sync wait{*this, "wait", std::chrono::milliseconds(1)};
+};
+
+/// A task as the deployer makes it, driven by hand.
+template <typename FsmT>
+class Driven {
+ public:
+  Driven() {
+    if (mauve::Status done = architecture_.configure(); !done) {
+      std::cerr << mauve::to_string(done.error()) << "\n";
+      std::exit(1);
+    }
+    auto first = std::make_unique<Published>();
+    first->bundle = component_.bundle();
+    first->mode = mauve::Mode::run;
+    task_.begin(std::move(first), now() + 3'600'000'000'000);
+  }
+  /// Nanoseconds for one job, over `jobs` of them.
+  double job(int jobs) {
+    const Instant start = now();
+    for (int i = 0; i < jobs; ++i) {
+      task_.serve();
+      task_.release();
+    }
+    return static_cast<double>(now() - start) / jobs;
+  }
+  [[nodiscard]] Stepping& core() const { return component_.core(); }
+
+ private:
+  mauve::Architecture architecture_;
+  mauve::Component<mauve::EmptyShell, Counting, FsmT> component_{architecture_, "stepping"};
+  mauve::MonotonicClock clock_;
+  Task task_{"stepping", clock_};
+};
+
+/// The same calls without a runtime.
+double raw_calls(Stepping& core, std::size_t states, bool guards, int jobs) {
+  const Instant start = now();
+  for (int i = 0; i < jobs; ++i) {
+    for (std::size_t state = 0; state < states; ++state) {
+      core.step();
+      if (guards && core.at_end()) break;
+    }
+  }
+  return static_cast<double>(now() - start) / jobs;
+}
+
+struct Pair {
+  double ours;
+  double raw;
+};
+
+/// Medians of short batches, ours and raw in turn, on one CPU that is ours for that time.
+template <typename FsmT>
+Pair measure(Driven<FsmT>& driven, std::size_t states, bool guards, const Options& options) {
+  const int jobs = static_cast<int>(10'000 / states);
+  const int priority = fifo_or_none(kPriority);
+  std::vector<double> ours;
+  std::vector<double> raw;
+  for (int batch = 0; batch < options.choose(100, 10); ++batch) {
+    const OnCpu here(mauve::rt::usable_cpus().back(), priority);
+    ours.push_back(driven.job(jobs));
+    raw.push_back(raw_calls(driven.core(), states, guards, jobs));
+  }
+  return {median(ours), median(raw)};
+}
+
+void run(const Options& options) {
+  Report report("boundary",
+                "Cost of running core methods through a task, against calling them in a loop. A "
+                "state is an execution state and its transition; a job is a release, one state, a "
+                "wait that is armed but not slept, and all clock readings and counters.",
+                options);
+  Figure& state = report.figure("a state of 100 in a row", "ns", above_raw(100));
+  Figure& guarded = report.figure("a state with one guard asked", "ns", above_raw(100));
+  Figure& job = report.figure("a job of one state, without its sleep", "ns", above_raw(100));
+  Driven<Chain<kStates, false>> chain;
+  Driven<Chain<kStates, true>> guarded_chain;
+  Driven<Chain<1, false>> single;
+  for (int i = 0; i < options.rounds; ++i) {
+    const Pair states = measure(chain, kStates, false, options);
+    state.add(states.ours / kStates, states.raw / kStates);
+    const Pair guards = measure(guarded_chain, kStates, true, options);
+    guarded.add(guards.ours / kStates, guards.raw / kStates);
+    const Pair jobs = measure(single, 1, false, options);
+    job.add(jobs.ours, jobs.raw);
+  }
+  report.print();
+}
+
+}  // namespace
+}  // namespace bench
+
+int main(int argc, char** argv) { bench::run(bench::parse(argc, argv)); }

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The pause that a swap of a running core costs its real-time thread: what the receipts say,
+/// against a raw thread that takes a pointer out of an atomic word when it wakes.
+#include <array>
+#include <atomic>
+#include <cstdlib>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "bench/support/machine.h"
+#include "bench/support/raw.h"
+#include "bench/support/report.h"
+#include "exec/swap.h"
+#include "exec/task.h"
+
+#include <mauve/architecture.h>
+#include <mauve/deployer.h>
+
+namespace bench {
+namespace {
+
+constexpr Duration kPeriod{1'000'000};
+/// Shorter than the lead of a change: other jobs lie between its decision and its instant.
+constexpr Duration kShort{150'000};
+constexpr int kPriority = 80;
+constexpr int kSwaps = 400;  // a round; 2000 in five
+
+struct Small {
+  double value = 0;
+};
+struct Large {
+  std::array<double, 8192> values{};  // 64 kB
+};
+
+/// The contract.
+struct Work : mauve::Core<mauve::EmptyShell> {
+  using Contract = Work;
+  static constexpr const char* contract = "work/core/1";
+  virtual void update() = 0;
+};
+template <int Version>
+struct Without final : Work {
+  mauve::Stateless stateless{*this};
+  int jobs = 0;
+  void update() override { ++jobs; }
+};
+template <int Version, typename T>
+struct With final : Work {
+  mauve::State<T> state{*this};
+  void update() override { *reinterpret_cast<double*>(&*state) += Version; }
+};
+
+template <typename First>
+struct OneComponent : mauve::Architecture {
+  explicit OneComponent(int cpu, Duration period = kPeriod) {
+    component.fsm().period = period;
+    component.task().priority = kPriority;
+    component.task().cpus = {cpu};
+  }
+  mauve::Component<mauve::EmptyShell, First, mauve::PeriodicFsm<Work>> component{*this, "work"};
+};
+
+template <typename T>
+T checked(mauve::Result<T> result) {
+  if (result) return *std::move(result);
+  std::cerr << mauve::to_string(result.error()) << "\n";
+  std::exit(1);
+}
+
+struct Swaps {
+  std::vector<double> pauses;  // ns
+  std::uint64_t missed = 0;    // releases, as the receipts say
+  std::size_t apart = 0;       // of those, with a disturbance of the machine
+};
+
+/// Swaps to and fro; each waits until the one before is in force.
+template <typename A, typename B>
+Swaps swap_to_and_fro(int cpu, int swaps, Duration period = kPeriod) {
+  OneComponent<A> architecture(cpu, period);
+  mauve::Deployer deployer(architecture);
+  if (mauve::Status up = deployer.deploy(); !up) {
+    std::cerr << mauve::to_string(up.error()) << "\n";
+    std::exit(1);
+  }
+  const Probe probe(deployer.t0() + kPeriod.count() / 4);
+  Swaps result;
+  for (int i = 0; i < swaps; ++i) {
+    const std::size_t windows = probe.windows();
+    const mauve::Receipt receipt =
+        checked(i % 2 == 0 ? deployer.swap_core<B>("work") : deployer.swap_core<A>("work"));
+    result.pauses.push_back(static_cast<double>(receipt.components[0].pause.count()));
+    result.missed += receipt.components[0].missed;
+    if (probe.windows() != windows) result.apart += receipt.components[0].missed;
+  }
+  static_cast<void>(deployer.shutdown());
+  return result;
+}
+
+/// The floor: one slot checked, one pointer exchanged, one given back, between two clock readings.
+std::vector<double> raw_exchanges(int cpu, int swaps) {
+  std::atomic<int*> pending{nullptr};
+  std::atomic<int*> retired{nullptr};
+  std::vector<double> pauses;
+  auto current = std::make_unique<int>(0);
+  std::atomic<Instant> pause{0};
+  const RawLoop loop(cpu, fifo_or_none(kPriority), now() + kPeriod.count(), kPeriod, [&](Instant) {
+    int* next = pending.load(std::memory_order_acquire);
+    if (next == nullptr) return;
+    const Instant begin = now();
+    pending.store(nullptr, std::memory_order_relaxed);
+    int* old = current.release();
+    current.reset(next);
+    *next += 1;
+    pause.store(now() - begin, std::memory_order_relaxed);
+    retired.store(old, std::memory_order_release);
+  });
+  for (int i = 0; i < swaps; ++i) {
+    pending.store(new int(i), std::memory_order_release);
+    int* old = nullptr;
+    while ((old = retired.exchange(nullptr, std::memory_order_acquire)) == nullptr) {
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    }
+    delete old;
+    pauses.push_back(static_cast<double>(pause.load(std::memory_order_relaxed)));
+  }
+  return pauses;
+}
+
+/// A task driven by hand: what a job with a swap takes longer than one without, all of it: slot,
+/// decision, bundle, hand-over, event, answer. Caches are warm here. ns.
+double added_to_a_job(int cpu, int swaps) {
+  OneComponent<With<1, Small>> first(cpu);
+  OneComponent<With<2, Small>> second(cpu);
+  if (!first.configure() || !second.configure()) std::exit(1);
+  const std::array<mauve::ComponentBase*, 2> bundles{&second.component, &first.component};
+  mauve::MonotonicClock clock;
+  mauve::exec::Task task("work", clock);
+  const auto make = [](mauve::ComponentBase& of) {
+    auto made = std::make_unique<mauve::exec::Published>();
+    made->bundle = of.bundle();
+    return made;
+  };
+  task.begin(make(first.component), now() + 3'600'000'000'000);
+  const auto job = [&] {
+    const Instant start = now();
+    task.release();
+    return static_cast<double>(now() - start);
+  };
+  std::vector<double> added;
+  std::vector<double> plain;
+  for (int i = 0; i < swaps; ++i) {
+    const OnCpu here(cpu, fifo_or_none(kPriority));
+    mauve::ComponentBase& next = *bundles[static_cast<std::size_t>(i) % 2];
+    mauve::ComponentBase& old = *bundles[static_cast<std::size_t>(i + 1) % 2];
+    mauve::exec::Transaction transaction(now());
+    transaction.decide(mauve::exec::Transaction::State::committed);
+    auto published = make(next);
+    published->transaction = &transaction;
+    published->into = next.core().state();
+    published->from = old.core().state();
+    task.publish(*published.release());
+    added.push_back(job());
+    static_cast<void>(task.reclaim());
+    plain.push_back(job());
+  }
+  return median(added) - median(plain);
+}
+
+struct Line {
+  Figure& p50;
+  Figure& p99;
+  void add(const std::vector<double>& ours, const std::vector<double>& raw) {
+    p50.add(median(ours), median(raw));
+    p99.add(percentile(ours, 99), percentile(raw, 99));
+  }
+};
+
+Line line(Report& report, const std::string& name, double p50, double p99) {
+  Figure& middle = report.figure(name + ", p50", "ns", at_most(p50));
+  return {middle, report.figure(name + ", p99", "ns", at_most(p99))};
+}
+
+void run(const Options& options) {
+  Report report("swap",
+                "Pause of the real-time thread of a 1 kHz component in which its core is swapped, "
+                "as the receipts say, against a raw exchange of a pointer between two readings of "
+                "the clock.",
+                options);
+  Line without = line(report, "no state", 100, 500);
+  Line small = line(report, "8 B of state handed over", 300, 500);
+  Line large = line(report, "64 kB of state handed over", 300, 500);
+  Line brief = line(report, "no state, period 150 us", 100, 500);
+  Figure& added = report.figure("a job with a swap takes longer by, warm", "ns", at_most(300));
+  const int cpu = mauve::rt::usable_cpus().back();
+  const int swaps = options.choose(kSwaps, 50);
+  std::size_t count = 0;
+  std::uint64_t missed = 0;
+  std::size_t apart = 0;
+  for (int i = 0; i < options.rounds; ++i) {
+    const auto raw = raw_exchanges(cpu, swaps);
+    const Swaps none = swap_to_and_fro<Without<1>, Without<2>>(cpu, swaps);
+    const Swaps eight = swap_to_and_fro<With<1, Small>, With<2, Small>>(cpu, swaps);
+    const Swaps many = swap_to_and_fro<With<1, Large>, With<2, Large>>(cpu, swaps);
+    const Swaps released = swap_to_and_fro<Without<1>, Without<2>>(cpu, swaps, kShort);
+    without.add(none.pauses, raw);
+    small.add(eight.pauses, raw);
+    large.add(many.pauses, raw);
+    brief.add(released.pauses, raw);
+    added.add(added_to_a_job(cpu, 10 * swaps));
+    for (const Swaps* of : {&none, &eight, &many, &released}) {
+      count += of->pauses.size();
+      missed += of->missed;
+      apart += of->apart;
+    }
+  }
+  report.note(std::to_string(count) + " swaps; releases missed by them: " +
+              std::to_string(missed - apart) + " (" + std::to_string(apart) +
+              " more while a SCHED_FIFO 99 probe was itself over 200 us late).");
+  report.print();
+}
+
+}  // namespace
+}  // namespace bench
+
+int main(int argc, char** argv) { bench::run(bench::parse(argc, argv)); }
