@@ -3,7 +3,7 @@
 /// write to port `fix` for each undamaged GGA sentence; damaged sentences are counted and skipped.
 /// Example: mauvectl watch fix.read gnss.core.bad_frames
 ///
-/// One job reads every complete sentence that is there, up to `frames_per_job`. The device is
+/// One job reads every complete sentence that is there, up to `frames_per_job` and 16 KiB. The device is
 /// opened when the core is configured; after it failed (observable device_errors) stop and start
 /// the component with --reset.
 #include <array>
@@ -74,7 +74,7 @@ class GnssNmea final : public GnssCore {
     do {
       publish();
     } while (--left > 0 && pull_frame());
-    more_ = left == 0;
+    more_ = left == 0 || blocks_left_ == 0;
   }
   bool more() override { return more_; }
 
@@ -82,6 +82,7 @@ class GnssNmea final : public GnssCore {
   bool take(char& byte) {
     GnssLine& line = *state;
     if (line.next == line.end) {
+      if (!may_read()) return false;
       const std::ptrdiff_t count = port_.read(line.bytes);
       if (count < 0) ++device_errors;
       line.next = 0;
@@ -90,6 +91,15 @@ class GnssNmea final : public GnssCore {
     }
     byte = line.bytes[line.next++];
     return true;
+  }
+
+  /// A device that never runs dry must not hold up the job: so many blocks, then the rest waits.
+  bool may_read() {
+    if (const mauve::Instant now = mauve::job_time(); now != job_) {
+      job_ = now;
+      blocks_left_ = kBlocksPerJob;
+    }
+    return blocks_left_ > 0 && blocks_left_-- > 0;
   }
 
   /// Reads on to the end of the next undamaged sentence; false when it is not there yet.
@@ -118,7 +128,11 @@ class GnssNmea final : public GnssCore {
     mode = fix.mode;
   }
 
+  static constexpr int kBlocksPerJob = 16;
+
   SerialPort port_;
+  mauve::Instant job_ = 0;  // begin of the job that blocks_left_ belongs to
+  int blocks_left_ = 0;
   bool complete_ = false;
   bool more_ = false;
 };

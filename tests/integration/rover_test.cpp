@@ -33,18 +33,15 @@ const std::filesystem::path kRoot =
 /// One of the architectures of etc/, deployed without threads.
 class Simulated {
  public:
-  explicit Simulated(const std::string& name) : catalog_({MAUVE_PLUGIN_DIR}) {
+  /// `sample`: what to read in place of the GNSS sample.
+  explicit Simulated(const std::string& name, const std::string& sample = {})
+      : catalog_({MAUVE_PLUGIN_DIR}) {
     std::string text = support::bytes_of(kRoot / "etc" / name);
+    if (!sample.empty()) replace(text, "etc/samples/gnss.nmea", sample);
     // The paths of the examples are relative to the root of the project.
-    for (const std::string sample : {"etc/samples/gnss.nmea", "etc/samples/laser.dat"}) {
-      const std::size_t at = text.find("\"" + sample);
-      if (at != std::string::npos) text.insert(at + 1, kRoot.string() + "/");
-    }
+    replace(text, "\"etc/samples/", "\"" + (kRoot / "etc/samples/").string());
     // A line of this test's own: others run at the same time.
-    const std::string line = "/tmp/mauve-rover-gnss";
-    for (std::size_t at = 0; (at = text.find(line, at)) != std::string::npos; ++at) {
-      text.replace(at, line.size(), (place_ / "gnss").string());
-    }
+    replace(text, "/tmp/mauve-rover-gnss", (place_ / "gnss").string());
     mauve::arch::Problems problems;
     architecture_ = mauve::arch::load(text, catalog_, problems);
     EXPECT_TRUE(architecture_ != nullptr) << name;
@@ -111,6 +108,12 @@ class Simulated {
   }
 
  private:
+  static void replace(std::string& text, const std::string& what, const std::string& by) {
+    for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size()) {
+      text.replace(at, what.size(), by);
+    }
+  }
+
   mauve::test::TempDir place_;
   mauve::plugin::Catalog catalog_;
   std::unique_ptr<mauve::Architecture> architecture_;
@@ -214,6 +217,15 @@ TEST(ReplaySimulated, PlaysItsSamplesAndKeepsTheRobotSafe) {
   EXPECT_EQ(replay.observe("gnss", "bad_frames"), 0.0);
   EXPECT_EQ(replay.observe("laser", "scans"), 30.0);
   EXPECT_GE(replay.observe("safety", "zone"), 1.0) << "the recording has ended: nothing is sure";
+}
+
+TEST(ReplaySimulated, ADeviceThatNeverRunsDryDoesNotHoldUpAJob) {
+  Simulated replay("replay.json", "/dev/zero");
+
+  replay.deployer().run_for(1s);
+
+  EXPECT_EQ(replay.observe("gnss", "fixes"), 0.0);
+  EXPECT_GT(replay.deployer().status("gnss").releases, 100U);
 }
 
 }  // namespace
