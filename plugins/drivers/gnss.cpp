@@ -3,9 +3,9 @@
 /// write to port `fix` for each undamaged GGA sentence; damaged sentences are counted and skipped.
 /// Example: mauvectl watch fix.read gnss.core.bad_frames
 ///
-/// One job reads every complete sentence that is there, up to `frames_per_job` and 16 KiB. The device is
-/// opened when the core is configured; after it failed (observable device_errors) stop and start
-/// the component with --reset.
+/// One job reads every complete sentence that is there, up to `frames_per_job` and 16 KiB. The
+/// device is opened when the core is configured; after it failed (observable device_errors) stop
+/// and start the component with --reset.
 #include <array>
 #include <cstdint>
 #include <span>
