@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "commands/table.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <future>
+#include <set>
+
+#include "support/temp_dir.h"
+#include "watch.h"
+
+namespace mauve::daemon {
+namespace {
+
+using server::Role;
+
+TEST(Commands, AreTheMethodsOfTheWire) {
+  std::set<std::string_view> served;
+  for (const auto& command : commands()) {
+    EXPECT_TRUE(served.insert(command.method).second) << command.method;
+  }
+  std::set<std::string_view> promised;
+  for (const auto& method : protocol::methods()) {
+    promised.insert(method.name);
+  }
+  EXPECT_EQ(served, promised);
+}
+
+TEST(Commands, LookOnlyWhenTheyAreForViewers) {
+  for (const auto& command : commands()) {
+    const auto* method = protocol::find_method(command.method);
+    ASSERT_NE(method, nullptr);
+    EXPECT_EQ(method->mutation, command.role > Role::viewer) << command.method;
+  }
+}
+
+TEST(Commands, ThatArePromisedOutOfBandDoNotWaitForChanges) {
+  for (const auto& command : commands()) {
+    const auto* method = protocol::find_method(command.method);
+    if (method->out_of_band) {
+      EXPECT_TRUE(command.lane == Lane::any || command.lane == Lane::urgent) << command.method;
+    }
+    if (command.method.starts_with("plugin.") && method->mutation) {
+      EXPECT_EQ(command.role, Role::admin) << "who loads code can do anything";
+    }
+  }
+}
+
+/// A system without components, and the table in front of it.
+class TableTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(deployer.deploy());
+    running.generation = 7;
+    log.start();
+    control.start();
+    watches.start(running);
+  }
+  void TearDown() override {
+    control.stop();
+    watches.stop();
+    log.stop();
+  }
+
+  server::Outcome ask(Role role, const std::string& method, Json params = Json::object()) {
+    auto answered = std::make_shared<std::promise<server::Outcome>>();
+    auto outcome = answered->get_future();
+    server::Caller caller{1, {100, 1000, {}}, role, outbox};
+    table.dispatch(caller, *protocol::find_method(method), {1, method, std::move(params)},
+                   [answered](server::Outcome out) { answered->set_value(std::move(out)); });
+    return outcome.get();
+  }
+  Fault refused(Role role, const std::string& method, Json params = Json::object()) {
+    auto outcome = ask(role, method, std::move(params));
+    auto* fault = std::get_if<Fault>(&outcome);
+    return fault == nullptr ? Fault() : *fault;
+  }
+
+  Architecture architecture{"empty"};
+  Deployer deployer{architecture, {Realtime::off, true}};
+  plugin::Catalog catalog;
+  Control control;
+  logging::Log log{logging::Level::debug};
+  Watches watches{log};
+  Running running{architecture,
+                  deployer,
+                  catalog,
+                  control,
+                  log,
+                  watches,
+                  [] { return std::vector<server::ClientInfo>(); },
+                  "b007",
+                  std::chrono::steady_clock::now()};
+  CommandTable table{running};
+  std::shared_ptr<server::Outbox> outbox = std::make_shared<server::Outbox>(1000, 4, [] {});
+};
+
+TEST_F(TableTest, GreetsWithTheRunningGeneration) {
+  const auto hello = table.hello();
+
+  EXPECT_EQ(hello["generation"], 7);
+  EXPECT_EQ(hello["boot"], "b007");
+}
+
+TEST_F(TableTest, LetsAViewerLookAndNothingElse) {
+  EXPECT_TRUE(std::holds_alternative<Json>(ask(Role::viewer, "status.get")));
+  for (const auto* method : {"component.stop", "param.set", "plugin.load"}) {
+    const auto fault = refused(Role::viewer, method, {{"plugin", "a"}, {"all", true}});
+    EXPECT_EQ(fault.name, "not_permitted") << method;
+    EXPECT_EQ(fault.exit, 5);
+    EXPECT_THAT(fault.hint, testing::HasSubstr("group mauve"));
+  }
+}
+
+TEST_F(TableTest, LetsAnOperatorChangeButNotLoadCode) {
+  EXPECT_TRUE(
+      std::holds_alternative<Json>(ask(Role::operator_, "component.stop", {{"all", true}})));
+  EXPECT_EQ(refused(Role::operator_, "plugin.load", {{"plugin", "a"}}).name, "not_permitted");
+  EXPECT_EQ(refused(Role::admin, "plugin.load", {{"plugin", "a"}}).name, "plugin_refused");
+}
+
+TEST_F(TableTest, TellsTheGenerationWithEveryRefusal) {
+  const auto fault = refused(Role::admin, "param.get", {{"address", "nothing.here"}});
+
+  EXPECT_EQ(fault.generation, 7U);
+  EXPECT_EQ(fault.state, "unchanged");
+}
+
+TEST_F(TableTest, WritesAnAuditLineForEveryChangeAndEveryRefusedOne) {
+  static_cast<void>(ask(Role::admin, "component.stop", {{"all", true}, {"reason", "lunch"}}));
+  static_cast<void>(refused(Role::viewer, "component.stop", {{"all", true}}));
+  static_cast<void>(ask(Role::viewer, "status.get"));
+  log.flush();
+
+  const auto records = log.history().tail(10, {});
+
+  ASSERT_EQ(records.size(), 2U);
+  EXPECT_EQ(records[0].event, logging::Event::change_applied);
+  EXPECT_THAT(logging::to_json_line(records[0]), testing::HasSubstr("\"reason\":\"lunch\""));
+  EXPECT_EQ(records[1].event, logging::Event::change_refused);
+  EXPECT_THAT(records[1].text, testing::HasSubstr("uid 1000"));
+}
+
+TEST_F(TableTest, LimitsTheSubscriptionsOfAClient) {
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_TRUE(std::holds_alternative<Json>(ask(Role::viewer, "log.tail", {{"follow", true}})));
+  }
+
+  EXPECT_EQ(refused(Role::viewer, "log.tail", {{"follow", true}}).name, "limit");
+}
+
+TEST_F(TableTest, ForgetsTheSubscriptionsOfAClientThatHasGone) {
+  static_cast<void>(ask(Role::viewer, "log.tail", {{"follow", true}}));
+
+  table.gone(1);
+  static_cast<void>(ask(Role::viewer, "status.get"));  // behind it on [control]
+  outbox->shut();
+  log.write(logging::Event::accept_paused);
+  log.flush();
+
+  EXPECT_EQ(outbox->subscriptions(), 0U);
+}
+
+}  // namespace
+}  // namespace mauve::daemon
