@@ -32,6 +32,11 @@ Json without_empty(Json params) {
   return params;
 }
 
+std::string listed(const Json& object, const char* key) {
+  const std::string text = word(object, key);
+  return text.starts_with('[') ? text.substr(1, text.size() - 2) : text;
+}
+
 std::string nearest_category(const std::string& wanted) {
   std::vector<std::string> names;
   for (const Category& category : categories()) names.emplace_back(category.name);
@@ -110,9 +115,8 @@ int run_version(Session& session) {
     return session.fail(*fault);
   }
   Json result = std::get<Json>(answer);
-  const std::string text = client + "\nmauved " + word(result, "version") + ", protocol " +
-                           word(result, "protocol") + ", plugins built for " + word(result, "abi") +
-                           "\n";
+  const std::string text = client + "\nmauved " + word(result, "version") + ", plugin ABI " +
+                           word(result, "abi") + ", protocol " + listed(result, "protocol") + "\n";
   result["client"] = client;
   session.print(result, text);
   return 0;

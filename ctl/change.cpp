@@ -11,7 +11,7 @@ namespace {
 
 using protocol::Exit;
 using protocol::fault_of;
-using Render = std::string (*)(std::string_view, const Json&);
+using Render = std::string (*)(std::string_view, const Json&, Look);
 
 int exit_of(const Json& receipt) {
   const std::string state = word(receipt, "state");
@@ -24,7 +24,7 @@ int change(Session& session, std::string_view method, Json params, std::string_v
   const auto answer = session.call(method, std::move(params));
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
   const auto& receipt = std::get<Json>(answer);
-  session.print(receipt, render(done, receipt));
+  session.print(receipt, render(done, receipt, session.look()));
   return exit_of(receipt);
 }
 

@@ -18,7 +18,7 @@ namespace {
 using protocol::fault_of;
 
 constexpr Argument kGlobals[] = {
-    {"--socket", "of the daemon (default: MAUVE_SOCKET, else the usual place)", Kind::file},
+    {"--socket", "of the daemon; else MAUVE_SOCKET, else the usual one", Kind::file},
     {"--json", "one line of JSON on stdout, errors included", Kind::none, false, false, true},
     {"--timeout", "how long to wait for an answer, such as 5s", Kind::none},
     {"--if-generation", "change only if this generation is running", Kind::none},
@@ -32,9 +32,8 @@ constexpr std::string_view kExamples =
     "  mauvectl watch fix.read\n"
     "  mauvectl set control.core.gain=0.3\n"
     "  mauvectl swap-core control guidance/finite_time\n"
-    "Exit codes: 0 done, 1 refused, 2 wrong use, 3 condition false, 4 no such object, 5 "
-    "permission,\n"
-    "  6 conflict, 7 no daemon, 8 timed out, 9 done partly and in the safe state.\n"
+    "Exit codes: 0 done, 1 refused, 2 wrong use, 3 condition false, 4 no such object,\n"
+    "  5 permission, 6 conflict, 7 no daemon, 8 timed out, 9 done partly, safe state.\n"
     "Texts for people may change between releases; JSON only grows.";
 
 using Values = std::map<std::string_view, std::vector<std::string>>;
@@ -104,6 +103,7 @@ struct Parser {
 
   Parser() {
     app.footer(std::string(kExamples));
+    app.get_formatter()->column_width(24);
     app.allow_extras();
     app.require_subcommand(0, 1);
     app.set_version_flag("--version", std::string("mauvectl ") + MAUVE_VERSION);

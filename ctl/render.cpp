@@ -96,7 +96,11 @@ Json short_property(Json property) {
   }
   const std::string low = word(property, "min");
   const std::string high = word(property, "max");
-  if (low.size() + high.size() > 2) property["range"] = low + " to " + high;
+  const bool open_below = low.empty() || low == "-";
+  const bool open_above = high.empty() || high == "-";
+  if (!open_below && !open_above) property["range"] = low + " to " + high;
+  if (!open_below && open_above) property["range"] = "from " + low;
+  if (open_below && !open_above) property["range"] = "up to " + high;
   for (const char* key : {"min", "max", "type"}) property.erase(key);
   return property;
 }
@@ -118,6 +122,14 @@ std::string indented(const std::string& text, std::size_t depth) {
     at = end + 1;
   }
   return result;
+}
+
+/// The first such word in red.
+std::string painted_word(std::string text, const std::string& found, Look look) {
+  const auto at = text.find(found);
+  if (at != std::string::npos)
+    text.replace(at, found.size(), painted(found, Paint::red, look.colour));
+  return text;
 }
 
 Look narrower(Look look, std::size_t by) {
@@ -173,7 +185,10 @@ std::string render_list(const Json& result, Look look) {
 
 std::string render_object(const Json& object, Look look) {
   if (!object.is_object()) return compact(object) + "\n";
-  const auto keys = keys_in_order(object);
+  auto keys = keys_in_order(object);
+  std::erase_if(keys,
+                [&](const auto& key) { return object[key].empty() && !object[key].is_null(); });
+  std::erase_if(keys, [&](const auto& key) { return object[key] == ""; });
   const auto is_block = [&](const std::string& key) {
     return (object[key].is_object() && !object[key].empty()) || is_list_of_objects(object[key]);
   };
@@ -195,7 +210,7 @@ std::string render_object(const Json& object, Look look) {
   return lines + blocks;
 }
 
-std::string render_receipt(std::string_view done, const Json& receipt) {
+std::string render_receipt(std::string_view done, const Json& receipt, Look look) {
   const std::string generation = word(receipt, "generation");
   if (member(receipt, "changed") == false) {
     return "nothing to change (generation " + generation + " still running)\n";
@@ -220,7 +235,7 @@ std::string render_receipt(std::string_view done, const Json& receipt) {
   if (bytes > 0) text += ", " + counted(bytes, "byte") + " of state kept";
   const auto attempts = whole_number(receipt, "attempts");
   if (attempts > 1) text += ", " + counted(attempts, "attempt");
-  return text + " (generation " + generation + ")\n";
+  return wrapped(text + " (generation " + generation + ")", look.width, 2) + "\n";
 }
 
 std::string render_errors(std::string_view file, const Json& result, Look look) {
@@ -228,11 +243,14 @@ std::string render_errors(std::string_view file, const Json& result, Look look) 
   if (errors.empty()) return std::string(file) + ": no error\n";
   std::string text;
   for (const Json& error : errors) {
-    text += std::string(file) + ":" + word(error, "line") + ":" + word(error, "column") + ": " +
-            painted("error", Paint::red, look.colour) + ": ";
-    if (const auto at = word(error, "at"); !at.empty()) text += at + ": ";
-    text += word(error, "message") + "\n";
-    if (const auto hint = word(error, "hint"); !hint.empty()) text += "  hint: " + hint + "\n";
+    const auto at = word(error, "at");
+    const std::string line = std::string(file) + ":" + word(error, "line") + ":" +
+                             word(error, "column") + ": error: " + (at.empty() ? "" : at + ": ") +
+                             word(error, "message");
+    text += painted_word(wrapped(line, look.width, 2), "error:", look) + "\n";
+    if (const auto hint = word(error, "hint"); !hint.empty()) {
+      text += wrapped("  hint: " + hint, look.width, 4) + "\n";
+    }
   }
   return text + counted(errors.size(), "error") + "\n";
 }

@@ -36,10 +36,10 @@ struct Look {
 [[nodiscard]] std::string render_record(const Json& record, Look look);
 
 /// "swapped control: pause 38 ns, 0 releases missed (generation 42)".
-[[nodiscard]] std::string render_receipt(std::string_view done, const Json& receipt);
+[[nodiscard]] std::string render_receipt(std::string_view done, const Json& receipt, Look look);
 
 /// "loaded extra (generation 43)", with what became of the old code, and warnings.
-[[nodiscard]] std::string render_plugin(std::string_view done, const Json& result);
+[[nodiscard]] std::string render_plugin(std::string_view done, const Json& result, Look look);
 
 /// What is loaded and what each brings.
 [[nodiscard]] std::string render_plugins(const Json& result, Look look);

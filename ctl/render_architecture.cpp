@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render.h"
@@ -40,16 +41,49 @@ OrderedJson in_order(const Json& value) {
   return result;
 }
 
+constexpr std::size_t kLongestLine = 100;
+
+std::string text_of(const OrderedJson& value) {
+  return value.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
+}
+
+/// { "x": 3.2, "y": 0.4 }, [1, 2]
+std::string in_one_line(const OrderedJson& value) {
+  if (!value.is_structured() || value.empty()) return text_of(value);
+  std::string result = value.is_object() ? "{ " : "[";
+  bool first = true;
+  for (const auto& [key, content] : value.items()) {
+    if (!std::exchange(first, false)) result += ", ";
+    if (value.is_object()) result += text_of(OrderedJson(key)) + ": ";
+    result += in_one_line(content);
+  }
+  return result + (value.is_object() ? " }" : "]");
+}
+
+/// What fits stands in one line, as a person would write it; the outer objects never.
+std::string in_lines(const OrderedJson& value, std::size_t begin, std::size_t depth) {
+  const std::string line = in_one_line(value);
+  const bool may_be_one = value.empty() || !value.is_object() || depth > 1;
+  if (!value.is_structured() || (may_be_one && begin + line.size() < kLongestLine)) return line;
+  const std::string space(depth * 2 + 2, ' ');
+  std::string result = value.is_object() ? "{" : "[";
+  const char* separator = "\n";
+  for (const auto& [key, content] : value.items()) {
+    const std::string name = value.is_object() ? text_of(OrderedJson(key)) + ": " : "";
+    result += separator + space + name + in_lines(content, space.size() + name.size(), depth + 1);
+    separator = ",\n";
+  }
+  return result + "\n" + std::string(depth * 2, ' ') + (value.is_object() ? "}" : "]");
+}
+
 }  // namespace
 
 std::string render_architecture(const Json& architecture) {
-  constexpr auto kReplace = OrderedJson::error_handler_t::replace;
-  return in_order(architecture).dump(2, ' ', false, kReplace) + "\n";
+  return in_lines(in_order(architecture), 0, 0) + "\n";
 }
 
 std::string architecture_line(const Json& architecture) {
-  constexpr auto kReplace = OrderedJson::error_handler_t::replace;
-  return in_order(architecture).dump(-1, ' ', false, kReplace) + "\n";
+  return text_of(in_order(architecture)) + "\n";
 }
 
 }  // namespace mauve::ctl

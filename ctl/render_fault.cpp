@@ -3,6 +3,7 @@
 
 #include "render.h"
 #include "table.h"
+#include "words.h"
 
 namespace mauve::ctl {
 namespace {
@@ -20,13 +21,16 @@ std::string state_in_words(const Fault& fault) {
 }  // namespace
 
 std::string render_fault(std::string_view command, const Fault& fault, Look look) {
-  std::string text = painted("error:", Paint::red, look.colour) + " ";
-  if (!command.empty()) text.append(command).append(": ");
-  text += harmless(fault.message) + "\n";
-  if (!fault.where.empty()) text += "  where  : " + harmless(fault.where) + "\n";
-  text += "  state  : " + state_in_words(fault) + "\n";
-  if (!fault.hint.empty()) text += "  hint   : " + harmless(fault.hint) + "\n";
-  return text;
+  const std::string message =
+      (command.empty() ? "" : std::string(command) + ": ") + harmless(fault.message);
+  const auto part = [&](const char* name, const std::string& content) {
+    return content.empty() ? "" : wrapped(name + content, look.width, 11) + "\n";
+  };
+  constexpr std::string_view kError = "error:";
+  const std::string first = wrapped(std::string(kError) + " " + message, look.width, 2);
+  return painted(kError, Paint::red, look.colour) + first.substr(kError.size()) + "\n" +
+         part("  where  : ", harmless(fault.where)) + part("  state  : ", state_in_words(fault)) +
+         part("  hint   : ", harmless(fault.hint));
 }
 
 Json fault_json(const Fault& fault) {

@@ -32,15 +32,15 @@ std::string warnings_of(const Json& plugin, const std::string& name, Look look) 
 
 }  // namespace
 
-std::string render_plugin(std::string_view done, const Json& result) {
+std::string render_plugin(std::string_view done, const Json& result, Look look) {
   const std::string unmapped = word(result, "unmapped");
   std::string text(done);
   if (unmapped == "true") text += ", the old code is out of memory";
-  text = render_receipt(text, result);
+  text = render_receipt(text, result, look);
   if (const auto why = word(result, "why"); unmapped == "false" && !why.empty()) {
-    text += "  the old code stays in memory: " + why + "\n";
+    text += wrapped("  the old code stays in memory: " + why, look.width, 4) + "\n";
   }
-  return text + warnings_of(result, word(result, "plugin"), {});
+  return text + warnings_of(result, word(result, "plugin"), look);
 }
 
 std::string render_plugins(const Json& result, Look look) {

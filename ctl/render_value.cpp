@@ -68,12 +68,16 @@ std::string render_record(const Json& record, Look look) {
            "\n";
   }
   const std::string level = word(record, "level");
-  std::string text =
-      word(record, "t") + "  " + painted(wide(level, 5), paint_of_level(level), look.colour) + "  ";
+  // On a terminal the time of day is enough; "2026-01-01T" stands before it.
+  std::string time = word(record, "t");
+  if (look.width > 0 && time.size() > 23) time = time.substr(11, 12);
+  std::string text = time + "  " + wide(level, 5) + "  ";
   if (const auto component = word(record, "component"); !component.empty() && component != "-") {
     text += component + ": ";
   }
-  return text + word(record, "text") + "\n";
+  text = wrapped(text + word(record, "text"), look.width, columns(time) + 9);
+  const std::string paint = painted(level, paint_of_level(level), look.colour);
+  return text.replace(time.size() + 2, level.size(), paint) + "\n";
 }
 
 }  // namespace mauve::ctl

@@ -64,17 +64,20 @@ int Session::fail(const Fault& fault) {
   if (screen.json) {
     screen.out << protocol::to_line(fault_json(fault)) << '\n';
   } else {
-    screen.err << render_fault(asked(), fault, {screen.width, screen.colour_err});
+    screen.err << render_fault(asked(fault.where), fault, {screen.width, screen.colour_err});
   }
   screen.out.flush();
   return fault.exit;
 }
 
-std::string Session::asked() const {
+std::string Session::asked(std::string_view where) const {
   std::string text(command.name);
   for (const Argument& argument : command.arguments) {
-    if (argument.is_option() || argument.many || !arguments.has(argument.name)) continue;
-    return text + " " + arguments.one(argument.name);
+    if (argument.is_option()) continue;
+    for (const std::string& given : arguments.all(argument.name)) {
+      const std::string name = given.substr(0, given.find('='));
+      if (!argument.many || name == where) return text + " " + name;
+    }
   }
   return text;
 }

@@ -10,10 +10,11 @@
 namespace mauve::ctl {
 namespace {
 
-constexpr std::array<std::string_view, 24> kFirst{
-    "address",  "name", "plugin", "kind",     "type",   "data",     "core",      "state",
-    "status",   "fsm",  "value",  "default",  "unit",   "text",     "version",   "fsm_state",
-    "priority", "cpus", "period", "releases", "missed", "overruns", "connected", "service"};
+constexpr std::array<std::string_view, 26> kFirst{
+    "address", "name",     "plugin", "kind",     "type",      "data",     "core",
+    "state",   "status",   "fsm",    "value",    "default",   "min",      "max",
+    "range",   "unit",     "text",   "version",  "fsm_state", "priority", "cpus",
+    "period",  "releases", "missed", "overruns", "service"};
 
 std::size_t rank(const std::string& key) {
   const auto found = std::find(kFirst.begin(), kFirst.end(), key);
@@ -28,6 +29,13 @@ std::string joined(const Json& value) {
     result += compact(member);
   }
   return result;
+}
+
+/// Enough for people and for a millimetre on the globe; JSON is exact.
+std::string ten_digits(double value) {
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), "%.10g", value);
+  return text.data();
 }
 
 std::string one_decimal(double value, const char* unit) {
@@ -50,7 +58,21 @@ std::string compact(const Json& value) {
   if (value.is_string()) return harmless(value.get_ref<const std::string&>());
   if (value.is_object()) return "{" + joined(value) + "}";
   if (value.is_array()) return "[" + joined(value) + "]";
+  if (value.is_number_float()) return ten_digits(value.get<double>());
   return protocol::to_line(value);
+}
+
+std::string wrapped(std::string_view text, std::size_t width, std::size_t indent) {
+  if (width <= indent + 20) return std::string(text);
+  std::string result;
+  for (std::size_t room = width; columns(text) > room; room = width - indent) {
+    const std::string fitting = cut(text, room + 1);
+    const auto space = fitting.rfind(' ');
+    if (space == std::string::npos || space == 0) break;
+    result.append(text.substr(0, space)).append("\n").append(indent, ' ');
+    text.remove_prefix(space + 1);
+  }
+  return result.append(text);
 }
 
 std::string cut(std::string_view text, std::size_t width) {

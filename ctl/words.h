@@ -15,11 +15,15 @@ using protocol::Json;
 /// A member as a reader sees it: texts bare, null as "-", structures compact, absent as "".
 [[nodiscard]] std::string word(const Json& object, std::string_view key);
 
-/// A value in one line: {latitude: 43.1, mode: 3}, [1, 2], bare text.
+/// A value in one line: {latitude: 43.1, mode: 3}, [1, 2], bare text; numbers with ten digits.
 [[nodiscard]] std::string compact(const Json& value);
 
 /// At most so many columns, "…" at the end of what was cut; 0: as it is.
 [[nodiscard]] std::string cut(std::string_view text, std::size_t width);
+
+/// Lines of at most so many columns, broken at spaces; lines after the first begin with `indent`
+/// spaces. 0: as it is.
+[[nodiscard]] std::string wrapped(std::string_view text, std::size_t width, std::size_t indent);
 
 /// "38 ns", "1.2 us", "3.4 ms", "5 s".
 [[nodiscard]] std::string nanoseconds_in_words(double nanoseconds);

@@ -65,7 +65,7 @@ TEST(RenderStatus, SurvivesAnAnswerWithoutAnything) {
 }
 
 TEST(RenderReceipt, IsOneSentence) {
-  EXPECT_EQ(render_receipt("swapped control", kReceipt),
+  EXPECT_EQ(render_receipt("swapped control", kReceipt, {}),
             "swapped control: pause 38 ns, 0 releases missed (generation 42)\n");
 }
 
@@ -74,39 +74,45 @@ TEST(RenderReceipt, CountsOverAllComponents) {
                                    {"name": "b", "pause_ns": 1500, "missed": 0, "bytes": 48}])");
 
   EXPECT_EQ(
-      render_receipt("set a.core.x, b.core.x", receipt_with("components", two)),
+      render_receipt("set a.core.x, b.core.x", receipt_with("components", two), {}),
       "set a.core.x, b.core.x: longest pause 1.5 us, 1 release missed, 48 bytes of state kept "
       "(generation 42)\n");
 }
 
 TEST(RenderReceipt, SaysWhenNothingHadToChange) {
-  EXPECT_EQ(render_receipt("started control", receipt_with("changed", false)),
+  EXPECT_EQ(render_receipt("started control", receipt_with("changed", false), {}),
             "nothing to change (generation 42 still running)\n");
 }
 
 TEST(RenderReceipt, SaysWhenItTookSeveralAttempts) {
-  EXPECT_EQ(render_receipt("swapped control", receipt_with("attempts", 3)),
+  EXPECT_EQ(render_receipt("swapped control", receipt_with("attempts", 3), {}),
             "swapped control: pause 38 ns, 0 releases missed, 3 attempts (generation 42)\n");
 }
 
 TEST(RenderReceipt, SaysWhenItWasRolledBackOrPartly) {
-  EXPECT_NE(
-      render_receipt("swapped control", receipt_with("state", "rolled_back")).find("rolled back"),
-      std::string::npos);
-  EXPECT_NE(render_receipt("swapped control", receipt_with("state", "safe")).find("safe state"),
+  EXPECT_NE(render_receipt("swapped control", receipt_with("state", "rolled_back"), {})
+                .find("rolled back"),
+            std::string::npos);
+  EXPECT_NE(render_receipt("swapped control", receipt_with("state", "safe"), {}).find("safe state"),
             std::string::npos);
 }
 
 TEST(RenderReceipt, MayBeAboutNoComponent) {
-  EXPECT_EQ(render_receipt("connected a to b", receipt_with("components", Json::array())),
+  EXPECT_EQ(render_receipt("connected a to b", receipt_with("components", Json::array()), {}),
             "connected a to b (generation 42)\n");
+}
+
+TEST(RenderReceipt, IsBrokenAtSpacesOnATerminal) {
+  EXPECT_EQ(render_receipt("swapped control", kReceipt, {40, false}),
+            "swapped control: pause 38 ns, 0 releases\n"
+            "  missed (generation 42)\n");
 }
 
 TEST(RenderPlugin, SaysWhyTheOldCodeStays) {
   const Json result = Json::parse(R"({"plugin": "extra", "generation": 43, "loaded": true,
     "unmapped": false, "why": "a thread-local object is alive"})");
 
-  EXPECT_EQ(render_plugin("reloaded extra", result),
+  EXPECT_EQ(render_plugin("reloaded extra", result, {}),
             "reloaded extra (generation 43)\n"
             "  the old code stays in memory: a thread-local object is alive\n");
 }
@@ -115,7 +121,7 @@ TEST(RenderPlugin, SaysThatTheOldCodeIsGone) {
   const Json result = Json::parse(R"({"plugin": "extra", "generation": 43, "loaded": false,
     "unmapped": true, "why": "", "warnings": []})");
 
-  EXPECT_EQ(render_plugin("unloaded extra", result),
+  EXPECT_EQ(render_plugin("unloaded extra", result, {}),
             "unloaded extra, the old code is out of memory (generation 43)\n");
 }
 
@@ -245,8 +251,8 @@ TEST(RenderObject, ShowsOfAPropertyWhatIsWorthAColumn) {
   EXPECT_EQ(render_object(object, {}),
             "address  control\n"
             "properties\n"
-            "  NAME       VALUE  DEFAULT  UNIT  TEXT  RANGE\n"
-            "  core.gain  0.3        0.2  1/s   pull  0 to 10\n"
+            "  NAME       VALUE  DEFAULT  RANGE    UNIT  TEXT\n"
+            "  core.gain  0.3        0.2  0 to 10  1/s   pull\n"
             "  fsm.pace   10ms\n");
 }
 
@@ -260,6 +266,21 @@ TEST(RenderErrors, PointAtLineAndColumn) {
             "1 error\n");
   EXPECT_EQ(render_errors("rover.json", Json::parse(R"({"errors":[]})"), {}),
             "rover.json: no error\n");
+}
+
+TEST(RenderArchitecture, WritesShortThingsInOneLine) {
+  const Json architecture = Json::parse(R"({"name":"rover","components":{"laser":{"type":"a/b",
+    "task":{"cpus":[1],"priority":60}}},"plugins":["types"],"resources":{}})");
+
+  EXPECT_EQ(render_architecture(architecture),
+            "{\n"
+            "  \"name\": \"rover\",\n"
+            "  \"plugins\": [\"types\"],\n"
+            "  \"resources\": {},\n"
+            "  \"components\": {\n"
+            "    \"laser\": { \"type\": \"a/b\", \"task\": { \"priority\": 60, \"cpus\": [1] } }\n"
+            "  }\n"
+            "}\n");
 }
 
 TEST(RenderArchitecture, KeepsTheOrderPeopleWrite) {

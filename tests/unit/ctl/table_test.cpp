@@ -78,6 +78,20 @@ TEST(Words, WriteAnyValueInOneLine) {
   EXPECT_EQ(compact("two\nlines"), "two?lines");
 }
 
+TEST(Words, RoundForPeopleToTenDigits) {
+  EXPECT_EQ(compact(92.80000000000001), "92.8");
+  EXPECT_EQ(compact(43.566137428333334), "43.56613743");
+  EXPECT_EQ(compact(18446744073709551615ULL), "18446744073709551615");
+}
+
+TEST(Words, BreakLinesAtSpaces) {
+  EXPECT_EQ(wrapped("one two three four five six seven", 25, 2),
+            "one two three four five\n  six seven");
+  EXPECT_EQ(wrapped("one two three", 0, 2), "one two three");
+  EXPECT_EQ(wrapped("a_word_that_is_longer_than_the_line", 25, 2),
+            "a_word_that_is_longer_than_the_line");
+}
+
 TEST(Words, CutAtTheEnd) {
   EXPECT_EQ(cut("µµµµ", 3), "µµ…");
   EXPECT_EQ(cut("abc", 3), "abc");
