@@ -44,6 +44,11 @@ Json plugin_row(const plugin::LoadedPlugin& loaded) {
           {"users", loaded.library()->users()}};
 }
 
+/// Null for a contract that is a class inside the plugin: nobody else can fulfil it.
+Json public_name(const Contract& contract) {
+  return contract.name.find('/') == std::string::npos ? Json() : Json(contract.name);
+}
+
 /// The contract of the component named by `for`, or nothing when it is not said.
 Result<std::optional<Contract>> wanted_contract(const Running& running, const Call& call) {
   const auto name = text_or(call.params, "for");
@@ -94,8 +99,9 @@ Result<Json> list_cores(Running& running, const Call& call) {
   for (const auto* loaded : running.catalog.plugins()) {
     for (const auto& [name, core] : loaded->cores) {
       if (!*contract || **contract == core.contract) {
-        rows.push_back(
-            {{"name", name}, {"plugin", loaded->info().name}, {"contract", core.contract.name}});
+        rows.push_back({{"name", name},
+                        {"plugin", loaded->info().name},
+                        {"contract", public_name(core.contract)}});
       }
     }
   }
