@@ -66,7 +66,7 @@ std::string wrapped(std::string_view text, std::size_t width, std::size_t indent
   if (width <= indent + 20) return std::string(text);
   std::string result;
   for (std::size_t room = width; columns(text) > room; room = width - indent) {
-    const std::string fitting = cut(text, room + 1);
+    const std::string fitting = cut(text, room + 2);
     const auto space = fitting.rfind(' ');
     if (space == std::string::npos || space == 0) break;
     result.append(text.substr(0, space)).append("\n").append(indent, ' ');
