@@ -136,7 +136,7 @@ int run_check(Session& session) {
   if (const auto* fault = std::get_if<Fault>(&answer)) {
     Fault said = *fault;
     const std::string alone = "without the daemon: mauved --check " + file;
-    said.hint = said.hint.empty() ? alone : alone + "; " + said.hint;
+    if (said.exit == static_cast<int>(protocol::Exit::unreachable)) said.hint = alone;
     return session.fail(said);
   }
   const auto& result = std::get<Json>(answer);

@@ -26,7 +26,7 @@ constexpr std::size_t kLongestAnswer = 64 * 1024 * 1024;
 constexpr std::size_t kLongestPath = sizeof(sockaddr_un::sun_path) - 1;
 
 constexpr std::string_view kHowToStart =
-    "start it: systemctl start mauved, or mauved ARCHITECTURE.json; another socket: --socket PATH";
+    "start it (systemctl start mauved, or mauved ARCHITECTURE.json), or choose another --socket";
 
 Fault cannot_connect(const std::string& path, const error_code& error) {
   if (error == asio::error::no_permission || error == asio::error::access_denied) {

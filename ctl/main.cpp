@@ -39,7 +39,7 @@ int refuse_use(const Misuse& misuse) {
   if (screen.json) {
     screen.out << mauve::protocol::to_line(fault_json(misuse.fault)) << std::endl;
   } else {
-    screen.err << render_fault({}, misuse.fault, {screen.width, screen.colour_err});
+    screen.err << render_fault({}, misuse.fault, {screen.width_err, screen.colour_err});
   }
   return misuse.fault.exit;
 }

@@ -53,6 +53,7 @@ Screen standard_screen(bool json, Colour colour) {
   screen.colour_out = !json && wants_colour(STDOUT_FILENO, colour);
   screen.colour_err = wants_colour(STDERR_FILENO, colour);
   screen.width = json ? 0 : width_of(STDOUT_FILENO);
+  screen.width_err = width_of(STDERR_FILENO);
   return screen;
 }
 

@@ -17,7 +17,8 @@ struct Screen {
   bool json = false;  ///< one line of JSON on `out` for every answer, errors included
   bool colour_out = false;
   bool colour_err = false;
-  std::size_t width = 0;  ///< columns of a terminal to fit into; 0: no limit
+  std::size_t width = 0;      ///< columns of a terminal that `out` has to fit into; 0: no limit
+  std::size_t width_err = 0;  ///< the same for `err`
 };
 
 /// Standard output and error of this process; looks at isatty, NO_COLOR, TERM and the width.

@@ -64,7 +64,7 @@ int Session::fail(const Fault& fault) {
   if (screen.json) {
     screen.out << protocol::to_line(fault_json(fault)) << '\n';
   } else {
-    screen.err << render_fault(asked(fault.where), fault, {screen.width, screen.colour_err});
+    screen.err << render_fault(asked(fault.where), fault, {screen.width_err, screen.colour_err});
   }
   screen.out.flush();
   return fault.exit;
