@@ -44,7 +44,8 @@ void add_safe_writes(const PreparedMember& member, Published& next) {
   for (const PortBase* port : member.base->shell->ports()) {
     const auto& before = old[port->index()];
     if (before == nullptr || !port->has_safe_value()) continue;
-    if ((*member.next->bindings)[port->index()] == before) continue;
+    const PortBase* same = member.next->shell->find_port(port->name());
+    if (same != nullptr && (*member.next->bindings)[same->index()] == before) continue;
     next.safe_writes.emplace_back(port, &before->service());
   }
 }
@@ -151,6 +152,7 @@ Result<Receipt> commit_change(System& system, PreparedChange& change, Retired& r
   for (std::size_t i = 0; i < members.size(); ++i) {
     const PreparedMember& member = content.members[i];
     if (member.next != member.base) member.component->install(member.next);
+    if (member.type) member.component->renew(*member.type);
     retire(member, retired);
     receipt.components.push_back({member.component->name(), members[i].in_force->pause,
                                   members[i].task->counters().missed.load() - missed_before[i],

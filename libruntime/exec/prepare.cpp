@@ -94,7 +94,7 @@ class MemberBuilder {
         next_(std::make_shared<Bundle>(base_)),
         made_(made),
         configure_(configure) {
-    remake_shell_ = touches(edit, "shell");
+    remake_shell_ = edit.type.has_value() || touches(edit, "shell");
     remake_core_ = remake_shell_ || edit.core.has_value() || touches(edit, "core");
     remake_fsm_ = remake_core_ || edit.fsm.has_value() || touches(edit, "fsm");
   }
@@ -108,6 +108,7 @@ class MemberBuilder {
     PreparedMember member;
     member.component = &component_;
     member.base = component_.bundle();
+    member.type = edit_.type;
     // Stopping and starting leave the bundle alone, so that `stop --all` does not overtake a change
     // that is being prepared.
     const bool only_mode = !remake_fsm_ && edit_.connect.empty() && edit_.disconnect.empty();
@@ -127,11 +128,33 @@ class MemberBuilder {
 
   Status make_shell() {
     if (!remake_shell_) return ok();
-    Status done =
-        make_element(component_.name() + ".shell", component_.type().shell.make, next_->shell);
+    Status done = make_element(component_.name() + ".shell", type().shell.make, next_->shell);
     if (done) done = copy_properties(*base_.shell, *next_->shell);
     if (done) done = set_properties(edit_, "shell", *next_->shell);
+    if (done) done = keep_connections();
     return done;
+  }
+
+  /// The ports of a newer build may be others, or in another order.
+  Status keep_connections() {
+    auto table = std::make_shared<Bindings>(next_->shell->ports().size());
+    for (const PortBase* old : base_.shell->ports()) {
+      const auto& binding = (*base_.bindings)[old->index()];
+      if (binding == nullptr) continue;
+      const PortBase* same = next_->shell->find_port(old->name());
+      if (same == nullptr) {
+        return refuse(Errc::unknown_name, old->address(),
+                      "is connected, but the new shell has no such port", "disconnect it first");
+      }
+      if (Status fits = check_connection(*same, nullptr, binding->service()); !fits) return fits;
+      (*table)[same->index()] = binding;
+    }
+    next_->bindings = std::move(table);
+    return ok();
+  }
+
+  [[nodiscard]] const ComponentType& type() const {
+    return edit_.type ? *edit_.type : component_.type();
   }
 
   Status make_core() {
@@ -139,7 +162,7 @@ class MemberBuilder {
     if (edit_.core) next_->core_type = *edit_.core;
     if (edit_.fsm) next_->fsm_type = *edit_.fsm;
     const std::string at = component_.name() + ".core";
-    Status done = check_contract(at, next_->core_type, next_->fsm_type, component_.type().shell);
+    Status done = check_contract(at, next_->core_type, next_->fsm_type, type().shell);
     if (done) done = make_element(at, next_->core_type.make, next_->core);
     const bool same_type = !edit_.core || edit_.core->name == base_.core_type.name;
     if (done && same_type) done = copy_properties(*base_.core, *next_->core);
@@ -152,7 +175,7 @@ class MemberBuilder {
     if (!remake_fsm_) return ok();
     if (edit_.fsm) next_->fsm_type = *edit_.fsm;
     const std::string at = component_.name() + ".fsm";
-    Status done = check_contract(at, next_->core_type, next_->fsm_type, component_.type().shell);
+    Status done = check_contract(at, next_->core_type, next_->fsm_type, type().shell);
     if (done) done = make_element(at, next_->fsm_type.make, next_->fsm);
     if (done) done = copy_properties(*base_.fsm, *next_->fsm);
     if (done) done = set_properties(edit_, "fsm", *next_->fsm);
@@ -162,14 +185,14 @@ class MemberBuilder {
 
   Status connect() {
     for (const std::string& port : edit_.disconnect) {
-      auto table = without_connection(*base_.shell, *next_->bindings, port);
+      auto table = without_connection(*next_->shell, *next_->bindings, port);
       if (!table) return table.error();
       next_->bindings = *std::move(table);
     }
     for (const NewConnection& wanted : edit_.connect) {
       const Result<ServiceBase*> service = system_.architecture.find_service(wanted.service);
       if (!service) return service.error();
-      auto table = with_connection(*base_.shell, *next_->bindings, wanted.port, **service,
+      auto table = with_connection(*next_->shell, *next_->bindings, wanted.port, **service,
                                    (*service)->resource().keep_alive(), wanted.max_age);
       if (!table) return table.error();
       next_->bindings = *std::move(table);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ namespace mauve::exec {
 struct PreparedMember {
   ComponentBase* component = nullptr;
   std::shared_ptr<const Bundle> base;  ///< what it was prepared against
+  std::optional<ComponentType> type;   ///< of a newer build, else as it is
   std::shared_ptr<const Bundle> next;  ///< the same as `base` when only the mode changes
   Mode mode = Mode::keep;
   StatePolicy state = StatePolicy::keep;

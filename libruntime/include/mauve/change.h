@@ -36,6 +36,9 @@ struct Edit {
   std::string component;
   std::optional<CoreType> core;  ///< replaces the core; also the core in force again, freshly made
   std::optional<FsmType> fsm;    ///< replaces the state machine
+  /// The component's own type from a newer build of its plugin: its shell is made anew, connections
+  /// are kept by name of the port.
+  std::optional<ComponentType> type;
   /// "core.gain", "fsm.pace", "shell.device" -> value.
   std::vector<std::pair<std::string, Value>> properties;
   std::vector<NewConnection> connect;

@@ -89,6 +89,8 @@ class ComponentBase {
   /// Makes the elements anew when a constructor failed; the error of the last attempt. Runtime
   /// only.
   [[nodiscard]] const Status& made() const { return made_; }
+  /// Runtime only: the same type from a newer build of its plugin.
+  void renew(ComponentType type) { type_ = std::move(type); }
   /// Runtime only: the bundle that a committed change left in force.
   void install(std::shared_ptr<const Bundle> bundle) { bundle_ = std::move(bundle); }
   /// Runtime only: gives the elements up without touching them (their thread hangs in them).
