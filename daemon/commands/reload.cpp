@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// plugin.reload: every live core and state machine moves to the new code in one transaction, then
+/// plugin.reload: everything that components run moves to the new code in one transaction, then
 /// the old code is unmapped, or it is said why not.
 ///
 ///   [factory] map the new file, make and configure the new elements
@@ -46,7 +46,10 @@ Change members(const Running& running, const std::string& plugin) {
     if (is_of(bundle.fsm_type.name, plugin)) {
       edit.fsm = bundle.fsm_type;
     }
-    if (edit.core || edit.fsm) {
+    if (is_of(component->type().name, plugin)) {
+      edit.type = component->type();
+    }
+    if (edit.core || edit.fsm || edit.type) {
       change.edits.push_back(std::move(edit));
     }
   }
@@ -78,11 +81,12 @@ void prepare(Running& running, Reload& reload) {
   }
   const auto& offered = **reload.loaded;
   for (auto& edit : reload.change.edits) {
-    auto found = is_of(edit.core ? edit.core->name : "", reload.name)
-                     ? take_new(offered.cores, edit.core, edit.component)
-                     : ok();
-    if (found && edit.fsm) {
+    auto found = take_new(offered.cores, edit.core, edit.component);
+    if (found) {
       found = take_new(offered.fsms, edit.fsm, edit.component);
+    }
+    if (found) {
+      found = take_new(offered.components, edit.type, edit.component);
     }
     if (!found) {
       reload.prepared = found.error();

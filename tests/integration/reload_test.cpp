@@ -23,15 +23,18 @@ TEST(Reload, RunsTheNewCodeOfAFileRebuiltAtTheSamePath) {
   EXPECT_EQ(daemon.component("first")["state"], "running");
 }
 
-TEST(Reload, SaysWhetherTheOldCodeWasUnmappedOrWhyNot) {
+TEST(Reload, UnmapsTheOldCodeAndKeepsTheConnections) {
   TrialDaemon daemon;
   static_cast<void>(daemon.client());
   daemon.install(2);
 
   const auto result = daemon.ask("plugin.reload", {{"plugin", "trial"}});
 
-  ASSERT_TRUE(result["unmapped"].is_boolean()) << result;
-  EXPECT_EQ(result["unmapped"].get<bool>(), result["why"].get<std::string>().empty()) << result;
+  EXPECT_EQ(result["unmapped"], true) << result;
+  EXPECT_EQ(result["why"], "");
+  EXPECT_TRUE(daemon.becomes("signal.read", 1.0)) << "connections are kept";
+  EXPECT_TRUE(daemon.becomes("second.core.input", 1.0));
+  EXPECT_EQ(daemon.ask("param.set", {{"values", {{"first.shell.size", 8}}}})["state"], "applied");
 }
 
 TEST(Reload, KeepsTheOldCodeWhenTheNewFileIsDamaged) {
