@@ -22,7 +22,8 @@
 namespace mauve::ctl {
 
 inline const std::string kHello =
-    R"({"jsonrpc":"2.0","method":"hello","params":{"server":"mauved 9","protocol":[1],"generation":41}})"
+    R"({"jsonrpc":"2.0","method":"hello","params":{"server":"mauved 9","protocol":[1],)"
+    R"("generation":41}})"
     "\n";
 
 /// The server's side of one connection.

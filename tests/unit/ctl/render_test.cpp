@@ -11,7 +11,8 @@ namespace {
 const Json kStatus = Json::parse(R"({
   "generation": 42, "architecture": "rover", "uptime_s": 192.5, "realtime": true,
   "components": [
-    {"name": "laser", "type": "drivers/laser_sim", "core": "drivers/laser_sim", "fsm_state": "period",
+    {"name": "laser", "type": "drivers/laser_sim", "core": "drivers/laser_sim",
+     "fsm_state": "period",
      "state": "running", "priority": 60, "releases": 7680, "missed": 0, "overruns": 0},
     {"name": "control", "type": "guidance/control", "core": "guidance/potential_field",
      "fsm_state": "reach_goal", "state": "stopped", "priority": 40, "releases": 19200, "missed": 3,
@@ -245,8 +246,10 @@ TEST(RenderObject, IndentsWhatIsInside) {
 
 TEST(RenderObject, ShowsOfAPropertyWhatIsWorthAColumn) {
   const Json object = Json::parse(R"({"address":"control","properties":[
-    {"name":"core.gain","value":0.3,"default":0.2,"min":0,"max":10,"unit":"1/s","type":"double","text":"pull"},
-    {"name":"fsm.pace","value":"10ms","default":"10ms","min":null,"max":null,"unit":"","type":"duration","text":""}]})");
+    {"name":"core.gain","value":0.3,"default":0.2,"min":0,"max":10,
+     "unit":"1/s","type":"double","text":"pull"},
+    {"name":"fsm.pace","value":"10ms","default":"10ms","min":null,"max":null,
+     "unit":"","type":"duration","text":""}]})");
 
   EXPECT_EQ(render_object(object, {}),
             "address  control\n"

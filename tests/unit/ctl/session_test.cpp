@@ -56,7 +56,8 @@ struct Scene {
 };
 
 const Json kReceipt = Json::parse(R"({"generation": 42, "changed": true, "state": "applied",
-  "commit": 7, "attempts": 1, "components": [{"name": "control", "pause_ns": 38, "missed": 0, "bytes": 0}]})");
+  "commit": 7, "attempts": 1, "components":
+  [{"name": "control", "pause_ns": 38, "missed": 0, "bytes": 0}]})");
 
 TEST(SwapCore, AsksWithEverythingThatWasSaid) {
   const Scene scene({"swap-core", "control", "guidance/finite_time", "--set", "gain=0.3", "--set",
