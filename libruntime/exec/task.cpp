@@ -43,6 +43,7 @@ Instant next_on_grid(Instant base, Duration step, Instant instant) {
 void fetch(const Published& next) {
   rt::touch(&next, sizeof next);
   rt::touch(next.bundle.get(), sizeof *next.bundle);
+  rt::touch(next.state_map.data(), next.state_map.size() * sizeof next.state_map[0]);
   if (next.into != nullptr) rt::touch(next.into, sizeof *next.into);
   for (const auto& [into, from] : next.observables) rt::touch(into, sizeof *into);
 }
