@@ -69,22 +69,37 @@ T checked(mauve::Result<T> result) {
   std::exit(1);
 }
 
+/// CPUs. What the coordinator wrote on another one has to come from there, line by line.
+struct Places {
+  int component;
+  int coordinator;
+};
+
 struct Swaps {
   std::vector<double> pauses;  // ns
   std::uint64_t missed = 0;    // releases, as the receipts say
-  std::size_t apart = 0;       // of those, with a disturbance of the machine
+  std::uint64_t apart = 0;     // of those, with a disturbance of the machine
+
+  /// Adds the others to these; their pauses.
+  std::vector<double> count(const Swaps& others) {
+    pauses.insert(pauses.end(), others.pauses.begin(), others.pauses.end());
+    missed += others.missed;
+    apart += others.apart;
+    return others.pauses;
+  }
 };
 
 /// Swaps to and fro; each waits until the one before is in force.
 template <typename A, typename B>
-Swaps swap_to_and_fro(int cpu, int swaps, Duration period = kPeriod) {
-  OneComponent<A> architecture(cpu, period);
+Swaps swap_to_and_fro(Places places, int swaps, Duration period = kPeriod) {
+  OneComponent<A> architecture(places.component, period);
   mauve::Deployer deployer(architecture);
   if (mauve::Status up = deployer.deploy(); !up) {
     std::cerr << mauve::to_string(up.error()) << "\n";
     std::exit(1);
   }
   const Probe probe(deployer.t0() + kPeriod.count() / 4);
+  const OnCpu here(places.coordinator, 0);
   Swaps result;
   for (int i = 0; i < swaps; ++i) {
     const std::size_t windows = probe.windows();
@@ -99,23 +114,25 @@ Swaps swap_to_and_fro(int cpu, int swaps, Duration period = kPeriod) {
 }
 
 /// The floor: one slot checked, one pointer exchanged, one given back, between two clock readings.
-std::vector<double> raw_exchanges(int cpu, int swaps) {
+std::vector<double> raw_exchanges(Places places, int swaps) {
   std::atomic<int*> pending{nullptr};
   std::atomic<int*> retired{nullptr};
   std::vector<double> pauses;
   auto current = std::make_unique<int>(0);
   std::atomic<Instant> pause{0};
-  const RawLoop loop(cpu, fifo_or_none(kPriority), now() + kPeriod.count(), kPeriod, [&](Instant) {
-    int* next = pending.load(std::memory_order_acquire);
-    if (next == nullptr) return;
-    const Instant begin = now();
-    pending.store(nullptr, std::memory_order_relaxed);
-    int* old = current.release();
-    current.reset(next);
-    *next += 1;
-    pause.store(now() - begin, std::memory_order_relaxed);
-    retired.store(old, std::memory_order_release);
-  });
+  const OnCpu here(places.coordinator, 0);
+  const RawLoop loop(places.component, fifo_or_none(kPriority), now() + kPeriod.count(), kPeriod,
+                     [&](Instant) {
+                       int* next = pending.load(std::memory_order_acquire);
+                       if (next == nullptr) return;
+                       const Instant begin = now();
+                       pending.store(nullptr, std::memory_order_relaxed);
+                       int* old = current.release();
+                       current.reset(next);
+                       *next += 1;
+                       pause.store(now() - begin, std::memory_order_relaxed);
+                       retired.store(old, std::memory_order_release);
+                     });
   for (int i = 0; i < swaps; ++i) {
     pending.store(new int(i), std::memory_order_release);
     int* old = nullptr;
@@ -186,37 +203,33 @@ void run(const Options& options) {
   Report report("swap",
                 "Pause of the real-time thread of a 1 kHz component in which its core is swapped, "
                 "as the receipts say, against a raw exchange of a pointer between two readings of "
-                "the clock.",
+                "the clock. The coordinator is on another CPU unless said otherwise.",
                 options);
+  const int first = mauve::rt::usable_cpus().front();
+  const int last = mauve::rt::usable_cpus().back();
+  Line same = line(report, "no state, coordinator on the same CPU", 100, 500);
   Line without = line(report, "no state", 100, 500);
   Line small = line(report, "8 B of state handed over", 300, 500);
   Line large = line(report, "64 kB of state handed over", 300, 500);
   Line brief = line(report, "no state, period 150 us", 100, 500);
   Figure& added = report.figure("a job with a swap takes longer by, warm", "ns", at_most(300));
-  const int cpu = mauve::rt::usable_cpus().back();
   const int swaps = options.choose(kSwaps, 50);
-  std::size_t count = 0;
-  std::uint64_t missed = 0;
-  std::size_t apart = 0;
+  Swaps all;
   for (int i = 0; i < options.rounds; ++i) {
-    const auto raw = raw_exchanges(cpu, swaps);
-    const Swaps none = swap_to_and_fro<Without<1>, Without<2>>(cpu, swaps);
-    const Swaps eight = swap_to_and_fro<With<1, Small>, With<2, Small>>(cpu, swaps);
-    const Swaps many = swap_to_and_fro<With<1, Large>, With<2, Large>>(cpu, swaps);
-    const Swaps released = swap_to_and_fro<Without<1>, Without<2>>(cpu, swaps, kShort);
-    without.add(none.pauses, raw);
-    small.add(eight.pauses, raw);
-    large.add(many.pauses, raw);
-    brief.add(released.pauses, raw);
-    added.add(added_to_a_job(cpu, 10 * swaps));
-    for (const Swaps* of : {&none, &eight, &many, &released}) {
-      count += of->pauses.size();
-      missed += of->missed;
-      apart += of->apart;
-    }
+    const Places apart{last, first};
+    const Places together{last, last};
+    using A = Without<1>;
+    using B = Without<2>;
+    same.add(all.count(swap_to_and_fro<A, B>(together, swaps)), raw_exchanges(together, swaps));
+    const auto raw = raw_exchanges(apart, swaps);
+    without.add(all.count(swap_to_and_fro<A, B>(apart, swaps)), raw);
+    small.add(all.count(swap_to_and_fro<With<1, Small>, With<2, Small>>(apart, swaps)), raw);
+    large.add(all.count(swap_to_and_fro<With<1, Large>, With<2, Large>>(apart, swaps)), raw);
+    brief.add(all.count(swap_to_and_fro<A, B>(apart, swaps, kShort)), raw);
+    added.add(added_to_a_job(last, 10 * swaps));
   }
-  report.note(std::to_string(count) + " swaps; releases missed by them: " +
-              std::to_string(missed - apart) + " (" + std::to_string(apart) +
+  report.note(std::to_string(all.pauses.size()) + " swaps; releases missed by them: " +
+              std::to_string(all.missed - all.apart) + " (" + std::to_string(all.apart) +
               " more while a SCHED_FIFO 99 probe was itself over 200 us late).");
   report.print();
 }
