@@ -82,8 +82,11 @@ int Daemon::run() {
     report_refusal(started.error());
     return 1;
   }
-  serve_until_signal();
-  return shut_down(signals_.wait());
+  if (auto serving = serve(); !serving) {
+    report_refusal(serving.error());
+    return shut_down("a socket that cannot be served");
+  }
+  return shut_down(wait_for_signal());
 }
 
 Status Daemon::open_log() {
@@ -153,7 +156,7 @@ Status Daemon::deploy() {
   return ok();
 }
 
-void Daemon::serve_until_signal() {
+Status Daemon::serve() {
   running_.reset(new Running{*architecture_, *deployer_, catalog_, control_, log_, watches_,
                              [this] { return server_->clients(); }, random_id(),
                              std::chrono::steady_clock::now()});
@@ -161,15 +164,30 @@ void Daemon::serve_until_signal() {
   table_ = std::make_unique<CommandTable>(*running_);
   server_ = std::make_unique<server::Server>(server::ServerOptions{{}, server::machine_rules()},
                                              *table_, log_);
+  const auto state = state_line();
   control_.start();
   watches_.start(*running_);
   if (auto opened = server_->open(std::move(*endpoint_)); !opened) {
-    report_refusal(opened.error());
+    return opened;
   }
   endpoint_.reset();
   server_->start();
-  log_.write(Event::daemon_running, {{"text", state_line()}});
-  notify::ready(state_line());
+  log_.write(Event::daemon_running, {{"text", state}});
+  notify::ready(state);
+  return ok();
+}
+
+/// Under a service manager the line of `systemctl status` is kept true; else nothing wakes up.
+std::string Daemon::wait_for_signal() {
+  if (std::getenv("NOTIFY_SOCKET") == nullptr) {
+    return signals_.wait();
+  }
+  for (;;) {
+    if (auto signal = signals_.wait(kStatusEvery)) {
+      return *signal;
+    }
+    control_.read([this] { notify::status(state_line()); });
+  }
 }
 
 std::string Daemon::state_line() const {

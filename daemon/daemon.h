@@ -35,11 +35,12 @@ class Daemon {
   Status start();
   Status load();
   Status deploy();
-  void serve_until_signal();
+  Status serve();
+  [[nodiscard]] std::string wait_for_signal();
   [[nodiscard]] int shut_down(const std::string& cause);
   [[nodiscard]] std::vector<std::string> stop_components();
   void report_refusal(const Error& error);
-  [[nodiscard]] std::string state_line() const;
+  [[nodiscard]] std::string state_line() const;  // [control], or [main] before that runs
 
   const Options options_;
   Signals signals_;
