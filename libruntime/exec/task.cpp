@@ -148,7 +148,7 @@ void Task::take(Published& next, Instant begin) {
   rearm(next, was_running);
   next.taken = true;
   unacknowledged_ = &next;
-  next.pause = Duration{clock_.now() - begin};
+  next.pause = Duration{next.count_gap ? release_ - parked_at_ : clock_.now() - begin};
   retired_.store(old, std::memory_order_release);
   if (running_ && was_running) {
     note(rt::EventKind::swapped, LogLevel::info, next.pause.count(),
@@ -269,6 +269,7 @@ void Task::account(Instant start, Instant end) {
 
 void Task::park(ComponentState state) {
   running_ = false;
+  parked_at_ = clock_.now();
   counters_.state.store(state, std::memory_order_release);
   if (state == ComponentState::stopped) {
     note(rt::EventKind::stopped, LogLevel::info, clock_.now() - t0_);

@@ -133,6 +133,7 @@ class Task {
   Instant t0_ = 0;
   Instant release_ = 0;  // logical: t0 + offset + clock of the component
   Duration wait_{0};     // that ended, or ends, at release_
+  Instant parked_at_ = 0;
   bool running_ = false;
 };
 

@@ -71,18 +71,18 @@ class Architecture {
 template <typename ShellT, typename CoreT, typename FsmT>
 Component<ShellT, CoreT, FsmT>::Component(Architecture& architecture, std::string name)
     : ComponentBase(std::move(name),
-                    {typeid(FsmT).name(),
+                    {class_name(typeid(FsmT)),
                      ShellType::of<ShellT>(),
-                     FsmType::of<FsmT>(typeid(FsmT).name()),
+                     FsmType::of<FsmT>(class_name(typeid(FsmT))),
                      {}},
-                    CoreType::of<CoreT>(typeid(CoreT).name())) {
+                    CoreType::of<CoreT>(class_name(typeid(CoreT)))) {
   architecture.add(*this);
 }
 
 template <typename ShellT, typename CoreT, typename InterfaceT>
 Resource<ShellT, CoreT, InterfaceT>::Resource(Architecture& architecture, std::string name)
-    : ResourceBase(std::move(name), {typeid(InterfaceT).name(), ShellType::of<ShellT>(),
-                                     CoreType::of<CoreT>(typeid(CoreT).name()),
+    : ResourceBase(std::move(name), {class_name(typeid(InterfaceT)), ShellType::of<ShellT>(),
+                                     CoreType::of<CoreT>(class_name(typeid(CoreT))),
                                      detail::make<InterfaceBase, InterfaceT>}) {
   architecture.add(*this);
 }

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include <mauve/bounded.h>
+#include <mauve/class_name.h>
 #include <mauve/codec_scalar.h>
 #include <mauve/result.h>
 #include <mauve/value.h>
@@ -37,9 +38,9 @@ std::string type_name() {
   } else if constexpr (HasCodec<T>) {
     const Value described = Codec<T>::describe();
     if (const auto* text = described.get_if<std::string>()) return *text;
-    return typeid(T).name();
+    return class_name(typeid(T));
   } else {
-    return typeid(T).name();
+    return class_name(typeid(T));
   }
 }
 

@@ -83,7 +83,7 @@ class ComponentBase {
   Status replace_core(const CoreType& core);
   template <typename T>
   Status replace_core() {
-    return replace_core(CoreType::of<T>(typeid(T).name()));
+    return replace_core(CoreType::of<T>(class_name(typeid(T))));
   }
 
   /// Makes the elements anew when a constructor failed; the error of the last attempt. Runtime

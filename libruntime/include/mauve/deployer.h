@@ -120,7 +120,7 @@ class Deployer {
                             StatePolicy state = StatePolicy::keep);
   template <typename T>
   Result<Receipt> swap_core(std::string_view component) {
-    return swap_core(component, CoreType::of<T>(typeid(T).name()));
+    return swap_core(component, CoreType::of<T>(class_name(typeid(T))));
   }
   /// `address` as "control.core.gain"; also properties of resources.
   Result<Receipt> set(std::string_view address, const Value& value,

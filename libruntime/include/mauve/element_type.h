@@ -11,6 +11,7 @@
 #include <type_traits>
 #include <typeinfo>
 
+#include <mauve/class_name.h>
 #include <mauve/core.h>
 #include <mauve/fsm.h>
 #include <mauve/interface.h>
@@ -49,10 +50,10 @@ Contract contract_of() {
   if constexpr (requires { C::contract; }) {
     contract.name = C::contract;
   } else {
-    contract.name = typeid(C).name();
+    contract.name = class_name(typeid(C));
   }
   contract.fingerprint = hash(sizeof(C), hash(sizeof(typename C::ShellType), hash(contract.name)));
-  contract.shell = typeid(typename C::ShellType).name();
+  contract.shell = class_name(typeid(typename C::ShellType));
   return contract;
 }
 
@@ -74,7 +75,7 @@ struct ShellType {
 
   template <typename T>
   static ShellType of() {
-    return {typeid(T).name(), detail::make<Shell, T>};
+    return {class_name(typeid(T)), detail::make<Shell, T>};
   }
 };
 

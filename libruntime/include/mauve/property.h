@@ -98,7 +98,9 @@ class Property final : public PropertyBase {
   [[nodiscard]] Value max() const override { return limits_.max ? encode(*limits_.max) : Value(); }
   [[nodiscard]] Status accepts(const Value& value) const override {
     T decoded = default_;
-    return decode(value, decoded);
+    Status done = decode(value, decoded);
+    if (!done && done.error().at.empty()) done.error().at = address();
+    return done;
   }
 
  protected:

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The name of a class as its author wrote it, for contracts and types without a name of their own.
+#pragma once
+
+#include <string>
+#include <typeinfo>
+
+namespace mauve {
+
+/// "guidance::ControlShell". [any], not on a real-time thread.
+[[nodiscard]] std::string class_name(const std::type_info& type);
+
+}  // namespace mauve
