@@ -40,11 +40,13 @@ Instant next_on_grid(Instant base, Duration step, Instant instant) {
 
 /// What take() touches was written by the coordinator, often on another CPU, from where each cache
 /// line takes 100 ns. It is brought here while the old bundle is still in force.
-void fetch(const Published& next) {
+void fetch(const Published& next, const FsmState* state) {
   rt::touch(&next, sizeof next);
   rt::touch(next.bundle.get(), sizeof *next.bundle);
   rt::touch(next.state_map.data(), next.state_map.size() * sizeof next.state_map[0]);
+  if (state != nullptr) rt::touch(state, sizeof *state);
   if (next.into != nullptr) rt::touch(next.into, sizeof *next.into);
+  if (next.from != nullptr) rt::touch(next.from, sizeof *next.from);
   for (const auto& [into, from] : next.observables) rt::touch(into, sizeof *into);
 }
 
@@ -90,7 +92,7 @@ void Task::serve() {
   }
   if (running_ && release_ < next->transaction->instant()) return;  // jobs lie between
   if (due() || !claim(*next)) return;  // due: the job's own boundary is here
-  fetch(*next);
+  fetch(*next, state_);
   take(*next, clock_.now());
   acknowledge();
 }
