@@ -300,7 +300,7 @@ TEST_F(Swap, InPlaceStopsCleansConfiguresAndStartsOnTheGrid) {
   deployer.run_for(50ms);
 
   ASSERT_TRUE(done) << to_string(done.error());
-  EXPECT_GT(done->components[0].pause, 1ms) << "the whole stop counts, not the exchange alone";
+  EXPECT_GE(done->components[0].pause, 1ms) << "the whole stop counts, not the exchange alone";
   EXPECT_EQ(control().core, "ramp/down");
   EXPECT_EQ(control().state, ComponentState::running);
   EXPECT_EQ(control().next_release.count() % 10'000'000, 0);
