@@ -78,7 +78,10 @@ int Daemon::run() {
   }
   log_.write(Event::daemon_starting,
              {{"version", std::string(kVersion)}, {"file", options_.architecture}});
-  if (auto started = start(); !started) {
+  StartGuard guard(signals_, [this] { leave_by_force("a signal came while a hook hangs"); });
+  const auto started = start();
+  const auto signal = guard.finish();
+  if (!started) {
     report_refusal(started.error());
     return 1;
   }
@@ -86,7 +89,7 @@ int Daemon::run() {
     report_refusal(serving.error());
     return shut_down("a socket that cannot be served");
   }
-  return shut_down(wait_for_signal());
+  return shut_down(signal ? *signal : wait_for_signal());
 }
 
 Status Daemon::open_log() {
@@ -209,11 +212,8 @@ std::string Daemon::state_line() const {
 int Daemon::shut_down(const std::string& cause) {
   notify::stopping("stopping on " + cause);
   log_.write(Event::daemon_stopping, {{"cause", cause}});
-  const Reaper reaper(signals_, kWholeEndMayTake, [this](const std::string& why) {
-    log_.write(Event::daemon_hurried, {{"cause", why}});
-    unlink(options_.socket.c_str());
-    std::this_thread::sleep_for(kLastWordsMayTake);
-  });
+  const Reaper reaper(signals_, kWholeEndMayTake,
+                      [this](const std::string& why) { leave_by_force(why); });
   const auto left_behind = stop_components();
   for (const auto& name : left_behind) {
     log_.write(Event::component_stuck, {{"component", name}});
@@ -241,6 +241,13 @@ std::vector<std::string> Daemon::stop_components() {
     control_.halt();
   });
   return stopped.get_future().get();
+}
+
+/// The process ends right afterwards. The log may be what hangs, so nothing waits for it.
+void Daemon::leave_by_force(const std::string& cause) {
+  log_.write(Event::daemon_hurried, {{"cause", cause}});
+  unlink(options_.socket.c_str());
+  std::this_thread::sleep_for(kLastWordsMayTake);
 }
 
 void Daemon::report_refusal(const Error& error) {

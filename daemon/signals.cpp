@@ -54,6 +54,41 @@ std::string Signals::wait() const {
   return name_of(number);
 }
 
+StartGuard::StartGuard(const Signals& signals, std::function<void()> last_words)
+    : signals_(signals), last_words_(std::move(last_words)) {
+  thread_ = std::thread([this] { run(); });
+}
+
+std::optional<std::string> StartGuard::finish() {
+  {
+    const std::lock_guard lock(mutex_);
+    finished_ = true;
+  }
+  wake_.notify_all();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+  return signal_;
+}
+
+void StartGuard::run() {
+  while (!signal_) {
+    if (finished_within(std::chrono::milliseconds(0))) {
+      return;
+    }
+    signal_ = signals_.wait(kGlance);
+  }
+  if (!finished_within(kPatience)) {
+    last_words_();
+    _exit(1);
+  }
+}
+
+bool StartGuard::finished_within(std::chrono::milliseconds time) {
+  std::unique_lock lock(mutex_);
+  return wake_.wait_for(lock, time, [this] { return finished_; });
+}
+
 Reaper::Reaper(const Signals& signals, std::chrono::milliseconds patience,
                std::function<void(const std::string& cause)> last_words)
     : signals_(signals), patience_(patience), last_words_(std::move(last_words)) {

@@ -24,6 +24,34 @@ class Signals {
   [[nodiscard]] std::string wait() const;
 };
 
+/// Ends the process when a signal comes while it starts and the start does not end by itself soon:
+/// a hook that hangs must not make it deaf.
+class StartGuard {
+ public:
+  explicit StartGuard(const Signals& signals, std::function<void()> last_words);
+  ~StartGuard() { static_cast<void>(finish()); }
+  StartGuard(const StartGuard&) = delete;
+  StartGuard& operator=(const StartGuard&) = delete;
+
+  /// The start is over; the signal that came meanwhile, if any.
+  [[nodiscard]] std::optional<std::string> finish();
+
+  /// What the start still gets after a signal.
+  static constexpr std::chrono::milliseconds kPatience{3'000};
+
+ private:
+  void run();
+  [[nodiscard]] bool finished_within(std::chrono::milliseconds time);
+
+  const Signals& signals_;
+  const std::function<void()> last_words_;
+  std::optional<std::string> signal_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool finished_ = false;
+  std::thread thread_;
+};
+
 /// Ends the process when the orderly way takes too long, or when a second signal comes.
 class Reaper {
  public:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/change.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "commands/answer.h"
@@ -13,6 +14,7 @@ namespace {
 /// away on [factory], since freeing elements runs user code.
 struct Journey {
   Change change;
+  std::uint64_t stops = 0;  ///< of its components, when it began
   std::optional<Result<PreparedChange>> prepared;
   std::optional<Retired> retired{std::in_place};
   Status exchanged;
@@ -40,21 +42,49 @@ void finish(Running& running, const Call& call, const Committed& done) {
   answer(running, call, to_json(*done.receipt));
 }
 
+std::uint64_t stops_of(Running& running, const Change& change) {
+  std::uint64_t stops = 0;
+  for (const auto& edit : change.edits) {
+    stops += running.stops[edit.component];
+  }
+  return stops;
+}
+
+bool starts_something(const Change& change) {
+  return std::any_of(change.edits.begin(), change.edits.end(),
+                     [](const Edit& edit) { return edit.mode == Mode::run; });
+}
+
+Error stopped_meanwhile(const Journey& journey) {
+  return refuse(Errc::conflict, journey.change.edits[0].component,
+                "was stopped by request while this change was prepared", "start it again");
+}
+
 /// [control] False when the change was given up before anything happened.
 bool may_go_on(Running& running, const Call& call, const Journey& journey) {
   if (!*journey.prepared) {
     answer(running, call, journey.prepared->error());
     return false;
   }
-  if (auto met = check_conditions(running, call); !met) {
-    answer(running, call, met.error());
-    return false;
+  auto met = check_conditions(running, call);
+  if (met && starts_something(journey.change) &&
+      stops_of(running, journey.change) != journey.stops) {
+    met = stopped_meanwhile(journey);
   }
-  return true;
+  if (!met) {
+    answer(running, call, met.error());
+  }
+  return met.has_value();
 }
 
 void resume_in_place(Running& running, const CallPtr& call, const JourneyPtr& journey) {
   auto& change = **journey->prepared;
+  if (stops_of(running, journey->change) != journey->stops) {
+    // The new core takes its place, but the component stays where the stop put it.
+    auto done = journey->exchanged ? commit(running, change, *journey->retired)
+                                   : Committed{journey->exchanged.error(), "safe"};
+    return finish(running, *call, done);
+  }
   auto receipt = running.deployer.in_place_resume(change, journey->exchanged, *journey->retired);
   running.generation = running.deployer.generation();
   const bool back = !receipt && running.deployer.status(journey->change.edits[0].component).state ==
@@ -73,6 +103,7 @@ Committed commit(Running& running, PreparedChange& change, Retired& retired) {
 void apply(Running& running, const CallPtr& call, Ticket ticket, Change change) {
   auto journey = std::make_shared<Journey>();
   journey->change = std::move(change);
+  journey->stops = stops_of(running, journey->change);
   running.control.in_factory(
       [&running, journey] { journey->prepared = running.deployer.prepare(journey->change); },
       [&running, call, journey, ticket = std::move(ticket)]() mutable {
@@ -86,6 +117,7 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change) 
 void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit) {
   auto journey = std::make_shared<Journey>();
   journey->change.edits.push_back(std::move(edit));
+  journey->stops = stops_of(running, journey->change);
   const auto exchange = [&running, journey] {
     journey->exchanged = running.deployer.in_place_exchange(**journey->prepared);
   };

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -39,6 +40,9 @@ struct Running {
   std::string boot;                                          ///< another one at every start
   std::chrono::steady_clock::time_point since;
   std::atomic<std::uint64_t> generation{0};  ///< a copy for other threads
+  /// [control] How often each component was stopped by request: a stop is never undone by a change
+  /// that was asked for before it.
+  std::map<std::string, std::uint64_t> stops = {};
 };
 
 /// One request under way. Dropped unanswered only when the daemon ends.

@@ -62,6 +62,9 @@ Result<Json> stop(Running& running, const Call& call) {
   if (!names) {
     return names.error();
   }
+  for (const auto& name : *names) {
+    ++running.stops[name];
+  }
   auto receipt = running.deployer.stop(*names);
   if (!receipt && names->size() > 1) {
     receipt = stop_one_by_one(running, *names);

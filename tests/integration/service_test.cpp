@@ -134,6 +134,21 @@ TEST(Service, HurriesOnASecondSignal) {
   EXPECT_THAT(daemon.errors(), HasSubstr("second signal"));
 }
 
+TEST(Service, EndsInBoundedTimeWhenAHookHangsAtTheStart) {
+  TrialDaemon daemon(R"({
+    "schema": "mauve/architecture/1", "name": "slow", "plugins": ["trial"],
+    "components": { "a": { "type": "trial/unit", "core": "trial/slow",
+                           "properties": { "core.configure_time": "100s" } } }
+  })");
+  ASSERT_TRUE(eventually([&] { return daemon.errors().find("loaded") != std::string::npos; }));
+  const auto begin = Clock::now();
+
+  daemon.process().signal(SIGTERM);
+
+  EXPECT_EQ(daemon.process().wait(), 1);
+  EXPECT_LT(Clock::now() - begin, std::chrono::seconds(10));
+}
+
 TEST(Service, RefusesASecondInstanceOnTheSameSocket) {
   TrialDaemon daemon;
   static_cast<void>(daemon.client());

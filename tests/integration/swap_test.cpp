@@ -198,6 +198,21 @@ TEST(Stop, OfAllIsServedWhileALongChangeIsPrepared) {
   EXPECT_EQ(daemon.component("first")["state"], "stopped");
 }
 
+TEST(Stop, IsNotUndoneByASwapInPlaceThatBeganBeforeIt) {
+  TrialDaemon daemon;
+  auto slow = daemon.client();
+  ASSERT_TRUE(slow.send(R"({"jsonrpc":"2.0","id":7,"method":"core.swap","params":)"
+                        R"({"component":"first","core":"trial/slow","in_place":true}})"
+                        "\n"));
+  ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "stopped"; }));
+
+  static_cast<void>(daemon.ask("component.stop", {{"all", true}}));
+
+  EXPECT_TRUE(slow.json().contains("result"));
+  EXPECT_EQ(daemon.component("first")["core"], "trial/slow");
+  EXPECT_EQ(daemon.component("first")["state"], "stopped");
+}
+
 TEST(Change, WaitsForTheOneUnderWayWhileReadsAreServed) {
   TrialDaemon daemon;
   auto slow = daemon.client();
