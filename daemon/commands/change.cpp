@@ -97,6 +97,7 @@ void resume_in_place(Running& running, const CallPtr& call, const JourneyPtr& jo
 Committed commit(Running& running, PreparedChange& change, Retired& retired) {
   auto receipt = running.deployer.commit(change, retired);
   running.generation = running.deployer.generation();
+  if (!receipt && receipt.error().code == Errc::partly) return {std::move(receipt), "partly"};
   return {std::move(receipt)};
 }
 

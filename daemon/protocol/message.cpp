@@ -14,7 +14,7 @@ struct OwnCode {
 };
 
 // The order of the wire, not of the enumeration: a number never changes its meaning.
-constexpr std::array<OwnCode, 16> kOwnCodes{{
+constexpr std::array<OwnCode, 17> kOwnCodes{{
     {Errc::abi_mismatch, -32010, Exit::refused},
     {Errc::invalid_value, -32011, Exit::refused},
     {Errc::unknown_name, -32012, Exit::no_such_object},
@@ -31,6 +31,7 @@ constexpr std::array<OwnCode, 16> kOwnCodes{{
     {Errc::limit, -32023, Exit::refused},
     {Errc::unsupported, -32024, Exit::refused},
     {Errc::system, -32025, Exit::refused},
+    {Errc::partly, -32026, Exit::partly},
 }};
 
 struct RpcCode {

@@ -29,6 +29,8 @@ std::string_view to_string(Errc code) {
       return "not_permitted";
     case Errc::conflict:
       return "conflict";
+    case Errc::partly:
+      return "partly";
     case Errc::timed_out:
       return "timed_out";
     case Errc::limit:

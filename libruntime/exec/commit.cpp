@@ -81,7 +81,7 @@ Error not_applied(const SwapResult& swapped, const std::vector<Member>& members)
                     "did not end its job within 2 s, so the change was taken back",
                     "look at `status`: a core that never returns holds its component");
     default:
-      return refuse(Errc::timed_out, names,
+      return refuse(Errc::partly, names,
                     "only some components reached a boundary within 2 s: the change is in force "
                     "on those",
                     "stop the component that hangs");
@@ -142,7 +142,9 @@ Result<Receipt> commit_change(System& system, PreparedChange& change, Retired& r
   }
   SwapResult swapped{SwapResult::State::committed, system.runner->now(), 1};
   if (!members.empty()) swapped = swap(members, *system.runner, longest_job);
-  if (swapped.state != SwapResult::State::committed) return not_applied(swapped, members);
+  const bool nothing_happened =
+      swapped.state == SwapResult::State::missed || swapped.state == SwapResult::State::revoked;
+  if (nothing_happened) return not_applied(swapped, members);
 
   Receipt receipt{++system.generation,
                   ChangeState::applied,
@@ -151,6 +153,7 @@ Result<Receipt> commit_change(System& system, PreparedChange& change, Retired& r
                   {}};
   for (std::size_t i = 0; i < members.size(); ++i) {
     const PreparedMember& member = content.members[i];
+    if (members[i].in_force == nullptr) continue;
     if (member.next != member.base) member.component->install(member.next);
     if (member.type) member.component->renew(*member.type);
     retire(member, retired);
@@ -158,11 +161,12 @@ Result<Receipt> commit_change(System& system, PreparedChange& change, Retired& r
                                   members[i].task->counters().missed.load() - missed_before[i],
                                   members[i].in_force->bytes});
   }
+  content.made.forget();  // in force now
+  if (swapped.state == SwapResult::State::partly) return not_applied(swapped, members);
   for (PreparedResource& resource : content.resources) {
     commit_resource(system, resource, retired);
     receipt.components.push_back({resource.resource->name(), Duration{0}, 0, 0});
   }
-  content.made.forget();  // in force now
   return receipt;
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <thread>
 
+#include "model/left_behind.h"
 #include "rt/futex.h"
 
 namespace mauve::exec {
@@ -68,7 +69,7 @@ class Threads final : public Runner {
       worker.thread.join();
     } else {
       worker.thread.abandon();
-      static_cast<void>(found->second.release());  // still looked at by its thread
+      leave_behind(std::shared_ptr<Worker>(std::move(found->second)));
     }
     workers_.erase(found);
     return ended;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "exec/system.h"
+#include "model/left_behind.h"
 
 namespace mauve::exec {
 namespace {
@@ -124,7 +125,7 @@ std::vector<std::string> bring_down(System& system, Duration bound) {
     if (system.runner->end(*deployed.task, until)) continue;
     left_behind.push_back(deployed.component->name());
     deployed.component->abandon();
-    static_cast<void>(deployed.task.release());  // its thread still runs in it
+    leave_behind(std::shared_ptr<Task>(std::move(deployed.task)));  // its thread still runs in it
   }
   return left_behind;
 }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "model/left_behind.h"
+
 namespace mauve::exec {
 namespace {
 
@@ -21,6 +23,7 @@ Transaction::State publish_and_decide(Transaction& transaction, std::vector<Memb
                                       Runner& runner) {
   const auto urgency = runner.hurry();
   for (Member& member : members) {
+    static_cast<void>(member.task->reclaim());  // of a change that was given up
     member.next->transaction = &transaction;
     member.task->publish(*member.next);
   }
@@ -48,16 +51,26 @@ void settle_aborted(std::vector<Member>& members) {
   }
 }
 
-/// Some member does not come to a boundary: takes the bundles back that nobody has taken. The
-/// words that its thread may be about to look at are leaked, the elements are not.
+/// Some member does not come to a boundary, or does not end its first job after it: takes the
+/// bundles back that nobody has taken. The words that a thread may be about to look at are left
+/// behind, the elements are not.
 SwapResult::State give_up(std::vector<Member>& members) {
   std::size_t revoked = 0;
+  std::size_t taken = 0;
   for (Member& member : members) {
-    Published* const next = member.next.release();
-    if (!member.task->revoke(*next)) continue;
-    next->bundle.reset();
-    ++revoked;
+    if (member.task->revoke(*member.next)) {
+      member.next->bundle.reset();
+      leave_behind(std::shared_ptr<Published>(std::move(member.next)));
+      ++revoked;
+    } else if (member.next->taken.load(std::memory_order_acquire)) {
+      member.in_force = member.next.release();
+      member.replaced = member.task->reclaim();
+      ++taken;
+    } else {
+      static_cast<void>(member.next.release());  // given back: it lies with the task
+    }
   }
+  if (taken == members.size()) return SwapResult::State::committed;
   return revoked == members.size() ? SwapResult::State::revoked : SwapResult::State::partly;
 }
 
@@ -75,7 +88,7 @@ SwapResult swap(std::vector<Member>& members, Runner& runner, Duration bound) {
     const auto settled = [&] { return all_done(*transaction, members); };
     if (!runner.await(settled, runner.now() + (lead + bound).count())) {
       result.state = give_up(members);
-      static_cast<void>(transaction.release());
+      leave_behind(std::shared_ptr<Transaction>(std::move(transaction)));
       return result;
     }
     if (decision == Transaction::State::committed) {

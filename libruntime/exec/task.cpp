@@ -148,10 +148,10 @@ void Task::take(Published& next, Instant begin) {
   Published* const old = current_;
   current_ = &next;
   rearm(next, was_running);
-  next.taken = true;
   unacknowledged_ = &next;
   next.pause = Duration{next.count_gap ? release_ - parked_at_ : clock_.now() - begin};
   retired_.store(old, std::memory_order_release);
+  next.taken.store(true, std::memory_order_release);
   if (running_ && was_running) {
     note(rt::EventKind::swapped, LogLevel::info, next.pause.count(),
          static_cast<std::int64_t>(next.bytes));

@@ -42,7 +42,8 @@ struct Published {
   // The answer, valid once the transaction counted this member as done.
   Duration pause{0};
   std::size_t bytes = 0;
-  bool taken = false;  ///< false: given back because the transaction was aborted
+  /// Set when the task runs with it; stays false when it is given back. The answer is valid then.
+  std::atomic<bool> taken{false};
 };
 
 /// Counters, written by the task's thread, read by anyone.

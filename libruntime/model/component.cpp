@@ -3,6 +3,7 @@
 
 #include "model/connection.h"
 #include "model/elements.h"
+#include "model/left_behind.h"
 
 namespace mauve {
 namespace {
@@ -81,8 +82,7 @@ Status ComponentBase::cleanup() {
 }
 
 void ComponentBase::abandon() {
-  // Leaked on purpose: code of these elements is still being run.
-  if (configured_) new std::shared_ptr<const Bundle>(bundle_);
+  if (configured_) leave_behind(bundle_);
   configured_ = false;
 }
 

@@ -23,6 +23,7 @@ enum class Errc {
   abi_mismatch,    ///< a plugin was built for another runtime
   plugin_refused,  ///< a plugin file is missing, unsafe, damaged or incomplete
   not_permitted,   ///< the caller, or the process, lacks a privilege
+  partly,          ///< in force on some components only; the message says so
   conflict,        ///< somebody else was quicker, or holds it
   timed_out,       ///< not finished in the time allowed
   limit,           ///< a size, count or depth limit

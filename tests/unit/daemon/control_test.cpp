@@ -100,8 +100,7 @@ TEST_F(ControlTest, BeginsTheNextChangeAlsoWhenOneIsGivenUp) {
 
 TEST_F(ControlTest, RefusesAChangeWhenTooManyWait) {
   std::promise<void> release;
-  auto released = release.get_future().share();
-  const auto wait = [&](Control::Ticket ticket) {
+  const auto wait = [this, released = release.get_future().share()](Control::Ticket ticket) {
     control.in_factory([released] { released.wait(); }, [ticket = std::move(ticket)] {});
   };
   std::size_t accepted = 0;

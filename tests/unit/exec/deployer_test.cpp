@@ -88,8 +88,9 @@ TEST(Deployer, TakesAChangeBackWhenTheComponentNeverEndsItsJob) {
 
 TEST(Deployer, ShutsDownInBoundedTimeAndWritesSafeValuesForACoreThatHangs) {
   Hanging::released() = false;
-  auto* architecture = new HangingArchitecture;  // its thread stays in it until it is released
-  auto* deployer = new Deployer(*architecture, {.realtime = Realtime::off});
+  // Never freed: a thread stays in them.
+  static auto* const architecture = new HangingArchitecture;
+  static auto* const deployer = new Deployer(*architecture, {.realtime = Realtime::off});
   ASSERT_TRUE(deployer->deploy());
   ASSERT_TRUE(eventually([&] { return deployer->status("control").releases == 1; }));
 
