@@ -65,8 +65,9 @@ Result<Json> stop(Running& running, const Call& call) {
   for (const auto& name : *names) {
     ++running.stops[name];
   }
-  auto receipt = running.deployer.stop(*names);
-  if (!receipt && names->size() > 1) {
+  const bool all = flag(call.params, "all");
+  auto receipt = all ? running.deployer.stop_all() : running.deployer.stop(*names);
+  if (!receipt && !all && names->size() > 1) {
     receipt = stop_one_by_one(running, *names);
   }
   running.generation = running.deployer.generation();

@@ -125,6 +125,8 @@ Result<Receipt> Deployer::stop(const std::vector<std::string>& components) {
   return apply(change);
 }
 
+Result<Receipt> Deployer::stop_all(Duration bound) { return exec::stop_all(*system_, bound); }
+
 Result<Receipt> Deployer::swap_core(std::string_view component, const CoreType& core,
                                     StatePolicy state) {
   Edit edit;

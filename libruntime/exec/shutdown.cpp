@@ -90,12 +90,8 @@ void let_readers_run(System& system, const std::vector<Deployed*>& readers, Inst
       deadline));
 }
 
-}  // namespace
-
-std::vector<std::string> bring_down(System& system, Duration bound) {
-  std::vector<std::string> left_behind;
-  if (!system.up) return left_behind;
-  system.up = false;
+/// Parks all components, who writes safe values before who reads them. Returns those that hang.
+std::set<const Deployed*> park_in_order(System& system, Duration bound) {
   const Instant deadline = system.runner->now() + bound.count();
   const auto stage = stages(system.deployed);
   std::size_t last = 0;
@@ -104,21 +100,31 @@ std::vector<std::string> bring_down(System& system, Duration bound) {
     const auto found = stage.find(&deployed);
     return found == stage.end() ? std::size_t{0} : found->second;
   };
+  const auto patience = [&] {
+    return std::min(deadline, system.runner->now() + bound.count() / 4);
+  };
   std::set<const Deployed*> hung;
   for (std::size_t number = 0; number <= last; ++number) {
     std::vector<Deployed*> later;
     for (Deployed& deployed : system.deployed) {
       if (stage_of(deployed) > number) later.push_back(&deployed);
-      if (stage_of(deployed) != number) continue;
-      const Instant patience = system.runner->now() + bound.count() / 4;
-      if (park(system, deployed, std::min(deadline, patience))) continue;
+      if (stage_of(deployed) != number || park(system, deployed, patience())) continue;
       hung.insert(&deployed);
       write_safe_values(*deployed.component);
     }
-    if (!later.empty()) {
-      let_readers_run(system, later, std::min(deadline, system.runner->now() + bound.count() / 4));
-    }
+    if (!later.empty()) let_readers_run(system, later, patience());
   }
+  return hung;
+}
+
+}  // namespace
+
+std::vector<std::string> bring_down(System& system, Duration bound) {
+  std::vector<std::string> left_behind;
+  if (!system.up) return left_behind;
+  system.up = false;
+  const Instant deadline = system.runner->now() + bound.count();
+  const std::set<const Deployed*> hung = park_in_order(system, bound);
   for (Deployed& deployed : system.deployed) {
     const bool stuck = hung.count(&deployed) != 0;
     const Instant until = stuck ? system.runner->now() : deadline;
@@ -128,6 +134,30 @@ std::vector<std::string> bring_down(System& system, Duration bound) {
     leave_behind(std::shared_ptr<Task>(std::move(deployed.task)));  // its thread still runs in it
   }
   return left_behind;
+}
+
+Result<Receipt> stop_all(System& system, Duration bound) {
+  Receipt receipt;
+  for (const Deployed& deployed : system.deployed) {
+    if (deployed.state() == ComponentState::running) {
+      receipt.components.push_back({deployed.component->name(), Duration{0}, 0, 0});
+    }
+  }
+  if (!receipt.components.empty()) receipt.state = ChangeState::applied;
+  std::string hanging;
+  for (const Deployed* deployed : park_in_order(system, bound)) {
+    hanging += (hanging.empty() ? "" : ", ") + deployed->component->name();
+  }
+  if (!hanging.empty()) {
+    return refuse(
+        Errc::timed_out, hanging,
+        "did not end its job in time; its safe values are written, all others are stopped",
+        "a core that never returns can only be left behind: restart the daemon");
+  }
+  receipt.generation = system.generation;
+  receipt.commit = Duration{system.runner->now() - system.t0};
+  receipt.attempts = 1;
+  return receipt;
 }
 
 }  // namespace mauve::exec

@@ -53,6 +53,8 @@ class System {
 Status bring_up(System& system);
 /// shutdown(): see Deployer.
 std::vector<std::string> bring_down(System& system, Duration bound);
+/// stop_all(): see Deployer.
+Result<Receipt> stop_all(System& system, Duration bound);
 
 /// prepare(): see Deployer. `configure` false: elements are made, not configured (in place).
 Result<PreparedChange> prepare_change(System& system, const Change& change, bool configure = true);

@@ -116,6 +116,9 @@ class Deployer {
   /// Shorthands for apply().
   Result<Receipt> start(const std::vector<std::string>& components, bool reset = false);
   Result<Receipt> stop(const std::vector<std::string>& components);
+  /// Stops all components, writers of safe values before their readers, so that a driver still
+  /// acts on them. One after the other, not at one instant; what hangs does not hold up the rest.
+  Result<Receipt> stop_all(Duration bound = 2s);
   Result<Receipt> swap_core(std::string_view component, const CoreType& core,
                             StatePolicy state = StatePolicy::keep);
   template <typename T>

@@ -58,6 +58,37 @@ TEST(Fault, FaultedComponentStartsAgainWithAnotherCore) {
   EXPECT_EQ(deployer.status("left").state, ComponentState::running);
 }
 
+/// Reads what `left` writes and passes it on, like a driver.
+struct Pass : ramp::RampCore {
+  void update() override { shell().out.write(shell().speed.read()); }
+};
+
+TEST(StopAll, LetsReadersActOnSafeValuesBeforeTheyStop) {
+  struct Line : Architecture {
+    SharedData<double> wanted{*this, "wanted"};
+    SharedData<double> hardware{*this, "hardware"};
+    Component<ramp::Shell, Pass, ramp::Fsm> driver{*this, "driver"};
+    Component<ramp::Shell, ramp::Up, ramp::Fsm> control{*this, "control"};
+    Status on_configure() override {
+      if (auto done = control.shell().out.connect(wanted.write_service()); !done) return done;
+      if (auto done = driver.shell().speed.connect(wanted.read_service()); !done) return done;
+      return driver.shell().out.connect(hardware.write_service());
+    }
+  } line;
+  Deployer deployer(line, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  deployer.run_for(50ms);
+  const std::uint64_t before = deployer.status("driver").releases;
+
+  const Result<Receipt> done = deployer.stop_all();
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_EQ(done->components.size(), 2u);
+  EXPECT_GT(deployer.status("driver").releases, before) << "it ran after control had stopped";
+  EXPECT_EQ(deployer.status("driver").state, ComponentState::stopped);
+  EXPECT_EQ(deployer.status("control").state, ComponentState::stopped);
+}
+
 /// A core that tries to change its own component from its job.
 struct Meddling : ramp::Up {
   static inline Deployer* deployer = nullptr;
