@@ -72,7 +72,8 @@ void unload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
   }
   auto unmapped = std::make_shared<plugin::Unmapped>();
   running.control.in_factory(
-      [unmapped, library = *std::move(library)]() mutable {
+      [&running, unmapped, library = *std::move(library)]() mutable {
+        running.log.flush();  // its messages are text in its code
         *unmapped = Library::release(std::move(library));
       },
       [&running, call, name, unmapped, ticket = std::move(ticket)] {

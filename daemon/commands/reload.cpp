@@ -123,13 +123,14 @@ Status put_in_force(Running& running, const Call& call, Reload& reload) {
   return ok();
 }
 
-/// [factory]
-void free_old(Reload& reload, bool in_force) {
+/// [factory] Messages of the old code are text in the old code: they are told before it goes.
+void free_old(Running& running, Reload& reload, bool in_force) {
   static_cast<void>(reload.retired->release());
   reload.prepared.reset();
   reload.change.edits.clear();  // the new types, and with them their library
   reload.loaded.reset();
   if (in_force) {
+    running.log.flush();
     reload.unmapped = Library::release(std::move(reload.old));
   }
 }
@@ -173,7 +174,9 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
           answer(running, *call, done.error());
         }
         running.control.in_factory(
-            [reload, in_force = done.has_value()] { free_old(*reload, in_force); },
+            [&running, reload, in_force = done.has_value()] {
+              free_old(running, *reload, in_force);
+            },
             [&running, call, reload, in_force = done.has_value(), ticket = std::move(ticket)] {
               if (in_force) {
                 finish(running, *call, *reload);

@@ -24,6 +24,10 @@ Result<PreparedChange> Deployer::prepare_in_place(const Edit& edit) {
 
 Status Deployer::in_place_park(PreparedChange& change) {
   exec::PreparedMember& member = change.content().members.front();
+  // What the operator had stopped, or what had faulted, stays where it is.
+  const bool runs = status(member.component->name()).state == ComponentState::running;
+  member.mode = runs ? Mode::run : Mode::keep;
+  if (!runs) return ok();
   PreparedChange park = exec::only_mode(*member.component, Mode::park);
   Retired nothing;
   const Result<Receipt> parked = exec::commit_change(*system_, park, nothing);
@@ -51,11 +55,10 @@ Result<Receipt> Deployer::in_place_resume(PreparedChange& change, Status exchang
   exec::PreparedMember& member = change.content().members.front();
   const bool old_is_usable = member.base->core->configured();
   if (!exchanged && !old_is_usable) return exchanged.error();
-  PreparedChange back = exec::only_mode(*member.component, Mode::run);
+  PreparedChange back = exec::only_mode(*member.component, member.mode);
   PreparedChange& resumed = exchanged ? change : back;
   for (exec::PreparedMember& part : resumed.content().members) {
-    part.mode = Mode::run;
-    part.count_gap = true;
+    part.count_gap = part.mode == Mode::run;
   }
   Result<Receipt> receipt = exec::commit_change(*system_, resumed, retired);
   if (!exchanged) return exchanged.error();

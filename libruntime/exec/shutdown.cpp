@@ -73,14 +73,21 @@ void write_safe_values(const ComponentBase& component) {
   }
 }
 
-/// Every running component that reads what just stopped gets one more job to act on it.
+/// Longer than this nobody waits for a slow reader's next job.
+constexpr Duration kNearRelease = 100ms;
+/// A healthy component gets this long to end its job, however late the hour.
+constexpr Duration kShortestPatience = 100ms;
+
+/// Running components that will soon read what just stopped get one more job to act on it.
 void let_readers_run(System& system, const std::vector<Deployed*>& readers, Instant deadline) {
+  const Instant soon = system.runner->now() - system.t0 + kNearRelease.count();
   std::vector<std::uint64_t> before;
   for (const Deployed* reader : readers) before.push_back(reader->task->counters().releases.load());
   static_cast<void>(system.runner->await(
       [&] {
         for (std::size_t i = 0; i < readers.size(); ++i) {
           if (readers[i]->state() == ComponentState::running &&
+              readers[i]->task->counters().next_release.load() <= soon &&
               readers[i]->task->counters().releases.load() <= before[i] + 1) {
             return false;
           }
@@ -108,7 +115,9 @@ std::set<const Deployed*> park_in_order(System& system, Duration bound) {
     std::vector<Deployed*> later;
     for (Deployed& deployed : system.deployed) {
       if (stage_of(deployed) > number) later.push_back(&deployed);
-      if (stage_of(deployed) != number || park(system, deployed, patience())) continue;
+      const Instant shortest = system.runner->now() + kShortestPatience.count();
+      if (stage_of(deployed) != number) continue;
+      if (park(system, deployed, std::max(patience(), shortest))) continue;
       hung.insert(&deployed);
       write_safe_values(*deployed.component);
     }

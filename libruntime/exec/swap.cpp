@@ -54,7 +54,7 @@ void settle_aborted(std::vector<Member>& members) {
 /// Some member does not come to a boundary, or does not end its first job after it: takes the
 /// bundles back that nobody has taken. The words that a thread may be about to look at are left
 /// behind, the elements are not.
-SwapResult::State give_up(std::vector<Member>& members) {
+SwapResult::State give_up(std::vector<Member>& members, Transaction::State decision) {
   std::size_t revoked = 0;
   std::size_t taken = 0;
   for (Member& member : members) {
@@ -70,6 +70,7 @@ SwapResult::State give_up(std::vector<Member>& members) {
       static_cast<void>(member.next.release());  // given back: it lies with the task
     }
   }
+  if (decision == Transaction::State::aborted) return SwapResult::State::revoked;
   if (taken == members.size()) return SwapResult::State::committed;
   return revoked == members.size() ? SwapResult::State::revoked : SwapResult::State::partly;
 }
@@ -87,7 +88,7 @@ SwapResult swap(std::vector<Member>& members, Runner& runner, Duration bound) {
     const auto decision = publish_and_decide(*transaction, members, runner);
     const auto settled = [&] { return all_done(*transaction, members); };
     if (!runner.await(settled, runner.now() + (lead + bound).count())) {
-      result.state = give_up(members);
+      result.state = give_up(members, transaction->state());
       leave_behind(std::shared_ptr<Transaction>(std::move(transaction)));
       return result;
     }

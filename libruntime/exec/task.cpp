@@ -31,6 +31,14 @@ void raise(std::atomic<T>& maximum, T value) {
   }
 }
 
+/// A resource that throws when it is given a safe value cannot take the machine down with it.
+void write_quietly(const PortBase& port, ServiceBase& service) {
+  try {
+    port.write_safe(service);
+  } catch (...) {
+  }
+}
+
 /// The first instant base + k * step that is not before `instant`.
 Instant next_on_grid(Instant base, Duration step, Instant instant) {
   if (instant <= base || step <= Duration{0}) return base;
@@ -136,7 +144,7 @@ bool Task::claim(Published& next) {
 
 void Task::take(Published& next, Instant begin) {
   const bool was_running = running_;
-  for (const auto& [port, service] : next.safe_writes) port->write_safe(*service);
+  for (const auto& [port, service] : next.safe_writes) write_quietly(*port, *service);
   if (next.mode == Mode::park) write_safe_values();
   if (next.into != nullptr) {
     next.into->exchange(*next.from);
@@ -291,7 +299,7 @@ void Task::write_safe_values() {
   const Bundle& bundle = *current_->bundle;
   for (const PortBase* port : bundle.shell->ports()) {
     const Binding* binding = (*bundle.bindings)[port->index()].get();
-    if (binding != nullptr) port->write_safe(binding->service());
+    if (binding != nullptr) write_quietly(*port, binding->service());
   }
 }
 

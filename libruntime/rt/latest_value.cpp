@@ -31,7 +31,9 @@ LatestValue::~LatestValue() { ::operator delete (memory_, std::align_val_t{kLine
 unsigned LatestValue::attach() {
   for (unsigned i = 0; i < readers_; ++i) {
     if (reader_[i].taken.exchange(true)) continue;
-    if (used_.load() <= i) used_.store(i + 1);
+    unsigned used = used_.load();  // only ever grows, also when two threads attach at once
+    while (used <= i && !used_.compare_exchange_weak(used, i + 1)) {
+    }
     return i;
   }
   return kNoSlot;

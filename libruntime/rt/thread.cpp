@@ -160,6 +160,10 @@ std::vector<int> usable_cpus() {
 }
 
 Boost::Boost(int priority) {
+  sched_param before{};
+  int policy = SCHED_OTHER;
+  pthread_getschedparam(pthread_self(), &policy, &before);
+  if (policy != SCHED_OTHER) return;  // a caller that is real-time already keeps what it has
   sched_param parameter{};
   parameter.sched_priority = priority;
   raised_ = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter) == 0;

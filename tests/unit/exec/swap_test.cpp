@@ -307,6 +307,19 @@ TEST_F(Swap, InPlaceStopsCleansConfiguresAndStartsOnTheGrid) {
   EXPECT_LT(ramp::read(architecture.position), 10.0);
 }
 
+TEST_F(Swap, InPlaceLeavesAStoppedComponentStopped) {
+  ASSERT_TRUE(deployer.stop({"control"}));
+  Edit edit;
+  edit.component = "control";
+  edit.core = CoreType::of<ramp::Down>("ramp/down");
+
+  const Result<Receipt> done = deployer.swap_core_in_place(edit);
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_EQ(control().core, "ramp/down");
+  EXPECT_EQ(control().state, ComponentState::stopped);
+}
+
 TEST_F(Swap, InPlaceGoesBackToTheOldCoreWhenTheNewOneRefuses) {
   deployer.run_for(100ms);
   Edit edit;
