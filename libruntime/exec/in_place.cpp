@@ -25,9 +25,8 @@ Result<PreparedChange> Deployer::prepare_in_place(const Edit& edit) {
 Status Deployer::in_place_park(PreparedChange& change) {
   exec::PreparedMember& member = change.content().members.front();
   // What the operator had stopped, or what had faulted, stays where it is.
-  const bool runs = status(member.component->name()).state == ComponentState::running;
-  member.mode = runs ? Mode::run : Mode::keep;
-  if (!runs) return ok();
+  member.resume = status(member.component->name()).state == ComponentState::running;
+  if (!member.resume) return ok();
   PreparedChange park = exec::only_mode(*member.component, Mode::park);
   Retired nothing;
   const Result<Receipt> parked = exec::commit_change(*system_, park, nothing);
@@ -55,10 +54,12 @@ Result<Receipt> Deployer::in_place_resume(PreparedChange& change, Status exchang
   exec::PreparedMember& member = change.content().members.front();
   const bool old_is_usable = member.base->core->configured();
   if (!exchanged && !old_is_usable) return exchanged.error();
-  PreparedChange back = exec::only_mode(*member.component, member.mode);
+  const Mode mode = member.resume ? Mode::run : Mode::keep;
+  PreparedChange back = exec::only_mode(*member.component, mode);
   PreparedChange& resumed = exchanged ? change : back;
   for (exec::PreparedMember& part : resumed.content().members) {
-    part.count_gap = part.mode == Mode::run;
+    part.mode = mode;
+    part.count_gap = member.resume;
   }
   Result<Receipt> receipt = exec::commit_change(*system_, resumed, retired);
   if (!exchanged) return exchanged.error();

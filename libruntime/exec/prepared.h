@@ -21,6 +21,7 @@ struct PreparedMember {
   StatePolicy state = StatePolicy::keep;
   bool restart = false;
   bool count_gap = false;
+  bool resume = false;  ///< in place: it ran before it was parked
 };
 
 /// The change of one resource: another core, or other connections of its own ports.
