@@ -112,7 +112,8 @@ TEST(Service, EndsInBoundedTimeWhileAChangeIsPrepared) {
 
   daemon.process().signal(SIGTERM);
 
-  EXPECT_EQ(daemon.process().wait(), 1);
+  // 1: the hook was left behind; 0: the signal came before the factory had called it.
+  EXPECT_THAT(daemon.process().wait(), testing::AnyOf(1, 0));
   EXPECT_LT(Clock::now() - begin, std::chrono::seconds(20));
 }
 
