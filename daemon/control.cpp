@@ -3,9 +3,17 @@
 
 #include <sys/prctl.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace mauve::daemon {
+
+namespace {
+
+constexpr std::chrono::microseconds kShortestPause{20};
+constexpr std::chrono::microseconds kLongestPause{1'000};
+
+}  // namespace
 
 WorkerThread::~WorkerThread() { stop(); }
 
@@ -58,19 +66,54 @@ bool WorkerThread::post_urgent(Job job) {
 
 bool WorkerThread::is_this_thread() const { return std::this_thread::get_id() == thread_.get_id(); }
 
+void WorkerThread::await(std::function<bool()> over, Job then) {
+  awaited_.push_back({std::move(over), std::move(then)});
+  pause_ = kShortestPause;
+}
+
 void WorkerThread::run() {
   for (;;) {
     Job job;
-    {
-      std::unique_lock lock(mutex_);
-      wake_.wait(lock, [this] { return stopping_ || !urgent_.empty() || !jobs_.empty(); });
-      auto& queue = urgent_.empty() ? jobs_ : urgent_;
-      if (queue.empty()) {
-        return;
-      }
-      job = std::move(queue.front());
-      queue.pop_front();
+    if (!take(job)) {
+      awaited_.clear();
+      return;
     }
+    if (job) {
+      job();
+    }
+    look_at_awaited();
+  }
+}
+
+/// False: the end. No job: time to look at what is awaited.
+bool WorkerThread::take(Job& job) {
+  std::unique_lock lock(mutex_);
+  const auto ready = [this] { return stopping_ || !urgent_.empty() || !jobs_.empty(); };
+  if (awaited_.empty()) {
+    wake_.wait(lock, ready);
+  } else if (!wake_.wait_for(lock, pause_, ready)) {
+    pause_ = std::min(2 * pause_, kLongestPause);
+    return true;
+  }
+  auto& queue = urgent_.empty() ? jobs_ : urgent_;
+  if (queue.empty()) {
+    return false;
+  }
+  job = std::move(queue.front());
+  queue.pop_front();
+  return true;
+}
+
+void WorkerThread::look_at_awaited() {
+  std::vector<Job> due;
+  std::erase_if(awaited_, [&](Awaited& awaited) {
+    if (!awaited.over()) {
+      return false;
+    }
+    due.push_back(std::move(awaited.then));
+    return true;
+  });
+  for (auto& job : due) {
     job();
   }
 }

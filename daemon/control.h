@@ -2,6 +2,7 @@
 /// The two threads behind the socket: [control] owns the model, [factory] does what takes long.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -9,6 +10,8 @@
 #include <memory>
 #include <mutex>
 #include <thread>
+#include <utility>
+#include <vector>
 
 namespace mauve::daemon {
 
@@ -31,9 +34,19 @@ class WorkerThread {
   bool post(Job job);
   bool post_urgent(Job job);
   [[nodiscard]] bool is_this_thread() const;
+  /// [this thread] Runs `then` once `over` says yes. It is asked between other jobs, soon at first,
+  /// at least each millisecond later. Dropped when the thread ends.
+  void await(std::function<bool()> over, Job then);
 
  private:
+  struct Awaited {
+    std::function<bool()> over;
+    Job then;
+  };
+
   void run();
+  bool take(Job& job);
+  void look_at_awaited();
 
   const char* name_;
   std::mutex mutex_;
@@ -41,6 +54,8 @@ class WorkerThread {
   std::deque<Job> urgent_;
   std::deque<Job> jobs_;
   bool stopping_ = false;
+  std::vector<Awaited> awaited_;  // this thread's own
+  std::chrono::microseconds pause_{0};
   std::thread thread_;
 };
 
@@ -77,6 +92,10 @@ class Control {
 
   /// [control] Runs `work` on [factory], then `then` on [control].
   void in_factory(Job work, Job then);
+  /// [control] Runs `then` when `over` says yes; meanwhile [control] serves others.
+  void await(std::function<bool()> over, Job then) {
+    control_.await(std::move(over), std::move(then));
+  }
 
   /// [any] Whether a change is under way.
   [[nodiscard]] bool busy() const;

@@ -35,11 +35,12 @@ void free_in_factory(Running& running, JourneyPtr journey, Ticket ticket) {
       [ticket = std::move(ticket)] {});
 }
 
-void finish(Running& running, const Call& call, const Committed& done) {
-  if (!done.receipt) {
-    return answer(running, call, done.receipt.error(), done.state);
+void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
+            const std::string& state) {
+  if (!receipt) {
+    return answer(running, call, receipt.error(), state);
   }
-  answer(running, call, to_json(*done.receipt));
+  answer(running, call, to_json(*receipt));
 }
 
 std::uint64_t stops_of(Running& running, const Change& change) {
@@ -77,76 +78,123 @@ bool may_go_on(Running& running, const Call& call, const Journey& journey) {
   return met.has_value();
 }
 
-void resume_in_place(Running& running, const CallPtr& call, const JourneyPtr& journey) {
+/// [control] Commits, answers, and lets [factory] free what it replaced.
+void put_in_force(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
+  auto ongoing = running.deployer.begin(**journey->prepared);
+  when_answered(running, std::move(ongoing),
+                [&running, call, journey, ticket = std::move(ticket)](Ongoing& done) mutable {
+                  const auto receipt = done.result();
+                  journey->retired = std::move(done.retired());
+                  finish(running, *call, receipt, receipt ? "" : state_after(receipt.error()));
+                  free_in_factory(running, std::move(journey), std::move(ticket));
+                });
+}
+
+// --- in place: park, exchange on [factory], resume ----------------------------------------------
+
+void end_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket,
+                  const Result<Receipt>& receipt) {
+  const auto& name = journey->change.edits[0].component;
+  const bool back = !receipt && running.deployer.status(name).state == ComponentState::running;
+  finish(running, *call, receipt, back ? "rolled_back" : "safe");
+  free_in_factory(running, std::move(journey), std::move(ticket));
+}
+
+void resume_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
   auto& change = **journey->prepared;
-  if (stops_of(running, journey->change) != journey->stops) {
+  const bool stopped_meanwhile = stops_of(running, journey->change) != journey->stops;
+  if (stopped_meanwhile && journey->exchanged) {
     // The new core takes its place, but the component stays where the stop put it.
-    auto done = journey->exchanged ? commit(running, change, *journey->retired)
-                                   : Committed{journey->exchanged.error(), "safe"};
-    return finish(running, *call, done);
+    return put_in_force(running, call, std::move(journey), std::move(ticket));
   }
-  auto receipt = running.deployer.in_place_resume(change, journey->exchanged, *journey->retired);
-  running.generation = running.deployer.generation();
-  const bool back = !receipt && running.deployer.status(journey->change.edits[0].component).state ==
-                                    ComponentState::running;
-  finish(running, *call, {std::move(receipt), back ? "rolled_back" : "safe"});
+  if (stopped_meanwhile) {
+    return end_in_place(running, call, journey, std::move(ticket), journey->exchanged.error());
+  }
+  auto resumed = running.deployer.begin_in_place_resume(change, journey->exchanged);
+  if (!resumed) {
+    return end_in_place(running, call, journey, std::move(ticket), resumed.error());
+  }
+  when_answered(running, *std::move(resumed),
+                [&running, call, journey, ticket = std::move(ticket)](Ongoing& done) mutable {
+                  auto receipt = done.result();
+                  journey->retired = std::move(done.retired());
+                  if (!journey->exchanged) {
+                    receipt = journey->exchanged.error();
+                  }
+                  end_in_place(running, call, journey, std::move(ticket), receipt);
+                });
+}
+
+void exchange_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
+  running.control.in_factory(
+      [&running, journey] {
+        journey->exchanged = running.deployer.in_place_exchange(**journey->prepared);
+      },
+      [&running, call, journey, ticket = std::move(ticket)]() mutable {
+        resume_in_place(running, call, std::move(journey), std::move(ticket));
+      });
+}
+
+void park_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
+  auto parking = running.deployer.begin_in_place_park(**journey->prepared);
+  when_answered(running, std::move(parking),
+                [&running, call, journey, ticket = std::move(ticket)](Ongoing& done) mutable {
+                  if (const auto parked = done.result(); !parked) {
+                    answer(running, *call, parked.error(), state_after(parked.error()));
+                    return free_in_factory(running, std::move(journey), std::move(ticket));
+                  }
+                  exchange_in_place(running, call, std::move(journey), std::move(ticket));
+                });
+}
+
+using Step = void (*)(Running&, const CallPtr&, JourneyPtr, Ticket);
+
+/// Prepares on [factory]; goes on with `next` unless there is a reason not to.
+void prepare_then(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket,
+                  std::function<Result<PreparedChange>()> prepare, Step next) {
+  running.control.in_factory(
+      [journey, prepare = std::move(prepare)] { journey->prepared = prepare(); },
+      [&running, call, journey, next, ticket = std::move(ticket)]() mutable {
+        if (!may_go_on(running, *call, *journey)) {
+          return free_in_factory(running, std::move(journey), std::move(ticket));
+        }
+        next(running, call, std::move(journey), std::move(ticket));
+      });
 }
 
 }  // namespace
 
-Committed commit(Running& running, PreparedChange& change, Retired& retired) {
-  auto receipt = running.deployer.commit(change, retired);
-  running.generation = running.deployer.generation();
-  if (!receipt && receipt.error().code == Errc::partly) return {std::move(receipt), "partly"};
-  return {std::move(receipt)};
+void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
+                   std::function<void(Ongoing&)> then) {
+  running.control.await([ongoing] { return ongoing->advance(); },
+                        [&running, ongoing, then = std::move(then)] {
+                          running.generation = running.deployer.generation();
+                          then(*ongoing);
+                        });
+}
+
+std::string state_after(const Error& error) {
+  return error.code == Errc::partly ? "partly" : "unchanged";
 }
 
 void apply(Running& running, const CallPtr& call, Ticket ticket, Change change) {
   auto journey = std::make_shared<Journey>();
   journey->change = std::move(change);
   journey->stops = stops_of(running, journey->change);
-  running.control.in_factory(
-      [&running, journey] { journey->prepared = running.deployer.prepare(journey->change); },
-      [&running, call, journey, ticket = std::move(ticket)]() mutable {
-        if (may_go_on(running, *call, *journey)) {
-          finish(running, *call, commit(running, **journey->prepared, *journey->retired));
-        }
-        free_in_factory(running, std::move(journey), std::move(ticket));
-      });
+  auto& edits = journey->change;
+  prepare_then(
+      running, call, std::move(journey), std::move(ticket),
+      [&running, &edits] { return running.deployer.prepare(edits); }, put_in_force);
 }
 
 void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit) {
   auto journey = std::make_shared<Journey>();
   journey->change.edits.push_back(std::move(edit));
   journey->stops = stops_of(running, journey->change);
-  const auto exchange = [&running, journey] {
-    journey->exchanged = running.deployer.in_place_exchange(**journey->prepared);
-  };
-  const auto resume = [&running, call, journey](Ticket held) {
-    resume_in_place(running, call, journey);
-    free_in_factory(running, journey, std::move(held));
-  };
-  running.control.in_factory(
-      [&running, journey] {
-        journey->prepared = running.deployer.prepare_in_place(journey->change.edits[0]);
-      },
-      [&running, call, journey, exchange, resume, ticket = std::move(ticket)]() mutable {
-        auto go_on = may_go_on(running, *call, *journey);
-        if (go_on) {
-          auto parked = running.deployer.in_place_park(**journey->prepared);
-          running.generation = running.deployer.generation();
-          if (!parked) {
-            answer(running, *call, parked.error());
-            go_on = false;
-          }
-        }
-        if (!go_on) {
-          return free_in_factory(running, journey, std::move(ticket));
-        }
-        running.control.in_factory(exchange, [resume, ticket = std::move(ticket)]() mutable {
-          resume(std::move(ticket));
-        });
-      });
+  auto& only = journey->change.edits[0];
+  prepare_then(
+      running, call, std::move(journey), std::move(ticket),
+      [&running, &only] { return running.deployer.prepare_in_place(only); }, park_in_place);
 }
 
 Edit edit_of(std::string_view component) {

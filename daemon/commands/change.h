@@ -15,12 +15,12 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change);
 /// [control] The same for a swap in place: the component is parked while the cores are exchanged.
 void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit);
 
-/// [control] Commits and keeps the books; on an error nothing was changed, or `state` says what.
-struct Committed {
-  Result<Receipt> receipt;
-  std::string state = "unchanged";
-};
-Committed commit(Running& running, PreparedChange& change, Retired& retired);
+/// [control] Runs `then` on [control] when there is an answer; others are served meanwhile.
+void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
+                   std::function<void(Ongoing&)> then);
+
+/// What the system is in after a change that was refused with this.
+[[nodiscard]] std::string state_after(const Error& error);
 
 /// What a change of this component starts from.
 [[nodiscard]] Edit edit_of(std::string_view component);

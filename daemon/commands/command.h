@@ -62,13 +62,13 @@ using Ticket = Control::Ticket;
 enum class Lane {
   any,      ///< at once on [io]: it looks at nothing
   read,     ///< on [control], between the steps of a change
-  urgent,   ///< on [control], before everything that waits
+  urgent,   ///< on [control], before everything that waits, also beside a change under way
   factory,  ///< on [factory]: slow, and it looks at nothing of the model
   change,   ///< on [control], one at a time
 };
 
-/// One row of the table. `read` serves all lanes but the last: its result is the answer. `change`
-/// answers by itself, when it is done.
+/// One row of the table. `read` serves the lanes any, read and factory: its result is the answer.
+/// `change` serves the others and answers by itself, when it is done.
 struct Command {
   std::string_view method;
   server::Role role = server::Role::viewer;
@@ -100,7 +100,7 @@ Result<Json> check_architecture(Running&, const Call&);
 Result<Json> watch(Running&, const Call&);
 Result<Json> unwatch(Running&, const Call&);
 Result<Json> tail_log(Running&, const Call&);
-Result<Json> stop(Running&, const Call&);
+void stop(Running&, const CallPtr&, Ticket);
 void set(Running&, const CallPtr&, Ticket);
 void start(Running&, const CallPtr&, Ticket);
 void swap_core(Running&, const CallPtr&, Ticket);

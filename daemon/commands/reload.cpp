@@ -96,25 +96,19 @@ void prepare(Running& running, Reload& reload) {
   reload.prepared = running.deployer.prepare(reload.change);
 }
 
-/// [control] An error: nothing was changed. The names change hands last, since that cannot be taken
-/// back; what could refuse it is asked before anything moves.
-Status put_in_force(Running& running, const Call& call, Reload& reload) {
+/// [control] What could refuse the new code is asked before anything moves.
+Status may_go_on(Running& running, const Call& call, const Reload& reload) {
   if (!*reload.prepared) {
     return reload.prepared->error();
   }
   if (auto met = check_conditions(running, call); !met) {
     return met;
   }
-  if (auto good = running.catalog.check_types(**reload.loaded); !good) {
-    return good;
-  }
-  if (!reload.change.edits.empty()) {
-    auto done = commit(running, **reload.prepared, *reload.retired);
-    if (!done.receipt) {
-      return done.receipt.error();
-    }
-    reload.receipt = *std::move(done.receipt);
-  }
+  return running.catalog.check_types(**reload.loaded);
+}
+
+/// [control] The names change hands last, since that cannot be taken back.
+Status hand_names_over(Running& running, Reload& reload) {
   auto old = running.catalog.commit(std::move(**reload.loaded));
   if (!old) {
     return old.error();
@@ -155,6 +149,46 @@ void finish(Running& running, const Call& call, const Reload& reload) {
   answer(running, call, result_of(running, reload));
 }
 
+/// [control] A refusal is answered at once, what is in force when the old code is gone.
+void end(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket,
+         const Status& done) {
+  const bool in_force = done.has_value();
+  if (!in_force) {
+    answer(running, *call, done.error(), state_after(done.error()));
+  }
+  running.control.in_factory([&running, reload, in_force] { free_old(running, *reload, in_force); },
+                             [&running, call, reload, in_force, ticket = std::move(ticket)] {
+                               if (in_force) {
+                                 finish(running, *call, *reload);
+                               }
+                             });
+}
+
+/// [control]
+void put_in_force(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket) {
+  if (auto good = may_go_on(running, *call, *reload); !good) {
+    return end(running, call, std::move(reload), std::move(ticket), good);
+  }
+  if (reload->change.edits.empty()) {
+    const auto done = hand_names_over(running, *reload);
+    return end(running, call, std::move(reload), std::move(ticket), done);
+  }
+  auto ongoing = running.deployer.begin(**reload->prepared);
+  when_answered(running, std::move(ongoing),
+                [&running, call, reload, ticket = std::move(ticket)](Ongoing& swapped) mutable {
+                  const auto receipt = swapped.result();
+                  reload->retired = std::move(swapped.retired());
+                  Status done = ok();
+                  if (receipt) {
+                    reload->receipt = *receipt;
+                    done = hand_names_over(running, *reload);
+                  } else {
+                    done = receipt.error();
+                  }
+                  end(running, call, std::move(reload), std::move(ticket), done);
+                });
+}
+
 }  // namespace
 
 void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
@@ -166,23 +200,10 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
                          "mauvectl load " + reload->name));
   }
   reload->change = members(running, reload->name);
-  running.control.in_factory(
-      [&running, reload] { prepare(running, *reload); },
-      [&running, call, reload, ticket = std::move(ticket)]() mutable {
-        const auto done = put_in_force(running, *call, *reload);
-        if (!done) {
-          answer(running, *call, done.error());
-        }
-        running.control.in_factory(
-            [&running, reload, in_force = done.has_value()] {
-              free_old(running, *reload, in_force);
-            },
-            [&running, call, reload, in_force = done.has_value(), ticket = std::move(ticket)] {
-              if (in_force) {
-                finish(running, *call, *reload);
-              }
-            });
-      });
+  running.control.in_factory([&running, reload] { prepare(running, *reload); },
+                             [&running, call, reload, ticket = std::move(ticket)]() mutable {
+                               put_in_force(running, call, std::move(reload), std::move(ticket));
+                             });
 }
 
 }  // namespace mauve::daemon

@@ -2,6 +2,7 @@
 /// component.stop: ends the current job, writes safe values, parks. Served before everything else,
 /// also while a long change is prepared.
 #include "commands/answer.h"
+#include "commands/change.h"
 #include "commands/model.h"
 
 namespace mauve::daemon {
@@ -29,52 +30,32 @@ Result<std::vector<std::string>> wanted(const Running& running, const Call& call
   return names;
 }
 
-/// One that hangs must not keep the others running: each for itself, and the receipts together.
-Result<Receipt> stop_one_by_one(Running& running, const std::vector<std::string>& names) {
-  Receipt all;
-  std::string hanging;
-  for (const auto& name : names) {
-    const auto one = running.deployer.stop({name});
-    if (!one) {
-      hanging += (hanging.empty() ? "" : ", ") + name;
-      continue;
-    }
-    all.generation = one->generation;
-    all.state = one->state == ChangeState::applied ? ChangeState::applied : all.state;
-    all.commit = std::max(all.commit, one->commit);
-    all.attempts = std::max(all.attempts, one->attempts);
-    all.components.insert(all.components.end(), one->components.begin(), one->components.end());
-  }
-  if (!hanging.empty()) {
-    return refuse(Errc::timed_out, hanging, "did not end its job in time; all others are stopped",
-                  "a core that never returns can only be left behind: restart the daemon");
-  }
-  return all;
-}
-
 }  // namespace
 
-Result<Json> stop(Running& running, const Call& call) {
-  if (auto met = check_conditions(running, call); !met) {
-    return met.error();
+void stop(Running& running, const CallPtr& call, Ticket /*none: it waits for no other change*/) {
+  if (auto met = check_conditions(running, *call); !met) {
+    return answer(running, *call, met.error());
   }
-  const auto names = wanted(running, call);
+  const auto names = wanted(running, *call);
   if (!names) {
-    return names.error();
+    return answer(running, *call, names.error());
   }
   for (const auto& name : *names) {
     ++running.stops[name];
   }
-  const bool all = flag(call.params, "all");
-  auto receipt = all ? running.deployer.stop_all() : running.deployer.stop(*names);
-  if (!receipt && !all && names->size() > 1) {
-    receipt = stop_one_by_one(running, *names);
+  auto stopping = flag(call->params, "all")
+                      ? Result<std::shared_ptr<Ongoing>>(running.deployer.begin_stop_all())
+                      : running.deployer.begin_stop(*names);
+  if (!stopping) {
+    return answer(running, *call, stopping.error());
   }
-  running.generation = running.deployer.generation();
-  if (!receipt) {
-    return receipt.error();
-  }
-  return to_json(*receipt);
+  when_answered(running, *std::move(stopping), [&running, call](Ongoing& done) {
+    const auto receipt = done.result();
+    if (!receipt) {
+      return answer(running, *call, receipt.error(), "safe");
+    }
+    answer(running, *call, to_json(*receipt));
+  });
 }
 
 }  // namespace mauve::daemon

@@ -32,7 +32,7 @@ constexpr std::array<Command, 26> kCommands = {{
     {"watch.subscribe", Role::viewer, Lane::read, watch, nullptr},
     {"watch.unsubscribe", Role::viewer, Lane::read, unwatch, nullptr},
     {"log.tail", Role::viewer, Lane::read, tail_log, nullptr},
-    {"component.stop", Role::operator_, Lane::urgent, stop, nullptr},
+    {"component.stop", Role::operator_, Lane::urgent, nullptr, stop},
     {"param.set", Role::operator_, Lane::change, nullptr, set},
     {"component.start", Role::operator_, Lane::change, nullptr, start},
     {"core.swap", Role::operator_, Lane::change, nullptr, swap_core},
@@ -102,7 +102,8 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
     case Lane::read:
       return running_.control.read(serve);
     case Lane::urgent:
-      return running_.control.urgent(serve);
+      return running_.control.urgent(
+          [this, &command, call] { command.change(running_, call, {}); });
     case Lane::factory:
       return running_.control.in_factory(serve, [] {});
     case Lane::change:

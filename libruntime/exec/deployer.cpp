@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/deployer.h>
 
-#include "exec/system.h"
+#include "exec/commit.h"
+#include "exec/stop.h"
+
+#include <mauve/job.h>
 
 namespace mauve {
 namespace {
@@ -81,8 +84,21 @@ Result<PreparedChange> Deployer::prepare(const Change& change) {
   return exec::prepare_change(*system_, change);
 }
 
+std::shared_ptr<Ongoing> Deployer::begin(PreparedChange& change) {
+  return exec::begin_commit(*system_, change);
+}
+
+Result<Receipt> Deployer::wait(Ongoing& ongoing) {
+  // Ends by itself: every step of it is bounded.
+  static_cast<void>(system_->runner->await([&ongoing] { return ongoing.advance(); }, exec::kNever));
+  return ongoing.result();
+}
+
 Result<Receipt> Deployer::commit(PreparedChange& change, Retired& retired) {
-  return exec::commit_change(*system_, change, retired);
+  const std::shared_ptr<Ongoing> ongoing = begin(change);
+  Result<Receipt> receipt = wait(*ongoing);
+  retired = std::move(ongoing->retired());
+  return receipt;
 }
 
 Result<Receipt> Deployer::apply(const Change& change) {
@@ -110,22 +126,30 @@ Result<Receipt> Deployer::start(const std::vector<std::string>& components, bool
   return apply(change);
 }
 
-Result<Receipt> Deployer::stop(const std::vector<std::string>& components) {
-  Change change;
+Result<std::shared_ptr<Ongoing>> Deployer::begin_stop(const std::vector<std::string>& components) {
+  if (Status outside = refuse_in_job("deployer", "stop()"); !outside) return outside.error();
+  exec::Stages stages(1);
   for (const std::string& name : components) {
     const Result<ComponentBase*> component = system_->component(name);
     if (!component) return component.error();
-    if (status(name).state != ComponentState::running) continue;
-    Edit edit;
-    edit.component = name;
-    edit.mode = Mode::park;
-    change.edits.push_back(std::move(edit));
+    if (system_->up) stages.front().push_back(system_->find(name));
   }
-  if (change.edits.empty()) return Receipt{generation(), ChangeState::unchanged, {}, 0, {}};
-  return apply(change);
+  return std::shared_ptr<Ongoing>(
+      std::make_shared<exec::Stop>(*system_, std::move(stages), exec::kLongestJob));
 }
 
-Result<Receipt> Deployer::stop_all(Duration bound) { return exec::stop_all(*system_, bound); }
+std::shared_ptr<Ongoing> Deployer::begin_stop_all(Duration bound) {
+  return std::make_shared<exec::Stop>(*system_, exec::in_order_of_safe_values(*system_),
+                                      exec::patience_within(bound));
+}
+
+Result<Receipt> Deployer::stop(const std::vector<std::string>& components) {
+  const Result<std::shared_ptr<Ongoing>> stopping = begin_stop(components);
+  if (!stopping) return stopping.error();
+  return wait(**stopping);
+}
+
+Result<Receipt> Deployer::stop_all(Duration bound) { return wait(*begin_stop_all(bound)); }
 
 Result<Receipt> Deployer::swap_core(std::string_view component, const CoreType& core,
                                     StatePolicy state) {

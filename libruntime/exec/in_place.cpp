@@ -2,7 +2,7 @@
 /// Swap in place: the paper's way, for hardware that only one core can hold at a time.
 #include <array>
 
-#include "exec/system.h"
+#include "exec/commit.h"
 #include "model/elements.h"
 
 #include <mauve/job.h>
@@ -16,23 +16,28 @@ Status configure_pair(const Bundle& bundle) {
   return configure_in_order(order);
 }
 
+/// A change that leaves everything as it is but for the mode.
+std::shared_ptr<Ongoing> begin_mode(exec::System& system, ComponentBase& component, Mode mode,
+                                    bool count_gap) {
+  auto content = std::make_unique<PreparedChange::Content>();
+  content->members.push_back(exec::member_of(component, mode));
+  content->members.front().count_gap = count_gap;
+  PreparedChange change(std::move(content));
+  return exec::begin_commit(system, change);
+}
+
 }  // namespace
 
 Result<PreparedChange> Deployer::prepare_in_place(const Edit& edit) {
   return exec::prepare_change(*system_, {{edit}}, false);
 }
 
-Status Deployer::in_place_park(PreparedChange& change) {
+std::shared_ptr<Ongoing> Deployer::begin_in_place_park(PreparedChange& change) {
   exec::PreparedMember& member = change.content().members.front();
   // What the operator had stopped, or what had faulted, stays where it is.
   member.resume = status(member.component->name()).state == ComponentState::running;
-  if (!member.resume) return ok();
-  PreparedChange park = exec::only_mode(*member.component, Mode::park);
-  Retired nothing;
-  const Result<Receipt> parked = exec::commit_change(*system_, park, nothing);
-  if (!parked) return parked.error();
-  member.base = member.component->bundle();
-  return ok();
+  const Mode mode = member.resume ? Mode::park : Mode::keep;
+  return begin_mode(*system_, *member.component, mode, false);
 }
 
 Status Deployer::in_place_exchange(PreparedChange& change) {
@@ -49,29 +54,31 @@ Status Deployer::in_place_exchange(PreparedChange& change) {
   return configured;
 }
 
-Result<Receipt> Deployer::in_place_resume(PreparedChange& change, Status exchanged,
-                                          Retired& retired) {
+Result<std::shared_ptr<Ongoing>> Deployer::begin_in_place_resume(PreparedChange& change,
+                                                                 const Status& exchanged) {
   exec::PreparedMember& member = change.content().members.front();
-  const bool old_is_usable = member.base->core->configured();
-  if (!exchanged && !old_is_usable) return exchanged.error();
   const Mode mode = member.resume ? Mode::run : Mode::keep;
-  PreparedChange back = exec::only_mode(*member.component, mode);
-  PreparedChange& resumed = exchanged ? change : back;
-  for (exec::PreparedMember& part : resumed.content().members) {
-    part.mode = mode;
-    part.count_gap = member.resume;
+  if (!exchanged) {
+    const bool old_is_usable = member.base->core->configured();
+    if (!old_is_usable) return exchanged.error();
+    return begin_mode(*system_, *member.component, mode, member.resume);
   }
-  Result<Receipt> receipt = exec::commit_change(*system_, resumed, retired);
-  if (!exchanged) return exchanged.error();
-  return receipt;
+  member.mode = mode;
+  member.count_gap = member.resume;
+  return begin(change);
 }
 
 Result<Receipt> Deployer::swap_core_in_place(const Edit& edit) {
   Result<PreparedChange> change = prepare_in_place(edit);
   if (!change) return change.error();
-  if (Status parked = in_place_park(*change); !parked) return parked.error();
-  Retired retired;
-  return in_place_resume(*change, in_place_exchange(*change), retired);
+  const Result<Receipt> parked = wait(*begin_in_place_park(*change));
+  if (!parked) return parked.error();
+  const Status exchanged = in_place_exchange(*change);
+  const Result<std::shared_ptr<Ongoing>> resumed = begin_in_place_resume(*change, exchanged);
+  if (!resumed) return resumed.error();
+  Result<Receipt> receipt = wait(**resumed);
+  if (!exchanged) return exchanged.error();
+  return receipt;
 }
 
 }  // namespace mauve

@@ -85,14 +85,12 @@ Status check_state_survives(const CoreBase& core, const Edit& edit) {
 /// Works out the new bundle of one component.
 class MemberBuilder {
  public:
-  MemberBuilder(System& system, const Edit& edit, ComponentBase& component, Retired& made,
-                bool configure)
+  MemberBuilder(System& system, const Edit& edit, ComponentBase& component, bool configure)
       : system_(system),
         edit_(edit),
         component_(component),
         base_(*component.bundle()),
         next_(std::make_shared<Bundle>(base_)),
-        made_(made),
         configure_(configure) {
     remake_shell_ = edit.type.has_value() || touches(edit, "shell");
     remake_core_ = remake_shell_ || edit.core.has_value() || touches(edit, "core");
@@ -116,6 +114,7 @@ class MemberBuilder {
     member.mode = edit_.mode;
     member.state = edit_.state;
     member.restart = edit_.mode == Mode::run;
+    member.made = std::move(made_);
     return member;
   }
 
@@ -221,7 +220,7 @@ class MemberBuilder {
   ComponentBase& component_;
   const Bundle& base_;
   std::shared_ptr<Bundle> next_;
-  Retired& made_;
+  Retired made_;
   bool configure_;
   bool remake_shell_ = false;
   bool remake_core_ = false;
@@ -244,9 +243,9 @@ Status check_resource_connections(System& system, const Edit& edit, ResourceBase
   return ok();
 }
 
-Result<PreparedResource> prepare_resource(System& system, const Edit& edit, ResourceBase& resource,
-                                          Retired& made) {
-  PreparedResource prepared{&resource, nullptr, edit.connect, edit.disconnect};
+Result<PreparedResource> prepare_resource(System& system, const Edit& edit,
+                                          ResourceBase& resource) {
+  PreparedResource prepared{&resource, nullptr, edit.connect, edit.disconnect, edit.state, {}};
   if (edit.mode != Mode::keep || edit.core || edit.fsm) {
     return refuse(Errc::unsupported, edit.component,
                   "is a resource: it has no thread to start or stop, and its core is replaced by "
@@ -264,7 +263,7 @@ Result<PreparedResource> prepare_resource(System& system, const Edit& edit, Reso
   if (done) done = set_properties(edit, "core", *prepared.core);
   if (!done) return done.error();
   prepared.core->bind(resource.shell());
-  made.add(prepared.core);
+  prepared.made.add(prepared.core);
   const Detached detached;
   if (Status configured = prepared.core->configure(); !configured) return configured.error();
   return prepared;
@@ -292,14 +291,14 @@ Result<PreparedChange> prepare_change(System& system, const Change& change, bool
   auto content = std::make_unique<PreparedChange::Content>();
   for (const Edit& edit : change.edits) {
     if (ResourceBase* resource = system.architecture.find_resource(edit.component)) {
-      auto prepared = prepare_resource(system, edit, *resource, content->made);
+      auto prepared = prepare_resource(system, edit, *resource);
       if (!prepared) return prepared.error();
       content->resources.push_back(*std::move(prepared));
       continue;
     }
     const Result<ComponentBase*> component = system.component(edit.component);
     if (!component) return component.error();
-    auto member = MemberBuilder(system, edit, **component, content->made, configure).build();
+    auto member = MemberBuilder(system, edit, **component, configure).build();
     if (!member) return member.error();
     content->members.push_back(*std::move(member));
   }

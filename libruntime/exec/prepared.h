@@ -22,6 +22,7 @@ struct PreparedMember {
   bool restart = false;
   bool count_gap = false;
   bool resume = false;  ///< in place: it ran before it was parked
+  Retired made;         ///< its new elements, cleaned up and freed unless they get in force
 };
 
 /// The change of one resource: another core, or other connections of its own ports.
@@ -30,6 +31,8 @@ struct PreparedResource {
   std::shared_ptr<CoreBase> core;  ///< null: stays
   std::vector<NewConnection> connect;
   std::vector<std::string> disconnect;
+  StatePolicy state = StatePolicy::keep;
+  Retired made;
 };
 
 }  // namespace mauve::exec
@@ -40,7 +43,6 @@ class PreparedChange::Content {
  public:
   std::vector<exec::PreparedMember> members;
   std::vector<exec::PreparedResource> resources;
-  Retired made;  ///< new elements, cleaned up and freed unless committed
 };
 
 }  // namespace mauve

@@ -126,8 +126,10 @@ Status bring_up(System& system) {
   for (ComponentBase* component : system.architecture.components()) {
     if (Status sound = check_cpus(*component); !sound) return sound;
     highest = std::max(highest, component->bundle()->task.priority);
-    auto task = std::make_unique<Task>(component->name(), system.runner->clock());
-    system.deployed.push_back({component, std::move(task), {}, 0, false, 0});
+    Deployed deployed;
+    deployed.component = component;
+    deployed.task = std::make_shared<Task>(component->name(), system.runner->clock());
+    system.deployed.push_back(std::move(deployed));
   }
   choose_cpus(system);
   Status ready = check_privileges(system, highest);

@@ -159,7 +159,6 @@ void Task::take(Published& next, Instant begin) {
   unacknowledged_ = &next;
   next.pause = Duration{next.count_gap ? release_ - parked_at_ : clock_.now() - begin};
   retired_.store(old, std::memory_order_release);
-  next.taken.store(true, std::memory_order_release);
   if (running_ && was_running) {
     note(rt::EventKind::swapped, LogLevel::info, next.pause.count(),
          static_cast<std::int64_t>(next.bytes));
@@ -199,18 +198,14 @@ void Task::give_back(Published& next) {
   if (!claim(next)) return;
   note(rt::EventKind::aborted, LogLevel::debug);
   retired_.store(&next, std::memory_order_release);
-  finish(next);
+  next.progress.store(Published::Progress::given_back, std::memory_order_release);
 }
 
 /// After the outputs of the first job with the new bundle, so that the answer costs them nothing.
 void Task::acknowledge() {
   if (unacknowledged_ == nullptr) return;
-  finish(*std::exchange(unacknowledged_, nullptr));
-}
-
-void Task::finish(Published& next) {
-  // The coordinator may free the transaction as soon as the last member has counted.
-  std::exchange(next.transaction, nullptr)->count_done();
+  Published* const taken = std::exchange(unacknowledged_, nullptr);
+  taken->progress.store(Published::Progress::done, std::memory_order_release);
 }
 
 void Task::run_job(Instant now) {

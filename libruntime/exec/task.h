@@ -39,11 +39,17 @@ struct Published {
   /// Ports that lose their service: their safe values are written first.
   std::vector<std::pair<const PortBase*, ServiceBase*>> safe_writes;
 
-  // The answer, valid once the transaction counted this member as done.
+  // The answer, valid when `progress` is done.
   Duration pause{0};
   std::size_t bytes = 0;
-  /// Set when the task runs with it; stays false when it is given back. The answer is valid then.
-  std::atomic<bool> taken{false};
+  enum class Progress : std::uint8_t {
+    published,
+    done,        ///< in force, and the first job with it has ended
+    given_back,  ///< the instant was missed: the task never used it
+  };
+  /// The last word the task writes: it touches neither this nor the transaction afterwards, but for
+  /// what it runs with.
+  std::atomic<Progress> progress{Progress::published};
 };
 
 /// Counters, written by the task's thread, read by anyone.
@@ -105,7 +111,6 @@ class Task {
   /// `begin`: when the job that the change delays would have begun.
   void take(Published& next, Instant begin);
   void give_back(Published& next);
-  void finish(Published& next);
   void acknowledge();
   void map_state(const Published& next);
   void rearm(const Published& next, bool was_running);

@@ -6,6 +6,8 @@
 #include "model/connection.h"
 #include "model/elements.h"
 
+#include <mauve/clock.h>
+
 namespace mauve {
 
 ResourceBase::ResourceBase(std::string name, ResourceType type)
@@ -70,18 +72,24 @@ Status ResourceBase::disconnect(std::string_view port) {
   return rebind(*std::move(table));
 }
 
-std::shared_ptr<CoreBase> ResourceBase::exchange_core(std::shared_ptr<CoreBase> core) {
-  Entry entry(gate_);
-  if (!entry) return core;  // given back untouched: the resource is busy
+ResourceBase::Exchange ResourceBase::exchange_core(std::shared_ptr<CoreBase> core, bool hand_over) {
+  Exchange exchange;
+  const Entry entry(gate_);
+  if (!entry) return exchange;
+  const Instant begin = MonotonicClock().now();
   StateBase* const old_state = core_->state();
   StateBase* const new_state = core->state();
-  if (old_state != nullptr && new_state != nullptr && new_state->fits(*old_state)) {
+  if (hand_over && old_state != nullptr && new_state != nullptr && new_state->fits(*old_state)) {
     new_state->exchange(*old_state);
+    exchange.bytes = new_state->type().size;
   }
   core->bind(*shell_);
   interface_->bind(*this, core);
   core_.swap(core);
-  return core;
+  exchange.old = std::move(core);
+  exchange.done = true;
+  exchange.pause = Duration{MonotonicClock().now() - begin};
+  return exchange;
 }
 
 }  // namespace mauve

@@ -213,6 +213,28 @@ TEST(Stop, IsNotUndoneByASwapInPlaceThatBeganBeforeIt) {
   EXPECT_EQ(daemon.component("first")["state"], "stopped");
 }
 
+TEST(Stop, OfAllIsServedWhileAChangeWaitsForACoreThatHangs) {
+  TrialDaemon daemon;
+  static_cast<void>(daemon.ask("core.swap", {{"component", "second"}, {"core", "trial/hanging"}}));
+  auto waiting = daemon.client();
+  ASSERT_TRUE(waiting.send(R"({"jsonrpc":"2.0","id":7,"method":"core.swap","params":)"
+                           R"({"component":"second","core":"trial/other"}})"
+                           "\n"));
+  auto stopping = daemon.client();
+  ASSERT_TRUE(stopping.send(R"({"jsonrpc":"2.0","id":8,"method":"component.stop","params":)"
+                            R"({"all":true}})"
+                            "\n"));
+
+  EXPECT_TRUE(eventually([&] { return daemon.component("first")["state"] == "stopped"; }));
+  EXPECT_FALSE(waiting.line(std::chrono::milliseconds(0)).has_value()) << "it still waits";
+
+  EXPECT_EQ(waiting.json()["error"]["data"]["name"], "timed_out");
+  const auto partly = stopping.json()["error"];
+  EXPECT_EQ(partly["data"]["name"], "partly") << partly;
+  EXPECT_EQ(partly["data"]["state"], "safe");
+  EXPECT_EQ(partly["data"]["exit"], 9);
+}
+
 TEST(Change, WaitsForTheOneUnderWayWhileReadsAreServed) {
   TrialDaemon daemon;
   auto slow = daemon.client();

@@ -78,6 +78,19 @@ struct Happening {
 class PreparedChange;
 class Retired;
 
+/// A change, or a stop, on its way: it is over when every member came to its boundary. [control]
+class Ongoing {
+ public:
+  virtual ~Ongoing() = default;
+  /// Looks how far it is and takes the next step; never waits. True when there is an answer; that
+  /// comes in bounded time, if advance() is called now and then.
+  virtual bool advance() = 0;
+  /// The answer.
+  [[nodiscard]] virtual Result<Receipt> result() const = 0;
+  /// Elements that are no longer in force.
+  virtual Retired& retired() = 0;
+};
+
 /// All calls are [control] unless they say otherwise; none may be made from a component's thread.
 class Deployer {
  public:
@@ -107,18 +120,25 @@ class Deployer {
   /// Step 1 of a change: checks everything, makes, configures and warms the new elements beside
   /// the running system. Runs user code. [factory] or [control]; an error changes nothing.
   Result<PreparedChange> prepare(const Change& change);
-  /// Step 2: takes effect at one instant on all components. Waits until it did, at most about one
-  /// job and one second. Elements no longer in force come back in `retired`.
+  /// Step 2: takes effect at one instant on all components, within about one job of each.
+  [[nodiscard]] std::shared_ptr<Ongoing> begin(PreparedChange& change);
+  /// Waits for the answer, at most some seconds.
+  Result<Receipt> wait(Ongoing& ongoing);
+  /// Both. Elements no longer in force come back in `retired`.
   Result<Receipt> commit(PreparedChange& change, Retired& retired);
   /// All steps in the calling thread.
   Result<Receipt> apply(const Change& change);
 
   /// Shorthands for apply().
   Result<Receipt> start(const std::vector<std::string>& components, bool reset = false);
+  /// Components park at the end of their job. One that does not end it gets its safe values
+  /// written on its behalf, and parks as soon as it does: Errc::partly.
   Result<Receipt> stop(const std::vector<std::string>& components);
+  Result<std::shared_ptr<Ongoing>> begin_stop(const std::vector<std::string>& components);
   /// Stops all components, writers of safe values before their readers, so that a driver still
-  /// acts on them. One after the other, not at one instant; what hangs does not hold up the rest.
+  /// acts on them. What hangs does not hold up the rest.
   Result<Receipt> stop_all(Duration bound = 2s);
+  [[nodiscard]] std::shared_ptr<Ongoing> begin_stop_all(Duration bound = 2s);
   Result<Receipt> swap_core(std::string_view component, const CoreType& core,
                             StatePolicy state = StatePolicy::keep);
   template <typename T>
@@ -136,9 +156,10 @@ class Deployer {
   /// park [control], exchange [factory], resume [control]. When the new core cannot be configured
   /// the old one is configured again and resumed, and the error of the new one is returned.
   Result<Receipt> swap_core_in_place(const Edit& edit);
-  Status in_place_park(PreparedChange& change);
+  [[nodiscard]] std::shared_ptr<Ongoing> begin_in_place_park(PreparedChange& change);
   Status in_place_exchange(PreparedChange& change);
-  Result<Receipt> in_place_resume(PreparedChange& change, Status exchanged, Retired& retired);
+  Result<std::shared_ptr<Ongoing>> begin_in_place_resume(PreparedChange& change,
+                                                         const Status& exchanged);
   /// Step 1 of a swap in place: makes the elements but does not configure them. [factory]
   Result<PreparedChange> prepare_in_place(const Edit& edit);
 
@@ -162,9 +183,11 @@ class PreparedChange {
   PreparedChange& operator=(PreparedChange&&) noexcept;
   ~PreparedChange();
   [[nodiscard]] Content& content() { return *content_; }
+  /// Runtime only.
+  [[nodiscard]] std::shared_ptr<Content> share() const { return content_; }
 
  private:
-  std::unique_ptr<Content> content_;
+  std::shared_ptr<Content> content_;
 };
 
 /// Elements that are no longer in force. Cleaned up and freed by release() or the destructor, which
@@ -173,7 +196,11 @@ class Retired {
  public:
   Retired() = default;
   Retired(Retired&&) = default;
-  Retired& operator=(Retired&&) = delete;
+  Retired& operator=(Retired&& other) noexcept {
+    static_cast<void>(release());
+    elements_.swap(other.elements_);
+    return *this;
+  }
   ~Retired() { static_cast<void>(release()); }
 
   /// Cleans up in the reverse order of dependency; the first error of a hook is returned.

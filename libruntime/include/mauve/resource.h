@@ -49,9 +49,14 @@ class ResourceBase {
   /// The connections in force. [control]
   [[nodiscard]] const Bindings& bindings() const { return *bindings_; }
 
+  struct Exchange {
+    bool done = false;              ///< false: a caller holds the resource and does not leave it
+    std::shared_ptr<CoreBase> old;  ///< still configured, for the caller to clean up
+    std::size_t bytes = 0;          ///< of the state handed over
+    Duration pause{0};              ///< how long callers were kept out
+  };
   /// Exchanges the core under the resource's lock; the interface keeps its services. [control]
-  /// Returns the old core, still configured, for the caller to clean up.
-  std::shared_ptr<CoreBase> exchange_core(std::shared_ptr<CoreBase> core);
+  Exchange exchange_core(std::shared_ptr<CoreBase> core, bool hand_over);
 
  private:
   Status rebind(std::shared_ptr<const Bindings> bindings);

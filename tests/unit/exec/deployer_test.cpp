@@ -86,6 +86,126 @@ TEST(Deployer, TakesAChangeBackWhenTheComponentNeverEndsItsJob) {
   EXPECT_TRUE(deployer.swap_core<ramp::Down>("control")) << "the mailbox is free again";
 }
 
+/// Two that run: one never ends its job until it is released, the other is well.
+struct HangingBeside : HangingArchitecture {
+  SharedData<double> other_position{*this, "other_position"};
+  Component<ramp::Shell, ramp::Up, ramp::Fsm> other{*this, "other"};
+  Status on_configure() override {
+    if (auto done = other.shell().out.connect(other_position.write_service()); !done) return done;
+    return HangingArchitecture::on_configure();
+  }
+};
+
+class HangingDeployer : public testing::Test {
+ protected:
+  void SetUp() override {
+    Hanging::released() = false;
+    ASSERT_TRUE(deployer.deploy());
+    ASSERT_TRUE(eventually([&] { return deployer.status("control").releases == 1; }));
+  }
+  void TearDown() override { Hanging::released() = true; }
+
+  HangingBeside architecture;
+  Deployer deployer{architecture, {.realtime = Realtime::off}};
+};
+
+TEST_F(HangingDeployer, WritesSafeValuesForACoreThatHangsWhenItIsStopped) {
+  const Result<Receipt> stopped = deployer.stop({"control", "other"});
+
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, Errc::partly);
+  EXPECT_EQ(stopped.error().at, "control");
+  EXPECT_EQ(ramp::read(architecture.position), -1.0);
+  EXPECT_EQ(deployer.status("other").state, ComponentState::stopped);
+  EXPECT_EQ(deployer.status("control").state, ComponentState::running);
+}
+
+TEST_F(HangingDeployer, ParksACoreThatHungAsSoonAsItsJobEnds) {
+  ASSERT_FALSE(deployer.stop({"control"}));
+  const Result<Receipt> refused = deployer.swap_core<ramp::Down>("control");
+  ASSERT_FALSE(refused) << "the order to park is in its mailbox";
+  EXPECT_EQ(refused.error().code, Errc::conflict);
+
+  Hanging::released() = true;
+
+  EXPECT_TRUE(
+      eventually([&] { return deployer.status("control").state == ComponentState::stopped; }));
+  EXPECT_TRUE(eventually([&] { return deployer.swap_core<ramp::Down>("control").has_value(); }));
+  EXPECT_TRUE(deployer.start({"control"}));
+}
+
+TEST_F(HangingDeployer, StopsTheOthersWhileAChangeWaitsForACoreThatHangs) {
+  Edit edit;
+  edit.component = "control";
+  edit.core = CoreType::of<ramp::Down>("ramp/down");
+  Result<PreparedChange> change = deployer.prepare({{edit}});
+  ASSERT_TRUE(change);
+  const std::shared_ptr<Ongoing> swapping = deployer.begin(*change);
+  const std::shared_ptr<Ongoing> stopping = deployer.begin_stop_all();
+  EXPECT_FALSE(swapping->advance());
+
+  EXPECT_TRUE(eventually([&] {
+    return !stopping->advance() && deployer.status("other").state == ComponentState::stopped;
+  }));
+
+  EXPECT_FALSE(swapping->advance()) << "the stop of the other did not wait for it";
+  EXPECT_FALSE(deployer.wait(*swapping));
+  const Result<Receipt> stopped = deployer.wait(*stopping);
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, Errc::partly);
+  EXPECT_EQ(stopped.error().at, "control");
+}
+
+struct Amplifier : Core<Shell> {
+  Property<double> gain{*this, "gain", 2.0, "of the amplifier"};
+  State<ramp::Position> state{*this};
+  double read() { return gain; }
+};
+struct AmplifierInterface : Interface<Amplifier> {
+  ReadService<double> read{*this, "read", &Amplifier::read};
+};
+struct AmplifierArchitecture : Architecture {
+  Resource<Shell, Amplifier, AmplifierInterface> amplifier{*this, "amplifier"};
+};
+
+TEST(Deployer, HandsTheStateOfAResourceOverAndSaysHowMuch) {
+  AmplifierArchitecture architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+
+  const Result<Receipt> done = deployer.set("amplifier.core.gain", 3.0);
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  ASSERT_EQ(done->components.size(), 1u);
+  EXPECT_EQ(done->components[0].bytes, sizeof(ramp::Position));
+  EXPECT_EQ(done->generation, 2u);
+}
+
+TEST(Deployer, RefusesToChangeAResourceThatACallerDoesNotLeave) {
+  AmplifierArchitecture architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  std::atomic<bool> held{false};
+  std::atomic<bool> released{false};
+  std::thread caller([&] {
+    const Entry entry(architecture.amplifier.gate());
+    held = true;
+    while (!released) std::this_thread::sleep_for(1ms);
+  });
+  ASSERT_TRUE(eventually([&] { return held.load(); }));
+
+  const Result<Receipt> refused = deployer.set("amplifier.core.gain", 3.0);
+  released = true;
+  caller.join();
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::timed_out);
+  EXPECT_EQ(refused.error().at, "amplifier");
+  EXPECT_EQ(deployer.generation(), 1u);
+  EXPECT_EQ(architecture.amplifier.core().gain.get(), 2.0);
+  EXPECT_TRUE(deployer.set("amplifier.core.gain", 3.0));
+}
+
 TEST(Deployer, ShutsDownInBoundedTimeAndWritesSafeValuesForACoreThatHangs) {
   Hanging::released() = false;
   // Never freed: a thread stays in them.

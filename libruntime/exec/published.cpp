@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Works out beforehand what a task does when it takes a change, so that taking it is a few pointer
+/// stores.
+#include "exec/commit.h"
+
+namespace mauve::exec {
+namespace {
+
+void add_hand_over(const PreparedMember& member, Published& next) {
+  const Bundle& old = *member.base;
+  if (member.next->core == old.core) return;
+  StateBase* const from = old.core->state();
+  StateBase* const into = member.next->core->state();
+  if (member.state == StatePolicy::keep && from != nullptr && into != nullptr &&
+      into->fits(*from)) {
+    next.from = from;
+    next.into = into;
+  }
+  if (member.next->core_type.name != old.core_type.name) return;
+  for (ObservableBase* observable : member.next->core->observables()) {
+    const ObservableBase* same = old.core->find_observable(observable->name());
+    if (same != nullptr && same_type(same->type(), observable->type())) {
+      next.observables.emplace_back(observable, same);
+    }
+  }
+}
+
+/// Where the new machine goes on: in the wait of the same name, or anew when there is none.
+void add_state_map(const PreparedMember& member, Published& next) {
+  if (member.next->fsm == member.base->fsm) return;
+  for (const FsmState* state : member.base->fsm->states()) {
+    FsmState* same = member.next->fsm->find_state(state->name());
+    next.state_map.push_back(same != nullptr && same->kind() == state->kind() ? same : nullptr);
+  }
+}
+
+/// Ports that lose their service get their safe value written first.
+void add_safe_writes(const PreparedMember& member, Published& next) {
+  const Bindings& old = *member.base->bindings;
+  for (const PortBase* port : member.base->shell->ports()) {
+    const auto& before = old[port->index()];
+    if (before == nullptr || !port->has_safe_value()) continue;
+    const PortBase* same = member.next->shell->find_port(port->name());
+    if (same != nullptr && (*member.next->bindings)[same->index()] == before) continue;
+    next.safe_writes.emplace_back(port, &before->service());
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<Published> make_published(const PreparedMember& member) {
+  auto next = std::make_unique<Published>();
+  next->bundle = member.next;
+  next->mode = member.mode;
+  next->restart = member.restart;
+  next->count_gap = member.count_gap;
+  next->grid = member.next->fsm->grid();
+  next->shortest_wait = member.next->fsm->shortest_wait();
+  add_hand_over(member, *next);
+  add_state_map(member, *next);
+  add_safe_writes(member, *next);
+  return next;
+}
+
+}  // namespace mauve::exec
