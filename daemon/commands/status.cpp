@@ -27,6 +27,7 @@ Result<Json> status(Running& running, const Call& /*call*/) {
                 {"priority", one.priority},
                 {"cpus", one.cpus},
                 {"realtime", one.realtime},
+                {"changing", one.changing},
                 {"releases", one.releases},
                 {"missed", one.missed},
                 {"overruns", one.overruns},

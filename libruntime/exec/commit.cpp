@@ -190,6 +190,12 @@ void Commit::commit_resources() {
   result_ = done.error();
 }
 
+Result<Receipt> Commit::result() const {
+  if (result_) return *result_;
+  return refuse(Errc::wrong_state, "commit", "is still under way",
+                "call advance() until it is not");
+}
+
 std::vector<Deployed*> Commit::silent() const {
   std::vector<Deployed*> silent;
   for (std::size_t i = 0; i < deployed_.size(); ++i) {

@@ -32,7 +32,7 @@ class Commit final : public Ongoing {
   [[nodiscard]] bool over() const { return over_; }
   /// Of the members that have answered so far.
   [[nodiscard]] const Receipt& receipt() const { return receipt_; }
-  [[nodiscard]] Result<Receipt> result() const override { return *result_; }
+  [[nodiscard]] Result<Receipt> result() const override;
   Retired& retired() override { return retired_; }
   /// Components that did not answer in time.
   [[nodiscard]] std::vector<Deployed*> silent() const;

@@ -67,6 +67,7 @@ bool Deployer::realtime() const {
 }
 
 std::vector<ComponentStatus> Deployer::status() const {
+  system_->advance();
   std::vector<ComponentStatus> all;
   for (const exec::Deployed& deployed : system_->deployed) {
     if (deployed.task != nullptr) all.push_back(exec::look_at(deployed));
@@ -75,6 +76,7 @@ std::vector<ComponentStatus> Deployer::status() const {
 }
 
 ComponentStatus Deployer::status(std::string_view component) const {
+  system_->advance();
   const exec::Deployed* deployed = system_->find(component);
   return deployed == nullptr || deployed->task == nullptr ? ComponentStatus{}
                                                           : exec::look_at(*deployed);

@@ -30,6 +30,7 @@ std::vector<std::string> bring_down(System& system, Duration bound) {
     left_behind.push_back(deployed.component->name());
     deployed.component->abandon();
     leave_behind(deployed.task);  // its thread still runs in it
+    leave_behind(system.runner);
   }
   return left_behind;
 }

@@ -89,7 +89,7 @@ bool Stop::advance() {
   system_.advance();
   if (phase_ == Phase::parking) {
     park_free();
-    if (!all_answered()) return false;
+    if (!parked()) return false;
     begin_reading();
   }
   if (phase_ == Phase::reading) {
@@ -102,12 +102,17 @@ bool Stop::advance() {
 }
 
 void Stop::begin_stage() {
-  if (stage_ == stages_.size()) {
+  const bool last_call = stage_ == stages_.size();
+  if (stage_ > stages_.size() || (last_call && waiting_.empty())) {
     phase_ = Phase::over;
     return;
   }
   phase_ = Phase::parking;
-  waiting_ = stages_[stage_];
+  // What a component still waits for when all others are stopped is given up in this time.
+  patient_until_ = system_.runner->now() + (last_call ? kLongestJob : patience_).count();
+  if (!last_call) {
+    waiting_.insert(waiting_.end(), stages_[stage_].begin(), stages_[stage_].end());
+  }
   park_free();
 }
 
@@ -116,8 +121,7 @@ void Stop::begin_stage() {
 void Stop::park_free() {
   auto content = std::make_unique<PreparedChange::Content>();
   std::erase_if(waiting_, [&](Deployed* deployed) {
-    if (deployed->parking) give_up(*deployed);  // ordered before, and still in its job
-    if (deployed->changing) return deployed->parking;
+    if (deployed->changing) return false;
     if (deployed->state() == ComponentState::running) {
       content->members.push_back(member_of(*deployed->component, Mode::park));
     }
@@ -131,13 +135,19 @@ void Stop::park_free() {
   commits_.push_back(begin_commit(system_, change, Swap::Kind::order, patience_));
 }
 
-bool Stop::all_answered() {
+/// Has everybody parked, or been given up? Later stages do not wait for who hangs.
+bool Stop::parked() {
   std::erase_if(commits_, [&](const std::shared_ptr<Commit>& commit) {
     if (!commit->answered()) return false;
     take_answer(*commit);
     return true;
   });
-  return waiting_.empty() && commits_.empty();
+  if (!commits_.empty()) return false;
+  if (waiting_.empty()) return true;
+  if (system_.runner->now() < patient_until_) return false;
+  for (Deployed* deployed : waiting_) give_up(*deployed);
+  std::erase_if(waiting_, [](const Deployed* deployed) { return deployed->parking; });
+  return true;
 }
 
 void Stop::take_answer(const Commit& commit) {

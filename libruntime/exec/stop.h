@@ -35,7 +35,7 @@ class Stop final : public Ongoing {
 
   void begin_stage();
   void park_free();
-  [[nodiscard]] bool all_answered();
+  [[nodiscard]] bool parked();
   void take_answer(const Commit& commit);
   void give_up(Deployed& deployed);
   void begin_reading();
@@ -46,7 +46,8 @@ class Stop final : public Ongoing {
   const Duration patience_;
   Phase phase_ = Phase::parking;
   std::size_t stage_ = 0;
-  std::vector<Deployed*> waiting_;  // for a change of theirs to be over
+  Instant patient_until_ = 0;
+  std::vector<Deployed*> waiting_;  // for a change of theirs to be over, also from stages before
   std::vector<std::shared_ptr<Commit>> commits_;
   std::vector<std::pair<const Deployed*, std::uint64_t>> readers_;  // and their releases before
   Instant read_by_ = 0;

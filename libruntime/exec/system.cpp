@@ -159,6 +159,7 @@ ComponentStatus look_at(const Deployed& deployed) {
   status.priority = deployed.priority;
   status.cpus = deployed.cpus;
   status.realtime = deployed.realtime;
+  status.changing = deployed.changing;
   status.releases = counters.releases.load(std::memory_order_relaxed);
   status.missed = counters.missed.load(std::memory_order_relaxed);
   status.overruns = counters.overruns.load(std::memory_order_relaxed);

@@ -41,7 +41,7 @@ class System {
 
   Architecture& architecture;
   const DeployOptions options;
-  std::unique_ptr<Runner> runner;
+  std::shared_ptr<Runner> runner;
   std::vector<Deployed> deployed;
   std::vector<std::string> warnings;
   std::vector<std::shared_ptr<Commit>> under_way;

@@ -63,6 +63,7 @@ struct ComponentStatus {
   Duration execution_max{0};  ///< of jobs, on the wall clock
   Duration execution_last{0};
   Duration next_release{0};  ///< since T0
+  bool changing = false;     ///< a change, or an order to stop, waits for the end of its job
   std::string fault;         ///< what was thrown, when faulted
 };
 
