@@ -5,7 +5,9 @@
 
 #include <chrono>
 #include <cstdint>
+#include <fstream>
 #include <stdexcept>
+#include <string>
 #include <thread>
 
 namespace trial {
@@ -79,7 +81,9 @@ class Slow final : public Steady {
 
 class Refusing final : public Steady {
   mauve::Status on_configure() override { return mauve::invalid(gain, "is not to its liking"); }
+  mauve::Property<std::string> marker{*this, "marker", "", "path of the file; empty: none"};
 };
+    if (!marker.get().empty()) std::ofstream(marker.get()) << "begun";
 
 class ThrowingHook final : public Steady {
   mauve::Status on_configure() override { throw std::runtime_error("no such device"); }
