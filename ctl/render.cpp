@@ -180,6 +180,10 @@ std::string render_list(const Json& result, Look look) {
   if (is_list_of_objects(items)) return table_of(items, look);
   std::string text;
   for (const Json& item : items) text += compact(item) + "\n";
+    if (const double late = number(one, "late_ns"); late > 0) {
+      const std::string said = ": its job should have ended " + nanoseconds_in_words(late) + " ago";
+      text += painted(word(one, "name") + said, Paint::red, look.colour) + "\n";
+    }
   return text;
 }
 

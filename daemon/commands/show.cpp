@@ -108,6 +108,7 @@ Json show_component(const Running& running, ComponentBase& component) {
                  {"state", to_string(status.state)},
                  {"realtime", status.realtime},
                  {"task", task_of(bundle.task, status)},
+          {"late_ns", status.late.count()},
                  {"counters", counters_of(status)}};
   if (!status.fault.empty()) {
     object["fault"] = status.fault;

@@ -66,7 +66,7 @@ bool Deployer::realtime() const {
 std::vector<ComponentStatus> Deployer::status() const {
   std::vector<ComponentStatus> all;
   for (const exec::Deployed& deployed : system_->deployed) {
-    if (deployed.task != nullptr) all.push_back(exec::look_at(deployed));
+    if (deployed.task != nullptr) all.push_back(exec::look_at(*system_, deployed));
   }
   return all;
 }
@@ -74,7 +74,7 @@ std::vector<ComponentStatus> Deployer::status() const {
 ComponentStatus Deployer::status(std::string_view component) const {
   const exec::Deployed* deployed = system_->find(component);
   return deployed == nullptr || deployed->task == nullptr ? ComponentStatus{}
-                                                          : exec::look_at(*deployed);
+                                                          : exec::look_at(*system_, *deployed);
 }
 
 Result<PreparedChange> Deployer::prepare(const Change& change) {

@@ -66,7 +66,7 @@ Result<Receipt> commit_change(System& system, PreparedChange& change, Retired& r
 /// A change that leaves everything as it is but for the mode.
 PreparedChange only_mode(ComponentBase& component, Mode mode);
 
-[[nodiscard]] ComponentStatus look_at(const Deployed& deployed);
+[[nodiscard]] ComponentStatus look_at(const System& system, const Deployed& deployed);
 std::size_t drain_events(System& system, const std::function<void(const Happening&)>& visit);
 
 }  // namespace mauve::exec

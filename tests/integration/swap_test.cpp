@@ -164,6 +164,16 @@ TEST(Connect, ChangesNothingWhenItIsRefused) {
   EXPECT_EQ(daemon.ask("status.get")["generation"], 1);
 }
 
+TEST(Status, SaysHowLateAJobIsThatDoesNotEnd) {
+  TrialDaemon daemon;
+  EXPECT_EQ(daemon.component("second")["late_ns"], 0);
+
+  static_cast<void>(daemon.ask("core.swap", swap("trial/hanging")));
+
+  EXPECT_TRUE(eventually([&] { return daemon.component("first")["late_ns"] > 100'000'000; }));
+  EXPECT_EQ(daemon.component("first")["state"], "running");
+}
+
 TEST(Stop, ParksWithSafeValuesAndStartGoesOn) {
   TrialDaemon daemon;
   ASSERT_TRUE(daemon.becomes("signal.read", 1.0));

@@ -63,7 +63,10 @@ struct ComponentStatus {
   Duration execution_max{0};  ///< of jobs, on the wall clock
   Duration execution_last{0};
   Duration next_release{0};  ///< since T0
-  std::string fault;         ///< what was thrown, when faulted
+  /// How long ago the job under way should have ended, once that is more than its longest wait;
+  /// else zero. A core that hangs is running and late.
+  Duration late{0};
+  std::string fault;  ///< what was thrown, when faulted
 };
 
 /// Something that happened on a real-time thread, as told to the [log] thread.

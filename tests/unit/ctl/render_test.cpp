@@ -60,6 +60,17 @@ TEST(RenderStatus, SaysWhyAComponentIsFaulted) {
             std::string::npos);
 }
 
+TEST(RenderStatus, SaysWhichJobDoesNotEnd) {
+  const Json status = Json::parse(R"({"generation":1,"architecture":"a","components":[
+    {"name":"gnss","state":"running","late_ns":2300000000},
+    {"name":"laser","state":"running","late_ns":0}]})");
+
+  const std::string text = render_status(status, {});
+
+  EXPECT_NE(text.find("\ngnss: its job should have ended 2.3 s ago\n"), std::string::npos) << text;
+  EXPECT_EQ(text.find("laser:"), std::string::npos);
+}
+
 TEST(RenderStatus, SurvivesAnAnswerWithoutAnything) {
   EXPECT_FALSE(render_status(Json::object(), {}).empty());
   EXPECT_FALSE(render_status(Json::array({1}), {}).empty());

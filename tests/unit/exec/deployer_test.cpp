@@ -86,6 +86,33 @@ TEST(Deployer, TakesAChangeBackWhenTheComponentNeverEndsItsJob) {
   EXPECT_TRUE(deployer.swap_core<ramp::Down>("control")) << "the mailbox is free again";
 }
 
+TEST(Deployer, TellsHowLateAJobIsThatDoesNotEnd) {
+  Hanging::released() = false;
+  HangingArchitecture architecture;
+  architecture.control.fsm().period = 1ms;
+  Deployer deployer(architecture, {.realtime = Realtime::off});
+  ASSERT_TRUE(deployer.deploy());
+
+  EXPECT_TRUE(eventually([&] { return deployer.status("control").late > 20ms; }));
+  EXPECT_EQ(deployer.status("control").state, ComponentState::running);
+  EXPECT_EQ(deployer.status("control").overruns, 0u) << "counted when the job has ended";
+
+  Hanging::released() = true;
+  EXPECT_TRUE(eventually([&] { return deployer.status("control").late == Duration{0}; }));
+}
+
+TEST(Deployer, SaysOfNoComponentThatItIsLateWhileItWaitsOrIsParked) {
+  ramp::Architecture architecture;
+  Deployer deployer(architecture, {.realtime = Realtime::off, .simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  deployer.run_for(55ms);
+
+  EXPECT_EQ(deployer.status("control").late, Duration{0});
+  ASSERT_TRUE(deployer.stop({"control"}));
+  deployer.run_for(1s);
+  EXPECT_EQ(deployer.status("control").late, Duration{0});
+}
+
 TEST(Deployer, ShutsDownInBoundedTimeAndWritesSafeValuesForACoreThatHangs) {
   Hanging::released() = false;
   // Never freed: a thread stays in them.
