@@ -44,7 +44,7 @@ constexpr Method kMethods[] = {
     {"resource.list", "all resources", {}},
     {"core.list", "cores of the loaded plugins, or those that fit a component", kFor},
     {"port.list", "ports and what they are connected to", kOfComponent},
-    {"plugin.list", "plugins loaded, or those with something for a component", kFor},
+    {"plugin.list", "plugins loaded, or those with cores for a component", kFor},
     {"client.list", "who is connected", {}},
     {"command.list", "this table", {}},
     {"object.get", "everything about one object", kAddress},

@@ -174,6 +174,19 @@ TEST(Status, SaysHowLateAJobIsThatDoesNotEnd) {
   EXPECT_EQ(daemon.component("first")["state"], "running");
 }
 
+TEST(Plugins, ForAComponentAreTheCoresThatFitIt) {
+  TrialDaemon daemon;
+
+  const auto items = daemon.ask("plugin.list", {{"for", "first"}})["items"];
+
+  ASSERT_EQ(items.size(), 1U) << items;
+  EXPECT_EQ(items[0]["name"], "trial");
+  const auto& cores = items[0]["cores"];
+  EXPECT_NE(std::find(cores.begin(), cores.end(), "trial/other"), cores.end());
+  EXPECT_EQ(std::find(cores.begin(), cores.end(), "trial/another"), cores.end())
+      << "another contract";
+}
+
 TEST(Stop, ParksWithSafeValuesAndStartGoesOn) {
   TrialDaemon daemon;
   ASSERT_TRUE(daemon.becomes("signal.read", 1.0));

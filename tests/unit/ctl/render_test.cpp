@@ -150,6 +150,17 @@ TEST(RenderPlugins, SayWhatEachBrings) {
   EXPECT_EQ(render_plugins(Json::parse(R"({"items": []})"), {}), "none\n");
 }
 
+TEST(RenderPlugins, ForAComponentAreTheCoresToSwapIn) {
+  const Json result = Json::parse(R"({"items": [{"name": "guidance", "version": "1.2.0",
+    "cores": ["guidance/finite_time", "guidance/stop"]}]})");
+
+  EXPECT_EQ(render_plugins_for(result, {}),
+            "CORE                  PLUGIN    VERSION\n"
+            "guidance/finite_time  guidance  1.2.0\n"
+            "guidance/stop         guidance  1.2.0\n");
+  EXPECT_EQ(render_plugins_for(Json::parse(R"({"items": []})"), {}), "none\n");
+}
+
 TEST(RenderFault, HasFourParts) {
   Fault fault = protocol::fault_of(refuse(Errc::abi_mismatch, "/usr/lib/mauve/plugins/pid.so",
                                           "core 'pid' speaks ABI 2", "rebuild it"),
