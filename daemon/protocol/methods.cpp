@@ -27,7 +27,8 @@ constexpr Param kSwap[] = {{"component", string, true},
                            {"set", object},
                            {"in_place", boolean},
                            {"state", string}};
-constexpr Param kConnect[] = {{"port", string, true}, {"service", string, true}};
+constexpr Param kConnect[] = {
+    {"port", string, true}, {"service", string, true}, {"max_age", string}};
 constexpr Param kDisconnect[] = {{"port", string, true}};
 constexpr Param kPlugin[] = {{"plugin", string, true}};
 constexpr Param kCheck[] = {{"text", string, true}, {"file", string}};

@@ -145,12 +145,13 @@ Result<Receipt> Deployer::set(std::string_view address, const Value& value, Stat
   return apply({{edit}});
 }
 
-Result<Receipt> Deployer::connect(std::string_view port, std::string_view service) {
+Result<Receipt> Deployer::connect(std::string_view port, std::string_view service,
+                                  Duration max_age) {
   auto parts = split_port(port);
   if (!parts) return parts.error();
   Edit edit;
   edit.component = parts->first;
-  edit.connect.push_back({parts->second, std::string(service), Duration{0}});
+  edit.connect.push_back({parts->second, std::string(service), max_age});
   return apply({{edit}});
 }
 

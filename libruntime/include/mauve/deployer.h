@@ -131,7 +131,9 @@ class Deployer {
   /// `address` as "control.core.gain"; also properties of resources.
   Result<Receipt> set(std::string_view address, const Value& value,
                       StatePolicy state = StatePolicy::keep);
-  Result<Receipt> connect(std::string_view port, std::string_view service);
+  /// `max_age`, of read ports only: values older than this are `stale`; zero: no limit.
+  Result<Receipt> connect(std::string_view port, std::string_view service,
+                          Duration max_age = Duration{0});
   Result<Receipt> disconnect(std::string_view port);
 
   /// The paper's way, for hardware that one core only can hold: stop, clean up, configure, start

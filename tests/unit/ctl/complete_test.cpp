@@ -47,6 +47,7 @@ TEST(Completion, OffersTheOptionsOfTheCommandAndTheGlobalOnes) {
   EXPECT_NE(std::find(words.begin(), words.end(), "--in-place"), words.end());
   EXPECT_NE(std::find(words.begin(), words.end(), "--socket"), words.end());
   EXPECT_EQ(completions({"status", "--in"}), Words{});
+  EXPECT_EQ(completions({"connect", "--max"}), Words{"--max-age"});
 }
 
 TEST(Completion, OffersKindsAndLevels) {

@@ -216,6 +216,20 @@ TEST(RenderValue, ShowsTheFieldsOfAStructure) {
             "  mode      3\n");
 }
 
+TEST(RenderValue, SaysHowOldItIs) {
+  EXPECT_EQ(render_value(Json::parse(R"({"address":"a.ports.in","value":0.2,"status":"stale",
+                                         "age_ns":2300000000})"),
+                         {}),
+            "a.ports.in = 0.2 (stale, 2.3 s old)\n");
+}
+
+TEST(RenderSample, SaysHowOldAStaleValueIs) {
+  EXPECT_EQ(render_sample(Json::parse(R"({"sub":1,"address":"a.ports.in","value":2,"t_ns":0,
+                                          "status":"stale","age_ns":60000000})"),
+                          {}),
+            "    0.000000  a.ports.in  stale     2 (60.0 ms old)\n");
+}
+
 TEST(RenderSample, IsOneLineWithItsTime) {
   const Json params = Json::parse(
       R"({"sub":1,"address":"fix.read","value":{"mode":3},"status":"new_data","t_ns":91827000})");
@@ -264,6 +278,18 @@ TEST(RenderObject, IndentsWhatIsInside) {
             "task\n"
             "  priority  40\n"
             "  cpus      [1]\n");
+}
+
+TEST(RenderObject, ShowsTheAgeOfWhatPortsRead) {
+  const Json object = Json::parse(R"({"address":"control","ports":[
+    {"name":"scan","status":"stale","age_ns":2300000000},{"name":"goal"}]})");
+
+  EXPECT_EQ(render_object(object, {}),
+            "address  control\n"
+            "ports\n"
+            "  NAME  STATUS    AGE\n"
+            "  scan  stale   2.3 s\n"
+            "  goal\n");
 }
 
 TEST(RenderObject, ShowsOfAPropertyWhatIsWorthAColumn) {

@@ -113,6 +113,31 @@ TEST(Deployer, SaysOfNoComponentThatItIsLateWhileItWaitsOrIsParked) {
   EXPECT_EQ(deployer.status("control").late, Duration{0});
 }
 
+TEST(Deployer, ConnectsWithALimitOnTheAge) {
+  ramp::Architecture architecture;
+  Deployer deployer(architecture, {.realtime = Realtime::off, .simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+
+  ASSERT_TRUE(deployer.connect("control.ports.speed", "speed.read", 50ms));
+
+  const ComponentBase& control = architecture.control;
+  const auto& bindings = *control.bundle()->bindings;
+  EXPECT_EQ(bindings[control.shell().find_port("speed")->index()]->max_age(), 50ms);
+}
+
+TEST(Deployer, RefusesALimitOnTheAgeOfWhatAPortWrites) {
+  ramp::Architecture architecture;
+  Deployer deployer(architecture, {.realtime = Realtime::off, .simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(deployer.disconnect("control.ports.out"));
+
+  const Result<Receipt> refused = deployer.connect("control.ports.out", "position.write", 50ms);
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::invalid_value);
+  EXPECT_EQ(refused.error().at, "control.ports.out");
+}
+
 TEST(Deployer, ShutsDownInBoundedTimeAndWritesSafeValuesForACoreThatHangs) {
   Hanging::released() = false;
   // Never freed: a thread stays in them.
