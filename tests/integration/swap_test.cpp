@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // Changes of a running daemon, over its socket.
+#include <algorithm>
+
 #include "trial_daemon.h"
 
 namespace mauve::test {
