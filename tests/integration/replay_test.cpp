@@ -206,6 +206,19 @@ TEST(ReplayGnss, OpensItsDeviceAgainWhenItComesBack) {
   EXPECT_EQ(daemon.value("gnss.core.device_errors"), 1);
 }
 
+TEST(Rover, TwoOnOneMachineHearTheirOwnReceivers) {
+  DaemonProcess one(kRoot / "etc" / "rover.json");
+  DaemonProcess two(kRoot / "etc" / "rover.json");
+  ASSERT_TRUE(one.up()) << one.errors();
+  ASSERT_TRUE(two.up()) << two.errors();
+
+  for (DaemonProcess* daemon : {&one, &two}) {
+    EXPECT_TRUE(eventually([&] { return daemon->value("gnss.core.fixes") >= 3; }));
+    EXPECT_EQ(daemon->value("gnss.core.bad_frames"), 0);
+    EXPECT_EQ(daemon->value("gnss.core.device_errors"), 0);
+  }
+}
+
 TEST(ReplayLaser, TheSafetyPilotSlowsAndStopsOnARealRecording) {
   const auto recording = support::test_data("lidar/exp2.dat");
   if (!recording) GTEST_SKIP() << support::kNoTestData;
