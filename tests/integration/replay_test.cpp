@@ -216,6 +216,8 @@ TEST(Rover, TwoOnOneMachineHearTheirOwnReceivers) {
     EXPECT_TRUE(eventually([&] { return daemon->value("gnss.core.fixes") >= 3; }));
     EXPECT_EQ(daemon->value("gnss.core.bad_frames"), 0);
     EXPECT_EQ(daemon->value("gnss.core.device_errors"), 0);
+    daemon->process().signal(SIGTERM);
+    EXPECT_EQ(daemon->process().wait(), 0) << "its line is taken down in order";
   }
 }
 
