@@ -82,8 +82,9 @@ int run_get(Session& session) {
 }
 
 int run_plugins(Session& session) {
+  const bool for_one = session.arguments.has("--for");
   return ask(session, "plugin.list", without_empty({{"for", session.arguments.one("--for")}}),
-             render_plugins);
+             for_one ? render_plugins_for : render_plugins);
 }
 
 int run_export(Session& session) {

@@ -109,8 +109,9 @@ int run_swap_core(Session& session) {
 int run_connect(Session& session) {
   const std::string port = session.arguments.one("PORT");
   const std::string service = session.arguments.one("SERVICE");
-  return change(session, "port.connect", {{"port", port}, {"service", service}},
-                "connected " + port + " to " + service);
+  Json params = {{"port", port}, {"service", service}};
+  if (session.arguments.has("--max-age")) params["max_age"] = session.arguments.one("--max-age");
+  return change(session, "port.connect", std::move(params), "connected " + port + " to " + service);
 }
 
 int run_disconnect(Session& session) {

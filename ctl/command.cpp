@@ -44,10 +44,13 @@ constexpr Argument kSwap[] = {
     kComponent, one("CORE", "such as guidance/finite_time", Kind::core),
     any("--set", "KEY=VALUE of a property of the new core", Kind::none),
     flag("--in-place", "stop, swap, start: for hardware that one core only can hold"), kState};
-constexpr Argument kConnect[] = {kPort, one("SERVICE", "such as scan.read", Kind::service)};
+constexpr Argument kConnect[] = {
+    kPort, one("SERVICE", "such as scan.read", Kind::service),
+    maybe("--max-age", "values older than this are stale, such as 50ms", Kind::none)};
 constexpr Argument kDisconnect[] = {kPort};
 constexpr Argument kPlugin[] = {one("PLUGIN", "name of a plugin, not a path", Kind::plugin)};
-constexpr Argument kPlugins[] = {maybe("--for", "only what fits this component", Kind::component)};
+constexpr Argument kPlugins[] = {
+    maybe("--for", "the cores that fit this component", Kind::component)};
 constexpr Argument kCheck[] = {one("FILE", "an architecture file", Kind::file)};
 constexpr Argument kLogs[] = {
     maybe("COMPONENT", "only this one", Kind::component),

@@ -104,10 +104,10 @@ class Live {
     return result;
   }
 
-  /// Elements; below an element what is in it.
-  Words addresses(const std::string& begun) {
+  /// Elements; below an element what is in it, of one kind only when a group is named.
+  Words addresses(const std::string& begun, std::string_view only = {}) {
     const auto dot = begun.find('.');
-    if (dot != std::string::npos) return inside(begun.substr(0, dot));
+    if (dot != std::string::npos) return inside(begun.substr(0, dot), only);
     Words result = names("component.list");
     for (auto& name : names("resource.list")) result.push_back(std::move(name));
     return result;
@@ -134,10 +134,11 @@ class Live {
     return object.is_object() ? object.value(key, Json::array()) : Json::array();
   }
 
-  Words inside(const std::string& element) {
+  Words inside(const std::string& element, std::string_view only) {
     const Json object = ask("object.get", {{"address", element}});
     Words result;
     const auto add = [&](const char* group, const std::string& prefix) {
+      if (!only.empty() && only != group) return;
       for (const Json& one : items(object, group)) {
         result.push_back(element + "." + prefix + word(one, "name"));
       }
@@ -176,8 +177,9 @@ Words candidates(const Typed& typed, Kind kind, const std::string& begun) {
     case Kind::service:
       return Live(typed).services();
     case Kind::address:
-    case Kind::assignment:
       return Live(typed).addresses(begun);
+    case Kind::assignment:
+      return Live(typed).addresses(begun, "properties");
   }
   return {};
 }

@@ -21,7 +21,14 @@ const Json& member(const Json& object, std::string_view key) {
 Paint paint_of(const std::string& state) {
   if (state == "running") return Paint::green;
   if (state == "faulted") return Paint::red;
-  return state == "stopped" ? Paint::yellow : Paint::plain;
+  return state == "stopped" || state == "stale" ? Paint::yellow : Paint::plain;
+}
+
+/// Ages are for people; other nanoseconds are for comparing.
+std::string title_of(const std::string& key) { return key == "age_ns" ? "age" : key; }
+std::string content_of(const Json& object, const std::string& key) {
+  if (key == "age_ns") return nanoseconds_in_words(number(object, key));
+  return word(object, key);
 }
 
 Cell count_cell(const Json& component, std::string_view key) {
@@ -74,13 +81,16 @@ std::string table_of(const Json& items, Look look) {
   auto keys = keys_in_order(items);
   std::erase_if(keys, [&](const std::string& key) { return !says_something(items, key); });
   std::vector<Column> columns;
-  for (const auto& key : keys) columns.push_back({in_capitals(key), all_numbers(items, key)});
+  for (const auto& key : keys) {
+    columns.push_back({in_capitals(title_of(key)), all_numbers(items, key)});
+  }
   Table table(std::move(columns));
   for (const Json& item : items) {
     std::vector<Cell> row;
     for (const auto& key : keys) {
-      std::string text = word(item, key);
-      const Paint paint = key == "state" ? paint_of(text) : Paint::plain;
+      std::string text = item.contains(key) ? content_of(item, key) : std::string{};
+      const bool state = key == "state" || key == "status";
+      const Paint paint = state ? paint_of(text) : Paint::plain;
       row.push_back({std::move(text), paint});
     }
     table.add(std::move(row));
@@ -170,6 +180,10 @@ std::string render_status(const Json& status, Look look) {
     if (const auto fault = word(one, "fault"); !fault.empty()) {
       text += painted(word(one, "name") + ": " + fault, Paint::red, look.colour) + "\n";
     }
+    if (const double late = number(one, "late_ns"); late > 0) {
+      const std::string said = ": its job should have ended " + nanoseconds_in_words(late) + " ago";
+      text += painted(word(one, "name") + said, Paint::red, look.colour) + "\n";
+    }
   }
   return text;
 }
@@ -194,7 +208,7 @@ std::string render_object(const Json& object, Look look) {
   };
   std::size_t widest = 0;
   for (const auto& key : keys) {
-    if (!is_block(key)) widest = std::max(widest, columns(key));
+    if (!is_block(key)) widest = std::max(widest, columns(title_of(key)));
   }
   std::string lines;
   std::string blocks;
@@ -204,8 +218,9 @@ std::string render_object(const Json& object, Look look) {
       blocks += titled(key, block_of(key, value, narrower(look, 2)), look);
       continue;
     }
-    const std::string space(widest - columns(key) + 2, ' ');
-    lines += cut(harmless(key) + space + compact(value), look.width) + "\n";
+    const std::string title = title_of(key);
+    const std::string space(widest - columns(title) + 2, ' ');
+    lines += cut(harmless(title) + space + content_of(object, key), look.width) + "\n";
   }
   return lines + blocks;
 }

@@ -44,6 +44,9 @@ struct Look {
 /// What is loaded and what each brings.
 [[nodiscard]] std::string render_plugins(const Json& result, Look look);
 
+/// The cores that fit a component, one row each, by the names that swap-core takes.
+[[nodiscard]] std::string render_plugins_for(const Json& result, Look look);
+
 /// "FILE:3:5: error: control.core.gain: must be positive", with hints.
 [[nodiscard]] std::string render_errors(std::string_view file, const Json& result, Look look);
 

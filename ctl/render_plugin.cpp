@@ -70,4 +70,16 @@ std::string render_plugins(const Json& result, Look look) {
   return text;
 }
 
+std::string render_plugins_for(const Json& result, Look look) {
+  const Json& items = list_in(result, "items");
+  if (items.empty()) return "none\n";
+  Table table({{"CORE"}, {"PLUGIN"}, {"VERSION"}});
+  for (const Json& plugin : items) {
+    for (const Json& core : list_in(plugin, "cores")) {
+      table.add({{compact(core)}, {word(plugin, "name")}, {word(plugin, "version")}});
+    }
+  }
+  return table.text(look.width, look.colour);
+}
+
 }  // namespace mauve::ctl

@@ -26,11 +26,18 @@ std::string seconds_of(const Json& params) {
   return text.data();
 }
 
+/// "new_data, 12.0 ms old".
+std::string status_of(const Json& value) {
+  const std::string status = word(value, "status");
+  if (!value.is_object() || !value.contains("age_ns")) return status;
+  return status + ", " + nanoseconds_in_words(number(value, "age_ns")) + " old";
+}
+
 }  // namespace
 
 std::string render_value(const Json& value, Look look) {
   const std::string address = painted(word(value, "address"), Paint::bold, look.colour);
-  const std::string status = word(value, "status");
+  const std::string status = status_of(value);
   const Json content = value.is_object() ? value.value("value", Json()) : Json();
   if (content.is_object() && !content.empty()) {
     std::string text = address + " (" + status + ")\n";
@@ -58,6 +65,9 @@ std::string render_sample(const Json& params, Look look) {
            "\n";
   }
   text += wide(word(params, "status"), 8) + "  " + word(params, "value");
+  if (word(params, "status") == "stale") {
+    text += " (" + nanoseconds_in_words(number(params, "age_ns")) + " old)";
+  }
   return cut(text, look.width) + "\n";
 }
 

@@ -10,11 +10,11 @@
 namespace mauve::ctl {
 namespace {
 
-constexpr std::array<std::string_view, 26> kFirst{
-    "address", "name",     "plugin", "kind",     "type",      "data",     "core",
-    "state",   "status",   "fsm",    "value",    "default",   "min",      "max",
-    "range",   "unit",     "text",   "version",  "fsm_state", "priority", "cpus",
-    "period",  "releases", "missed", "overruns", "service"};
+constexpr std::array<std::string_view, 27> kFirst{
+    "address", "name",   "plugin",   "kind",   "type",     "data",      "core",
+    "state",   "status", "fsm",      "value",  "age_ns",   "default",   "min",
+    "max",     "range",  "unit",     "text",   "version",  "fsm_state", "priority",
+    "cpus",    "period", "releases", "missed", "overruns", "service"};
 
 std::size_t rank(const std::string& key) {
   const auto found = std::find(kFirst.begin(), kFirst.end(), key);

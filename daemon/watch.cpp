@@ -22,7 +22,7 @@ std::size_t capacity_for(const DataType& data) {
 
 /// What makes two samples the same.
 bool same_sample(const Json& a, const Json& b) {
-  return a.is_object() && b.is_object() && a["value"] == b["value"] &&
+  return a.is_object() && b.is_object() && a["value"] == b["value"] && a["status"] == b["status"] &&
          a.value("t_ns", Json()) == b.value("t_ns", Json());
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// port.connect and port.disconnect, for ports of components and of resources.
+#include "base/duration.h"
 #include "commands/answer.h"
 #include "commands/change.h"
 #include "commands/model.h"
@@ -23,6 +24,21 @@ Result<Edit> edit_of_port(const Running& running, const Json& params, std::strin
   return edit_of(parts->first);
 }
 
+/// `max_age`, or zero when it is not said.
+Result<Duration> limit_of(const Json& params) {
+  if (!params.contains("max_age")) {
+    return Duration{0};
+  }
+  const auto limit = parse_duration(text_or(params, "max_age"));
+  if (!limit) {
+    return refuse(limit.error().code, "max_age", limit.error().message, limit.error().hint);
+  }
+  if (*limit == Duration{0}) {
+    return refuse(Errc::invalid_value, "max_age", "must be over 0", "leave it out for no limit");
+  }
+  return *limit;
+}
+
 }  // namespace
 
 void connect(Running& running, const CallPtr& call, Ticket ticket) {
@@ -31,7 +47,11 @@ void connect(Running& running, const CallPtr& call, Ticket ticket) {
   if (!edit) {
     return answer(running, *call, edit.error());
   }
-  edit->connect.push_back({port, text_or(call->params, "service"), Duration{0}});
+  const auto max_age = limit_of(call->params);
+  if (!max_age) {
+    return answer(running, *call, max_age.error());
+  }
+  edit->connect.push_back({port, text_or(call->params, "service"), *max_age});
   apply(running, call, std::move(ticket), {{*std::move(edit)}});
 }
 

@@ -44,6 +44,17 @@ Json plugin_row(const plugin::LoadedPlugin& loaded) {
           {"users", loaded.library()->users()}};
 }
 
+/// Full names of the cores that fulfil the contract, which may be swapped in.
+Json cores_for(const plugin::LoadedPlugin& loaded, const Contract& contract) {
+  Json names = Json::array();
+  for (const auto& [name, core] : loaded.cores) {
+    if (core.contract == contract) {
+      names.push_back(name);
+    }
+  }
+  return names;
+}
+
 /// Null for a contract that is a class inside the plugin: nobody else can fulfil it.
 Json public_name(const Contract& contract) {
   return contract.name.find('/') == std::string::npos ? Json() : Json(contract.name);
@@ -115,12 +126,11 @@ Result<Json> list_plugins(Running& running, const Call& call) {
   }
   Json rows = Json::array();
   for (const auto* loaded : running.catalog.plugins()) {
-    const bool fits = !*contract || std::any_of(loaded->cores.begin(), loaded->cores.end(),
-                                                [&](const auto& entry) {
-                                                  return entry.second.contract == **contract;
-                                                });
-    if (fits) {
+    if (!*contract) {
       rows.push_back(plugin_row(*loaded));
+    } else if (auto cores = cores_for(*loaded, **contract); !cores.empty()) {
+      const auto& info = loaded->info();
+      rows.push_back({{"name", info.name}, {"version", info.version}, {"cores", std::move(cores)}});
     }
   }
   return items(std::move(rows));

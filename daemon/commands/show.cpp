@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// object.get and param.get: everything about one thing, and the value of one thing.
+#include <initializer_list>
+
+#include "arch/built_in.h"
 #include "arch/value_json.h"
 #include "base/duration.h"
 #include "commands/answer.h"
@@ -33,11 +36,37 @@ Json port_row(const Element& element, const PortBase& port) {
           {"kind", to_string(port.signature().kind)},
           {"type", port.signature().types},
           {"service", binding == nullptr ? Json() : Json(binding->service().address())},
-          {"max_age", binding == nullptr || binding->max_age() == Duration{0}
-                          ? Json()
-                          : Json(format_duration(binding->max_age()))},
+          {"max_age", max_age_of(binding)},
           {"safe_value", port.has_safe_value()},
           {"failures", port.failures()}};
+}
+
+/// What `get` says of it, where there is something to get.
+void add_value(Json& object, const Running& running, const std::string& address,
+               const Target& target, std::initializer_list<const char*> keys) {
+  const auto now = sample(running, address, target);
+  for (const auto* key : keys) {
+    if (now && now->contains(key)) {
+      object[key] = (*now)[key];
+    }
+  }
+}
+
+/// A row for each port. Of ports that read shared data also how fresh that is: other services would
+/// run their core for it.
+Json port_rows(const Running& running, const Element& element) {
+  Json rows = Json::array();
+  for (auto* port : element.shell().ports()) {
+    auto row = port_row(element, *port);
+    const auto* binding = connection(element, *port);
+    if (binding != nullptr && port->signature().kind == PortKind::read &&
+        binding->service().resource().type().name == arch::kSharedData) {
+      add_value(row, running, port->address(), {element, nullptr, nullptr, port},
+                {"status", "age_ns"});
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
 }
 
 Json service_row(const ServiceBase& service) {
@@ -46,10 +75,9 @@ Json service_row(const ServiceBase& service) {
           {"type", service.signature().types}};
 }
 
-void add_parts(Json& object, const Element& element) {
+void add_parts(Json& object, const Running& running, const Element& element) {
   Json properties = Json::array();
   Json observables = Json::array();
-  Json ports = Json::array();
   for (const auto& [group, part] : element.parts()) {
     const auto prefix = std::string(group) + ".";
     for (const auto* property : part->properties()) {
@@ -59,12 +87,9 @@ void add_parts(Json& object, const Element& element) {
       observables.push_back(observable_row(prefix + std::string(observable->name()), *observable));
     }
   }
-  for (const auto* port : element.shell().ports()) {
-    ports.push_back(port_row(element, *port));
-  }
   object["properties"] = std::move(properties);
   object["observables"] = std::move(observables);
-  object["ports"] = std::move(ports);
+  object["ports"] = port_rows(running, element);
 }
 
 Json task_of(const TaskAttributes& task, const ComponentStatus& status) {
@@ -83,6 +108,7 @@ Json counters_of(const ComponentStatus& status) {
           {"missed", status.missed},
           {"overruns", status.overruns},
           {"over_budget", status.over_budget},
+          {"late_ns", status.late.count()},
           {"lateness_last_ns", status.lateness_last.count()},
           {"lateness_max_ns", status.lateness_max.count()},
           {"execution_last_ns", status.execution_last.count()},
@@ -112,7 +138,7 @@ Json show_component(const Running& running, ComponentBase& component) {
   if (!status.fault.empty()) {
     object["fault"] = status.fault;
   }
-  add_parts(object, {&component, nullptr});
+  add_parts(object, running, {&component, nullptr});
   return object;
 }
 
@@ -145,7 +171,7 @@ Json show_resource(const Running& running, ResourceBase& resource) {
       {"address", resource.name()},           {"kind", "resource"},
       {"type", resource.type().name},         {"services", std::move(services)},
       {"users", users_of(running, resource)}, {"lock_timeouts", resource.gate().timeouts()}};
-  add_parts(object, {nullptr, &resource});
+  add_parts(object, running, {nullptr, &resource});
   return object;
 }
 
@@ -168,6 +194,9 @@ Result<Json> show_target(const Running& running, const std::string& address) {
   }
   object.erase("name");
   object["address"] = address;
+  if (target->port != nullptr || target->service != nullptr) {
+    add_value(object, running, address, *target, {"value", "status", "age_ns"});
+  }
   const auto* data = target->service != nullptr ? target->service->signature().data
                      : target->port != nullptr  ? target->port->signature().data
                                                 : nullptr;

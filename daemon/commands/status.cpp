@@ -32,6 +32,7 @@ Result<Json> status(Running& running, const Call& /*call*/) {
                 {"missed", one.missed},
                 {"overruns", one.overruns},
                 {"over_budget", one.over_budget},
+                {"late_ns", one.late.count()},
                 {"lateness_max_ns", one.lateness_max.count()},
                 {"execution_max_ns", one.execution_max.count()}};
     if (!one.fault.empty()) {

@@ -3,6 +3,7 @@
 
 #include "arch/built_in.h"
 #include "arch/value_json.h"
+#include "base/duration.h"
 
 namespace mauve::daemon {
 
@@ -50,11 +51,28 @@ Result<Json> read_service(const Running& running, const std::string& address,
   auto out = answer_for(address, std::move(value), to_string(status));
   if (has_value(status)) {
     out["t_ns"] = slot.cursor.stamp - running.deployer.t0();
+    out["age_ns"] = running.deployer.clock().now() - slot.cursor.stamp;
   }
   return out;
 }
 
+/// What the port knows more than the service: where its values come from and how old they may be.
+void add_connection(Json& out, const Binding& binding) {
+  out["service"] = binding.service().address();
+  out["max_age"] = max_age_of(&binding);
+  const auto limit = binding.max_age();
+  if (limit > Duration{0} && out.contains("age_ns") && out["age_ns"] > limit.count()) {
+    out["status"] = to_string(DataStatus::stale);
+  }
+}
+
 }  // namespace
+
+Json max_age_of(const Binding* binding) {
+  return binding == nullptr || binding->max_age() == Duration{0}
+             ? Json()
+             : Json(format_duration(binding->max_age()));
+}
 
 ServiceBase* service_of(const Target& target) {
   if (target.port == nullptr) {
@@ -85,7 +103,7 @@ Result<Json> sample(const Running& running, const std::string& address, const Ta
   }
   auto out = read_service(running, address, *service);
   if (out && is_port) {
-    (*out)["service"] = service->address();
+    add_connection(*out, *connection(target.element, *target.port));
   }
   return out;
 }

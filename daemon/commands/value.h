@@ -6,11 +6,15 @@
 
 namespace mauve::daemon {
 
-/// {"address","value","status"}, and "service" for a port. Never takes an item away from a queue.
+/// {"address","value","status"}; of a service "t_ns" and "age_ns" where there is a value, of a port
+/// also "service" and "max_age". Never takes an item away from a queue.
 [[nodiscard]] Result<Json> sample(const Running& running, const std::string& address,
                                   const Target& target);
 
 /// The service whose values an address shows: itself, or what a port is connected to; else null.
 [[nodiscard]] ServiceBase* service_of(const Target& target);
+
+/// How old the values of a connection may be, as text; null for no limit.
+[[nodiscard]] Json max_age_of(const Binding* binding);
 
 }  // namespace mauve::daemon

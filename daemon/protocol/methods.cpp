@@ -27,7 +27,8 @@ constexpr Param kSwap[] = {{"component", string, true},
                            {"set", object},
                            {"in_place", boolean},
                            {"state", string}};
-constexpr Param kConnect[] = {{"port", string, true}, {"service", string, true}};
+constexpr Param kConnect[] = {
+    {"port", string, true}, {"service", string, true}, {"max_age", string}};
 constexpr Param kDisconnect[] = {{"port", string, true}};
 constexpr Param kPlugin[] = {{"plugin", string, true}};
 constexpr Param kCheck[] = {{"text", string, true}, {"file", string}};
@@ -44,7 +45,7 @@ constexpr Method kMethods[] = {
     {"resource.list", "all resources", {}},
     {"core.list", "cores of the loaded plugins, or those that fit a component", kFor},
     {"port.list", "ports and what they are connected to", kOfComponent},
-    {"plugin.list", "plugins loaded, or those with something for a component", kFor},
+    {"plugin.list", "plugins loaded, or those with cores for a component", kFor},
     {"client.list", "who is connected", {}},
     {"command.list", "this table", {}},
     {"object.get", "everything about one object", kAddress},

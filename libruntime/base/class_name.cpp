@@ -3,16 +3,32 @@
 
 #include <cstdlib>
 #include <memory>
+#include <string_view>
 
 #include <cxxabi.h>
 
 namespace mauve {
+namespace {
+
+/// What compilers add and no author wrote.
+constexpr std::string_view kAdded[] = {"(anonymous namespace)::", "__cxx11::"};
+
+std::string as_written(std::string name) {
+  for (const std::string_view added : kAdded) {
+    for (auto at = name.find(added); at != std::string::npos; at = name.find(added, at)) {
+      name.erase(at, added.size());
+    }
+  }
+  return name;
+}
+
+}  // namespace
 
 std::string class_name(const std::type_info& type) {
   int status = 0;
   const std::unique_ptr<char, void (*)(void*)> text(
       abi::__cxa_demangle(type.name(), nullptr, nullptr, &status), std::free);
-  return status == 0 ? text.get() : type.name();
+  return status == 0 ? as_written(text.get()) : type.name();
 }
 
 }  // namespace mauve

@@ -70,7 +70,7 @@ std::vector<ComponentStatus> Deployer::status() const {
   system_->advance();
   std::vector<ComponentStatus> all;
   for (const exec::Deployed& deployed : system_->deployed) {
-    if (deployed.task != nullptr) all.push_back(exec::look_at(deployed));
+    if (deployed.task != nullptr) all.push_back(exec::look_at(*system_, deployed));
   }
   return all;
 }
@@ -79,7 +79,7 @@ ComponentStatus Deployer::status(std::string_view component) const {
   system_->advance();
   const exec::Deployed* deployed = system_->find(component);
   return deployed == nullptr || deployed->task == nullptr ? ComponentStatus{}
-                                                          : exec::look_at(*deployed);
+                                                          : exec::look_at(*system_, *deployed);
 }
 
 Result<PreparedChange> Deployer::prepare(const Change& change) {
@@ -171,12 +171,13 @@ Result<Receipt> Deployer::set(std::string_view address, const Value& value, Stat
   return apply({{edit}});
 }
 
-Result<Receipt> Deployer::connect(std::string_view port, std::string_view service) {
+Result<Receipt> Deployer::connect(std::string_view port, std::string_view service,
+                                  Duration max_age) {
   auto parts = split_port(port);
   if (!parts) return parts.error();
   Edit edit;
   edit.component = parts->first;
-  edit.connect.push_back({parts->second, std::string(service), Duration{0}});
+  edit.connect.push_back({parts->second, std::string(service), max_age});
   return apply({{edit}});
 }
 

@@ -66,6 +66,16 @@ Status check_cpus(const ComponentBase& component) {
   return ok();
 }
 
+/// Until a job ends, `release` is its own; which wait it will end in is not known before. So the
+/// longest one is its time, and as much again passes before it is called late.
+Duration lateness_of(const Bundle& bundle, Duration release, Instant since_t0) {
+  Duration longest{0};
+  for (const FsmState* state : bundle.fsm->states()) longest = std::max(longest, state->duration());
+  const Duration time = bundle.task.deadline > Duration{0} ? bundle.task.deadline : longest;
+  const Duration late = Duration{since_t0} - release - time;
+  return late > longest ? late : Duration{0};
+}
+
 std::unique_ptr<Published> first_bundle(const ComponentBase& component) {
   auto first = std::make_unique<Published>();
   first->bundle = component.bundle();
@@ -145,7 +155,7 @@ Status bring_up(System& system) {
   return ok();
 }
 
-ComponentStatus look_at(const Deployed& deployed) {
+ComponentStatus look_at(const System& system, const Deployed& deployed) {
   const Counters& counters = deployed.task->counters();
   const Bundle& bundle = *deployed.component->bundle();
   ComponentStatus status;
@@ -169,6 +179,9 @@ ComponentStatus look_at(const Deployed& deployed) {
   status.execution_max = Duration{counters.execution_max.load(std::memory_order_relaxed)};
   status.execution_last = Duration{counters.execution_last.load(std::memory_order_relaxed)};
   status.next_release = Duration{counters.next_release.load(std::memory_order_relaxed)};
+  if (status.state == ComponentState::running) {
+    status.late = lateness_of(bundle, status.next_release, system.runner->now() - system.t0);
+  }
   if (status.state == ComponentState::faulted) status.fault = deployed.task->fault();
   return status;
 }

@@ -70,7 +70,7 @@ Result<PreparedChange> prepare_change(System& system, const Change& change, bool
 /// A part of a change that leaves everything as it is but for the mode.
 [[nodiscard]] PreparedMember member_of(ComponentBase& component, Mode mode);
 
-[[nodiscard]] ComponentStatus look_at(const Deployed& deployed);
+[[nodiscard]] ComponentStatus look_at(const System& system, const Deployed& deployed);
 std::size_t drain_events(System& system, const std::function<void(const Happening&)>& visit);
 
 }  // namespace mauve::exec

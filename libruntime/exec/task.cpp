@@ -119,6 +119,7 @@ void Task::drop_missed(Instant now) {
   if (wait_ <= Duration{0} || now - release_ < wait_.count()) return;
   const std::int64_t dropped = (now - release_) / wait_.count();
   release_ += dropped * wait_.count();
+  counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
   add(counters_.missed, static_cast<std::uint64_t>(dropped));
   note(rt::EventKind::missed, LogLevel::warning, dropped,
        static_cast<std::int64_t>(counters_.missed.load(std::memory_order_relaxed)));

@@ -69,7 +69,8 @@ class Walk {
 
 }  // namespace
 
-Status check_connection(const PortBase& port, const Binding* present, const ServiceBase& service) {
+Status check_connection(const PortBase& port, const Binding* present, const ServiceBase& service,
+                        Duration max_age) {
   if (present != nullptr) {
     return refuse(Errc::duplicate, port.address(),
                   "is connected to " + present->service().address() + " already",
@@ -84,6 +85,11 @@ Status check_connection(const PortBase& port, const Binding* present, const Serv
                       (same_name ? " with another layout" : ""),
                   same_name ? "rebuild both plugins with the same headers" : "");
   }
+  if (max_age < Duration{0} || (max_age > Duration{0} && port.signature().kind != PortKind::read)) {
+    return refuse(Errc::invalid_value, port.address(),
+                  max_age < Duration{0} ? "max_age must not be negative"
+                                        : "max_age has no meaning here: only read ports have it");
+  }
   return ok();
 }
 
@@ -94,7 +100,7 @@ Result<std::shared_ptr<const Bindings>> with_connection(const Shell& shell, cons
   const Result<PortBase*> port = find_port(shell, name);
   if (!port) return port.error();
   const std::size_t index = (*port)->index();
-  if (Status fits = check_connection(**port, table[index].get(), service); !fits) {
+  if (Status fits = check_connection(**port, table[index].get(), service, max_age); !fits) {
     return fits.error();
   }
   auto changed = std::make_shared<Bindings>(table);

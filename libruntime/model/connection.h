@@ -11,9 +11,10 @@
 
 namespace mauve {
 
-/// May `port`, now connected to `present` (may be null), be connected to `service`?
+/// May `port`, now connected to `present` (may be null), be connected to `service`? A limit on the
+/// age is for read ports.
 [[nodiscard]] Status check_connection(const PortBase& port, const Binding* present,
-                                      const ServiceBase& service);
+                                      const ServiceBase& service, Duration max_age = Duration{0});
 
 /// A copy of `table` in which port `name` of `shell` is connected to `service`.
 [[nodiscard]] Result<std::shared_ptr<const Bindings>> with_connection(

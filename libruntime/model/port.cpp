@@ -45,7 +45,7 @@ Status PortBase::connect(ServiceBase& service, Duration max_age) {
                   "use the deployer to connect ports of a running component");
   }
   std::shared_ptr<const Binding>& binding = shell_.initial_[index_];
-  if (Status fits = check_connection(*this, binding.get(), service); !fits) return fits;
+  if (Status fits = check_connection(*this, binding.get(), service, max_age); !fits) return fits;
   binding = std::make_shared<const Binding>(service, service.resource().keep_alive(), max_age);
   return ok();
 }

@@ -4,8 +4,8 @@
 /// Example: mauvectl watch fix.read gnss.core.bad_frames
 ///
 /// One job reads every complete sentence that is there, up to `frames_per_job` and 16 KiB. The
-/// device is opened when the core is configured; after it failed (observable device_errors) stop
-/// and start the component with --reset.
+/// device is opened when the core is configured. When it goes away it is closed and opened again as
+/// soon as it is back (observables device_errors, reopened; state wait_device meanwhile).
 #include <array>
 #include <cstdint>
 #include <span>
@@ -42,7 +42,8 @@ namespace {
 
 class GnssNmea final : public GnssCore {
   mauve::State<GnssLine> state{*this};
-  mauve::Property<std::string> device{*this, "device", "/dev/ttyACM0", "serial device"};
+  mauve::Property<std::string> device{*this, "device", "/dev/ttyACM0",
+                                      "serial device, or pty:NAME of a simulated receiver"};
   mauve::Property<int> baud{*this,
                             "baud",
                             9600,
@@ -53,7 +54,8 @@ class GnssNmea final : public GnssCore {
   mauve::Observable<std::uint64_t> good_frames{*this, "good_frames", 0, "undamaged sentences"};
   mauve::Observable<std::uint64_t> bad_frames{*this, "bad_frames", 0, "damaged ones, skipped"};
   mauve::Observable<std::uint64_t> fixes{*this, "fixes", 0, "epochs published"};
-  mauve::Observable<std::uint64_t> device_errors{*this, "device_errors", 0, "reads that failed"};
+  mauve::Observable<std::uint64_t> device_errors{*this, "device_errors", 0, "times it went away"};
+  mauve::Observable<std::uint64_t> reopened{*this, "reopened", 0, "times it came back"};
   mauve::Observable<int> satellites{*this, "satellites", 0, "used in the last epoch"};
   mauve::Observable<int> mode{*this, "mode", 1, "1 none, 2 two dimensions, 3 three"};
 
@@ -78,19 +80,29 @@ class GnssNmea final : public GnssCore {
   }
   bool more() override { return more_; }
 
+  bool lost() override { return !port_.is_open(); }
+  void reopen() override {
+    if (port_.reopen()) ++reopened;
+  }
+
   /// The next byte; false when there is none yet.
   bool take(char& byte) {
     GnssLine& line = *state;
     if (line.next == line.end) {
-      if (!may_read()) return false;
+      if (lost() || !may_read()) return false;
       const std::ptrdiff_t count = port_.read(line.bytes);
-      if (count < 0) ++device_errors;
+      if (count < 0) lose_device();
       line.next = 0;
       line.end = count > 0 ? static_cast<std::size_t>(count) : 0;
       if (line.end == 0) return false;
     }
     byte = line.bytes[line.next++];
     return true;
+  }
+
+  void lose_device() {
+    ++device_errors;
+    port_.close();
   }
 
   /// A device that never runs dry must not hold up the job: so many blocks, then the rest waits.

@@ -34,8 +34,8 @@ class ReceiverSim final : public mauve::Core<ReceiverShell> {
 
  private:
   mauve::Stateless stateless{*this};
-  mauve::Property<std::string> line{*this, "line", "/tmp/mauve-rover-gnss",
-                                    "name of the serial device to make"};
+  mauve::Property<std::string> line{*this, "line", "pty:gnss",
+                                    "serial device to make: pty:NAME, or a path of your choice"};
   mauve::Observable<std::uint64_t> epochs{*this, "epochs", 0, "sent"};
   mauve::Observable<std::uint64_t> lost{*this, "lost", 0, "not sent: nobody reads the line"};
 

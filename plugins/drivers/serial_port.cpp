@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cerrno>
+#include <cstdlib>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -15,6 +16,7 @@
 namespace drivers {
 namespace {
 
+namespace fs = std::filesystem;
 using mauve::Errc;
 using mauve::refuse;
 using mauve::Status;
@@ -37,35 +39,62 @@ speed_t speed_of(int baud) {
   return B0;
 }
 
-Status make_raw(int descriptor, int baud) {
+/// False with errno set. What is no terminal needs no settings. [rt]
+bool set_raw(int descriptor, int baud) {
   termios settings{};
-  if (tcgetattr(descriptor, &settings) != 0) return mauve::ok();  // not a terminal
+  if (tcgetattr(descriptor, &settings) != 0) return true;
   cfmakeraw(&settings);
   settings.c_cflag |= static_cast<tcflag_t>(CLOCAL | CREAD);
   if (baud != 0) {
-    const speed_t speed = speed_of(baud);
-    if (speed == B0) {
-      return refuse(Errc::invalid_value, {}, "no such speed: " + std::to_string(baud) + " baud",
-                    "common ones are 9600, 38400 and 115200; 0 leaves it alone");
-    }
-    cfsetispeed(&settings, speed);
-    cfsetospeed(&settings, speed);
+    cfsetispeed(&settings, speed_of(baud));
+    cfsetospeed(&settings, speed_of(baud));
   }
-  if (tcsetattr(descriptor, TCSANOW, &settings) != 0) {
+  return tcsetattr(descriptor, TCSANOW, &settings) == 0;
+}
+
+Status make_raw(int descriptor, int baud) {
+  if (baud != 0 && speed_of(baud) == B0) {
+    return refuse(Errc::invalid_value, {}, "no such speed: " + std::to_string(baud) + " baud",
+                  "common ones are 9600, 38400 and 115200; 0 leaves it alone");
+  }
+  if (!set_raw(descriptor, baud)) {
     return refuse(Errc::system, {}, "cannot set the line to raw mode: " + system_text(errno));
   }
   return mauve::ok();
 }
 
-Status replace_link(const std::string& target, const std::string& link) {
-  namespace fs = std::filesystem;
-  std::error_code problem;
-  const fs::file_status there = fs::symlink_status(link, problem);
-  if (fs::exists(there) && !fs::is_symlink(there)) {
+int open_quietly(const std::string& path) {
+  return ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+}
+
+/// Does this process hold the device?
+bool is_ours(const fs::path& device) {
+  std::error_code ignored;
+  for (const auto& open : fs::directory_iterator("/proc/self/fd", ignored)) {
+    if (fs::read_symlink(open.path(), ignored) == device) return true;
+  }
+  return false;
+}
+
+/// A link that leads nowhere, or to a line that this process made before, may go.
+Status check_place(const std::string& link) {
+  std::error_code ignored;
+  const fs::file_status there = fs::symlink_status(link, ignored);
+  if (!fs::exists(there)) return mauve::ok();
+  if (!fs::is_symlink(there)) {
     return refuse(Errc::conflict, {}, "'" + link + "' is there and is not a symbolic link",
                   "choose another path");
   }
-  problem.clear();
+  const fs::path device = fs::read_symlink(link, ignored);
+  if (!fs::exists(link, ignored) || is_ours(device)) return mauve::ok();
+  return refuse(Errc::conflict, {},
+                "'" + link + "' is taken: it leads to " + device.string() + ", which is there",
+                "is another one running? \"pty:NAME\" is a name of each mauved's own");
+}
+
+Status replace_link(const std::string& target, const std::string& link) {
+  if (Status free = check_place(link); !free) return free;
+  std::error_code problem;
   fs::remove(link, problem);
   fs::create_symlink(target, link, problem);
   if (problem) {
@@ -85,25 +114,54 @@ Descriptor::~Descriptor() {
   if (number_ >= 0) ::close(number_);
 }
 
+std::string line_path(const std::string& name) {
+  constexpr std::string_view kOwn = "pty:";
+  if (name.rfind(kOwn, 0) != 0) return name;
+  std::string place = "/tmp";
+  for (const char* variable : {"RUNTIME_DIRECTORY", "XDG_RUNTIME_DIR"}) {
+    const char* const said = std::getenv(variable);
+    if (said == nullptr || ::access(said, W_OK) != 0) continue;
+    place = said;
+    break;
+  }
+  return place + "/mauve-" + name.substr(kOwn.size()) + "." + std::to_string(::getpid());
+}
+
 Status SerialPort::open(const std::string& device, int baud) {
-  Descriptor opened(::open(device.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+  std::string path = line_path(device);
+  Descriptor opened(open_quietly(path));
   if (!opened.open()) {
-    return refuse(Errc::system, {}, "cannot open '" + device + "': " + system_text(errno),
-                  errno == EACCES ? "the user of mauved needs the group 'dialout'"
-                                  : "is the receiver plugged in, and the path right?");
+    const int why = errno;
+    return refuse(Errc::system, {}, "cannot open '" + path + "': " + system_text(why),
+                  why == EACCES ? "the user of mauved needs the group 'dialout'"
+                                : "is the receiver plugged in, and the path right? A relative one "
+                                  "begins where mauved was started");
   }
   if (Status raw = make_raw(opened.number(), baud); !raw) return raw;
   device_ = std::move(opened);
+  path_ = std::move(path);
+  baud_ = baud;
+  terminal_ = ::isatty(device_.number()) == 1;
   return mauve::ok();
+}
+
+bool SerialPort::reopen() {
+  Descriptor opened(open_quietly(path_));
+  if (!opened.open() || !set_raw(opened.number(), baud_)) return false;
+  terminal_ = ::isatty(opened.number()) == 1;
+  device_ = std::move(opened);
+  return true;
 }
 
 std::ptrdiff_t SerialPort::read(std::span<char> into) const {
   const ssize_t count = ::read(device_.number(), into.data(), into.size());
+  if (count == 0 && terminal_) return -1;  // a raw terminal has no end: it hung up
   if (count >= 0) return count;
   return errno == EAGAIN || errno == EINTR ? 0 : -1;
 }
 
-Status PseudoTerminal::open(const std::string& link) {
+Status PseudoTerminal::open(const std::string& name) {
+  const std::string link = line_path(name);
   Descriptor master(posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   std::array<char, 128> path{};
   if (!master.open() || grantpt(master.number()) != 0 || unlockpt(master.number()) != 0 ||
@@ -130,8 +188,8 @@ Status PseudoTerminal::open(const std::string& link) {
 void PseudoTerminal::close() {
   std::error_code ignored;
   // Only our own link: a successor may have put its own there meanwhile.
-  if (!link_.empty() && std::filesystem::read_symlink(link_, ignored) == path_) {
-    std::filesystem::remove(link_, ignored);
+  if (!link_.empty() && fs::read_symlink(link_, ignored) == path_) {
+    fs::remove(link_, ignored);
   }
   link_.clear();
   path_.clear();

@@ -27,18 +27,29 @@ class Descriptor {
   int number_ = -1;
 };
 
+/// The path that `name` stands for: itself, or for "pty:NAME" the link of that name that this
+/// process keeps for itself, in $RUNTIME_DIRECTORY, $XDG_RUNTIME_DIR or /tmp.
+[[nodiscard]] std::string line_path(const std::string& name);
+
 /// The reading end. A file or a FIFO serves as well: then baud and raw mode do not apply.
 class SerialPort {
  public:
-  /// Opens `device` raw and non-blocking; `baud` 0 leaves the speed alone. [factory]
+  /// Opens `device` (see line_path) raw and non-blocking; `baud` 0 leaves the speed alone.
+  /// [factory]
   mauve::Status open(const std::string& device, int baud);
   void close() { device_ = Descriptor(); }
+  /// The same once more, after it failed or was closed. Takes no memory. [rt]
+  bool reopen();
   [[nodiscard]] bool is_open() const { return device_.open(); }
-  /// Bytes that are there now; 0 when there are none, -1 when the device failed. Never waits. [rt]
+  /// Bytes that are there now; 0 when there are none, -1 when the device failed or hung up. Never
+  /// waits. [rt]
   [[nodiscard]] std::ptrdiff_t read(std::span<char> into) const;
 
  private:
   Descriptor device_;
+  std::string path_;
+  int baud_ = 0;
+  bool terminal_ = false;
 };
 
 /// A pseudo-terminal whose other end can be opened as a serial device under a name of our choice.
@@ -49,9 +60,10 @@ class PseudoTerminal {
   PseudoTerminal(const PseudoTerminal&) = delete;
   PseudoTerminal& operator=(const PseudoTerminal&) = delete;
 
-  /// Creates the pair and, when `link` is not empty, a symbolic link to the device. A link of that
-  /// name is replaced, anything else there is refused. [factory]
-  mauve::Status open(const std::string& link);
+  /// Creates the pair and, when `name` is not empty, a symbolic link to the device at its
+  /// line_path(). A link that leads nowhere, or to a line of this process, is replaced; anything
+  /// else there is refused. [factory]
+  mauve::Status open(const std::string& name);
   void close();
   /// Path of the device.
   [[nodiscard]] const std::string& device() const { return path_; }

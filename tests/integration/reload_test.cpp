@@ -62,6 +62,38 @@ TEST(Reload, CanBeDoneOverAndOver) {
   EXPECT_EQ(daemon.ask("param.set", {{"values", {{"first.core.gain", 2}}}})["state"], "applied");
 }
 
+/// What "first" logged so far: "one says 7".
+std::vector<std::string> said(TrialDaemon& daemon) {
+  std::vector<std::string> texts;
+  const auto tail = daemon.ask("log.tail", {{"component", "first"}, {"n", 4096}});
+  for (const auto& record : tail["records"]) {
+    const auto text = record["text"].get<std::string>();
+    if (text.find(" says ") != std::string::npos) {
+      texts.push_back(text);
+    }
+  }
+  return texts;
+}
+
+TEST(Reload, KeepsWhatTheOldCodeLoggedUpToItsLastJob) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("core.swap", {{"component", "first"}, {"core", "trial/talking"}})["state"],
+            "applied");
+  ASSERT_TRUE(eventually([&] { return !said(daemon).empty(); }));
+  daemon.install(2);
+
+  const auto result = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+
+  ASSERT_EQ(result["unmapped"], true) << result;
+  ASSERT_TRUE(eventually([&] { return said(daemon).back().starts_with("two"); }));
+  const auto texts = said(daemon);
+  const auto number = [](const std::string& text) { return std::stoi(text.substr(9)); };
+  for (std::size_t i = 1; i < texts.size(); ++i) {
+    EXPECT_EQ(number(texts[i]), number(texts[i - 1]) + 1) << texts[i];
+  }
+  EXPECT_TRUE(texts.front().starts_with("one"));
+}
+
 TEST(Load, BringsAPluginThatWasNotThereAtTheStart) {
   TrialDaemon daemon(R"({ "schema": "mauve/architecture/1", "name": "empty", "components": {} })");
   EXPECT_EQ(daemon.ask("plugin.list")["items"].size(), 0U);

@@ -176,6 +176,51 @@ TEST_F(Replay, PublishesNothingWhileDisconnectedAndGoesOnAfterwards) {
   EXPECT_EQ(seen.back()["latitude"], 4.0);
 }
 
+TEST(ReplayGnss, OpensItsDeviceAgainWhenItComesBack) {
+  TempDir place;
+  const std::string device = (place / "receiver").string();
+  drivers::PseudoTerminal line;
+  drivers::NmeaWriter writer;
+  ASSERT_TRUE(line.open(device));
+  DaemonProcess daemon(place.write("replay.json", replay(device, "")));
+  ASSERT_TRUE(daemon.up()) << daemon.errors();
+  const auto heard = [&](double latitude) {
+    return eventually([&] {
+      static_cast<void>(line.send(writer.compose({1.0, latitude, 1.0, 1.0, 1.0, 3, 4}, 0.0, 0.0)));
+      const json value = daemon.value("fix.read");
+      return value.is_object() && value["latitude"] == latitude;
+    });
+  };
+  ASSERT_TRUE(heard(1.0));
+
+  line.close();
+  EXPECT_TRUE(eventually([&] { return daemon.value("gnss.core.device_errors") == 1; }));
+  EXPECT_TRUE(eventually([&] {
+    return daemon.ask({"show", "gnss"})["fsm_state"] == "wait_device";
+  }));
+  EXPECT_EQ(daemon.value("gnss.core.reopened"), 0);
+
+  ASSERT_TRUE(line.open(device));
+  EXPECT_TRUE(heard(2.0));
+  EXPECT_EQ(daemon.value("gnss.core.reopened"), 1);
+  EXPECT_EQ(daemon.value("gnss.core.device_errors"), 1);
+}
+
+TEST(Rover, TwoOnOneMachineHearTheirOwnReceivers) {
+  DaemonProcess one(kRoot / "etc" / "rover.json");
+  DaemonProcess two(kRoot / "etc" / "rover.json");
+  ASSERT_TRUE(one.up()) << one.errors();
+  ASSERT_TRUE(two.up()) << two.errors();
+
+  for (DaemonProcess* daemon : {&one, &two}) {
+    EXPECT_TRUE(eventually([&] { return daemon->value("gnss.core.fixes") >= 3; }));
+    EXPECT_EQ(daemon->value("gnss.core.bad_frames"), 0);
+    EXPECT_EQ(daemon->value("gnss.core.device_errors"), 0);
+    daemon->process().signal(SIGTERM);
+    EXPECT_EQ(daemon->process().wait(), 0) << "its line is taken down in order";
+  }
+}
+
 TEST(ReplayLaser, TheSafetyPilotSlowsAndStopsOnARealRecording) {
   const auto recording = support::test_data("lidar/exp2.dat");
   if (!recording) GTEST_SKIP() << support::kNoTestData;

@@ -16,7 +16,6 @@
 #include "arch/load.h"
 #include "plugin/catalog.h"
 #include "support/eventually.h"
-#include "support/temp_dir.h"
 #include "support/test_data.h"
 
 namespace {
@@ -40,8 +39,6 @@ class Simulated {
     if (!sample.empty()) replace(text, "etc/samples/gnss.nmea", sample);
     // The paths of the examples are relative to the root of the project.
     replace(text, "\"etc/samples/", "\"" + (kRoot / "etc/samples/").string());
-    // A line of this test's own: others run at the same time.
-    replace(text, "/tmp/mauve-rover-gnss", (place_ / "gnss").string());
     mauve::arch::Problems problems;
     architecture_ = mauve::arch::load(text, catalog_, problems);
     EXPECT_TRUE(architecture_ != nullptr) << name;
@@ -114,7 +111,6 @@ class Simulated {
     }
   }
 
-  mauve::test::TempDir place_;
   mauve::plugin::Catalog catalog_;
   std::unique_ptr<mauve::Architecture> architecture_;
   std::unique_ptr<Deployer> deployer_;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // Changes of a running daemon, over its socket.
+#include <algorithm>
+
 #include "trial_daemon.h"
 
 namespace mauve::test {
@@ -164,6 +166,76 @@ TEST(Connect, ChangesNothingWhenItIsRefused) {
   EXPECT_EQ(daemon.ask("status.get")["generation"], 1);
 }
 
+/// `second` reads what `first` wrote, which may not be older than 50 ms.
+Json connect_limited(TrialDaemon& daemon) {
+  static_cast<void>(daemon.ask("port.disconnect", {{"port", "second.ports.input"}}));
+  return daemon.ask(
+      "port.connect",
+      {{"port", "second.ports.input"}, {"service", "signal.read"}, {"max_age", "50ms"}});
+}
+
+TEST(Connect, WithALimitOnTheAgeSaysWhenValuesAreStale) {
+  TrialDaemon daemon;
+  ASSERT_TRUE(daemon.becomes("signal.read", 1.0));
+  ASSERT_EQ(connect_limited(daemon)["state"], "applied");
+  auto watching = daemon.client();
+  ASSERT_TRUE(
+      watching.ask("watch.subscribe", {{"addresses", {"second.ports.input"}}}).contains("result"));
+  const auto get = [&] { return daemon.ask("param.get", {{"address", "second.ports.input"}}); };
+  EXPECT_TRUE(eventually([&] { return get()["status"] == "new_data"; }));
+
+  ASSERT_EQ(daemon.ask("component.stop", {{"components", {"first"}}})["state"], "applied");
+
+  EXPECT_TRUE(eventually([&] { return get()["status"] == "stale"; }));
+  const auto now = get();
+  EXPECT_EQ(now["value"], -1.0) << "a stale value is delivered";
+  EXPECT_GT(now["age_ns"], 50'000'000);
+  EXPECT_EQ(now["max_age"], "50ms");
+  EXPECT_NE(daemon.ask("param.get", {{"address", "signal.read"}})["status"], "stale");
+  EXPECT_EQ(daemon.ask("object.get", {{"address", "second.ports.input"}})["status"], "stale");
+  const auto rows = daemon.ask("object.get", {{"address", "second"}})["ports"];
+  EXPECT_EQ(rows[0]["status"], "stale") << rows;
+  EXPECT_TRUE(eventually([&] { return watching.json()["params"]["status"] == "stale"; }));
+}
+
+TEST(Connect, RefusesALimitThatMeansNothing) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("port.disconnect", {{"port", "first.ports.output"}})["state"], "applied");
+  const auto connecting = [&](const char* port, const char* service, const char* max_age) {
+    return daemon.ask("port.connect",
+                      {{"port", port}, {"service", service}, {"max_age", max_age}})["data"];
+  };
+
+  EXPECT_EQ(connecting("first.ports.input", "signal.read", "50")["where"], "max_age");
+  EXPECT_EQ(connecting("first.ports.input", "signal.read", "0ms")["where"], "max_age");
+  EXPECT_EQ(connecting("first.ports.output", "signal.write", "50ms")["where"],
+            "first.ports.output");
+  EXPECT_EQ(daemon.ask("status.get")["generation"], 2);
+}
+
+TEST(Status, SaysHowLateAJobIsThatDoesNotEnd) {
+  TrialDaemon daemon;
+  EXPECT_TRUE(eventually([&] { return daemon.component("second")["late_ns"] == 0; }));
+
+  static_cast<void>(daemon.ask("core.swap", swap("trial/hanging")));
+
+  EXPECT_TRUE(eventually([&] { return daemon.component("first")["late_ns"] > 100'000'000; }));
+  EXPECT_EQ(daemon.component("first")["state"], "running");
+}
+
+TEST(Plugins, ForAComponentAreTheCoresThatFitIt) {
+  TrialDaemon daemon;
+
+  const auto items = daemon.ask("plugin.list", {{"for", "first"}})["items"];
+
+  ASSERT_EQ(items.size(), 1U) << items;
+  EXPECT_EQ(items[0]["name"], "trial");
+  const auto& cores = items[0]["cores"];
+  EXPECT_NE(std::find(cores.begin(), cores.end(), "trial/other"), cores.end());
+  EXPECT_EQ(std::find(cores.begin(), cores.end(), "trial/another"), cores.end())
+      << "another contract";
+}
+
 TEST(Stop, ParksWithSafeValuesAndStartGoesOn) {
   TrialDaemon daemon;
   ASSERT_TRUE(daemon.becomes("signal.read", 1.0));
@@ -303,8 +375,14 @@ TEST(Export, GivesTheSameSystemWhenItIsLoaded) {
               "applied");
     ASSERT_EQ(daemon.ask("port.disconnect", {{"port", "second.ports.input"}})["state"], "applied");
     ASSERT_EQ(daemon.ask("component.stop", {{"components", {"second"}}})["state"], "applied");
+    ASSERT_EQ(daemon.ask("port.connect", {{"port", "first.ports.input"},
+                                          {"service", "signal.read"},
+                                          {"max_age", "50ms"}})["state"],
+              "applied");
     exported = daemon.ask("config.get")["architecture"];
   }
+  EXPECT_EQ(exported["components"]["first"]["ports"]["input"],
+            Json({{"connect", "signal.read"}, {"max_age", "50ms"}}));
   TrialDaemon again(exported.dump());
 
   EXPECT_EQ(again.ask("config.get")["architecture"], exported);

@@ -5,7 +5,9 @@
 
 #include <chrono>
 #include <cstdint>
+#include <fstream>
 #include <stdexcept>
+#include <string>
 #include <thread>
 
 namespace trial {
@@ -67,11 +69,21 @@ class Counting final : public Steady {
   }
 };
 
-/// Takes its time to get ready.
+/// Logs in every job, with a text that lies in its own code.
+class Talking final : public Steady {
+  void update() override {
+    Steady::update();
+    mauve::log(mauve::LogLevel::info, NUMBER == 1 ? "one says {}" : "two says {}", state->count);
+  }
+};
+
+/// Takes its time to get ready, and makes a file when it begins to.
 class Slow final : public Steady {
   mauve::Property<mauve::Duration> configure_time{*this, "configure_time",
                                                   std::chrono::milliseconds(1500)};
+  mauve::Property<std::string> marker{*this, "marker", "", "path of the file; empty: none"};
   mauve::Status on_configure() override {
+    if (!marker.get().empty()) std::ofstream(marker.get()) << "begun";
     std::this_thread::sleep_for(configure_time.get());
     return mauve::ok();
   }
@@ -119,6 +131,7 @@ MAUVE_PLUGIN(plugin) {
   plugin.core<trial::Steady>("steady");
   plugin.core<trial::Other>("other");
   plugin.core<trial::Counting>("counting");
+  plugin.core<trial::Talking>("talking");
   plugin.core<trial::Slow>("slow");
   plugin.core<trial::Refusing>("refusing");
   plugin.core<trial::ThrowingHook>("throwing_hook");

@@ -7,7 +7,8 @@
 
 namespace mauve {
 
-/// "guidance::ControlShell". [any], not on a real-time thread.
+/// "guidance::ControlShell"; of a class in an unnamed namespace too. [any], not on a real-time
+/// thread.
 [[nodiscard]] std::string class_name(const std::type_info& type);
 
 }  // namespace mauve

@@ -64,7 +64,10 @@ struct ComponentStatus {
   Duration execution_last{0};
   Duration next_release{0};  ///< since T0
   bool changing = false;     ///< a change, or an order to stop, waits for the end of its job
-  std::string fault;         ///< what was thrown, when faulted
+  /// How long ago the job under way should have ended, once that is more than its longest wait;
+  /// else zero. A core that hangs is running and late.
+  Duration late{0};
+  std::string fault;  ///< what was thrown, when faulted
 };
 
 /// Something that happened on a real-time thread, as told to the [log] thread.
@@ -149,7 +152,9 @@ class Deployer {
   /// `address` as "control.core.gain"; also properties of resources.
   Result<Receipt> set(std::string_view address, const Value& value,
                       StatePolicy state = StatePolicy::keep);
-  Result<Receipt> connect(std::string_view port, std::string_view service);
+  /// `max_age`, of read ports only: values older than this are `stale`; zero: no limit.
+  Result<Receipt> connect(std::string_view port, std::string_view service,
+                          Duration max_age = Duration{0});
   Result<Receipt> disconnect(std::string_view port);
 
   /// The paper's way, for hardware that one core only can hold: stop, clean up, configure, start

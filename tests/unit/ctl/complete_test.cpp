@@ -30,6 +30,7 @@ void serve_names(Peer& peer) {
           request,
           protocol::Json::parse(
               R"({"address":"control","properties":[{"name":"core.gain"},{"name":"fsm.pace"}],
+                        "observables":[{"name":"core.goals"}],
                         "ports":[{"name":"scan"}]})"));
     }
   }
@@ -46,6 +47,7 @@ TEST(Completion, OffersTheOptionsOfTheCommandAndTheGlobalOnes) {
   EXPECT_NE(std::find(words.begin(), words.end(), "--in-place"), words.end());
   EXPECT_NE(std::find(words.begin(), words.end(), "--socket"), words.end());
   EXPECT_EQ(completions({"status", "--in"}), Words{});
+  EXPECT_EQ(completions({"connect", "--max"}), Words{"--max-age"});
 }
 
 TEST(Completion, OffersKindsAndLevels) {
@@ -54,14 +56,16 @@ TEST(Completion, OffersKindsAndLevels) {
 }
 
 TEST(Completion, AsksTheDaemonForNames) {
-  FakeServer server(serve_names, 6);
+  FakeServer server(serve_names, 7);
 
   EXPECT_EQ(completions({"--socket", server.path(), "start", "l"}), Words{"laser"});
   EXPECT_EQ(completions({"--socket", server.path(), "swap-core", "arm", ""}), Words{"for_arm"});
   EXPECT_EQ(completions({"--socket", server.path(), "get", ""}),
             (Words{"control", "laser", "scan"}));
-  EXPECT_EQ(completions({"--socket", server.path(), "set", "control.c"}),
-            Words{"control.core.gain"});
+  EXPECT_EQ(completions({"--socket", server.path(), "get", "control.c"}),
+            (Words{"control.core.gain", "control.core.goals"}));
+  EXPECT_EQ(completions({"--socket", server.path(), "set", "control."}),
+            (Words{"control.core.gain", "control.fsm.pace"}));
   EXPECT_EQ(completions({"--socket", server.path(), "get", "control.p"}),
             Words{"control.ports.scan"});
   EXPECT_EQ(completions({"--socket", server.path(), "connect", "control.ports.scan", "s"}),

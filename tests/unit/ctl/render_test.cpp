@@ -60,6 +60,17 @@ TEST(RenderStatus, SaysWhyAComponentIsFaulted) {
             std::string::npos);
 }
 
+TEST(RenderStatus, SaysWhichJobDoesNotEnd) {
+  const Json status = Json::parse(R"({"generation":1,"architecture":"a","components":[
+    {"name":"gnss","state":"running","late_ns":2300000000},
+    {"name":"laser","state":"running","late_ns":0}]})");
+
+  const std::string text = render_status(status, {});
+
+  EXPECT_NE(text.find("\ngnss: its job should have ended 2.3 s ago\n"), std::string::npos) << text;
+  EXPECT_EQ(text.find("laser:"), std::string::npos);
+}
+
 TEST(RenderStatus, SurvivesAnAnswerWithoutAnything) {
   EXPECT_FALSE(render_status(Json::object(), {}).empty());
   EXPECT_FALSE(render_status(Json::array({1}), {}).empty());
@@ -139,6 +150,17 @@ TEST(RenderPlugins, SayWhatEachBrings) {
   EXPECT_EQ(render_plugins(Json::parse(R"({"items": []})"), {}), "none\n");
 }
 
+TEST(RenderPlugins, ForAComponentAreTheCoresToSwapIn) {
+  const Json result = Json::parse(R"({"items": [{"name": "guidance", "version": "1.2.0",
+    "cores": ["guidance/finite_time", "guidance/stop"]}]})");
+
+  EXPECT_EQ(render_plugins_for(result, {}),
+            "CORE                  PLUGIN    VERSION\n"
+            "guidance/finite_time  guidance  1.2.0\n"
+            "guidance/stop         guidance  1.2.0\n");
+  EXPECT_EQ(render_plugins_for(Json::parse(R"({"items": []})"), {}), "none\n");
+}
+
 TEST(RenderFault, HasFourParts) {
   Fault fault = protocol::fault_of(refuse(Errc::abi_mismatch, "/usr/lib/mauve/plugins/pid.so",
                                           "core 'pid' speaks ABI 2", "rebuild it"),
@@ -194,6 +216,20 @@ TEST(RenderValue, ShowsTheFieldsOfAStructure) {
             "  mode      3\n");
 }
 
+TEST(RenderValue, SaysHowOldItIs) {
+  EXPECT_EQ(render_value(Json::parse(R"({"address":"a.ports.in","value":0.2,"status":"stale",
+                                         "age_ns":2300000000})"),
+                         {}),
+            "a.ports.in = 0.2 (stale, 2.3 s old)\n");
+}
+
+TEST(RenderSample, SaysHowOldAStaleValueIs) {
+  EXPECT_EQ(render_sample(Json::parse(R"({"sub":1,"address":"a.ports.in","value":2,"t_ns":0,
+                                          "status":"stale","age_ns":60000000})"),
+                          {}),
+            "    0.000000  a.ports.in  stale     2 (60.0 ms old)\n");
+}
+
 TEST(RenderSample, IsOneLineWithItsTime) {
   const Json params = Json::parse(
       R"({"sub":1,"address":"fix.read","value":{"mode":3},"status":"new_data","t_ns":91827000})");
@@ -242,6 +278,18 @@ TEST(RenderObject, IndentsWhatIsInside) {
             "task\n"
             "  priority  40\n"
             "  cpus      [1]\n");
+}
+
+TEST(RenderObject, ShowsTheAgeOfWhatPortsRead) {
+  const Json object = Json::parse(R"({"address":"control","ports":[
+    {"name":"scan","status":"stale","age_ns":2300000000},{"name":"goal"}]})");
+
+  EXPECT_EQ(render_object(object, {}),
+            "address  control\n"
+            "ports\n"
+            "  NAME  STATUS    AGE\n"
+            "  scan  stale   2.3 s\n"
+            "  goal\n");
 }
 
 TEST(RenderObject, ShowsOfAPropertyWhatIsWorthAColumn) {

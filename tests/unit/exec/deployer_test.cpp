@@ -206,6 +206,58 @@ TEST(Deployer, RefusesToChangeAResourceThatACallerDoesNotLeave) {
   EXPECT_TRUE(deployer.set("amplifier.core.gain", 3.0));
 }
 
+TEST(Deployer, TellsHowLateAJobIsThatDoesNotEnd) {
+  Hanging::released() = false;
+  HangingArchitecture architecture;
+  architecture.control.fsm().period = 1ms;
+  Deployer deployer(architecture, {.realtime = Realtime::off});
+  ASSERT_TRUE(deployer.deploy());
+
+  EXPECT_TRUE(eventually([&] { return deployer.status("control").late > 20ms; }));
+  EXPECT_EQ(deployer.status("control").state, ComponentState::running);
+  EXPECT_EQ(deployer.status("control").overruns, 0u) << "counted when the job has ended";
+
+  Hanging::released() = true;
+  EXPECT_TRUE(eventually([&] { return deployer.status("control").late == Duration{0}; }));
+}
+
+TEST(Deployer, SaysOfNoComponentThatItIsLateWhileItWaitsOrIsParked) {
+  ramp::Architecture architecture;
+  Deployer deployer(architecture, {.realtime = Realtime::off, .simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  deployer.run_for(55ms);
+
+  EXPECT_EQ(deployer.status("control").late, Duration{0});
+  ASSERT_TRUE(deployer.stop({"control"}));
+  deployer.run_for(1s);
+  EXPECT_EQ(deployer.status("control").late, Duration{0});
+}
+
+TEST(Deployer, ConnectsWithALimitOnTheAge) {
+  ramp::Architecture architecture;
+  Deployer deployer(architecture, {.realtime = Realtime::off, .simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+
+  ASSERT_TRUE(deployer.connect("control.ports.speed", "speed.read", 50ms));
+
+  const ComponentBase& control = architecture.control;
+  const auto& bindings = *control.bundle()->bindings;
+  EXPECT_EQ(bindings[control.shell().find_port("speed")->index()]->max_age(), 50ms);
+}
+
+TEST(Deployer, RefusesALimitOnTheAgeOfWhatAPortWrites) {
+  ramp::Architecture architecture;
+  Deployer deployer(architecture, {.realtime = Realtime::off, .simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(deployer.disconnect("control.ports.out"));
+
+  const Result<Receipt> refused = deployer.connect("control.ports.out", "position.write", 50ms);
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::invalid_value);
+  EXPECT_EQ(refused.error().at, "control.ports.out");
+}
+
 TEST(Deployer, ShutsDownInBoundedTimeAndWritesSafeValuesForACoreThatHangs) {
   Hanging::released() = false;
   // Never freed: a thread stays in them.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <array>
 #include <filesystem>
@@ -49,6 +50,39 @@ TEST(SerialPort, NeverWaitsForBytes) {
   EXPECT_EQ(port.read(bytes), 0);
 }
 
+TEST(SerialPort, NoticesThatItsDeviceIsGoneAndOpensItAgain) {
+  const std::string link = link_name("again");
+  PseudoTerminal line;
+  SerialPort port;
+  ASSERT_TRUE(line.open(link));
+  ASSERT_TRUE(port.open(link, 9600));
+  std::array<char, 16> bytes{};
+
+  line.close();
+  EXPECT_EQ(port.read(bytes), -1);
+  port.close();
+  EXPECT_FALSE(port.reopen());
+  EXPECT_FALSE(port.is_open());
+
+  ASSERT_TRUE(line.open(link));
+  EXPECT_TRUE(port.reopen());
+  ASSERT_TRUE(line.send("$GP"));
+  EXPECT_EQ(take(port), "$GP");
+}
+
+TEST(SerialPort, FindsTheLineOfItsOwnProcessByName) {
+  const std::string path = drivers::line_path("pty:test");
+  PseudoTerminal line;
+  SerialPort port;
+
+  ASSERT_TRUE(line.open("pty:test"));
+  EXPECT_TRUE(fs::is_symlink(path)) << path;
+  EXPECT_NE(path.find(std::to_string(getpid())), std::string::npos)
+      << "two processes never collide";
+  EXPECT_TRUE(port.open("pty:test", 9600));
+  EXPECT_EQ(drivers::line_path("/dev/ttyACM0"), "/dev/ttyACM0");
+}
+
 TEST(SerialPort, SaysWhyADeviceCannotBeOpened) {
   SerialPort port;
   const auto missing = port.open("/nowhere/ttyS9", 9600);
@@ -83,6 +117,33 @@ TEST(PseudoTerminal, LosesWhatDoesNotFitInsteadOfWaiting) {
   for (int i = 0; i < 100; ++i) all = line.send(block) && all;
 
   EXPECT_FALSE(all);
+}
+
+TEST(PseudoTerminal, SaysThatAPathIsTakenByAnother) {
+  const std::string link = link_name("taken");
+  const std::string device = link_name("of_another");
+  std::ofstream(device) << "there, and not open in this process";
+  fs::remove(link);
+  fs::create_symlink(device, link);
+  PseudoTerminal line;
+
+  const auto refused = line.open(link);
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, mauve::Errc::conflict);
+  EXPECT_NE(refused.error().message.find("is taken"), std::string::npos);
+  EXPECT_TRUE(fs::is_symlink(link));
+  fs::remove(link);
+  fs::remove(device);
+}
+
+TEST(PseudoTerminal, ReplacesALinkThatLeadsNowhere) {
+  const std::string link = link_name("stale");
+  fs::remove(link);
+  fs::create_symlink("/dev/pts/was_here", link);
+  PseudoTerminal line;
+
+  EXPECT_TRUE(line.open(link));
 }
 
 TEST(PseudoTerminal, RemovesItsLinkAndNothingElse) {
