@@ -216,6 +216,53 @@ TEST_F(Build, ReportsMistakesOfFormAndOfMeaningTogether) {
   EXPECT_EQ(problems[3].error.at, "right.core");
 }
 
+// "right" of the sample with properties, ports and a task, each of them with a mistake.
+std::string with_mistakes_in_right(std::string_view head) {
+  return with(
+      R"("right": { "type": "sample/bare", "core": "sample/repel", "fsm": "sample/periodic",)",
+      "\"right\": { " + std::string(head) + R"(
+      "properties": { "core.distanse": 1, "shell.devise": "x", "fsm.period": "25" },
+      "ports": { "poze": "pose.read", "scan": "scan.reed", "command": "relay.reset",
+                 "pose": { "connect": "pose.read", "max_age": "1s" } },
+      "task": { "priority": 600 },)");
+}
+
+std::vector<std::string> places_of(const std::vector<Problem>& problems) {
+  std::vector<std::string> places;
+  for (const Problem& problem : problems) places.push_back(problem.error.at);
+  return places;
+}
+
+TEST_F(Build, ReportsEverythingElseOfAComponentWithoutAFittingCore) {
+  const std::string fsm = R"("fsm": "sample/periodic", )";
+  for (const std::string core : {R"("core": "sample/repell", )", R"("core": "sample/stranger", )",
+                                 R"("core": "sample/throwing", )", ""}) {
+    const auto problems =
+        refused(with_mistakes_in_right(R"("type": "sample/bare", )" + core + fsm));
+    const std::vector<std::string> expected = {
+        "right.core",       "right.shell.devise",  "right.fsm.period",   "right.ports.poze",
+        "right.ports.scan", "right.ports.command", "right.task.priority"};
+    EXPECT_EQ(places_of(problems), expected) << core;
+  }
+}
+
+TEST_F(Build, ReportsEverythingElseOfAComponentWithoutStateMachine) {
+  const auto problems = refused(with_mistakes_in_right(
+      R"("type": "sample/bare", "core": "sample/repel", "fsm": "sample/periodc", )"));
+  EXPECT_EQ(places_of(problems),
+            (std::vector<std::string>{"right.fsm", "right.core.distanse", "right.shell.devise",
+                                      "right.ports.poze", "right.ports.scan", "right.ports.command",
+                                      "right.task.priority"}));
+}
+
+TEST_F(Build, ReportsWhatDoesNotDependOnAnUnknownType) {
+  const auto problems = refused(with_mistakes_in_right(
+      R"("type": "sample/bear", "core": "sample/repel", "fsm": "sample/periodic", )"));
+  EXPECT_EQ(places_of(problems),
+            (std::vector<std::string>{"right.type", "right.core.distanse", "right.fsm.period",
+                                      "right.ports.scan", "right.task.priority"}));
+}
+
 TEST_F(Build, ReportsAMissingPluginOnceAndNotEveryNameOfIt) {
   plugin::Catalog empty;
   Problems problems;
