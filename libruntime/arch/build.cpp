@@ -151,7 +151,10 @@ class Builder {
       }
       Status done = owner->connect(connection.port, *service, service->resource().keep_alive(),
                                    connection.max_age.value_or(Duration{0}));
-      if (!done) problems_.add(connection.where, std::move(done.error()));
+      // A port that the file connects twice is a key twice: reported with its first place already.
+      if (!done && done.error().code != Errc::duplicate) {
+        problems_.add(connection.where, std::move(done.error()));
+      }
     }
   }
 

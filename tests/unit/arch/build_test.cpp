@@ -263,6 +263,33 @@ TEST_F(Build, ReportsWhatDoesNotDependOnAnUnknownType) {
                                       "right.ports.scan", "right.task.priority"}));
 }
 
+TEST_F(Build, ReportsAKeyTwiceAndEverythingElse) {
+  std::string text = with("\"right\":", "\"left\":");
+  text =
+      with("\"sample/repel\",", "\"sample/repel\", \"ports\": { \"poze\": \"pose.read\" },", text);
+  text = with("\"reset\": \"relay.reset\"", "\"reset\": \"relay.reset\", \"reset\": \"relay.rest\"",
+              text);
+  text = with("\"command\": \"relay.write\"",
+              "\"command\": \"relay.write\", \"command\": \"relay.write\"", text);
+  text = with("\"cpus\": [0]", "\"cpus\": [0], \"cpus\": [0]", text);
+  text = with("\"core.gain\": 0.5", "\"core.gain\": 0.5, \"core.gain\": 2.5", text);
+
+  std::vector<std::string> told;
+  for (const Problem& problem : refused(text)) {
+    told.push_back(problem.error.at + ": " + problem.error.message);
+  }
+  EXPECT_EQ(told, (std::vector<std::string>{
+                      ": the key \"core.gain\" appears twice",
+                      "left.core.gain: 2.5 is above the maximum 2 1/s",
+                      ": the key \"command\" appears twice",
+                      ": the key \"reset\" appears twice",
+                      "left.ports.reset: relay.rest: resource relay has no service of this name",
+                      ": the key \"cpus\" appears twice",
+                      ": the key \"left\" appears twice",
+                      "left.ports.poze: left has no port of this name",
+                  }));
+}
+
 TEST_F(Build, ReportsAMissingPluginOnceAndNotEveryNameOfIt) {
   plugin::Catalog empty;
   Problems problems;
