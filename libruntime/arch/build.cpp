@@ -12,6 +12,7 @@
 #include "base/name.h"
 #include "model/connection.h"
 #include "model/elements.h"
+#include "rt/thread.h"
 
 namespace mauve::arch {
 namespace {
@@ -77,6 +78,7 @@ class Builder {
   }
 
   void make(const ComponentSpec& spec) {
+    check_cpus(spec);
     ComponentParts parts = resolver_.component(spec);
     if (!parts.complete()) return check_parts(spec, parts);
     parts.type->fsm = *parts.fsm;
@@ -89,6 +91,14 @@ class Builder {
     apply(spec.task, component->task());
     component->task().start = spec.start;
     components_.emplace_back(&spec, &architecture_->own(std::move(component)));
+  }
+
+  // What the deployer would refuse on this machine.
+  void check_cpus(const ComponentSpec& spec) {
+    for (const int cpu : spec.task.cpus.value) {
+      Status usable = rt::check_cpu(cpu, spec.name + ".task.cpus");
+      if (!usable) problems_.add(spec.task.cpus.where, std::move(usable.error()));
+    }
   }
 
   // Reports why this part could not be made, and gives it up.

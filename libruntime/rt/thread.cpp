@@ -159,6 +159,15 @@ std::vector<int> usable_cpus() {
   return cpus;
 }
 
+Status check_cpu(int cpu, const std::string& at) {
+  const std::vector<int> usable = usable_cpus();
+  if (std::find(usable.begin(), usable.end(), cpu) != usable.end()) return ok();
+  return refuse(Errc::invalid_value, at,
+                "CPU " + std::to_string(cpu) + " is not one that this process may use",
+                "there are " + std::to_string(usable.size()) + " usable CPUs, from " +
+                    std::to_string(usable.front()) + " to " + std::to_string(usable.back()));
+}
+
 Boost::Boost(int priority) {
   sched_param before{};
   int policy = SCHED_OTHER;

@@ -263,6 +263,17 @@ TEST_F(Build, ReportsWhatDoesNotDependOnAnUnknownType) {
                                       "right.ports.scan", "right.task.priority"}));
 }
 
+TEST_F(Build, RefusesEveryCpuThatThisMachineDoesNotHave) {
+  const auto problems = refused(with("\"cpus\": [0]", "\"cpus\": [0, 1022, 1023]"));
+
+  ASSERT_EQ(problems.size(), 2U);
+  EXPECT_EQ(problems[0].error.at, "left.task.cpus");
+  EXPECT_EQ(problems[0].where.line, 18U);
+  EXPECT_EQ(problems[0].error.message, "CPU 1022 is not one that this process may use");
+  EXPECT_NE(problems[0].error.hint.find("usable CPUs, from "), std::string::npos);
+  EXPECT_EQ(problems[1].error.message, "CPU 1023 is not one that this process may use");
+}
+
 TEST_F(Build, ReportsAKeyTwiceAndEverythingElse) {
   std::string text = with("\"right\":", "\"left\":");
   text =
