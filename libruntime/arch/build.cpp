@@ -137,10 +137,9 @@ class Builder {
       if (is_of_missing_part(parts, property.name)) continue;
       PropertyBase* const found = find_property(parts, property.name);
       if (found == nullptr) {
-        const std::string nearest = nearest_name(property.name, property_names(parts));
         problems_.add(property.where, Errc::unknown_name, spec.name + "." + property.name,
                       spec.name + " has no property of this name",
-                      nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
+                      did_you_mean(property.name, property_names(parts), "\""));
       } else if (Status done = found->set(property.value); !done) {
         problems_.add(property.value_where, std::move(done.error()));
       }

@@ -16,11 +16,6 @@ void collect_names(Names& names, const Items& items) {
   for (const auto* item : items) names.emplace_back(item->name());
 }
 
-std::string did_you_mean(std::string_view wanted, const std::vector<std::string>& known) {
-  const std::string nearest = nearest_name(wanted, known);
-  return nearest.empty() ? "" : "did you mean " + nearest + "?";
-}
-
 }  // namespace
 
 Architecture::~Architecture() {
