@@ -58,9 +58,10 @@ void add_argument(CLI::App& app, const Argument& argument, Values& values) {
   if (argument.many) option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
-std::string near(std::string_view wanted, std::vector<std::string> known, std::string otherwise) {
-  const std::string nearest = nearest_name(wanted, known);
-  return nearest.empty() ? std::move(otherwise) : "did you mean '" + nearest + "'?";
+std::string near(std::string_view wanted, const std::vector<std::string>& known,
+                 const std::string& otherwise) {
+  std::string hint = did_you_mean(wanted, known, "'");
+  return hint.empty() ? otherwise : hint;
 }
 
 std::vector<std::string> option_names(const Command* command) {

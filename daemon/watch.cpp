@@ -33,13 +33,14 @@ Watches::Tapped::Tapped(std::string at, ServiceBase& service)
       keep(service.resource().keep_alive()),
       list(service.taps()),
       gate(service.resource().gate()),
-      tap(*service.signature().data, capacity_for(*service.signature().data)) {
+      tap(std::make_shared<Tap>(*service.signature().data,
+                                capacity_for(*service.signature().data))) {
   attached = list->attach(tap, gate);
 }
 
 Watches::Tapped::~Tapped() {
   if (attached) {
-    list->detach(tap, gate);
+    list->detach(*tap, gate);
   }
 }
 
@@ -121,9 +122,10 @@ Status Watches::tap(const std::string& address, ServiceBase& service, const Subs
   auto found = std::find_if(tapped_.begin(), tapped_.end(), same);
   if (found == tapped_.end()) {
     found = tapped_.emplace(found, address, service);
-    if (!found->attached) {
+    if (auto attached = found->attached; !attached) {
       tapped_.erase(found);
-      return refuse(Errc::limit, address, "is watched in too many places already");
+      attached.error().at = address;
+      return attached;
     }
   }
   found->subscribers.push_back(who);
@@ -164,11 +166,16 @@ void Watches::forget(std::uint64_t client) {
 
 void Watches::remove(const Leaves& leaves) {
   const auto clean = [&](auto& watched) {
-    for (auto& one : watched) {
-      std::erase_if(one.subscribers,
+    std::remove_cvref_t<decltype(watched)> unwatched;
+    for (auto one = watched.begin(); one != watched.end();) {
+      const auto here = one++;
+      std::erase_if(here->subscribers,
                     [&](const Subscriber& who) { return leaves(who.client, who.sub); });
+      if (here->subscribers.empty()) {
+        unwatched.splice(unwatched.end(), watched, here);
+      }
     }
-    watched.remove_if([](const auto& one) { return one.subscribers.empty(); });
+    return unwatched;
   };
   clean(polled_);
   std::erase_if(followers_, [&](const LogFollower& one) {
@@ -178,9 +185,10 @@ void Watches::remove(const Leaves& leaves) {
     }
     return gone;
   });
+  std::list<Tapped> detached;  // without mutex_: the gate of a resource may be held for long
   const std::lock_guard lock(mutex_);
   has_polled_ = !polled_.empty();
-  clean(tapped_);
+  detached = clean(tapped_);
 }
 
 void Watches::run() {
@@ -201,8 +209,8 @@ void Watches::run() {
 void Watches::bring_values() {
   const auto t0 = running_->deployer.t0();
   for (auto& one : tapped_) {
-    const auto& type = one.tap.data();
-    while (one.tap.pop([&](const void* value, Instant stamp) {
+    const auto& type = one.tap->data();
+    while (one.tap->pop([&](const void* value, Instant stamp) {
       const Json params = {{"address", one.address},
                            {"value", arch::to_json(type.to_value(value))},
                            {"status", to_string(DataStatus::new_data)},
@@ -212,7 +220,7 @@ void Watches::bring_values() {
       }
     })) {
     }
-    if (const auto lost = one.tap.take_lost(); lost > 0) {
+    if (const auto lost = one.tap->take_lost(); lost > 0) {
       for (const auto& who : one.subscribers) {
         who.outbox->lose(who.sub, one.address, lost);
       }

@@ -63,8 +63,8 @@ class Watches {
     std::shared_ptr<void> keep;  ///< the resource's elements and their library
     TapList* list;
     Gate& gate;
-    Tap tap;
-    bool attached = false;
+    std::shared_ptr<Tap> tap;
+    Status attached;
     std::vector<Subscriber> subscribers;
   };
   struct Polled {

@@ -7,11 +7,6 @@ namespace mauve::daemon {
 
 namespace {
 
-std::string did_you_mean(std::string_view wanted, const std::vector<std::string>& known) {
-  const auto nearest = nearest_name(wanted, known);
-  return nearest.empty() ? std::string() : "did you mean " + nearest + "?";
-}
-
 std::vector<std::string> value_names(const Element& element) {
   const auto prefix = element.name() + ".";
   std::vector<std::string> names;

@@ -105,17 +105,12 @@ std::vector<Param> params_of(const Method& method) {
   return all;
 }
 
-std::string suggestion(std::string_view wanted, const std::vector<std::string>& known) {
-  const std::string nearest = nearest_name(wanted, known);
-  return nearest.empty() ? std::string{} : "did you mean '" + nearest + "'?";
-}
-
 Fault unknown_argument(const Method& method, const std::string& name,
                        const std::vector<Param>& known) {
   std::vector<std::string> names;
   for (const Param& param : known) names.emplace_back(param.name);
   return fault_of(kInvalidParams, "unknown argument '" + name.substr(0, 64) + "'",
-                  std::string(method.name), suggestion(name, names));
+                  std::string(method.name), did_you_mean(name, names, "'"));
 }
 
 }  // namespace
@@ -132,7 +127,7 @@ const Method* find_method(std::string_view name) {
 Fault unknown_method(std::string_view name) {
   std::vector<std::string> names;
   for (const Method& method : kMethods) names.emplace_back(method.name);
-  std::string hint = suggestion(name, names);
+  std::string hint = did_you_mean(name, names, "'");
   if (hint.empty()) hint = "command.list shows all methods";
   return fault_of(kUnknownMethod, "unknown method '" + std::string(name.substr(0, 64)) + "'", {},
                   std::move(hint));

@@ -11,6 +11,8 @@
 #include "arch/resolve.h"
 #include "base/name.h"
 #include "model/connection.h"
+#include "model/elements.h"
+#include "rt/thread.h"
 
 namespace mauve::arch {
 namespace {
@@ -26,6 +28,29 @@ void apply(const TaskSpec& spec, TaskAttributes& task) {
   if (spec.overrun_limit) task.overrun_limit = spec.overrun_limit->value;
 }
 
+// The shell of a component that could not be made: connected only to see whether it could be.
+class LooseShell {
+ public:
+  LooseShell() = default;
+  explicit LooseShell(std::shared_ptr<Shell> shell) : shell_(std::move(shell)) {
+    if (shell_ != nullptr) table_.resize(shell_->ports().size());
+  }
+
+  [[nodiscard]] bool made() const { return shell_ != nullptr; }
+  [[nodiscard]] const Shell& shell() const { return *shell_; }
+  Status connect(std::string_view port, ServiceBase& service, std::shared_ptr<void> keep_alive,
+                 Duration max_age) {
+    auto table = with_connection(*shell_, table_, port, service, std::move(keep_alive), max_age);
+    if (!table) return table.error();
+    table_ = **table;
+    return ok();
+  }
+
+ private:
+  std::shared_ptr<Shell> shell_;
+  Bindings table_;
+};
+
 class Builder {
  public:
   Builder(const Spec& spec, const plugin::Catalog& catalog, Problems& problems)
@@ -34,12 +59,9 @@ class Builder {
   std::unique_ptr<Architecture> run() {
     for (const ResourceSpec& resource : spec_.resources) make(resource);
     for (const ComponentSpec& component : spec_.components) make(component);
-    for (const ResourceSpec& resource : spec_.resources) {
-      if (auto* made = architecture_->find_resource(resource.name)) connect(resource, *made);
-    }
-    for (const ComponentSpec& component : spec_.components) {
-      if (auto* made = architecture_->find_component(component.name)) connect(component, *made);
-    }
+    for (const auto& [spec, resource] : resources_) connect(*spec, resource);
+    for (const auto& [spec, component] : components_) connect(*spec, component);
+    for (auto& [spec, shell] : loose_) connect(*spec, shell.made() ? &shell : nullptr);
     check_cycles();
     return problems_.empty() ? std::move(architecture_) : nullptr;
   }
@@ -47,58 +69,101 @@ class Builder {
  private:
   void make(const ResourceSpec& spec) {
     std::optional<ResourceParts> parts = resolver_.resource(spec);
-    if (!parts) return;
+    if (!parts) return loose_.push_back({&spec, {}});
     auto resource = parts->type ? std::make_unique<ResourceBase>(spec.name, *std::move(parts->type))
                                 : make_built_in(spec.type.value, spec.name, std::move(parts->data));
     if (!resource->made()) return problems_.add(spec.type.where, resource->made().error());
     set_properties(spec, parts_of(*resource));
-    architecture_->own(std::move(resource));
+    resources_.emplace_back(&spec, &architecture_->own(std::move(resource)));
   }
 
   void make(const ComponentSpec& spec) {
-    std::optional<ComponentParts> parts = resolver_.component(spec);
-    if (!parts) return;
-    auto component =
-        std::make_unique<ComponentBase>(spec.name, std::move(parts->type), std::move(parts->core));
+    check_cpus(spec);
+    ComponentParts parts = resolver_.component(spec);
+    if (!parts.complete()) return check_parts(spec, parts);
+    parts.type->fsm = *parts.fsm;
+    auto component = std::make_unique<ComponentBase>(spec.name, *parts.type, *parts.core);
     if (!component->made()) {
-      const Error& error = component->made().error();
-      const bool of_core = spec.core && error.at.ends_with(".core");
-      return problems_.add(of_core ? spec.core->where : spec.type.where, error);
+      refuse_part(spec, parts, component->made().error());
+      return check_parts(spec, parts);
     }
     set_properties(spec, parts_of(*component));
     apply(spec.task, component->task());
     component->task().start = spec.start;
-    architecture_->own(std::move(component));
+    components_.emplace_back(&spec, &architecture_->own(std::move(component)));
+  }
+
+  // What the deployer would refuse on this machine.
+  void check_cpus(const ComponentSpec& spec) {
+    for (const int cpu : spec.task.cpus.value) {
+      Status usable = rt::check_cpu(cpu, spec.name + ".task.cpus");
+      if (!usable) problems_.add(spec.task.cpus.where, std::move(usable.error()));
+    }
+  }
+
+  // Reports why this part could not be made, and gives it up.
+  void refuse_part(const ComponentSpec& spec, ComponentParts& parts, const Error& error) {
+    Position where = spec.type.where;
+    if (error.at.ends_with(".core")) {
+      if (spec.core) where = spec.core->where;
+      parts.core.reset();
+    } else if (error.at.ends_with(".fsm")) {
+      if (spec.fsm) where = spec.fsm->where;
+      parts.fsm.reset();
+    } else {
+      parts.type.reset();
+    }
+    problems_.add(where, error);
+  }
+
+  // A component that cannot be made: what is known of it is checked all the same.
+  void check_parts(const ComponentSpec& spec, ComponentParts& parts) {
+    std::shared_ptr<Shell> shell;
+    std::shared_ptr<CoreBase> core;
+    std::shared_ptr<FsmBase> fsm;
+    const auto make = [&](const char* part, const auto& maker, auto& into) {
+      Status made = make_element(spec.name + part, maker, into);
+      if (!made) refuse_part(spec, parts, made.error());
+    };
+    if (parts.type) make(".shell", parts.type->shell.make, shell);
+    if (parts.core) make(".core", parts.core->make, core);
+    if (parts.fsm) make(".fsm", parts.fsm->make, fsm);
+    set_properties(spec, {{{"shell", shell.get()}, {"core", core.get()}, {"fsm", fsm.get()}}});
+    loose_.push_back({&spec, LooseShell(std::move(shell))});
   }
 
   void set_properties(const ElementSpec& spec, const Parts& parts) {
     for (const PropertySpec& property : spec.properties) {
+      if (is_of_missing_part(parts, property.name)) continue;
       PropertyBase* const found = find_property(parts, property.name);
       if (found == nullptr) {
-        const std::string nearest = nearest_name(property.name, property_names(parts));
         problems_.add(property.where, Errc::unknown_name, spec.name + "." + property.name,
                       spec.name + " has no property of this name",
-                      nearest.empty() ? "" : "did you mean \"" + nearest + "\"?");
+                      did_you_mean(property.name, property_names(parts), "\""));
       } else if (Status done = found->set(property.value); !done) {
         problems_.add(property.value_where, std::move(done.error()));
       }
     }
   }
 
+  // Null: ports are not known, only the services can be checked.
   template <typename Owner>
-  void connect(const ElementSpec& spec, Owner& owner) {
+  void connect(const ElementSpec& spec, Owner* owner) {
     for (const ConnectionSpec& connection : spec.connections) {
       ServiceBase* const service = find_service(spec, connection);
-      if (service == nullptr) continue;
-      const PortBase* const port = owner.shell().find_port(connection.port);
+      if (service == nullptr || owner == nullptr) continue;
+      const PortBase* const port = owner->shell().find_port(connection.port);
       if (connection.max_age && port != nullptr && port->signature().kind != PortKind::read) {
         problems_.add(connection.where, Errc::invalid_value, port->address(),
                       "\"max_age\" has no meaning here: only read ports have it");
         continue;
       }
-      Status done = owner.connect(connection.port, *service, service->resource().keep_alive(),
-                                  connection.max_age.value_or(Duration{0}));
-      if (!done) problems_.add(connection.where, std::move(done.error()));
+      Status done = owner->connect(connection.port, *service, service->resource().keep_alive(),
+                                   connection.max_age.value_or(Duration{0}));
+      // A port that the file connects twice is a key twice: reported with its first place already.
+      if (!done && done.error().code != Errc::duplicate) {
+        problems_.add(connection.where, std::move(done.error()));
+      }
     }
   }
 
@@ -130,6 +195,9 @@ class Builder {
   const Spec& spec_;
   Problems& problems_;
   Resolver resolver_;
+  std::vector<std::pair<const ResourceSpec*, ResourceBase*>> resources_;
+  std::vector<std::pair<const ComponentSpec*, ComponentBase*>> components_;
+  std::vector<std::pair<const ElementSpec*, LooseShell>> loose_;  // of what could not be made
   std::unique_ptr<Architecture> architecture_ = std::make_unique<Architecture>(spec_.name);
 };
 

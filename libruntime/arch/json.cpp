@@ -53,7 +53,7 @@ class TreeBuilder {
   bool start_object(std::size_t) { return open(Node::Object{}); }
   bool start_array(std::size_t) { return open(Node::Array{}); }
   bool end_object() {
-    refuse_duplicates(std::get<Node::Object>(open_.back()->content));
+    report_duplicates(std::get<Node::Object>(open_.back()->content));
     return close();
   }
   bool end_array() { return close(); }
@@ -77,7 +77,7 @@ class TreeBuilder {
     return name.size() <= 64 ? name : name.substr(0, 64) + "...";
   }
 
-  void refuse_duplicates(const Node::Object& members) {
+  void report_duplicates(const Node::Object& members) {
     std::vector<const Member*> sorted;
     sorted.reserve(members.size());
     for (const Member& member : members) sorted.push_back(&member);
@@ -85,7 +85,6 @@ class TreeBuilder {
                      [](const Member* a, const Member* b) { return a->key < b->key; });
     for (std::size_t i = 1; i < sorted.size(); ++i) {
       if (sorted[i]->key != sorted[i - 1]->key) continue;
-      refused_ = true;
       problems_.add(sorted[i]->where, Errc::duplicate, "",
                     "the key \"" + shown(sorted[i]->key) + "\" appears twice",
                     "it is already in line " + std::to_string(sorted[i - 1]->where.line));

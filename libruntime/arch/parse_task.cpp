@@ -10,7 +10,7 @@ namespace mauve::arch {
 namespace {
 
 void read_cpus(const Source& source, Placed<std::vector<int>>& cpus) {
-  cpus.where = source.node.where;
+  cpus = {{}, source.node.where};
   bool complete = true;
   read_items(source, [&](const Source& item) {
     const auto cpu = read_integer(item, 0, kHighestCpu);

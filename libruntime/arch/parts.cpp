@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "arch/parts.h"
 
+#include <algorithm>
+
 #include "mauve/observable.h"
 #include "mauve/property.h"
 
@@ -29,6 +31,12 @@ Parts parts_of(const ResourceBase& resource) {
            {"interface", &resource.interface()}}};
 }
 
+bool is_of_missing_part(const Parts& parts, std::string_view name) {
+  return std::any_of(parts.begin(), parts.end(), [&](const auto& entry) {
+    return entry.second == nullptr && name.substr(0, name.find('.')) == entry.first;
+  });
+}
+
 PropertyBase* find_property(const Parts& parts, std::string_view name) {
   const auto [part, rest] = split(parts, name);
   return part == nullptr ? nullptr : part->find_property(rest);
@@ -42,6 +50,7 @@ ObservableBase* find_observable(const Parts& parts, std::string_view name) {
 std::vector<std::string> property_names(const Parts& parts) {
   std::vector<std::string> names;
   for (const auto& [group, part] : parts) {
+    if (part == nullptr) continue;
     for (const PropertyBase* property : part->properties()) {
       names.push_back(std::string(group) + "." + std::string(property->name()));
     }

@@ -13,12 +13,14 @@
 
 namespace mauve::arch {
 
-/// "shell", "core", and "fsm" or "interface".
+/// "shell", "core", and "fsm" or "interface". Null: it could not be made.
 using Parts = std::array<std::pair<std::string_view, Configurable*>, 3>;
 
 [[nodiscard]] Parts parts_of(const ComponentBase& component);
 [[nodiscard]] Parts parts_of(const ResourceBase& resource);
 
+/// Does "core.gain" belong to a part that could not be made?
+[[nodiscard]] bool is_of_missing_part(const Parts& parts, std::string_view name);
 /// "core.gain" -> the property, or null.
 [[nodiscard]] PropertyBase* find_property(const Parts& parts, std::string_view name);
 /// "core.bad_frames" -> the observable, or null.

@@ -51,8 +51,7 @@ Source Source::inner(const Node& value, std::string_view name) const {
 }
 
 std::string nearest_hint(std::string_view wanted, const std::vector<std::string>& known) {
-  const std::string nearest = nearest_name(wanted, known);
-  if (!nearest.empty()) return "did you mean \"" + nearest + "\"?";
+  if (std::string hint = did_you_mean(wanted, known, "\""); !hint.empty()) return hint;
   constexpr std::size_t kMostListed = 16;
   if (known.empty() || known.size() > kMostListed) return {};
   return "there is: " + joined(known);

@@ -11,32 +11,39 @@
 
 namespace mauve::arch {
 
-std::optional<ComponentParts> Resolver::component(const ComponentSpec& component) {
-  auto type = find(component.type, component.name + ".type", &plugin::Catalog::component);
-  std::optional<FsmType> fsm;
-  if (component.fsm) fsm = find(*component.fsm, component.name + ".fsm", &plugin::Catalog::fsm);
-  const std::string at = component.name + ".core";
-  std::optional<CoreType> core;
-  if (component.core) {
-    core = find(*component.core, at, &plugin::Catalog::core);
-  } else if (type && !type->default_core.empty()) {
-    core = find({type->default_core, component.type.where}, at, &plugin::Catalog::core);
-  } else if (type) {
-    problems_.add(component.where, Errc::invalid_value, at,
-                  "\"core\" is missing: components of type " + type->name + " need one",
-                  fitting_cores(type->fsm.contract));
+ComponentParts Resolver::component(const ComponentSpec& component) {
+  ComponentParts parts;
+  parts.type = find(component.type, component.name + ".type", &plugin::Catalog::component);
+  if (component.fsm) {
+    parts.fsm = find(*component.fsm, component.name + ".fsm", &plugin::Catalog::fsm);
+  } else if (parts.type) {
+    parts.fsm = parts.type->fsm;
   }
-  if (!type || !core || (component.fsm && !fsm)) return std::nullopt;
-  if (fsm) type->fsm = *std::move(fsm);
-  if (core->contract.name != type->fsm.contract.name) {
+  parts.core = core_of(component, parts.type);
+  if (parts.core && parts.fsm && parts.core->contract.name != parts.fsm->contract.name) {
     const PlacedText& named = component.core ? *component.core : component.type;
-    problems_.add(named.where, Errc::type_mismatch, at,
-                  "core " + core->name + " fulfils contract " + core->contract.name +
-                      ", but state machine " + type->fsm.name + " calls " + type->fsm.contract.name,
-                  fitting_cores(type->fsm.contract));
-    return std::nullopt;
+    problems_.add(named.where, Errc::type_mismatch, component.name + ".core",
+                  "core " + parts.core->name + " fulfils contract " + parts.core->contract.name +
+                      ", but state machine " + parts.fsm->name + " calls " +
+                      parts.fsm->contract.name,
+                  fitting_cores(parts.fsm->contract));
+    parts.core.reset();
   }
-  return ComponentParts{*std::move(type), *std::move(core)};
+  return parts;
+}
+
+std::optional<CoreType> Resolver::core_of(const ComponentSpec& component,
+                                          const std::optional<ComponentType>& type) {
+  const std::string at = component.name + ".core";
+  if (component.core) return find(*component.core, at, &plugin::Catalog::core);
+  if (!type) return std::nullopt;
+  if (!type->default_core.empty()) {
+    return find({type->default_core, component.type.where}, at, &plugin::Catalog::core);
+  }
+  problems_.add(component.where, Errc::invalid_value, at,
+                "\"core\" is missing: components of type " + type->name + " need one",
+                fitting_cores(type->fsm.contract));
+  return std::nullopt;
 }
 
 std::optional<ResourceParts> Resolver::resource(const ResourceSpec& resource) {

@@ -11,10 +11,13 @@
 
 namespace mauve::arch {
 
-/// What a component is made of. The state machine of `type` is the one that the file names.
+/// What a component is made of. What is absent was refused, and that is reported.
 struct ComponentParts {
-  ComponentType type;
-  CoreType core;
+  std::optional<ComponentType> type;
+  std::optional<CoreType> core;
+  std::optional<FsmType> fsm;  ///< the one of the type, or the one that the file names
+
+  [[nodiscard]] bool complete() const { return type && core && fsm; }
 };
 
 /// What a resource is made of: a type of a plugin, or the data of a built-in one.
@@ -30,13 +33,15 @@ class Resolver {
   Resolver(const Spec& spec, const plugin::Catalog& catalog, Problems& problems)
       : spec_(spec), catalog_(catalog), problems_(problems) {}
 
-  [[nodiscard]] std::optional<ComponentParts> component(const ComponentSpec& component);
+  [[nodiscard]] ComponentParts component(const ComponentSpec& component);
   [[nodiscard]] std::optional<ResourceParts> resource(const ResourceSpec& resource);
 
  private:
   template <typename T>
   std::optional<T> find(const PlacedText& name, const std::string& at,
                         Result<T> (plugin::Catalog::*lookup)(std::string_view) const);
+  std::optional<CoreType> core_of(const ComponentSpec& component,
+                                  const std::optional<ComponentType>& type);
   std::optional<ResourceParts> built_in(const ResourceSpec& resource);
   bool plugin_loaded(const PlacedText& name, const std::string& at);
   std::string fitting_cores(const Contract& contract) const;

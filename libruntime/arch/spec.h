@@ -61,7 +61,7 @@ struct ElementSpec {
 
 struct ResourceSpec : ElementSpec {
   std::optional<PlacedText> data;  ///< "laser_scan/1", for resources made for any data type
-  bool cross_core = false;         ///< its lock may be shared across CPUs: for admission
+  bool cross_core = false;         ///< reserved: read, and used by nobody yet
 };
 
 /// The task attributes; what is absent has the deployer's default.

@@ -55,4 +55,11 @@ std::string nearest_name(std::string_view wanted, const std::vector<std::string>
   return begun != nullptr ? *begun : std::string{};
 }
 
+std::string did_you_mean(std::string_view wanted, const std::vector<std::string>& known,
+                         std::string_view quote) {
+  const std::string nearest = nearest_name(wanted, known);
+  if (nearest.empty()) return {};
+  return std::string("did you mean ").append(quote).append(nearest).append(quote) + "?";
+}
+
 }  // namespace mauve

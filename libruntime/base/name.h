@@ -13,4 +13,9 @@ namespace mauve {
 [[nodiscard]] std::string nearest_name(std::string_view wanted,
                                        const std::vector<std::string>& known);
 
+/// The hint "did you mean NAME?", the name between two `quote`; "" when none is near. [any]
+[[nodiscard]] std::string did_you_mean(std::string_view wanted,
+                                       const std::vector<std::string>& known,
+                                       std::string_view quote = "");
+
 }  // namespace mauve

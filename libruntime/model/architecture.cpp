@@ -5,27 +5,15 @@
 
 #include "base/name.h"
 #include "model/connection.h"
+#include "model/find_named.h"
 #include "model/guard.h"
 
 namespace mauve {
 namespace {
 
-template <typename T>
-T* find_named(const std::vector<T*>& items, std::string_view name) {
-  for (T* item : items) {
-    if (item->name() == name) return item;
-  }
-  return nullptr;
-}
-
 template <typename Names, typename Items>
 void collect_names(Names& names, const Items& items) {
   for (const auto* item : items) names.emplace_back(item->name());
-}
-
-std::string did_you_mean(std::string_view wanted, const std::vector<std::string>& known) {
-  const std::string nearest = nearest_name(wanted, known);
-  return nearest.empty() ? "" : "did you mean " + nearest + "?";
 }
 
 }  // namespace

@@ -6,20 +6,6 @@
 #include "model/left_behind.h"
 
 namespace mauve {
-namespace {
-
-/// The connections that were made in code, taken over from the shell.
-void take_initial(Shell& shell, Bindings& table) {
-  table.resize(shell.ports().size());
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    if (shell.initial_bindings()[i] == nullptr) continue;
-    table[i] = std::move(shell.initial_bindings()[i]);
-    shell.initial_bindings()[i] = nullptr;
-  }
-}
-
-}  // namespace
-
 std::string_view to_string(OnOverrun value) {
   switch (value) {
     case OnOverrun::catch_up:
@@ -61,11 +47,7 @@ TaskAttributes& ComponentBase::task() {
 Status ComponentBase::configure() {
   if (configured_) return ok();
   if (!made_) return made_;
-  auto bundle = std::make_shared<Bundle>(*bundle_);
-  auto table = std::make_shared<Bindings>(*bundle->bindings);
-  take_initial(*bundle->shell, *table);
-  bundle->bindings = std::move(table);
-  bundle_ = std::move(bundle);
+  static_cast<void>(rebind(with_initial(shell(), *bundle_->bindings)));
   const std::array<Configurable*, 3> order{&shell(), &core(), &fsm()};
   if (Status done = configure_in_order(order); !done) return done;
   shell().use(bundle_->bindings.get());
@@ -109,24 +91,24 @@ Status ComponentBase::replace_core(const CoreType& core) {
   return ok();
 }
 
-Status ComponentBase::connect(std::string_view port, ServiceBase& service,
-                              std::shared_ptr<void> keep_alive, Duration max_age) {
-  auto table =
-      with_connection(shell(), *bundle_->bindings, port, service, std::move(keep_alive), max_age);
-  if (!table) return table.error();
+Status ComponentBase::rebind(std::shared_ptr<const Bindings> bindings) {
   auto bundle = std::make_shared<Bundle>(*bundle_);
-  bundle->bindings = *std::move(table);
+  bundle->bindings = std::move(bindings);
+  if (configured_) shell().use(bundle->bindings.get());
   bundle_ = std::move(bundle);
   return ok();
 }
 
+Status ComponentBase::connect(std::string_view port, ServiceBase& service,
+                              std::shared_ptr<void> keep_alive, Duration max_age) {
+  auto table =
+      with_connection(shell(), *bundle_->bindings, port, service, std::move(keep_alive), max_age);
+  return table ? rebind(*std::move(table)) : table.error();
+}
+
 Status ComponentBase::disconnect(std::string_view port) {
   auto table = without_connection(shell(), *bundle_->bindings, port);
-  if (!table) return table.error();
-  auto bundle = std::make_shared<Bundle>(*bundle_);
-  bundle->bindings = *std::move(table);
-  bundle_ = std::move(bundle);
-  return ok();
+  return table ? rebind(*std::move(table)) : table.error();
 }
 
 }  // namespace mauve

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/configurable.h>
 
+#include "model/find_named.h"
 #include "model/guard.h"
 
 #include <mauve/job.h>
@@ -9,14 +10,6 @@
 
 namespace mauve {
 namespace {
-
-template <typename T>
-T* find_named(const std::vector<T*>& items, std::string_view name) {
-  for (T* item : items) {
-    if (item->name() == name) return item;
-  }
-  return nullptr;
-}
 
 /// The element's address where the hook did not say one.
 Status located(Status status, const std::string& address) {

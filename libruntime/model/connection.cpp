@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 
 #include "base/name.h"
 
@@ -120,6 +121,15 @@ Result<std::shared_ptr<const Bindings>> without_connection(const Shell& shell,
   auto changed = std::make_shared<Bindings>(table);
   (*changed)[index] = nullptr;
   return std::shared_ptr<const Bindings>(std::move(changed));
+}
+
+std::shared_ptr<const Bindings> with_initial(Shell& shell, const Bindings& table) {
+  auto changed = std::make_shared<Bindings>(table);
+  for (std::size_t i = 0; i < changed->size(); ++i) {
+    auto& initial = shell.initial_bindings()[i];
+    if (initial != nullptr) (*changed)[i] = std::exchange(initial, nullptr);
+  }
+  return changed;
 }
 
 Status check_nesting(const ResourceBase& from, const ResourceBase& into) {

@@ -26,6 +26,9 @@ namespace mauve {
                                                                          const Bindings& table,
                                                                          std::string_view name);
 
+/// A copy of `table` with the connections that were made in code, which are taken from the shell.
+[[nodiscard]] std::shared_ptr<const Bindings> with_initial(Shell& shell, const Bindings& table);
+
 /// Refused when resources that write on into one another form a cycle (two callers would wait for
 /// each other for ever), or nest deeper than a job can hold.
 [[nodiscard]] Status check_resource_graph(const Architecture& architecture);

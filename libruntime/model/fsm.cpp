@@ -5,6 +5,8 @@
 #include <numeric>
 #include <string>
 
+#include "model/find_named.h"
+
 namespace mauve {
 namespace {
 
@@ -44,12 +46,7 @@ FsmState::FsmState(FsmBase& fsm, std::string_view name, Kind kind)
   fsm.states_.push_back(this);
 }
 
-FsmState* FsmBase::find_state(std::string_view name) const {
-  for (FsmState* state : states_) {
-    if (state->name() == name) return state;
-  }
-  return nullptr;
-}
+FsmState* FsmBase::find_state(std::string_view name) const { return find_named(states_, name); }
 
 Duration FsmBase::grid() const {
   Duration grid{0};

@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "model/connection.h"
+#include "model/find_named.h"
 
 #include <mauve/resource.h>
 #include <mauve/shell.h>
@@ -67,11 +68,6 @@ const Binding* PortBase::binding() {
   return binding;
 }
 
-PortBase* Shell::find_port(std::string_view name) const {
-  for (PortBase* port : ports_) {
-    if (port->name() == name) return port;
-  }
-  return nullptr;
-}
+PortBase* Shell::find_port(std::string_view name) const { return find_named(ports_, name); }
 
 }  // namespace mauve

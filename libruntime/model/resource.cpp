@@ -29,12 +29,7 @@ ResourceBase::~ResourceBase() { static_cast<void>(cleanup()); }
 Status ResourceBase::configure() {
   if (configured_) return ok();
   if (!made_) return made_;
-  auto table = std::make_shared<Bindings>(*bindings_);
-  for (std::size_t i = 0; i < table->size(); ++i) {
-    if (auto& initial = shell_->initial_bindings()[i])
-      (*table)[i] = std::exchange(initial, nullptr);
-  }
-  bindings_ = std::move(table);
+  bindings_ = with_initial(*shell_, *bindings_);
   const std::array<Configurable*, 3> order{shell_.get(), core_.get(), interface_.get()};
   if (Status done = configure_in_order(order); !done) return done;
   shell_->use(bindings_.get());
@@ -62,14 +57,12 @@ Status ResourceBase::rebind(std::shared_ptr<const Bindings> bindings) {
 Status ResourceBase::connect(std::string_view port, ServiceBase& service,
                              std::shared_ptr<void> keep_alive, Duration max_age) {
   auto table = with_connection(*shell_, *bindings_, port, service, std::move(keep_alive), max_age);
-  if (!table) return table.error();
-  return rebind(*std::move(table));
+  return table ? rebind(*std::move(table)) : table.error();
 }
 
 Status ResourceBase::disconnect(std::string_view port) {
   auto table = without_connection(*shell_, *bindings_, port);
-  if (!table) return table.error();
-  return rebind(*std::move(table));
+  return table ? rebind(*std::move(table)) : table.error();
 }
 
 ResourceBase::Exchange ResourceBase::exchange_core(std::shared_ptr<CoreBase> core, bool hand_over) {

@@ -3,6 +3,7 @@
 
 #include <atomic>
 
+#include "model/find_named.h"
 #include "rt/pi_mutex.h"
 
 #include <mauve/clock.h>
@@ -51,10 +52,7 @@ Gate& ServiceBase::gate() const { return owner_.resource().gate(); }
 std::string ServiceBase::address() const { return resource().name() + "." + std::string(name_); }
 
 ServiceBase* InterfaceBase::find_service(std::string_view name) const {
-  for (ServiceBase* service : services_) {
-    if (service->name() == name) return service;
-  }
-  return nullptr;
+  return find_named(services_, name);
 }
 
 std::string_view to_string(DataStatus status) {

@@ -2,6 +2,7 @@
 #include <mauve/tap.h>
 
 #include <cstring>
+#include <utility>
 
 namespace mauve {
 
@@ -16,6 +17,7 @@ std::byte* Tap::slot(std::uint64_t index) const {
 }
 
 void Tap::push(const void* value, Instant stamp) {
+  if (closed()) return;
   const std::uint64_t head = head_.load(std::memory_order_relaxed);
   if (head - tail_.load(std::memory_order_acquire) == capacity_) {
     lost_.fetch_add(1, std::memory_order_relaxed);
@@ -37,28 +39,32 @@ bool Tap::pop(const std::function<void(const void* value, Instant stamp)>& visit
   return true;
 }
 
-bool TapList::attach(Tap& tap, Gate& gate) {
+Status TapList::attach(std::shared_ptr<Tap> tap, Gate& gate) {
+  Taps closed;  // freed when the gate has been left: a writer may wait for it
   Entry entry(gate);
-  if (!entry) return false;
-  for (Tap*& place : taps_) {
+  if (!entry) return refuse(Errc::timed_out, "", "its resource is busy");
+  give_up_closed(closed);
+  for (std::shared_ptr<Tap>& place : taps_) {
     if (place != nullptr) continue;
-    place = &tap;
+    place = std::move(tap);
     count_.fetch_add(1, std::memory_order_relaxed);
-    return true;
+    return ok();
   }
-  return false;
+  return refuse(Errc::limit, "", "is watched in too many places already");
 }
 
 void TapList::detach(Tap& tap, Gate& gate) {
-  for (;;) {  // a writer holds the gate for one copy only
-    Entry entry(gate);
-    if (!entry) continue;
-    for (Tap*& place : taps_) {
-      if (place != &tap) continue;
-      place = nullptr;
-      count_.fetch_sub(1, std::memory_order_relaxed);
-    }
-    return;
+  tap.close();
+  Taps closed;
+  Entry entry(gate);
+  if (entry) give_up_closed(closed);
+}
+
+void TapList::give_up_closed(Taps& into) {
+  for (std::size_t i = 0; i < kMaxTaps; ++i) {
+    if (taps_[i] == nullptr || !taps_[i]->closed()) continue;
+    into[i] = std::exchange(taps_[i], nullptr);
+    count_.fetch_sub(1, std::memory_order_relaxed);
   }
 }
 

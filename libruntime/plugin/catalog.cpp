@@ -31,11 +31,6 @@ const ByName<const DataType*>& built_in_types() {
 
 std::string quoted(std::string_view text) { return "\"" + std::string(text) + "\""; }
 
-std::string did_you_mean(std::string_view wanted, const std::vector<std::string>& known) {
-  const std::string nearest = nearest_name(wanted, known);
-  return nearest.empty() ? std::string() : "did you mean " + quoted(nearest) + "?";
-}
-
 template <typename T>
 void append_names(std::vector<std::string>& names, const ByName<T>& map) {
   for (const auto& [name, value] : map) names.push_back(name);
@@ -64,7 +59,7 @@ Error Catalog::unknown(ByName<T> LoadedPlugin::*kind, std::string_view what,
   for (const auto& [plugin, loaded] : plugins_) append_names(known, loaded.*kind);
   if constexpr (std::is_same_v<T, const DataType*>) append_names(known, built_in_types());
   std::string message = "there is no " + std::string(what) + " " + quoted(name);
-  std::string hint = did_you_mean(name, known);
+  std::string hint = did_you_mean(name, known, "\"");
   const std::string owner(name.substr(0, name.find('/')));
   if (!std::is_same_v<T, const DataType*> && name.find('/') != std::string_view::npos &&
       !plugins_.contains(owner)) {
@@ -176,7 +171,7 @@ Error Catalog::not_loaded(std::string_view plugin) const {
   std::vector<std::string> known;
   append_names(known, plugins_);
   return refuse(Errc::unknown_name, std::string(plugin.substr(0, 255)), "no such plugin is loaded",
-                did_you_mean(plugin, known));
+                did_you_mean(plugin, known, "\""));
 }
 
 Result<std::shared_ptr<Library>> Catalog::remove(std::string_view plugin) {

@@ -8,8 +8,9 @@
 #include <alloca.h>
 #include <limits.h>
 #include <sched.h>
-#include <sys/resource.h>
 #include <unistd.h>
+
+#include "rt/fifo.h"
 
 namespace mauve::rt {
 namespace {
@@ -43,21 +44,7 @@ cpu_set_t to_set(const std::vector<int>& cpus) {
 }
 
 Error no_fifo(int priority, int error) {
-  rlimit limit{};
-  getrlimit(RLIMIT_RTPRIO, &limit);
-  if (error == EPERM && (geteuid() == 0 || limit.rlim_cur >= static_cast<rlim_t>(priority))) {
-    return refuse(Errc::not_permitted, "realtime",
-                  "the kernel refuses SCHED_FIFO in this control group (no real-time run time)",
-                  "give the group a budget (cpu.rt_runtime_us), start in the root group, or boot "
-                  "with rt_group_sched=0");
-  }
-  if (error == EPERM) {
-    return refuse(Errc::not_permitted, "realtime",
-                  "no permission for SCHED_FIFO priority " + std::to_string(priority) +
-                      " (RLIMIT_RTPRIO is " + std::to_string(limit.rlim_cur) + ")",
-                  "grant CAP_SYS_NICE, or a limit: `@mauve - rtprio 90` in "
-                  "/etc/security/limits.conf, LimitRTPRIO=90 in a unit");
-  }
+  if (error == EPERM) return fifo_refusal(fifo_facts(priority));
   return refuse(Errc::system, "realtime",
                 std::string("cannot create a SCHED_FIFO thread: ") + std::strerror(error));
 }
@@ -157,6 +144,15 @@ std::vector<int> usable_cpus() {
     if (CPU_ISSET(static_cast<std::size_t>(cpu), &set)) cpus.push_back(cpu);
   }
   return cpus;
+}
+
+Status check_cpu(int cpu, const std::string& at) {
+  const std::vector<int> usable = usable_cpus();
+  if (std::find(usable.begin(), usable.end(), cpu) != usable.end()) return ok();
+  return refuse(Errc::invalid_value, at,
+                "CPU " + std::to_string(cpu) + " is not one that this process may use",
+                "there are " + std::to_string(usable.size()) + " usable CPUs, from " +
+                    std::to_string(usable.front()) + " to " + std::to_string(usable.back()));
 }
 
 Boost::Boost(int priority) {

@@ -60,6 +60,9 @@ class Thread {
 /// CPUs that this process may use.
 [[nodiscard]] std::vector<int> usable_cpus();
 
+/// Is `cpu` one of them? `at` is the address of who asks for it.
+[[nodiscard]] Status check_cpu(int cpu, const std::string& at);
+
 /// Raises the calling thread to SCHED_FIFO for a scope, where permitted.
 class Boost {
  public:

@@ -29,7 +29,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(!problem.error.message.empty());
   }
   arch::Problems none;
-  if (const auto node = arch::parse_json(text, none)) {
+  if (const auto node = arch::parse_json(text, none); node && none.empty()) {
     const mauve::Value value = arch::to_value(*node);
     arch::JsonLimits wide;
     wide.bytes = std::size_t{1} << 30U;

@@ -270,6 +270,7 @@ TEST(Realtime, IsRequiredInWordsThatNameWhatIsMissing) {
 
   EXPECT_EQ(refused.wait(), 1);
   EXPECT_THAT(TempDir::read(errors), HasSubstr("realtime: "));
+  EXPECT_THAT(TempDir::read(errors), HasSubstr("CAP_SYS_NICE is missing"));
   std::filesystem::remove_all(place);
 }
 

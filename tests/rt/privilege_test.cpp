@@ -2,10 +2,16 @@
 /// What the deployer says and does without real-time privileges.
 #include <gtest/gtest.h>
 
+#include <string>
+#include <string_view>
+
+#include <linux/capability.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "rt/fifo.h"
 #include "rt/thread.h"
 #include "support/eventually.h"
 #include "support/ramp.h"
@@ -15,19 +21,89 @@ namespace {
 
 using test::eventually;
 
-/// Runs `body` in a child that has given up root and all limits for real time.
+/// What `body` returns in a child process.
 template <typename Body>
-int without_privileges(Body body) {
+int in_a_child(Body body) {
   const pid_t child = fork();
-  if (child == 0) {
-    const rlimit none{0, 0};
-    setrlimit(RLIMIT_RTPRIO, &none);
-    if (geteuid() == 0 && setuid(65534) != 0) _exit(99);
-    _exit(body());
-  }
+  if (child == 0) _exit(body());
   int status = 0;
   waitpid(child, &status, 0);
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+/// Runs `body` in a child that has given up root and all limits for real time.
+template <typename Body>
+int without_privileges(Body body) {
+  return in_a_child([&] {
+    const rlimit none{0, 0};
+    setrlimit(RLIMIT_RTPRIO, &none);
+    if (geteuid() == 0 && setuid(65534) != 0) return 99;
+    return body();
+  });
+}
+
+/// Gives up CAP_SYS_NICE and the limit, but stays the same user.
+bool drop_nice() {
+  const rlimit none{0, 0};
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  __user_cap_data_struct sets[_LINUX_CAPABILITY_U32S_3]{};
+  if (setrlimit(RLIMIT_RTPRIO, &none) != 0 || syscall(SYS_capget, &header, sets) != 0) return false;
+  sets[CAP_TO_INDEX(CAP_SYS_NICE)].effective &= ~CAP_TO_MASK(CAP_SYS_NICE);
+  return syscall(SYS_capset, &header, sets) == 0;
+}
+
+bool has(const std::string& text, std::string_view part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(FifoRefusal, NamesTheMissingCapabilityAndItsRemedy) {
+  const Error user = rt::fifo_refusal({.priority = 40});
+  EXPECT_EQ(user.code, Errc::not_permitted);
+  EXPECT_TRUE(has(user.message, "SCHED_FIFO priority 40: CAP_SYS_NICE is missing"));
+  EXPECT_TRUE(has(user.hint, "rtprio 90"));
+  const Error root = rt::fifo_refusal({.priority = 40, .root = true, .group_runtime = 0});
+  EXPECT_TRUE(has(root.message, "CAP_SYS_NICE is missing, although the user is root"));
+  EXPECT_TRUE(has(root.hint, "CapabilityBoundingSet"));
+  EXPECT_FALSE(has(root.message + root.hint, "group"));
+}
+
+TEST(FifoRefusal, NamesALimitThatIsTooLow) {
+  const Error error = rt::fifo_refusal({.priority = 40, .priority_limit = 39});
+  EXPECT_TRUE(has(error.message, "RLIMIT_RTPRIO is 39"));
+  EXPECT_TRUE(has(error.hint, "LimitRTPRIO=90"));
+}
+
+TEST(FifoRefusal, NamesAControlGroupWithoutRunTimeOnlyWhenAllElseAllows) {
+  for (const rt::FifoFacts& facts : {rt::FifoFacts{.priority = 40, .nice_capability = true},
+                                     rt::FifoFacts{.priority = 40, .priority_limit = 40}}) {
+    rt::FifoFacts in_group = facts;
+    in_group.group_runtime = 0;
+    EXPECT_TRUE(has(rt::fifo_refusal(in_group).message, "cpu.rt_runtime_us is 0"));
+    EXPECT_TRUE(has(rt::fifo_refusal(in_group).hint, "rt_group_sched=0"));
+    in_group.group_runtime = 950'000;
+    EXPECT_FALSE(has(rt::fifo_refusal(in_group).message, "cpu.rt_runtime_us"));
+    EXPECT_TRUE(has(rt::fifo_refusal(facts).hint, "user namespace"));
+  }
+}
+
+TEST(FifoRefusal, FindsTheGroupOfTheCpuController) {
+  EXPECT_EQ(rt::cpu_group("3:cpuset:/a\n2:cpuacct,cpu:/robot/x:y\n0::/b\n"), "/robot/x:y");
+  EXPECT_EQ(rt::cpu_group("1:cpu:/"), "");
+  EXPECT_EQ(rt::cpu_group("3:cpuset:/a\n2:cpuacct:/b\n0::/\nnonsense\n"), std::nullopt);
+  EXPECT_EQ(rt::cpu_group(""), std::nullopt);
+}
+
+TEST(Privilege, RootWithoutTheCapabilityIsToldSoAndNotAboutControlGroups) {
+  const int answer = in_a_child([] {
+    if (!drop_nice()) return 98;
+    const Status refused = rt::may_use_fifo(40);
+    if (refused) return 1;
+    const Error& error = refused.error();
+    if (!has(error.message, "CAP_SYS_NICE is missing")) return 2;
+    if (has(error.message, "although the user is root") != (geteuid() == 0)) return 3;
+    return has(error.message + error.hint, "control group") ? 4 : 0;
+  });
+  EXPECT_EQ(answer, 0);
 }
 
 TEST(Privilege, RequireRefusesAndSaysHowToGrantIt) {

@@ -101,6 +101,8 @@ class ComponentBase {
   Status disconnect(std::string_view port);
 
  private:
+  Status rebind(std::shared_ptr<const Bindings> bindings);
+
   std::string name_;
   ComponentType type_;
   std::shared_ptr<const Bundle> bundle_;

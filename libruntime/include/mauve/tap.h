@@ -20,13 +20,16 @@ class Tap {
   /// Room for `capacity` values of `data`.
   Tap(const DataType& data, std::size_t capacity);
 
-  /// [rt], under the resource's lock: one writer at a time.
+  /// [rt], under the resource's lock: one writer at a time. Nothing happens when closed.
   void push(const void* value, Instant stamp);
   /// Takes the oldest value; false when empty. `value` stays valid for the call. One reader.
   bool pop(const std::function<void(const void* value, Instant stamp)>& visit);
   /// Values lost since the last call.
   [[nodiscard]] std::uint64_t take_lost() { return lost_.exchange(0, std::memory_order_relaxed); }
   [[nodiscard]] const DataType& data() const { return data_; }
+  /// Nothing is listened to any more. [any]
+  void close() { closed_.store(true, std::memory_order_relaxed); }
+  [[nodiscard]] bool closed() const { return closed_.load(std::memory_order_relaxed); }
 
  private:
   [[nodiscard]] std::byte* slot(std::uint64_t index) const;
@@ -38,6 +41,7 @@ class Tap {
   std::atomic<std::uint64_t> head_{0};
   std::atomic<std::uint64_t> tail_{0};
   std::atomic<std::uint64_t> lost_{0};
+  std::atomic<bool> closed_{false};
 };
 
 /// The listeners of one resource.
@@ -45,20 +49,26 @@ class TapList {
  public:
   static constexpr std::size_t kMaxTaps = 8;
 
-  /// False when all places are taken. [control]
-  bool attach(Tap& tap, Gate& gate);
-  /// After it returns no writer touches the tap. [control]
+  /// Refused when all places are taken, or the gate cannot be entered in time. [control]
+  Status attach(std::shared_ptr<Tap> tap, Gate& gate);
+  /// Closes the tap and gives it up. When the gate cannot be entered in time (a writer hangs), the
+  /// list keeps it until the next attach or detach, or its own end, so that the writer may still
+  /// look at it. [control]
   void detach(Tap& tap, Gate& gate);
   /// [rt], under the gate; one load each when nobody listens.
   void push(const void* value, Instant stamp) {
     if (count_.load(std::memory_order_relaxed) == 0) return;
-    for (Tap* tap : taps_) {
+    for (const std::shared_ptr<Tap>& tap : taps_) {
       if (tap != nullptr) tap->push(value, stamp);
     }
   }
 
  private:
-  std::array<Tap*, kMaxTaps> taps_{};  // changed under the gate only
+  using Taps = std::array<std::shared_ptr<Tap>, kMaxTaps>;
+
+  void give_up_closed(Taps& into);
+
+  Taps taps_;  // changed under the gate only
   std::atomic<std::size_t> count_{0};
 };
 

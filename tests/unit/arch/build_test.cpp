@@ -216,6 +216,91 @@ TEST_F(Build, ReportsMistakesOfFormAndOfMeaningTogether) {
   EXPECT_EQ(problems[3].error.at, "right.core");
 }
 
+// "right" of the sample with properties, ports and a task, each of them with a mistake.
+std::string with_mistakes_in_right(std::string_view head) {
+  return with(
+      R"("right": { "type": "sample/bare", "core": "sample/repel", "fsm": "sample/periodic",)",
+      "\"right\": { " + std::string(head) + R"(
+      "properties": { "core.distanse": 1, "shell.devise": "x", "fsm.period": "25" },
+      "ports": { "poze": "pose.read", "scan": "scan.reed", "command": "relay.reset",
+                 "pose": { "connect": "pose.read", "max_age": "1s" } },
+      "task": { "priority": 600 },)");
+}
+
+std::vector<std::string> places_of(const std::vector<Problem>& problems) {
+  std::vector<std::string> places;
+  for (const Problem& problem : problems) places.push_back(problem.error.at);
+  return places;
+}
+
+TEST_F(Build, ReportsEverythingElseOfAComponentWithoutAFittingCore) {
+  const std::string fsm = R"("fsm": "sample/periodic", )";
+  for (const std::string core : {R"("core": "sample/repell", )", R"("core": "sample/stranger", )",
+                                 R"("core": "sample/throwing", )", ""}) {
+    const auto problems =
+        refused(with_mistakes_in_right(R"("type": "sample/bare", )" + core + fsm));
+    const std::vector<std::string> expected = {
+        "right.core",       "right.shell.devise",  "right.fsm.period",   "right.ports.poze",
+        "right.ports.scan", "right.ports.command", "right.task.priority"};
+    EXPECT_EQ(places_of(problems), expected) << core;
+  }
+}
+
+TEST_F(Build, ReportsEverythingElseOfAComponentWithoutStateMachine) {
+  const auto problems = refused(with_mistakes_in_right(
+      R"("type": "sample/bare", "core": "sample/repel", "fsm": "sample/periodc", )"));
+  EXPECT_EQ(places_of(problems),
+            (std::vector<std::string>{"right.fsm", "right.core.distanse", "right.shell.devise",
+                                      "right.ports.poze", "right.ports.scan", "right.ports.command",
+                                      "right.task.priority"}));
+}
+
+TEST_F(Build, ReportsWhatDoesNotDependOnAnUnknownType) {
+  const auto problems = refused(with_mistakes_in_right(
+      R"("type": "sample/bear", "core": "sample/repel", "fsm": "sample/periodic", )"));
+  EXPECT_EQ(places_of(problems),
+            (std::vector<std::string>{"right.type", "right.core.distanse", "right.fsm.period",
+                                      "right.ports.scan", "right.task.priority"}));
+}
+
+TEST_F(Build, RefusesEveryCpuThatThisMachineDoesNotHave) {
+  const auto problems = refused(with("\"cpus\": [0]", "\"cpus\": [0, 1022, 1023]"));
+
+  ASSERT_EQ(problems.size(), 2U);
+  EXPECT_EQ(problems[0].error.at, "left.task.cpus");
+  EXPECT_EQ(problems[0].where.line, 18U);
+  EXPECT_EQ(problems[0].error.message, "CPU 1022 is not one that this process may use");
+  EXPECT_NE(problems[0].error.hint.find("usable CPUs, from "), std::string::npos);
+  EXPECT_EQ(problems[1].error.message, "CPU 1023 is not one that this process may use");
+}
+
+TEST_F(Build, ReportsAKeyTwiceAndEverythingElse) {
+  std::string text = with("\"right\":", "\"left\":");
+  text =
+      with("\"sample/repel\",", "\"sample/repel\", \"ports\": { \"poze\": \"pose.read\" },", text);
+  text = with("\"reset\": \"relay.reset\"", "\"reset\": \"relay.reset\", \"reset\": \"relay.rest\"",
+              text);
+  text = with("\"command\": \"relay.write\"",
+              "\"command\": \"relay.write\", \"command\": \"relay.write\"", text);
+  text = with("\"cpus\": [0]", "\"cpus\": [0], \"cpus\": [0]", text);
+  text = with("\"core.gain\": 0.5", "\"core.gain\": 0.5, \"core.gain\": 2.5", text);
+
+  std::vector<std::string> told;
+  for (const Problem& problem : refused(text)) {
+    told.push_back(problem.error.at + ": " + problem.error.message);
+  }
+  EXPECT_EQ(told, (std::vector<std::string>{
+                      ": the key \"core.gain\" appears twice",
+                      "left.core.gain: 2.5 is above the maximum 2 1/s",
+                      ": the key \"command\" appears twice",
+                      ": the key \"reset\" appears twice",
+                      "left.ports.reset: relay.rest: resource relay has no service of this name",
+                      ": the key \"cpus\" appears twice",
+                      ": the key \"left\" appears twice",
+                      "left.ports.poze: left has no port of this name",
+                  }));
+}
+
 TEST_F(Build, ReportsAMissingPluginOnceAndNotEveryNameOfIt) {
   plugin::Catalog empty;
   Problems problems;

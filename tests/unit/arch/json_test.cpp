@@ -121,9 +121,13 @@ TEST(Json, RefusesInvalidUtf8AndZeroBytes) {
   EXPECT_EQ(refused(std::string_view("{}\0{", 4))[0].where, (Position{1, 3}));
 }
 
-TEST(Json, RefusesAKeyTwiceAndNamesBothPlaces) {
-  const auto problems = refused("{\"a\": 1,\n \"b\": {\"c\": 1, \"c\": 2},\n \"a\": 3}");
+TEST(Json, ReportsAKeyTwiceWithBothPlacesAndKeepsBothMembers) {
+  Problems found;
+  const auto root = parse_json("{\"a\": 1,\n \"b\": {\"c\": 1, \"c\": 2},\n \"a\": 3}", found);
 
+  ASSERT_TRUE(root);
+  EXPECT_EQ(member(*root, 2).key, "a");
+  const auto problems = found.sorted();
   ASSERT_EQ(problems.size(), 2U);
   EXPECT_EQ(problems[0].where, (Position{2, 16}));
   EXPECT_EQ(problems[1].where, (Position{3, 2}));

@@ -138,6 +138,12 @@ TEST(Schema, ExplainsEveryKey) {
   }
 }
 
+TEST(Schema, CallsCrossCoreReservedUntilItHasAnEffect) {
+  const Value& key = part(schema(), {"definitions", "resource", "properties", "cross_core"});
+  const Value& text = part(key, {"description"});
+  EXPECT_TRUE(text.get_if<std::string>()->starts_with("Reserved: accepted, without effect"));
+}
+
 TEST(ArchitectureFiles, OfTheProjectAreAcceptedByTheParser) {
   std::size_t files = 0;
   for (const auto& entry : std::filesystem::directory_iterator("etc")) {

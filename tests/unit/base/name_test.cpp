@@ -32,6 +32,12 @@ TEST(NearestName, SaysNothingWhenNothingIsNear) {
   EXPECT_EQ(nearest_name("core", {}), "");
 }
 
+TEST(NearestName, BecomesAHintInTheQuotesOfTheCaller) {
+  EXPECT_EQ(did_you_mean("cora", kKnown), "did you mean core?");
+  EXPECT_EQ(did_you_mean("cora", kKnown, "'"), "did you mean 'core'?");
+  EXPECT_EQ(did_you_mean("xyz", kKnown, "'"), "");
+}
+
 TEST(NearestName, DoesNotWorkHardForHostileNames) {
   EXPECT_EQ(nearest_name(std::string(1 << 20, 'a'), {std::string(1 << 20, 'a')}), "");
 }

@@ -92,6 +92,21 @@ TEST(Port, ReachesTheServicesOfAResource) {
   EXPECT_EQ(shell.in.read(), 42.0);
 }
 
+TEST(Port, IsConnectedAndDisconnectedOnAConfiguredComponent) {
+  Bench bench;
+  ASSERT_TRUE(bench.configure());
+  ServiceBase& service = bench.data.read_service();
+  const double value = 3.0;
+  bench.data.write_service().write(&value);
+
+  ASSERT_TRUE(bench.probe.connect("in", service, bench.data.keep_alive()));
+  EXPECT_EQ(bench.probe.shell().in.read(), 3.0);
+  EXPECT_EQ(bench.probe.connect("in", service, nullptr).error().code, Errc::duplicate);
+  ASSERT_TRUE(bench.probe.disconnect("in"));
+  EXPECT_EQ(bench.probe.shell().in.read(), 42.0);
+  EXPECT_EQ(bench.probe.disconnect("in").error().code, Errc::wrong_state);
+}
+
 TEST(Port, TellsNewFromOldData) {
   Bench bench;
   ProbeShell& shell = bench.probe.shell();

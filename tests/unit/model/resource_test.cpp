@@ -145,9 +145,10 @@ TEST(Gate, IsLeftWhenACoreThrows) {
 
 TEST(Tap, SeesEveryWriteAndCountsWhatItLost) {
   SharedDataBase data("data", data_type<double>());
-  Tap tap(data_type<double>(), 3);
+  const auto shared = std::make_shared<Tap>(data_type<double>(), 3);
+  Tap& tap = *shared;
   ServiceBase& write = data.write_service();
-  ASSERT_TRUE(write.taps()->attach(tap, data.gate()));
+  ASSERT_TRUE(write.taps()->attach(shared, data.gate()));
   for (const double value : {1.0, 2.0, 3.0, 4.0}) write.write(&value);
 
   std::vector<double> seen;
@@ -161,6 +162,78 @@ TEST(Tap, SeesEveryWriteAndCountsWhatItLost) {
   const double last = 5.0;
   write.write(&last);
   EXPECT_FALSE(tap.pop([](const void*, Instant) {}));
+}
+
+/// A writer that hangs while it holds the resource, until it is let go.
+class HangingWriter {
+ public:
+  explicit HangingWriter(SharedDataBase& data) : thread_([this, &data] { hang(data); }) {
+    while (!inside_) std::this_thread::yield();
+  }
+  ~HangingWriter() { let_go(); }
+  HangingWriter(const HangingWriter&) = delete;
+  HangingWriter& operator=(const HangingWriter&) = delete;
+
+  void let_go() {
+    leave_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+
+ private:
+  void hang(SharedDataBase& data) {
+    auto filler = [this](void* value) {
+      inside_ = true;
+      while (!leave_) std::this_thread::yield();
+      *static_cast<double*>(value) = 9.0;
+    };
+    static_cast<void>(data.write_service().fill(Filler(filler)));
+  }
+
+  std::atomic<bool> inside_{false};
+  std::atomic<bool> leave_{false};
+  std::thread thread_;
+};
+
+TEST(Tap, IsDetachedWhileAWriterHangsAndStaysWhereTheWriterMayLook) {
+  SharedDataBase data("data", data_type<double>());
+  TapList& list = *data.write_service().taps();
+  auto tap = std::make_shared<Tap>(data_type<double>(), 3);
+  ASSERT_TRUE(list.attach(tap, data.gate()));
+  HangingWriter writer(data);
+  this_job().lock_bound = 1ms;
+
+  list.detach(*tap, data.gate());
+
+  this_job().lock_bound = 0ms;
+  const std::weak_ptr<Tap> left = tap;
+  tap.reset();
+  EXPECT_FALSE(left.expired());
+  writer.let_go();
+  EXPECT_FALSE(left.lock()->pop([](const void*, Instant) {})) << "a closed tap took a value";
+  auto other = std::make_shared<Tap>(data_type<double>(), 3);
+  ASSERT_TRUE(list.attach(other, data.gate()));
+  EXPECT_TRUE(left.expired()) << "the next attach gives it up";
+  list.detach(*other, data.gate());
+}
+
+TEST(Tap, OfAHangingWriterTakesNoPlaceForEver) {
+  SharedDataBase data("data", data_type<double>());
+  TapList& list = *data.write_service().taps();
+  const auto make = [] { return std::make_shared<Tap>(data_type<double>(), 1); };
+  std::vector<std::shared_ptr<Tap>> taps;
+  for (std::size_t i = 0; i < TapList::kMaxTaps; ++i) {
+    taps.push_back(make());
+    ASSERT_TRUE(list.attach(taps.back(), data.gate()));
+  }
+  EXPECT_EQ(list.attach(make(), data.gate()).error().code, Errc::limit);
+  HangingWriter writer(data);
+  this_job().lock_bound = 1ms;
+  for (const auto& tap : taps) list.detach(*tap, data.gate());
+  EXPECT_EQ(list.attach(make(), data.gate()).error().code, Errc::timed_out);
+  this_job().lock_bound = 0ms;
+  writer.let_go();
+
+  for (auto& tap : taps) EXPECT_TRUE(list.attach(tap = make(), data.gate()));
 }
 
 TEST(SharedData, ServesMoreReadersThanItHasSlots) {
