@@ -55,13 +55,8 @@ void choose_cpus(System& system) {
 }
 
 Status check_cpus(const ComponentBase& component) {
-  const std::vector<int> usable = rt::usable_cpus();
   for (const int cpu : component.bundle()->task.cpus) {
-    if (std::find(usable.begin(), usable.end(), cpu) != usable.end()) continue;
-    return refuse(Errc::invalid_value, component.name() + ".task.cpus",
-                  "CPU " + std::to_string(cpu) + " is not one that this process may use",
-                  "there are " + std::to_string(usable.size()) + " usable CPUs, from " +
-                      std::to_string(usable.front()) + " to " + std::to_string(usable.back()));
+    if (Status there = rt::check_cpu(cpu, component.name() + ".task.cpus"); !there) return there;
   }
   return ok();
 }

@@ -27,8 +27,7 @@ using mauve::test::Process;
 using mauve::test::TempDir;
 using nlohmann::json;
 
-const std::filesystem::path kRoot =
-    std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
+const std::filesystem::path kRoot = MAUVE_SOURCE_DIR;
 
 /// etc/replay.json with the device and, unless empty, the recording set; quicker than life.
 std::string replay(const std::string& device, const std::string& recording) {

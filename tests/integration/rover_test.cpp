@@ -26,8 +26,7 @@ using mauve::Receipt;
 using mauve::Value;
 using mauve::test::eventually;
 
-const std::filesystem::path kRoot =
-    std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
+const std::filesystem::path kRoot = MAUVE_SOURCE_DIR;
 
 /// One of the architectures of etc/, deployed without threads.
 class Simulated {

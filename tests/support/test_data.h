@@ -14,7 +14,7 @@ namespace support {
 /// The folder or file of that name among the recordings; nothing when there are none here.
 inline std::optional<std::filesystem::path> test_data(const std::string& name) {
   const char* set = std::getenv("MAUVE_TEST_DATA");
-  const auto root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
+  const std::filesystem::path root = MAUVE_SOURCE_DIR;
   const std::filesystem::path base = set != nullptr ? set : root / ".." / "shared" / "data";
   const std::filesystem::path path = base / name;
   if (!std::filesystem::exists(path)) return {};

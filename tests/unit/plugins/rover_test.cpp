@@ -30,8 +30,7 @@ struct Rover {
 };
 
 Rover rover_of_the_example() {
-  const auto root = std::filesystem::path(__FILE__).parent_path().parent_path().parent_path();
-  std::ifstream file(root.parent_path() / "etc" / "rover.json");
+  std::ifstream file(std::filesystem::path(MAUVE_SOURCE_DIR) / "etc" / "rover.json");
   const auto json = nlohmann::json::parse(file, nullptr, true, true);
   Rover rover;
   for (const auto& disc : json["resources"]["world"]["properties"]["core.obstacles"]) {
