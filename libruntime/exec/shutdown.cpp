@@ -10,7 +10,7 @@
 namespace mauve::exec {
 namespace {
 
-/// A healthy component gets this long to end its job, however short the whole time is.
+/// A healthy component gets this long to end its job, and its thread to end, however late it is.
 constexpr Duration kShortestPatience = 100ms;
 
 }  // namespace
@@ -25,7 +25,8 @@ std::vector<std::string> bring_down(System& system, Duration bound) {
   static_cast<void>(system.runner->await([&] { return stop.advance(); }, kNever));
   for (Deployed& deployed : system.deployed) {
     const bool stuck = stop.hung().count(&deployed) != 0;
-    const Instant until = stuck ? system.runner->now() : deadline;
+    const Instant now = system.runner->now();
+    const Instant until = stuck ? now : std::max(deadline, now + kShortestPatience.count());
     if (system.runner->end(*deployed.task, until)) continue;
     left_behind.push_back(deployed.component->name());
     deployed.component->abandon();
