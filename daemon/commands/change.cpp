@@ -102,12 +102,12 @@ void end_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Tic
 
 void resume_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
   auto& change = **journey->prepared;
-  const bool stopped_meanwhile = stops_of(running, journey->change) != journey->stops;
-  if (stopped_meanwhile && journey->exchanged) {
+  const bool stopped = stops_of(running, journey->change) != journey->stops;
+  if (stopped && journey->exchanged) {
     // The new core takes its place, but the component stays where the stop put it.
     return put_in_force(running, call, std::move(journey), std::move(ticket));
   }
-  if (stopped_meanwhile) {
+  if (stopped) {
     return end_in_place(running, call, journey, std::move(ticket), journey->exchanged.error());
   }
   auto resumed = running.deployer.begin_in_place_resume(change, journey->exchanged);
