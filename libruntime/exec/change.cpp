@@ -31,7 +31,14 @@ Status Retired::release() {
     if (first && !done) first = std::move(done);
     elements_.pop_back();
   }
+  while (!owners_.empty()) owners_.pop_back();
   return first;
+}
+
+void Retired::merge(Retired&& other) {
+  elements_.insert(elements_.end(), other.elements_.begin(), other.elements_.end());
+  owners_.insert(owners_.end(), other.owners_.begin(), other.owners_.end());
+  other.forget();
 }
 
 }  // namespace mauve

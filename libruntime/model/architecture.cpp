@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/architecture.h>
 
+#include <algorithm>
 #include <set>
 
 #include "base/name.h"
@@ -14,6 +15,18 @@ namespace {
 template <typename Names, typename Items>
 void collect_names(Names& names, const Items& items) {
   for (const auto* item : items) names.emplace_back(item->name());
+}
+
+template <typename Base>
+std::shared_ptr<Base> take(std::vector<Base*>& all, std::vector<std::shared_ptr<Base>>& owned,
+                           Base& element) {
+  std::erase(all, &element);
+  const auto found = std::find_if(owned.begin(), owned.end(),
+                                  [&](const auto& owner) { return owner.get() == &element; });
+  if (found == owned.end()) return nullptr;
+  std::shared_ptr<Base> owner = std::move(*found);
+  owned.erase(found);
+  return owner;
 }
 
 }  // namespace
@@ -53,16 +66,24 @@ Result<ServiceBase*> Architecture::find_service(std::string_view address) const 
                 did_you_mean(address, names));
 }
 
-ComponentBase& Architecture::own(std::unique_ptr<ComponentBase> component) {
+ComponentBase& Architecture::own(std::shared_ptr<ComponentBase> component) {
   add(*component);
   owned_components_.push_back(std::move(component));
   return *components_.back();
 }
 
-ResourceBase& Architecture::own(std::unique_ptr<ResourceBase> resource) {
+ResourceBase& Architecture::own(std::shared_ptr<ResourceBase> resource) {
   add(*resource);
   owned_resources_.push_back(std::move(resource));
   return *resources_.back();
+}
+
+std::shared_ptr<ComponentBase> Architecture::take_out(ComponentBase& component) {
+  return take(components_, owned_components_, component);
+}
+
+std::shared_ptr<ResourceBase> Architecture::take_out(ResourceBase& resource) {
+  return take(resources_, owned_resources_, resource);
 }
 
 Status Architecture::configure() {

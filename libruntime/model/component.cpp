@@ -14,6 +14,20 @@ std::string_view to_string(OnOverrun value) {
       return "skip";
     case OnOverrun::stop:
       return "stop";
+    case OnOverrun::fallback:
+      return "fallback";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(FaultPolicy::Action value) {
+  switch (value) {
+    case FaultPolicy::Action::stop:
+      return "stop";
+    case FaultPolicy::Action::restart:
+      return "restart";
+    case FaultPolicy::Action::fallback:
+      return "fallback";
   }
   return "unknown";
 }

@@ -58,7 +58,7 @@ bool PortBase::connected() const {
 
 const Binding* PortBase::binding() {
   const Bindings* table = shell_.bindings();
-  if (table == nullptr || this_job().detached) return nullptr;
+  if (table == nullptr || this_job().detached.load(std::memory_order_relaxed)) return nullptr;
   const Binding* binding = (*table)[index_].get();
   if (binding == nullptr) return nullptr;
   if (binding->id() != seen_) {

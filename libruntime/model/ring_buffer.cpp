@@ -77,7 +77,7 @@ class Take final : public ServiceBase {
   }
   DataStatus look(Visitor visitor, Cursor& cursor) override {
     Entry entry(gate());
-    if (!entry) return DataStatus::timed_out;
+    if (!entry) return entry.refusal();
     return ring().pop(visitor, cursor.stamp) ? DataStatus::new_data : DataStatus::no_data;
   }
 

@@ -47,7 +47,7 @@ class ReadLatest final : public ServiceBase {
   DataStatus look(Visitor visitor, Cursor& cursor) override {
     if (cursor.slot == rt::LatestValue::kNoSlot) {
       Entry entry(gate());
-      return entry ? show(exchange().newest(), visitor, cursor) : DataStatus::timed_out;
+      return entry ? show(exchange().newest(), visitor, cursor) : entry.refusal();
     }
     const DataStatus status = show(exchange().acquire(cursor.slot), visitor, cursor);
     exchange().release(cursor.slot);

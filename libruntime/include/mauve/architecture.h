@@ -44,8 +44,11 @@ class Architecture {
   /// Members register themselves; elements made from a file are owned.
   void add(ComponentBase& component) { components_.push_back(&component); }
   void add(ResourceBase& resource) { resources_.push_back(&resource); }
-  ComponentBase& own(std::unique_ptr<ComponentBase> component);
-  ResourceBase& own(std::unique_ptr<ResourceBase> resource);
+  ComponentBase& own(std::shared_ptr<ComponentBase> component);
+  ResourceBase& own(std::shared_ptr<ResourceBase> resource);
+  /// Takes an element out: what owned it, or null for a member of a derived class.
+  std::shared_ptr<ComponentBase> take_out(ComponentBase& component);
+  std::shared_ptr<ResourceBase> take_out(ResourceBase& resource);
 
   /// Runs on_configure(), checks the wiring, then configures resources and components in their
   /// order; a failure undoes all and says where.
@@ -61,8 +64,8 @@ class Architecture {
   std::string name_;
   std::vector<ComponentBase*> components_;
   std::vector<ResourceBase*> resources_;
-  std::vector<std::unique_ptr<ComponentBase>> owned_components_;
-  std::vector<std::unique_ptr<ResourceBase>> owned_resources_;
+  std::vector<std::shared_ptr<ComponentBase>> owned_components_;
+  std::vector<std::shared_ptr<ResourceBase>> owned_resources_;
   bool configured_ = false;
 };
 

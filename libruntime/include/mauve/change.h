@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -14,6 +15,8 @@
 #include <mauve/value.h>
 
 namespace mauve {
+
+class ResourceBase;
 
 /// What happens to the state of a core that is replaced.
 enum class StatePolicy : std::uint8_t {
@@ -43,13 +46,41 @@ struct Edit {
   std::vector<std::pair<std::string, Value>> properties;
   std::vector<NewConnection> connect;
   std::vector<std::string> disconnect;  ///< names of ports
+  std::optional<TaskAttributes> task;   ///< all of them; `start` is not looked at, see `mode`
   Mode mode = Mode::keep;
   StatePolicy state = StatePolicy::keep;
 };
 
-/// All edits take effect at one logical instant, or none does.
+/// A resource or component that joins: made, its properties set, neither configured nor connected.
+/// Its ports may be connected to what is there after the change.
+struct NewResource {
+  std::shared_ptr<ResourceBase> resource;
+  std::vector<NewConnection> connect;
+};
+struct NewComponent {
+  std::shared_ptr<ComponentBase> component;
+  std::vector<NewConnection> connect;
+};
+
+/// After the commit the old bundles stay ready until every member ran so many jobs with the new
+/// ones, or for so long, whichever is first. A core that throws, implausible outputs, misses and
+/// overruns of the budget lead back to them at the next release.
+struct Probation {
+  std::uint64_t activations = 3000;  ///< rule of three: fails less than once in 1000 at 95 %
+  Duration time{10s};
+  Duration confirm_within{0};  ///< zero: nobody needs to confirm
+  unsigned misses = 0;         ///< overruns of a member that are tolerated in `window` jobs of it
+  unsigned window = 64;        ///< at most 64
+};
+
+/// All of it takes effect at one logical instant, or nothing does.
 struct Change {
   std::vector<Edit> edits;
+  std::vector<NewResource> new_resources = {};
+  std::vector<NewComponent> new_components = {};
+  /// Components and resources that leave. A name that leaves may join again as something else.
+  std::vector<std::string> remove = {};
+  std::optional<Probation> probation = {};
 };
 
 /// What a change cost one component.

@@ -4,12 +4,15 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <mauve/element_type.h>
 #include <mauve/time.h>
+#include <mauve/value.h>
 
 namespace mauve {
 
@@ -20,8 +23,25 @@ enum class OnOverrun : std::uint8_t {
   catch_up,  ///< run every missed release back to back (paper Fig. 9)
   skip,      ///< run the newest missed release at once, drop the older ones
   stop,      ///< stop the component after `overrun_limit` overruns
+  fallback,  ///< go on with the fallback core after `overrun_limit` overruns
 };
 [[nodiscard]] std::string_view to_string(OnOverrun value);
+
+/// What happens to a component whose core threw, crashed or did not return.
+struct FaultPolicy {
+  enum class Action : std::uint8_t {
+    stop,      ///< park as faulted
+    restart,   ///< begin again with a fresh core, `restarts` times within `per`, then stop
+    fallback,  ///< go on with the fallback core at the next release
+  };
+  Action action = Action::stop;
+  unsigned restarts = 3;
+  Duration per{60s};
+  Duration back_off{100ms};  ///< before the first restart; twice as long before each next one
+
+  friend bool operator==(const FaultPolicy&, const FaultPolicy&) = default;
+};
+[[nodiscard]] std::string_view to_string(FaultPolicy::Action value);
 
 /// How a component's thread is scheduled.
 struct TaskAttributes {
@@ -32,8 +52,12 @@ struct TaskAttributes {
   Duration budget{0};             ///< execution time of one job; zero: not declared
   std::size_t stack = 64 * 1024;  ///< bytes, touched and locked at start
   OnOverrun on_overrun = OnOverrun::skip;
-  unsigned overrun_limit = 1;  ///< for OnOverrun::stop
-  bool start = true;           ///< false: parked after deployment
+  unsigned overrun_limit = 1;  ///< for OnOverrun::stop and fallback
+  FaultPolicy on_fault;
+  /// A job that runs longer never returns: its thread is given up (see on_fault). Zero: chosen by
+  /// the runtime from budget and waits.
+  Duration watchdog{0};
+  bool start = true;  ///< false: parked after deployment
 
   friend bool operator==(const TaskAttributes&, const TaskAttributes&) = default;
 };
@@ -86,6 +110,15 @@ class ComponentBase {
     return replace_core(CoreType::of<T>(class_name(typeid(T))));
   }
 
+  /// What takes the core's place when that fails (`fallback_core` in the file), and the properties
+  /// it is given; none: empty name. [control]
+  struct Fallback {
+    CoreType core;
+    std::vector<std::pair<std::string, Value>> properties;
+  };
+  [[nodiscard]] const std::optional<Fallback>& fallback() const { return fallback_; }
+  void fall_back_to(std::optional<Fallback> fallback) { fallback_ = std::move(fallback); }
+
   /// Makes the elements anew when a constructor failed; the error of the last attempt. Runtime
   /// only.
   [[nodiscard]] const Status& made() const { return made_; }
@@ -106,6 +139,7 @@ class ComponentBase {
   std::string name_;
   ComponentType type_;
   std::shared_ptr<const Bundle> bundle_;
+  std::optional<Fallback> fallback_;
   Status made_;
   bool configured_ = false;
 };

@@ -19,13 +19,15 @@ enum class DataStatus : std::uint8_t {
   new_data,   ///< written since the last read
   stale,      ///< older than the port's max_age; the value is delivered
   timed_out,  ///< the resource was busy beyond the caller's bound: the default was returned
+  poisoned,   ///< a caller crashed inside the resource, see Gate::poison: the default was returned
 };
 
 [[nodiscard]] std::string_view to_string(DataStatus status);
 
 /// Did the read deliver a value?
 [[nodiscard]] constexpr bool has_value(DataStatus status) {
-  return status != DataStatus::no_data && status != DataStatus::timed_out;
+  return status == DataStatus::old_data || status == DataStatus::new_data ||
+         status == DataStatus::stale;
 }
 
 /// Where one reader stands with one service.

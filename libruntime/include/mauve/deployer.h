@@ -82,6 +82,17 @@ struct Happening {
 class PreparedChange;
 class Retired;
 
+/// A probation that is over.
+struct ProbationEnd {
+  std::uint64_t began = 0;       ///< generation that was on probation
+  std::uint64_t generation = 0;  ///< in force now; another one after a rollback
+  bool rolled_back = false;
+  std::string component;  ///< whose fault it was; empty: nobody's
+  std::string reason;     ///< "threw: sensor lost", "confirmed", "3000 jobs without a fault"
+  Duration commit{0};     ///< of the rollback, since T0
+  std::vector<std::string> cores;  ///< types of the cores that were rolled back, for quarantine
+};
+
 /// A change, or a stop, on its way: it is over when every member came to its boundary. [control]
 class Ongoing {
  public:
@@ -132,6 +143,16 @@ class Deployer {
   Result<Receipt> commit(PreparedChange& change, Retired& retired);
   /// All steps in the calling thread.
   Result<Receipt> apply(const Change& change);
+
+  /// The change on probation is good: its old bundles may go. Refused when there is none.
+  Status confirm();
+  /// Back to before the change on probation, at the next releases of all its members. The end is
+  /// told by tend().
+  Status undo(const std::string& reason = "undone by request");
+  [[nodiscard]] bool on_probation() const;
+  /// Looks after what goes on by itself: ends of probations, fallbacks, rollbacks. Call it some
+  /// times a second; what became free goes to `retired`.
+  std::vector<ProbationEnd> tend(Retired& retired);
 
   /// Shorthands for apply().
   Result<Receipt> start(const std::vector<std::string>& components, bool reset = false);
@@ -205,6 +226,7 @@ class Retired {
   Retired& operator=(Retired&& other) noexcept {
     static_cast<void>(release());
     elements_.swap(other.elements_);
+    owners_.swap(other.owners_);
     return *this;
   }
   ~Retired() { static_cast<void>(release()); }
@@ -212,11 +234,19 @@ class Retired {
   /// Cleans up in the reverse order of dependency; the first error of a hook is returned.
   Status release();
   /// Runtime only: what was added is in force now.
-  void forget() { elements_.clear(); }
+  void forget() {
+    elements_.clear();
+    owners_.clear();
+  }
   /// Runtime only: in the order of dependency.
   void add(std::shared_ptr<Configurable> element) { elements_.push_back(std::move(element)); }
+  /// Runtime only: freed after the elements, the last one first.
+  void keep(std::shared_ptr<void> owner) { owners_.push_back(std::move(owner)); }
+  void merge(Retired&& other);
+  [[nodiscard]] bool empty() const { return elements_.empty() && owners_.empty(); }
 
  private:
+  std::vector<std::shared_ptr<void>> owners_;
   std::vector<std::shared_ptr<Configurable>> elements_;
 };
 

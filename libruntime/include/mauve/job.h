@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -14,16 +15,21 @@
 namespace mauve {
 
 class Gate;
+class PortBase;
 
 /// One per thread. The stepper fills it at each release; other threads keep the defaults.
 struct Job {
   static constexpr std::size_t kMaxHeld = 8;  ///< deepest nesting of resources, checked at connect
 
   Instant start = 0;       ///< monotonic time read when this job began; 0 outside a job
+  Instant release = 0;     ///< logical release of this job, monotonic; 0 outside a job
   Duration lock_bound{0};  ///< how long an access may wait for a resource; 0: one second
   bool running = false;    ///< between release and wait: no deployer call, no configure, no cleanup
-  bool detached = false;   ///< preparing: every port behaves as if it were not connected
-  std::size_t held_count = 0;  ///< resources locked by this thread, innermost last
+  /// Every port behaves as if it were not connected: while preparing, and for a thread that was
+  /// given up because its job did not return.
+  std::atomic<bool> detached{false};
+  const PortBase* implausible = nullptr;  ///< the first that was given a value it does not let out
+  std::size_t held_count = 0;             ///< resources locked by this thread, innermost last
   std::array<Gate*, kMaxHeld> held{};
 };
 
@@ -40,7 +46,7 @@ struct Job {
 /// prepared can move nothing.
 class Detached {
  public:
-  Detached() : before_(this_job().detached) { this_job().detached = true; }
+  Detached() : before_(this_job().detached.exchange(true)) {}
   ~Detached() { this_job().detached = before_; }
   Detached(const Detached&) = delete;
   Detached& operator=(const Detached&) = delete;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -124,7 +125,7 @@ class ReadPort final : public PortBase {
 
  private:
   DataStatus aged(const Binding& connection, DataStatus status) {
-    if (status == DataStatus::timed_out) count_failure();
+    if (status == DataStatus::timed_out || status == DataStatus::poisoned) count_failure();
     if (connection.max_age() == Duration{0} || !mauve::has_value(status)) return status;
     return age() > connection.max_age() ? DataStatus::stale : status;
   }
@@ -141,20 +142,35 @@ struct Safe {
 template <typename T>
 Safe(T) -> Safe<T>;
 
-/// Writes to a connected service; not connected: counted and dropped.
+/// What a port lets out: `accepts(value, last)` is asked on the real-time thread before each write;
+/// `last` is the value written before, or `value` itself at first. Range and slew are said so:
+/// `Plausible<double>{[](double v, double last) { return v <= 2 && std::abs(v - last) < 0.1; }}`
+template <typename T>
+struct Plausible {
+  std::function<bool(const T& value, const T& last)> accepts;
+};
+
+/// Writes to a connected service; not connected: counted and dropped. So is a value that is not
+/// plausible: the service keeps the one before, and a core on probation is rolled back.
 template <typename T>
 class WritePort final : public PortBase {
  public:
   WritePort(Shell& shell, std::string_view name) : PortBase(shell, name, Signature::write<T>()) {}
   WritePort(Shell& shell, std::string_view name, Safe<T> safe)
       : PortBase(shell, name, Signature::write<T>()), safe_(std::move(safe.value)) {}
+  WritePort(Shell& shell, std::string_view name, Safe<T> safe, Plausible<T> plausible)
+      : PortBase(shell, name, Signature::write<T>()),
+        safe_(std::move(safe.value)),
+        plausible_(std::move(plausible.accepts)) {}
 
   /// False: nobody got the value.
   bool write(const T& value) {
     const Binding* connection = binding();
-    return counted(connection != nullptr && connection->service().write(&value));
+    if (connection == nullptr || !lets_out(value)) return counted(false);
+    return counted(connection->service().write(&value));
   }
   /// Calls f(T&) on the storage of the exchange, which holds some older value, then publishes it.
+  /// Not checked for plausibility.
   template <typename F>
   bool fill(F&& f) {
     const Binding* connection = binding();
@@ -172,8 +188,20 @@ class WritePort final : public PortBase {
     if (!done) count_failure();
     return done;
   }
+  bool lets_out(const T& value) {
+    if (!plausible_) return true;
+    if (!plausible_(value, last_ ? *last_ : value)) {
+      Job& job = this_job();
+      if (job.implausible == nullptr) job.implausible = this;
+      return false;
+    }
+    last_ = value;
+    return true;
+  }
 
   std::optional<T> safe_;
+  std::function<bool(const T&, const T&)> plausible_;
+  std::optional<T> last_;
 };
 
 template <typename Signature>

@@ -11,6 +11,7 @@
 
 #include <mauve/configurable.h>
 #include <mauve/data_status.h>
+#include <mauve/gate.h>
 #include <mauve/job.h>
 #include <mauve/method.h>
 #include <mauve/type.h>
@@ -22,41 +23,6 @@ class ResourceBase;
 class TapList;
 template <typename CoreT>
 class Interface;
-
-/// One caller at a time: the priority-inheritance lock of a resource, with a bounded wait and a
-/// record of what the thread holds.
-class Gate {
- public:
-  Gate();
-  ~Gate();
-  Gate(const Gate&) = delete;
-  Gate& operator=(const Gate&) = delete;
-
-  /// False when the caller's bound passed first, or it holds too many; nothing is held then. [any]
-  [[nodiscard]] bool enter();
-  void leave();
-  [[nodiscard]] std::uint64_t timeouts() const;
-
- private:
-  struct Lock;
-  std::unique_ptr<Lock> lock_;
-};
-
-/// Holds a gate for a scope; false when it could not be entered.
-class Entry {
- public:
-  explicit Entry(Gate& gate) : gate_(gate), entered_(gate.enter()) {}
-  ~Entry() {
-    if (entered_) gate_.leave();
-  }
-  Entry(const Entry&) = delete;
-  Entry& operator=(const Entry&) = delete;
-  explicit operator bool() const { return entered_; }
-
- private:
-  Gate& gate_;
-  bool entered_;
-};
 
 /// What a port sees of a service. Data moves through untyped pointers; connect() has compared the
 /// signatures, so the casts are safe. Calls are [any] but not from inside the same resource.
@@ -117,7 +83,7 @@ class ReadService final : public ServiceBase {
 
   DataStatus read(void* into, Cursor& cursor) override {
     Entry entry(gate());
-    if (!entry) return DataStatus::timed_out;
+    if (!entry) return entry.refusal();
     cursor.stamp = job_time();
     if (always_) {
       *static_cast<T*>(into) = (*always_)(core());

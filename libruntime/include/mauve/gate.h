@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Gate: one caller at a time through the services of a resource.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+
+#include <mauve/data_status.h>
+#include <mauve/time.h>
+
+namespace mauve {
+
+/// Runtime only: a change of a resource, taken by the first caller whose job is released at or
+/// after its instant. A resource has no thread of its own to do it.
+class Deferred {
+ public:
+  virtual ~Deferred() = default;
+  /// Under the gate. `release`: of the caller's job on the monotonic clock, 0 outside a job. True:
+  /// it is over, and nobody visits it again. Bounded, no heap. [any]
+  virtual bool visit(Instant release) = 0;
+};
+
+/// The priority-inheritance lock of a resource, with a bounded wait and a record of what the thread
+/// holds.
+class Gate {
+ public:
+  Gate();
+  ~Gate();
+  Gate(const Gate&) = delete;
+  Gate& operator=(const Gate&) = delete;
+
+  /// Waits no longer than the caller's bound. False when that passed first, when the caller holds
+  /// too many, or when the resource is poisoned; nothing is held then. [any]
+  [[nodiscard]] bool enter();
+  /// Never waits, and enters a poisoned resource too. [control]
+  [[nodiscard]] bool try_enter();
+  void leave();
+  [[nodiscard]] std::uint64_t timeouts() const;
+
+  /// A caller was thrown out in the middle of a service (a crash, a core that did not return): what
+  /// the core holds may be half written. Callers are refused until it gets a new core. [any]
+  void poison() { poisoned_.store(true, std::memory_order_release); }
+  [[nodiscard]] bool poisoned() const { return poisoned_.load(std::memory_order_acquire); }
+  /// Under the gate: its core is new, or known to be whole.
+  void heal() { poisoned_.store(false, std::memory_order_release); }
+
+  /// Runtime only: what the next callers visit; null: nothing. [control]
+  void defer(Deferred* deferred) { deferred_.store(deferred, std::memory_order_release); }
+
+ private:
+  struct Lock;
+  void visit_deferred(Instant release);
+
+  std::unique_ptr<Lock> lock_;
+  std::atomic<Deferred*> deferred_{nullptr};
+  std::atomic<bool> poisoned_{false};
+};
+
+/// Holds a gate for a scope; false when it could not be entered.
+class Entry {
+ public:
+  explicit Entry(Gate& gate) : gate_(gate), entered_(gate.enter()) {}
+  ~Entry() {
+    if (entered_) gate_.leave();
+  }
+  Entry(const Entry&) = delete;
+  Entry& operator=(const Entry&) = delete;
+  explicit operator bool() const { return entered_; }
+  /// Why not.
+  [[nodiscard]] DataStatus refusal() const {
+    return gate_.poisoned() ? DataStatus::poisoned : DataStatus::timed_out;
+  }
+
+ private:
+  Gate& gate_;
+  bool entered_;
+};
+
+}  // namespace mauve

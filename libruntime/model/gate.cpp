@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <mauve/gate.h>
+
+#include "rt/pi_mutex.h"
+
+#include <mauve/clock.h>
+#include <mauve/job.h>
+
+namespace mauve {
+
+struct Gate::Lock {
+  rt::PiMutex mutex;
+  std::atomic<std::uint64_t> timeouts{0};
+};
+
+Gate::Gate() : lock_(std::make_unique<Lock>()) {}
+Gate::~Gate() = default;
+
+bool Gate::enter() {
+  Job& job = this_job();
+  if (job.held_count == Job::kMaxHeld) return false;
+  if (!lock_->mutex.try_lock()) {
+    const Duration bound = job.lock_bound > Duration{0} ? job.lock_bound : Duration{1s};
+    if (!lock_->mutex.lock_until(MonotonicClock().now() + bound.count())) {
+      lock_->timeouts.fetch_add(1, std::memory_order_relaxed);
+      return false;
+    }
+  }
+  job.held[job.held_count++] = this;
+  if (deferred_.load(std::memory_order_acquire) != nullptr) visit_deferred(job.release);
+  if (!poisoned()) return true;
+  leave();
+  return false;
+}
+
+bool Gate::try_enter() {
+  Job& job = this_job();
+  if (job.held_count == Job::kMaxHeld || !lock_->mutex.try_lock()) return false;
+  job.held[job.held_count++] = this;
+  return true;
+}
+
+void Gate::leave() {
+  --this_job().held_count;  // locks nest: the innermost is left first
+  lock_->mutex.unlock();
+}
+
+/// The coordinator may have put another one in its place meanwhile.
+void Gate::visit_deferred(Instant release) {
+  Deferred* deferred = deferred_.load(std::memory_order_acquire);
+  if (!deferred->visit(release)) return;
+  deferred_.compare_exchange_strong(deferred, nullptr, std::memory_order_acq_rel);
+}
+
+std::uint64_t Gate::timeouts() const { return lock_->timeouts.load(std::memory_order_relaxed); }
+
+}  // namespace mauve
