@@ -2,6 +2,9 @@
 #include "exec/commit.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "exec/membership.h"
 
 #include <mauve/job.h>
 
@@ -21,105 +24,155 @@ Status check_member(const PreparedMember& member, const Deployed& deployed) {
   return ok();
 }
 
-Error busy(const ResourceBase& resource) {
-  return refuse(Errc::timed_out, resource.name(),
-                "is held by a caller that does not leave it, so it was not changed",
-                "look at `status`: a core that never returns holds its component");
-}
-
-/// Writes the safe value of a port that loses its service.
-Status write_safe(ResourceBase& resource, const std::string& port) {
-  const PortBase* found = resource.shell().find_port(port);
-  const auto binding = resource.bindings()[found->index()];
-  const Entry entry(resource.gate());
-  if (!entry) return busy(resource);
-  found->write_safe(binding->service());
-  return ok();
-}
-
-Status rewire(System& system, PreparedResource& change) {
-  ResourceBase& resource = *change.resource;
-  for (const std::string& port : change.disconnect) {
-    Status done = write_safe(resource, port);
-    if (done) done = resource.disconnect(port);
-    if (!done) return busy(resource);
+Status check_resource(const PreparedResource& change) {
+  const ResourceBase& resource = *change.resource;
+  if (resource.shared_core() == change.base.core &&
+      resource.shared_bindings() == change.base.bindings) {
+    return ok();
   }
-  for (const NewConnection& wanted : change.connect) {
-    const Result<ServiceBase*> service = system.architecture.find_service(wanted.service);
-    if (!service) return service.error();
-    Status done = resource.connect(wanted.port, **service, (*service)->resource().keep_alive(),
-                                   wanted.max_age);
-    if (!done) return done;
-  }
-  return ok();
-}
-
-/// Under the resource's own lock, so between two accesses.
-Status commit_resource(System& system, PreparedResource& change, MemberReceipt& receipt,
-                       Retired& retired) {
-  if (Status done = rewire(system, change); !done) return done;
-  if (change.core == nullptr) return ok();
-  ResourceBase::Exchange exchange =
-      change.resource->exchange_core(change.core, change.state == StatePolicy::keep);
-  if (!exchange.done) return busy(*change.resource);
-  change.made.forget();
-  retired.add(std::move(exchange.old));
-  receipt.bytes = exchange.bytes;
-  receipt.pause = exchange.pause;
-  return ok();
-}
-
-/// The elements of the old bundle that the new one does not use, in the order of dependency.
-void retire(const PreparedMember& member, Retired& retired) {
-  if (member.next->shell != member.base->shell) retired.add(member.base->shell);
-  if (member.next->core != member.base->core) retired.add(member.base->core);
-  if (member.next->fsm != member.base->fsm) retired.add(member.base->fsm);
+  return refuse(Errc::conflict, resource.name(),
+                "was changed by somebody else while this change was prepared", "try again");
 }
 
 }  // namespace
 
+void retire(const Bundle& old, const Bundle& now, Retired& retired) {
+  if (now.shell != old.shell) retired.add(old.shell);
+  if (now.core != old.core) retired.add(old.core);
+  if (now.fsm != old.fsm) retired.add(old.fsm);
+}
+
+void schedule(System& system, Deployed& deployed) {
+  const TaskAttributes& task = deployed.component->bundle()->task;
+  const bool moves = !task.cpus.empty() && task.cpus != deployed.cpus;
+  if (!moves && task.priority == deployed.priority) return;
+  if (moves) deployed.cpus = task.cpus;
+  deployed.priority = task.priority;
+  // Both were found possible when the change was prepared.
+  static_cast<void>(system.runner->reschedule(*deployed.task, system.realtime ? task.priority : 0,
+                                              deployed.cpus));
+  deployed.realtime = system.realtime && system.runner->is_fifo(*deployed.task, task.priority);
+}
+
 Commit::Commit(System& system, Content content, Swap::Kind kind, Duration longest_job)
     : system_(system), content_(std::move(content)) {
-  for (const PreparedMember& member : content_->members) {
-    deployed_.push_back(system_.find(member.component->name()));
-  }
-  if (Status sound = check(); !sound) {
-    result_ = sound.error();
-    over_ = true;
-    content_.reset();
+  Status sound = check(kind);
+  if (sound) sound = let_in_new();
+  if (!sound) {
+    refuse_all(std::move(sound.error()));
     return;
   }
+  if (content_->probation) way_back_ = std::make_shared<WayBack>();
   publish(kind, longest_job);
 }
 
-Status Commit::check() const {
+/// Nothing has happened, and nothing will.
+void Commit::refuse_all(Error error) {
+  let_go_new();
+  result_ = std::move(error);
+  over_ = true;
+  content_.reset();
+}
+
+Status Commit::check(Swap::Kind kind) {
   if (Status outside = refuse_in_job("deployer", "commit()"); !outside) return outside;
+  for (const PreparedMember& member : content_->members) {
+    if (member.part == Part::joins) {
+      deployed_.push_back(nullptr);  // see let_in_new()
+      continue;
+    }
+    deployed_.push_back(system_.find(member.component->name()));
+    const bool there =
+        deployed_.back() != nullptr && deployed_.back()->component == member.component;
+    if (!there) {
+      return refuse(Errc::conflict, member.component->name(),
+                    "has left while this change was prepared", "look at `status`");
+    }
+    if (Status current = check_member(member, *deployed_.back()); !current) return current;
+  }
+  for (const PreparedResource& resource : content_->resources) {
+    if (Status current = check_resource(resource); !current) return current;
+  }
+  return check_probation(kind);
+}
+
+/// There is one way back at a time: the newest change ends the probation of the one before.
+Status Commit::check_probation(Swap::Kind kind) {
+  if (kind == Swap::Kind::order || system_.probation == nullptr) return ok();
+  OnProbation& before = *system_.probation;
+  if (before.awaits_confirmation()) {
+    return refuse(Errc::conflict, "generation " + std::to_string(system_.generation),
+                  "waits to be confirmed, so nothing else is changed meanwhile",
+                  "confirm it, or undo it");
+  }
+  if (before.pass("a newer change")) {
+    system_.fading.push_back(std::move(system_.probation));
+    return ok();
+  }
+  return refuse(Errc::conflict, "generation " + std::to_string(system_.generation),
+                "is being rolled back", "try again when it is over: see the log");
+}
+
+Status Commit::let_in_new() {
   for (std::size_t i = 0; i < deployed_.size(); ++i) {
-    Status current = check_member(content_->members[i], *deployed_[i]);
-    if (!current) return current;
+    if (deployed_[i] != nullptr) continue;
+    Result<Deployed*> joining = let_in(system_, *content_->members[i].component);
+    if (!joining) return joining.error();
+    deployed_[i] = *joining;
   }
   return ok();
 }
 
+void Commit::let_go_new() {
+  for (std::size_t i = 0; i < deployed_.size(); ++i) {
+    if (deployed_[i] == nullptr || content_->members[i].part != Part::joins) continue;
+    static_cast<void>(let_go(system_, *std::exchange(deployed_[i], nullptr)));
+  }
+}
+
+Member Commit::forth(std::size_t index, Deployed& deployed) {
+  const PreparedMember& change = content_->members[index];
+  Member member;
+  member.task = deployed.task.get();
+  member.next = make_published(change);
+  if (way_back_ == nullptr) return member;
+  const bool was_running = deployed.state() == ComponentState::running;
+  member.next->back = make_way_back(change, was_running);
+  member.next->back->transaction = &way_back_->transaction();
+  member.next->back->way_back = way_back_.get();
+  member.next->tolerated = content_->probation->misses;
+  const unsigned window = std::min(content_->probation->window, 64U);
+  member.next->window = window == 64 ? ~0ULL : (1ULL << window) - 1;
+  ways_back_.push_back(
+      {&deployed, member.next->back.get(), deployed.task->counters().releases.load(), 0, nullptr});
+  return member;
+}
+
+std::vector<ResourceMember> Commit::resource_members() const {
+  std::vector<ResourceMember> resources;
+  for (const PreparedResource& change : content_->resources) {
+    resources.push_back(
+        {change.resource, change.parts, change.state == StatePolicy::keep, nullptr});
+  }
+  return resources;
+}
+
 void Commit::publish(Swap::Kind kind, Duration longest_job) {
   entered_.resize(deployed_.size());
-  if (deployed_.empty()) return;
   std::vector<Member> members;
   for (std::size_t i = 0; i < deployed_.size(); ++i) {
     Deployed& deployed = *deployed_[i];
-    Member member;
-    member.task = deployed.task.get();
-    member.next = make_published(content_->members[i]);
-    members.push_back(std::move(member));
+    members.push_back(forth(i, deployed));
     missed_before_.push_back(deployed.task->counters().missed.load());
     deployed.changing = true;
   }
-  swap_ = std::make_unique<Swap>(std::move(members), *system_.runner, longest_job, kind);
+  swap_ = std::make_unique<Swap>(std::move(members), resource_members(), *system_.runner,
+                                 longest_job, kind);
 }
 
 bool Commit::advance() {
   if (over_) return true;
-  over_ = swap_ == nullptr || swap_->advance();
+  over_ = swap_->advance();
   for (std::size_t i = 0; i < deployed_.size(); ++i) {
     if (swap_->members()[i].settled && !entered_[i]) enter(i);
   }
@@ -139,55 +192,84 @@ void Commit::enter(std::size_t index) {
   deployed_[index]->changing = deployed_[index]->parking = false;
   if (!settled.in_force) return;
   if (member.next != member.base) member.component->install(member.next);
-  if (member.type) member.component->renew(*member.type);
-  retire(member, retired_);
+  if (member.type) {
+    ComponentType before = member.component->type();
+    member.component->renew(*std::exchange(member.type, std::move(before)));
+  }
+  schedule(system_, *deployed_[index]);
+  retire(*member.base, *member.next, retired_);
   member.made.forget();
   const std::uint64_t missed = deployed_[index]->task->counters().missed.load();
   receipt_.components.push_back(
       {member.component->name(), settled.pause, missed - missed_before_[index], settled.bytes});
 }
 
+void Commit::enter_resources() {
+  for (std::size_t i = 0; i < swap_->resources().size(); ++i) {
+    const ResourceFlip& flip = *swap_->resources()[i].flip;
+    if (flip.state() != ResourceFlip::State::in_force) continue;
+    PreparedResource& change = content_->resources[i];
+    change.resource->install(change.parts.core, change.parts.bindings);
+    if (change.parts.core != nullptr) retired_.add(change.base.core);
+    change.made.forget();
+    receipt_.components.push_back({change.resource->name(), flip.pause(), 0, flip.bytes()});
+  }
+}
+
 void Commit::conclude() {
-  const SwapResult swapped =
-      swap_ != nullptr ? swap_->result()
-                       : SwapResult{SwapResult::State::committed, system_.runner->now(), 1};
+  const SwapResult& swapped = swap_->result();
   const bool nothing_happened =
       swapped.state == SwapResult::State::missed || swapped.state == SwapResult::State::revoked;
   if (nothing_happened) {
     result_ = not_applied();
-    return;
+    return let_go_new();
   }
+  enter_resources();
   receipt_.state = ChangeState::applied;
   receipt_.commit = Duration{swapped.instant - system_.t0};
   receipt_.attempts = swapped.attempts;
+  receipt_.generation = ++system_.generation;
+  change_membership();
   if (swapped.state != SwapResult::State::committed) {
-    receipt_.generation = ++system_.generation;
     result_ = not_applied();
     return;
   }
-  commit_resources();
+  result_ = receipt_;
+  if (way_back_ != nullptr) return begin_probation();
+  for (std::size_t i = 0; i < deployed_.size(); ++i) {
+    if (content_->members[i].part != Part::leaves) continue;
+    static_cast<void>(let_go(system_, *std::exchange(deployed_[i], nullptr)));
+  }
 }
 
-void Commit::commit_resources() {
-  Status done = ok();
-  for (PreparedResource& resource : content_->resources) {
-    MemberReceipt receipt{resource.resource->name(), Duration{0}, 0, 0};
-    done = commit_resource(system_, resource, receipt, retired_);
-    if (!done) break;
-    receipt_.components.push_back(std::move(receipt));
+/// What joined is part of the architecture now, what left is not; it stays alive with the content.
+void Commit::change_membership() {
+  for (std::size_t i = 0; i < deployed_.size(); ++i) {
+    PreparedMember& member = content_->members[i];
+    if (!entered_[i] || !swap_->members()[i].in_force) continue;
+    if (member.part == Part::leaves) {
+      member.owner = system_.architecture.take_out(*member.component);
+      deployed_[i]->hidden = true;
+    }
   }
-  if (!done && receipt_.components.empty()) {
-    result_ = done.error();
-    return;
+  // A member that hangs may still use what was to leave.
+  const bool whole = swap_->result().state == SwapResult::State::committed;
+  for (ResourceBase* resource : content_->leaving_resources) {
+    if (!whole) break;
+    content_->left_resources.push_back(system_.architecture.take_out(*resource));
   }
-  receipt_.generation = ++system_.generation;
-  if (done) {
-    result_ = receipt_;
-    return;
+  for (const auto& resource : content_->new_resources) system_.architecture.own(resource);
+  for (std::size_t i = 0; i < deployed_.size(); ++i) {
+    PreparedMember& member = content_->members[i];
+    if (member.part != Part::joins) continue;
+    system_.architecture.own(member.owner);
+    deployed_[i]->hidden = false;
   }
-  done.error().code = Errc::partly;
-  done.error().message += "; the change is in force on all others";
-  result_ = done.error();
+}
+
+void Commit::begin_probation() {
+  system_.probation = std::make_unique<OnProbation>(system_, content_, std::move(ways_back_),
+                                                    std::move(way_back_), std::move(retired_));
 }
 
 Result<Receipt> Commit::result() const {
@@ -199,7 +281,7 @@ Result<Receipt> Commit::result() const {
 std::vector<Deployed*> Commit::silent() const {
   std::vector<Deployed*> silent;
   for (std::size_t i = 0; i < deployed_.size(); ++i) {
-    if (swap_ != nullptr && !swap_->members()[i].in_force) silent.push_back(deployed_[i]);
+    if (!swap_->members()[i].in_force) silent.push_back(deployed_[i]);
   }
   return silent;
 }
@@ -208,6 +290,15 @@ Error Commit::not_applied() const {
   std::string names;
   for (const Deployed* one : silent()) {
     names += (names.empty() ? "" : ", ") + one->component->name();
+  }
+  for (const ResourceMember& one : swap_->resources()) {
+    if (one.flip->state() == ResourceFlip::State::in_force) continue;
+    names += (names.empty() ? "" : ", ") + one.resource->name();
+  }
+  if (swap_->members().empty()) {
+    return refuse(Errc::timed_out, names,
+                  "is held by a caller that does not leave it, so it was not changed",
+                  "look at `status`: a core that never returns holds its component");
   }
   const std::string look = "look at `status`: a core that never returns holds its component";
   switch (swap_->result().state) {
@@ -236,7 +327,17 @@ PreparedMember member_of(ComponentBase& component, Mode mode) {
   return member;
 }
 
+/// Probations first: a stop may make a task forget the way back that it took.
 void System::advance() {
+  if (probation != nullptr) {
+    static_cast<void>(probation->advance());
+    if (probation->told()) fading.push_back(std::move(probation));
+  }
+  std::erase_if(fading, [&](const std::unique_ptr<OnProbation>& one) {
+    if (one->advance()) return false;
+    free.merge(one->take_free());
+    return true;
+  });
   std::erase_if(under_way, [](const std::shared_ptr<Commit>& commit) {
     static_cast<void>(commit->advance());
     return commit->over();

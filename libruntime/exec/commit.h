@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "exec/prepared.h"
+#include "exec/probation.h"
 #include "exec/swap.h"
 #include "exec/system.h"
 
@@ -17,6 +18,9 @@ inline constexpr Duration kLongestJob = 2s;
 
 /// What the task of this member is handed.
 [[nodiscard]] std::unique_ptr<Published> make_published(const PreparedMember& member);
+/// What leads it back to where it was.
+[[nodiscard]] std::unique_ptr<Published> make_way_back(const PreparedMember& member,
+                                                       bool was_running);
 
 /// A prepared change taking effect. Lives in System::under_way until no member is left to wait for.
 class Commit final : public Ongoing {
@@ -38,11 +42,19 @@ class Commit final : public Ongoing {
   [[nodiscard]] std::vector<Deployed*> silent() const;
 
  private:
-  Status check() const;
+  Status check(Swap::Kind kind);
+  Status check_probation(Swap::Kind kind);
+  Status let_in_new();
+  void let_go_new();
   void publish(Swap::Kind kind, Duration longest_job);
+  [[nodiscard]] Member forth(std::size_t index, Deployed& deployed);
+  [[nodiscard]] std::vector<ResourceMember> resource_members() const;
   void enter(std::size_t index);
+  void enter_resources();
   void conclude();
-  void commit_resources();
+  void refuse_all(Error error);
+  void change_membership();
+  void begin_probation();
   [[nodiscard]] Error not_applied() const;
 
   System& system_;
@@ -50,7 +62,9 @@ class Commit final : public Ongoing {
   std::vector<Deployed*> deployed_;  // by member
   std::vector<std::uint64_t> missed_before_;
   std::vector<bool> entered_;
-  std::unique_ptr<Swap> swap_;  // null: no component is a member
+  std::unique_ptr<Swap> swap_;
+  std::shared_ptr<WayBack> way_back_;  // null: no probation
+  std::vector<WayBackOfMember> ways_back_;
   Receipt receipt_;
   Retired retired_;
   std::optional<Result<Receipt>> result_;
@@ -61,5 +75,10 @@ class Commit final : public Ongoing {
 std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change,
                                      Swap::Kind kind = Swap::Kind::transaction,
                                      Duration longest_job = kLongestJob);
+
+/// Makes what a committed bundle says of the thread true: priority and CPUs. [control]
+void schedule(System& system, Deployed& deployed);
+/// The elements of `old` that `now` does not use, in the order of dependency.
+void retire(const Bundle& old, const Bundle& now, Retired& retired);
 
 }  // namespace mauve::exec

@@ -110,6 +110,33 @@ Result<Receipt> Deployer::apply(const Change& change) {
   return commit(*prepared, retired);
 }
 
+bool Deployer::on_probation() const {
+  system_->advance();
+  return system_->probation != nullptr && system_->probation->open();
+}
+
+Status Deployer::confirm() {
+  if (on_probation() && system_->probation->pass("confirmed")) {
+    system_->advance();
+    return ok();
+  }
+  return refuse(Errc::wrong_state, "generation " + std::to_string(generation()),
+                "is not on probation, so there is nothing to confirm");
+}
+
+Status Deployer::undo(const std::string& reason) {
+  if (on_probation() && system_->probation->undo(reason)) return ok();
+  return refuse(Errc::wrong_state, "generation " + std::to_string(generation()),
+                "is not on probation: what was before it is no longer ready",
+                "roll back to a saved generation");
+}
+
+std::vector<ProbationEnd> Deployer::tend(Retired& retired) {
+  system_->advance();
+  retired.merge(std::move(system_->free));
+  return std::exchange(system_->ends, {});
+}
+
 Result<Receipt> Deployer::start(const std::vector<std::string>& components, bool reset) {
   Change change;
   for (const std::string& name : components) {

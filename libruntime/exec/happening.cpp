@@ -106,10 +106,19 @@ void drain_one(Deployed& deployed, std::vector<Happening>& all) {
 
 }  // namespace
 
+void keep_last_events(System& system, Deployed& deployed) {
+  const std::lock_guard lock(system.members);
+  drain_one(deployed, system.last_events);
+}
+
 std::size_t drain_events(System& system, const std::function<void(const Happening&)>& visit) {
   std::vector<Happening> all;
-  for (Deployed& deployed : system.deployed) {
-    if (deployed.task != nullptr) drain_one(deployed, all);
+  {
+    const std::lock_guard lock(system.members);
+    all.swap(system.last_events);
+    for (Deployed& deployed : system.deployed) {
+      if (deployed.task != nullptr) drain_one(deployed, all);
+    }
   }
   std::stable_sort(all.begin(), all.end(),
                    [](const Happening& a, const Happening& b) { return a.time < b.time; });

@@ -1,285 +1,198 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Step 1 of a change: everything slow, and everything that can fail, beside the running system.
+#include "exec/prepare.h"
+
 #include <algorithm>
+#include <array>
 
 #include "base/name.h"
-#include "exec/system.h"
-#include "model/connection.h"
-#include "model/elements.h"
 
 #include <mauve/job.h>
 
 namespace mauve::exec {
 namespace {
 
-/// "core.gain" -> {"core", "gain"}.
-std::pair<std::string_view, std::string_view> split(std::string_view path) {
-  const auto dot = path.find('.');
-  return dot == std::string_view::npos ? std::pair{std::string_view{}, path}
-                                       : std::pair{path.substr(0, dot), path.substr(dot + 1)};
+template <typename Items, typename Name>
+bool contains(const Items& items, const Name& wanted) {
+  return std::find(items.begin(), items.end(), wanted) != items.end();
 }
 
-bool touches(const Edit& edit, std::string_view element) {
-  return std::any_of(edit.properties.begin(), edit.properties.end(),
-                     [&](const auto& property) { return split(property.first).first == element; });
-}
-
-Error no_property(const Configurable& element, std::string_view name) {
-  std::vector<std::string> names;
-  for (const PropertyBase* known : element.properties()) names.emplace_back(known->name());
-  const std::string nearest = nearest_name(name, names);
-  return refuse(Errc::unknown_name, element.address() + "." + std::string(name),
-                "there is no property of this name",
-                nearest.empty() ? "" : "did you mean " + element.address() + "." + nearest + "?");
-}
-
-/// A remade element starts with the values of the one it replaces.
-Status copy_properties(const Configurable& from, Configurable& into) {
-  for (const PropertyBase* old : from.properties()) {
-    PropertyBase* same = into.find_property(old->name());
-    if (same == nullptr || !same_type(same->type(), old->type())) continue;
-    if (same->type().to_value == nullptr) {
-      return refuse(Errc::unsupported, old->address(), "its type has no description",
-                    "describe it: specialise mauve::Described");
+/// Names of what leaves and of what joins are told apart: the same name may do both.
+Status check_names(const System& system, const Change& change) {
+  std::vector<std::string> changed;
+  std::vector<std::string> joining;
+  for (const Edit& edit : change.edits) {
+    if (contains(changed, edit.component)) {
+      return refuse(Errc::duplicate, edit.component, "is changed twice in one transaction");
     }
-    if (Status done = same->set(old->value()); !done) return done;
+    changed.push_back(edit.component);
+  }
+  for (const auto& one : change.new_resources) joining.push_back(one.resource->name());
+  for (const auto& one : change.new_components) joining.push_back(one.component->name());
+  for (std::size_t i = 0; i < joining.size(); ++i) {
+    const std::string& name = joining[i];
+    const bool twice = std::count(joining.begin(), joining.end(), name) > 1;
+    const bool there = system.architecture.find_component(name) != nullptr ||
+                       system.architecture.find_resource(name) != nullptr;
+    if (twice || (there && !contains(change.remove, name))) {
+      return refuse(Errc::duplicate, name, "there is something of this name already",
+                    "choose another name, or remove the other one in the same change");
+    }
+  }
+  for (const std::string& name : change.remove) {
+    if (contains(changed, name) ||
+        std::count(change.remove.begin(), change.remove.end(), name) > 1) {
+      return refuse(Errc::duplicate, name, "is removed and changed in one transaction");
+    }
   }
   return ok();
 }
 
-Status set_properties(const Edit& edit, std::string_view name, Configurable& element) {
-  for (const auto& [path, value] : edit.properties) {
-    const auto [owner, property] = split(path);
-    if (owner != name) continue;
-    PropertyBase* found = element.find_property(property);
-    if (found == nullptr) return no_property(element, property);
-    if (Status done = found->set(value); !done) return done;
+Status check_worth(const Change& change) {
+  const bool empty = change.edits.empty() && change.new_resources.empty() &&
+                     change.new_components.empty() && change.remove.empty();
+  if (!empty) return ok();
+  return refuse(Errc::invalid_value, "change", "is empty: it says nothing that is to be different");
+}
+
+/// Nobody who stays may be connected to a resource that leaves.
+Status check_left(const std::string& owner, const Shell& shell, const Bindings& bindings,
+                  const std::vector<ResourceBase*>& leaving) {
+  for (const PortBase* port : shell.ports()) {
+    const auto& binding = bindings[port->index()];
+    if (binding == nullptr || !contains(leaving, &binding->service().resource())) continue;
+    return refuse(Errc::wrong_state, owner + ".ports." + std::string(port->name()),
+                  "is connected to " + binding->service().address() + ", which is to be removed",
+                  "disconnect it, or connect it elsewhere, in the same change");
   }
   return ok();
 }
 
-Status check_paths(const Edit& edit, const std::vector<std::string_view>& elements) {
-  for (const auto& [path, value] : edit.properties) {
-    const auto owner = split(path).first;
-    if (std::find(elements.begin(), elements.end(), owner) != elements.end()) continue;
-    std::string list;
-    for (const auto element : elements) list += (list.empty() ? "" : ", ") + std::string(element);
-    return refuse(Errc::unknown_name, edit.component + "." + path, "is no property",
-                  "properties that can change while it runs belong to: " + list);
-  }
-  return ok();
-}
-
-/// An integrator must not vanish silently.
-Status check_state_survives(const CoreBase& core, const Edit& edit) {
-  const bool same_core = !edit.core.has_value();
-  if (!same_core || edit.state == StatePolicy::drop) return ok();
-  if (core.state() != nullptr || core.stateless()) return ok();
-  return refuse(Errc::unsupported, core.address(),
-                "declares neither a state to hand over nor that it has none, so this change would "
-                "silently reset it",
-                "say --state drop to start it fresh, or declare mauve::State or mauve::Stateless "
-                "in the core");
-}
-
-/// Works out the new bundle of one component.
-class MemberBuilder {
+class Preparation {
  public:
-  MemberBuilder(System& system, const Edit& edit, ComponentBase& component, bool configure)
+  Preparation(System& system, const Change& change)
       : system_(system),
-        edit_(edit),
-        component_(component),
-        base_(*component.bundle()),
-        next_(std::make_shared<Bundle>(base_)),
-        configure_(configure) {
-    remake_shell_ = edit.type.has_value() || touches(edit, "shell");
-    remake_core_ = remake_shell_ || edit.core.has_value() || touches(edit, "core");
-    remake_fsm_ = remake_core_ || edit.fsm.has_value() || touches(edit, "fsm");
-  }
+        change_(change),
+        after_(system, change),
+        content_(std::make_unique<PreparedChange::Content>()) {}
 
-  Result<PreparedMember> build() {
-    for (const auto step :
-         {&MemberBuilder::check, &MemberBuilder::make_shell, &MemberBuilder::make_core,
-          &MemberBuilder::make_fsm, &MemberBuilder::connect, &MemberBuilder::configure}) {
+  Result<PreparedChange> run(bool configure) {
+    content_->probation = change_.probation;
+    for (const auto step : {&Preparation::let_leave, &Preparation::let_resources_join,
+                            &Preparation::let_components_join}) {
       if (Status done = (this->*step)(); !done) return done.error();
     }
-    PreparedMember member;
-    member.component = &component_;
-    member.base = component_.bundle();
-    member.type = edit_.type;
-    // Stopping and starting leave the bundle alone, so that `stop --all` does not overtake a change
-    // that is being prepared.
-    const bool only_mode = !remake_fsm_ && edit_.connect.empty() && edit_.disconnect.empty();
-    member.next = only_mode ? member.base : next_;
-    member.mode = edit_.mode;
-    member.state = edit_.state;
-    member.restart = edit_.mode == Mode::run;
-    member.made = std::move(made_);
-    return member;
+    for (const Edit& edit : change_.edits) {
+      if (Status done = change(edit, configure); !done) return done.error();
+    }
+    if (Status cut_off = check_all_left(); !cut_off) return cut_off.error();
+    return PreparedChange(std::move(content_));
   }
 
  private:
-  Status check() {
-    if (Status paths = check_paths(edit_, {"shell", "core", "fsm"}); !paths) return paths;
-    if (!remake_core_) return ok();
-    return check_state_survives(*base_.core, edit_);
-  }
-
-  Status make_shell() {
-    if (!remake_shell_) return ok();
-    Status done = make_element(component_.name() + ".shell", type().shell.make, next_->shell);
-    if (done) done = copy_properties(*base_.shell, *next_->shell);
-    if (done) done = set_properties(edit_, "shell", *next_->shell);
-    if (done) done = keep_connections();
-    return done;
-  }
-
-  /// The ports of a newer build may be others, or in another order.
-  Status keep_connections() {
-    auto table = std::make_shared<Bindings>(next_->shell->ports().size());
-    for (const PortBase* old : base_.shell->ports()) {
-      const auto& binding = (*base_.bindings)[old->index()];
-      if (binding == nullptr) continue;
-      const PortBase* same = next_->shell->find_port(old->name());
-      if (same == nullptr) {
-        return refuse(Errc::unknown_name, old->address(),
-                      "is connected, but the new shell has no such port", "disconnect it first");
+  Status let_leave() {
+    for (const std::string& name : change_.remove) {
+      if (ResourceBase* resource = system_.architecture.find_resource(name)) {
+        content_->leaving_resources.push_back(resource);
+        continue;
       }
-      if (Status fits = check_connection(*same, nullptr, binding->service()); !fits) return fits;
-      (*table)[same->index()] = binding;
-    }
-    next_->bindings = std::move(table);
-    return ok();
-  }
-
-  [[nodiscard]] const ComponentType& type() const {
-    return edit_.type ? *edit_.type : component_.type();
-  }
-
-  Status make_core() {
-    if (!remake_core_) return ok();
-    if (edit_.core) next_->core_type = *edit_.core;
-    if (edit_.fsm) next_->fsm_type = *edit_.fsm;
-    const std::string at = component_.name() + ".core";
-    Status done = check_contract(at, next_->core_type, next_->fsm_type, type().shell);
-    if (done) done = make_element(at, next_->core_type.make, next_->core);
-    const bool same_type = !edit_.core || edit_.core->name == base_.core_type.name;
-    if (done && same_type) done = copy_properties(*base_.core, *next_->core);
-    if (done) done = set_properties(edit_, "core", *next_->core);
-    if (done) next_->core->bind(*next_->shell);
-    return done;
-  }
-
-  Status make_fsm() {
-    if (!remake_fsm_) return ok();
-    if (edit_.fsm) next_->fsm_type = *edit_.fsm;
-    const std::string at = component_.name() + ".fsm";
-    Status done = check_contract(at, next_->core_type, next_->fsm_type, type().shell);
-    if (done) done = make_element(at, next_->fsm_type.make, next_->fsm);
-    if (done) done = copy_properties(*base_.fsm, *next_->fsm);
-    if (done) done = set_properties(edit_, "fsm", *next_->fsm);
-    if (done) next_->fsm->bind(*next_->core);
-    return done;
-  }
-
-  Status connect() {
-    for (const std::string& port : edit_.disconnect) {
-      auto table = without_connection(*next_->shell, *next_->bindings, port);
-      if (!table) return table.error();
-      next_->bindings = *std::move(table);
-    }
-    for (const NewConnection& wanted : edit_.connect) {
-      const Result<ServiceBase*> service = system_.architecture.find_service(wanted.service);
-      if (!service) return service.error();
-      auto table = with_connection(*next_->shell, *next_->bindings, wanted.port, **service,
-                                   (*service)->resource().keep_alive(), wanted.max_age);
-      if (!table) return table.error();
-      next_->bindings = *std::move(table);
+      const Result<ComponentBase*> component = system_.component(name);
+      if (!component) return component.error();
+      PreparedMember member = member_of(**component, Mode::park);
+      member.part = Part::leaves;
+      content_->members.push_back(std::move(member));
     }
     return ok();
   }
 
-  /// With no port connected: a core that is being prepared can move nothing.
-  Status configure() {
-    if (remake_shell_) made_.add(next_->shell);
-    if (remake_core_) made_.add(next_->core);
-    if (remake_fsm_) made_.add(next_->fsm);
-    if (!configure_) return ok();
-    const Detached detached;
-    const std::array<Configurable*, 3> order{next_->shell.get(), next_->core.get(),
-                                             next_->fsm.get()};
-    Status done = configure_in_order(order);
-    if (done && remake_core_) {
-      done = call_hook(next_->core->address(), "warm", [&] { return next_->core->warm(), ok(); });
+  Status let_resources_join() {
+    for (const NewResource& joining : change_.new_resources) {
+      content_->new_resources.push_back(joining.resource);
     }
-    return done;
+    for (const NewResource& joining : change_.new_resources) {
+      if (Status done = prepare_joining(after_, joining); !done) return done;
+    }
+    return ok();
+  }
+
+  Status let_components_join() {
+    for (const NewComponent& joining : change_.new_components) {
+      auto member = prepare_joining(after_, joining);
+      if (!member) return member.error();
+      content_->members.push_back(*std::move(member));
+    }
+    return ok();
+  }
+
+  Status change(const Edit& edit, bool configure) {
+    if (ResourceBase* resource = system_.architecture.find_resource(edit.component)) {
+      auto prepared = prepare_resource(after_, edit, *resource);
+      if (!prepared) return prepared.error();
+      content_->resources.push_back(*std::move(prepared));
+      return ok();
+    }
+    const Result<ComponentBase*> component = system_.component(edit.component);
+    if (!component) return component.error();
+    auto member = prepare_member(after_, edit, **component, configure);
+    if (!member) return member.error();
+    content_->members.push_back(*std::move(member));
+    return ok();
+  }
+
+  Status check_all_left() {
+    const auto& leaving = content_->leaving_resources;
+    if (leaving.empty()) return ok();
+    for (const ComponentBase* component : system_.architecture.components()) {
+      if (after_.leaves(component->name())) continue;
+      const Bundle* bundle = component->bundle().get();
+      for (const PreparedMember& member : content_->members) {
+        if (member.component == component) bundle = member.next.get();
+      }
+      Status cut = check_left(component->name(), *bundle->shell, *bundle->bindings, leaving);
+      if (!cut) return cut;
+    }
+    for (const ResourceBase* resource : system_.architecture.resources()) {
+      if (contains(leaving, resource)) continue;
+      const Bindings* bindings = &resource->bindings();
+      for (const PreparedResource& changed : content_->resources) {
+        if (changed.resource == resource && changed.parts.bindings != nullptr) {
+          bindings = changed.parts.bindings.get();
+        }
+      }
+      Status cut = check_left(resource->name(), resource->shell(), *bindings, leaving);
+      if (!cut) return cut;
+    }
+    return ok();
   }
 
   System& system_;
-  const Edit& edit_;
-  ComponentBase& component_;
-  const Bundle& base_;
-  std::shared_ptr<Bundle> next_;
-  Retired made_;
-  bool configure_;
-  bool remake_shell_ = false;
-  bool remake_core_ = false;
-  bool remake_fsm_ = false;
+  const Change& change_;
+  Afterwards after_;
+  std::unique_ptr<PreparedChange::Content> content_;
 };
 
-Status check_resource_connections(System& system, const Edit& edit, ResourceBase& resource) {
-  for (const NewConnection& wanted : edit.connect) {
-    const Result<ServiceBase*> service = system.architecture.find_service(wanted.service);
-    if (!service) return service.error();
-    auto table = with_connection(resource.shell(), resource.bindings(), wanted.port, **service,
-                                 nullptr, wanted.max_age);
-    if (!table) return table.error();
-    if (Status nested = check_nesting(resource, (*service)->resource()); !nested) return nested;
-  }
-  for (const std::string& port : edit.disconnect) {
-    auto table = without_connection(resource.shell(), resource.bindings(), port);
-    if (!table) return table.error();
-  }
-  return ok();
-}
-
-Result<PreparedResource> prepare_resource(System& system, const Edit& edit,
-                                          ResourceBase& resource) {
-  PreparedResource prepared{&resource, nullptr, edit.connect, edit.disconnect, edit.state, {}};
-  if (edit.mode != Mode::keep || edit.core || edit.fsm) {
-    return refuse(Errc::unsupported, edit.component,
-                  "is a resource: it has no thread to start or stop, and its core is replaced by "
-                  "changing its properties only");
-  }
-  if (Status paths = check_paths(edit, {"core"}); !paths) return paths.error();
-  if (Status sound = check_resource_connections(system, edit, resource); !sound) {
-    return sound.error();
-  }
-  if (edit.properties.empty()) return prepared;
-  Status done = check_state_survives(resource.core(), edit);
-  if (done)
-    done = make_element(resource.core().address(), resource.type().core.make, prepared.core);
-  if (done) done = copy_properties(resource.core(), *prepared.core);
-  if (done) done = set_properties(edit, "core", *prepared.core);
-  if (!done) return done.error();
-  prepared.core->bind(resource.shell());
-  prepared.made.add(prepared.core);
-  const Detached detached;
-  if (Status configured = prepared.core->configure(); !configured) return configured.error();
-  return prepared;
-}
-
-Status check_once(const Change& change) {
-  for (auto edit = change.edits.begin(); edit != change.edits.end(); ++edit) {
-    const auto same = [&](const Edit& other) { return other.component == edit->component; };
-    if (std::any_of(std::next(edit), change.edits.end(), same)) {
-      return refuse(Errc::duplicate, edit->component, "is changed twice in one transaction");
-    }
-  }
-  return ok();
-}
-
 }  // namespace
+
+Result<ServiceBase*> Afterwards::find_service(std::string_view address) const {
+  const std::string_view owner = address.substr(0, address.find('.'));
+  for (const NewResource& joining : change_.new_resources) {
+    if (joining.resource->name() != owner) continue;
+    const auto dot = address.find('.');
+    const std::string_view name = dot == std::string_view::npos ? "" : address.substr(dot + 1);
+    if (ServiceBase* service = joining.resource->find_service(name)) return service;
+    return refuse(Errc::unknown_name, std::string(address),
+                  "resource " + joining.resource->name() + " has no service of this name");
+  }
+  if (leaves(owner)) {
+    return refuse(Errc::unknown_name, std::string(address), "is removed by this very change");
+  }
+  return system_.architecture.find_service(address);
+}
+
+bool Afterwards::leaves(std::string_view name) const { return contains(change_.remove, name); }
+
+Status Afterwards::may_run_at(int priority) const {
+  return system_.realtime ? rt::may_use_fifo(priority) : ok();
+}
 
 Result<PreparedChange> prepare_change(System& system, const Change& change, bool configure) {
   if (Status outside = refuse_in_job("deployer", "a change"); !outside) return outside.error();
@@ -287,22 +200,10 @@ Result<PreparedChange> prepare_change(System& system, const Change& change, bool
     return refuse(Errc::wrong_state, system.architecture.name(), "is not deployed",
                   "before deployment change the elements themselves");
   }
-  if (Status once = check_once(change); !once) return once.error();
-  auto content = std::make_unique<PreparedChange::Content>();
-  for (const Edit& edit : change.edits) {
-    if (ResourceBase* resource = system.architecture.find_resource(edit.component)) {
-      auto prepared = prepare_resource(system, edit, *resource);
-      if (!prepared) return prepared.error();
-      content->resources.push_back(*std::move(prepared));
-      continue;
-    }
-    const Result<ComponentBase*> component = system.component(edit.component);
-    if (!component) return component.error();
-    auto member = MemberBuilder(system, edit, **component, configure).build();
-    if (!member) return member.error();
-    content->members.push_back(*std::move(member));
-  }
-  return PreparedChange(std::move(content));
+  Status sound = check_worth(change);
+  if (sound) sound = check_names(system, change);
+  if (!sound) return sound.error();
+  return Preparation(system, change).run(configure);
 }
 
 }  // namespace mauve::exec

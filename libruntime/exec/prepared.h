@@ -7,13 +7,20 @@
 #include <string>
 #include <vector>
 
+#include "exec/resource_flip.h"
+
 #include <mauve/deployer.h>
 
 namespace mauve::exec {
 
+/// How a component takes part in a change.
+enum class Part : std::uint8_t { changes, joins, leaves };
+
 /// The change of one component, ready to be published.
 struct PreparedMember {
   ComponentBase* component = nullptr;
+  std::shared_ptr<ComponentBase> owner;  ///< of one that joins; of one that left, once it did
+  Part part = Part::changes;
   std::shared_ptr<const Bundle> base;  ///< what it was prepared against
   std::optional<ComponentType> type;   ///< of a newer build, else as it is
   std::shared_ptr<const Bundle> next;  ///< the same as `base` when only the mode changes
@@ -28,9 +35,8 @@ struct PreparedMember {
 /// The change of one resource: another core, or other connections of its own ports.
 struct PreparedResource {
   ResourceBase* resource = nullptr;
-  std::shared_ptr<CoreBase> core;  ///< null: stays
-  std::vector<NewConnection> connect;
-  std::vector<std::string> disconnect;
+  ResourceParts base;   ///< what it was prepared against
+  ResourceParts parts;  ///< null: stays
   StatePolicy state = StatePolicy::keep;
   Retired made;
 };
@@ -39,10 +45,15 @@ struct PreparedResource {
 
 namespace mauve {
 
+/// Freed from the last member to the first: connections go before the resources they lead to.
 class PreparedChange::Content {
  public:
+  std::vector<std::shared_ptr<ResourceBase>> new_resources;
+  std::vector<ResourceBase*> leaving_resources;
+  std::vector<std::shared_ptr<ResourceBase>> left_resources;
   std::vector<exec::PreparedMember> members;
   std::vector<exec::PreparedResource> resources;
+  std::optional<Probation> probation;
 };
 
 }  // namespace mauve

@@ -56,10 +56,23 @@ std::unique_ptr<Published> make_published(const PreparedMember& member) {
   next->count_gap = member.count_gap;
   next->grid = member.next->fsm->grid();
   next->shortest_wait = member.next->fsm->shortest_wait();
+  next->offset_changes = member.next->task.offset != member.base->task.offset;
   add_hand_over(member, *next);
   add_state_map(member, *next);
   add_safe_writes(member, *next);
   return next;
+}
+
+std::unique_ptr<Published> make_way_back(const PreparedMember& member, bool was_running) {
+  PreparedMember reversed;
+  reversed.component = member.component;
+  reversed.base = member.next;
+  reversed.next = member.base;
+  reversed.state = member.state;
+  const bool runs_after = member.mode == Mode::run || (was_running && member.mode == Mode::keep);
+  if (runs_after != was_running) reversed.mode = was_running ? Mode::run : Mode::park;
+  reversed.restart = reversed.mode == Mode::run;
+  return make_published(reversed);
 }
 
 }  // namespace mauve::exec

@@ -58,6 +58,14 @@ class Threads final : public Runner {
     return worker != workers_.end() && worker->second->thread.is_fifo(priority);
   }
 
+  Status reschedule(Task& task, int priority, const std::vector<int>& cpus) override {
+    const auto worker = workers_.find(&task);
+    if (worker == workers_.end()) return ok();
+    Status done = worker->second->thread.set_priority(priority);
+    if (done && !cpus.empty()) done = worker->second->thread.set_cpus(cpus);
+    return done;
+  }
+
   bool end(Task& task, Instant deadline) override {
     const auto found = workers_.find(&task);
     if (found == workers_.end()) return true;
@@ -124,7 +132,11 @@ class Simulation final : public Runner {
 
   bool await(const std::function<bool()>& condition, Instant deadline) override {
     while (!condition()) {
-      if (!step(deadline)) return condition();
+      if (step(deadline)) continue;
+      if (deadline != kNever) return condition();
+      // No job is to come: only the time passes that the condition waits for.
+      clock_.set(clock_.now() + std::chrono::nanoseconds(1ms).count());
+      std::this_thread::sleep_for(20us);
     }
     return true;
   }
@@ -132,6 +144,12 @@ class Simulation final : public Runner {
   [[nodiscard]] std::shared_ptr<void> hurry() override { return nullptr; }
   [[nodiscard]] bool is_fifo(const Task& /*task*/, int /*priority*/) const override {
     return false;
+  }
+  Status reschedule(Task& task, int priority, const std::vector<int>& /*cpus*/) override {
+    for (Entry& entry : tasks_) {
+      if (entry.task == &task) entry.priority = priority;
+    }
+    return ok();
   }
   bool end(Task& task, Instant /*deadline*/) override {
     std::erase_if(tasks_, [&](const Entry& entry) { return entry.task == &task; });

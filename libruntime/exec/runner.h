@@ -35,6 +35,8 @@ class Runner {
   [[nodiscard]] virtual std::shared_ptr<void> hurry() = 0;
   /// Does this task run with SCHED_FIFO at this priority?
   [[nodiscard]] virtual bool is_fifo(const Task& task, int priority) const = 0;
+  /// Gives its thread another priority (0: not real-time) and other CPUs.
+  virtual Status reschedule(Task& task, int priority, const std::vector<int>& cpus) = 0;
   /// Ends the task's thread; false when it does not end by `deadline` and was left behind.
   virtual bool end(Task& task, Instant deadline) = 0;
   /// Simulations: runs all jobs due by then.

@@ -28,7 +28,7 @@ bool shares(const Resources& a, const Resources& b) {
 
 /// Stage of each component: later than all whose safe values it reads. Loops are cut at the number
 /// of components.
-std::map<const Deployed*, std::size_t> stage_numbers(const std::vector<Deployed>& deployed) {
+std::map<const Deployed*, std::size_t> stage_numbers(const std::list<Deployed>& deployed) {
   std::vector<std::pair<const Deployed*, Resources>> writers;
   std::vector<std::pair<const Deployed*, Resources>> readers;
   for (const Deployed& one : deployed) {

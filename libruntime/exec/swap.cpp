@@ -15,32 +15,35 @@ constexpr Duration kDecisionMargin = 50us;
 
 using Progress = Published::Progress;
 
-/// What a thread may be about to look at is left behind; the elements are not.
-void leave_words_behind(Member& member) {
-  member.next->bundle.reset();
-  leave_behind(std::shared_ptr<Published>(std::move(member.next)));
-}
-
 }  // namespace
 
-Swap::Swap(std::vector<Member> members, Runner& runner, Duration bound, Kind kind)
+Swap::Swap(std::vector<Member> members, std::vector<ResourceMember> resources, Runner& runner,
+           Duration bound, Kind kind)
     : members_(std::move(members)),
+      resources_(std::move(resources)),
       runner_(runner),
       bound_(bound),
       kind_(kind),
       lead_(std::max(kShortestLead, kLeadPerMember * static_cast<std::int64_t>(members_.size()))) {
+  // Resources alone wait for nobody: their callers meet the change from now on.
+  if (members_.empty()) lead_ = Duration{0};
   attempt();
 }
 
 Swap::~Swap() {
-  if (all_settled()) return;
-  // Only when the system goes down over it: the thread of some member hangs.
-  for (Member& member : members_) {
-    if (member.next != nullptr && !member.settled) {
-      leave_behind(std::shared_ptr<Published>(std::move(member.next)));
-    }
+  bool in_use = given_up_;
+  for (ResourceMember& member : resources_) old_flips_.push_back(std::move(member.flip));
+  for (auto& flip : old_flips_) {
+    if (flip->disarm()) continue;
+    leave_behind(std::shared_ptr<ResourceFlip>(std::move(flip)));
+    in_use = true;
   }
-  leave_behind(std::shared_ptr<Transaction>(std::move(transaction_)));
+  // When a change was given up, or the system goes down over it: a thread may be about to look.
+  for (const Member& member : members_) in_use = in_use || member.published != nullptr;
+  if (!in_use) return;
+  for (auto& transaction : transactions_) {
+    leave_behind(std::shared_ptr<Transaction>(std::move(transaction)));
+  }
 }
 
 /// Publishes and decides. The whole of it is a few stores, so it runs just above ordinary threads
@@ -50,38 +53,54 @@ void Swap::attempt() {
   const auto urgency = runner_.hurry();
   result_.instant = runner_.now() + lead_.count();
   deadline_ = result_.instant + bound_.count();
-  const bool decided = kind_ == Kind::order;
-  transaction_ = std::make_unique<Transaction>(
-      result_.instant, decided ? Transaction::State::committed : Transaction::State::prepared);
-  for (Member& member : members_) {
-    static_cast<void>(member.task->reclaim());  // of a change that was given up
-    member.next->transaction = transaction_.get();
-    member.next->progress = Progress::published;
-    member.settled = false;
-    member.task->publish(*member.next);
-  }
+  const bool decided = kind_ == Kind::order || members_.empty();
+  transactions_.push_back(std::make_unique<Transaction>(
+      result_.instant, decided ? Transaction::State::committed : Transaction::State::prepared));
+  for (Member& member : members_) publish(member);
+  for (ResourceMember& resource : resources_) arm(resource);
   const bool late = runner_.now() >= result_.instant - kDecisionMargin.count();
-  transaction_->decide(late ? Transaction::State::aborted : Transaction::State::committed);
+  transactions_.back()->decide(late ? Transaction::State::aborted : Transaction::State::committed);
   for (Member& member : members_) runner_.wake(*member.task);
 }
 
-bool Swap::all_settled() const {
-  return std::all_of(members_.begin(), members_.end(),
-                     [](const Member& member) { return member.settled; });
+void Swap::publish(Member& member) {
+  static_cast<void>(member.task->reclaim());  // words of changes before, no elements
+  member.next->transaction = transactions_.back().get();
+  member.next->progress = Progress::published;
+  member.settled = false;
+  member.published = member.next.release();
+  member.task->publish(*member.published);
+}
+
+void Swap::arm(ResourceMember& resource) {
+  if (resource.flip != nullptr) old_flips_.push_back(std::move(resource.flip));
+  resource.flip = std::make_unique<ResourceFlip>(*resource.resource, resource.parts,
+                                                 resource.hand_over, *transactions_.back());
+}
+
+bool Swap::all_settled() {
+  bool settled = true;
+  for (Member& member : members_) {
+    if (!member.settled) settle(member);
+    settled = settled && member.settled;
+  }
+  for (ResourceMember& resource : resources_) {
+    resource.flip->help(runner_.now());
+    settled = settled && resource.flip->settled();
+  }
+  return settled;
 }
 
 bool Swap::advance() {
-  for (Member& member : members_) {
-    if (!member.settled) settle(member);
-  }
   if (!all_settled()) {
-    if (result_.state == SwapResult::State::under_way && runner_.now() >= deadline_) give_up();
-    return all_settled();
+    if (result_.state != SwapResult::State::under_way || runner_.now() < deadline_) return false;
+    give_up();
+    return result_.state != SwapResult::State::waiting;
   }
   const bool open =
       result_.state == SwapResult::State::under_way || result_.state == SwapResult::State::waiting;
   if (!open) return true;
-  if (transaction_->state() == Transaction::State::committed) {
+  if (transactions_.back()->state() == Transaction::State::committed) {
     result_.state = SwapResult::State::committed;
     return true;
   }
@@ -95,44 +114,54 @@ bool Swap::advance() {
 }
 
 void Swap::settle(Member& member) {
-  const Progress progress = member.next->progress.load(std::memory_order_acquire);
+  const Progress progress = member.published->progress.load(std::memory_order_acquire);
+  if (progress == Progress::published) return;
   if (progress == Progress::done) {
-    member.pause = member.next->pause;
-    member.bytes = member.next->bytes;
-    static_cast<void>(member.next.release());   // the task owns what it runs with
+    member.pause = member.published->pause;
+    member.bytes = member.published->bytes;
+    member.in_force = true;
     static_cast<void>(member.task->reclaim());  // what it ran with before: words, no elements
-    member.in_force = member.settled = true;
-  } else if (progress == Progress::given_back) {
-    static_cast<void>(member.next.release());
-    member.next = member.task->reclaim();  // untouched, ready for another attempt
-    member.settled = true;
+  } else {
+    member.next.reset(member.published);  // untouched, ready for another attempt
   }
+  member.published = nullptr;
+  member.settled = true;
 }
 
-/// Some member does not come to a boundary, or does not end its first job after it: takes the
-/// bundles back that no thread has claimed.
+/// Some member does not come to a boundary, or does not end its first job after it: takes back
+/// what nobody has claimed.
 void Swap::give_up() {
   if (kind_ == Kind::order) {
     result_.state = SwapResult::State::waiting;
     return;
   }
-  const bool committed = transaction_->state() == Transaction::State::committed;
+  const bool committed = transactions_.back()->state() == Transaction::State::committed;
   std::size_t in_force = 0;
   for (Member& member : members_) {
-    if (!member.settled && member.task->revoke(*member.next)) {
-      leave_words_behind(member);
-    } else if (!member.settled) {
-      // Claimed: its thread runs with it, or is about to, or gave it back and the task keeps it.
-      static_cast<void>(member.next.release());
-      member.in_force = committed;
-    }
-    member.settled = true;
+    if (!member.settled) give_up(member, committed);
     in_force += member.in_force ? 1 : 0;
   }
-  result_.state = in_force == 0                 ? SwapResult::State::revoked
-                  : in_force == members_.size() ? SwapResult::State::committed
-                                                : SwapResult::State::partly;
-  leave_behind(std::shared_ptr<Transaction>(std::move(transaction_)));
+  for (ResourceMember& resource : resources_) {
+    resource.flip->revoke();
+    in_force += resource.flip->state() == ResourceFlip::State::given_up ? 0 : 1;
+  }
+  result_.state = in_force == 0                                     ? SwapResult::State::revoked
+                  : in_force == members_.size() + resources_.size() ? SwapResult::State::committed
+                                                                    : SwapResult::State::partly;
+}
+
+/// What its thread has claimed it runs with, or is about to, or it gave it back and lets it lie.
+void Swap::give_up(Member& member, bool committed) {
+  given_up_ = true;
+  if (member.task->revoke(*member.published)) {
+    // What a thread may be about to look at is left behind; the elements are not.
+    member.published->bundle.reset();
+    member.published->back.reset();
+    leave_behind(std::shared_ptr<Published>(std::exchange(member.published, nullptr)));
+  } else {
+    member.in_force = committed;
+  }
+  member.settled = true;
 }
 
 }  // namespace mauve::exec

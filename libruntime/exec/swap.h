@@ -10,7 +10,8 @@
 ///
 /// Whoever changes the word first decides for all: jobs released before tc are old everywhere, at
 /// or after tc new everywhere, or nothing happened. No member ever waits for another, and the
-/// coordinator only looks now and then how far they are.
+/// coordinator only looks now and then how far they are. A resource has no thread: see
+/// resource_flip.h.
 #pragma once
 
 #include <atomic>
@@ -18,42 +19,29 @@
 #include <memory>
 #include <vector>
 
+#include "exec/resource_flip.h"
 #include "exec/runner.h"
 #include "exec/task.h"
 
 namespace mauve::exec {
 
-/// The decision that all members share.
-class Transaction {
- public:
-  enum class State : std::uint32_t { prepared, committed, aborted };
-
-  explicit Transaction(Instant instant, State state = State::prepared)
-      : instant_(instant), state_(state) {}
-
-  /// Commit instant on the clock (monotonic).
-  [[nodiscard]] Instant instant() const { return instant_; }
-  [[nodiscard]] State state() const { return state_.load(std::memory_order_acquire); }
-  /// The state after trying to make it `wanted`; the first to decide wins. [any]
-  State decide(State wanted) {
-    State expected = State::prepared;
-    return state_.compare_exchange_strong(expected, wanted, std::memory_order_acq_rel) ? wanted
-                                                                                       : expected;
-  }
-
- private:
-  const Instant instant_;
-  std::atomic<State> state_;
-};
-
 /// One component's part in a swap.
 struct Member {
   Task* task = nullptr;
-  std::unique_ptr<Published> next;  ///< until the task owns it
+  std::unique_ptr<Published> next;  ///< while no task owns it
+  Published* published = nullptr;   ///< while one does
   bool settled = false;             ///< its thread has answered, or nobody waits for it any more
   bool in_force = false;            ///< it runs with `next` now
   Duration pause{0};                ///< the answer of its thread
   std::size_t bytes = 0;
+};
+
+/// One resource's part.
+struct ResourceMember {
+  ResourceBase* resource = nullptr;
+  ResourceParts parts;
+  bool hand_over = true;
+  std::unique_ptr<ResourceFlip> flip;  ///< of this attempt
 };
 
 struct SwapResult {
@@ -81,7 +69,8 @@ class Swap {
   };
 
   /// Publishes and decides. `bound`: how long after the instant members may take to answer.
-  Swap(std::vector<Member> members, Runner& runner, Duration bound, Kind kind);
+  Swap(std::vector<Member> members, std::vector<ResourceMember> resources, Runner& runner,
+       Duration bound, Kind kind);
   ~Swap();
   Swap(const Swap&) = delete;
   Swap& operator=(const Swap&) = delete;
@@ -91,20 +80,27 @@ class Swap {
   bool advance();
   [[nodiscard]] const SwapResult& result() const { return result_; }
   [[nodiscard]] const std::vector<Member>& members() const { return members_; }
+  [[nodiscard]] const std::vector<ResourceMember>& resources() const { return resources_; }
 
  private:
   void attempt();
+  void publish(Member& member);
+  void arm(ResourceMember& resource);
   void settle(Member& member);
   void give_up();
-  [[nodiscard]] bool all_settled() const;
+  void give_up(Member& member, bool committed);
+  [[nodiscard]] bool all_settled();
 
   std::vector<Member> members_;
+  std::vector<ResourceMember> resources_;
+  std::vector<std::unique_ptr<ResourceFlip>> old_flips_;  // a caller may still be inside
   Runner& runner_;
   const Duration bound_;
   const Kind kind_;
+  bool given_up_ = false;
   Duration lead_;
   Instant deadline_ = 0;
-  std::unique_ptr<Transaction> transaction_;
+  std::vector<std::unique_ptr<Transaction>> transactions_;  // the newest counts
   SwapResult result_;
 };
 

@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "base/name.h"
+#include "exec/commit.h"
+#include "exec/probation.h"
 #include "rt/memory.h"
 
 namespace mauve::exec {
@@ -29,38 +31,6 @@ Status check_privileges(System& system, int highest) {
   return ok();
 }
 
-/// The CPU with the fewest components so far.
-int least_loaded(std::map<int, int>& load) {
-  const auto least = std::min_element(
-      load.begin(), load.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  ++least->second;
-  return least->first;
-}
-
-void choose_cpus(System& system) {
-  std::map<int, int> load;
-  for (const int cpu : rt::usable_cpus()) load[cpu] = 0;
-  for (const Deployed& deployed : system.deployed) {
-    for (const int cpu : deployed.component->bundle()->task.cpus) ++load[cpu];
-  }
-  for (Deployed& deployed : system.deployed) {
-    deployed.cpus = deployed.component->bundle()->task.cpus;
-    if (!deployed.cpus.empty()) continue;
-    deployed.cpus = {least_loaded(load)};
-    if (!system.options.simulated) {
-      system.warnings.push_back(deployed.component->name() + " is pinned to CPU " +
-                                std::to_string(deployed.cpus.front()) + ": its task names no cpus");
-    }
-  }
-}
-
-Status check_cpus(const ComponentBase& component) {
-  for (const int cpu : component.bundle()->task.cpus) {
-    if (Status there = rt::check_cpu(cpu, component.name() + ".task.cpus"); !there) return there;
-  }
-  return ok();
-}
-
 /// Until a job ends, `release` is its own; which wait it will end in is not known before. So the
 /// longest one is its time, and as much again passes before it is called late.
 Duration lateness_of(const Bundle& bundle, Duration release, Instant since_t0) {
@@ -71,28 +41,6 @@ Duration lateness_of(const Bundle& bundle, Duration release, Instant since_t0) {
   return late > longest ? late : Duration{0};
 }
 
-std::unique_ptr<Published> first_bundle(const ComponentBase& component) {
-  auto first = std::make_unique<Published>();
-  first->bundle = component.bundle();
-  first->grid = component.fsm().grid();
-  first->shortest_wait = component.fsm().shortest_wait();
-  first->mode = Mode::run;
-  return first;
-}
-
-Status create_threads(System& system) {
-  for (Deployed& deployed : system.deployed) {
-    const TaskAttributes& task = deployed.component->bundle()->task;
-    const int priority = system.realtime ? task.priority : 0;
-    Status started = system.runner->add(
-        *deployed.task, {deployed.component->name(), priority, deployed.cpus, task.stack});
-    if (!started) return started;
-    deployed.priority = task.priority;
-    deployed.realtime = system.realtime && system.runner->is_fifo(*deployed.task, task.priority);
-  }
-  return ok();
-}
-
 /// T0 is far enough ahead that every thread waits for it by then.
 void release_all(System& system) {
   system.runner->settle();
@@ -100,16 +48,67 @@ void release_all(System& system) {
   if (system.realtime) boost.emplace(kDeployerPriority);
   system.t0 = system.runner->now() + system.runner->lead(system.deployed.size()).count();
   for (Deployed& deployed : system.deployed) {
-    deployed.task->begin(first_bundle(*deployed.component), system.t0);
+    deployed.task->begin(first_bundle(*deployed.component, Mode::run), system.t0);
   }
   system.runner->open();
 }
 
 }  // namespace
 
+Status check_cpus(const TaskAttributes& task, const std::string& component) {
+  for (const int cpu : task.cpus) {
+    if (Status there = rt::check_cpu(cpu, component + ".task.cpus"); !there) return there;
+  }
+  return ok();
+}
+
+std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mode) {
+  auto first = std::make_unique<Published>();
+  first->bundle = component.bundle();
+  first->grid = component.fsm().grid();
+  first->shortest_wait = component.fsm().shortest_wait();
+  first->mode = mode;
+  return first;
+}
+
+/// Pinned where the task says, else to the CPU with the fewest components so far.
+void place(System& system, Deployed& deployed) {
+  const TaskAttributes& task = deployed.component->bundle()->task;
+  deployed.cpus = task.cpus;
+  if (!deployed.cpus.empty()) return;
+  std::map<int, int> load;
+  for (const int cpu : rt::usable_cpus()) load[cpu] = 0;
+  for (const Deployed& other : system.deployed) {
+    for (const int cpu : other.cpus) ++load[cpu];
+  }
+  const auto least = std::min_element(
+      load.begin(), load.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  deployed.cpus = {least->first};
+  if (system.options.simulated) return;
+  system.warnings.push_back(deployed.component->name() + " is pinned to CPU " +
+                            std::to_string(least->first) + ": its task names no cpus");
+}
+
+Status start_thread(System& system, Deployed& deployed) {
+  const TaskAttributes& task = deployed.component->bundle()->task;
+  const int priority = system.realtime ? task.priority : 0;
+  Status started = system.runner->add(
+      *deployed.task, {deployed.component->name(), priority, deployed.cpus, task.stack});
+  if (!started) return started;
+  deployed.priority = task.priority;
+  deployed.realtime = system.realtime && system.runner->is_fifo(*deployed.task, task.priority);
+  return ok();
+}
+
+System::System(Architecture& its_architecture, DeployOptions its_options)
+    : architecture(its_architecture),
+      options(its_options),
+      runner(options.simulated ? make_simulation() : make_threads()) {}
+System::~System() = default;
+
 Deployed* System::find(std::string_view component) {
   for (Deployed& candidate : deployed) {
-    if (candidate.component->name() == component) return &candidate;
+    if (!candidate.hidden && candidate.component->name() == component) return &candidate;
   }
   return nullptr;
 }
@@ -129,16 +128,20 @@ Status bring_up(System& system) {
   if (Status configured = system.architecture.configure(); !configured) return configured;
   int highest = 1;
   for (ComponentBase* component : system.architecture.components()) {
-    if (Status sound = check_cpus(*component); !sound) return sound;
-    highest = std::max(highest, component->bundle()->task.priority);
+    const TaskAttributes& task = component->bundle()->task;
+    if (Status sound = check_cpus(task, component->name()); !sound) return sound;
+    highest = std::max(highest, task.priority);
     Deployed deployed;
     deployed.component = component;
+    deployed.cpus = task.cpus;  // who is pinned counts for who is placed
     deployed.task = std::make_shared<Task>(component->name(), system.runner->clock());
     system.deployed.push_back(std::move(deployed));
   }
-  choose_cpus(system);
+  for (Deployed& deployed : system.deployed) place(system, deployed);
   Status ready = check_privileges(system, highest);
-  if (ready) ready = create_threads(system);
+  for (Deployed& deployed : system.deployed) {
+    if (ready) ready = start_thread(system, deployed);
+  }
   if (!ready) {
     system.runner = system.options.simulated ? make_simulation() : make_threads();
     system.deployed.clear();

@@ -2,8 +2,9 @@
 /// System: a deployed architecture; what the deployer's operations work on.
 #pragma once
 
-#include <limits>
+#include <list>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,25 +27,32 @@ struct Deployed {
   std::uint64_t lost_events = 0;  ///< reported so far
   bool changing = false;          ///< a change of it is under way: no other may begin
   bool parking = false;           ///< that change is an order to park
+  bool hidden = false;            ///< joins with a change under way, or left with one on probation
 
   [[nodiscard]] ComponentState state() const { return task->counters().state.load(); }
 };
 
 class Commit;
+class OnProbation;
 
 class System {
  public:
-  System(Architecture& its_architecture, DeployOptions its_options)
-      : architecture(its_architecture),
-        options(its_options),
-        runner(options.simulated ? make_simulation() : make_threads()) {}
+  System(Architecture& its_architecture, DeployOptions its_options);
+  ~System();
 
   Architecture& architecture;
   const DeployOptions options;
   std::shared_ptr<Runner> runner;
-  std::vector<Deployed> deployed;
+  /// Addresses stay. Changed by [control] under `members`, since [log] goes through it too.
+  std::list<Deployed> deployed;
+  std::mutex members;
+  std::vector<Happening> last_events;  ///< of components that left; under `members`
   std::vector<std::string> warnings;
   std::vector<std::shared_ptr<Commit>> under_way;
+  std::unique_ptr<OnProbation> probation;            ///< of the newest change; null: none
+  std::vector<std::unique_ptr<OnProbation>> fading;  ///< over, but a thread may still look
+  Retired free;                                      ///< of changes that are over
+  std::vector<ProbationEnd> ends;                    ///< not yet told
   std::uint64_t generation = 0;
   Instant t0 = 0;
   bool up = false;
@@ -63,7 +71,15 @@ Status bring_up(System& system);
 std::vector<std::string> bring_down(System& system, Duration bound);
 /// Of one component, when the whole stop should not take much longer than `bound`.
 [[nodiscard]] Duration patience_within(Duration bound);
-inline constexpr Instant kNever = std::numeric_limits<Instant>::max();
+
+/// Of a component that is placed and started: by bring_up() and by let_in().
+[[nodiscard]] Status check_cpus(const TaskAttributes& task, const std::string& component);
+[[nodiscard]] std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mode);
+/// Chooses its CPU if its task names none.
+void place(System& system, Deployed& deployed);
+Status start_thread(System& system, Deployed& deployed);
+/// Its thread has ended: what it still had to say is told with the next drain_events().
+void keep_last_events(System& system, Deployed& deployed);
 
 /// prepare(): see Deployer. `configure` false: elements are made, not configured (in place).
 Result<PreparedChange> prepare_change(System& system, const Change& change, bool configure = true);

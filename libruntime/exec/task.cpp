@@ -2,11 +2,14 @@
 #include "exec/task.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstring>
 #include <exception>
 
-#include "exec/swap.h"
+#include "exec/write_quietly.h"
 #include "rt/cache.h"
+#include "rt/cpu_time.h"
 
 #include <mauve/job.h>
 
@@ -31,20 +34,15 @@ void raise(std::atomic<T>& maximum, T value) {
   }
 }
 
-/// A resource that throws when it is given a safe value cannot take the machine down with it.
-void write_quietly(const PortBase& port, ServiceBase& service) {
-  try {
-    port.write_safe(service);
-  } catch (...) {
-  }
-}
-
 /// The first instant base + k * step that is not before `instant`.
 Instant next_on_grid(Instant base, Duration step, Instant instant) {
   if (instant <= base || step <= Duration{0}) return base;
   const Instant past = instant - base;
   return base + (past + step.count() - 1) / step.count() * step.count();
 }
+
+/// The way back begins so much later, so that no member passes the instant unaware of it.
+constexpr Duration kWayBackLead = 200us;
 
 /// What take() touches was written by the coordinator, often on another CPU, from where each cache
 /// line takes 100 ns. It is brought here while the old bundle is still in force.
@@ -64,7 +62,9 @@ Task::Task(std::string name, const Clock& clock) : name_(std::move(name)), clock
 
 Task::~Task() {
   delete current_;
-  delete retired_.load();
+  delete back_.load();
+  delete relief_.load();
+  static_cast<void>(reclaim());
 }
 
 void Task::begin(std::unique_ptr<Published> first, Instant t0) {
@@ -77,40 +77,68 @@ void Task::begin(std::unique_ptr<Published> first, Instant t0) {
   counters_.state.store(running_ ? ComponentState::running : ComponentState::stopped);
 }
 
-bool Task::revoke(Published& next) {
-  Published* expected = &next;
-  return pending_.compare_exchange_strong(expected, nullptr, std::memory_order_acq_rel);
+bool Task::empty(std::atomic<Published*>& slot, Published& content) {
+  Published* expected = &content;
+  return slot.compare_exchange_strong(expected, nullptr, std::memory_order_acq_rel);
 }
 
-std::unique_ptr<Published> Task::reclaim() {
-  return std::unique_ptr<Published>(retired_.exchange(nullptr, std::memory_order_acquire));
+bool Task::stand_by(Published& relief) {
+  Published* none = nullptr;
+  return relief_.compare_exchange_strong(none, &relief, std::memory_order_acq_rel);
+}
+
+/// Only the task's thread adds; the coordinator takes all at once.
+void Task::pile_up(Published& unused) {
+  Published* top = unused_.load(std::memory_order_relaxed);
+  do {
+    unused.older = top;
+  } while (!unused_.compare_exchange_weak(top, &unused, std::memory_order_acq_rel));
+}
+
+std::vector<std::unique_ptr<Published>> Task::reclaim() {
+  std::vector<std::unique_ptr<Published>> all;
+  Published* next = unused_.exchange(nullptr, std::memory_order_acquire);
+  while (next != nullptr) {
+    all.emplace_back(next);
+    next = next->older;
+  }
+  return all;
+}
+
+/// Decided, and no job lies between its instant and the armed release? Whose release is due meets
+/// the change at its own boundary.
+bool Task::early(const Published& next) const {
+  const Transaction& decision = *next.transaction;
+  if (decision.state() != Transaction::State::committed || !decision.has_instant()) return false;
+  return !running_ || (release_ >= decision.instant() && !due());
 }
 
 void Task::serve() {
-  Published* next = pending_.load(std::memory_order_acquire);
-  if (next == nullptr) return;
-  switch (next->transaction->state()) {
-    case Transaction::State::prepared:
-      return;
-    case Transaction::State::aborted:
+  if (Published* next = pending_.load(std::memory_order_acquire)) {
+    if (next->transaction->state() == Transaction::State::aborted) {
       give_back(*next);
-      return;
-    case Transaction::State::committed:
-      break;
+    } else if (early(*next) && claim(*next)) {
+      fetch(*next, state_);
+      take(*next, clock_.now());
+      acknowledge();
+    }
   }
-  if (running_ && release_ < next->transaction->instant()) return;  // jobs lie between
-  if (due() || !claim(*next)) return;  // due: the job's own boundary is here
-  fetch(*next, state_);
-  take(*next, clock_.now());
-  acknowledge();
+  if (Published* back = back_.load(std::memory_order_acquire)) {
+    if (early(*back) && empty(back_, *back)) {
+      take(*back, clock_.now());
+      acknowledge();
+    }
+  }
+  add<std::uint64_t>(looks_, 1);
 }
 
 void Task::release() {
   const Instant now = clock_.now();
   drop_missed(now);
   meet_boundary(now);
-  if (running_) run_job(now);
+  if (running_ && release_ <= now) failed_ ? skip_job() : run_job(now);
   acknowledge();
+  add<std::uint64_t>(looks_, 1);
 }
 
 /// Policy skip: only the newest of the releases that passed runs; the grid is kept.
@@ -128,22 +156,37 @@ void Task::drop_missed(Instant now) {
 /// The one place where a running component changes. Before it everything is old, after it new.
 void Task::meet_boundary(Instant now) {
   Published* next = pending_.load(std::memory_order_acquire);
-  if (next == nullptr || release_ < next->transaction->instant()) return;
-  // The coordinator is late: a member at its instant decides for all that nothing happens.
-  if (next->transaction->decide(Transaction::State::aborted) == Transaction::State::aborted) {
-    give_back(*next);
-  } else if (claim(*next)) {
-    take(*next, now);
+  if (next != nullptr && release_ >= next->transaction->instant()) {
+    // The coordinator is late: a member at its instant decides for all that nothing happens.
+    if (next->transaction->decide(Transaction::State::aborted) == Transaction::State::aborted) {
+      give_back(*next);
+    } else if (claim(*next)) {
+      take(*next, now);
+    }
   }
+  if (Published* other = take_over()) take(*other, now);
 }
 
-/// From here on the coordinator cannot take it back.
-bool Task::claim(Published& next) {
-  Published* expected = &next;
-  return pending_.compare_exchange_strong(expected, nullptr, std::memory_order_acq_rel);
+/// The way back once it was set off, or the relief of a core that failed; null: go on.
+Published* Task::take_over() {
+  Published* back = back_.load(std::memory_order_acquire);
+  if (back != nullptr && release_ >= back->transaction->instant() && empty(back_, *back)) {
+    return back;
+  }
+  if (!failed_ || leads_back()) return nullptr;
+  Published* relief = relief_.load(std::memory_order_acquire);
+  const bool ready = relief != nullptr && release_ >= relief_from_ && empty(relief_, *relief);
+  return ready ? relief : nullptr;
+}
+
+/// Is, or will be, led back by the change on probation?
+bool Task::leads_back() const {
+  const Published* back = back_.load(std::memory_order_acquire);
+  return back != nullptr && back->transaction->instant() != kClosed;
 }
 
 void Task::take(Published& next, Instant begin) {
+  acknowledge();  // of a change that is overtaken at the same boundary
   const bool was_running = running_;
   for (const auto& [port, service] : next.safe_writes) write_quietly(*port, *service);
   if (next.mode == Mode::park) write_safe_values();
@@ -155,15 +198,28 @@ void Task::take(Published& next, Instant begin) {
   next.bundle->shell->use(next.bundle->bindings.get());
   map_state(next);
   Published* const old = current_;
-  current_ = &next;
+  put_in_place(next);
   rearm(next, was_running);
   unacknowledged_ = &next;
   next.pause = Duration{next.count_gap ? release_ - parked_at_ : clock_.now() - begin};
-  retired_.store(old, std::memory_order_release);
+  pile_up(*old);
   if (running_ && was_running) {
     note(rt::EventKind::swapped, LogLevel::info, next.pause.count(),
          static_cast<std::int64_t>(next.bytes));
   }
+}
+
+/// What stood ready for the old bundle is of no use for another one.
+void Task::put_in_place(Published& next) {
+  const bool same_bundle = next.bundle == current_->bundle;
+  current_ = &next;
+  failed_ = false;
+  if (same_bundle && next.back == nullptr) return;
+  overran_ = 0;
+  if (Published* before = back_.exchange(next.back.release(), std::memory_order_acq_rel)) {
+    pile_up(*before);
+  }
+  if (Published* relief = relief_.exchange(nullptr, std::memory_order_acq_rel)) pile_up(*relief);
 }
 
 void Task::map_state(const Published& next) {
@@ -180,7 +236,10 @@ void Task::rearm(const Published& next, bool was_running) {
     if (was_running) park(ComponentState::stopped);
     return;
   }
-  if (next.mode != Mode::run || was_running) return;
+  if (next.mode != Mode::run || was_running) {
+    if (running_) keep_phase(next);
+    return;
+  }
   const Instant armed = release_;
   const Instant base = t0_ + next.bundle->task.offset.count();
   const Instant earliest = std::max(next.transaction->instant(), clock_.now());
@@ -195,10 +254,16 @@ void Task::rearm(const Published& next, bool was_running) {
   note(rt::EventKind::started, LogLevel::info, release_ - t0_);
 }
 
+/// Another offset moves the grid: the armed release to the first instant of the new one after it.
+void Task::keep_phase(const Published& next) {
+  const Instant base = t0_ + next.bundle->task.offset.count();
+  if (next.offset_changes) release_ = next_on_grid(base, next.grid, release_);
+  counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
+}
+
 void Task::give_back(Published& next) {
   if (!claim(next)) return;
   note(rt::EventKind::aborted, LogLevel::debug);
-  retired_.store(&next, std::memory_order_release);
   next.progress.store(Published::Progress::given_back, std::memory_order_release);
 }
 
@@ -212,25 +277,30 @@ void Task::acknowledge() {
 void Task::run_job(Instant now) {
   Job& job = this_job();
   job.start = now;
+  job.release = release_;
   job.running = true;
+  job.implausible = nullptr;
   job.lock_bound = current_->shortest_wait;
   this_ring() = &events_;
   const Instant lateness = now - release_;
   counters_.lateness_last.store(lateness, std::memory_order_relaxed);
   raise(counters_.lateness_max, lateness);
   add<std::uint64_t>(counters_.releases, 1);
+  const bool watched = back_.load(std::memory_order_relaxed) != nullptr;
+  if (watched && current_->bundle->task.budget > Duration{0}) cpu_before_ = rt::cpu_time();
   // Invariant: whatever user code throws ends here. Only this component is affected; its outputs
   // get their safe values; every resource it held was left on the way (Entry).
   try {
     run_states();
     account(now, clock_.now());
   } catch (const std::exception& error) {
-    on_fault(error.what());
+    on_fault(Cause::threw, error.what());
   } catch (...) {
-    on_fault("something that is no std::exception");
+    on_fault(Cause::threw, "something that is no std::exception");
   }
   this_ring() = nullptr;
   job.start = 0;
+  job.release = 0;
   job.running = false;
 }
 
@@ -262,15 +332,59 @@ void Task::account(Instant start, Instant end) {
   }
   const Instant deadline =
       task.deadline > Duration{0} ? std::min(release_, released + task.deadline.count()) : release_;
-  if (end <= deadline) return;
+  const bool late = end > deadline;
+  if (late) count_overrun(task, end - deadline);
+  if (this_job().implausible != nullptr) add<std::uint64_t>(counters_.implausible, 1);
+  if (back_.load(std::memory_order_relaxed) != nullptr) watch_over(task, start, end, late);
+}
+
+void Task::count_overrun(const TaskAttributes& task, Instant by) {
   add<std::uint64_t>(counters_.overruns, 1);
   const std::uint64_t overruns = counters_.overruns.load(std::memory_order_relaxed);
-  note(rt::EventKind::overrun, LogLevel::warning, end - deadline,
-       static_cast<std::int64_t>(overruns));
-  if (task.on_overrun == OnOverrun::stop && overruns >= task.overrun_limit) {
+  note(rt::EventKind::overrun, LogLevel::warning, by, static_cast<std::int64_t>(overruns));
+  if (overruns < task.overrun_limit) return;
+  if (task.on_overrun == OnOverrun::stop) {
     write_safe_values();
     park(ComponentState::stopped);
+  } else if (task.on_overrun == OnOverrun::fallback && relief_.load() != nullptr) {
+    failed_ = true;  // its relief takes over at the next release
+    relief_from_ = release_;
   }
+}
+
+/// On probation: what is no fault by itself leads back as well.
+void Task::watch_over(const TaskAttributes& task, Instant start, Instant end, bool late) {
+  overran_ = overran_ << 1U | (late ? 1U : 0U);
+  const unsigned overruns = static_cast<unsigned>(std::popcount(overran_ & current_->window));
+  const PortBase* port = this_job().implausible;
+  if (port != nullptr) {
+    std::array<char, 64> name{};
+    port->name().copy(name.data(), name.size() - 1);
+    give_up_core(Cause::implausible, name.data());
+  } else if (overruns > current_->tolerated) {
+    give_up_core(Cause::overruns, "");
+  } else if (task.budget > Duration{0} && end - start > task.budget.count() &&
+             rt::cpu_time() - cpu_before_ > task.budget) {
+    // On the processor's clock: a job that others preempt is not to blame.
+    give_up_core(Cause::over_budget, "");
+  }
+}
+
+/// Sets the way back off. The core goes on until its next release.
+void Task::give_up_core(Cause cause, const char* what) {
+  const Published* back = back_.load(std::memory_order_acquire);
+  if (back == nullptr) return;
+  back->way_back->set_off(clock_.now() + kWayBackLead.count(), cause, this, what);
+}
+
+/// A failed core runs no more; its releases pass until something takes over.
+void Task::skip_job() {
+  if (!leads_back() && relief_.load(std::memory_order_acquire) == nullptr) {
+    return park(ComponentState::faulted);
+  }
+  add<std::uint64_t>(counters_.missed, 1);
+  release_ += current_->grid.count();
+  counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
 }
 
 void Task::park(ComponentState state) {
@@ -282,13 +396,23 @@ void Task::park(ComponentState state) {
   }
 }
 
-void Task::on_fault(const char* what) {
+void Task::on_fault(Cause cause, const char* what) {
   write_safe_values();
+  add<std::uint64_t>(counters_.faults, 1);
   std::strncpy(fault_.data(), what, fault_.size() - 1);
   rt::Event event{clock_.now(), rt::EventKind::faulted, LogLevel::error, nullptr, {}, {}, {}};
   std::strncpy(event.text.data(), what, event.text.size() - 1);
   events_.push(event);
-  park(ComponentState::faulted);
+  give_up_core(cause, what);
+  const Published* relief = relief_.load(std::memory_order_acquire);
+  const bool relieved =
+      relief != nullptr && current_->bundle->task.on_fault.action != FaultPolicy::Action::stop;
+  if (!leads_back() && !relieved) return park(ComponentState::faulted);
+  failed_ = true;
+  wait_ = current_->grid;
+  release_ += wait_.count();
+  relief_from_ = relieved ? clock_.now() + relief->back_off.count() : 0;
+  counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
 }
 
 void Task::write_safe_values() {

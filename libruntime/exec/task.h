@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "exec/transaction.h"
 #include "rt/event_ring.h"
 
 #include <mauve/change.h>
@@ -19,15 +20,14 @@
 
 namespace mauve::exec {
 
-class Transaction;
-
 /// What a change hands to one task: the new bundle, and everything worked out beforehand so that
 /// taking it is a few pointer stores. Immutable after publication but for the answer.
 struct Published {
   std::shared_ptr<const Bundle> bundle;
   Transaction* transaction = nullptr;
   Mode mode = Mode::keep;
-  bool restart = false;    ///< begin at the initial state, on the next instant of the grid
+  bool restart = false;  ///< begin at the initial state, on the next instant of the grid
+  bool offset_changes = false;
   bool count_gap = false;  ///< releases that passed while parked count as missed (in place)
   Duration grid{0};
   Duration shortest_wait{0};
@@ -38,6 +38,13 @@ struct Published {
   std::vector<std::pair<ObservableBase*, const ObservableBase*>> observables;
   /// Ports that lose their service: their safe values are written first.
   std::vector<std::pair<const PortBase*, ServiceBase*>> safe_writes;
+
+  /// On probation: where this one leads back to when somebody fails. Both null: no probation.
+  std::unique_ptr<Published> back;
+  WayBack* way_back = nullptr;
+  unsigned tolerated = 0;        ///< overruns among the jobs of `window`
+  std::uint64_t window = ~0ULL;  ///< a bit for each job that counts
+  Duration back_off{0};          ///< a relief waits so long after the fault
 
   // The answer, valid when `progress` is done.
   Duration pause{0};
@@ -50,6 +57,7 @@ struct Published {
   /// The last word the task writes: it touches neither this nor the transaction afterwards, but for
   /// what it runs with.
   std::atomic<Progress> progress{Progress::published};
+  Published* older = nullptr;  ///< in the task's pile of what it does not use any more
 };
 
 /// Counters, written by the task's thread, read by anyone.
@@ -58,6 +66,8 @@ struct Counters {
   std::atomic<std::uint64_t> missed{0};
   std::atomic<std::uint64_t> overruns{0};
   std::atomic<std::uint64_t> over_budget{0};
+  std::atomic<std::uint64_t> implausible{0};
+  std::atomic<std::uint64_t> faults{0};
   std::atomic<std::int64_t> lateness_last{0};
   std::atomic<std::int64_t> lateness_max{0};
   std::atomic<std::int64_t> execution_last{0};
@@ -86,9 +96,18 @@ class Task {
   /// Mailbox. [control]
   void publish(Published& next) { pending_.store(&next, std::memory_order_release); }
   /// Takes the bundle back that the task has not seen yet; false when it did.
-  bool revoke(Published& next);
-  /// What the last change replaced (or gave back), once; null when nothing.
-  [[nodiscard]] std::unique_ptr<Published> reclaim();
+  bool revoke(Published& next) { return empty(pending_, next); }
+  /// What the task does not use any more, the newest first.
+  [[nodiscard]] std::vector<std::unique_ptr<Published>> reclaim();
+  /// What takes over by itself when the core fails; the task owns it. False: it has one. [control]
+  bool stand_by(Published& relief);
+  /// Takes the way back, or the relief, out again; false when the task has taken it.
+  bool withdraw_back(Published& back) { return empty(back_, back); }
+  bool withdraw_relief(Published& relief) { return empty(relief_, relief); }
+  [[nodiscard]] bool has_relief() const { return relief_.load() != nullptr; }
+  /// How often the task looked for changes: what was taken out before the last look is not looked
+  /// at any more.
+  [[nodiscard]] std::uint64_t looks() const { return looks_.load(std::memory_order_acquire); }
   /// Tells the thread to look at its mailbox.
   [[nodiscard]] std::atomic<std::uint32_t>& command() { return command_; }
 
@@ -105,20 +124,31 @@ class Task {
   void release();
 
  private:
+  static bool empty(std::atomic<Published*>& slot, Published& content);
   void drop_missed(Instant now);
   void meet_boundary(Instant now);
-  [[nodiscard]] bool claim(Published& next);
+  [[nodiscard]] bool early(const Published& next) const;
+  [[nodiscard]] bool claim(Published& next) { return empty(pending_, next); }
+  [[nodiscard]] Published* take_over();
+  void put_in_place(Published& next);
+  void pile_up(Published& unused);
   /// `begin`: when the job that the change delays would have begun.
   void take(Published& next, Instant begin);
   void give_back(Published& next);
   void acknowledge();
   void map_state(const Published& next);
   void rearm(const Published& next, bool was_running);
+  void keep_phase(const Published& next);
   void run_job(Instant now);
+  void skip_job();
   void run_states();
   void account(Instant start, Instant end);
   void park(ComponentState state);
-  void on_fault(const char* what);
+  void count_overrun(const TaskAttributes& task, Instant by);
+  void watch_over(const TaskAttributes& task, Instant start, Instant end, bool late);
+  void give_up_core(Cause cause, const char* what);
+  void on_fault(Cause cause, const char* what);
+  [[nodiscard]] bool leads_back() const;
   void write_safe_values();
   void note(rt::EventKind kind, LogLevel level, std::int64_t a = 0, std::int64_t b = 0);
 
@@ -129,8 +159,11 @@ class Task {
   std::array<char, 128> fault_{};
 
   alignas(64) std::atomic<Published*> pending_{nullptr};
-  alignas(64) std::atomic<Published*> retired_{nullptr};
+  alignas(64) std::atomic<Published*> unused_{nullptr};
   alignas(64) std::atomic<std::uint32_t> command_{0};
+  alignas(64) std::atomic<Published*> back_{nullptr};  // the way back, while on probation
+  std::atomic<Published*> relief_{nullptr};            // the fallback core, or a fresh one
+  std::atomic<std::uint64_t> looks_{0};
 
   // Owned by the task's thread.
   Published* current_ = nullptr;
@@ -140,7 +173,11 @@ class Task {
   Instant release_ = 0;  // logical: t0 + offset + clock of the component
   Duration wait_{0};     // that ended, or ends, at release_
   Instant parked_at_ = 0;
+  Instant relief_from_ = 0;    // not before
+  std::uint64_t overran_ = 0;  // a bit for each of the last jobs
+  Duration cpu_before_{0};     // of this thread, when the job on probation began
   bool running_ = false;
+  bool failed_ = false;  // waits for its way back or its relief; no job runs meanwhile
 };
 
 }  // namespace mauve::exec

@@ -45,11 +45,9 @@ void Gate::leave() {
   lock_->mutex.unlock();
 }
 
-/// The coordinator may have put another one in its place meanwhile.
 void Gate::visit_deferred(Instant release) {
   Deferred* deferred = deferred_.load(std::memory_order_acquire);
-  if (!deferred->visit(release)) return;
-  deferred_.compare_exchange_strong(deferred, nullptr, std::memory_order_acq_rel);
+  if (deferred != nullptr && deferred->visit(release)) forget(*deferred);
 }
 
 std::uint64_t Gate::timeouts() const { return lock_->timeouts.load(std::memory_order_relaxed); }

@@ -6,8 +6,6 @@
 #include "model/connection.h"
 #include "model/elements.h"
 
-#include <mauve/clock.h>
-
 namespace mauve {
 
 ResourceBase::ResourceBase(std::string name, ResourceType type)
@@ -65,24 +63,19 @@ Status ResourceBase::disconnect(std::string_view port) {
   return table ? rebind(*std::move(table)) : table.error();
 }
 
-ResourceBase::Exchange ResourceBase::exchange_core(std::shared_ptr<CoreBase> core, bool hand_over) {
-  Exchange exchange;
-  const Entry entry(gate_);
-  if (!entry) return exchange;
-  const Instant begin = MonotonicClock().now();
-  StateBase* const old_state = core_->state();
-  StateBase* const new_state = core->state();
-  if (hand_over && old_state != nullptr && new_state != nullptr && new_state->fits(*old_state)) {
-    new_state->exchange(*old_state);
-    exchange.bytes = new_state->type().size;
+void ResourceBase::meet(const std::shared_ptr<CoreBase>& core,
+                        const std::shared_ptr<const Bindings>& bindings) {
+  if (core != nullptr) {
+    interface_->bind(*this, core);
+    gate_.heal();
   }
-  core->bind(*shell_);
-  interface_->bind(*this, core);
-  core_.swap(core);
-  exchange.old = std::move(core);
-  exchange.done = true;
-  exchange.pause = Duration{MonotonicClock().now() - begin};
-  return exchange;
+  if (bindings != nullptr && configured_) shell_->use(bindings.get());
+}
+
+void ResourceBase::install(std::shared_ptr<CoreBase> core,
+                           std::shared_ptr<const Bindings> bindings) {
+  if (core != nullptr) core_ = std::move(core);
+  if (bindings != nullptr) bindings_ = std::move(bindings);
 }
 
 }  // namespace mauve

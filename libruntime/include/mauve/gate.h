@@ -45,8 +45,14 @@ class Gate {
   /// Under the gate: its core is new, or known to be whole.
   void heal() { poisoned_.store(false, std::memory_order_release); }
 
-  /// Runtime only: what the next callers visit; null: nothing. [control]
-  void defer(Deferred* deferred) { deferred_.store(deferred, std::memory_order_release); }
+  /// Runtime only: what the next callers visit. [control]
+  void defer(Deferred& deferred) { deferred_.store(&deferred, std::memory_order_release); }
+  /// Runtime only: it is not visited again, but a caller may be inside it until the gate was
+  /// entered once more. [control]
+  void forget(Deferred& deferred) {
+    Deferred* expected = &deferred;
+    deferred_.compare_exchange_strong(expected, nullptr, std::memory_order_acq_rel);
+  }
 
  private:
   struct Lock;

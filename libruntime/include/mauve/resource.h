@@ -49,14 +49,14 @@ class ResourceBase {
   /// The connections in force. [control]
   [[nodiscard]] const Bindings& bindings() const { return *bindings_; }
 
-  struct Exchange {
-    bool done = false;              ///< false: a caller holds the resource and does not leave it
-    std::shared_ptr<CoreBase> old;  ///< still configured, for the caller to clean up
-    std::size_t bytes = 0;          ///< of the state handed over
-    Duration pause{0};              ///< how long callers were kept out
-  };
-  /// Exchanges the core under the resource's lock; the interface keeps its services. [control]
-  Exchange exchange_core(std::shared_ptr<CoreBase> core, bool hand_over);
+  /// Runtime only, under the gate: callers meet this core and these connections from now on; null:
+  /// as before. The interface keeps its services. The model keeps what they met before alive until
+  /// install(). [any]
+  void meet(const std::shared_ptr<CoreBase>& core, const std::shared_ptr<const Bindings>& bindings);
+  /// Runtime only: what callers meet is what the model shows. [control]
+  void install(std::shared_ptr<CoreBase> core, std::shared_ptr<const Bindings> bindings);
+  [[nodiscard]] const std::shared_ptr<CoreBase>& shared_core() const { return core_; }
+  [[nodiscard]] const std::shared_ptr<const Bindings>& shared_bindings() const { return bindings_; }
 
  private:
   Status rebind(std::shared_ptr<const Bindings> bindings);

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/membership.h"
+
+#include <algorithm>
+
+#include "model/left_behind.h"
+
+namespace mauve::exec {
+namespace {
+
+/// A thread that is parked ends at once.
+constexpr Duration kEndOfThread = 500ms;
+
+}  // namespace
+
+Result<Deployed*> let_in(System& system, ComponentBase& component) {
+  if (Status sound = check_cpus(component.bundle()->task, component.name()); !sound) {
+    return sound.error();
+  }
+  Deployed joining;
+  joining.component = &component;
+  joining.hidden = true;
+  joining.task = std::make_shared<Task>(component.name(), system.runner->clock());
+  joining.task->begin(first_bundle(component, Mode::park), system.t0);
+  place(system, joining);
+  if (Status started = start_thread(system, joining); !started) return started.error();
+  const std::lock_guard lock(system.members);
+  system.deployed.push_back(std::move(joining));
+  return &system.deployed.back();
+}
+
+bool let_go(System& system, Deployed& deployed) {
+  const bool ended =
+      system.runner->end(*deployed.task, system.runner->now() + kEndOfThread.count());
+  if (!ended) {
+    deployed.component->abandon();
+    leave_behind(deployed.task);  // its thread still runs in it
+    leave_behind(system.runner);
+  }
+  keep_last_events(system, deployed);
+  const std::lock_guard lock(system.members);
+  system.deployed.remove_if([&](const Deployed& one) { return &one == &deployed; });
+  return ended;
+}
+
+}  // namespace mauve::exec

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The change of one resource, made beside the running one.
+#include "exec/edit_properties.h"
+#include "exec/prepare.h"
+#include "model/connection.h"
+#include "model/elements.h"
+
+#include <mauve/job.h>
+
+namespace mauve::exec {
+namespace {
+
+Result<std::shared_ptr<const Bindings>> new_bindings(const Afterwards& after, const Edit& edit,
+                                                     ResourceBase& resource) {
+  std::shared_ptr<const Bindings> table = resource.shared_bindings();
+  for (const std::string& port : edit.disconnect) {
+    auto without = without_connection(resource.shell(), *table, port);
+    if (!without) return without.error();
+    table = *std::move(without);
+  }
+  for (const NewConnection& wanted : edit.connect) {
+    const Result<ServiceBase*> service = after.find_service(wanted.service);
+    if (!service) return service.error();
+    if (Status nested = check_nesting(resource, (*service)->resource()); !nested) {
+      return nested.error();
+    }
+    auto with = with_connection(resource.shell(), *table, wanted.port, **service,
+                                (*service)->resource().keep_alive(), wanted.max_age);
+    if (!with) return with.error();
+    table = *std::move(with);
+  }
+  return table;
+}
+
+/// The core anew, with other properties.
+Status make_core(const Edit& edit, ResourceBase& resource, PreparedResource& prepared) {
+  std::shared_ptr<CoreBase>& core = prepared.parts.core;
+  Status done = check_state_survives(resource.core(), edit);
+  const CoreType& type = edit.core ? *edit.core : resource.type().core;
+  if (done) done = make_element(resource.core().address(), type.make, core);
+  if (done) done = copy_properties(resource.core(), *core);
+  if (done) done = set_properties(edit, "core", *core);
+  if (!done) return done;
+  core->bind(resource.shell());
+  prepared.made.add(core);
+  const Detached detached;
+  return core->configure();
+}
+
+}  // namespace
+
+Result<PreparedResource> prepare_resource(const Afterwards& after, const Edit& edit,
+                                          ResourceBase& resource) {
+  if (edit.mode != Mode::keep || edit.core || edit.fsm || edit.task) {
+    return refuse(Errc::unsupported, edit.component,
+                  "is a resource: it has no thread to start or stop, and its core is replaced by "
+                  "changing its properties only");
+  }
+  if (Status paths = check_paths(edit, {"core"}); !paths) return paths.error();
+  PreparedResource prepared;
+  prepared.resource = &resource;
+  prepared.base = {resource.shared_core(), resource.shared_bindings()};
+  prepared.state = edit.state;
+  if (!edit.connect.empty() || !edit.disconnect.empty()) {
+    auto bindings = new_bindings(after, edit, resource);
+    if (!bindings) return bindings.error();
+    prepared.parts.bindings = *std::move(bindings);
+  }
+  if (edit.properties.empty()) return prepared;
+  if (Status made = make_core(edit, resource, prepared); !made) return made.error();
+  return prepared;
+}
+
+Status prepare_joining(const Afterwards& after, const NewResource& joining) {
+  ResourceBase& resource = *joining.resource;
+  const Detached detached;
+  if (Status configured = resource.configure(); !configured) return configured;
+  for (const NewConnection& wanted : joining.connect) {
+    const Result<ServiceBase*> service = after.find_service(wanted.service);
+    if (!service) return service.error();
+    if (Status nested = check_nesting(resource, (*service)->resource()); !nested) return nested;
+    Status done = resource.connect(wanted.port, **service, (*service)->resource().keep_alive(),
+                                   wanted.max_age);
+    if (!done) return done;
+  }
+  return ok();
+}
+
+}  // namespace mauve::exec

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/probation.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "exec/commit.h"
+#include "exec/membership.h"
+#include "model/left_behind.h"
+
+namespace mauve::exec {
+namespace {
+
+/// After an undo, or when nobody confirmed.
+constexpr Duration kLead = 200us;
+
+/// `owner` is null for a member of a derived architecture.
+template <typename Element>
+void put_back(Architecture& architecture, Element& element, std::shared_ptr<Element> owner) {
+  if (owner == nullptr) return architecture.add(element);
+  architecture.own(std::move(owner));
+}
+
+}  // namespace
+
+OnProbation::OnProbation(System& system, Content content, std::vector<WayBackOfMember> members,
+                         std::shared_ptr<WayBack> way_back, Retired replaced)
+    : system_(system),
+      content_(std::move(content)),
+      members_(std::move(members)),
+      way_back_(std::move(way_back)),
+      replaced_(std::move(replaced)),
+      generation_(system.generation),
+      began_(system.runner->now()) {
+  for (const PreparedResource& change : content_->resources) {
+    ResourceParts before = change.base;
+    if (change.parts.core == nullptr) before.core.reset();
+    if (change.parts.bindings == nullptr) before.bindings.reset();
+    flips_.push_back(std::make_unique<ResourceFlip>(*change.resource, std::move(before),
+                                                    change.state == StatePolicy::keep,
+                                                    way_back_->transaction()));
+  }
+}
+
+OnProbation::~OnProbation() {
+  if (phase_ == Phase::over) return;
+  // The system goes down: whose thread ended looks at nothing any more.
+  if (all_looked_away()) return;
+  for (WayBackOfMember& member : members_) {
+    leave_behind(std::shared_ptr<Published>(std::move(member.withdrawn)));
+  }
+  leave_behind(way_back_);
+}
+
+bool OnProbation::awaits_confirmation() const {
+  return content_->probation->confirm_within > Duration{0} && open();
+}
+
+bool OnProbation::advance() {
+  if (phase_ == Phase::watching) watch();
+  if (phase_ == Phase::going_back) go_back();
+  if (phase_ == Phase::withdrawing && all_looked_away()) {
+    for (auto& flip : flips_) {
+      if (!flip->disarm()) return true;
+    }
+    flips_.clear();
+    phase_ = Phase::over;
+  }
+  return phase_ != Phase::over;
+}
+
+void OnProbation::watch() {
+  if (!way_back_->open()) {
+    phase_ = Phase::going_back;
+    for (const WayBackOfMember& member : members_) system_.runner->wake(*member.deployed->task);
+    return;
+  }
+  const Probation& rules = *content_->probation;
+  const Duration passed{system_.runner->now() - began_};
+  if (rules.confirm_within > Duration{0}) {
+    if (passed >= rules.confirm_within) {
+      static_cast<void>(undo("not confirmed within its time"));
+    }
+    return;
+  }
+  const auto proved = [&](const WayBackOfMember& member) {
+    const std::uint64_t releases = member.deployed->task->counters().releases.load();
+    return releases - member.releases_before >= rules.activations;
+  };
+  if (!members_.empty() && std::all_of(members_.begin(), members_.end(), proved)) {
+    static_cast<void>(pass(std::to_string(rules.activations) + " jobs without a fault"));
+  } else if (passed >= rules.time) {
+    static_cast<void>(pass("its time passed without a fault"));
+  }
+}
+
+bool OnProbation::undo(const std::string& reason) {
+  if (phase_ != Phase::watching) return false;
+  return way_back_->set_off(system_.runner->now() + kLead.count(), Cause::asked, nullptr,
+                            reason.c_str());
+}
+
+bool OnProbation::pass(const std::string& reason) {
+  if (phase_ != Phase::watching || !way_back_->close()) return false;
+  for (std::size_t i = 0; i < content_->members.size(); ++i) {
+    PreparedMember& member = content_->members[i];
+    if (member.part != Part::leaves) continue;
+    if (member.owner != nullptr) free_.keep(member.owner);
+  }
+  tell(false, reason);
+  withdraw();
+  return true;
+}
+
+/// The tasks give the ways back up; each is freed when its thread has looked elsewhere.
+void OnProbation::withdraw() {
+  phase_ = Phase::withdrawing;
+  for (WayBackOfMember& member : members_) {
+    Task& task = *member.deployed->task;
+    if (task.withdraw_back(*member.back)) member.withdrawn.reset(member.back);
+    member.looks_after = task.looks();
+    system_.runner->wake(task);
+  }
+  for (std::size_t i = 0; i < content_->members.size(); ++i) {
+    if (content_->members[i].part != Part::leaves) continue;
+    Deployed*& leaving = members_[i].deployed;
+    static_cast<void>(let_go(system_, *std::exchange(leaving, nullptr)));
+  }
+  free_.merge(std::move(replaced_));
+  free_.keep(content_);
+}
+
+bool OnProbation::all_looked_away() const {
+  return std::all_of(members_.begin(), members_.end(), [&](const WayBackOfMember& member) {
+    return member.deployed == nullptr || !system_.up ||
+           member.deployed->task->looks() > member.looks_after;
+  });
+}
+
+void OnProbation::go_back() {
+  const Instant now = system_.runner->now();
+  for (auto& flip : flips_) flip->help(now);
+  if (!way_back_->told() || !all_are_back()) return;
+  tell(true, culprit());
+  install_old();
+  system_.ends.back().generation = system_.generation;
+  replaced_.forget();
+  free_.keep(content_);
+  for (WayBackOfMember& member : members_) {
+    member.looks_after = member.deployed != nullptr ? member.deployed->task->looks() : 0;
+    if (member.deployed != nullptr) system_.runner->wake(*member.deployed->task);
+  }
+  phase_ = Phase::withdrawing;
+}
+
+bool OnProbation::all_are_back() {
+  const bool members = std::all_of(members_.begin(), members_.end(), [](const auto& member) {
+    return member.back->progress.load(std::memory_order_acquire) == Published::Progress::done;
+  });
+  return members && std::all_of(flips_.begin(), flips_.end(),
+                                [](const auto& flip) { return flip->settled(); });
+}
+
+/// What callers and threads use again is what the model shows.
+void OnProbation::install_old() {
+  Architecture& architecture = system_.architecture;
+  for (std::size_t i = 0; i < content_->members.size(); ++i) {
+    PreparedMember& member = content_->members[i];
+    Deployed*& deployed = members_[i].deployed;
+    if (member.next != member.base) member.component->install(member.base);
+    if (member.type) member.component->renew(*member.type);
+    if (member.part == Part::leaves) {
+      put_back(architecture, *member.component, std::exchange(member.owner, nullptr));
+      deployed->hidden = false;
+    }
+    schedule(system_, *deployed);
+    retire(*member.next, *member.base, free_);
+    if (member.part != Part::joins) continue;
+    static_cast<void>(architecture.take_out(*member.component));
+    static_cast<void>(let_go(system_, *std::exchange(deployed, nullptr)));
+  }
+  for (const PreparedResource& change : content_->resources) {
+    change.resource->install(change.base.core, change.base.bindings);
+    if (change.parts.core != nullptr) free_.add(change.parts.core);
+  }
+  for (const auto& resource : content_->new_resources) {
+    static_cast<void>(architecture.take_out(*resource));
+  }
+  for (std::size_t i = 0; i < content_->left_resources.size(); ++i) {
+    put_back(architecture, *content_->leaving_resources[i], content_->left_resources[i]);
+  }
+  ++system_.generation;
+}
+
+std::string OnProbation::culprit() const {
+  const std::string text = way_back_->text();
+  if (way_back_->cause() == Cause::asked) return text;
+  const std::string cause(to_string(way_back_->cause()));
+  return text.empty() ? cause : cause + ": " + text;
+}
+
+void OnProbation::tell(bool rolled_back, const std::string& reason) {
+  ProbationEnd end;
+  end.began = generation_;
+  end.generation = system_.generation;
+  end.rolled_back = rolled_back;
+  end.reason = reason;
+  if (rolled_back) {
+    end.commit = Duration{way_back_->transaction().instant() - system_.t0};
+    for (const WayBackOfMember& member : members_) {
+      const bool at_fault =
+          member.deployed != nullptr && member.deployed->task.get() == way_back_->member();
+      if (at_fault) end.component = member.deployed->task->name();
+    }
+    for (const PreparedMember& member : content_->members) {
+      if (member.next->core != member.base->core) end.cores.push_back(member.next->core_type.name);
+    }
+  }
+  system_.ends.push_back(std::move(end));
+}
+
+}  // namespace mauve::exec

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Probation: after a commit the old bundles stay ready, and the way back to them is prepared, so
+/// that a member that fails leads all members back at their next release without asking anybody.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "exec/prepared.h"
+#include "exec/system.h"
+
+namespace mauve::exec {
+
+/// Prepares the way back of each member, to be handed out together with the way forth.
+struct WayBackOfMember {
+  Deployed* deployed = nullptr;
+  Published* back = nullptr;  ///< owned by the way forth, then by the task
+  std::uint64_t releases_before = 0;
+  std::uint64_t looks_after = 0;  ///< when it was withdrawn
+  std::unique_ptr<Published> withdrawn;
+};
+
+/// One change on probation. [control]
+class OnProbation {
+ public:
+  using Content = std::shared_ptr<PreparedChange::Content>;
+
+  /// Of a change that is committed: its content, and the elements it replaced.
+  OnProbation(System& system, Content content, std::vector<WayBackOfMember> members,
+              std::shared_ptr<WayBack> way_back, Retired replaced);
+  ~OnProbation();
+
+  /// Looks whether it is over. The end is told in System::ends; false: nothing of it is left.
+  bool advance();
+  /// Nobody can fail any more: the change stays. False: it is being rolled back already.
+  bool pass(const std::string& reason);
+  /// False: it is over, or being rolled back already.
+  bool undo(const std::string& reason);
+  [[nodiscard]] bool open() const { return phase_ == Phase::watching && way_back_->open(); }
+  [[nodiscard]] bool awaits_confirmation() const;
+  /// Its end is in System::ends; all that remains is to wait until no thread looks at it.
+  [[nodiscard]] bool told() const { return phase_ == Phase::withdrawing || phase_ == Phase::over; }
+  /// What became free.
+  Retired take_free() { return std::move(free_); }
+
+ private:
+  enum class Phase : std::uint8_t { watching, going_back, withdrawing, over };
+
+  void watch();
+  void go_back();
+  [[nodiscard]] bool all_are_back();
+  void install_old();
+  void withdraw();
+  [[nodiscard]] bool all_looked_away() const;
+  void tell(bool rolled_back, const std::string& reason);
+  [[nodiscard]] std::string culprit() const;
+
+  System& system_;
+  Content content_;
+  std::vector<WayBackOfMember> members_;
+  std::vector<std::unique_ptr<ResourceFlip>> flips_;
+  std::shared_ptr<WayBack> way_back_;
+  Retired replaced_;
+  Retired free_;
+  Phase phase_ = Phase::watching;
+  std::uint64_t generation_;
+  Instant began_;
+};
+
+}  // namespace mauve::exec

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/resource_flip.h"
+
+#include "exec/write_quietly.h"
+
+#include <mauve/clock.h>
+
+namespace mauve::exec {
+namespace {
+
+std::vector<std::pair<const PortBase*, ServiceBase*>> lost_services(const ResourceBase& resource,
+                                                                    const Bindings* next) {
+  std::vector<std::pair<const PortBase*, ServiceBase*>> lost;
+  if (next == nullptr) return lost;
+  for (const PortBase* port : resource.shell().ports()) {
+    const auto& before = resource.bindings()[port->index()];
+    if (before == nullptr || before == (*next)[port->index()]) continue;
+    lost.emplace_back(port, &before->service());
+  }
+  return lost;
+}
+
+}  // namespace
+
+ResourceFlip::ResourceFlip(ResourceBase& resource, ResourceParts parts, bool hand_over,
+                           Transaction& transaction)
+    : resource_(resource),
+      parts_(std::move(parts)),
+      replaced_{parts_.core != nullptr ? resource.shared_core() : nullptr,
+                parts_.bindings != nullptr ? resource.shared_bindings() : nullptr},
+      hand_over_(hand_over),
+      transaction_(transaction),
+      safe_writes_(lost_services(resource, parts_.bindings.get())) {
+  resource_.gate().defer(*this);
+}
+
+ResourceFlip::~ResourceFlip() = default;
+
+bool ResourceFlip::visit(Instant release) {
+  if (state() == State::in_force || state() == State::given_up) return true;
+  if (release == 0 || release < transaction_.instant()) return false;
+  // The coordinator is late: whoever comes at the instant decides for all that nothing happens.
+  const bool aborted =
+      transaction_.decide(Transaction::State::aborted) == Transaction::State::aborted;
+  State expected = State::waiting;
+  const State wanted = aborted ? State::given_up : State::taking;
+  if (!state_.compare_exchange_strong(expected, wanted, std::memory_order_acq_rel)) return true;
+  if (!aborted) take();
+  return true;
+}
+
+/// Under the gate.
+void ResourceFlip::take() {
+  const Instant begin = MonotonicClock().now();
+  for (const auto& [port, service] : safe_writes_) write_quietly(*port, *service);
+  StateBase* const from = hand_over_ && parts_.core != nullptr ? replaced_.core->state() : nullptr;
+  StateBase* const into = from != nullptr ? parts_.core->state() : nullptr;
+  if (into != nullptr && into->fits(*from)) {
+    into->exchange(*from);
+    bytes_ = into->type().size;
+  }
+  resource_.meet(parts_.core, parts_.bindings);
+  pause_ = Duration{MonotonicClock().now() - begin};
+  state_.store(State::in_force, std::memory_order_release);
+}
+
+void ResourceFlip::help(Instant now) {
+  if (state() != State::waiting) return;
+  if (transaction_.state() == Transaction::State::aborted) return revoke();
+  if (transaction_.state() != Transaction::State::committed || now < transaction_.instant()) return;
+  if (!resource_.gate().try_enter()) return;
+  static_cast<void>(visit(now));
+  resource_.gate().forget(*this);
+  resource_.gate().leave();
+}
+
+void ResourceFlip::revoke() {
+  State expected = State::waiting;
+  state_.compare_exchange_strong(expected, State::given_up, std::memory_order_acq_rel);
+}
+
+bool ResourceFlip::disarm() {
+  if (!armed_) return true;
+  resource_.gate().forget(*this);
+  if (!resource_.gate().try_enter()) return false;
+  resource_.gate().leave();
+  armed_ = false;
+  return true;
+}
+
+}  // namespace mauve::exec

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The change of one resource. A resource has no thread: the first caller whose job is released at
+/// or after the instant takes the change under the resource's own lock (realtime 8.4.11), or the
+/// coordinator does when nobody comes.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "exec/transaction.h"
+
+#include <mauve/architecture.h>
+
+namespace mauve::exec {
+
+/// What a resource is to have; null: stays.
+struct ResourceParts {
+  std::shared_ptr<CoreBase> core;
+  std::shared_ptr<const Bindings> bindings;
+};
+
+class ResourceFlip final : public Deferred {
+ public:
+  enum class State : std::uint8_t {
+    waiting,
+    taking,
+    in_force,
+    given_up,  ///< aborted, revoked or never taken: the resource is untouched
+  };
+
+  /// Arms it. The transaction outlives it.
+  ResourceFlip(ResourceBase& resource, ResourceParts parts, bool hand_over,
+               Transaction& transaction);
+  /// Nobody visits it any more: see disarm().
+  ~ResourceFlip() override;
+
+  bool visit(Instant release) override;
+  /// Takes the change itself once the instant has passed, unless somebody is inside. [control]
+  void help(Instant now);
+  /// Takes it back if nobody took it. [control]
+  void revoke();
+  /// True when no caller can still be looking at it. [control]
+  [[nodiscard]] bool disarm();
+
+  [[nodiscard]] bool settled() const {
+    return state() == State::in_force || state() == State::given_up;
+  }
+  [[nodiscard]] State state() const { return state_.load(std::memory_order_acquire); }
+  [[nodiscard]] ResourceBase& resource() const { return resource_; }
+  /// What it had before; valid when in force.
+  [[nodiscard]] const ResourceParts& replaced() const { return replaced_; }
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
+  /// How long callers were kept out.
+  [[nodiscard]] Duration pause() const { return pause_; }
+
+ private:
+  void take();
+
+  ResourceBase& resource_;
+  ResourceParts parts_;
+  ResourceParts replaced_;
+  const bool hand_over_;
+  Transaction& transaction_;
+  /// Ports that lose their service: their safe values are written first.
+  std::vector<std::pair<const PortBase*, ServiceBase*>> safe_writes_;
+  std::atomic<State> state_{State::waiting};
+  bool armed_ = true;
+  std::size_t bytes_ = 0;
+  Duration pause_{0};
+};
+
+}  // namespace mauve::exec

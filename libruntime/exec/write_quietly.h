@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Safe values are written when something ends; nothing may come of it but the write.
+#pragma once
+
+#include <mauve/port.h>
+
+namespace mauve::exec {
+
+/// A resource that throws when it is given a safe value cannot take the machine down with it. [any]
+inline void write_quietly(const PortBase& port, ServiceBase& service) {
+  try {
+    port.write_safe(service);
+  } catch (...) {
+  }
+}
+
+}  // namespace mauve::exec

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Processor time: what a thread itself used, however often it was preempted.
+#pragma once
+
+#include <ctime>
+
+#include <mauve/time.h>
+
+namespace mauve::rt {
+
+/// Of the calling thread. A system call, about 0.4 us.
+[[nodiscard]] inline Duration cpu_time() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
+}
+
+}  // namespace mauve::rt

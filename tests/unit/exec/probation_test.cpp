@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Probation and the way back, on a clock that is moved by hand.
+#include <gtest/gtest.h>
+
+#include "support/ramp.h"
+
+namespace mauve {
+namespace {
+
+/// Throws in its fifth job.
+struct Bad : ramp::Down {
+  void update() override {
+    if (++jobs_ == 5) throw std::runtime_error("sensor lost");
+    ramp::Down::update();
+  }
+
+ private:
+  int jobs_ = 0;
+};
+
+class OnProbation : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(deployer.deploy());
+    deployer.run_for(100ms);
+  }
+  Result<Receipt> swap(const CoreType& core, Probation probation = {}) {
+    Change change;
+    change.edits.resize(1);
+    change.edits[0].component = "control";
+    change.edits[0].core = core;
+    change.probation = probation;
+    return deployer.apply(change);
+  }
+  template <typename T>
+  Result<Receipt> swap_to(Probation probation = {}) {
+    return swap(CoreType::of<T>(class_name(typeid(T))), probation);
+  }
+  std::vector<ProbationEnd> tend() {
+    Retired free;
+    return deployer.tend(free);
+  }
+  std::string core() { return deployer.status("control").core; }
+
+  ramp::Architecture architecture;
+  Deployer deployer{architecture, {.simulated = true}};
+};
+
+TEST_F(OnProbation, ACoreThatThrowsIsRolledBackAtTheNextRelease) {
+  const std::string before = core();
+  ASSERT_TRUE(swap_to<Bad>());
+  deployer.run_for(30ms);
+  EXPECT_TRUE(deployer.on_probation());
+
+  deployer.run_for(20ms);  // the fifth job is among these
+  EXPECT_EQ(ramp::read(architecture.position), -1.0) << "its safe value, at once";
+  deployer.run_for(20ms);
+  const auto ends = tend();
+
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_TRUE(ends[0].rolled_back);
+  EXPECT_EQ(ends[0].component, "control");
+  EXPECT_EQ(ends[0].reason, "threw: sensor lost");
+  EXPECT_EQ(ends[0].began, 2u);
+  EXPECT_EQ(ends[0].generation, 3u);
+  ASSERT_EQ(ends[0].cores.size(), 1u);
+  EXPECT_EQ(core(), before);
+  EXPECT_EQ(deployer.status("control").state, ComponentState::running);
+  EXPECT_EQ(deployer.status("control").missed, 0u) << "the old core runs at the next release";
+  EXPECT_EQ(deployer.generation(), 3u);
+  EXPECT_FALSE(deployer.on_probation());
+}
+
+TEST_F(OnProbation, TheStateGoesBackAsItIs) {
+  ASSERT_TRUE(swap_to<Bad>());  // counts down: 10, 9, 8, 7, 6, thrown
+  deployer.run_for(100ms);
+  ASSERT_EQ(tend().size(), 1u);
+
+  // Four jobs down from about 10, then up again without a jump.
+  const double position = ramp::read(architecture.position);
+  EXPECT_GE(position, 6.0);
+  EXPECT_LE(position, 14.0);
+}
+
+TEST_F(OnProbation, ItEndsAfterSoManyJobsWithoutAFault) {
+  ASSERT_TRUE(swap_to<ramp::Down>({.activations = 20}));
+
+  deployer.run_for(150ms);
+  EXPECT_TRUE(deployer.on_probation());
+  EXPECT_TRUE(tend().empty());
+  deployer.run_for(100ms);
+  const auto ends = tend();
+
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_FALSE(ends[0].rolled_back);
+  EXPECT_EQ(ends[0].reason, "20 jobs without a fault");
+  EXPECT_EQ(deployer.generation(), 2u);
+}
+
+TEST_F(OnProbation, ItEndsWithItsTime) {
+  ASSERT_TRUE(swap_to<ramp::Down>({.time = 200ms}));
+
+  deployer.run_for(250ms);
+
+  const auto ends = tend();
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_FALSE(ends[0].rolled_back);
+}
+
+TEST_F(OnProbation, AfterItAFaultIsTheComponentsOwn) {
+  ASSERT_TRUE(swap_to<Bad>({.activations = 2}));
+  deployer.run_for(30ms);
+  ASSERT_EQ(tend().size(), 1u);
+
+  deployer.run_for(50ms);
+
+  EXPECT_TRUE(tend().empty());
+  EXPECT_EQ(deployer.status("control").state, ComponentState::faulted);
+}
+
+TEST_F(OnProbation, UndoLeadsBack) {
+  const std::string before = core();
+  ASSERT_TRUE(swap_to<ramp::Down>());
+  deployer.run_for(20ms);
+
+  ASSERT_TRUE(deployer.undo());
+  deployer.run_for(20ms);
+
+  const auto ends = tend();
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_TRUE(ends[0].rolled_back);
+  EXPECT_EQ(ends[0].reason, "undone by request");
+  EXPECT_EQ(ends[0].component, "");
+  EXPECT_EQ(core(), before);
+  EXPECT_FALSE(deployer.undo()) << "once";
+}
+
+TEST_F(OnProbation, WhatNobodyConfirmsIsRolledBack) {
+  const std::string before = core();
+  ASSERT_TRUE(swap_to<ramp::Down>({.confirm_within = 50ms}));
+  deployer.run_for(60ms);
+  EXPECT_TRUE(tend().empty());
+  deployer.run_for(20ms);
+
+  const auto ends = tend();
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_TRUE(ends[0].rolled_back);
+  EXPECT_EQ(ends[0].reason, "not confirmed within its time");
+  EXPECT_EQ(core(), before);
+}
+
+TEST_F(OnProbation, WhatIsConfirmedStays) {
+  ASSERT_TRUE(swap_to<ramp::Down>({.confirm_within = 50ms}));
+  const Result<Receipt> meanwhile = deployer.swap_core<ramp::Up>("control");
+
+  ASSERT_TRUE(deployer.confirm());
+  deployer.run_for(100ms);
+
+  ASSERT_FALSE(meanwhile);
+  EXPECT_EQ(meanwhile.error().code, Errc::conflict);
+  const auto ends = tend();
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_EQ(ends[0].reason, "confirmed");
+  EXPECT_FALSE(deployer.confirm());
+  EXPECT_EQ(deployer.generation(), 2u);
+}
+
+TEST_F(OnProbation, ANewerChangeEndsIt) {
+  ASSERT_TRUE(swap_to<ramp::Down>());
+  ASSERT_TRUE(swap_to<ramp::Up>());
+  deployer.run_for(20ms);
+
+  const auto ends = tend();
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_EQ(ends[0].reason, "a newer change");
+  EXPECT_TRUE(deployer.on_probation());
+  ASSERT_TRUE(deployer.undo());
+  deployer.run_for(20ms);
+  EXPECT_NE(core().find("Down"), std::string::npos);
+}
+
+TEST_F(OnProbation, AStopDuringItParksAndTheWayBackStays) {
+  ASSERT_TRUE(swap_to<ramp::Down>());
+  deployer.run_for(20ms);
+
+  ASSERT_TRUE(deployer.stop({"control"}));
+  ASSERT_TRUE(deployer.undo());
+  deployer.run_for(20ms);
+
+  ASSERT_EQ(tend().size(), 1u);
+  EXPECT_EQ(deployer.status("control").state, ComponentState::stopped);
+  EXPECT_NE(core().find("Up"), std::string::npos);
+}
+
+TEST_F(OnProbation, WhatJoinedLeavesAgainAndWhatLeftComesBack) {
+  struct Other : ramp::Shell {};
+  auto joining = std::make_shared<ComponentBase>(
+      "second",
+      ComponentType{"ramp", ShellType::of<ramp::Shell>(), FsmType::of<ramp::Fsm>("ramp"), "bad"},
+      CoreType::of<Bad>("bad"));
+  Change change;
+  change.new_components.push_back({joining, {}});
+  change.remove = {"control"};
+  change.probation = Probation{};
+  joining.reset();
+  ASSERT_TRUE(deployer.apply(change));
+  change = {};
+  EXPECT_EQ(architecture.find_component("control"), nullptr);
+
+  deployer.run_for(100ms);
+  const auto ends = tend();
+
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_EQ(ends[0].component, "second");
+  EXPECT_NE(architecture.find_component("control"), nullptr);
+  EXPECT_EQ(architecture.find_component("second"), nullptr);
+  EXPECT_EQ(deployer.status("control").state, ComponentState::running);
+  EXPECT_EQ(deployer.status().size(), 1u);
+}
+
+/// Lets out at most 2 more than before.
+struct GuardedShell : Shell {
+  WritePort<double> out{*this, "out", Safe{0.0},
+                        Plausible<double>{[](const double& value, const double& last) {
+                          return value - last <= 2.0;
+                        }}};
+};
+struct Guarded : Core<GuardedShell> {
+  using Contract = Guarded;
+  static constexpr const char* contract = "guarded/core/1";
+  Stateless stateless{*this};
+  virtual void update() { shell().out.write(1.0); }
+};
+struct Wild : Guarded {
+  void update() override { shell().out.write(jobs_++ < 3 ? 1.0 : 1000.0); }
+
+ private:
+  int jobs_ = 0;
+};
+struct GuardedArchitecture : Architecture {
+  SharedData<double> value{*this, "value"};
+  Component<GuardedShell, Guarded, PeriodicFsm<Guarded>> pump{*this, "pump"};
+  Status on_configure() override { return pump.shell().out.connect(value.write_service()); }
+};
+
+TEST(Plausibility, AnImplausibleValueIsNotLetOutAndRollsBack) {
+  GuardedArchitecture architecture;
+  Deployer deployer{architecture, {.simulated = true}};
+  ASSERT_TRUE(deployer.deploy());
+  Change change;
+  change.edits.resize(1);
+  change.edits[0].component = "pump";
+  change.edits[0].core = CoreType::of<Wild>("wild");
+  change.probation = Probation{};
+  ASSERT_TRUE(deployer.apply(change));
+
+  deployer.run_for(100ms);
+  Retired free;
+  const auto ends = deployer.tend(free);
+
+  EXPECT_EQ(ramp::read(architecture.value), 1.0);
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_EQ(ends[0].reason, "wrote a value that is not plausible: out");
+}
+
+}  // namespace
+}  // namespace mauve
