@@ -19,6 +19,20 @@ std::string_view to_string(ChangeState state) {
   return "unknown";
 }
 
+std::string_view to_string(Outcome::Kind kind) {
+  switch (kind) {
+    case Outcome::Kind::passed:
+      return "passed";
+    case Outcome::Kind::rolled_back:
+      return "rolled_back";
+    case Outcome::Kind::fell_back:
+      return "fell_back";
+    case Outcome::Kind::restarted:
+      return "restarted";
+  }
+  return "unknown";
+}
+
 PreparedChange::PreparedChange(std::unique_ptr<Content> content) : content_(std::move(content)) {}
 PreparedChange::PreparedChange(PreparedChange&&) noexcept = default;
 PreparedChange& PreparedChange::operator=(PreparedChange&&) noexcept = default;

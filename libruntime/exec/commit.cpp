@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "exec/membership.h"
+#include "exec/relief.h"
 
 #include <mauve/job.h>
 
@@ -143,8 +144,8 @@ Member Commit::forth(std::size_t index, Deployed& deployed) {
   member.next->tolerated = content_->probation->misses;
   const unsigned window = std::min(content_->probation->window, 64U);
   member.next->window = window == 64 ? ~0ULL : (1ULL << window) - 1;
-  ways_back_.push_back(
-      {&deployed, member.next->back.get(), deployed.task->counters().releases.load(), 0, nullptr});
+  ways_back_.push_back({&deployed, member.next->back.get(), member.next->back->answer,
+                        deployed.task->counters().releases.load(), 0, nullptr});
   return member;
 }
 
@@ -198,6 +199,9 @@ void Commit::enter(std::size_t index) {
   }
   schedule(system_, *deployed_[index]);
   retire(*member.base, *member.next, retired_);
+  if (member.next != member.base) {
+    system_.free.keep(std::exchange(deployed_[index]->relief, {}).content);
+  }
   member.made.forget();
   const std::uint64_t missed = deployed_[index]->task->counters().missed.load();
   receipt_.components.push_back(
@@ -338,6 +342,7 @@ void System::advance() {
     free.merge(one->take_free());
     return true;
   });
+  look_after_reliefs(*this);
   std::erase_if(under_way, [](const std::shared_ptr<Commit>& commit) {
     static_cast<void>(commit->advance());
     return commit->over();

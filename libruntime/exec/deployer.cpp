@@ -2,6 +2,7 @@
 #include <mauve/deployer.h>
 
 #include "exec/commit.h"
+#include "exec/relief.h"
 #include "exec/stop.h"
 
 #include <mauve/job.h>
@@ -131,11 +132,18 @@ Status Deployer::undo(const std::string& reason) {
                 "roll back to a saved generation");
 }
 
-std::vector<ProbationEnd> Deployer::tend(Retired& retired) {
+std::vector<Outcome> Deployer::tend(Retired& retired) {
   system_->advance();
   retired.merge(std::move(system_->free));
-  return std::exchange(system_->ends, {});
+  return std::exchange(system_->outcomes, {});
 }
+
+std::vector<Change> Deployer::wanted_reliefs() const {
+  system_->advance();
+  return exec::wanted_reliefs(*system_);
+}
+
+void Deployer::stand_by(PreparedChange& relief) { exec::put_in_readiness(*system_, relief); }
 
 Result<Receipt> Deployer::start(const std::vector<std::string>& components, bool reset) {
   Change change;

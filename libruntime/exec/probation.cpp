@@ -143,7 +143,7 @@ void OnProbation::go_back() {
   if (!way_back_->told() || !all_are_back()) return;
   tell(true, culprit());
   install_old();
-  system_.ends.back().generation = system_.generation;
+  system_.outcomes.back().generation = system_.generation;
   replaced_.forget();
   free_.keep(content_);
   for (WayBackOfMember& member : members_) {
@@ -155,7 +155,7 @@ void OnProbation::go_back() {
 
 bool OnProbation::all_are_back() {
   const bool members = std::all_of(members_.begin(), members_.end(), [](const auto& member) {
-    return member.back->progress.load(std::memory_order_acquire) == Published::Progress::done;
+    return member.answer->progress.load(std::memory_order_acquire) == Published::Progress::done;
   });
   return members && std::all_of(flips_.begin(), flips_.end(),
                                 [](const auto& flip) { return flip->settled(); });
@@ -200,10 +200,10 @@ std::string OnProbation::culprit() const {
 }
 
 void OnProbation::tell(bool rolled_back, const std::string& reason) {
-  ProbationEnd end;
+  Outcome end;
   end.began = generation_;
   end.generation = system_.generation;
-  end.rolled_back = rolled_back;
+  end.kind = rolled_back ? Outcome::Kind::rolled_back : Outcome::Kind::passed;
   end.reason = reason;
   if (rolled_back) {
     end.commit = Duration{way_back_->transaction().instant() - system_.t0};
@@ -216,7 +216,7 @@ void OnProbation::tell(bool rolled_back, const std::string& reason) {
       if (member.next->core != member.base->core) end.cores.push_back(member.next->core_type.name);
     }
   }
-  system_.ends.push_back(std::move(end));
+  system_.outcomes.push_back(std::move(end));
 }
 
 }  // namespace mauve::exec

@@ -17,6 +17,7 @@ namespace mauve::exec {
 struct WayBackOfMember {
   Deployed* deployed = nullptr;
   Published* back = nullptr;  ///< owned by the way forth, then by the task
+  std::shared_ptr<const Published::Answer> answer;
   std::uint64_t releases_before = 0;
   std::uint64_t looks_after = 0;  ///< when it was withdrawn
   std::unique_ptr<Published> withdrawn;
@@ -32,7 +33,7 @@ class OnProbation {
               std::shared_ptr<WayBack> way_back, Retired replaced);
   ~OnProbation();
 
-  /// Looks whether it is over. The end is told in System::ends; false: nothing of it is left.
+  /// Looks whether it is over. The end is told in System::outcomes; false: nothing of it is left.
   bool advance();
   /// Nobody can fail any more: the change stays. False: it is being rolled back already.
   bool pass(const std::string& reason);
@@ -40,7 +41,7 @@ class OnProbation {
   bool undo(const std::string& reason);
   [[nodiscard]] bool open() const { return phase_ == Phase::watching && way_back_->open(); }
   [[nodiscard]] bool awaits_confirmation() const;
-  /// Its end is in System::ends; all that remains is to wait until no thread looks at it.
+  /// Its end is in System::outcomes; all that remains is to wait until no thread looks at it.
   [[nodiscard]] bool told() const { return phase_ == Phase::withdrawing || phase_ == Phase::over; }
   /// What became free.
   Retired take_free() { return std::move(free_); }

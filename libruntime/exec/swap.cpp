@@ -66,7 +66,7 @@ void Swap::attempt() {
 void Swap::publish(Member& member) {
   static_cast<void>(member.task->reclaim());  // words of changes before, no elements
   member.next->transaction = transactions_.back().get();
-  member.next->progress = Progress::published;
+  member.next->answer->progress = Progress::published;
   member.settled = false;
   member.published = member.next.release();
   member.task->publish(*member.published);
@@ -114,11 +114,11 @@ bool Swap::advance() {
 }
 
 void Swap::settle(Member& member) {
-  const Progress progress = member.published->progress.load(std::memory_order_acquire);
+  const Progress progress = member.published->answer->progress.load(std::memory_order_acquire);
   if (progress == Progress::published) return;
   if (progress == Progress::done) {
-    member.pause = member.published->pause;
-    member.bytes = member.published->bytes;
+    member.pause = member.published->answer->pause;
+    member.bytes = member.published->answer->bytes;
     member.in_force = true;
     static_cast<void>(member.task->reclaim());  // what it ran with before: words, no elements
   } else {

@@ -8,6 +8,7 @@
 #include "base/name.h"
 #include "exec/commit.h"
 #include "exec/probation.h"
+#include "exec/relief.h"
 #include "rt/memory.h"
 
 namespace mauve::exec {
@@ -150,7 +151,9 @@ Status bring_up(System& system) {
   release_all(system);
   system.generation = 1;
   system.up = true;
-  return ok();
+  Status reliefs = put_reliefs_in_readiness(system);
+  if (!reliefs) static_cast<void>(bring_down(system, 2s));
+  return reliefs;
 }
 
 ComponentStatus look_at(const System& system, const Deployed& deployed) {

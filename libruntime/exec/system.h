@@ -17,6 +17,13 @@
 
 namespace mauve::exec {
 
+/// The core that takes over when one fails, see relief.h.
+struct StandingBy {
+  std::shared_ptr<PreparedChange::Content> content;  ///< null: none
+  PreparedMember* member = nullptr;
+  std::shared_ptr<const Published::Answer> answer;
+};
+
 /// One component and what runs it.
 struct Deployed {
   ComponentBase* component = nullptr;
@@ -28,6 +35,8 @@ struct Deployed {
   bool changing = false;          ///< a change of it is under way: no other may begin
   bool parking = false;           ///< that change is an order to park
   bool hidden = false;            ///< joins with a change under way, or left with one on probation
+  StandingBy relief;
+  std::vector<Instant> restarts;  ///< the recent ones
 
   [[nodiscard]] ComponentState state() const { return task->counters().state.load(); }
 };
@@ -52,7 +61,7 @@ class System {
   std::unique_ptr<OnProbation> probation;            ///< of the newest change; null: none
   std::vector<std::unique_ptr<OnProbation>> fading;  ///< over, but a thread may still look
   Retired free;                                      ///< of changes that are over
-  std::vector<ProbationEnd> ends;                    ///< not yet told
+  std::vector<Outcome> outcomes;                     ///< not yet told
   std::uint64_t generation = 0;
   Instant t0 = 0;
   bool up = false;

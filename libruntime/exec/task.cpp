@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstdio>
 #include <cstring>
 #include <exception>
 
@@ -48,6 +49,7 @@ constexpr Duration kWayBackLead = 200us;
 /// line takes 100 ns. It is brought here while the old bundle is still in force.
 void fetch(const Published& next, const FsmState* state) {
   rt::touch(&next, sizeof next);
+  rt::touch(next.answer.get(), sizeof *next.answer);
   rt::touch(next.bundle.get(), sizeof *next.bundle);
   rt::touch(next.state_map.data(), next.state_map.size() * sizeof next.state_map[0]);
   if (state != nullptr) rt::touch(state, sizeof *state);
@@ -192,7 +194,7 @@ void Task::take(Published& next, Instant begin) {
   if (next.mode == Mode::park) write_safe_values();
   if (next.into != nullptr) {
     next.into->exchange(*next.from);
-    next.bytes = next.into->type().size;
+    next.answer->bytes = next.into->type().size;
   }
   for (const auto& [into, from] : next.observables) into->continue_from(*from);
   next.bundle->shell->use(next.bundle->bindings.get());
@@ -201,11 +203,11 @@ void Task::take(Published& next, Instant begin) {
   put_in_place(next);
   rearm(next, was_running);
   unacknowledged_ = &next;
-  next.pause = Duration{next.count_gap ? release_ - parked_at_ : clock_.now() - begin};
+  next.answer->pause = Duration{next.count_gap ? release_ - parked_at_ : clock_.now() - begin};
   pile_up(*old);
   if (running_ && was_running) {
-    note(rt::EventKind::swapped, LogLevel::info, next.pause.count(),
-         static_cast<std::int64_t>(next.bytes));
+    note(rt::EventKind::swapped, LogLevel::info, next.answer->pause.count(),
+         static_cast<std::int64_t>(next.answer->bytes));
   }
 }
 
@@ -264,14 +266,14 @@ void Task::keep_phase(const Published& next) {
 void Task::give_back(Published& next) {
   if (!claim(next)) return;
   note(rt::EventKind::aborted, LogLevel::debug);
-  next.progress.store(Published::Progress::given_back, std::memory_order_release);
+  next.answer->progress.store(Published::Progress::given_back, std::memory_order_release);
 }
 
 /// After the outputs of the first job with the new bundle, so that the answer costs them nothing.
 void Task::acknowledge() {
   if (unacknowledged_ == nullptr) return;
   Published* const taken = std::exchange(unacknowledged_, nullptr);
-  taken->progress.store(Published::Progress::done, std::memory_order_release);
+  taken->answer->progress.store(Published::Progress::done, std::memory_order_release);
 }
 
 void Task::run_job(Instant now) {
@@ -347,6 +349,7 @@ void Task::count_overrun(const TaskAttributes& task, Instant by) {
     write_safe_values();
     park(ComponentState::stopped);
   } else if (task.on_overrun == OnOverrun::fallback && relief_.load() != nullptr) {
+    std::snprintf(fault_.data(), fault_.size(), "overran %u times", task.overrun_limit);
     failed_ = true;  // its relief takes over at the next release
     relief_from_ = release_;
   }

@@ -46,17 +46,20 @@ struct Published {
   std::uint64_t window = ~0ULL;  ///< a bit for each job that counts
   Duration back_off{0};          ///< a relief waits so long after the fault
 
-  // The answer, valid when `progress` is done.
-  Duration pause{0};
-  std::size_t bytes = 0;
   enum class Progress : std::uint8_t {
     published,
     done,        ///< in force, and the first job with it has ended
     given_back,  ///< the instant was missed: the task never used it
   };
-  /// The last word the task writes: it touches neither this nor the transaction afterwards, but for
-  /// what it runs with.
-  std::atomic<Progress> progress{Progress::published};
+  /// The answer of the task; it outlives what it is about.
+  struct Answer {
+    Duration pause{0};  ///< this and the next: valid when done
+    std::size_t bytes = 0;
+    /// The last word the task writes: it touches neither this nor the transaction afterwards, but
+    /// for what it runs with.
+    std::atomic<Progress> progress{Progress::published};
+  };
+  const std::shared_ptr<Answer> answer = std::make_shared<Answer>();
   Published* older = nullptr;  ///< in the task's pile of what it does not use any more
 };
 

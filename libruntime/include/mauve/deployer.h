@@ -82,16 +82,25 @@ struct Happening {
 class PreparedChange;
 class Retired;
 
-/// A probation that is over.
-struct ProbationEnd {
-  std::uint64_t began = 0;       ///< generation that was on probation
-  std::uint64_t generation = 0;  ///< in force now; another one after a rollback
-  bool rolled_back = false;
-  std::string component;  ///< whose fault it was; empty: nobody's
-  std::string reason;     ///< "threw: sensor lost", "confirmed", "3000 jobs without a fault"
-  Duration commit{0};     ///< of the rollback, since T0
-  std::vector<std::string> cores;  ///< types of the cores that were rolled back, for quarantine
+/// What the system did by itself: a probation that is over, or a core that took over from one that
+/// failed.
+struct Outcome {
+  enum class Kind : std::uint8_t {
+    passed,       ///< the change on probation stays
+    rolled_back,  ///< all its members are as they were before
+    fell_back,    ///< the fallback core took over
+    restarted,    ///< a fresh core took over
+  };
+  Kind kind = Kind::passed;
+  std::uint64_t began = 0;       ///< generation it happened to
+  std::uint64_t generation = 0;  ///< in force now
+  std::string component;         ///< whose fault it was; empty: nobody's
+  std::string reason;            ///< "threw: sensor lost", "confirmed", "3000 jobs without a fault"
+  Duration commit{0};            ///< of a rollback, since T0
+  /// Types of the cores that were rolled back, or of the one that took over.
+  std::vector<std::string> cores;
 };
+[[nodiscard]] std::string_view to_string(Outcome::Kind kind);
 
 /// A change, or a stop, on its way: it is over when every member came to its boundary. [control]
 class Ongoing {
@@ -150,9 +159,15 @@ class Deployer {
   /// told by tend().
   Status undo(const std::string& reason = "undone by request");
   [[nodiscard]] bool on_probation() const;
-  /// Looks after what goes on by itself: ends of probations, fallbacks, rollbacks. Call it some
+  /// Looks after what goes on by itself: probations, rollbacks, cores that took over. Call it some
   /// times a second; what became free goes to `retired`.
-  std::vector<ProbationEnd> tend(Retired& retired);
+  std::vector<Outcome> tend(Retired& retired);
+
+  /// Cores that shall stand by for a failing one, and do not yet: after deployment, after each
+  /// change, after each fault. Prepare each [factory], then let it stand by.
+  [[nodiscard]] std::vector<Change> wanted_reliefs() const;
+  /// Drops what is out of date meanwhile.
+  void stand_by(PreparedChange& relief);
 
   /// Shorthands for apply().
   Result<Receipt> start(const std::vector<std::string>& components, bool reset = false);
@@ -241,7 +256,9 @@ class Retired {
   /// Runtime only: in the order of dependency.
   void add(std::shared_ptr<Configurable> element) { elements_.push_back(std::move(element)); }
   /// Runtime only: freed after the elements, the last one first.
-  void keep(std::shared_ptr<void> owner) { owners_.push_back(std::move(owner)); }
+  void keep(std::shared_ptr<void> owner) {
+    if (owner != nullptr) owners_.push_back(std::move(owner));
+  }
   void merge(Retired&& other);
   [[nodiscard]] bool empty() const { return elements_.empty() && owners_.empty(); }
 

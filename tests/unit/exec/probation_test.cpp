@@ -36,7 +36,7 @@ class OnProbation : public testing::Test {
   Result<Receipt> swap_to(Probation probation = {}) {
     return swap(CoreType::of<T>(class_name(typeid(T))), probation);
   }
-  std::vector<ProbationEnd> tend() {
+  std::vector<Outcome> tend() {
     Retired free;
     return deployer.tend(free);
   }
@@ -58,7 +58,7 @@ TEST_F(OnProbation, ACoreThatThrowsIsRolledBackAtTheNextRelease) {
   const auto ends = tend();
 
   ASSERT_EQ(ends.size(), 1u);
-  EXPECT_TRUE(ends[0].rolled_back);
+  EXPECT_EQ(ends[0].kind, Outcome::Kind::rolled_back);
   EXPECT_EQ(ends[0].component, "control");
   EXPECT_EQ(ends[0].reason, "threw: sensor lost");
   EXPECT_EQ(ends[0].began, 2u);
@@ -92,7 +92,7 @@ TEST_F(OnProbation, ItEndsAfterSoManyJobsWithoutAFault) {
   const auto ends = tend();
 
   ASSERT_EQ(ends.size(), 1u);
-  EXPECT_FALSE(ends[0].rolled_back);
+  EXPECT_EQ(ends[0].kind, Outcome::Kind::passed);
   EXPECT_EQ(ends[0].reason, "20 jobs without a fault");
   EXPECT_EQ(deployer.generation(), 2u);
 }
@@ -104,7 +104,7 @@ TEST_F(OnProbation, ItEndsWithItsTime) {
 
   const auto ends = tend();
   ASSERT_EQ(ends.size(), 1u);
-  EXPECT_FALSE(ends[0].rolled_back);
+  EXPECT_EQ(ends[0].kind, Outcome::Kind::passed);
 }
 
 TEST_F(OnProbation, AfterItAFaultIsTheComponentsOwn) {
@@ -128,7 +128,7 @@ TEST_F(OnProbation, UndoLeadsBack) {
 
   const auto ends = tend();
   ASSERT_EQ(ends.size(), 1u);
-  EXPECT_TRUE(ends[0].rolled_back);
+  EXPECT_EQ(ends[0].kind, Outcome::Kind::rolled_back);
   EXPECT_EQ(ends[0].reason, "undone by request");
   EXPECT_EQ(ends[0].component, "");
   EXPECT_EQ(core(), before);
@@ -144,7 +144,7 @@ TEST_F(OnProbation, WhatNobodyConfirmsIsRolledBack) {
 
   const auto ends = tend();
   ASSERT_EQ(ends.size(), 1u);
-  EXPECT_TRUE(ends[0].rolled_back);
+  EXPECT_EQ(ends[0].kind, Outcome::Kind::rolled_back);
   EXPECT_EQ(ends[0].reason, "not confirmed within its time");
   EXPECT_EQ(core(), before);
 }

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Relief: the core that takes over by itself when one fails: the fallback core of the file, or a
+/// fresh one of the same kind. It is made and configured beforehand and stands by in the task,
+/// which takes it at its next release without asking anybody.
+#pragma once
+
+#include <vector>
+
+#include "exec/system.h"
+
+namespace mauve::exec {
+
+/// What would take over from the core of this component; nothing: no policy, or its budget of
+/// restarts is used up. [control]
+[[nodiscard]] std::vector<Change> wanted_reliefs(System& system);
+
+/// Puts a prepared relief in readiness. [control]
+void put_in_readiness(System& system, PreparedChange& prepared);
+
+/// All that are wanted, made in the calling thread. [control], at deployment
+Status put_reliefs_in_readiness(System& system);
+
+/// Notices who was relieved: the model shows it, and it is told. [control]
+void look_after_reliefs(System& system);
+
+}  // namespace mauve::exec

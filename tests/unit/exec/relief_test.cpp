@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What takes over by itself when a core fails, on a clock that is moved by hand.
+#include <gtest/gtest.h>
+
+#include "support/ramp.h"
+
+namespace mauve {
+namespace {
+
+/// Throws in every third job.
+struct Unsteady : ramp::Up {
+  void update() override {
+    if (++jobs_ % 3 == 0) throw std::runtime_error("sensor lost");
+    ramp::Up::update();
+  }
+
+ private:
+  int jobs_ = 0;
+};
+
+struct UnsteadyArchitecture : Architecture {
+  SharedData<double> position{*this, "position"};
+  Component<ramp::Shell, Unsteady, ramp::Fsm> control{*this, "control"};
+
+  explicit UnsteadyArchitecture(FaultPolicy policy) { control.task().on_fault = policy; }
+  Status on_configure() override { return control.shell().out.connect(position.write_service()); }
+};
+
+std::vector<Outcome> tend(Deployer& deployer) {
+  Retired free;
+  return deployer.tend(free);
+}
+
+void prepare_reliefs(Deployer& deployer) {
+  for (const Change& change : deployer.wanted_reliefs()) {
+    auto prepared = deployer.prepare(change);
+    ASSERT_TRUE(prepared) << to_string(prepared.error());
+    deployer.stand_by(*prepared);
+  }
+}
+
+TEST(Relief, TheFallbackCoreTakesOverAtTheNextRelease) {
+  UnsteadyArchitecture architecture({.action = FaultPolicy::Action::fallback});
+  architecture.control.fall_back_to(
+      ComponentBase::Fallback{CoreType::of<ramp::Down>("ramp/down"), {}});
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  EXPECT_TRUE(deployer.wanted_reliefs().empty()) << "it stands by";
+
+  deployer.run_for(25ms);
+  EXPECT_EQ(ramp::read(architecture.position), -1.0) << "the safe value, at once";
+  deployer.run_for(30ms);
+  const auto outcomes = tend(deployer);
+
+  ASSERT_EQ(outcomes.size(), 1u);
+  EXPECT_EQ(outcomes[0].kind, Outcome::Kind::fell_back);
+  EXPECT_EQ(outcomes[0].component, "control");
+  EXPECT_EQ(outcomes[0].reason, "sensor lost");
+  EXPECT_EQ(outcomes[0].cores, std::vector<std::string>{"ramp/down"});
+  EXPECT_EQ(deployer.status("control").core, "ramp/down");
+  EXPECT_EQ(deployer.status("control").missed, 0u);
+  EXPECT_EQ(deployer.status("control").state, ComponentState::running);
+  EXPECT_EQ(deployer.generation(), 2u);
+  EXPECT_LT(ramp::read(architecture.position), 2.0) << "it goes on from the state of the other one";
+  EXPECT_TRUE(deployer.wanted_reliefs().empty()) << "nothing falls back from the fallback";
+}
+
+TEST(Relief, AFreshCoreTakesOverWithinItsBudgetOfRestarts) {
+  UnsteadyArchitecture architecture(
+      {.action = FaultPolicy::Action::restart, .restarts = 2, .per = 10s, .back_off = 15ms});
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  std::vector<Outcome> outcomes;
+
+  for (int i = 0; i < 40; ++i) {
+    deployer.run_for(10ms);
+    for (Outcome& one : tend(deployer)) outcomes.push_back(std::move(one));
+    prepare_reliefs(deployer);
+  }
+
+  ASSERT_EQ(outcomes.size(), 2u);
+  EXPECT_EQ(outcomes[0].kind, Outcome::Kind::restarted);
+  EXPECT_EQ(deployer.status("control").state, ComponentState::faulted);
+  EXPECT_EQ(deployer.status("control").fault, "sensor lost");
+  // Two jobs each, three times; the fault ends a job that counts; each restart waited longer.
+  EXPECT_EQ(deployer.status("control").releases, 9u);
+  EXPECT_EQ(deployer.status("control").missed, 3u) << "one in 15 ms, two in 30 ms";
+}
+
+TEST(Relief, AChangeMakesItAnew) {
+  UnsteadyArchitecture architecture({.action = FaultPolicy::Action::fallback});
+  architecture.control.fall_back_to(
+      ComponentBase::Fallback{CoreType::of<ramp::Down>("ramp/down"), {}});
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(deployer.disconnect("control.ports.out"));
+
+  EXPECT_TRUE(tend(deployer).empty());
+  ASSERT_EQ(deployer.wanted_reliefs().size(), 1u);
+  prepare_reliefs(deployer);
+  deployer.run_for(60ms);
+
+  ASSERT_EQ(tend(deployer).size(), 1u);
+  EXPECT_EQ(deployer.status("control").core, "ramp/down");
+}
+
+TEST(Relief, DeploymentIsRefusedWhenTheFallbackCoreCannotBeConfigured) {
+  UnsteadyArchitecture architecture({.action = FaultPolicy::Action::fallback});
+  architecture.control.fall_back_to(
+      ComponentBase::Fallback{CoreType::of<ramp::ThrowingOnConfigure>("ramp/throwing"), {}});
+  Deployer deployer(architecture, {.simulated = true});
+
+  const Status refused = deployer.deploy();
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::hook_threw);
+}
+
+/// Each job takes longer than the period.
+struct Late : ramp::Up {
+  void update() override {
+    ramp::Up::update();
+    clock()->advance(12ms);
+  }
+  static ManualClock*& clock() {
+    static ManualClock* clock = nullptr;
+    return clock;
+  }
+};
+
+struct LateArchitecture : Architecture {
+  SharedData<double> position{*this, "position"};
+  Component<ramp::Shell, Late, ramp::Fsm> control{*this, "control"};
+};
+
+TEST(Relief, TheFallbackTakesOverAfterTooManyOverruns) {
+  LateArchitecture architecture;
+  architecture.control.task().on_overrun = OnOverrun::fallback;
+  architecture.control.task().overrun_limit = 3;
+  architecture.control.fall_back_to(
+      ComponentBase::Fallback{CoreType::of<ramp::Down>("ramp/down"), {}});
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  Late::clock() = const_cast<ManualClock*>(dynamic_cast<const ManualClock*>(&deployer.clock()));
+
+  deployer.run_for(200ms);
+
+  const auto outcomes = tend(deployer);
+  ASSERT_EQ(outcomes.size(), 1u);
+  EXPECT_EQ(outcomes[0].kind, Outcome::Kind::fell_back);
+  EXPECT_EQ(outcomes[0].reason, "overran 3 times");
+  EXPECT_EQ(deployer.status("control").overruns, 3u);
+}
+
+}  // namespace
+}  // namespace mauve
