@@ -64,6 +64,13 @@ void add_state(const Session& session, Json& params) {
   if (session.arguments.has("--state")) params["state"] = session.arguments.one("--state");
 }
 
+/// How long the change is on probation.
+void add_probation(const Session& session, Json& params) {
+  const auto& given = session.arguments;
+  if (given.has("--probation")) params["probation"] = given.one("--probation");
+  if (given.has("--confirm-within")) params["confirm_within"] = given.one("--confirm-within");
+}
+
 }  // namespace
 
 int run_set(Session& session) {
@@ -73,6 +80,7 @@ int run_set(Session& session) {
   for (const auto& [name, value] : std::get<Json>(values).items()) names.push_back(name);
   Json params = {{"values", std::move(std::get<Json>(values))}};
   add_state(session, params);
+  add_probation(session, params);
   return change(session, "param.set", std::move(params), "set " + listed(names));
 }
 
@@ -103,6 +111,7 @@ int run_swap_core(Session& session) {
   if (session.arguments.has("--set")) params["set"] = std::move(std::get<Json>(values));
   if (session.arguments.has("--in-place")) params["in_place"] = true;
   add_state(session, params);
+  add_probation(session, params);
   return change(session, "core.swap", std::move(params), "swapped " + component);
 }
 
@@ -111,12 +120,40 @@ int run_connect(Session& session) {
   const std::string service = session.arguments.one("SERVICE");
   Json params = {{"port", port}, {"service", service}};
   if (session.arguments.has("--max-age")) params["max_age"] = session.arguments.one("--max-age");
+  add_probation(session, params);
   return change(session, "port.connect", std::move(params), "connected " + port + " to " + service);
 }
 
 int run_disconnect(Session& session) {
   const std::string port = session.arguments.one("PORT");
-  return change(session, "port.disconnect", {{"port", port}}, "disconnected " + port);
+  Json params = {{"port", port}};
+  add_probation(session, params);
+  return change(session, "port.disconnect", std::move(params), "disconnected " + port);
+}
+
+int run_confirm(Session& session) {
+  return change(session, "change.confirm", Json::object(), "confirmed: the change stays");
+}
+
+int run_undo(Session& session) {
+  return change(session, "change.undo", Json::object(), "undone: everything is as it was before");
+}
+
+int run_quarantine(Session& session) {
+  const std::string action = session.arguments.one("ACTION");
+  const std::string core = session.arguments.one("CORE");
+  if (action == "release" && !core.empty()) {
+    return change(session, "quarantine.release", {{"core", core}}, "released " + core);
+  }
+  if (!action.empty()) {
+    return session.fail(fault_of(protocol::kUsage, "'" + action + "' is not what can be done", {},
+                                 "example: mauvectl quarantine release guidance/widest_gap"));
+  }
+  const auto answer = session.call("quarantine.list", Json::object());
+  if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
+  const auto& list = std::get<Json>(answer);
+  session.print(list, render_quarantine(list, session.look()));
+  return static_cast<int>(Exit::ok);
 }
 
 int run_load(Session& session) { return change_plugin(session, "plugin.load", "loaded"); }

@@ -28,6 +28,12 @@ constexpr Argument kState = maybe("--state", "\"drop\": begin with a fresh state
 constexpr Argument kComponent = one("COMPONENT", "name of a component", Kind::component);
 constexpr Argument kPort = one("PORT", "such as control.ports.scan", Kind::port);
 
+constexpr Argument kProbation =
+    maybe("--probation", "so many jobs of each member before it counts as good (3000), or off",
+          Kind::none);
+constexpr Argument kConfirmWithin =
+    maybe("--confirm-within", "rolled back unless confirmed in this time, such as 30s", Kind::none);
+
 constexpr Argument kList[] = {maybe(
     "KIND", "components (default), resources, cores, ports, plugins or clients", Kind::category)};
 constexpr Argument kShow[] = {
@@ -35,19 +41,26 @@ constexpr Argument kShow[] = {
 constexpr Argument kGet[] = {
     some("ADDRESS", "such as control.core.gain or fix.read", Kind::address)};
 constexpr Argument kSet[] = {some("ADDRESS=VALUE", "JSON, or a bare text", Kind::assignment),
-                             kState};
+                             kState, kProbation, kConfirmWithin};
 constexpr Argument kStart[] = {some("COMPONENT", "names of components", Kind::component),
                                flag("--reset", "with a fresh core state")};
 constexpr Argument kStop[] = {any("COMPONENT", "names of components", Kind::component),
                               flag("--all", "every component, at once")};
 constexpr Argument kSwap[] = {
-    kComponent, one("CORE", "such as guidance/finite_time", Kind::core),
+    kComponent,
+    one("CORE", "such as guidance/finite_time", Kind::core),
     any("--set", "KEY=VALUE of a property of the new core", Kind::none),
-    flag("--in-place", "stop, swap, start: for hardware that one core only can hold"), kState};
+    flag("--in-place", "stop, swap, start: for hardware that one core only can hold"),
+    kState,
+    kProbation,
+    kConfirmWithin};
 constexpr Argument kConnect[] = {
     kPort, one("SERVICE", "such as scan.read", Kind::service),
-    maybe("--max-age", "values older than this are stale, such as 50ms", Kind::none)};
-constexpr Argument kDisconnect[] = {kPort};
+    maybe("--max-age", "values older than this are stale, such as 50ms", Kind::none), kProbation,
+    kConfirmWithin};
+constexpr Argument kDisconnect[] = {kPort, kProbation, kConfirmWithin};
+constexpr Argument kQuarantine[] = {maybe("ACTION", "\"release\", or nothing to list", Kind::none),
+                                    maybe("CORE", "the core to release", Kind::core)};
 constexpr Argument kPlugin[] = {one("PLUGIN", "name of a plugin, not a path", Kind::plugin)};
 constexpr Argument kPlugins[] = {
     maybe("--for", "the cores that fit this component", Kind::component)};
@@ -79,6 +92,10 @@ constexpr Command kCommands[] = {
      true, run_connect},
     {"disconnect", "a port", "mauvectl disconnect gnss.ports.fix", kDisconnect, true,
      run_disconnect},
+    {"confirm", "the change on probation: it stays", "mauvectl confirm", {}, true, run_confirm},
+    {"undo", "the change on probation: back to before it", "mauvectl undo", {}, true, run_undo},
+    {"quarantine", "cores that were rolled back; release one",
+     "mauvectl quarantine release guidance/widest_gap", kQuarantine, true, run_quarantine},
     {"load", "a plugin, by name", "mauvectl load guidance_extra", kPlugin, true, run_load},
     {"unload", "a plugin that nothing uses", "mauvectl unload guidance_extra", kPlugin, true,
      run_unload},

@@ -225,6 +225,21 @@ std::string render_object(const Json& object, Look look) {
   return lines + blocks;
 }
 
+namespace {
+
+/// ", on probation for 3000 jobs or 10 s"
+std::string on_probation(const Json& receipt) {
+  const Json& probation = member(receipt, "probation");
+  if (!probation.is_object()) return {};
+  if (const double confirm = number(probation, "confirm_within_ns"); confirm > 0) {
+    return ", to be confirmed within " + nanoseconds_in_words(confirm);
+  }
+  return ", on probation for " + counted(whole_number(probation, "activations"), "job") + " or " +
+         nanoseconds_in_words(number(probation, "time_ns"));
+}
+
+}  // namespace
+
 std::string render_receipt(std::string_view done, const Json& receipt, Look look) {
   const std::string generation = word(receipt, "generation");
   if (member(receipt, "changed") == false) {
@@ -250,7 +265,18 @@ std::string render_receipt(std::string_view done, const Json& receipt, Look look
   if (bytes > 0) text += ", " + counted(bytes, "byte") + " of state kept";
   const auto attempts = whole_number(receipt, "attempts");
   if (attempts > 1) text += ", " + counted(attempts, "attempt");
-  return wrapped(text + " (generation " + generation + ")", look.width, 2) + "\n";
+  text += " (generation " + generation + on_probation(receipt) + ")";
+  return wrapped(text, look.width, 2) + "\n";
+}
+
+std::string render_quarantine(const Json& list, Look look) {
+  const Json& cores = member(list, "cores");
+  if (cores.empty()) return "no core is in quarantine\n";
+  std::string text;
+  for (const Json& one : cores) {
+    text += wrapped(word(one, "core") + ": it " + word(one, "reason"), look.width, 2) + "\n";
+  }
+  return text;
 }
 
 std::string render_errors(std::string_view file, const Json& result, Look look) {

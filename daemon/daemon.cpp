@@ -170,6 +170,7 @@ Status Daemon::serve() {
   const auto state = state_line();
   control_.start();
   watches_.start(*running_);
+  caretaker_.start(*running_);
   if (auto opened = server_->open(std::move(*endpoint_)); !opened) {
     return opened;
   }
@@ -214,6 +215,7 @@ int Daemon::shut_down(const std::string& cause) {
   log_.write(Event::daemon_stopping, {{"cause", cause}});
   const Reaper reaper(signals_, kWholeEndMayTake,
                       [this](const std::string& why) { leave_by_force(why); });
+  caretaker_.stop();
   const auto left_behind = stop_components();
   for (const auto& name : left_behind) {
     log_.write(Event::component_stuck, {{"component", name}});

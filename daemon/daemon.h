@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "caretaker.h"
 #include "commands/command.h"
 #include "commands/table.h"
 #include "options.h"
@@ -52,6 +53,7 @@ class Daemon {
   std::unique_ptr<Deployer> deployer_;
   Control control_;
   Watches watches_{log_};
+  Caretaker caretaker_;
   std::unique_ptr<Running> running_;
   std::unique_ptr<CommandTable> table_;
   std::unique_ptr<server::Server> server_;

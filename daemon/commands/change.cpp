@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "commands/answer.h"
+#include "commands/quarantine.h"
 
 namespace mauve::daemon {
 
@@ -36,11 +37,15 @@ void free_in_factory(Running& running, JourneyPtr journey, Ticket ticket) {
 }
 
 void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
-            const std::string& state) {
+            const std::string& state, const std::optional<Probation>& probation) {
   if (!receipt) {
     return answer(running, call, receipt.error(), state);
   }
-  answer(running, call, to_json(*receipt));
+  auto json = to_json(*receipt);
+  if (probation) {
+    json["probation"] = to_json(*probation);
+  }
+  answer(running, call, std::move(json));
 }
 
 std::uint64_t stops_of(Running& running, const Change& change) {
@@ -85,7 +90,8 @@ void put_in_force(Running& running, const CallPtr& call, JourneyPtr journey, Tic
                 [&running, call, journey, ticket = std::move(ticket)](Ongoing& done) mutable {
                   const auto receipt = done.result();
                   journey->retired = std::move(done.retired());
-                  finish(running, *call, receipt, receipt ? "" : state_after(receipt.error()));
+                  finish(running, *call, receipt, receipt ? "" : state_after(receipt.error()),
+                         journey->change.probation);
                   free_in_factory(running, std::move(journey), std::move(ticket));
                 });
 }
@@ -96,7 +102,7 @@ void end_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Tic
                   const Result<Receipt>& receipt) {
   const auto& name = journey->change.edits[0].component;
   const bool back = !receipt && running.deployer.status(name).state == ComponentState::running;
-  finish(running, *call, receipt, back ? "rolled_back" : "safe");
+  finish(running, *call, receipt, back ? "rolled_back" : "safe", {});
   free_in_factory(running, std::move(journey), std::move(ticket));
 }
 
@@ -178,6 +184,20 @@ std::string state_after(const Error& error) {
 }
 
 void apply(Running& running, const CallPtr& call, Ticket ticket, Change change) {
+  if (auto free = check_quarantine(running, change); !free) {
+    return answer(running, *call, free.error());
+  }
+  auto probation = probation_of(call->params);
+  if (!probation) {
+    return answer(running, *call, probation.error());
+  }
+  // To start and to stop is nothing that could be tried out.
+  const bool only_modes =
+      std::all_of(change.edits.begin(), change.edits.end(),
+                  [](const Edit& one) { return one.mode != Mode::keep && !one.core; });
+  if (!only_modes) {
+    change.probation = *probation;
+  }
   auto journey = std::make_shared<Journey>();
   journey->change = std::move(change);
   journey->stops = stops_of(running, journey->change);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "commands/command.h"
 
@@ -24,6 +25,11 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
 
 /// What a change of this component starts from.
 [[nodiscard]] Edit edit_of(std::string_view component);
+
+/// [any] `probation` (a number of jobs, or "off") and `confirm_within`; the default when neither is
+/// given.
+[[nodiscard]] Result<std::optional<Probation>> probation_of(const Json& params);
+[[nodiscard]] Json to_json(const Probation& probation);
 
 /// [any] "drop" or nothing; anything else is refused.
 [[nodiscard]] Result<StatePolicy> state_policy(const Json& params);

@@ -43,6 +43,8 @@ struct Running {
   /// [control] How often each component was stopped by request: a stop is never undone by a change
   /// that was asked for before it.
   std::map<std::string, std::uint64_t> stops = {};
+  /// [control] Cores that were rolled back, by version, and why: see quarantine.h.
+  std::map<std::string, std::string> quarantined = {};
 };
 
 /// One request under way. Dropped unanswered only when the daemon ends.
@@ -106,6 +108,10 @@ void start(Running&, const CallPtr&, Ticket);
 void swap_core(Running&, const CallPtr&, Ticket);
 void connect(Running&, const CallPtr&, Ticket);
 void disconnect(Running&, const CallPtr&, Ticket);
+void confirm(Running&, const CallPtr&, Ticket);
+void undo(Running&, const CallPtr&, Ticket);
+Result<Json> list_quarantine(Running&, const Call&);
+void release_quarantine(Running&, const CallPtr&, Ticket);
 void load_plugin(Running&, const CallPtr&, Ticket);
 void unload_plugin(Running&, const CallPtr&, Ticket);
 void reload_plugin(Running&, const CallPtr&, Ticket);

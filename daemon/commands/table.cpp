@@ -14,7 +14,7 @@ namespace {
 
 using server::Role;
 
-constexpr std::array<Command, 26> kCommands = {{
+constexpr std::array<Command, 30> kCommands = {{
     {"ping", Role::viewer, Lane::any, ping, nullptr},
     {"version", Role::viewer, Lane::any, version, nullptr},
     {"command.list", Role::viewer, Lane::any, list_commands, nullptr},
@@ -38,6 +38,10 @@ constexpr std::array<Command, 26> kCommands = {{
     {"core.swap", Role::operator_, Lane::change, nullptr, swap_core},
     {"port.connect", Role::operator_, Lane::change, nullptr, connect},
     {"port.disconnect", Role::operator_, Lane::change, nullptr, disconnect},
+    {"change.confirm", Role::operator_, Lane::urgent, nullptr, confirm},
+    {"change.undo", Role::operator_, Lane::urgent, nullptr, undo},
+    {"quarantine.list", Role::viewer, Lane::read, list_quarantine, nullptr},
+    {"quarantine.release", Role::admin, Lane::urgent, nullptr, release_quarantine},
     {"plugin.load", Role::admin, Lane::change, nullptr, load_plugin},
     {"plugin.unload", Role::admin, Lane::change, nullptr, unload_plugin},
     {"plugin.reload", Role::admin, Lane::change, nullptr, reload_plugin},

@@ -19,17 +19,22 @@ constexpr Param kAddresses[] = {{"addresses", strings, true}};
 constexpr Param kFor[] = {{"for", string}};
 constexpr Param kOfComponent[] = {{"component", string}};
 constexpr Param kSub[] = {{"sub", integer, true}};
-constexpr Param kSet[] = {{"values", object, true}, {"state", string}};
+constexpr Param kCore[] = {{"core", string, true}};
+constexpr Param kSet[] = {
+    {"values", object, true}, {"state", string}, {"probation", string}, {"confirm_within", string}};
 constexpr Param kStart[] = {{"components", strings, true}, {"reset", boolean}};
 constexpr Param kStop[] = {{"components", strings}, {"all", boolean}};
-constexpr Param kSwap[] = {{"component", string, true},
-                           {"core", string, true},
-                           {"set", object},
-                           {"in_place", boolean},
-                           {"state", string}};
-constexpr Param kConnect[] = {
-    {"port", string, true}, {"service", string, true}, {"max_age", string}};
-constexpr Param kDisconnect[] = {{"port", string, true}};
+constexpr Param kSwap[] = {
+    {"component", string, true}, {"core", string, true}, {"set", object},
+    {"in_place", boolean},       {"state", string},      {"probation", string},
+    {"confirm_within", string}};
+constexpr Param kConnect[] = {{"port", string, true},
+                              {"service", string, true},
+                              {"max_age", string},
+                              {"probation", string},
+                              {"confirm_within", string}};
+constexpr Param kDisconnect[] = {
+    {"port", string, true}, {"probation", string}, {"confirm_within", string}};
 constexpr Param kPlugin[] = {{"plugin", string, true}};
 constexpr Param kCheck[] = {{"text", string, true}, {"file", string}};
 constexpr Param kTail[] = {
@@ -58,6 +63,10 @@ constexpr Method kMethods[] = {
     {"core.swap", "replaces the core of a component", kSwap, true},
     {"port.connect", "connects a port to a service", kConnect, true},
     {"port.disconnect", "disconnects a port", kDisconnect, true},
+    {"change.confirm", "the change on probation stays", {}, true, true},
+    {"change.undo", "back to before the change on probation", {}, true, true},
+    {"quarantine.list", "cores that were rolled back, and why", {}},
+    {"quarantine.release", "lets a core be used again", kCore, true},
     {"plugin.load", "loads a plugin by name", kPlugin, true},
     {"plugin.unload", "unloads a plugin that nothing uses", kPlugin, true},
     {"plugin.reload", "moves every instance to the new code", kPlugin, true},

@@ -333,6 +333,14 @@ PreparedMember member_of(ComponentBase& component, Mode mode) {
 
 /// Probations first: a stop may make a task forget the way back that it took.
 void System::advance() {
+  if (const std::unique_lock lock(model, std::try_to_lock); lock) look_after_itself();
+  std::erase_if(under_way, [](const std::shared_ptr<Commit>& commit) {
+    static_cast<void>(commit->advance());
+    return commit->over();
+  });
+}
+
+void System::look_after_itself() {
   if (probation != nullptr) {
     static_cast<void>(probation->advance());
     if (probation->told()) fading.push_back(std::move(probation));
@@ -343,10 +351,6 @@ void System::advance() {
     return true;
   });
   look_after_reliefs(*this);
-  std::erase_if(under_way, [](const std::shared_ptr<Commit>& commit) {
-    static_cast<void>(commit->advance());
-    return commit->over();
-  });
 }
 
 std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change, Swap::Kind kind,

@@ -116,6 +116,11 @@ bool Deployer::on_probation() const {
   return system_->probation != nullptr && system_->probation->open();
 }
 
+bool Deployer::going_back() const {
+  system_->advance();
+  return system_->probation != nullptr && !system_->probation->open();
+}
+
 Status Deployer::confirm() {
   if (on_probation() && system_->probation->pass("confirmed")) {
     system_->advance();

@@ -203,6 +203,7 @@ Result<PreparedChange> prepare_change(System& system, const Change& change, bool
   Status sound = check_worth(change);
   if (sound) sound = check_names(system, change);
   if (!sound) return sound.error();
+  const std::lock_guard lock(system.model);
   return Preparation(system, change).run(configure);
 }
 

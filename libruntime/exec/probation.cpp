@@ -213,7 +213,10 @@ void OnProbation::tell(bool rolled_back, const std::string& reason) {
       if (at_fault) end.component = member.deployed->task->name();
     }
     for (const PreparedMember& member : content_->members) {
-      if (member.next->core != member.base->core) end.cores.push_back(member.next->core_type.name);
+      const std::string& core = member.next->core_type.name;
+      if (member.part == Part::joins || core != member.base->core_type.name) {
+        end.cores.push_back(core);
+      }
     }
   }
   system_.outcomes.push_back(std::move(end));

@@ -54,6 +54,9 @@ class System {
   std::shared_ptr<Runner> runner;
   /// Addresses stay. Changed by [control] under `members`, since [log] goes through it too.
   std::list<Deployed> deployed;
+  /// Held while a change is prepared, which reads the model on [factory]: what the system did by
+  /// itself gets into the books afterwards.
+  std::mutex model;
   std::mutex members;
   std::vector<Happening> last_events;  ///< of components that left; under `members`
   std::vector<std::string> warnings;
@@ -70,6 +73,8 @@ class System {
   [[nodiscard]] Deployed* find(std::string_view component);
   /// Takes every change under way as far as it can go now.
   void advance();
+  /// Probations and reliefs: may change the model.
+  void look_after_itself();
   /// The component of this name, or an error with the nearest one.
   Result<ComponentBase*> component(std::string_view name) const;
 };

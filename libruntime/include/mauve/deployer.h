@@ -159,6 +159,8 @@ class Deployer {
   /// told by tend().
   Status undo(const std::string& reason = "undone by request");
   [[nodiscard]] bool on_probation() const;
+  /// Set off, but some member is not back yet.
+  [[nodiscard]] bool going_back() const;
   /// Looks after what goes on by itself: probations, rollbacks, cores that took over. Call it some
   /// times a second; what became free goes to `retired`.
   std::vector<Outcome> tend(Retired& retired);

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "caretaker.h"
+
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "commands/quarantine.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using logging::Event;
+
+constexpr std::chrono::milliseconds kEvery{20};
+
+Event event_of(Outcome::Kind kind) {
+  switch (kind) {
+    case Outcome::Kind::passed:
+      return Event::probation_passed;
+    case Outcome::Kind::rolled_back:
+      return Event::rolled_back;
+    case Outcome::Kind::fell_back:
+      return Event::fell_back;
+    case Outcome::Kind::restarted:
+      break;
+  }
+  return Event::restarted;
+}
+
+}  // namespace
+
+void Caretaker::start(Running& running) {
+  running_ = &running;
+  thread_ = std::thread([this] { run(); });
+}
+
+void Caretaker::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+void Caretaker::run() {
+  std::unique_lock lock(mutex_);
+  while (!wake_.wait_for(lock, kEvery, [this] { return stopping_; })) {
+    if (looking_.exchange(true)) {
+      continue;  // [control] is busy: one look is enough
+    }
+    running_->control.read([this] { look(); });
+  }
+}
+
+/// [control]
+void Caretaker::look() {
+  auto free = std::make_shared<Retired>();
+  const auto outcomes = running_->deployer.tend(*free);
+  running_->generation = running_->deployer.generation();
+  for (const auto& outcome : outcomes) {
+    tell(outcome);
+  }
+  if (!free->empty()) {
+    running_->control.in_factory([free] { static_cast<void>(free->release()); }, [] {});
+  }
+  make_reliefs();
+  looking_ = false;
+}
+
+void Caretaker::tell(const Outcome& outcome) {
+  running_->log.write(event_of(outcome.kind),
+                      {{"component", outcome.component},
+                       {"generation", static_cast<std::int64_t>(outcome.generation)},
+                       {"began", static_cast<std::int64_t>(outcome.began)},
+                       {"text", outcome.reason}});
+  const bool at_fault = outcome.kind == Outcome::Kind::rolled_back && !outcome.component.empty();
+  for (const auto& core : outcome.cores) {
+    if (at_fault && quarantine(*running_, core, outcome.reason)) {
+      running_->log.write(Event::quarantined, {{"core", core}, {"text", outcome.reason}});
+    }
+  }
+}
+
+/// A change like any other, so that no two prepare at the same time.
+void Caretaker::make_reliefs() {
+  if (making_ || running_->control.busy()) {
+    return;
+  }
+  auto wanted = running_->deployer.wanted_reliefs();
+  if (wanted.empty()) {
+    return;
+  }
+  making_ = running_->control.change([this, wanted = std::move(wanted)](Ticket ticket) {
+    using Prepared = std::vector<Result<PreparedChange>>;
+    auto prepared = std::make_shared<Prepared>();
+    running_->control.in_factory(
+        [this, wanted, prepared] {
+          for (const auto& change : wanted) {
+            prepared->push_back(running_->deployer.prepare(change));
+          }
+        },
+        [this, prepared, ticket]() mutable {
+          for (auto& relief : *prepared) {
+            if (relief) {
+              running_->deployer.stand_by(*relief);
+            } else {
+              running_->log.write(Event::relief_refused, {{"component", relief.error().at},
+                                                          {"text", to_string(relief.error())}});
+            }
+          }
+          making_ = false;
+          // What did not stand by is freed where it was made.
+          running_->control.in_factory([prepared] { prepared->clear(); }, [ticket] {});
+        });
+  });
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// change.confirm and change.undo: what becomes of the change on probation. Served before
+/// everything that waits.
+#include "base/duration.h"
+#include "commands/answer.h"
+#include "commands/change.h"
+
+namespace mauve::daemon {
+
+Result<std::optional<Probation>> probation_of(const Json& params) {
+  Probation probation;
+  if (const auto given = params.find("probation"); given != params.end()) {
+    const auto& text = given->get_ref<const std::string&>();
+    if (text == "off") {
+      return std::optional<Probation>{};
+    }
+    const bool digits =
+        !text.empty() && text.size() < 10 && text.find_first_not_of("0123456789") == text.npos;
+    if (!digits || std::stoul(text) == 0) {
+      return refuse(Errc::invalid_value, "probation",
+                    "'" + text.substr(0, 64) + "' is no number of jobs",
+                    "a number such as 3000, or off");
+    }
+    probation.activations = std::stoul(text);
+    probation.time = Duration{24h};  // the number alone decides
+  }
+  if (const auto text = text_or(params, "confirm_within"); !text.empty()) {
+    const auto within = parse_duration(text);
+    if (!within || *within <= Duration{0}) {
+      return refuse(Errc::invalid_value, "confirm_within",
+                    "'" + text.substr(0, 64) + "' is no time", "write it with a unit: 30s");
+    }
+    probation.confirm_within = *within;
+  }
+  return std::optional<Probation>{probation};
+}
+
+Json to_json(const Probation& probation) {
+  Json json = {{"activations", probation.activations}, {"time_ns", probation.time.count()}};
+  if (probation.confirm_within > Duration{0}) {
+    json["confirm_within_ns"] = probation.confirm_within.count();
+  }
+  return json;
+}
+
+void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
+  if (auto done = running.deployer.confirm(); !done) {
+    return answer(running, *call, done.error());
+  }
+  answer(running, *call, Json{{"generation", running.generation.load()}, {"changed", true}});
+}
+
+void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
+  const auto reason = text_or(call->params, "reason");
+  auto begun = running.deployer.undo(reason.empty() ? "undone by request" : "undone: " + reason);
+  if (!begun) {
+    return answer(running, *call, begun.error());
+  }
+  const auto before = running.deployer.generation();
+  running.control.await(
+      [&running, before] {
+        running.generation = running.deployer.generation();
+        return running.generation != before || !running.deployer.going_back();
+      },
+      [&running, call] {
+        answer(running, *call,
+               Json{{"generation", running.generation.load()},
+                    {"changed", true},
+                    {"state", "applied"},
+                    {"components", Json::array()}});
+      });
+}
+
+}  // namespace mauve::daemon

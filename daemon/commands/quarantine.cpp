@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "commands/quarantine.h"
+
+#include "commands/answer.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+/// "guidance/gap" -> "guidance/gap@BUILD_ID": another build is another version.
+std::string version_of(const Running& running, const std::string& core) {
+  const auto plugin = core.substr(0, core.find('/'));
+  for (const auto* loaded : running.catalog.plugins()) {
+    if (loaded->info().name == plugin) {
+      return core + "@" + loaded->info().build_id;
+    }
+  }
+  return core + "@";
+}
+
+Status check_core(const Running& running, const std::string& component, const std::string& core) {
+  const auto found = running.quarantined.find(version_of(running, core));
+  if (found == running.quarantined.end()) {
+    return ok();
+  }
+  return refuse(Errc::wrong_state, component + ".core",
+                core + " is in quarantine: it was rolled back because it " + found->second,
+                "load a corrected build, or release it: mauvectl quarantine release " + core);
+}
+
+}  // namespace
+
+bool quarantine(Running& running, const std::string& core, const std::string& reason) {
+  return running.quarantined.emplace(version_of(running, core), reason).second;
+}
+
+Status check_quarantine(const Running& running, const Change& change) {
+  for (const auto& edit : change.edits) {
+    if (!edit.core) {
+      continue;
+    }
+    if (auto free = check_core(running, edit.component, edit.core->name); !free) {
+      return free;
+    }
+  }
+  for (const auto& joining : change.new_components) {
+    const auto& component = *joining.component;
+    const auto& core = component.bundle()->core_type.name;
+    if (auto free = check_core(running, component.name(), core); !free) {
+      return free;
+    }
+  }
+  return ok();
+}
+
+Result<Json> list_quarantine(Running& running, const Call& /*call*/) {
+  Json cores = Json::array();
+  for (const auto& [version, reason] : running.quarantined) {
+    const auto at = version.find('@');
+    cores.push_back({{"core", version.substr(0, at)},
+                     {"build_id", version.substr(at + 1)},
+                     {"reason", reason}});
+  }
+  return Json{{"cores", std::move(cores)}};
+}
+
+void release_quarantine(Running& running, const CallPtr& call, Ticket /*none*/) {
+  const auto core = text_or(call->params, "core");
+  const auto released = std::erase_if(running.quarantined, [&](const auto& entry) {
+    return entry.first.substr(0, entry.first.find('@')) == core;
+  });
+  if (released == 0) {
+    return answer(running, *call,
+                  refuse(Errc::unknown_name, core, "is not in quarantine",
+                         "mauvectl quarantine lists what is"));
+  }
+  answer(running, *call,
+         Json{{"core", core}, {"generation", running.generation.load()}, {"changed", true}});
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// Changes on probation: rolled back by themselves, undone, confirmed.
+#include "trial_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using testing::HasSubstr;
+using Json = protocol::Json;
+
+Json swap(const std::string& core, Json more = Json::object()) {
+  Json params = {{"component", "first"}, {"core", core}};
+  params.update(more);
+  return params;
+}
+
+bool runs(TrialDaemon& daemon, const std::string& core) {
+  return eventually([&] {
+    const auto first = daemon.component("first");
+    return first["core"] == core && first["state"] == "running";
+  });
+}
+
+TEST(Probation, ABadCoreIsRolledBackAndItsBuildQuarantined) {
+  TrialDaemon daemon;
+  const auto receipt = daemon.ask("core.swap", swap("trial/throwing_job"));
+  ASSERT_EQ(receipt["state"], "applied") << receipt;
+  EXPECT_EQ(receipt["probation"]["activations"], 3000);
+
+  EXPECT_TRUE(eventually([&] { return daemon.ask("status.get")["generation"] == 3; }));
+  EXPECT_TRUE(runs(daemon, "trial/steady"));
+
+  const auto quarantine = daemon.ask("quarantine.list");
+  ASSERT_EQ(quarantine["cores"].size(), 1U) << quarantine;
+  EXPECT_EQ(quarantine["cores"][0]["core"], "trial/throwing_job");
+  EXPECT_EQ(quarantine["cores"][0]["reason"], "threw: division by something");
+  const auto again = daemon.ask("core.swap", swap("trial/throwing_job"));
+  EXPECT_EQ(again["data"]["name"], "wrong_state") << again;
+  EXPECT_THAT(again["message"].get<std::string>(), HasSubstr("quarantine"));
+}
+
+TEST(Probation, AReleasedCoreMayBeTriedAgain) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("core.swap", swap("trial/throwing_job"))["state"], "applied");
+  ASSERT_TRUE(eventually([&] { return daemon.ask("status.get")["generation"] == 3; }));
+
+  EXPECT_EQ(daemon.ask("quarantine.release", {{"core", "trial/other"}})["data"]["name"],
+            "unknown_name");
+  EXPECT_EQ(daemon.ask("quarantine.release", {{"core", "trial/throwing_job"}})["changed"], true);
+
+  EXPECT_EQ(daemon.ask("core.swap", swap("trial/throwing_job"))["state"], "applied");
+  EXPECT_TRUE(eventually([&] { return daemon.ask("status.get")["generation"] == 5; }));
+  EXPECT_TRUE(runs(daemon, "trial/steady"));
+}
+
+TEST(Probation, UndoAnswersWhenEverythingIsBack) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("core.swap", swap("trial/other"))["state"], "applied");
+
+  const auto undone = daemon.ask("change.undo");
+
+  EXPECT_EQ(undone["generation"], 3) << undone;
+  EXPECT_TRUE(runs(daemon, "trial/steady"));
+  EXPECT_EQ(daemon.ask("quarantine.list")["cores"].size(), 0U) << "nobody was at fault";
+  EXPECT_EQ(daemon.ask("change.undo")["data"]["name"], "wrong_state");
+}
+
+TEST(Probation, WhatNobodyConfirmsIsRolledBack) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("core.swap", swap("trial/other", {{"confirm_within", "100ms"}}))["state"],
+            "applied");
+
+  EXPECT_TRUE(eventually([&] { return daemon.ask("status.get")["generation"] == 3; }));
+  EXPECT_TRUE(runs(daemon, "trial/steady"));
+}
+
+TEST(Probation, UntilItIsConfirmedNothingElseChanges) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("core.swap", swap("trial/other", {{"confirm_within", "600s"}}))["state"],
+            "applied");
+  const auto refused = daemon.ask("param.set", {{"values", {{"second.core.gain", 2.0}}}});
+
+  EXPECT_EQ(daemon.ask("change.confirm")["changed"], true);
+
+  EXPECT_EQ(refused["data"]["name"], "conflict") << refused;
+  EXPECT_EQ(daemon.ask("param.set", {{"values", {{"second.core.gain", 2.0}}}})["state"], "applied");
+  EXPECT_EQ(daemon.component("first")["core"], "trial/other");
+  EXPECT_EQ(daemon.ask("change.confirm")["changed"], true) << "of the newer one";
+}
+
+TEST(Probation, OffMeansThatAFaultStaysAFault) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("core.swap", swap("trial/throwing_job", {{"probation", "off"}}))["state"],
+            "applied");
+
+  EXPECT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
+  EXPECT_EQ(daemon.ask("status.get")["generation"], 2);
+  EXPECT_EQ(daemon.ask("core.swap", swap("trial/other", {{"probation", "many"}}))["data"]["name"],
+            "invalid_value");
+}
+
+TEST(Probation, AStopDuringARollBackIsObeyed) {
+  TrialDaemon daemon;
+  auto client = daemon.client();
+  for (int i = 0; i < 10; ++i) {
+    ASSERT_EQ(client.ask("core.swap", swap("trial/throwing_job"))["result"]["state"], "applied");
+    EXPECT_TRUE(client.ask("component.stop", {{"components", {"first"}}}).contains("result"));
+    ASSERT_TRUE(eventually([&] {
+      const auto status = daemon.component("first");
+      return status["core"] == "trial/steady" || status["state"] == "stopped";
+    }));
+    client.ask("change.undo");
+    ASSERT_TRUE(eventually([&] { return daemon.component("first")["core"] == "trial/steady"; }));
+    EXPECT_EQ(daemon.component("first")["state"], "stopped");
+    client.ask("quarantine.release", {{"core", "trial/throwing_job"}});
+    ASSERT_TRUE(client.ask("component.start", {{"components", {"first"}}}).contains("result"));
+  }
+}
+
+}  // namespace
+}  // namespace mauve::test
