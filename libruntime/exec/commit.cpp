@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "model/hand_over.h"
+
 #include <mauve/job.h>
 
 namespace mauve::exec {
@@ -59,8 +61,9 @@ Status commit_resource(System& system, PreparedResource& change, MemberReceipt& 
                        Retired& retired) {
   if (Status done = rewire(system, change); !done) return done;
   if (change.core == nullptr) return ok();
-  ResourceBase::Exchange exchange =
-      change.resource->exchange_core(change.core, change.state == StatePolicy::keep);
+  const auto hand_over = plan_hand_over(change.resource->core(), *change.core, change.state);
+  if (!hand_over) return hand_over.error();
+  ResourceBase::Exchange exchange = change.resource->exchange_core(change.core, *hand_over);
   if (!exchange.done) return busy(*change.resource);
   change.made.forget();
   retired.add(std::move(exchange.old));

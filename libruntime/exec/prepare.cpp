@@ -6,6 +6,7 @@
 #include "exec/system.h"
 #include "model/connection.h"
 #include "model/elements.h"
+#include "model/hand_over.h"
 
 #include <mauve/job.h>
 
@@ -74,7 +75,7 @@ Status check_paths(const Edit& edit, const std::vector<std::string_view>& elemen
 Status check_state_survives(const CoreBase& core, const Edit& edit) {
   const bool same_core = !edit.core.has_value();
   if (!same_core || edit.state == StatePolicy::drop) return ok();
-  if (core.state() != nullptr || core.stateless()) return ok();
+  if (core.state() != nullptr || core.slow_state() != nullptr || core.stateless()) return ok();
   return refuse(Errc::unsupported, core.address(),
                 "declares neither a state to hand over nor that it has none, so this change would "
                 "silently reset it",
@@ -163,6 +164,7 @@ class MemberBuilder {
     const std::string at = component_.name() + ".core";
     Status done = check_contract(at, next_->core_type, next_->fsm_type, type().shell);
     if (done) done = make_element(at, next_->core_type.make, next_->core);
+    if (done) done = prepare_hand_over(*base_.core, *next_->core, edit_.state);
     const bool same_type = !edit_.core || edit_.core->name == base_.core_type.name;
     if (done && same_type) done = copy_properties(*base_.core, *next_->core);
     if (done) done = set_properties(edit_, "core", *next_->core);
@@ -259,6 +261,7 @@ Result<PreparedResource> prepare_resource(System& system, const Edit& edit,
   Status done = check_state_survives(resource.core(), edit);
   if (done)
     done = make_element(resource.core().address(), resource.type().core.make, prepared.core);
+  if (done) done = prepare_hand_over(resource.core(), *prepared.core, edit.state);
   if (done) done = copy_properties(resource.core(), *prepared.core);
   if (done) done = set_properties(edit, "core", *prepared.core);
   if (!done) return done.error();

@@ -5,6 +5,7 @@
 
 #include "model/connection.h"
 #include "model/elements.h"
+#include "model/hand_over.h"
 
 #include <mauve/clock.h>
 
@@ -65,17 +66,14 @@ Status ResourceBase::disconnect(std::string_view port) {
   return table ? rebind(*std::move(table)) : table.error();
 }
 
-ResourceBase::Exchange ResourceBase::exchange_core(std::shared_ptr<CoreBase> core, bool hand_over) {
+ResourceBase::Exchange ResourceBase::exchange_core(std::shared_ptr<CoreBase> core,
+                                                   const HandOver& hand_over) {
   Exchange exchange;
   const Entry entry(gate_);
   if (!entry) return exchange;
   const Instant begin = MonotonicClock().now();
-  StateBase* const old_state = core_->state();
-  StateBase* const new_state = core->state();
-  if (hand_over && old_state != nullptr && new_state != nullptr && new_state->fits(*old_state)) {
-    new_state->exchange(*old_state);
-    exchange.bytes = new_state->type().size;
-  }
+  hand_over.run();
+  exchange.bytes = hand_over.bytes;
   core->bind(*shell_);
   interface_->bind(*this, core);
   core_.swap(core);

@@ -177,8 +177,8 @@ double added_to_a_job(int cpu, int swaps) {
     transaction.decide(mauve::exec::Transaction::State::committed);
     auto published = make(next);
     published->transaction = &transaction;
-    published->into = next.core().state();
-    published->from = old.core().state();
+    published->hand_over =
+        checked(mauve::plan_hand_over(old.core(), next.core(), mauve::StatePolicy::keep));
     task.publish(*published.release());
     added.push_back(job());
     static_cast<void>(task.reclaim());

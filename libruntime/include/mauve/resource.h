@@ -14,6 +14,7 @@ namespace mauve {
 
 class Architecture;
 class Tap;
+struct HandOver;
 
 /// What the runtime sees of a resource. Owned by an Architecture.
 class ResourceBase {
@@ -55,8 +56,9 @@ class ResourceBase {
     std::size_t bytes = 0;          ///< of the state handed over
     Duration pause{0};              ///< how long callers were kept out
   };
-  /// Exchanges the core under the resource's lock; the interface keeps its services. [control]
-  Exchange exchange_core(std::shared_ptr<CoreBase> core, bool hand_over);
+  /// Exchanges the core under the resource's lock; the interface keeps its services. The hand-over
+  /// is one that was planned from the core in force. [control]
+  Exchange exchange_core(std::shared_ptr<CoreBase> core, const HandOver& hand_over);
 
  private:
   Status rebind(std::shared_ptr<const Bindings> bindings);
