@@ -54,14 +54,16 @@ std::variant<Json, Fault> assignments(const std::vector<std::string>& given) {
   return values;
 }
 
-int change_plugin(Session& session, std::string_view method, std::string_view verb) {
-  const std::string plugin = session.arguments.one("PLUGIN");
-  return change(session, method, {{"plugin", plugin}}, std::string(verb) + " " + plugin,
-                render_plugin);
-}
-
 void add_state(const Session& session, Json& params) {
   if (session.arguments.has("--state")) params["state"] = session.arguments.one("--state");
+}
+
+int change_plugin(Session& session, std::string_view method, std::string_view verb) {
+  const std::string plugin = session.arguments.one("PLUGIN");
+  Json params = {{"plugin", plugin}};
+  add_state(session, params);
+  return change(session, method, std::move(params), std::string(verb) + " " + plugin,
+                render_plugin);
 }
 
 }  // namespace

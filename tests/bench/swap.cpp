@@ -30,6 +30,11 @@ constexpr int kSwaps = 400;  // a round; 2000 in five
 struct Small {
   double value = 0;
 };
+/// 4 kB, the most that is converted at a boundary.
+template <int Revision>
+struct Medium {
+  std::array<double, 512> values{};
+};
 struct Large {
   std::array<double, 8192> values{};  // 64 kB
 };
@@ -50,6 +55,16 @@ template <int Version, typename T>
 struct With final : Work {
   mauve::State<T> state{*this};
   void update() override { *reinterpret_cast<double*>(&*state) += Version; }
+};
+
+template <int Version, int Other>
+struct Converting final : Work {
+  mauve::State<Medium<Version>> state{*this};
+  mauve::Converts<Medium<Other>, Medium<Version>> from{
+      state, [](const Medium<Other>& old, Medium<Version>& now) noexcept {
+        for (std::size_t i = 0; i < now.values.size(); ++i) now.values[i] = old.values[i] + Version;
+      }};
+  void update() override { state->values[0] += Version; }
 };
 
 template <typename First>
@@ -213,6 +228,7 @@ void run(const Options& options) {
   Line without = line(report, "no state", 100, 500);
   Line small = line(report, "8 B of state handed over", 300, 500);
   Line large = line(report, "64 kB of state handed over", 300, 500);
+  Line converted = line(report, "4 kB of state converted", 300, 500);
   Line brief = line(report, "no state, period 150 us", 100, 500);
   Figure& added = report.figure("a job with a swap takes longer by, warm", "ns", at_most(300));
   const int swaps = options.choose(kSwaps, 50);
@@ -227,6 +243,8 @@ void run(const Options& options) {
     without.add(all.count(swap_to_and_fro<A, B>(apart, swaps)), raw);
     small.add(all.count(swap_to_and_fro<With<1, Small>, With<2, Small>>(apart, swaps)), raw);
     large.add(all.count(swap_to_and_fro<With<1, Large>, With<2, Large>>(apart, swaps)), raw);
+    converted.add(all.count(swap_to_and_fro<Converting<1, 2>, Converting<2, 1>>(apart, swaps)),
+                  raw);
     brief.add(all.count(swap_to_and_fro<A, B>(apart, swaps, kShort)), raw);
     added.add(added_to_a_job(last, 10 * swaps));
   }
