@@ -54,12 +54,6 @@ std::variant<Json, Fault> assignments(const std::vector<std::string>& given) {
   return values;
 }
 
-int change_plugin(Session& session, std::string_view method, std::string_view verb) {
-  const std::string plugin = session.arguments.one("PLUGIN");
-  return change(session, method, {{"plugin", plugin}}, std::string(verb) + " " + plugin,
-                render_plugin);
-}
-
 void add_state(const Session& session, Json& params) {
   if (session.arguments.has("--state")) params["state"] = session.arguments.one("--state");
 }
@@ -69,6 +63,14 @@ void add_probation(const Session& session, Json& params) {
   const auto& given = session.arguments;
   if (given.has("--probation")) params["probation"] = given.one("--probation");
   if (given.has("--confirm-within")) params["confirm_within"] = given.one("--confirm-within");
+}
+
+int change_plugin(Session& session, std::string_view method, std::string_view verb) {
+  const std::string plugin = session.arguments.one("PLUGIN");
+  Json params = {{"plugin", plugin}};
+  add_state(session, params);
+  return change(session, method, std::move(params), std::string(verb) + " " + plugin,
+                render_plugin);
 }
 
 }  // namespace

@@ -62,6 +62,7 @@ constexpr Argument kDisconnect[] = {kPort, kProbation, kConfirmWithin};
 constexpr Argument kQuarantine[] = {maybe("ACTION", "\"release\", or nothing to list", Kind::none),
                                     maybe("CORE", "the core to release", Kind::core)};
 constexpr Argument kPlugin[] = {one("PLUGIN", "name of a plugin, not a path", Kind::plugin)};
+constexpr Argument kReload[] = {kPlugin[0], kState};
 constexpr Argument kPlugins[] = {
     maybe("--for", "the cores that fit this component", Kind::component)};
 constexpr Argument kCheck[] = {one("FILE", "an architecture file", Kind::file)};
@@ -100,7 +101,7 @@ constexpr Command kCommands[] = {
     {"unload", "a plugin that nothing uses", "mauvectl unload guidance_extra", kPlugin, true,
      run_unload},
     {"reload", "a rebuilt plugin: move every instance to the new code", "mauvectl reload guidance",
-     kPlugin, true, run_reload},
+     kReload, true, run_reload},
     {"plugins", "what is loaded and what it brings", "mauvectl plugins --for control", kPlugins,
      false, run_plugins},
     {"check", "an architecture file, all errors at once", "mauvectl check rover.json", kCheck,

@@ -35,11 +35,12 @@ bool is_of(const std::string& type, const std::string& plugin) {
 }
 
 /// Which components run code of the plugin. The types in force stand for those to come.
-Change members(const Running& running, const std::string& plugin) {
+Change members(const Running& running, const std::string& plugin, StatePolicy state) {
   Change change;
   for (const auto* component : running.architecture.components()) {
     const auto& bundle = *component->bundle();
     auto edit = edit_of(component->name());
+    edit.state = state;
     if (is_of(bundle.core_type.name, plugin)) {
       edit.core = bundle.core_type;
     }
@@ -199,7 +200,11 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
                   refuse(Errc::unknown_name, reload->name, "no such plugin is loaded",
                          "mauvectl load " + reload->name));
   }
-  reload->change = members(running, reload->name);
+  const auto policy = state_policy(call->params);
+  if (!policy) {
+    return answer(running, *call, policy.error());
+  }
+  reload->change = members(running, reload->name, *policy);
   running.control.in_factory([&running, reload] { prepare(running, *reload); },
                              [&running, call, reload, ticket = std::move(ticket)]() mutable {
                                put_in_force(running, call, std::move(reload), std::move(ticket));

@@ -36,6 +36,7 @@ constexpr Param kConnect[] = {{"port", string, true},
 constexpr Param kDisconnect[] = {
     {"port", string, true}, {"probation", string}, {"confirm_within", string}};
 constexpr Param kPlugin[] = {{"plugin", string, true}};
+constexpr Param kReload[] = {{"plugin", string, true}, {"state", string}};
 constexpr Param kCheck[] = {{"text", string, true}, {"file", string}};
 constexpr Param kTail[] = {
     {"component", string}, {"level", string}, {"n", integer}, {"follow", boolean}};
@@ -69,7 +70,7 @@ constexpr Method kMethods[] = {
     {"quarantine.release", "lets a core be used again", kCore, true},
     {"plugin.load", "loads a plugin by name", kPlugin, true},
     {"plugin.unload", "unloads a plugin that nothing uses", kPlugin, true},
-    {"plugin.reload", "moves every instance to the new code", kPlugin, true},
+    {"plugin.reload", "moves every instance to the new code", kReload, true},
     {"config.get", "the running system as an architecture file", {}},
     {"config.check", "all errors of an architecture file", kCheck},
     {"log.tail", "the last records, and those to come", kTail},

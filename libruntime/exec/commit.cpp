@@ -152,8 +152,7 @@ Member Commit::forth(std::size_t index, Deployed& deployed) {
 std::vector<ResourceMember> Commit::resource_members() const {
   std::vector<ResourceMember> resources;
   for (const PreparedResource& change : content_->resources) {
-    resources.push_back(
-        {change.resource, change.parts, change.state == StatePolicy::keep, nullptr});
+    resources.push_back({change.resource, change.parts, change.state, nullptr});
   }
   return resources;
 }

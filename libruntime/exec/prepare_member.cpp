@@ -6,6 +6,7 @@
 #include "exec/prepare.h"
 #include "model/connection.h"
 #include "model/elements.h"
+#include "model/hand_over.h"
 
 #include <mauve/job.h>
 
@@ -95,6 +96,7 @@ class MemberBuilder {
     const std::string at = component_.name() + ".core";
     Status done = check_contract(at, next_->core_type, next_->fsm_type, type().shell);
     if (done) done = make_element(at, next_->core_type.make, next_->core);
+    if (done) done = prepare_hand_over(*base_.core, *next_->core, edit_.state);
     const bool same_type = !edit_.core || edit_.core->name == base_.core_type.name;
     if (done && same_type) done = copy_properties(*base_.core, *next_->core);
     if (done) done = set_properties(edit_, "core", *next_->core);

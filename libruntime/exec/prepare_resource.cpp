@@ -4,6 +4,7 @@
 #include "exec/prepare.h"
 #include "model/connection.h"
 #include "model/elements.h"
+#include "model/hand_over.h"
 
 #include <mauve/job.h>
 
@@ -38,6 +39,7 @@ Status make_core(const Edit& edit, ResourceBase& resource, PreparedResource& pre
   Status done = check_state_survives(resource.core(), edit);
   const CoreType& type = edit.core ? *edit.core : resource.type().core;
   if (done) done = make_element(resource.core().address(), type.make, core);
+  if (done) done = prepare_hand_over(resource.core(), *core, edit.state);
   if (done) done = copy_properties(resource.core(), *core);
   if (done) done = set_properties(edit, "core", *core);
   if (!done) return done;

@@ -37,8 +37,7 @@ OnProbation::OnProbation(System& system, Content content, std::vector<WayBackOfM
     if (change.parts.core == nullptr) before.core.reset();
     if (change.parts.bindings == nullptr) before.bindings.reset();
     flips_.push_back(std::make_unique<ResourceFlip>(*change.resource, std::move(before),
-                                                    change.state == StatePolicy::keep,
-                                                    way_back_->transaction()));
+                                                    change.state, way_back_->transaction()));
   }
 }
 

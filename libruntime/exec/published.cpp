@@ -9,12 +9,10 @@ namespace {
 void add_hand_over(const PreparedMember& member, Published& next) {
   const Bundle& old = *member.base;
   if (member.next->core == old.core) return;
-  StateBase* const from = old.core->state();
-  StateBase* const into = member.next->core->state();
-  if (member.state == StatePolicy::keep && from != nullptr && into != nullptr &&
-      into->fits(*from)) {
-    next.from = from;
-    next.into = into;
+  // Refused only on the way back to a core that cannot take the state of a later one: it goes on
+  // from the value it had. On the way forth prepare() has asked.
+  if (const auto plan = plan_hand_over(*old.core, *member.next->core, member.state)) {
+    next.hand_over = *plan;
   }
   if (member.next->core_type.name != old.core_type.name) return;
   for (ObservableBase* observable : member.next->core->observables()) {

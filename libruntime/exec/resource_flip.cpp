@@ -22,15 +22,20 @@ std::vector<std::pair<const PortBase*, ServiceBase*>> lost_services(const Resour
 
 }  // namespace
 
-ResourceFlip::ResourceFlip(ResourceBase& resource, ResourceParts parts, bool hand_over,
+ResourceFlip::ResourceFlip(ResourceBase& resource, ResourceParts parts, StatePolicy state,
                            Transaction& transaction)
     : resource_(resource),
       parts_(std::move(parts)),
       replaced_{parts_.core != nullptr ? resource.shared_core() : nullptr,
                 parts_.bindings != nullptr ? resource.shared_bindings() : nullptr},
-      hand_over_(hand_over),
       transaction_(transaction),
       safe_writes_(lost_services(resource, parts_.bindings.get())) {
+  if (parts_.core != nullptr) {
+    // Refused only on the way back to a core that cannot take the state of a later one: it goes on
+    // from the value it had.
+    const auto plan = plan_hand_over(*replaced_.core, *parts_.core, state);
+    if (plan) hand_over_ = *plan;
+  }
   resource_.gate().defer(*this);
 }
 
@@ -53,12 +58,8 @@ bool ResourceFlip::visit(Instant release) {
 void ResourceFlip::take() {
   const Instant begin = MonotonicClock().now();
   for (const auto& [port, service] : safe_writes_) write_quietly(*port, *service);
-  StateBase* const from = hand_over_ && parts_.core != nullptr ? replaced_.core->state() : nullptr;
-  StateBase* const into = from != nullptr ? parts_.core->state() : nullptr;
-  if (into != nullptr && into->fits(*from)) {
-    into->exchange(*from);
-    bytes_ = into->type().size;
-  }
+  hand_over_.run();
+  bytes_ = hand_over_.bytes;
   resource_.meet(parts_.core, parts_.bindings);
   pause_ = Duration{MonotonicClock().now() - begin};
   state_.store(State::in_force, std::memory_order_release);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "exec/transaction.h"
+#include "model/hand_over.h"
 
 #include <mauve/architecture.h>
 
@@ -31,7 +32,7 @@ class ResourceFlip final : public Deferred {
   };
 
   /// Arms it. The transaction outlives it.
-  ResourceFlip(ResourceBase& resource, ResourceParts parts, bool hand_over,
+  ResourceFlip(ResourceBase& resource, ResourceParts parts, StatePolicy state,
                Transaction& transaction);
   /// Nobody visits it any more: see disarm().
   ~ResourceFlip() override;
@@ -61,7 +62,7 @@ class ResourceFlip final : public Deferred {
   ResourceBase& resource_;
   ResourceParts parts_;
   ResourceParts replaced_;
-  const bool hand_over_;
+  HandOver hand_over_;
   Transaction& transaction_;
   /// Ports that lose their service: their safe values are written first.
   std::vector<std::pair<const PortBase*, ServiceBase*>> safe_writes_;

@@ -75,7 +75,7 @@ void Swap::publish(Member& member) {
 void Swap::arm(ResourceMember& resource) {
   if (resource.flip != nullptr) old_flips_.push_back(std::move(resource.flip));
   resource.flip = std::make_unique<ResourceFlip>(*resource.resource, resource.parts,
-                                                 resource.hand_over, *transactions_.back());
+                                                 resource.state, *transactions_.back());
 }
 
 bool Swap::all_settled() {

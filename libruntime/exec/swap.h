@@ -40,7 +40,7 @@ struct Member {
 struct ResourceMember {
   ResourceBase* resource = nullptr;
   ResourceParts parts;
-  bool hand_over = true;
+  StatePolicy state = StatePolicy::keep;
   std::unique_ptr<ResourceFlip> flip;  ///< of this attempt
 };
 

@@ -53,8 +53,7 @@ void fetch(const Published& next, const FsmState* state) {
   rt::touch(next.bundle.get(), sizeof *next.bundle);
   rt::touch(next.state_map.data(), next.state_map.size() * sizeof next.state_map[0]);
   if (state != nullptr) rt::touch(state, sizeof *state);
-  if (next.into != nullptr) rt::touch(next.into, sizeof *next.into);
-  if (next.from != nullptr) rt::touch(next.from, sizeof *next.from);
+  next.hand_over.fetch();
   for (const auto& [into, from] : next.observables) rt::touch(into, sizeof *into);
 }
 
@@ -192,10 +191,8 @@ void Task::take(Published& next, Instant begin) {
   const bool was_running = running_;
   for (const auto& [port, service] : next.safe_writes) write_quietly(*port, *service);
   if (next.mode == Mode::park) write_safe_values();
-  if (next.into != nullptr) {
-    next.into->exchange(*next.from);
-    next.answer->bytes = next.into->type().size;
-  }
+  next.hand_over.run();
+  next.answer->bytes = next.hand_over.bytes;
   for (const auto& [into, from] : next.observables) into->continue_from(*from);
   next.bundle->shell->use(next.bundle->bindings.get());
   map_state(next);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "exec/transaction.h"
+#include "model/hand_over.h"
 #include "rt/event_ring.h"
 
 #include <mauve/change.h>
@@ -33,8 +34,7 @@ struct Published {
   Duration shortest_wait{0};
   /// By index of the state of the old machine: the state of the new one; null: begin anew.
   std::vector<FsmState*> state_map;
-  StateBase* from = nullptr;  ///< hand-over, or null
-  StateBase* into = nullptr;
+  HandOver hand_over;
   std::vector<std::pair<ObservableBase*, const ObservableBase*>> observables;
   /// Ports that lose their service: their safe values are written first.
   std::vector<std::pair<const PortBase*, ServiceBase*>> safe_writes;

@@ -40,6 +40,9 @@ std::shared_ptr<Base> made(const std::shared_ptr<Library>& library, std::shared_
     if (StateBase* state = object->state()) {
       state->keep_alive(std::make_shared<Hold>(library, nullptr, "state " + state->type().name));
     }
+    if (SlowStateBase* state = object->slow_state()) {
+      state->keep_alive(std::make_shared<Hold>(library, nullptr, "state " + state->type().name));
+    }
   }
   Base* raw = object.get();
   return std::shared_ptr<Base>(raw, Release<Base>{std::move(hold), std::move(object)});

@@ -30,6 +30,17 @@ constexpr int kSwaps = 400;  // a round; 2000 in five
 struct Small {
   double value = 0;
 };
+/// 4 kB, the most that is converted at a boundary, in two layouts.
+template <int Revision>
+struct Medium {
+  double first = 0;
+  std::array<double, 511> values{};
+};
+template <>
+struct Medium<2> {
+  std::array<double, 511> values{};
+  double last = 0;
+};
 struct Large {
   std::array<double, 8192> values{};  // 64 kB
 };
@@ -50,6 +61,15 @@ template <int Version, typename T>
 struct With final : Work {
   mauve::State<T> state{*this};
   void update() override { *reinterpret_cast<double*>(&*state) += Version; }
+};
+
+template <int Version, int Other>
+struct Converting final : Work {
+  mauve::State<Medium<Version>> state{*this};
+  mauve::Converts<Medium<Other>, Medium<Version>> from{
+      state,
+      [](const Medium<Other>& old, Medium<Version>& now) noexcept { now.values = old.values; }};
+  void update() override { state->values[0] += Version; }
 };
 
 template <typename First>
@@ -177,8 +197,8 @@ double added_to_a_job(int cpu, int swaps) {
     transaction.decide(mauve::exec::Transaction::State::committed);
     auto published = make(next);
     published->transaction = &transaction;
-    published->into = next.core().state();
-    published->from = old.core().state();
+    published->hand_over =
+        checked(mauve::plan_hand_over(old.core(), next.core(), mauve::StatePolicy::keep));
     task.publish(*published.release());
     added.push_back(job());
     static_cast<void>(task.reclaim());
@@ -213,6 +233,7 @@ void run(const Options& options) {
   Line without = line(report, "no state", 100, 500);
   Line small = line(report, "8 B of state handed over", 300, 500);
   Line large = line(report, "64 kB of state handed over", 300, 500);
+  Line converted = line(report, "4 kB of state converted to another layout", 300, 500);
   Line brief = line(report, "no state, period 150 us", 100, 500);
   Figure& added = report.figure("a job with a swap takes longer by, warm", "ns", at_most(300));
   const int swaps = options.choose(kSwaps, 50);
@@ -227,6 +248,8 @@ void run(const Options& options) {
     without.add(all.count(swap_to_and_fro<A, B>(apart, swaps)), raw);
     small.add(all.count(swap_to_and_fro<With<1, Small>, With<2, Small>>(apart, swaps)), raw);
     large.add(all.count(swap_to_and_fro<With<1, Large>, With<2, Large>>(apart, swaps)), raw);
+    converted.add(all.count(swap_to_and_fro<Converting<1, 2>, Converting<2, 1>>(apart, swaps)),
+                  raw);
     brief.add(all.count(swap_to_and_fro<A, B>(apart, swaps, kShort)), raw);
     added.add(added_to_a_job(last, 10 * swaps));
   }

@@ -62,6 +62,35 @@ TEST(Reload, CanBeDoneOverAndOver) {
   EXPECT_EQ(daemon.ask("param.set", {{"values", {{"first.core.gain", 2}}}})["state"], "applied");
 }
 
+TEST(Reload, ConvertsTheStateOfAnOlderRevisionAndUnmapsItsCode) {
+  TrialDaemon daemon;
+  ASSERT_TRUE(eventually([&] { return daemon.value("first.core.count") > 50; }));
+  daemon.install(3);
+
+  const auto result = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+
+  EXPECT_EQ(result["unmapped"], true) << result;
+  EXPECT_EQ(result["components"][0]["bytes"], 8);
+  EXPECT_TRUE(daemon.becomes("first.core.number", 3));
+  EXPECT_GT(daemon.value("first.core.count"), 50);
+}
+
+TEST(Reload, RefusesToLoseAStateUnlessItIsToldTo) {
+  TrialDaemon daemon;
+  static_cast<void>(daemon.client());
+  daemon.install(3);
+  ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}})["state"], "applied");
+  daemon.install(1);
+
+  const auto error = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+  EXPECT_EQ(error["data"]["name"], "type_mismatch") << error;
+  EXPECT_EQ(daemon.value("first.core.number"), 3);
+
+  EXPECT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}, {"state", "drop"}})["state"],
+            "applied");
+  EXPECT_TRUE(daemon.becomes("first.core.number", 1));
+}
+
 /// What "first" logged so far: "one says 7".
 std::vector<std::string> said(TrialDaemon& daemon) {
   std::vector<std::string> texts;

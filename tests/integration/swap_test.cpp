@@ -118,7 +118,11 @@ TEST(Set, RefusesAllWhenOneIsWrong) {
 
 TEST(Set, RefusesToForgetAStateThatIsNotDeclared) {
   TrialDaemon daemon;
-  ASSERT_EQ(daemon.ask("core.swap", swap("trial/forgetful"))["state"], "applied");
+  Json forgetful = swap("trial/forgetful");
+  const auto lost = daemon.ask("core.swap", forgetful);
+  EXPECT_THAT(lost["data"]["hint"].get<std::string>(), HasSubstr("--state drop"));
+  forgetful["state"] = "drop";
+  ASSERT_EQ(daemon.ask("core.swap", forgetful)["state"], "applied");
 
   const auto refused = daemon.ask("param.set", {{"values", {{"first.core.gain", 2}}}});
   EXPECT_THAT(refused["data"]["hint"].get<std::string>(), HasSubstr("--state drop"));

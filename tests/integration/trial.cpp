@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Plugin "trial" of the integration tests: one component and cores that behave well or badly.
-/// Built twice, with NUMBER 1 and 2, so that a rebuilt file can be told from the one before.
+/// Built with NUMBER 1 and 2, so that a rebuilt file can be told from the one before, and with 3,
+/// whose state is of a later revision.
 #include <mauve/plugin.h>
 
 #include <chrono>
@@ -9,19 +10,33 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <type_traits>
 
 namespace trial {
 
-struct Memory {
+struct MemoryV1 {
   std::int64_t count = 0;
 };
+struct MemoryV2 {
+  double spare = 0;
+  std::int64_t count = 0;
+};
+using Memory = std::conditional_t<NUMBER == 3, MemoryV2, MemoryV1>;
 
 }  // namespace trial
 
 template <>
-struct mauve::Described<trial::Memory> {
+struct mauve::Described<trial::MemoryV1> {
   static constexpr std::string_view name = "trial_memory/1";
-  static constexpr auto fields() { return std::tuple{field("count", &trial::Memory::count)}; }
+  static constexpr auto fields() { return std::tuple{field("count", &trial::MemoryV1::count)}; }
+};
+template <>
+struct mauve::Described<trial::MemoryV2> {
+  static constexpr std::string_view name = "trial_memory/2";
+  static constexpr auto fields() {
+    return std::tuple{field("spare", &trial::MemoryV2::spare),
+                      field("count", &trial::MemoryV2::count)};
+  }
 };
 
 namespace trial {
@@ -53,6 +68,10 @@ class Steady : public TrialCore {
 
  protected:
   mauve::State<Memory> state{*this};
+#if NUMBER == 3
+  mauve::Converts<MemoryV1, Memory> from_v1{
+      state, [](const MemoryV1& old, Memory& now) noexcept { now.count = old.count; }};
+#endif
   mauve::Property<double> gain{*this, "gain", 1.0, "written out", {.min = 0.0, .max = 10.0}};
   mauve::Observable<std::int64_t> count{*this, "count", 0, "jobs so far"};
   mauve::Observable<double> input{*this, "input", 0, "what was read"};

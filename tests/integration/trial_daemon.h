@@ -43,7 +43,7 @@ class TrialDaemon {
     start();
   }
 
-  /// Puts build 1 or 2 of the plugin in place, as a build tool does: a new file, then its name.
+  /// Puts build 1, 2 or 3 of the plugin in place, as a build tool does: a new file, then its name.
   void install(int number) const {
     const auto from = std::filesystem::path(MAUVE_TRIAL_DIR) / std::to_string(number) / "trial.so";
     std::filesystem::copy_file(from, plugins() / "new",

@@ -6,7 +6,7 @@
 
 #include "rt/heap_probe.h"
 #include "support/eventually.h"
-#include "support/ramp.h"
+#include "support/positions.h"
 
 namespace mauve {
 namespace {
@@ -60,6 +60,23 @@ struct Watching : Architecture {
   }
 };
 
+/// To and fro between states of two types, one of them as large as can be converted.
+struct WatchedThere final : Watched {
+  Converts<ramp::PositionV3, ramp::Position> back{
+      state,
+      [](const ramp::PositionV3& old, ramp::Position& now) noexcept { now.value = old.metres; }};
+};
+struct WatchedHere final : ramp::RampCore {
+  State<ramp::PositionV3> state{*this};
+  Converts<ramp::Position, ramp::PositionV3> from{
+      state,
+      [](const ramp::Position& old, ramp::PositionV3& now) noexcept { now.metres = old.value; }};
+  void update() override {
+    ++watch().jobs;
+    shell().out.write(++state->metres);
+  }
+};
+
 void drain_quietly(Deployer& deployer) {
   deployer.drain([](const Happening&) {});
 }
@@ -82,6 +99,29 @@ TEST(RealTimePath, CallsNoHeapInJobsAndSwaps) {
   ASSERT_TRUE(deployer.start({"control"}));
   const int jobs = watch().jobs;
   ASSERT_TRUE(eventually([&] { return watch().jobs > jobs + 100; }));
+
+  EXPECT_EQ(heap::calls() - before, 0u);
+}
+
+TEST(RealTimePath, CallsNoHeapWhenAStateIsConverted) {
+  Watching architecture;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+  const int first = watch().jobs;
+  ASSERT_TRUE(eventually([&] { return watch().jobs > first + 20; }));
+  const std::size_t before = heap::calls();
+
+  for (int i = 0; i < 20; ++i) {
+    const Result<Receipt> here = deployer.swap_core<WatchedHere>("control");
+    ASSERT_TRUE(here) << to_string(here.error());
+    EXPECT_EQ(here->components[0].bytes, sizeof(ramp::Position));
+    const Result<Receipt> there = deployer.swap_core<WatchedThere>("control");
+    ASSERT_TRUE(there) << to_string(there.error());
+    EXPECT_EQ(there->components[0].bytes, kMaxConverted);
+    drain_quietly(deployer);
+  }
+  const int jobs = watch().jobs;
+  ASSERT_TRUE(eventually([&] { return watch().jobs > jobs + 20; }));
 
   EXPECT_EQ(heap::calls() - before, 0u);
 }

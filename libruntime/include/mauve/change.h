@@ -20,7 +20,7 @@ class ResourceBase;
 
 /// What happens to the state of a core that is replaced.
 enum class StatePolicy : std::uint8_t {
-  keep,  ///< hand it over where both cores share the state type
+  keep,  ///< hand it over; refused when the new core can neither take nor convert it
   drop,  ///< the new core starts fresh
 };
 

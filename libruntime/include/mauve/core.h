@@ -3,10 +3,12 @@
 #pragma once
 
 #include <mauve/configurable.h>
+#include <mauve/converts.h>
 #include <mauve/log.h>
 #include <mauve/observable.h>
 #include <mauve/property.h>
 #include <mauve/shell.h>
+#include <mauve/slow_state.h>
 #include <mauve/state.h>
 
 namespace mauve {
@@ -19,6 +21,8 @@ class CoreBase : public Configurable {
 
   /// The state handed over in a swap; null when none is declared.
   [[nodiscard]] StateBase* state() const { return state_; }
+  /// What is shared with the next core before it is configured; null when none is declared.
+  [[nodiscard]] SlowStateBase* slow_state() const { return slow_state_; }
   /// Declared as having nothing to hand over.
   [[nodiscard]] bool stateless() const { return stateless_; }
 
@@ -30,11 +34,13 @@ class CoreBase : public Configurable {
   [[nodiscard]] Shell& bound_shell() const { return *shell_; }
 
  private:
+  friend class SlowStateBase;
   friend class StateBase;
   friend class Stateless;
 
   Shell* shell_ = nullptr;
   StateBase* state_ = nullptr;
+  SlowStateBase* slow_state_ = nullptr;
   bool stateless_ = false;
 };
 

@@ -5,24 +5,19 @@
 #include <memory>
 #include <string_view>
 
-#include <mauve/type.h>
+#include <mauve/capsule.h>
 
 namespace mauve {
 
 class CoreBase;
 
 /// What the runtime sees of a state.
-class StateBase {
+class StateBase : public Capsule {
  public:
-  StateBase(const StateBase&) = delete;
-  StateBase& operator=(const StateBase&) = delete;
-  virtual ~StateBase() = default;
-
-  [[nodiscard]] const DataType& type() const { return type_; }
-  /// Same name, revision and layout: may be handed over by moving the object.
-  [[nodiscard]] bool fits(const StateBase& other) const { return same_type(type_, other.type_); }
   /// The hand-over: the two cores exchange their state objects. [rt], two pointer stores.
   void exchange(StateBase& other) { object_.swap(other.object_); }
+  /// The hand-over from another type: the old object stays as it is. [rt], bounded.
+  void convert(const StateBase& old, const ConvertsBase& by);
   /// Runtime only: the state object keeps the library alive that made it; a described, trivially
   /// copyable one is moved to memory that needs no library.
   void keep_alive(std::shared_ptr<void> library);
@@ -34,12 +29,13 @@ class StateBase {
   [[nodiscard]] void* object() const { return object_.get(); }
 
  private:
-  const DataType& type_;
   std::shared_ptr<void> object_;
 };
 
 /// Declared as a member: `mauve::State<Guidance> state{*this};`, used as `state->goal`. Cores that
-/// share the state type hand it over in a swap. Do not keep references into it.
+/// share the state type hand it over in a swap; one of another type says how it converts it
+/// (converts.h). Describe T, so that its layout is compared field by field. Do not keep references
+/// into it.
 template <typename T>
 class State final : public StateBase {
  public:

@@ -146,7 +146,8 @@ TEST_F(Swap, RefusesAPropertyOutOfRange) {
 }
 
 TEST_F(Swap, RefusesToResetAnIntegratorSilently) {
-  ASSERT_TRUE(deployer.swap_core<ramp::Forgetful>("control"));
+  const CoreType forgetful = CoreType::of<ramp::Forgetful>("ramp/forgetful");
+  ASSERT_TRUE(deployer.swap_core("control", forgetful, StatePolicy::drop));
   deployer.run_for(50ms);
 
   const Result<Receipt> refused = deployer.set("control.core.step", 2.0);

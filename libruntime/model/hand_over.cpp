@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "model/hand_over.h"
+
+#include <array>
+#include <cstdio>
+
+#include "model/guard.h"
+#include "rt/cache.h"
+
+namespace mauve {
+namespace {
+
+/// "guidance/1 (layout 91c3f2aa, 40 B)"
+std::string shown(const DataType& type) {
+  std::array<char, 48> details{};
+  std::snprintf(details.data(), details.size(), " (layout %08x, %zu B)",
+                static_cast<unsigned>(type.layout >> 32U), type.size);
+  return type.name + details.data();
+}
+
+Error lost(const CoreBase& into, const Capsule& from, const Capsule* found, const char* member) {
+  const std::string drop = "say --state drop to start it fresh, or declare ";
+  if (found == nullptr) {
+    return refuse(Errc::type_mismatch, into.address(),
+                  "has no place for the state " + shown(from.type()) +
+                      " of the core in force, and does not say that it needs none",
+                  drop + member + " or mauve::Stateless in the new core");
+  }
+  return refuse(Errc::type_mismatch, into.address(),
+                "has the state " + shown(found->type()) + ", but the core in force has " +
+                    shown(from.type()) + ", which it cannot convert",
+                drop + "a mauve::Converts in the new core");
+}
+
+Status share(const SlowStateBase& from, SlowStateBase& into, const std::string& address) {
+  if (into.fits(from)) {
+    into.share(from);
+    return ok();
+  }
+  const ConvertsBase* const convert = into.converter_from(from.type());
+  return call_hook(address, "converter", [&] { return into.convert(from, *convert), ok(); });
+}
+
+/// May the data go on in this place?
+bool takes(const Capsule* into, const Capsule& from) {
+  return into != nullptr && (into->fits(from) || into->converter_from(from.type()) != nullptr);
+}
+
+Status hand_over_slow(const CoreBase& from, const CoreBase& into) {
+  if (from.slow_state() == nullptr) return ok();
+  const SlowStateBase& old = *from.slow_state();
+  SlowStateBase* const place = into.slow_state();
+  if (takes(place, old)) return share(old, *place, into.address());
+  if (place == nullptr && into.stateless()) return ok();
+  return lost(into, old, place, "mauve::SlowState");
+}
+
+}  // namespace
+
+void HandOver::run() const noexcept {
+  if (from == nullptr) return;
+  if (convert == nullptr) {
+    into->exchange(*from);
+  } else {
+    into->convert(*from, *convert);
+  }
+}
+
+void HandOver::fetch() const {
+  if (from == nullptr) return;
+  rt::touch(from, sizeof *from);
+  rt::touch(into, sizeof *into);
+  if (convert == nullptr) return;
+  rt::touch(convert, sizeof *convert);
+  rt::touch(from->data(), from->type().size);
+  rt::touch(into->data(), into->type().size);
+}
+
+Result<HandOver> plan_hand_over(const CoreBase& from, const CoreBase& into, StatePolicy policy) {
+  StateBase* const old = from.state();
+  StateBase* const place = into.state();
+  if (&from == &into || policy == StatePolicy::drop || old == nullptr) return HandOver{};
+  if (place == nullptr && into.stateless()) return HandOver{};
+  if (!takes(place, *old)) return lost(into, *old, place, "mauve::State");
+  const ConvertsBase* const convert =
+      place->fits(*old) ? nullptr : place->converter_from(old->type());
+  return HandOver{old, place, convert, old->type().size};
+}
+
+Status prepare_hand_over(const CoreBase& from, const CoreBase& into, StatePolicy policy) {
+  if (policy == StatePolicy::drop) return ok();
+  if (const auto plan = plan_hand_over(from, into, policy); !plan) return plan.error();
+  return hand_over_slow(from, into);
+}
+
+}  // namespace mauve

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Hand-over: what a core gives to the one that takes its place. One rule for components, resources
+/// and the way back.
+///
+///   the new core's state has the same name, revision and layout    moved: the objects change owner
+///   it has a converter from the old type                           converted at the boundary
+///   the new core is stateless, or the state is to be dropped       nothing
+///   anything else                                                  refused before anything happens
+#pragma once
+
+#include <cstddef>
+
+#include <mauve/change.h>
+#include <mauve/core.h>
+
+namespace mauve {
+
+/// Worked out beforehand; valid while both cores live.
+struct HandOver {
+  StateBase* from = nullptr;  ///< null: nothing is handed over
+  StateBase* into = nullptr;
+  const ConvertsBase* convert = nullptr;  ///< null: the objects change owner
+  std::size_t bytes = 0;                  ///< size of the state handed over
+
+  /// At the boundary. [rt], no heap; two pointer stores, or the converter.
+  void run() const noexcept;
+  /// Brings near what run() will touch. [rt]
+  void fetch() const;
+};
+
+/// Errors: type_mismatch, with both types. [any], not on a real-time thread.
+[[nodiscard]] Result<HandOver> plan_hand_over(const CoreBase& from, const CoreBase& into,
+                                              StatePolicy policy);
+
+/// Before the new core is configured, while the old one runs: shares or converts the slow state,
+/// and asks whether there is a plan for the other. Errors: type_mismatch, hook_threw. [factory]
+[[nodiscard]] Status prepare_hand_over(const CoreBase& from, const CoreBase& into,
+                                       StatePolicy policy);
+
+}  // namespace mauve

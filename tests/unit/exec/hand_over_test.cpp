@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What becomes of the state of a running core that is replaced.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <random>
+
+#include "exec/commit.h"
+#include "support/positions.h"
+
+namespace mauve {
+namespace {
+
+struct Moving : Architecture {
+  SharedData<double> position{*this, "position"};
+  Component<ramp::Shell, ramp::First, ramp::Fsm> control{*this, "control"};
+
+  Status on_configure() override { return control.shell().out.connect(position.write_service()); }
+};
+
+/// A core of revision 1 that has climbed to 20 m.
+class HandOver : public testing::Test {
+ protected:
+  void SetUp() override {
+    ramp::written().clear();
+    ASSERT_TRUE(deployer.deploy());
+    deployer.run_for(200ms);
+    ASSERT_EQ(position(), 20.0);
+  }
+  double position() { return ramp::read(architecture.position); }
+  const void* object() { return architecture.control.ComponentBase::core().state()->data(); }
+  template <typename T>
+  Result<Receipt> swap(StatePolicy policy = StatePolicy::keep) {
+    return deployer.swap_core("control", CoreType::of<T>("test/next"), policy);
+  }
+
+  Moving architecture;
+  Deployer deployer{architecture, {.simulated = true}};
+};
+
+/// "ramp_position/1 (layout 0123abcd, 16 B)"
+template <typename T>
+std::string shown() {
+  std::array<char, 80> text{};
+  std::snprintf(text.data(), text.size(), "%s (layout %08x, %zu B)", data_type<T>().name.c_str(),
+                static_cast<unsigned>(data_type<T>().layout >> 32U), sizeof(T));
+  return text.data();
+}
+
+TEST_F(HandOver, MovesTheObjectOfAStateOfTheSameType) {
+  const void* const before = object();
+
+  const Result<Receipt> done = swap<ramp::Lone<ramp::PositionV1>>();
+  deployer.run_for(10ms);
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_EQ(object(), before);
+  EXPECT_EQ(done->components[0].bytes, sizeof(ramp::PositionV1));
+  EXPECT_EQ(position(), 21.0);
+}
+
+TEST_F(HandOver, ConvertsAStateOfAnotherRevision) {
+  const Result<Receipt> done = swap<ramp::Second>();
+  deployer.run_for(10ms);
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_EQ(position(), 19.0);
+  EXPECT_EQ(done->components[0].bytes, sizeof(ramp::PositionV1)) << "of the state handed over";
+  EXPECT_EQ(done->components[0].missed, 0u);
+}
+
+TEST_F(HandOver, RefusesAStateThatTheNewCoreCannotConvert) {
+  const Result<Receipt> refused = swap<ramp::Lone<ramp::PositionV2>>();
+  deployer.run_for(10ms);
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::type_mismatch);
+  EXPECT_EQ(refused.error().at, "control.core");
+  EXPECT_EQ(refused.error().message, "has the state " + shown<ramp::PositionV2>() +
+                                         ", but the core in force has " +
+                                         shown<ramp::PositionV1>() + ", which it cannot convert");
+  EXPECT_EQ(refused.error().hint,
+            "say --state drop to start it fresh, or declare a mauve::Converts in the new core");
+  EXPECT_EQ(deployer.generation(), 1u);
+  EXPECT_EQ(position(), 21.0) << "the old core goes on";
+}
+
+TEST_F(HandOver, RefusesAnotherLayoutUnderTheSameRevision) {
+  const Result<Receipt> refused = swap<ramp::Lone<ramp::ChangedV1>>();
+
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find(shown<ramp::ChangedV1>()), std::string::npos);
+  EXPECT_NE(shown<ramp::ChangedV1>(), shown<ramp::PositionV1>());
+}
+
+TEST_F(HandOver, RefusesACoreThatSaysNothingOfItsState) {
+  const Result<Receipt> refused = swap<ramp::Forgetful>();
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message, "has no place for the state " + shown<ramp::PositionV1>() +
+                                         " of the core in force, and does not say that it needs "
+                                         "none");
+  EXPECT_EQ(refused.error().hint,
+            "say --state drop to start it fresh, or declare mauve::State or mauve::Stateless in "
+            "the new core");
+}
+
+TEST_F(HandOver, LetsACoreThatSaysItIsStatelessHaveNone) {
+  struct Plain : ramp::RampCore {
+    Stateless stateless{*this};
+    void update() override { shell().out.write(5.0); }
+  };
+
+  const Result<Receipt> done = swap<Plain>();
+  deployer.run_for(10ms);
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_EQ(done->components[0].bytes, 0u);
+  EXPECT_EQ(position(), 5.0);
+  EXPECT_TRUE(swap<ramp::First>()) << "and what comes after it starts fresh";
+}
+
+TEST_F(HandOver, StartsFreshWhenTold) {
+  const Result<Receipt> done = swap<ramp::Lone<ramp::PositionV2>>(StatePolicy::drop);
+  deployer.run_for(10ms);
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_EQ(done->components[0].bytes, 0u);
+  EXPECT_EQ(position(), 1.0);
+}
+
+TEST_F(HandOver, NeverJumpsByMoreThanOneStepInFiftySwapsBetweenRevisions) {
+  for (int i = 0; i < 50; ++i) {
+    const Result<Receipt> done = i % 2 == 0 ? swap<ramp::Second>() : swap<ramp::First>();
+    ASSERT_TRUE(done) << to_string(done.error());
+    deployer.run_for(i % 3 * 10ms);
+  }
+
+  double last = 0;
+  for (const double value : ramp::written()) {
+    EXPECT_EQ(std::abs(value - last), 1.0);
+    last = value;
+  }
+  EXPECT_GE(ramp::written().size(), 20u + 49u);
+  EXPECT_EQ(deployer.status("control").missed, 0u);
+}
+
+TEST_F(HandOver, KeepsACounterExactInAnySequenceOfSwaps) {
+  const std::uint32_t seed = std::random_device{}();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  const auto one_of = [&](unsigned n) { return static_cast<int>(random() % n); };
+
+  for (int i = 0; i < 300; ++i) {
+    const int next = one_of(3);
+    const Result<Receipt> done = next == 0   ? swap<ramp::First>()
+                                 : next == 1 ? swap<ramp::Second>()
+                                             : swap<ramp::Third>();
+    ASSERT_TRUE(done) << to_string(done.error());
+    deployer.run_for(one_of(5) * 10ms);
+    const StateBase& state = *architecture.control.ComponentBase::core().state();
+    const Value shown = state.type().to_value(state.data());
+    ASSERT_EQ(*shown.find("jobs"), Value(static_cast<std::int64_t>(ramp::written().size())));
+    ASSERT_EQ(deployer.status("control").releases, ramp::written().size());
+  }
+}
+
+/// The bundle before the last change, on its way back.
+std::unique_ptr<exec::Published> way_back(ComponentBase& component,
+                                          std::shared_ptr<const Bundle> old) {
+  exec::PreparedMember member;
+  member.component = &component;
+  member.base = component.bundle();
+  member.next = std::move(old);
+  return exec::make_published(member);
+}
+
+TEST_F(HandOver, GoesBackToTheValueItHadWhenThereIsNoWayBack) {
+  ASSERT_TRUE(swap<ramp::Lone<ramp::PositionV1>>());
+  const std::shared_ptr<const Bundle> old = architecture.control.bundle();
+  ASSERT_TRUE(swap<ramp::Second>());
+  deployer.run_for(50ms);
+
+  const auto published = way_back(architecture.control, old);
+  published->hand_over.run();
+
+  EXPECT_EQ(published->hand_over.bytes, 0u);
+  EXPECT_EQ(static_cast<const ramp::PositionV1*>(old->core->state()->data())->metres, 20.0);
+}
+
+TEST_F(HandOver, GoesOnFromTheLaterValueWhenThereIsAWayBack) {
+  const std::shared_ptr<const Bundle> old = architecture.control.bundle();
+  ASSERT_TRUE(swap<ramp::Second>());
+  deployer.run_for(50ms);
+
+  const auto published = way_back(architecture.control, old);
+  published->hand_over.run();
+
+  EXPECT_EQ(published->hand_over.bytes, sizeof(ramp::PositionV2));
+  EXPECT_EQ(static_cast<const ramp::PositionV1*>(old->core->state()->data())->metres, 15.0);
+}
+
+}  // namespace
+}  // namespace mauve
