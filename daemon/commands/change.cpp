@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "commands/answer.h"
+#include "exec/prepared.h"
 
 namespace mauve::daemon {
 
@@ -17,6 +18,7 @@ struct Journey {
   std::uint64_t stops = 0;  ///< of its components, when it began
   std::optional<Result<PreparedChange>> prepared;
   std::optional<Retired> retired{std::in_place};
+  std::shared_ptr<Companion> companion;  ///< may be null
   Status exchanged;
 };
 using JourneyPtr = std::shared_ptr<Journey>;
@@ -27,6 +29,8 @@ void free_in_factory(Running& running, JourneyPtr journey, Ticket ticket) {
       [&running, journey = std::move(journey)] {
         auto cleaned = journey->retired->release();
         journey->prepared.reset();
+        journey->change = {};
+        journey->companion.reset();
         if (!cleaned) {
           running.log.write(logging::Event::clean_up_failed,
                             {{"component", cleaned.error().at}, {"text", cleaned.error().message}});
@@ -36,11 +40,19 @@ void free_in_factory(Running& running, JourneyPtr journey, Ticket ticket) {
 }
 
 void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
-            const std::string& state) {
+            const std::string& state, Companion* companion = nullptr) {
+  const bool in_force = receipt || receipt.error().code == Errc::partly;
+  if (companion != nullptr && in_force) {
+    companion->in_force();
+  }
   if (!receipt) {
     return answer(running, call, receipt.error(), state);
   }
-  answer(running, call, to_json(*receipt));
+  auto result = to_json(*receipt);
+  if (companion != nullptr) {
+    companion->complete(result);
+  }
+  answer(running, call, std::move(result));
 }
 
 std::uint64_t stops_of(Running& running, const Change& change) {
@@ -72,6 +84,9 @@ bool may_go_on(Running& running, const Call& call, const Journey& journey) {
       stops_of(running, journey.change) != journey.stops) {
     met = stopped_meanwhile(journey);
   }
+  if (met && journey.companion != nullptr) {
+    met = journey.companion->ready();
+  }
   if (!met) {
     answer(running, call, met.error());
   }
@@ -85,9 +100,32 @@ void put_in_force(Running& running, const CallPtr& call, JourneyPtr journey, Tic
                 [&running, call, journey, ticket = std::move(ticket)](Ongoing& done) mutable {
                   const auto receipt = done.result();
                   journey->retired = std::move(done.retired());
-                  finish(running, *call, receipt, receipt ? "" : state_after(receipt.error()));
+                  finish(running, *call, receipt, receipt ? "" : state_after(receipt.error()),
+                         journey->companion.get());
                   free_in_factory(running, std::move(journey), std::move(ticket));
                 });
+}
+
+/// What a member would hand over to its new core.
+std::size_t kept_bytes(const exec::PreparedMember& member) {
+  const auto* from = member.base->core->state();
+  const auto* into = member.next->core->state();
+  const bool kept = member.next->core != member.base->core && member.state == StatePolicy::keep &&
+                    from != nullptr && into != nullptr && into->fits(*from);
+  return kept ? into->type().size : 0;
+}
+
+/// [control] The end of a dry run: what was prepared is told and dropped.
+void tell(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
+  Receipt receipt;
+  receipt.generation = running.generation;
+  for (const auto& member : (*journey->prepared)->content().members) {
+    receipt.components.push_back({member.component->name(), Duration{0}, 0, kept_bytes(member)});
+  }
+  auto result = to_json(receipt);
+  journey->companion->complete(result);
+  answer(running, *call, std::move(result));
+  free_in_factory(running, std::move(journey), std::move(ticket));
 }
 
 // --- in place: park, exchange on [factory], resume ----------------------------------------------
@@ -177,14 +215,18 @@ std::string state_after(const Error& error) {
   return error.code == Errc::partly ? "partly" : "unchanged";
 }
 
-void apply(Running& running, const CallPtr& call, Ticket ticket, Change change) {
+void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
+           std::shared_ptr<Companion> companion) {
   auto journey = std::make_shared<Journey>();
   journey->change = std::move(change);
+  const bool dry_run = companion != nullptr && companion->dry_run();
+  journey->companion = std::move(companion);
   journey->stops = stops_of(running, journey->change);
   auto& edits = journey->change;
   prepare_then(
       running, call, std::move(journey), std::move(ticket),
-      [&running, &edits] { return running.deployer.prepare(edits); }, put_in_force);
+      [&running, &edits] { return running.deployer.prepare(edits); },
+      dry_run ? tell : put_in_force);
 }
 
 void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit) {

@@ -106,6 +106,8 @@ void start(Running&, const CallPtr&, Ticket);
 void swap_core(Running&, const CallPtr&, Ticket);
 void connect(Running&, const CallPtr&, Ticket);
 void disconnect(Running&, const CallPtr&, Ticket);
+void diff_architecture(Running&, const CallPtr&, Ticket);
+void apply_file(Running&, const CallPtr&, Ticket);
 void load_plugin(Running&, const CallPtr&, Ticket);
 void unload_plugin(Running&, const CallPtr&, Ticket);
 void reload_plugin(Running&, const CallPtr&, Ticket);

@@ -14,7 +14,7 @@ namespace {
 
 using server::Role;
 
-constexpr std::array<Command, 26> kCommands = {{
+constexpr std::array<Command, 28> kCommands = {{
     {"ping", Role::viewer, Lane::any, ping, nullptr},
     {"version", Role::viewer, Lane::any, version, nullptr},
     {"command.list", Role::viewer, Lane::any, list_commands, nullptr},
@@ -29,6 +29,7 @@ constexpr std::array<Command, 26> kCommands = {{
     {"param.get", Role::viewer, Lane::read, get, nullptr},
     {"config.get", Role::viewer, Lane::read, export_architecture, nullptr},
     {"config.check", Role::viewer, Lane::factory, check_architecture, nullptr},
+    {"architecture.diff", Role::viewer, Lane::change, nullptr, diff_architecture},
     {"watch.subscribe", Role::viewer, Lane::read, watch, nullptr},
     {"watch.unsubscribe", Role::viewer, Lane::read, unwatch, nullptr},
     {"log.tail", Role::viewer, Lane::read, tail_log, nullptr},
@@ -38,6 +39,7 @@ constexpr std::array<Command, 26> kCommands = {{
     {"core.swap", Role::operator_, Lane::change, nullptr, swap_core},
     {"port.connect", Role::operator_, Lane::change, nullptr, connect},
     {"port.disconnect", Role::operator_, Lane::change, nullptr, disconnect},
+    {"architecture.apply", Role::admin, Lane::change, nullptr, apply_file},
     {"plugin.load", Role::admin, Lane::change, nullptr, load_plugin},
     {"plugin.unload", Role::admin, Lane::change, nullptr, unload_plugin},
     {"plugin.reload", Role::admin, Lane::change, nullptr, reload_plugin},

@@ -32,6 +32,9 @@ constexpr Param kConnect[] = {
 constexpr Param kDisconnect[] = {{"port", string, true}};
 constexpr Param kPlugin[] = {{"plugin", string, true}};
 constexpr Param kCheck[] = {{"text", string, true}, {"file", string}};
+constexpr Param kDiff[] = {{"text", string, true}, {"file", string}};
+constexpr Param kApply[] = {
+    {"text", string, true}, {"file", string}, {"dry_run", boolean}, {"state", string}};
 constexpr Param kTail[] = {
     {"component", string}, {"level", string}, {"n", integer}, {"follow", boolean}};
 constexpr Param kEveryMutation[] = {
@@ -63,6 +66,9 @@ constexpr Method kMethods[] = {
     {"plugin.reload", "moves every instance to the new code", kPlugin, true},
     {"config.get", "the running system as an architecture file", {}},
     {"config.check", "all errors of an architecture file", kCheck},
+    {"architecture.diff", "what another architecture file would change", kDiff},
+    {"architecture.apply", "the running system becomes that of a file, or nothing happens", kApply,
+     true},
     {"log.tail", "the last records, and those to come", kTail},
 };
 
