@@ -52,6 +52,9 @@ constexpr Argument kPlugin[] = {one("PLUGIN", "name of a plugin, not a path", Ki
 constexpr Argument kPlugins[] = {
     maybe("--for", "the cores that fit this component", Kind::component)};
 constexpr Argument kCheck[] = {one("FILE", "an architecture file", Kind::file)};
+constexpr Argument kApply[] = {one("FILE", "an architecture file", Kind::file),
+                               flag("--dry-run", "prepare and tell, but change nothing"), kState};
+constexpr Argument kPlan[] = {one("FILE", "an architecture file", Kind::file), kState};
 constexpr Argument kLogs[] = {
     maybe("COMPONENT", "only this one", Kind::component),
     flag("-f,--follow", "go on with what comes"),
@@ -79,6 +82,12 @@ constexpr Command kCommands[] = {
      true, run_connect},
     {"disconnect", "a port", "mauvectl disconnect gnss.ports.fix", kDisconnect, true,
      run_disconnect},
+    {"apply", "make the running system that of a file, all at once",
+     "mauvectl apply rover.json --dry-run", kApply, true, run_apply},
+    {"plan", "what apply would do, prepared and dropped", "mauvectl plan rover.json", kPlan, true,
+     run_plan},
+    {"diff", "what a file would change; exit code 1 when it is something",
+     "mauvectl diff rover.json", kCheck, false, run_diff},
     {"load", "a plugin, by name", "mauvectl load guidance_extra", kPlugin, true, run_load},
     {"unload", "a plugin that nothing uses", "mauvectl unload guidance_extra", kPlugin, true,
      run_unload},
