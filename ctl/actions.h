@@ -6,6 +6,9 @@
 
 namespace mauve::ctl {
 
+/// 0, or what the state after a change says: rolled back 1, safe 9.
+[[nodiscard]] int exit_of(const Json& receipt);
+
 int run_status(Session& session);
 int run_list(Session& session);
 int run_show(Session& session);
@@ -27,6 +30,9 @@ int run_disconnect(Session& session);
 int run_confirm(Session& session);
 int run_undo(Session& session);
 int run_quarantine(Session& session);
+int run_diff(Session& session);
+int run_apply(Session& session);
+int run_plan(Session& session);
 int run_load(Session& session);
 int run_unload(Session& session);
 int run_reload(Session& session);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <string>
 
@@ -125,15 +123,9 @@ int run_version(Session& session) {
 
 int run_check(Session& session) {
   const std::string file = session.arguments.one("FILE");
-  std::error_code error;
-  // Reading a folder is the one thing at which the stream would throw.
-  std::ifstream stream;
-  if (!std::filesystem::is_directory(file, error)) stream.open(file, std::ios::binary);
-  if (!stream.is_open()) {
-    return session.fail(fault_of(protocol::kUsage, "the file cannot be read", file));
-  }
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  const auto answer = session.call("config.check", {{"text", text}, {"file", file}});
+  auto params = file_params(session);
+  if (const auto* fault = std::get_if<Fault>(&params)) return session.fail(*fault);
+  const auto answer = session.call("config.check", std::get<Json>(std::move(params)));
   if (const auto* fault = std::get_if<Fault>(&answer)) {
     Fault said = *fault;
     const std::string alone = "without the daemon: mauved --check " + file;

@@ -13,12 +13,6 @@ using protocol::Exit;
 using protocol::fault_of;
 using Render = std::string (*)(std::string_view, const Json&, Look);
 
-int exit_of(const Json& receipt) {
-  const std::string state = word(receipt, "state");
-  if (state == "safe") return static_cast<int>(Exit::partly);
-  return static_cast<int>(state == "rolled_back" ? Exit::refused : Exit::ok);
-}
-
 int change(Session& session, std::string_view method, Json params, std::string_view done,
            Render render = render_receipt) {
   const auto answer = session.call(method, std::move(params));
@@ -74,6 +68,12 @@ int change_plugin(Session& session, std::string_view method, std::string_view ve
 }
 
 }  // namespace
+
+int exit_of(const Json& receipt) {
+  const std::string state = word(receipt, "state");
+  if (state == "safe") return static_cast<int>(Exit::partly);
+  return static_cast<int>(state == "rolled_back" ? Exit::refused : Exit::ok);
+}
 
 int run_set(Session& session) {
   auto values = assignments(session.arguments.all("ADDRESS=VALUE"));

@@ -66,6 +66,10 @@ constexpr Argument kReload[] = {kPlugin[0], kState};
 constexpr Argument kPlugins[] = {
     maybe("--for", "the cores that fit this component", Kind::component)};
 constexpr Argument kCheck[] = {one("FILE", "an architecture file", Kind::file)};
+constexpr Argument kApply[] = {one("FILE", "an architecture file", Kind::file),
+                               flag("--dry-run", "prepare and tell, but change nothing"), kState,
+                               kProbation, kConfirmWithin};
+constexpr Argument kPlan[] = {one("FILE", "an architecture file", Kind::file), kState};
 constexpr Argument kLogs[] = {
     maybe("COMPONENT", "only this one", Kind::component),
     flag("-f,--follow", "go on with what comes"),
@@ -97,6 +101,12 @@ constexpr Command kCommands[] = {
     {"undo", "the change on probation: back to before it", "mauvectl undo", {}, true, run_undo},
     {"quarantine", "cores that were rolled back; release one",
      "mauvectl quarantine release guidance/widest_gap", kQuarantine, true, run_quarantine},
+    {"apply", "make the running system that of a file, all at once",
+     "mauvectl apply rover.json --dry-run", kApply, true, run_apply},
+    {"plan", "what apply would do, prepared and dropped", "mauvectl plan rover.json", kPlan, true,
+     run_plan},
+    {"diff", "what a file would change; exit code 1 when it is something",
+     "mauvectl diff rover.json", kCheck, false, run_diff},
     {"load", "a plugin, by name", "mauvectl load guidance_extra", kPlugin, true, run_load},
     {"unload", "a plugin that nothing uses", "mauvectl unload guidance_extra", kPlugin, true,
      run_unload},

@@ -9,7 +9,7 @@ _mauvectl() {
   fi
   cur=${words[cword]}
   mapfile -t COMPREPLY < <(mauvectl __complete "${words[@]:1:cword}" 2>/dev/null)
-  if ((${#COMPREPLY[@]} == 0)) && [[ ${words[1]} == check || ${words[cword - 1]} == --socket ]]; then
+  if ((${#COMPREPLY[@]} == 0)) && [[ ${words[1]} =~ ^(apply|check|diff|plan)$ || ${words[cword - 1]} == --socket ]]; then
     compopt -o filenames
     mapfile -t COMPREPLY < <(compgen -f -- "$cur")
   elif [[ ${words[1]} == set && ${#COMPREPLY[@]} -eq 1 ]]; then

@@ -51,6 +51,14 @@ struct Look {
 /// "FILE:3:5: error: control.core.gain: must be positive", with hints.
 [[nodiscard]] std::string render_errors(std::string_view file, const Json& result, Look look);
 
+/// "~ control.core.gain: 0.2 -> 0.3", one a line, below what is compared with what. Nothing
+/// differs: one sentence.
+[[nodiscard]] std::string render_diff(std::string_view file, const Json& result, Look look);
+/// The same lines, then the receipt.
+[[nodiscard]] std::string render_applied(std::string_view file, const Json& result, Look look);
+/// The same lines, then what each component would hand over.
+[[nodiscard]] std::string render_plan(std::string_view file, const Json& result, Look look);
+
 /// An architecture file, keys in the order in which people write them.
 [[nodiscard]] std::string render_architecture(const Json& architecture);
 /// The same order in one line.

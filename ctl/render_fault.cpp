@@ -38,6 +38,7 @@ Json fault_json(const Fault& fault) {
                 {"state", fault.state}, {"where", fault.where}, {"hint", fault.hint},
                 {"exit", fault.exit},   {"generation", nullptr}};
   if (fault.generation) error["generation"] = *fault.generation;
+  if (!fault.errors.is_null()) error["errors"] = fault.errors;
   return {{"error", std::move(error)}};
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "session.h"
 
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <utility>
 
 #include "base/duration.h"
@@ -21,6 +24,18 @@ std::optional<std::chrono::nanoseconds> timeout_of(std::string_view text) {
   const auto parsed = parse_duration(text);
   if (!parsed || *parsed <= 0ns || *parsed > kLongest) return std::nullopt;
   return *parsed;
+}
+
+std::variant<Json, Fault> file_params(const Session& session) {
+  const std::string file = session.arguments.one("FILE");
+  std::error_code error;
+  // Reading a folder is the one thing at which the stream would throw.
+  std::ifstream stream;
+  if (!std::filesystem::is_directory(file, error)) stream.open(file, std::ios::binary);
+  if (!stream.is_open()) {
+    return protocol::fault_of(protocol::kUsage, "the file cannot be read", file);
+  }
+  return Json{{"text", std::string{std::istreambuf_iterator<char>(stream), {}}}, {"file", file}};
 }
 
 Session::Session(const Command& asked_command, Arguments asked_arguments, Globals asked_globals,

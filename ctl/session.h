@@ -42,6 +42,9 @@ class Session {
   bool connected_ = false;
 };
 
+/// {"text", "file"}: what FILE contains, and its name.
+[[nodiscard]] std::variant<Json, Fault> file_params(const Session& session);
+
 /// A number and a unit, "5s"; checked by the option parser.
 [[nodiscard]] std::optional<std::chrono::nanoseconds> timeout_of(std::string_view text);
 

@@ -9,11 +9,17 @@ using logging::Event;
 
 std::int64_t number(std::uint64_t value) { return static_cast<std::int64_t>(value); }
 
+/// A whole file does not belong into a log line.
+std::string shown(Json params) {
+  params.erase("text");
+  return protocol::to_line(params).substr(0, 1000);
+}
+
 logging::Fields who(const Call& call) {
   logging::Fields fields = {{"method", std::string(call.method->name)},
                             {"uid", number(call.caller.peer.uid)},
                             {"pid", static_cast<std::int64_t>(call.caller.peer.pid)},
-                            {"params", protocol::to_line(call.params).substr(0, 1000)}};
+                            {"params", shown(call.params)}};
   if (const auto reason = text_or(call.params, "reason"); !reason.empty()) {
     fields.push_back({"reason", reason});
   }
@@ -49,16 +55,20 @@ void audit_refused(Running& running, const Call& call, const Fault& fault) {
 
 void answer(Running& running, const Call& call, Result<Json> result, const std::string& state) {
   if (!result) {
-    auto fault = protocol::fault_of(result.error(), state, running.generation.load());
-    if (call.method->mutation) {
-      audit_refused(running, call, fault);
-    }
-    return call.reply(std::move(fault));
+    return answer_fault(running, call,
+                        protocol::fault_of(result.error(), state, running.generation.load()));
   }
-  if (call.method->mutation) {
+  if (call.method->mutation && !flag(*result, "dry_run")) {
     audit_done(running, call, *result);
   }
   call.reply(*std::move(result));
+}
+
+void answer_fault(Running& running, const Call& call, Fault fault) {
+  if (call.method->mutation) {
+    audit_refused(running, call, fault);
+  }
+  call.reply(std::move(fault));
 }
 
 Status check_conditions(const Running& running, const Call& call) {

@@ -14,6 +14,9 @@ namespace mauve::daemon {
 void answer(Running& running, const Call& call, Result<Json> result,
             const std::string& state = "unchanged");
 
+/// [any] A refusal that says more than an Error can. A mutation leaves its audit line.
+void answer_fault(Running& running, const Call& call, Fault fault);
+
 /// [control] Refused: the generation is not the one the caller saw (`if_generation`), or his
 /// deadline has passed (`deadline_ms`). Nothing has happened yet.
 [[nodiscard]] Status check_conditions(const Running& running, const Call& call);

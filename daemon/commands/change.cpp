@@ -6,6 +6,8 @@
 
 #include "commands/answer.h"
 #include "commands/quarantine.h"
+#include "exec/prepared.h"
+#include "model/hand_over.h"
 
 namespace mauve::daemon {
 
@@ -18,6 +20,7 @@ struct Journey {
   std::uint64_t stops = 0;  ///< of its components, when it began
   std::optional<Result<PreparedChange>> prepared;
   std::optional<Retired> retired{std::in_place};
+  std::shared_ptr<Companion> companion;  ///< may be null
   Status exchanged;
 };
 using JourneyPtr = std::shared_ptr<Journey>;
@@ -28,6 +31,8 @@ void free_in_factory(Running& running, JourneyPtr journey, Ticket ticket) {
       [&running, journey = std::move(journey)] {
         auto cleaned = journey->retired->release();
         journey->prepared.reset();
+        journey->change = {};
+        journey->companion.reset();
         if (!cleaned) {
           running.log.write(logging::Event::clean_up_failed,
                             {{"component", cleaned.error().at}, {"text", cleaned.error().message}});
@@ -37,15 +42,30 @@ void free_in_factory(Running& running, JourneyPtr journey, Ticket ticket) {
 }
 
 void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
-            const std::string& state, const std::optional<Probation>& probation) {
+            const std::string& state, const Journey& journey) {
+  Companion* const companion = journey.companion.get();
+  const bool in_force = receipt || receipt.error().code == Errc::partly;
+  if (companion != nullptr && in_force) {
+    companion->in_force();
+  }
   if (!receipt) {
     return answer(running, call, receipt.error(), state);
   }
-  auto json = to_json(*receipt);
-  if (probation) {
-    json["probation"] = to_json(*probation);
+  auto result = to_json(*receipt);
+  if (journey.change.probation) {
+    result["probation"] = to_json(*journey.change.probation);
   }
-  answer(running, call, std::move(json));
+  if (companion != nullptr) {
+    companion->complete(result);
+  }
+  answer(running, call, std::move(result));
+}
+
+/// To start and to stop is nothing that could be tried out.
+bool changes_modes_only(const Change& change) {
+  return change.new_components.empty() && change.new_resources.empty() && change.remove.empty() &&
+         std::all_of(change.edits.begin(), change.edits.end(),
+                     [](const Edit& one) { return one.mode != Mode::keep && !one.core; });
 }
 
 std::uint64_t stops_of(Running& running, const Change& change) {
@@ -77,6 +97,9 @@ bool may_go_on(Running& running, const Call& call, const Journey& journey) {
       stops_of(running, journey.change) != journey.stops) {
     met = stopped_meanwhile(journey);
   }
+  if (met && journey.companion != nullptr) {
+    met = journey.companion->ready();
+  }
   if (!met) {
     answer(running, call, met.error());
   }
@@ -91,9 +114,31 @@ void put_in_force(Running& running, const CallPtr& call, JourneyPtr journey, Tic
                   const auto receipt = done.result();
                   journey->retired = std::move(done.retired());
                   finish(running, *call, receipt, receipt ? "" : state_after(receipt.error()),
-                         journey->change.probation);
+                         *journey);
                   free_in_factory(running, std::move(journey), std::move(ticket));
                 });
+}
+
+/// What a member would hand over to its new core.
+std::size_t kept_bytes(const exec::PreparedMember& member) {
+  if (member.next->core == member.base->core) {
+    return 0;
+  }
+  const auto plan = plan_hand_over(*member.base->core, *member.next->core, member.state);
+  return plan ? plan->bytes : 0;
+}
+
+/// [control] The end of a dry run: what was prepared is told and dropped.
+void tell(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
+  Receipt receipt;
+  receipt.generation = running.generation;
+  for (const auto& member : (*journey->prepared)->content().members) {
+    receipt.components.push_back({member.component->name(), Duration{0}, 0, kept_bytes(member)});
+  }
+  auto result = to_json(receipt);
+  journey->companion->complete(result);
+  answer(running, *call, std::move(result));
+  free_in_factory(running, std::move(journey), std::move(ticket));
 }
 
 // --- in place: park, exchange on [factory], resume ----------------------------------------------
@@ -102,7 +147,7 @@ void end_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Tic
                   const Result<Receipt>& receipt) {
   const auto& name = journey->change.edits[0].component;
   const bool back = !receipt && running.deployer.status(name).state == ComponentState::running;
-  finish(running, *call, receipt, back ? "rolled_back" : "safe", {});
+  finish(running, *call, receipt, back ? "rolled_back" : "safe", *journey);
   free_in_factory(running, std::move(journey), std::move(ticket));
 }
 
@@ -183,7 +228,8 @@ std::string state_after(const Error& error) {
   return error.code == Errc::partly ? "partly" : "unchanged";
 }
 
-void apply(Running& running, const CallPtr& call, Ticket ticket, Change change) {
+void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
+           std::shared_ptr<Companion> companion) {
   if (auto free = check_quarantine(running, change); !free) {
     return answer(running, *call, free.error());
   }
@@ -191,20 +237,19 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change) 
   if (!probation) {
     return answer(running, *call, probation.error());
   }
-  // To start and to stop is nothing that could be tried out.
-  const bool only_modes =
-      std::all_of(change.edits.begin(), change.edits.end(),
-                  [](const Edit& one) { return one.mode != Mode::keep && !one.core; });
-  if (!only_modes) {
+  if (!changes_modes_only(change)) {
     change.probation = *probation;
   }
   auto journey = std::make_shared<Journey>();
   journey->change = std::move(change);
+  const bool dry_run = companion != nullptr && companion->dry_run();
+  journey->companion = std::move(companion);
   journey->stops = stops_of(running, journey->change);
   auto& edits = journey->change;
   prepare_then(
       running, call, std::move(journey), std::move(ticket),
-      [&running, &edits] { return running.deployer.prepare(edits); }, put_in_force);
+      [&running, &edits] { return running.deployer.prepare(edits); },
+      dry_run ? tell : put_in_force);
 }
 
 void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit) {

@@ -5,13 +5,33 @@
 
 #include <functional>
 #include <optional>
+#include <memory>
 
 #include "commands/command.h"
 
 namespace mauve::daemon {
 
+/// What else belongs to a change. Destroyed on [factory], after the elements of the change.
+class Companion {
+ public:
+  Companion() = default;
+  Companion(const Companion&) = delete;
+  Companion& operator=(const Companion&) = delete;
+  virtual ~Companion() = default;
+
+  /// [control] Everything is prepared; a refusal, and nothing happens.
+  virtual Status ready() = 0;
+  /// [control] The change is in force, or partly.
+  virtual void in_force() = 0;
+  /// [control] Adds to the answer.
+  virtual void complete(Json& result) = 0;
+  /// The change is prepared, told and dropped.
+  [[nodiscard]] virtual bool dry_run() const { return false; }
+};
+
 /// [control] Takes over the call and the ticket: answers with the receipt or the refusal.
-void apply(Running& running, const CallPtr& call, Ticket ticket, Change change);
+void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
+           std::shared_ptr<Companion> companion = nullptr);
 
 /// [control] The same for a swap in place: the component is parked while the cores are exchanged.
 void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit);

@@ -112,6 +112,8 @@ void confirm(Running&, const CallPtr&, Ticket);
 void undo(Running&, const CallPtr&, Ticket);
 Result<Json> list_quarantine(Running&, const Call&);
 void release_quarantine(Running&, const CallPtr&, Ticket);
+void diff_architecture(Running&, const CallPtr&, Ticket);
+void apply_file(Running&, const CallPtr&, Ticket);
 void load_plugin(Running&, const CallPtr&, Ticket);
 void unload_plugin(Running&, const CallPtr&, Ticket);
 void reload_plugin(Running&, const CallPtr&, Ticket);

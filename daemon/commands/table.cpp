@@ -14,7 +14,7 @@ namespace {
 
 using server::Role;
 
-constexpr std::array<Command, 30> kCommands = {{
+constexpr Command kCommands[] = {
     {"ping", Role::viewer, Lane::any, ping, nullptr},
     {"version", Role::viewer, Lane::any, version, nullptr},
     {"command.list", Role::viewer, Lane::any, list_commands, nullptr},
@@ -29,6 +29,7 @@ constexpr std::array<Command, 30> kCommands = {{
     {"param.get", Role::viewer, Lane::read, get, nullptr},
     {"config.get", Role::viewer, Lane::read, export_architecture, nullptr},
     {"config.check", Role::viewer, Lane::factory, check_architecture, nullptr},
+    {"architecture.diff", Role::viewer, Lane::change, nullptr, diff_architecture},
     {"watch.subscribe", Role::viewer, Lane::read, watch, nullptr},
     {"watch.unsubscribe", Role::viewer, Lane::read, unwatch, nullptr},
     {"log.tail", Role::viewer, Lane::read, tail_log, nullptr},
@@ -42,10 +43,11 @@ constexpr std::array<Command, 30> kCommands = {{
     {"change.undo", Role::operator_, Lane::urgent, nullptr, undo},
     {"quarantine.list", Role::viewer, Lane::read, list_quarantine, nullptr},
     {"quarantine.release", Role::admin, Lane::urgent, nullptr, release_quarantine},
+    {"architecture.apply", Role::admin, Lane::change, nullptr, apply_file},
     {"plugin.load", Role::admin, Lane::change, nullptr, load_plugin},
     {"plugin.unload", Role::admin, Lane::change, nullptr, unload_plugin},
     {"plugin.reload", Role::admin, Lane::change, nullptr, reload_plugin},
-}};
+};
 
 std::string_view group_of(Role role) {
   constexpr std::array<std::string_view, 4> kGroups = {"", "mauve-view", "mauve", "mauve-admin"};
@@ -64,9 +66,9 @@ Error not_permitted(const Command& command, const server::Caller& caller) {
 std::span<const Command> commands() { return kCommands; }
 
 const Command* find_command(std::string_view method) {
-  const auto it = std::find_if(kCommands.begin(), kCommands.end(),
+  const auto it = std::find_if(std::begin(kCommands), std::end(kCommands),
                                [&](const Command& row) { return row.method == method; });
-  return it == kCommands.end() ? nullptr : &*it;
+  return it == std::end(kCommands) ? nullptr : it;
 }
 
 Json CommandTable::hello() {

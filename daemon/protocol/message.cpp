@@ -104,6 +104,8 @@ Fault fault_from_json(const Json& error) {
   if (generation != data->end() && generation->is_number_unsigned()) {
     fault.generation = generation->get<std::uint64_t>();
   }
+  const auto errors = data->find("errors");
+  if (errors != data->end() && errors->is_array()) fault.errors = *errors;
   return fault;
 }
 
@@ -200,6 +202,7 @@ Json to_json(const Fault& fault) {
   Json data = {{"name", fault.name},   {"exit", fault.exit}, {"state", fault.state},
                {"where", fault.where}, {"hint", fault.hint}, {"generation", nullptr}};
   if (fault.generation) data["generation"] = *fault.generation;
+  if (!fault.errors.is_null()) data["errors"] = fault.errors;
   return {{"code", fault.code}, {"message", fault.message}, {"data", std::move(data)}};
 }
 

@@ -50,6 +50,8 @@ struct Fault {
   std::string where;                ///< address, or file:line:column
   std::string hint;
   std::optional<std::uint64_t> generation;  ///< the running one, where known
+  /// Everything wrong in a file, else null: [{"line","column","at","code","message","hint"}].
+  Json errors = nullptr;
 };
 
 /// The wire form of an Error. A state of "safe" makes the exit code 9.

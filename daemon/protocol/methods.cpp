@@ -38,6 +38,10 @@ constexpr Param kDisconnect[] = {
 constexpr Param kPlugin[] = {{"plugin", string, true}};
 constexpr Param kReload[] = {{"plugin", string, true}, {"state", string}};
 constexpr Param kCheck[] = {{"text", string, true}, {"file", string}};
+constexpr Param kDiff[] = {{"text", string, true}, {"file", string}};
+constexpr Param kApply[] = {
+    {"text", string, true}, {"file", string},      {"dry_run", boolean},
+    {"state", string},      {"probation", string}, {"confirm_within", string}};
 constexpr Param kTail[] = {
     {"component", string}, {"level", string}, {"n", integer}, {"follow", boolean}};
 constexpr Param kEveryMutation[] = {
@@ -73,6 +77,9 @@ constexpr Method kMethods[] = {
     {"plugin.reload", "moves every instance to the new code", kReload, true},
     {"config.get", "the running system as an architecture file", {}},
     {"config.check", "all errors of an architecture file", kCheck},
+    {"architecture.diff", "what another architecture file would change", kDiff},
+    {"architecture.apply", "the running system becomes that of a file, or nothing happens", kApply,
+     true},
     {"log.tail", "the last records, and those to come", kTail},
 };
 

@@ -26,6 +26,8 @@ void apply(const TaskSpec& spec, TaskAttributes& task) {
   if (spec.stack) task.stack = spec.stack->value;
   if (spec.on_overrun) task.on_overrun = spec.on_overrun->value;
   if (spec.overrun_limit) task.overrun_limit = spec.overrun_limit->value;
+  if (spec.on_fault) task.on_fault = spec.on_fault->value;
+  if (spec.watchdog) task.watchdog = spec.watchdog->value;
 }
 
 // The shell of a component that could not be made: connected only to see whether it could be.
@@ -73,13 +75,14 @@ class Builder {
     auto resource = parts->type ? std::make_unique<ResourceBase>(spec.name, *std::move(parts->type))
                                 : make_built_in(spec.type.value, spec.name, std::move(parts->data));
     if (!resource->made()) return problems_.add(spec.type.where, resource->made().error());
-    set_properties(spec, parts_of(*resource));
+    set_properties(spec.name, spec.properties, parts_of(*resource));
     resources_.emplace_back(&spec, &architecture_->own(std::move(resource)));
   }
 
   void make(const ComponentSpec& spec) {
     check_cpus(spec);
     ComponentParts parts = resolver_.component(spec);
+    auto fallback_core = fallback(spec, parts);
     if (!parts.complete()) return check_parts(spec, parts);
     parts.type->fsm = *parts.fsm;
     auto component = std::make_unique<ComponentBase>(spec.name, *parts.type, *parts.core);
@@ -87,7 +90,8 @@ class Builder {
       refuse_part(spec, parts, component->made().error());
       return check_parts(spec, parts);
     }
-    set_properties(spec, parts_of(*component));
+    set_properties(spec.name, spec.properties, parts_of(*component));
+    component->fall_back_to(std::move(fallback_core));
     apply(spec.task, component->task());
     component->task().start = spec.start;
     components_.emplace_back(&spec, &architecture_->own(std::move(component)));
@@ -128,17 +132,44 @@ class Builder {
     if (parts.type) make(".shell", parts.type->shell.make, shell);
     if (parts.core) make(".core", parts.core->make, core);
     if (parts.fsm) make(".fsm", parts.fsm->make, fsm);
-    set_properties(spec, {{{"shell", shell.get()}, {"core", core.get()}, {"fsm", fsm.get()}}});
+    set_properties(spec.name, spec.properties,
+                   {{{"shell", shell.get()}, {"core", core.get()}, {"fsm", fsm.get()}}});
     loose_.push_back({&spec, LooseShell(std::move(shell))});
   }
 
-  void set_properties(const ElementSpec& spec, const Parts& parts) {
-    for (const PropertySpec& property : spec.properties) {
+  // It is made once: to see whether it can be, and what it makes of the values it is given.
+  std::optional<ComponentBase::Fallback> fallback(const ComponentSpec& spec,
+                                                  const ComponentParts& parts) {
+    if (!spec.fallback) return std::nullopt;
+    std::optional<CoreType> type = resolver_.fallback(spec, parts.fsm);
+    if (!type) return std::nullopt;
+    const std::string at = spec.name + ".fallback_core";
+    std::shared_ptr<CoreBase> core;
+    Status made = make_element(at, type->make, core);
+    if (made && parts.complete()) made = check_contract(at, *type, *parts.fsm, parts.type->shell);
+    if (!made) {
+      problems_.add(spec.fallback->core.where, std::move(made.error()));
+      return std::nullopt;
+    }
+    core->adopt(at + ".core");
+    const Parts only_core{{{"core", core.get()}}};
+    set_properties(at, spec.fallback->properties, only_core);
+    ComponentBase::Fallback fallback{*std::move(type), {}};
+    for (const PropertySpec& property : spec.fallback->properties) {
+      const PropertyBase* const found = find_property(only_core, property.name);
+      if (found != nullptr) fallback.properties.emplace_back(property.name, found->value());
+    }
+    return fallback;
+  }
+
+  void set_properties(const std::string& name, const std::vector<PropertySpec>& properties,
+                      const Parts& parts) {
+    for (const PropertySpec& property : properties) {
       if (is_of_missing_part(parts, property.name)) continue;
       PropertyBase* const found = find_property(parts, property.name);
       if (found == nullptr) {
-        problems_.add(property.where, Errc::unknown_name, spec.name + "." + property.name,
-                      spec.name + " has no property of this name",
+        problems_.add(property.where, Errc::unknown_name, name + "." + property.name,
+                      name + " has no property of this name",
                       did_you_mean(property.name, property_names(parts), "\""));
       } else if (Status done = found->set(property.value); !done) {
         problems_.add(property.value_where, std::move(done.error()));

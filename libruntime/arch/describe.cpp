@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "arch/describe.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -36,42 +37,44 @@ Value::Object changed_properties(const Parts& parts) {
   return properties;
 }
 
-Value connection(const Binding& binding) {
-  std::string service = binding.service().address();
-  if (binding.max_age() == Duration{0}) return service;
-  return Value::Object{{"connect", std::move(service)},
-                       {"max_age", format_duration(binding.max_age())}};
-}
-
 Value::Object connections(const Shell& shell, const Bindings& bindings) {
   Value::Object ports;
   for (const PortBase* port : shell.ports()) {
     if (port->index() >= bindings.size() || bindings[port->index()] == nullptr) continue;
-    ports.emplace_back(std::string(port->name()), connection(*bindings[port->index()]));
+    ports.emplace_back(std::string(port->name()),
+                       describe_connection(bindings[port->index()].get()));
   }
   return ports;
 }
 
-Value::Object task(const TaskAttributes& attributes) {
-  const TaskAttributes defaults;
+Value::Object changed_attributes(const TaskAttributes& attributes) {
+  const auto usual = describe_task(TaskAttributes{});
   Value::Object object;
-  Value::Array cpus;
-  for (const int cpu : attributes.cpus) cpus.emplace_back(cpu);
-  add_if(object, attributes.priority != defaults.priority, "priority", attributes.priority);
-  add_unless_empty(object, "cpus", std::move(cpus));
-  add_if(object, attributes.offset != defaults.offset, "offset",
-         format_duration(attributes.offset));
-  add_if(object, attributes.deadline != defaults.deadline, "deadline",
-         format_duration(attributes.deadline));
-  add_if(object, attributes.budget != defaults.budget, "budget",
-         format_duration(attributes.budget));
-  add_if(object, attributes.stack != defaults.stack, "stack", format_size(attributes.stack));
-  add_if(object, attributes.on_overrun != defaults.on_overrun, "on_overrun",
-         to_string(attributes.on_overrun));
-  const bool limited = attributes.on_overrun == OnOverrun::stop &&
-                       attributes.overrun_limit != defaults.overrun_limit;
-  add_if(object, limited, "overrun_limit", static_cast<std::int64_t>(attributes.overrun_limit));
+  for (auto& [name, value] : describe_task(attributes)) {
+    const auto same = std::pair(name, value);
+    const bool changed = std::find(usual.begin(), usual.end(), same) == usual.end();
+    add_if(object, changed && !value.is_null(), std::string(name), std::move(value));
+  }
   return object;
+}
+
+// Zero is the word for "none", which the file does not write.
+Value unless_zero(Duration duration) {
+  return duration == Duration{0} ? Value() : Value(format_duration(duration));
+}
+
+Value overrun_limit(const TaskAttributes& attributes) {
+  const bool counts =
+      attributes.on_overrun == OnOverrun::stop || attributes.on_overrun == OnOverrun::fallback;
+  if (!counts || attributes.overrun_limit == TaskAttributes{}.overrun_limit) return {};
+  return static_cast<std::int64_t>(attributes.overrun_limit);
+}
+
+Value fault_policy(const FaultPolicy& policy) {
+  if (policy.action != FaultPolicy::Action::restart) return to_string(policy.action);
+  return Value::Object{{"restart", static_cast<std::int64_t>(policy.restarts)},
+                       {"per", format_duration(policy.per)},
+                       {"back_off", format_duration(policy.back_off)}};
 }
 
 Value describe(const ResourceBase& resource) {
@@ -91,9 +94,11 @@ Value describe(const ComponentBase& component, bool parked) {
   Value::Object object{{"type", component.type().name}, {"core", bundle.core_type.name}};
   // A plugin's component type registers its own state machine under its own name.
   add_if(object, bundle.fsm_type.name != component.type().name, "fsm", bundle.fsm_type.name);
+  add_if(object, component.fallback().has_value(), "fallback_core",
+         describe_fallback(component.fallback()));
   Value::Object properties = changed_properties(parts_of(component));
   Value::Object ports = connections(component.shell(), *bundle.bindings);
-  Value::Object attributes = task(bundle.task);
+  Value::Object attributes = changed_attributes(bundle.task);
   add_unless_empty(object, "properties", std::move(properties));
   add_unless_empty(object, "ports", std::move(ports));
   add_unless_empty(object, "task", std::move(attributes));
@@ -110,6 +115,36 @@ Value::Array loaded_plugins(const plugin::Catalog& catalog) {
 }
 
 }  // namespace
+
+std::vector<std::pair<std::string_view, Value>> describe_task(const TaskAttributes& attributes) {
+  Value::Array cpus;
+  for (const int cpu : attributes.cpus) cpus.emplace_back(cpu);
+  return {{"priority", attributes.priority},
+          {"cpus", cpus.empty() ? Value() : Value(std::move(cpus))},
+          {"offset", unless_zero(attributes.offset)},
+          {"deadline", unless_zero(attributes.deadline)},
+          {"budget", unless_zero(attributes.budget)},
+          {"stack", format_size(attributes.stack)},
+          {"on_overrun", to_string(attributes.on_overrun)},
+          {"overrun_limit", overrun_limit(attributes)},
+          {"on_fault", fault_policy(attributes.on_fault)},
+          {"watchdog", unless_zero(attributes.watchdog)}};
+}
+
+Value describe_connection(const Binding* binding) {
+  if (binding == nullptr) return {};
+  std::string service = binding->service().address();
+  if (binding->max_age() == Duration{0}) return service;
+  return Value::Object{{"connect", std::move(service)},
+                       {"max_age", format_duration(binding->max_age())}};
+}
+
+Value describe_fallback(const std::optional<ComponentBase::Fallback>& fallback) {
+  if (!fallback) return {};
+  if (fallback->properties.empty()) return fallback->core.name;
+  return Value::Object{{"core", fallback->core.name},
+                       {"properties", Value::Object(fallback->properties)}};
+}
 
 Value describe(const Architecture& architecture, const plugin::Catalog& catalog,
                const Parked& parked) {

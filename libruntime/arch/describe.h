@@ -3,6 +3,10 @@
 #pragma once
 
 #include <functional>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "mauve/architecture.h"
 #include "mauve/value.h"
@@ -12,6 +16,14 @@ namespace mauve::arch {
 
 /// Is this component parked now? It is then exported with "start": false.
 using Parked = std::function<bool(const ComponentBase&)>;
+
+/// The task attributes except `start` as in the file: all of them, always in the same order, null
+/// where nothing would be said. [any]
+[[nodiscard]] std::vector<std::pair<std::string_view, Value>> describe_task(
+    const TaskAttributes& attributes);
+/// A connection and a fallback core as in the file; null: there is none. [control]
+[[nodiscard]] Value describe_connection(const Binding* binding);
+[[nodiscard]] Value describe_fallback(const std::optional<ComponentBase::Fallback>& fallback);
 
 /// The architecture as its file would be written: what has its default is left out. Reading the
 /// result (parse, build) gives the same system: elements, cores, state machines, property values,

@@ -35,19 +35,36 @@ void read_resource(const Source& source, ResourceSpec& resource) {
   require_type(source, resource);
 }
 
+// A policy that leads to the fallback core needs one.
+void require_fallback(const Source& source, const ComponentSpec& component) {
+  if (component.fallback) return;
+  const auto refuse = [&](const char* key, Position where) {
+    source.problems.add(where, Errc::invalid_value, component.name + ".task." + key,
+                        "\"fallback\" needs a fallback core",
+                        "write \"fallback_core\": \"plugin/name\" beside \"task\"");
+  };
+  const TaskSpec& task = component.task;
+  if (task.on_overrun && task.on_overrun->value == OnOverrun::fallback) {
+    refuse("on_overrun", task.on_overrun->where);
+  }
+  if (task.on_fault && task.on_fault->value.action == FaultPolicy::Action::fallback) {
+    refuse("on_fault", task.on_fault->where);
+  }
+}
+
 void read_component(const Source& source, ComponentSpec& component) {
   read_object(
       source,
       {type_field(component),
        type_name_field("core", component.core),
        type_name_field("fsm", component.fsm),
+       fallback_field(component.fallback),
        properties_field(component, {"shell", "core", "fsm"}),
        ports_field(component),
        {"task", [&](const Source& value) { read_task(value, component.task); }},
-       {"start", [&](const Source& value) { component.start = read_flag(value).value_or(true); }},
-       unsupported_field("fallback_core"),
-       unsupported_field("on_fault")});
+       {"start", [&](const Source& value) { component.start = read_flag(value).value_or(true); }}});
   require_type(source, component);
+  require_fallback(source, component);
 }
 
 template <typename Element>
@@ -98,14 +115,6 @@ void refuse_shared_names(const Spec& spec, Problems& problems) {
                  "a resource has this name already",
                  "it is in line " + std::to_string(same->where.line));
   }
-}
-
-void require_key(const Source& root, const Node::Object& members, std::string_view key,
-                 std::string_view example) {
-  const bool there = std::any_of(members.begin(), members.end(),
-                                 [&](const Member& member) { return member.key == key; });
-  if (there) return;
-  root.refuse("\"" + std::string(key) + "\" is missing", "write " + std::string(example));
 }
 
 }  // namespace

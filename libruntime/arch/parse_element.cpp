@@ -121,6 +121,22 @@ Field ports_field(ElementSpec& element) {
           }};
 }
 
+Field fallback_field(std::optional<FallbackSpec>& into) {
+  return {"fallback_core", [&into](const Source& source) {
+            FallbackSpec& fallback = into.emplace();
+            const auto read_core = [&fallback](const Source& value) {
+              if (auto core = read_type(value)) fallback.core = *std::move(core);
+            };
+            if (source.node.get_if<Node::Object>() == nullptr) return read_core(source);
+            const auto* members = read_object(
+                source, {{"core", read_core}, {"properties", [&fallback](const Source& value) {
+                                                 read_properties(value, {"core"},
+                                                                 fallback.properties);
+                                               }}});
+            require_key(source, *members, "core", "\"core\": \"plugin/name\"");
+          }};
+}
+
 Field unsupported_field(std::string_view key) {
   return {key, [key](const Source& source) {
             refuse_unsupported(source, '"' + std::string(key) + '"', "remove this key");

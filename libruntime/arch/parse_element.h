@@ -37,6 +37,8 @@ auto placed(std::optional<Placed<T>>& into, Read read) {
 /// `groups` are the parts that have properties: "core.gain" needs "core".
 [[nodiscard]] Field properties_field(ElementSpec& element, std::vector<std::string> groups);
 [[nodiscard]] Field ports_field(ElementSpec& element);
+/// "fallback_core": a type name, or an object with the properties it is given.
+[[nodiscard]] Field fallback_field(std::optional<FallbackSpec>& into);
 /// A key that this version knows and refuses.
 [[nodiscard]] Field unsupported_field(std::string_view key);
 /// The sentence for it.

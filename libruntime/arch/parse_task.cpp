@@ -34,16 +34,54 @@ std::optional<Duration> read_positive(const Source& source) {
   return std::nullopt;
 }
 
-// False: refused.
+// Does it count overruns? Also when it is refused: one mistake, one problem.
 bool read_on_overrun(const Source& source, TaskSpec& task) {
-  if (const auto* text = source.node.get_if<std::string>();
-      text != nullptr && *text == "fallback") {
-    refuse_unsupported(source, "\"fallback\"", "use catch_up, skip or stop");
-    return false;
+  // In the order of OnOverrun.
+  const auto word = read_word(source, {"catch_up", "skip", "stop", "fallback"});
+  if (!word) return true;
+  const auto policy = static_cast<OnOverrun>(*word);
+  task.on_overrun = Placed<OnOverrun>{policy, source.node.where};
+  return policy == OnOverrun::stop || policy == OnOverrun::fallback;
+}
+
+constexpr std::int64_t kMostCounted = 1'000'000'000;
+
+void read_restart(const Source& source, FaultPolicy& policy) {
+  policy.action = FaultPolicy::Action::restart;
+  const auto* members = read_object(source, {{"restart",
+                                              [&](const Source& value) {
+                                                const auto times =
+                                                    read_integer(value, 1, kMostCounted);
+                                                if (times)
+                                                  policy.restarts = static_cast<unsigned>(*times);
+                                              }},
+                                             {"per",
+                                              [&](const Source& value) {
+                                                if (const auto per = read_positive(value))
+                                                  policy.per = *per;
+                                              }},
+                                             {"back_off", [&](const Source& value) {
+                                                if (const auto wait = read_duration(value))
+                                                  policy.back_off = *wait;
+                                              }}});
+  require_key(source, *members, "restart", "\"restart\": 3");
+}
+
+std::optional<FaultPolicy> read_on_fault(const Source& source) {
+  FaultPolicy policy;
+  if (source.node.get_if<Node::Object>() != nullptr) {
+    read_restart(source, policy);
+    return policy;
   }
-  const auto word = read_word(source, {"catch_up", "skip", "stop"});  // in the order of OnOverrun
-  if (word) task.on_overrun = Placed<OnOverrun>{static_cast<OnOverrun>(*word), source.node.where};
-  return word.has_value();
+  if (source.node.get_if<std::string>() == nullptr) {
+    source.refuse_kind("\"stop\", \"fallback\" or an object",
+                       "write \"on_fault\": { \"restart\": 3, \"per\": \"60s\" } to restart it");
+    return std::nullopt;
+  }
+  const auto word = read_word(source, {"stop", "fallback"});
+  if (!word) return std::nullopt;
+  if (*word == 1) policy.action = FaultPolicy::Action::fallback;
+  return policy;
 }
 
 }  // namespace
@@ -56,24 +94,23 @@ void read_task(const Source& source, TaskSpec& task) {
   const auto stack = [](const Source& value) {
     return read_size(value, kSmallestStack, kLargestStack);
   };
-  const auto limit = [](const Source& value) { return read_integer(value, 1, 1'000'000'000); };
-  bool may_stop = false;  // also when the policy is refused: one mistake, one problem
-  read_object(source, {{"priority", placed(task.priority, priority)},
-                       {"cpus", [&](const Source& value) { read_cpus(value, task.cpus); }},
-                       {"offset", placed(task.offset, read_duration)},
-                       {"deadline", placed(task.deadline, read_positive)},
-                       {"budget", placed(task.budget, read_positive)},
-                       {"stack", placed(task.stack, stack)},
-                       {"on_overrun",
-                        [&](const Source& value) {
-                          may_stop = !read_on_overrun(value, task) ||
-                                     task.on_overrun->value == OnOverrun::stop;
-                        }},
-                       {"overrun_limit", placed(task.overrun_limit, limit)}});
-  if (task.overrun_limit && !may_stop) {
+  const auto limit = [](const Source& value) { return read_integer(value, 1, kMostCounted); };
+  bool counts = false;
+  read_object(source,
+              {{"priority", placed(task.priority, priority)},
+               {"cpus", [&](const Source& value) { read_cpus(value, task.cpus); }},
+               {"offset", placed(task.offset, read_duration)},
+               {"deadline", placed(task.deadline, read_positive)},
+               {"budget", placed(task.budget, read_positive)},
+               {"stack", placed(task.stack, stack)},
+               {"on_overrun", [&](const Source& value) { counts = read_on_overrun(value, task); }},
+               {"overrun_limit", placed(task.overrun_limit, limit)},
+               {"on_fault", placed(task.on_fault, read_on_fault)},
+               {"watchdog", placed(task.watchdog, read_positive)}});
+  if (task.overrun_limit && !counts) {
     source.problems.add(task.overrun_limit->where, Errc::invalid_value,
                         source.at + ".overrun_limit", "has no meaning here",
-                        "it belongs to \"on_overrun\": \"stop\"");
+                        "it belongs to \"on_overrun\": \"stop\" and \"fallback\"");
   }
 }
 

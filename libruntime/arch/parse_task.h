@@ -7,7 +7,8 @@
 
 namespace mauve::arch {
 
-/// Reads priority, cpus, offset, deadline, budget, stack, on_overrun and overrun_limit.
+/// Reads priority, cpus, offset, deadline, budget, stack, on_overrun, overrun_limit, on_fault
+/// and watchdog.
 void read_task(const Source& source, TaskSpec& task);
 
 }  // namespace mauve::arch

@@ -76,6 +76,14 @@ const Node::Object* read_object(const Source& source, std::initializer_list<Fiel
   return members;
 }
 
+void require_key(const Source& source, const Node::Object& members, std::string_view key,
+                 std::string_view example) {
+  const bool there = std::any_of(members.begin(), members.end(),
+                                 [&](const Member& member) { return member.key == key; });
+  if (there) return;
+  source.refuse("\"" + std::string(key) + "\" is missing", "write " + std::string(example));
+}
+
 void read_members(const Source& source,
                   const std::function<void(const Member&, const Source&)>& read) {
   const auto* members = source.node.get_if<Node::Object>();

@@ -40,6 +40,10 @@ struct Field {
 /// the members, or null when the value is no object (reported).
 const Node::Object* read_object(const Source& source, std::initializer_list<Field> fields);
 
+/// Reports an object without this key; `example` is what to write.
+void require_key(const Source& source, const Node::Object& members, std::string_view key,
+                 std::string_view example);
+
 /// Calls `read` for every member of an object whose keys are free; the key is in the Source's `at`.
 void read_members(const Source& source,
                   const std::function<void(const Member&, const Source&)>& read);

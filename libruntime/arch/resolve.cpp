@@ -20,16 +20,30 @@ ComponentParts Resolver::component(const ComponentSpec& component) {
     parts.fsm = parts.type->fsm;
   }
   parts.core = core_of(component, parts.type);
-  if (parts.core && parts.fsm && parts.core->contract.name != parts.fsm->contract.name) {
-    const PlacedText& named = component.core ? *component.core : component.type;
-    problems_.add(named.where, Errc::type_mismatch, component.name + ".core",
-                  "core " + parts.core->name + " fulfils contract " + parts.core->contract.name +
-                      ", but state machine " + parts.fsm->name + " calls " +
-                      parts.fsm->contract.name,
-                  fitting_cores(parts.fsm->contract));
+  const PlacedText& named = component.core ? *component.core : component.type;
+  if (parts.core && !fits(*parts.core, parts.fsm, named.where, component.name + ".core")) {
     parts.core.reset();
   }
   return parts;
+}
+
+std::optional<CoreType> Resolver::fallback(const ComponentSpec& component,
+                                           const std::optional<FsmType>& fsm) {
+  const std::string at = component.name + ".fallback_core";
+  const PlacedText& named = component.fallback->core;
+  auto core = find(named, at, &plugin::Catalog::core);
+  if (core && !fits(*core, fsm, named.where, at)) core.reset();
+  return core;
+}
+
+bool Resolver::fits(const CoreType& core, const std::optional<FsmType>& fsm, Position where,
+                    const std::string& at) {
+  if (!fsm || core.contract.name == fsm->contract.name) return true;
+  problems_.add(where, Errc::type_mismatch, at,
+                "core " + core.name + " fulfils contract " + core.contract.name +
+                    ", but state machine " + fsm->name + " calls " + fsm->contract.name,
+                fitting_cores(fsm->contract));
+  return false;
 }
 
 std::optional<CoreType> Resolver::core_of(const ComponentSpec& component,

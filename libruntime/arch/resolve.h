@@ -34,6 +34,9 @@ class Resolver {
       : spec_(spec), catalog_(catalog), problems_(problems) {}
 
   [[nodiscard]] ComponentParts component(const ComponentSpec& component);
+  /// The fallback core of a component that names one. Without `fsm` only the name is checked.
+  [[nodiscard]] std::optional<CoreType> fallback(const ComponentSpec& component,
+                                                 const std::optional<FsmType>& fsm);
   [[nodiscard]] std::optional<ResourceParts> resource(const ResourceSpec& resource);
 
  private:
@@ -42,6 +45,8 @@ class Resolver {
                         Result<T> (plugin::Catalog::*lookup)(std::string_view) const);
   std::optional<CoreType> core_of(const ComponentSpec& component,
                                   const std::optional<ComponentType>& type);
+  bool fits(const CoreType& core, const std::optional<FsmType>& fsm, Position where,
+            const std::string& at);
   std::optional<ResourceParts> built_in(const ResourceSpec& resource);
   bool plugin_loaded(const PlacedText& name, const std::string& at);
   std::string fitting_cores(const Contract& contract) const;

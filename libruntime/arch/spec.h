@@ -64,6 +64,12 @@ struct ResourceSpec : ElementSpec {
   bool cross_core = false;         ///< reserved: read, and used by nobody yet
 };
 
+/// `"fallback_core": "guidance/stop"` or `{ "core": "...", "properties": { "core.gain": 0.1 } }`
+struct FallbackSpec {
+  PlacedText core;  ///< empty: refused, and that is reported
+  std::vector<PropertySpec> properties;
+};
+
 /// The task attributes; what is absent has the deployer's default.
 struct TaskSpec {
   Position where;
@@ -75,11 +81,14 @@ struct TaskSpec {
   std::optional<Placed<std::size_t>> stack;  ///< bytes
   std::optional<Placed<OnOverrun>> on_overrun;
   std::optional<Placed<std::uint32_t>> overrun_limit;
+  std::optional<Placed<FaultPolicy>> on_fault;
+  std::optional<Placed<Duration>> watchdog;
 };
 
 struct ComponentSpec : ElementSpec {
   std::optional<PlacedText> core;  ///< instead of the one the type brings
   std::optional<PlacedText> fsm;
+  std::optional<FallbackSpec> fallback;
   TaskSpec task;
   bool start = true;  ///< false: stays parked after deployment
 };

@@ -20,6 +20,10 @@ class Catalog {
  public:
   /// Plugins are looked for as NAME.so in these directories, in this order, and nowhere else.
   explicit Catalog(std::vector<std::string> directories = {});
+  /// The same names of the same libraries, which stay mapped while the copy is there: for building
+  /// something beside what runs. What is loaded into a copy is in no other one. [control]
+  Catalog(const Catalog&) = default;
+  Catalog& operator=(const Catalog&) = default;
   ~Catalog();
 
   /// The newest meaning of a name, or an error with the nearest name. [control]

@@ -80,6 +80,12 @@ TEST_F(Describe, WritesWhatRunsAndNotWhatTheFileSaid) {
   EXPECT_EQ(value.find("components")->find("right")->find("start"), nullptr);
 }
 
+Value random_policy(std::mt19937& random) {
+  if (random() % 2 == 0) return random() % 2 == 0 ? "stop" : "fallback";
+  return Value::Object{{"restart", static_cast<std::int64_t>(random() % 5 + 1)},
+                       {"back_off", std::to_string(random() % 500) + "ms"}};
+}
+
 // One random architecture of the sample plugin.
 Value random_architecture(std::mt19937& random) {
   const auto chance = [&] { return random() % 2 == 0; };
@@ -100,12 +106,22 @@ Value random_architecture(std::mt19937& random) {
     Value::Object ports;
     if (chance()) ports.emplace_back("pose", "relay" + n + ".read");
     if (chance()) ports.emplace_back("command", "pose" + n + ".write");
+    Value::Object fallback_properties;
+    if (chance()) fallback_properties.emplace_back("core.gain", 1.5);
     Value::Object task{{"priority", static_cast<std::int64_t>(random() % 90 + 1)}};
     if (chance()) task.emplace_back("offset", std::to_string(random() % 100'000) + "ns");
-    if (chance()) task.emplace_back("on_overrun", chance() ? "catch_up" : "stop");
+    if (chance()) task.emplace_back("on_overrun", chance() ? "fallback" : "stop");
+    if (task.back().first == "on_overrun" && chance()) task.emplace_back("overrun_limit", 2);
+    if (chance()) task.emplace_back("watchdog", std::to_string(random() % 100 + 1) + "ms");
+    if (chance()) task.emplace_back("on_fault", random_policy(random));
+    Value fallback = chance()
+                         ? Value("sample/repel")
+                         : Value(Value::Object{{"core", "sample/attract"},
+                                               {"properties", std::move(fallback_properties)}});
     components.emplace_back("c" + n, Value::Object{{"type", "sample/control"},
                                                    {"properties", std::move(properties)},
                                                    {"ports", std::move(ports)},
+                                                   {"fallback_core", std::move(fallback)},
                                                    {"task", std::move(task)},
                                                    {"start", chance()}});
   }
@@ -127,6 +143,8 @@ TEST_F(Describe, GivesTheSameSystemForAnyArchitecture) {
     ASSERT_EQ(exported(*second), text);
     for (std::size_t i = 0; i < first->components().size(); ++i) {
       ASSERT_EQ(second->components()[i]->task(), first->components()[i]->task()) << written;
+      ASSERT_EQ(describe_fallback(second->components()[i]->fallback()),
+                describe_fallback(first->components()[i]->fallback()));
     }
   }
 }

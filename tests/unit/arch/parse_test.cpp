@@ -100,6 +100,28 @@ TEST(Parse, ReadsAllTaskAttributes) {
   EXPECT_EQ(task.overrun_limit->value, 3U);
 }
 
+TEST(Parse, ReadsWhatIsDoneWhenACoreFails) {
+  const Spec spec = accepted(R"({"schema": "mauve/architecture/1", "name": "careful",
+    "components": {
+      "plain": { "type": "a/b", "fallback_core": "a/stop", "task": { "on_fault": "fallback",
+                 "on_overrun": "fallback", "overrun_limit": 2, "watchdog": "50ms" } },
+      "full": { "type": "a/b", "fallback_core": { "core": "a/slow",
+                "properties": { "core.gain": 0.1 } },
+                "task": { "on_fault": { "restart": 5, "per": "2s", "back_off": "0ms" } } }}})");
+
+  const ComponentSpec& plain = spec.components.at(0);
+  EXPECT_EQ(plain.fallback->core.value, "a/stop");
+  EXPECT_EQ(plain.task.on_fault->value.action, FaultPolicy::Action::fallback);
+  EXPECT_EQ(plain.task.on_overrun->value, OnOverrun::fallback);
+  EXPECT_EQ(plain.task.overrun_limit->value, 2U);
+  EXPECT_EQ(plain.task.watchdog->value, 50ms);
+  const ComponentSpec& full = spec.components.at(1);
+  EXPECT_EQ(full.fallback->core.value, "a/slow");
+  EXPECT_EQ(full.fallback->properties.at(0).name, "core.gain");
+  const FaultPolicy expected{FaultPolicy::Action::restart, 5, 2s, 0ms};
+  EXPECT_EQ(full.task.on_fault->value, expected);
+}
+
 TEST(Parse, LeavesOutWhatTheFileLeavesOut) {
   const Spec spec = accepted(R"({"schema": "mauve/architecture/1", "name": "empty",
                                  "components": {"idle": {"type": "a/b"}}})");
@@ -135,9 +157,37 @@ const Wrong kWrongs[] = {
     {"\"8ms\"", "\"0ms\"", "control.task.deadline", "must be over 0", "", 20},
     {"\"128KiB\"", "\"1KiB\"", "control.task.stack", "\"1KiB\" is not from 16KiB to 64MiB", "", 21},
     {"\"on_overrun\": \"stop\"", "\"on_overrun\": \"stopp\"", "control.task.on_overrun",
-     "\"stopp\" is not one of catch_up, skip, stop", "did you mean \"stop\"?", 21},
+     "\"stopp\" is not one of catch_up, skip, stop, fallback", "did you mean \"stop\"?", 21},
     {"\"on_overrun\": \"stop\"", "\"on_overrun\": \"skip\"", "control.task.overrun_limit",
-     "has no meaning here", "it belongs to \"on_overrun\": \"stop\"", 22},
+     "has no meaning here", "it belongs to \"on_overrun\": \"stop\" and \"fallback\"", 22},
+    {"\"on_overrun\": \"stop\"", "\"on_overrun\": \"fallback\"", "control.task.on_overrun",
+     "\"fallback\" needs a fallback core",
+     "write \"fallback_core\": \"plugin/name\" beside \"task\"", 21},
+    {"\"priority\": 60", "\"on_fault\": \"fallback\"", "laser.task.on_fault",
+     "\"fallback\" needs a fallback core",
+     "write \"fallback_core\": \"plugin/name\" beside \"task\"", 14},
+    {"\"priority\": 60", "\"on_fault\": \"restart\"", "laser.task.on_fault",
+     "\"restart\" is not one of stop, fallback", "there is: stop, fallback", 14},
+    {"\"priority\": 60", "\"on_fault\": 3", "laser.task.on_fault",
+     "expected \"stop\", \"fallback\" or an object, got an integer",
+     "write \"on_fault\": { \"restart\": 3, \"per\": \"60s\" } to restart it", 14},
+    {"\"priority\": 60", "\"on_fault\": { \"per\": \"60s\" }", "laser.task.on_fault",
+     "\"restart\" is missing", "write \"restart\": 3", 14},
+    {"\"priority\": 60", "\"on_fault\": { \"restart\": 0 }", "laser.task.on_fault.restart",
+     "0 is not from 1 to 1000000000", "", 14},
+    {"\"priority\": 60", "\"on_fault\": { \"restart\": 1, \"per\": \"0s\" }",
+     "laser.task.on_fault.per", "must be over 0", "", 14},
+    {"\"priority\": 60", "\"on_fault\": { \"restart\": 1, \"backoff\": \"0s\" }",
+     "laser.task.on_fault", "unknown key \"backoff\"", "did you mean \"back_off\"?", 14},
+    {"\"priority\": 60", "\"watchdog\": \"0s\"", "laser.task.watchdog", "must be over 0", "", 14},
+    {"\"start\": false", "\"fallback_core\": 1", "control.fallback_core",
+     "expected a string, got an integer", "", 23},
+    {"\"start\": false", "\"fallback_core\": {}", "control.fallback_core", "\"core\" is missing",
+     "write \"core\": \"plugin/name\"", 23},
+    {"\"start\": false",
+     "\"fallback_core\": { \"core\": \"a/b\", \"properties\": { \"fsm.pace\": 1 } }",
+     "control.fallback_core.fsm.pace", "not the name of a property",
+     "write the part and the name, such as \"core.gain\"; there is: core", 23},
     {"\"scan\": \"scan.write\"", "\"scan\": \"scan\"", "laser.ports.scan",
      "\"scan\" is not a service", "write the resource and its service, such as \"scan.read\"", 13},
     {"\"scan\": \"scan.write\"", "\"scan\": 3", "laser.ports.scan",
@@ -185,9 +235,7 @@ TEST(Parse, RefusesEachMistakeWithItsPlaceAddressAndHint) {
 TEST(Parse, RefusesWhatIsNotYetSupportedWithAClearSentence) {
   const std::pair<std::string, std::string> later[] = {
       {"\"name\": \"rover\"", "\"name\": \"rover\", \"rules\": []"},
-      {"\"start\": false", "\"fallback_core\": \"guidance/stop\""},
-      {"\"start\": false", "\"on_fault\": \"stop\""},
-      {"\"stop\",\n                           \"overrun_limit\": 3", "\"fallback\""}};
+      {"\"data\": \"laser_scan/1\" }", "\"data\": \"laser_scan/1\", \"on_fault\": \"stop\" }"}};
   for (const auto& [what, by] : later) {
     const auto problems = problems_of(rover_with(what, by));
     ASSERT_EQ(problems.size(), 1U) << by;

@@ -64,6 +64,11 @@ class Repel final : public ControlCore {
   mauve::Property<double> distance{*this, "distance", 0.8, "push starts here"};
   void update() override {}
 };
+/// A core of no plugin with a property that another core has too.
+class Eager final : public ControlCore {
+  mauve::Property<double> gain{*this, "gain", 2.0, "pull"};
+  void update() override {}
+};
 class Throwing final : public ControlCore {
  public:
   Throwing() { throw std::runtime_error("out of order"); }
@@ -103,6 +108,7 @@ inline mauve::Plugin make_plugin() {
   plugin.core<Throwing>("throwing");
   plugin.core<Stranger>("stranger");
   plugin.fsm<ControlFsm>("periodic");
+  plugin.fsm<ControlFsm>("slow");
   plugin.component<ControlShell, ControlFsm>("control", "attract");
   plugin.component<ControlShell, ControlFsm>("bare");
   plugin.resource<RelayShell, RelayCore, RelayInterface>("relay");

@@ -13,6 +13,7 @@
 
 #include "arch/json.h"
 #include "arch/parse.h"
+#include "base/duration.h"
 #include "mauve/value.h"
 
 namespace mauve::arch {
@@ -66,6 +67,12 @@ std::string file_with(const std::string& level, const std::string& inside) {
     return "{" + head + R"(, "resources": {"a": {"type": "b", )" + inside + "}}}";
   const std::string component = "{" + head + R"(, "components": {"a": {"type": "b", )";
   if (level == "component") return component + inside + "}}}";
+  if (level == "fallback") {
+    return component + R"("fallback_core": {"core": "a/b", )" + inside + "}}}}";
+  }
+  if (level == "restart") {
+    return component + R"("task": {"on_fault": {"restart": 1, )" + inside + "}}}}}";
+  }
   if (level == "task") return component + R"("task": {)" + inside + "}}}}";
   return component + R"("ports": {"p": {"connect": "r.s", )" + inside + "}}}}}";
 }
@@ -97,7 +104,8 @@ std::set<std::string> parsed_keys(const std::string& level) {
 
 TEST(Schema, KnowsTheKeysThatTheParserKnows) {
   EXPECT_EQ(keys_of(part(schema(), {"properties"})), parsed_keys("root"));
-  for (const std::string level : {"resource", "component", "task", "connection"}) {
+  for (const std::string level :
+       {"resource", "component", "task", "connection", "fallback", "restart"}) {
     EXPECT_EQ(keys_of(part(schema(), {"definitions", level, "properties"})), parsed_keys(level))
         << level;
   }
@@ -105,7 +113,8 @@ TEST(Schema, KnowsTheKeysThatTheParserKnows) {
 
 TEST(Schema, RefusesUnknownKeysEverywhere) {
   EXPECT_EQ(part(schema(), {"additionalProperties"}), Value(false));
-  for (const std::string level : {"resource", "component", "task", "connection"}) {
+  for (const std::string level :
+       {"resource", "component", "task", "connection", "fallback", "restart"}) {
     EXPECT_EQ(part(schema(), {"definitions", level, "additionalProperties"}), Value(false));
   }
 }
@@ -119,10 +128,15 @@ TEST(Schema, HasTheLimitsAndDefaultsOfTheRuntime) {
   EXPECT_EQ(part(task, {"priority", "maximum"}), Value(kHighestPriority));
   EXPECT_EQ(part(task, {"priority", "default"}), Value(defaults.priority));
   EXPECT_EQ(part(task, {"cpus", "items", "maximum"}), Value(kHighestCpu));
+  const Value& restart = part(schema(), {"definitions", "restart", "properties"});
+  EXPECT_EQ(part(restart, {"per", "default"}), Value(format_duration(defaults.on_fault.per)));
+  EXPECT_EQ(part(restart, {"back_off", "default"}),
+            Value(format_duration(defaults.on_fault.back_off)));
   EXPECT_EQ(part(task, {"on_overrun", "default"}), Value(to_string(defaults.on_overrun)));
   EXPECT_EQ(part(task, {"overrun_limit", "default"}),
             Value(static_cast<std::int64_t>(defaults.overrun_limit)));
-  for (const OnOverrun policy : {OnOverrun::catch_up, OnOverrun::skip, OnOverrun::stop}) {
+  for (const OnOverrun policy :
+       {OnOverrun::catch_up, OnOverrun::skip, OnOverrun::stop, OnOverrun::fallback}) {
     const auto& words = *part(task, {"on_overrun", "enum"}).get_if<Value::Array>();
     EXPECT_NE(std::find(words.begin(), words.end(), Value(to_string(policy))), words.end());
   }

@@ -120,6 +120,32 @@ TEST_F(TableTest, LetsAnOperatorChangeButNotLoadCode) {
   EXPECT_EQ(refused(Role::admin, "plugin.load", {{"plugin", "a"}}).name, "plugin_refused");
 }
 
+constexpr const char* kEmpty = R"({"schema": "mauve/architecture/1", "name": "empty"})";
+
+TEST_F(TableTest, LetsAnAdminApplyAFileAndAViewerCompareOne) {
+  EXPECT_EQ(refused(Role::operator_, "architecture.apply", {{"text", kEmpty}}).name,
+            "not_permitted");
+  const auto applied = ask(Role::admin, "architecture.apply", {{"text", kEmpty}});
+  ASSERT_TRUE(std::holds_alternative<Json>(applied));
+  EXPECT_EQ(std::get<Json>(applied)["state"], "unchanged");
+  EXPECT_EQ(std::get<Json>(applied)["generation"], 7);
+
+  const auto same = ask(Role::viewer, "architecture.diff", {{"text", kEmpty}});
+  ASSERT_TRUE(std::holds_alternative<Json>(same));
+  EXPECT_EQ(std::get<Json>(same)["same"], true);
+}
+
+TEST_F(TableTest, TellsEveryErrorOfAFileThatIsRefused) {
+  const std::string text =
+      R"({"schema": "mauve/architecture/1", "name": "empty", "plugins": ["a", "a", "B"]})";
+
+  const auto fault = refused(Role::admin, "architecture.apply", {{"text", text}, {"file", "f"}});
+
+  EXPECT_EQ(fault.where, "f");
+  EXPECT_EQ(fault.errors.size(), 3U) << fault.errors;
+  EXPECT_EQ(fault.state, "unchanged");
+}
+
 TEST_F(TableTest, TellsTheGenerationWithEveryRefusal) {
   const auto fault = refused(Role::admin, "param.get", {{"address", "nothing.here"}});
 

@@ -46,6 +46,15 @@ class CatalogTest : public ::testing::Test {
   Catalog catalog_;
 };
 
+TEST_F(CatalogTest, HasCopiesThatGoTheirOwnWay) {
+  Catalog copy(catalog_);
+  ASSERT_TRUE(copy.add(sample("more")));
+
+  EXPECT_TRUE(copy.core("sample/one"));
+  EXPECT_TRUE(copy.core("more/one"));
+  EXPECT_FALSE(catalog_.core("more/one"));
+}
+
 TEST_F(CatalogTest, MakesWhatIsKnownByName) {
   EXPECT_EQ(static_cast<zoo::NumberCore&>(*catalog_.core("sample/one")->make()).number(), 1);
   EXPECT_EQ(catalog_.component("sample/counter")->default_core, "sample/counter");

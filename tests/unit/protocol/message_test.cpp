@@ -110,6 +110,18 @@ TEST(FaultOf, KeepsEveryErrorOverTheWire) {
   }
 }
 
+TEST(Fault, TakesAllErrorsOfAFileOverTheWire) {
+  Fault fault = fault_of(refuse(Errc::invalid_value, "f.json", "the file has 1 error"));
+  EXPECT_FALSE(to_json(fault)["data"].contains("errors")) << "other refusals say nothing of files";
+  fault.errors = {{{"line", 3}, {"message", "must be positive"}}};
+
+  const auto read = parse_server_message(to_line(make_error(7, fault)));
+
+  ASSERT_TRUE(read);
+  const auto& response = std::get<Response>(*read);
+  EXPECT_EQ(std::get<Fault>(response.outcome).errors, fault.errors);
+}
+
 TEST(FaultOf, GivesEachCodeToOneErrorOnly) {
   std::vector<int> codes;
   for (const Errc code : kAllErrc) codes.push_back(fault_of(refuse(code, "", "")).code);

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <string>
+
+#include "render.h"
+#include "table.h"
+#include "words.h"
+
+namespace mauve::ctl {
+namespace {
+
+const Json& list_in(const Json& object, const char* key) {
+  static const Json kNone = Json::array();
+  if (!object.is_object()) return kNone;
+  const auto found = object.find(key);
+  return found != object.end() && found->is_array() ? *found : kNone;
+}
+
+/// "component watcher" where the address alone does not say what it is.
+std::string subject(const Json& line) {
+  const std::string kind = word(line, "kind");
+  const bool element = kind == "component" || kind == "resource" || kind == "plugin";
+  return (element ? kind + " " : "") + word(line, "address");
+}
+
+std::string text_of(const Json& line, Look look) {
+  const std::string op = word(line, "op");
+  const std::string kind = word(line, "kind");
+  if (op == "change") {
+    return painted("~", Paint::yellow, look.colour) + " " + subject(line) + ": " +
+           word(line, "old") + " -> " + word(line, "new") + "\n";
+  }
+  const bool added = op == "add";
+  const std::string content = word(line, added ? "new" : "old");
+  std::string text = painted(added ? "+" : "-", added ? Paint::green : Paint::red, look.colour) +
+                     " " + subject(line);
+  if (kind == "component" || kind == "resource") {
+    text += " (" + content + ")";
+  } else if (kind != "plugin") {
+    text += ": " + content;
+  }
+  return text + "\n";
+}
+
+std::string lines_of(const Json& result, Look look) {
+  std::string text;
+  for (const Json& line : list_in(result, "lines")) text += text_of(line, look);
+  return text;
+}
+
+std::string same_as(std::string_view file, const Json& result) {
+  return std::string(file) + " is what runs (generation " + word(result, "generation") + ")\n";
+}
+
+}  // namespace
+
+std::string render_diff(std::string_view file, const Json& result, Look look) {
+  const std::string lines = lines_of(result, look);
+  if (lines.empty()) return same_as(file, result);
+  return "--- what runs, generation " + word(result, "generation") + "\n+++ " + harmless(file) +
+         "\n" + lines;
+}
+
+std::string render_applied(std::string_view file, const Json& result, Look look) {
+  const std::string lines = lines_of(result, look);
+  return lines + render_receipt("applied " + harmless(file), result, look);
+}
+
+std::string render_plan(std::string_view file, const Json& result, Look look) {
+  const std::string lines = lines_of(result, look);
+  if (lines.empty()) return same_as(file, result);
+  std::string members;
+  for (const Json& member : list_in(result, "components")) {
+    members += (members.empty() ? "" : ", ") + word(member, "name");
+    const auto bytes = whole_number(member, "bytes");
+    if (bytes > 0) members += " (" + counted(bytes, "byte") + " of state kept)";
+  }
+  std::string text = "everything is prepared and would be applied";
+  if (!members.empty()) text += "; at the same instant: " + members;
+  return lines + wrapped(text, look.width, 2) + "\nnothing was changed (generation " +
+         word(result, "generation") + " still running)\n";
+}
+
+}  // namespace mauve::ctl

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// architecture.apply and architecture.diff.
+///
+///   [factory] parse, load plugins beside the running ones, make all elements
+///   [control] compare with what runs
+///   [factory] prepare what is new
+///   [control] put it in force; names of new plugins come into the catalog
+///   [factory] free the rest
+#include "commands/architecture.h"
+
+#include <utility>
+
+#include "arch/diff.h"
+#include "arch/load.h"
+#include "arch/value_json.h"
+#include "commands/answer.h"
+#include "commands/change.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using logging::Event;
+
+Json line_json(const arch::Line& line) {
+  return {{"op", to_string(line.op)},
+          {"kind", line.kind},
+          {"address", line.address},
+          {"old", arch::to_json(line.before)},
+          {"new", arch::to_json(line.after)}};
+}
+
+/// Another architecture beside the running one.
+class Application final : public Companion {
+ public:
+  Application(Running& running, std::string text, bool dry_run)
+      : running_(running), text_(std::move(text)), catalog_(running.catalog), dry_run_(dry_run) {}
+  /// What elements logged last is text in the code of their plugin.
+  ~Application() override {
+    wanted_.reset();
+    difference_ = {};
+    if (!plugins_.empty()) {
+      running_.log.flush();
+    }
+  }
+
+  /// [factory]
+  void load() { wanted_ = arch::load(text_, catalog_, problems_); }
+  [[nodiscard]] const arch::Problems& problems() const { return problems_; }
+
+  /// [control] Once the file turned out to be good.
+  void compare() {
+    difference_ = arch::compare(running_.architecture, *wanted_, parked_now(running_));
+    for (const auto* loaded : catalog_.plugins()) {
+      if (running_.catalog.find(loaded->info().name) == nullptr) {
+        plugins_.push_back(loaded->info().name);
+      }
+    }
+  }
+  [[nodiscard]] bool same() const { return difference_.lines.empty() && plugins_.empty(); }
+  /// False: plugins are all that is new.
+  [[nodiscard]] bool changes_elements() const { return !difference_.lines.empty(); }
+  /// Its name is part of a file, but no part that can change.
+  [[nodiscard]] Status named_alike() const {
+    if (wanted_->name() == running_.architecture.name()) {
+      return ok();
+    }
+    return refuse(Errc::unsupported, "name",
+                  "the file is of architecture \"" + wanted_->name() + "\", \"" +
+                      running_.architecture.name() + "\" is running",
+                  "keep the name, or start mauved with this file");
+  }
+  [[nodiscard]] Change take_change(StatePolicy state) {
+    for (auto& edit : difference_.change.edits) {
+      edit.state = state;
+    }
+    return std::move(difference_.change);
+  }
+
+  Status ready() override {
+    for (const auto& name : plugins_) {
+      if (auto good = running_.catalog.check_types(*catalog_.find(name)); !good) {
+        return good;
+      }
+    }
+    return ok();
+  }
+  void in_force() override {
+    for (const auto& name : plugins_) {
+      const auto& loaded = *catalog_.find(name);
+      // It was checked, and no other change came in between.
+      static_cast<void>(running_.catalog.commit(loaded));
+      running_.log.write(Event::plugin_loaded, {{"plugin", name},
+                                                {"version", loaded.info().version},
+                                                {"file", loaded.info().file},
+                                                {"build_id", loaded.info().build_id}});
+    }
+    for (auto& [name, fallback] : difference_.fallbacks) {
+      if (auto* component = running_.architecture.find_component(name)) {
+        component->fall_back_to(std::move(fallback));
+      }
+    }
+  }
+  void complete(Json& result) override {
+    auto lines = Json::array();
+    for (const auto& name : plugins_) {
+      lines.push_back(line_json(arch::make_line("plugin", name, {}, name)));
+    }
+    for (const auto& line : difference_.lines) {
+      lines.push_back(line_json(line));
+    }
+    result["lines"] = std::move(lines);
+    if (dry_run_) {
+      result["dry_run"] = true;
+    }
+  }
+  [[nodiscard]] bool dry_run() const override { return dry_run_; }
+
+ private:
+  Running& running_;
+  std::string text_;
+  plugin::Catalog catalog_;  // the running one, and what the file adds
+  bool dry_run_;
+  arch::Problems problems_;
+  std::unique_ptr<Architecture> wanted_;
+  arch::Difference difference_;
+  std::vector<std::string> plugins_;  // not loaded yet
+};
+using ApplicationPtr = std::shared_ptr<Application>;
+
+/// [control] Nothing of the application is touched on this thread afterwards.
+void free_in_factory(Running& running, ApplicationPtr application, Ticket ticket) {
+  running.control.in_factory(
+      [application = std::move(application)]() mutable { application.reset(); },
+      [ticket = std::move(ticket)] {});
+}
+
+void refuse_file(Running& running, const Call& call, const arch::Problems& problems) {
+  const auto count = problems.size();
+  auto fault = protocol::fault_of(
+      refuse(Errc::invalid_value, text_or(call.params, "file", "text"),
+             "the file has " + std::to_string(count) + (count == 1 ? " error" : " errors"),
+             "mend the file; mauvectl check looks at it again"),
+      "unchanged", running.generation.load());
+  fault.errors = to_json(problems);
+  answer_fault(running, call, std::move(fault));
+}
+
+void answer_unchanged(Running& running, const Call& call, Application& application) {
+  Receipt receipt;
+  receipt.generation = running.generation;
+  auto result = to_json(receipt);
+  application.complete(result);
+  answer(running, call, std::move(result));
+}
+
+/// [control] Plugins are all that the file adds: no component takes part, no new generation.
+void load_only(Running& running, const Call& call, Application& application) {
+  if (auto good = application.ready(); !good) {
+    return answer(running, call, good.error());
+  }
+  application.in_force();
+  Receipt receipt;
+  receipt.generation = running.generation;
+  receipt.state = ChangeState::applied;
+  auto result = to_json(receipt);
+  application.complete(result);
+  answer(running, call, std::move(result));
+}
+
+/// [control] The file is good, and compared.
+void go_on(Running& running, const CallPtr& call, ApplicationPtr application, Ticket ticket) {
+  const auto state = state_policy(call->params);
+  const auto named = application->named_alike();
+  if (!state || !named) {
+    answer(running, *call, state ? named.error() : state.error());
+  } else if (application->same() || (application->dry_run() && !application->changes_elements())) {
+    answer_unchanged(running, *call, *application);
+  } else if (!application->changes_elements()) {
+    load_only(running, *call, *application);
+  } else {
+    auto change = application->take_change(*state);
+    return apply(running, call, std::move(ticket), std::move(change), std::move(application));
+  }
+  free_in_factory(running, std::move(application), std::move(ticket));
+}
+
+/// [control] The lines are the answer.
+void tell(Running& running, const CallPtr& call, ApplicationPtr application, Ticket ticket) {
+  Json result = {{"generation", running.generation.load()}, {"same", application->same()}};
+  application->complete(result);
+  answer(running, *call, std::move(result));
+  free_in_factory(running, std::move(application), std::move(ticket));
+}
+
+using Step = void (*)(Running&, const CallPtr&, ApplicationPtr, Ticket);
+
+void load_then(Running& running, const CallPtr& call, ApplicationPtr application, Ticket ticket,
+               Step next) {
+  auto work = [application] { application->load(); };
+  running.control.in_factory(std::move(work), [&running, call, application = std::move(application),
+                                               ticket = std::move(ticket), next]() mutable {
+    if (!application->problems().empty()) {
+      refuse_file(running, *call, application->problems());
+      return free_in_factory(running, std::move(application), std::move(ticket));
+    }
+    application->compare();
+    next(running, call, std::move(application), std::move(ticket));
+  });
+}
+
+}  // namespace
+
+void apply_architecture(Running& running, const CallPtr& call, Ticket ticket, std::string text,
+                        const std::string& reason) {
+  if (!reason.empty() && text_or(call->params, "reason").empty()) {
+    call->params["reason"] = reason;
+  }
+  auto application =
+      std::make_shared<Application>(running, std::move(text), flag(call->params, "dry_run"));
+  load_then(running, call, std::move(application), std::move(ticket), go_on);
+}
+
+void apply_file(Running& running, const CallPtr& call, Ticket ticket) {
+  apply_architecture(running, call, std::move(ticket), text_or(call->params, "text"), "");
+}
+
+void diff_architecture(Running& running, const CallPtr& call, Ticket ticket) {
+  auto application = std::make_shared<Application>(running, text_or(call->params, "text"), false);
+  load_then(running, call, std::move(application), std::move(ticket), tell);
+}
+
+arch::Parked parked_now(const Running& running) {
+  return [&running](const ComponentBase& component) {
+    return running.deployer.status(component.name()).state != ComponentState::running;
+  };
+}
+
+Json to_json(const arch::Problems& problems) {
+  Json errors = Json::array();
+  for (const auto& problem : problems.sorted()) {
+    errors.push_back({{"line", problem.where.line},
+                      {"column", problem.where.column},
+                      {"at", problem.error.at},
+                      {"code", to_string(problem.error.code)},
+                      {"message", problem.error.message},
+                      {"hint", problem.error.hint}});
+  }
+  return errors;
+}
+
+}  // namespace mauve::daemon

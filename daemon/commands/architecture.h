@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// architecture.apply and architecture.diff: a whole file against the running system.
+#pragma once
+
+#include <string>
+
+#include "arch/describe.h"
+#include "arch/problem.h"
+#include "commands/command.h"
+
+namespace mauve::daemon {
+
+/// [control] The running system becomes the one of this text, all of it at one instant, or nothing
+/// happens. Takes over the call and the ticket. The text is not `text` of the call when it comes
+/// from somewhere else; `dry_run`, `state` and `file` of the call are looked at. A `reason` that is
+/// not empty goes to the log in place of a missing one.
+void apply_architecture(Running& running, const CallPtr& call, Ticket ticket, std::string text,
+                        const std::string& reason);
+
+/// [control] Which components do not run now.
+[[nodiscard]] arch::Parked parked_now(const Running& running);
+
+/// [{"line","column","at","code","message","hint"}], in the order of the file.
+[[nodiscard]] Json to_json(const arch::Problems& problems);
+
+}  // namespace mauve::daemon

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// apply, plan and diff: what is asked, what is printed, which exit code.
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "render.h"
+#include "unit/ctl/scene.h"
+
+namespace mauve::ctl {
+namespace {
+
+constexpr const char* kFile = MAUVE_ETC_DIR "/minimal.json";
+
+const Json kResult = Json::parse(R"({"generation": 42, "changed": true, "state": "applied",
+  "same": false, "attempts": 1,
+  "components": [{"name": "control", "pause_ns": 38, "missed": 0, "bytes": 24},
+                 {"name": "watcher", "pause_ns": 0, "missed": 0, "bytes": 0}],
+  "lines": [
+    {"op": "add", "kind": "plugin", "address": "demo", "old": null, "new": "demo"},
+    {"op": "remove", "kind": "resource", "address": "old", "old": "shared_data velocity/1",
+     "new": null},
+    {"op": "add", "kind": "component", "address": "watcher", "old": null, "new": "demo/counter"},
+    {"op": "change", "kind": "component", "address": "safety", "old": "a/b", "new": "a/c"},
+    {"op": "change", "kind": "property", "address": "control.core.gain", "old": 0.2, "new": 0.3},
+    {"op": "add", "kind": "port", "address": "control.ports.scan", "old": null,
+     "new": {"connect": "scan.read", "max_age": "50ms"}},
+    {"op": "remove", "kind": "task", "address": "control.task.budget", "old": "2ms",
+     "new": null}]})");
+
+constexpr const char* kLines =
+    "+ plugin demo\n"
+    "- resource old (shared_data velocity/1)\n"
+    "+ component watcher (demo/counter)\n"
+    "~ component safety: a/b -> a/c\n"
+    "~ control.core.gain: 0.2 -> 0.3\n"
+    "+ control.ports.scan: {connect: scan.read, max_age: 50ms}\n"
+    "- control.task.budget: 2ms\n";
+
+const Json kSame = Json::parse(R"({"generation": 41, "changed": false, "state": "unchanged",
+  "same": true, "components": [], "lines": []})");
+
+TEST(RenderDiff, HasOneLineForEachDifference) {
+  EXPECT_EQ(render_diff("rover.json", kResult, {}),
+            std::string("--- what runs, generation 42\n+++ rover.json\n") + kLines);
+}
+
+TEST(RenderDiff, IsOneSentenceWhenNothingDiffers) {
+  EXPECT_EQ(render_diff("rover.json", kSame, {}), "rover.json is what runs (generation 41)\n");
+}
+
+TEST(RenderDiff, HasColoursForPeopleOnly) {
+  const std::string text = render_diff("rover.json", kResult, {0, true});
+
+  EXPECT_NE(text.find(painted("+", Paint::green, true) + " plugin"), std::string::npos);
+  EXPECT_NE(text.find(painted("-", Paint::red, true) + " resource"), std::string::npos);
+  EXPECT_NE(text.find(painted("~", Paint::yellow, true) + " component"), std::string::npos);
+  EXPECT_EQ(render_diff("rover.json", kResult, {}).find('\033'), std::string::npos);
+}
+
+TEST(RenderDiff, SurvivesAnAnswerWithoutAnything) {
+  EXPECT_FALSE(render_diff("x", Json(), {}).empty());
+  EXPECT_FALSE(render_diff("x", {{"lines", {1, "two"}}}, {}).empty());
+  EXPECT_FALSE(render_plan("x", Json::array(), {}).empty());
+  EXPECT_FALSE(render_applied("x", Json::object(), {}).empty());
+}
+
+TEST(RenderApplied, EndsWithTheReceipt) {
+  EXPECT_EQ(
+      render_applied("rover.json", kResult, {}),
+      std::string(kLines) +
+          "applied rover.json: longest pause 38 ns, 0 releases missed, 24 bytes of state kept "
+          "(generation 42)\n");
+  EXPECT_EQ(render_applied("rover.json", kSame, {}),
+            "nothing to change (generation 41 still running)\n");
+}
+
+TEST(RenderPlan, SaysWhoTakesPartAndWhatIsKept) {
+  EXPECT_EQ(render_plan("rover.json", kResult, {}),
+            std::string(kLines) +
+                "everything is prepared and would be applied; at the same instant: control (24 "
+                "bytes of state kept), watcher\n"
+                "nothing was changed (generation 42 still running)\n");
+  EXPECT_EQ(render_plan("rover.json", kSame, {}), "rover.json is what runs (generation 41)\n");
+}
+
+TEST(Apply, SendsTheTextOfTheFileAndWhatWasSaid) {
+  const Scene scene({"apply", kFile, "--state", "drop", "--if-generation", "41", "--reason", "x"},
+                    kResult);
+
+  ASSERT_EQ(scene.asked.size(), 1U);
+  EXPECT_EQ(scene.asked[0].method, "architecture.apply");
+  const Json& params = scene.asked[0].params;
+  EXPECT_NE(params["text"].get<std::string>().find("\"minimal\""), std::string::npos);
+  EXPECT_EQ(params["file"], kFile);
+  EXPECT_EQ(params["state"], "drop");
+  EXPECT_EQ(params["if_generation"], 41);
+  EXPECT_EQ(params["reason"], "x");
+  EXPECT_FALSE(params.contains("dry_run"));
+  EXPECT_EQ(scene.outcome.exit, 0);
+}
+
+TEST(Apply, ToldToTryOnlyIsAPlan) {
+  for (const Scene& scene :
+       {Scene({"apply", kFile, "--dry-run"}, kResult), Scene({"plan", kFile}, kResult)}) {
+    EXPECT_EQ(scene.asked[0].method, "architecture.apply");
+    EXPECT_EQ(scene.asked[0].params["dry_run"], true);
+    EXPECT_NE(scene.outcome.out.find("nothing was changed"), std::string::npos);
+    EXPECT_EQ(scene.outcome.exit, 0);
+  }
+}
+
+TEST(Apply, EndsAsTheChangeDid) {
+  Json result = kResult;
+  result["state"] = "rolled_back";
+  EXPECT_EQ(Scene({"apply", kFile}, result).outcome.exit, 1);
+  result["state"] = "safe";
+  EXPECT_EQ(Scene({"apply", kFile}, result).outcome.exit, 9);
+}
+
+TEST(Diff, EndsWith0ForTheSameAnd1ForAnother) {
+  const Scene other({"diff", kFile}, kResult);
+  EXPECT_EQ(other.asked[0].method, "architecture.diff");
+  EXPECT_EQ(other.outcome.exit, 1);
+  EXPECT_EQ(Scene({"diff", kFile}, kSame).outcome.exit, 0);
+  EXPECT_EQ(Json::parse(Scene({"--json", "diff", kFile}, kSame).outcome.out), kSame);
+}
+
+TEST(Diff, WantsAFileThatCanBeRead) {
+  EXPECT_EQ(run("/nowhere", {"diff", "/nothing.json"}).exit, 2);
+  EXPECT_EQ(run("/nowhere", {"apply", "/nothing.json"}).exit, 2);
+  EXPECT_EQ(run("/nowhere", {"plan", "/tmp"}).exit, 2);
+  EXPECT_EQ(run("/nowhere", {"diff", kFile}).exit, 7);
+}
+
+/// A command whose file is refused.
+Outcome refused(std::vector<std::string> words) {
+  FakeServer server([](Peer& peer) {
+    peer.say(kHello);
+    auto fault = protocol::fault_of(refuse(Errc::invalid_value, "f.json", "the file has 1 error"));
+    fault.errors = Json::parse(R"([{"line": 3, "column": 5, "at": "control.core.gain",
+      "message": "must be positive", "hint": "the range is 0 to 2"}])");
+    peer.say(protocol::to_line(protocol::make_error(peer.hear().id, fault)) + "\n");
+    peer.wait_for_the_end();
+  });
+  return run(server.path(), std::move(words));
+}
+
+TEST(Apply, PrintsAllErrorsOfTheFileAboveTheRefusal) {
+  const Outcome outcome = refused({"apply", kFile});
+
+  EXPECT_EQ(outcome.exit, 1);
+  EXPECT_TRUE(outcome.out.empty());
+  const std::string place = std::string(kFile) + ":3:5: error: control.core.gain: must be positive";
+  const auto found = outcome.err.find(place);
+  ASSERT_NE(found, std::string::npos) << outcome.err;
+  EXPECT_LT(found, outcome.err.find("error: apply: the file has 1 error"));
+}
+
+TEST(Apply, GivesAllErrorsToScripts) {
+  const Json error = Json::parse(refused({"--json", "apply", kFile}).out)["error"];
+
+  EXPECT_EQ(error["exit"], 1);
+  ASSERT_EQ(error["errors"].size(), 1U);
+  EXPECT_EQ(error["errors"][0]["line"], 3);
+}
+
+TEST(Diff, DoesNotSayThatABadFileDiffers) { EXPECT_EQ(refused({"diff", kFile}).exit, 2); }
+
+}  // namespace
+}  // namespace mauve::ctl
