@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/fail_point.h"
 #include "model/left_behind.h"
 
 namespace mauve::exec {
@@ -61,7 +62,9 @@ void Swap::attempt() {
     member.task->publish(*member.next);
   }
   const bool late = runner_.now() >= result_.instant - kDecisionMargin.count();
+  MAUVE_FAIL_POINT("commit.before_decide");
   transaction_->decide(late ? Transaction::State::aborted : Transaction::State::committed);
+  MAUVE_FAIL_POINT("commit.after_decide");
   for (Member& member : members_) runner_.wake(*member.task);
 }
 
