@@ -9,7 +9,9 @@
 
 #include "commands/command.h"
 #include "commands/table.h"
+#include "keeper.h"
 #include "options.h"
+#include "recovery.h"
 #include "server/server.h"
 #include "signals.h"
 #include "watch.h"
@@ -32,10 +34,12 @@ class Daemon {
 
  private:
   Status open_log();
+  Status open_keeper();
   Status start();
   Status load();
   Status deploy();
   Status serve();
+  void keep_the_first();
   [[nodiscard]] std::string wait_for_signal();
   [[nodiscard]] int shut_down(const std::string& cause);
   [[nodiscard]] std::vector<std::string> stop_components();
@@ -47,6 +51,8 @@ class Daemon {
   Signals signals_;
   logging::Log log_;
   std::optional<server::Endpoint> endpoint_;
+  std::unique_ptr<Keeper> keeper_;  ///< null: nothing is kept
+  Origin origin_;
   plugin::Catalog catalog_;
   std::unique_ptr<Architecture> architecture_;
   std::unique_ptr<Deployer> deployer_;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "commands/command.h"
 
@@ -14,6 +15,11 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change);
 
 /// [control] The same for a swap in place: the component is parked while the cores are exchanged.
 void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit);
+
+/// [control] Makes the running system what an architecture file says, in one change. Takes over the
+/// call and the ticket.
+void apply_architecture(Running& running, const CallPtr& call, Ticket ticket, std::string text,
+                        std::string reason);
 
 /// [control] Runs `then` on [control] when there is an answer; others are served meanwhile.
 void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,

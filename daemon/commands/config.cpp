@@ -4,15 +4,19 @@
 #include "arch/load.h"
 #include "arch/value_json.h"
 #include "commands/answer.h"
+#include "commands/model.h"
 
 namespace mauve::daemon {
 
-Result<Json> export_architecture(Running& running, const Call& /*call*/) {
+Value described(const Running& running) {
   const auto parked = [&](const ComponentBase& component) {
     return running.deployer.status(component.name()).state != ComponentState::running;
   };
-  return Json{{"architecture",
-               arch::to_json(arch::describe(running.architecture, running.catalog, parked))}};
+  return arch::describe(running.architecture, running.catalog, parked);
+}
+
+Result<Json> export_architecture(Running& running, const Call& /*call*/) {
+  return Json{{"architecture", arch::to_json(described(running))}};
 }
 
 /// With a catalog of its own: nothing it loads or makes touches the running system.

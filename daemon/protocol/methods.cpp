@@ -32,6 +32,9 @@ constexpr Param kConnect[] = {
 constexpr Param kDisconnect[] = {{"port", string, true}};
 constexpr Param kPlugin[] = {{"plugin", string, true}};
 constexpr Param kCheck[] = {{"text", string, true}, {"file", string}};
+constexpr Param kHistory[] = {{"n", integer}};
+constexpr Param kRollback[] = {{"generation", integer, true}};
+constexpr Param kLock[] = {{"lock", string, true}};
 constexpr Param kTail[] = {
     {"component", string}, {"level", string}, {"n", integer}, {"follow", boolean}};
 constexpr Param kEveryMutation[] = {
@@ -63,6 +66,9 @@ constexpr Method kMethods[] = {
     {"plugin.reload", "moves every instance to the new code", kPlugin, true},
     {"config.get", "the running system as an architecture file", {}},
     {"config.check", "all errors of an architecture file", kCheck},
+    {"config.history", "the saved generations, newest first", kHistory},
+    {"config.rollback", "back to a saved generation", kRollback, true},
+    {"lock.set", "none, params or all: what may not be changed", kLock, true, true},
     {"log.tail", "the last records, and those to come", kTail},
 };
 
