@@ -52,6 +52,9 @@ constexpr Argument kPlugin[] = {one("PLUGIN", "name of a plugin, not a path", Ki
 constexpr Argument kPlugins[] = {
     maybe("--for", "the cores that fit this component", Kind::component)};
 constexpr Argument kCheck[] = {one("FILE", "an architecture file", Kind::file)};
+constexpr Argument kHistory[] = {maybe("-n,--lines", "how many of the newest", Kind::none)};
+constexpr Argument kRollback[] = {one("GENERATION", "a number of mauvectl history", Kind::none)};
+constexpr Argument kLock[] = {one("LOCK", "none, params or all", Kind::lock)};
 constexpr Argument kLogs[] = {
     maybe("COMPONENT", "only this one", Kind::component),
     flag("-f,--follow", "go on with what comes"),
@@ -94,6 +97,11 @@ constexpr Command kCommands[] = {
      {},
      false,
      run_export},
+    {"history", "saved generations: when, who, what", "mauvectl history -n 10", kHistory, false,
+     run_history},
+    {"rollback", "to a saved generation", "mauvectl rollback 41", kRollback, true, run_rollback},
+    {"lock", "what may not be changed: none, params or all", "mauvectl lock all --reason mission",
+     kLock, true, run_lock},
     {"logs", "the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},
     {"ping", "does the daemon answer", "mauvectl ping", {}, false, run_ping},
     {"version", "of client and daemon", "mauvectl version", {}, false, run_version},

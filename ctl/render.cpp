@@ -48,6 +48,10 @@ std::string heading(const Json& status, const Json& components) {
   const Json& realtime = member(status, "realtime");
   if (realtime.is_boolean()) text += realtime == true ? ", real time" : ", NOT real time";
   if (realtime.is_string()) text += ", real time: " + compact(realtime);
+  if (member(status, "saved") == false) text += ", NOT saved";
+  if (const auto lock = word(status, "lock"); lock == "params" || lock == "all") {
+    text += ", " + lock + " locked";
+  }
   return text;
 }
 
@@ -226,7 +230,8 @@ std::string render_object(const Json& object, Look look) {
 }
 
 std::string render_receipt(std::string_view done, const Json& receipt, Look look) {
-  const std::string generation = word(receipt, "generation");
+  const std::string generation =
+      word(receipt, "generation") + (member(receipt, "saved") == false ? ", NOT saved" : "");
   if (member(receipt, "changed") == false) {
     return "nothing to change (generation " + generation + " still running)\n";
   }
