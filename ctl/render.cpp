@@ -230,8 +230,7 @@ std::string render_object(const Json& object, Look look) {
 }
 
 std::string render_receipt(std::string_view done, const Json& receipt, Look look) {
-  const std::string generation =
-      word(receipt, "generation") + (member(receipt, "saved") == false ? ", NOT saved" : "");
+  const std::string generation = word(receipt, "generation");
   if (member(receipt, "changed") == false) {
     return "nothing to change (generation " + generation + " still running)\n";
   }
@@ -255,7 +254,9 @@ std::string render_receipt(std::string_view done, const Json& receipt, Look look
   if (bytes > 0) text += ", " + counted(bytes, "byte") + " of state kept";
   const auto attempts = whole_number(receipt, "attempts");
   if (attempts > 1) text += ", " + counted(attempts, "attempt");
-  return wrapped(text + " (generation " + generation + ")", look.width, 2) + "\n";
+  text += " (generation " + generation;
+  if (member(receipt, "saved") == false) text += ", applied but NOT saved";
+  return wrapped(text + ")", look.width, 2) + "\n";
 }
 
 std::string render_errors(std::string_view file, const Json& result, Look look) {

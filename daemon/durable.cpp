@@ -119,7 +119,7 @@ Status replace_file(const path& file, std::string_view content) {
   return done;
 }
 
-Status append_line(const path& file, std::string_view line) {
+Status append_lines(const path& file, std::string_view lines) {
   const bool fresh = ::access(file.c_str(), F_OK) != 0;
   const Descriptor fd(::open(
       file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW | O_NOCTTY, kFileMode));
@@ -127,7 +127,7 @@ Status append_line(const path& file, std::string_view line) {
     return failed(file, "open");
   }
   std::string text = ends_within_a_line(fd.get()) ? "\n" : "";
-  text.append(line).append("\n");
+  text.append(lines).append("\n");
   if (auto written = write_all(fd.get(), text, file); !written) {
     return written;
   }

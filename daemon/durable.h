@@ -22,9 +22,9 @@ namespace mauve::daemon {
 /// Gives a file new content: all of it or, when this is refused, none.
 [[nodiscard]] Status replace_file(const std::filesystem::path& file, std::string_view content);
 
-/// Adds a line, which is on the disk afterwards. Makes the file where it is missing. A line that
-/// was cut off before stays alone on its line.
-[[nodiscard]] Status append_line(const std::filesystem::path& file, std::string_view line);
+/// Adds a line, or several, which are on the disk afterwards. Makes the file where it is missing.
+/// A line that was cut off before stays alone on its line.
+[[nodiscard]] Status append_lines(const std::filesystem::path& file, std::string_view lines);
 
 /// Makes an empty file, or removes one; fine when that is so already.
 [[nodiscard]] Status put_marker(const std::filesystem::path& file);

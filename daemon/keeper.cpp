@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "keeper.h"
 
+#include <chrono>
 #include <filesystem>
 #include <future>
 #include <utility>
@@ -66,28 +67,46 @@ void Keeper::keep(Generation about, Value architecture, Json line,
                      line = std::move(line), then = std::move(then)]() mutable {
     const bool saved = save(about, architecture);
     line["saved"] = saved;
-    write_line(line);
+    write_lines(protocol::to_line(line));
     if (then) {
       then(saved);
     }
   });
 }
 
-void Keeper::audit(Json line) {
-  if (waiting_ >= kWaiting) {
+void Keeper::audit(const Json& line) {
+  auto text = protocol::to_line(line);
+  const std::lock_guard lock(mutex_);
+  if (waiting_.size() >= kWaiting) {
     ++lost_;
     return;
   }
-  ++waiting_;
-  disk_.post([this, line = std::move(line)] {
-    --waiting_;
-    write_line(line);
-    if (const auto lost = lost_.exchange(0); lost > 0) {
-      write_line({{"time", line.value("time", "")}, {"lost", lost}});
-      log_.write(Event::events_lost,
-                 {{"count", static_cast<std::int64_t>(lost)}, {"source", "the audit log"}});
-    }
-  });
+  waiting_.push_back(std::move(text));
+  if (waiting_.size() == 1) {
+    disk_.post([this] { write_waiting(); });
+  }
+}
+
+/// All at once: who is refused a thousand times a second keeps the disk busy once.
+void Keeper::write_waiting() {
+  std::vector<std::string> lines;
+  std::uint64_t lost = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    lines.swap(waiting_);
+    std::swap(lost, lost_);
+  }
+  std::string text;
+  for (const auto& line : lines) {
+    text += (text.empty() ? "" : "\n") + line;
+  }
+  if (lost > 0) {
+    const auto now = logging::utc(std::chrono::system_clock::now());
+    text += "\n" + protocol::to_line({{"time", now}, {"lost", lost}});
+    log_.write(Event::events_lost,
+               {{"count", static_cast<std::int64_t>(lost)}, {"source", "the audit log"}});
+  }
+  write_lines(text);
 }
 
 void Keeper::mark(std::uint64_t generation, Mark mark) {
@@ -114,8 +133,8 @@ bool Keeper::save(const Generation& about, const Value& architecture) {
   return done.has_value();
 }
 
-void Keeper::write_line(const Json& line) {
-  const auto written = append_line(audit_in(directory_), protocol::to_line(line));
+void Keeper::write_lines(const std::string& lines) {
+  const auto written = append_lines(audit_in(directory_), lines);
   if (!written && !audit_broken_) {
     report(Event::audit_failed, written.error());
   }

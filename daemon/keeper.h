@@ -7,7 +7,9 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
+#include <vector>
 
 #include "control.h"
 #include "generations.h"
@@ -40,8 +42,9 @@ class Keeper {
   /// Saves a generation, adds `line` to the audit log with "saved", then calls `then` on [disk].
   /// [any but rt]
   void keep(Generation about, Value architecture, Json line, std::function<void(bool saved)> then);
-  /// Adds a line to the audit log. When too many wait, lines are lost and counted. [any but rt]
-  void audit(Json line);
+  /// Adds a line to the audit log, for which nobody waits. When too many are on their way, lines
+  /// are lost and counted. [any but rt]
+  void audit(const Json& line);
   /// Marks a saved generation, after what waits for [disk]. [any but rt]
   void mark(std::uint64_t generation, Mark mark);
   /// [any but rt] Waits until everything said so far is on the disk, or could not be.
@@ -56,7 +59,8 @@ class Keeper {
   Keeper(std::string directory, logging::Log& log) : directory_(std::move(directory)), log_(log) {}
 
   bool save(const Generation& about, const Value& architecture);
-  void write_line(const Json& line);
+  void write_waiting();
+  void write_lines(const std::string& lines);
   void report(logging::Event event, const Error& error);
 
   const std::string directory_;
@@ -65,9 +69,10 @@ class Keeper {
   std::unique_ptr<Generations> generations_;
   bool crashed_ = false;
   std::atomic<bool> saved_{true};
-  std::atomic<std::size_t> waiting_{0};
-  std::atomic<std::uint64_t> lost_{0};
   bool audit_broken_ = false;  ///< [disk] one complaint each until it works again
+  std::mutex mutex_;           ///< guards what follows
+  std::vector<std::string> waiting_;
+  std::uint64_t lost_ = 0;
   WorkerThread disk_{"mauve-disk"};
 };
 

@@ -37,7 +37,7 @@ void answer_refused(Running& running, const Call& call, const Error& error,
     if (running.keeper != nullptr && state != "unchanged") {
       keep(running, call, std::move(line), {});
     } else if (running.keeper != nullptr) {
-      running.keeper->audit(std::move(line));
+      running.keeper->audit(line);
     }
   }
   call.reply(std::move(fault));

@@ -95,9 +95,9 @@ void CommandTable::dispatch(const server::Caller& caller, const protocol::Method
 void CommandTable::refused(const server::Caller& caller, const protocol::Method& method,
                            protocol::Request request, const Fault& fault) {
   const auto call = call_of(caller, method, std::move(request), {});
-  auto line = audit_refused(running_, *call, fault);
+  const auto line = audit_refused(running_, *call, fault);
   if (running_.keeper != nullptr) {
-    running_.keeper->audit(std::move(line));
+    running_.keeper->audit(line);
   }
 }
 
