@@ -17,6 +17,7 @@ int run_watch(Session& session);
 int run_plugins(Session& session);
 int run_check(Session& session);
 int run_export(Session& session);
+int run_history(Session& session);
 int run_logs(Session& session);
 int run_ping(Session& session);
 int run_version(Session& session);
@@ -36,5 +37,7 @@ int run_plan(Session& session);
 int run_load(Session& session);
 int run_unload(Session& session);
 int run_reload(Session& session);
+int run_rollback(Session& session);
+int run_lock(Session& session);
 
 }  // namespace mauve::ctl

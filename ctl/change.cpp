@@ -158,6 +158,23 @@ int run_quarantine(Session& session) {
   return static_cast<int>(Exit::ok);
 }
 
+int run_rollback(Session& session) {
+  const std::string wanted = session.arguments.one("GENERATION");
+  const auto generation = count_of(wanted);
+  if (!generation) {
+    return session.fail(fault_of(protocol::kUsage, "'" + wanted + "' is not a generation", {},
+                                 "mauvectl history lists them"));
+  }
+  return change(session, "config.rollback", {{"generation", *generation}},
+                "rolled back to generation " + wanted);
+}
+
+int run_lock(Session& session) {
+  const std::string lock = session.arguments.one("LOCK");
+  return change(session, "lock.set", {{"lock", lock}},
+                lock == "none" ? "unlocked" : "locked " + lock);
+}
+
 int run_load(Session& session) { return change_plugin(session, "plugin.load", "loaded"); }
 int run_unload(Session& session) { return change_plugin(session, "plugin.unload", "unloaded"); }
 int run_reload(Session& session) { return change_plugin(session, "plugin.reload", "reloaded"); }

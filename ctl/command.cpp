@@ -70,6 +70,9 @@ constexpr Argument kApply[] = {one("FILE", "an architecture file", Kind::file),
                                flag("--dry-run", "prepare and tell, but change nothing"), kState,
                                kProbation, kConfirmWithin};
 constexpr Argument kPlan[] = {one("FILE", "an architecture file", Kind::file), kState};
+constexpr Argument kHistory[] = {maybe("-n,--lines", "how many of the newest", Kind::none)};
+constexpr Argument kRollback[] = {one("GENERATION", "a number of mauvectl history", Kind::none)};
+constexpr Argument kLock[] = {one("LOCK", "none, params or all", Kind::lock)};
 constexpr Argument kLogs[] = {
     maybe("COMPONENT", "only this one", Kind::component),
     flag("-f,--follow", "go on with what comes"),
@@ -122,6 +125,11 @@ constexpr Command kCommands[] = {
      {},
      false,
      run_export},
+    {"history", "saved generations: when, who, what", "mauvectl history -n 10", kHistory, false,
+     run_history},
+    {"rollback", "to a saved generation", "mauvectl rollback 41", kRollback, true, run_rollback},
+    {"lock", "what may not be changed: none, params or all", "mauvectl lock all --reason mission",
+     kLock, true, run_lock},
     {"logs", "the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},
     {"ping", "does the daemon answer", "mauvectl ping", {}, false, run_ping},
     {"version", "of client and daemon", "mauvectl version", {}, false, run_version},

@@ -27,7 +27,8 @@ enum class Kind {
   plugin,
   file,
   category,
-  level
+  level,
+  lock
 };
 
 struct Argument {

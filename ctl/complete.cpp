@@ -161,6 +161,8 @@ Words candidates(const Typed& typed, Kind kind, const std::string& begun) {
       return {};
     case Kind::level:
       return {std::begin(kLevels), std::end(kLevels)};
+    case Kind::lock:
+      return {"none", "params", "all"};
     case Kind::category: {
       Words names;
       for (const Category& one : categories()) names.emplace_back(one.name);

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include <charconv>
 #include <string>
 
 #include "actions.h"
@@ -38,14 +37,6 @@ int follow(Session& session, const Json& subscription, std::string_view method, 
     if (notification.method != method && !dropped) continue;
     if (is_about(notification.params, subscription)) print(std::move(notification.params), dropped);
   }
-}
-
-/// A count as written, or nothing.
-std::optional<std::uint64_t> count_of(const std::string& text) {
-  std::uint64_t count = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return count;
 }
 
 }  // namespace

@@ -48,6 +48,10 @@ std::string heading(const Json& status, const Json& components) {
   const Json& realtime = member(status, "realtime");
   if (realtime.is_boolean()) text += realtime == true ? ", real time" : ", NOT real time";
   if (realtime.is_string()) text += ", real time: " + compact(realtime);
+  if (member(status, "saved") == false) text += ", NOT saved";
+  if (const auto lock = word(status, "lock"); lock == "params" || lock == "all") {
+    text += ", " + lock + " locked";
+  }
   return text;
 }
 
@@ -265,8 +269,9 @@ std::string render_receipt(std::string_view done, const Json& receipt, Look look
   if (bytes > 0) text += ", " + counted(bytes, "byte") + " of state kept";
   const auto attempts = whole_number(receipt, "attempts");
   if (attempts > 1) text += ", " + counted(attempts, "attempt");
-  text += " (generation " + generation + on_probation(receipt) + ")";
-  return wrapped(text, look.width, 2) + "\n";
+  text += " (generation " + generation + on_probation(receipt);
+  if (member(receipt, "saved") == false) text += ", applied but NOT saved";
+  return wrapped(text + ")", look.width, 2) + "\n";
 }
 
 std::string render_quarantine(const Json& list, Look look) {

@@ -48,6 +48,9 @@ struct Look {
 /// The cores that fit a component, one row each, by the names that swap-core takes.
 [[nodiscard]] std::string render_plugins_for(const Json& result, Look look);
 
+/// The saved generations, one row each.
+[[nodiscard]] std::string render_history(const Json& result, Look look);
+
 /// "FILE:3:5: error: control.core.gain: must be positive", with hints.
 [[nodiscard]] std::string render_errors(std::string_view file, const Json& result, Look look);
 

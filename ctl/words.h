@@ -2,6 +2,8 @@
 /// Small texts that the renderers share.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,6 +35,9 @@ using protocol::Json;
 
 /// "1 release", "2 releases".
 [[nodiscard]] std::string counted(std::uint64_t count, std::string_view noun);
+
+/// A count as written, or nothing.
+[[nodiscard]] std::optional<std::uint64_t> count_of(std::string_view text);
 
 /// The keys of an object, or of all objects in an array: what people look for first, then a to z.
 [[nodiscard]] std::vector<std::string> keys_in_order(const Json& value);

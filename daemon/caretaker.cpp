@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "caretaker.h"
 
+#include <unistd.h>
+
 #include <chrono>
 #include <optional>
 #include <utility>
 
+#include "commands/model.h"
 #include "commands/quarantine.h"
+#include "keeper.h"
 
 namespace mauve::daemon {
 
@@ -14,6 +18,8 @@ namespace {
 using logging::Event;
 
 constexpr std::chrono::milliseconds kEvery{20};
+
+std::int64_t number(std::uint64_t value) { return static_cast<std::int64_t>(value); }
 
 Event event_of(Outcome::Kind kind) {
   switch (kind) {
@@ -59,7 +65,7 @@ void Caretaker::run() {
 void Caretaker::look() {
   auto free = std::make_shared<Retired>();
   const auto outcomes = running_->deployer.tend(*free);
-  running_->generation = running_->deployer.generation();
+  running_->generation = running_->earlier + running_->deployer.generation();
   for (const auto& outcome : outcomes) {
     tell(outcome);
   }
@@ -73,15 +79,45 @@ void Caretaker::look() {
 void Caretaker::tell(const Outcome& outcome) {
   running_->log.write(event_of(outcome.kind),
                       {{"component", outcome.component},
-                       {"generation", static_cast<std::int64_t>(outcome.generation)},
-                       {"began", static_cast<std::int64_t>(outcome.began)},
+                       {"generation", number(running_->earlier + outcome.generation)},
+                       {"began", number(running_->earlier + outcome.began)},
                        {"text", outcome.reason}});
+  if (running_->keeper != nullptr) {
+    save(outcome);
+  }
   const bool at_fault = outcome.kind == Outcome::Kind::rolled_back && !outcome.component.empty();
   for (const auto& core : outcome.cores) {
     if (at_fault && quarantine(*running_, core, outcome.reason)) {
       running_->log.write(Event::quarantined, {{"core", core}, {"text", outcome.reason}});
     }
   }
+}
+
+/// A generation that the system made by itself is saved like others; nobody waits for it.
+void Caretaker::save(const Outcome& outcome) {
+  auto& keeper = *running_->keeper;
+  const auto began = running_->earlier + outcome.began;
+  if (outcome.kind == Outcome::Kind::passed) {
+    return keeper.mark(began, Mark::confirmed);
+  }
+  const bool back = outcome.kind == Outcome::Kind::rolled_back;
+  if (back) {
+    keeper.mark(began, Mark::rolled_back);
+  }
+  Generation about;
+  about.number = running_->earlier + outcome.generation;
+  about.boot = running_->boot;
+  about.time = logging::utc(std::chrono::system_clock::now());
+  about.uid = geteuid();
+  about.command = to_string(outcome.kind);
+  about.reason = (outcome.component.empty() ? "" : outcome.component + " ") + outcome.reason;
+  about.mark = back ? Mark::confirmed : Mark::unconfirmed;
+  Json line = {{"time", about.time},         {"method", about.command},
+               {"uid", about.uid},           {"pid", getpid()},
+               {"reason", about.reason},     {"before", began},
+               {"generation", about.number}, {"outcome", "applied"},
+               {"state", about.command}};
+  keeper.keep(std::move(about), described(*running_), std::move(line), {});
 }
 
 /// A change like any other, so that no two prepare at the same time.

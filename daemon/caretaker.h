@@ -27,6 +27,7 @@ class Caretaker {
   void run();
   void look();
   void tell(const Outcome& outcome);
+  void save(const Outcome& outcome);
   void make_reliefs();
 
   Running* running_ = nullptr;

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "arch/load.h"
+#include "commands/model.h"
 #include "happenings.h"
 #include "mauve/version.h"
 #include "notify.h"
@@ -112,27 +113,43 @@ Status Daemon::start() {
     return endpoint.error();
   }
   endpoint_.emplace(std::move(*endpoint));
+  if (auto opened = open_keeper(); !opened) {
+    return opened;
+  }
   if (auto loaded = load(); !loaded) {
     return loaded;
   }
   return deploy();
 }
 
-Status Daemon::load() {
-  const auto text = arch::read_file(options_.architecture);
-  if (!text) {
-    return text.error();
+Status Daemon::open_keeper() {
+  if (options_.state_dir.empty()) {
+    return ok();
   }
+  auto keeper = Keeper::open(options_.state_dir, log_);
+  if (!keeper) {
+    return keeper.error();
+  }
+  keeper_ = std::move(*keeper);
+  return ok();
+}
+
+Status Daemon::load() {
+  auto origin = what_to_start(options_, keeper_.get(), log_);
+  if (!origin) {
+    return origin.error();
+  }
+  origin_ = *std::move(origin);
   arch::Problems problems;
-  architecture_ = arch::load(*text, catalog_, problems);
+  architecture_ = arch::load(origin_.text, catalog_, problems);
   for (const auto& problem : problems.sorted()) {
-    log_.write(Event::start_refused, {{"text", arch::to_string(problem, options_.architecture)},
+    log_.write(Event::start_refused, {{"text", arch::to_string(problem, origin_.file)},
                                       {"line", static_cast<std::int64_t>(problem.where.line)},
                                       {"at", problem.error.at}});
   }
   if (architecture_ == nullptr) {
-    return refuse(Errc::invalid_value, options_.architecture,
-                  "has " + counted(problems.size(), "error"), "mauved --check shows them again");
+    return refuse(Errc::invalid_value, origin_.file, "has " + counted(problems.size(), "error"),
+                  "mauved --check shows them again");
   }
   for (const auto* loaded : catalog_.plugins()) {
     log_.write(Event::plugin_loaded, {{"plugin", loaded->info().name},
@@ -163,7 +180,7 @@ Status Daemon::serve() {
   running_.reset(new Running{*architecture_, *deployer_, catalog_, control_, log_, watches_,
                              [this] { return server_->clients(); }, random_id(),
                              std::chrono::steady_clock::now()});
-  running_->generation = deployer_->generation();
+  keep_the_first();
   table_ = std::make_unique<CommandTable>(*running_);
   server_ = std::make_unique<server::Server>(server::ServerOptions{{}, server::machine_rules()},
                                              *table_, log_);
@@ -179,6 +196,25 @@ Status Daemon::serve() {
   log_.write(Event::daemon_running, {{"text", state}});
   notify::ready(state);
   return ok();
+}
+
+/// Before the first client: the numbers of generations go on from those of earlier runs.
+void Daemon::keep_the_first() {
+  running_->earlier = keeper_ ? keeper_->generations().newest() : 0;
+  running_->generation = running_->earlier + deployer_->generation();
+  if (!keeper_) {
+    return;
+  }
+  running_->keeper = keeper_.get();
+  Generation first;
+  first.number = running_->generation;
+  first.boot = running_->boot;
+  first.time = logging::utc(std::chrono::system_clock::now());
+  first.uid = geteuid();
+  first.command = origin_.generation == 0 ? "start" : "recover";
+  first.reason =
+      origin_.generation == 0 ? origin_.file : "generation " + std::to_string(origin_.generation);
+  keeper_->begin(first, described(*running_));
 }
 
 /// Under a service manager the line of `systemctl status` is kept true; else nothing wakes up.
@@ -205,9 +241,9 @@ std::string Daemon::state_line() const {
     running += one.state == ComponentState::running ? 1 : 0;
   }
   return architecture_->name() + " is running: " + std::to_string(running) + " of " +
-         counted(all.size(), "component") + ", generation " +
-         std::to_string(deployer_->generation()) + ", " + std::to_string(missed) + " missed, " +
-         std::to_string(overruns) + " overruns" + (deployer_->realtime() ? "" : ", NOT real time");
+         counted(all.size(), "component") + ", generation " + std::to_string(running_->generation) +
+         ", " + std::to_string(missed) + " missed, " + std::to_string(overruns) + " overruns" +
+         (deployer_->realtime() ? "" : ", NOT real time");
 }
 
 int Daemon::shut_down(const std::string& cause) {
@@ -223,6 +259,9 @@ int Daemon::shut_down(const std::string& cause) {
   server_->stop(kLastAnswers);
   control_.stop();
   watches_.stop();
+  if (keeper_) {
+    keeper_->end();
+  }
   log_.flush();
   log_.set_source({});
   log_.write(Event::daemon_stopped);

@@ -10,7 +10,9 @@
 #include "caretaker.h"
 #include "commands/command.h"
 #include "commands/table.h"
+#include "keeper.h"
 #include "options.h"
+#include "recovery.h"
 #include "server/server.h"
 #include "signals.h"
 #include "watch.h"
@@ -33,10 +35,12 @@ class Daemon {
 
  private:
   Status open_log();
+  Status open_keeper();
   Status start();
   Status load();
   Status deploy();
   Status serve();
+  void keep_the_first();
   [[nodiscard]] std::string wait_for_signal();
   [[nodiscard]] int shut_down(const std::string& cause);
   [[nodiscard]] std::vector<std::string> stop_components();
@@ -48,6 +52,8 @@ class Daemon {
   Signals signals_;
   logging::Log log_;
   std::optional<server::Endpoint> endpoint_;
+  std::unique_ptr<Keeper> keeper_;  ///< null: nothing is kept
+  Origin origin_;
   plugin::Catalog catalog_;
   std::unique_ptr<Architecture> architecture_;
   std::unique_ptr<Deployer> deployer_;

@@ -2,6 +2,7 @@
 #include "options.h"
 
 #include <CLI/CLI.hpp>
+#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -31,6 +32,13 @@ std::string default_plugin_dir() {
     return beside.string();
   }
   return MAUVE_INSTALL_PLUGINDIR;
+}
+
+/// Of a service, the first of the directories that its manager made for it.
+std::string default_state_dir() {
+  const char* given = std::getenv("STATE_DIRECTORY");
+  const std::string all = given == nullptr ? "" : given;
+  return all.substr(0, all.find(':'));
 }
 
 /// A word out of a map; CLI11 has checked that it is there.
@@ -65,6 +73,11 @@ void declare(CLI::App& app, Options& options) {
   app.add_flag("--check", options.check, "Only say what is wrong with the file; needs no root");
   app.add_option("--log-file", options.log_file, "Also write the log as JSON lines to this file")
       ->type_name("FILE");
+  app.add_option("--state-dir", options.state_dir,
+                 "Keep generations and the audit log here; else in $STATE_DIRECTORY")
+      ->type_name("DIR");
+  app.add_flag("--fresh", options.fresh,
+               "Start the file, also after a crash, and not the generation that ran last");
   app.add_option_function("--log-level", chosen(kLevels, options.log_level),
                           "Report this and worse")
       ->type_name("debug|info|warn|error")
@@ -97,6 +110,9 @@ std::variant<Options, Leave> parse_options(int argc, const char* const* argv) {
   }
   if (options.plugin_dirs.empty()) {
     options.plugin_dirs = {default_plugin_dir()};
+  }
+  if (options.state_dir.empty()) {
+    options.state_dir = default_state_dir();
   }
   return options;
 }

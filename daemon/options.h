@@ -17,8 +17,10 @@ struct Options {
   std::string socket;                    ///< never empty
   std::vector<std::string> plugin_dirs;  ///< where plugins may come from, and nowhere else
   Realtime realtime = Realtime::prefer;
-  bool check = false;    ///< only say what is wrong with the file
-  std::string log_file;  ///< JSON lines; empty for none
+  bool check = false;     ///< only say what is wrong with the file
+  std::string log_file;   ///< JSON lines; empty for none
+  std::string state_dir;  ///< what outlives a run; empty: nothing is kept
+  bool fresh = false;     ///< start the file, also after a crash
   logging::Level log_level = logging::Level::info;
 };
 

@@ -37,6 +37,7 @@ Signals::Signals() {
   const auto set = ending_signals();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   signal(SIGPIPE, SIG_IGN);  // a closed terminal or log reader is no reason to drop a robot
+  signal(SIGXFSZ, SIG_IGN);  // nor is a quota: the write fails and is reported
 }
 
 std::optional<std::string> Signals::wait(std::chrono::milliseconds time) const {

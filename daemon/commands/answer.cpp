@@ -1,54 +1,60 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/answer.h"
 
+#include "commands/audit.h"
+#include "commands/gate.h"
+#include "commands/model.h"
+#include "keeper.h"
+
 namespace mauve::daemon {
 
 namespace {
 
-using logging::Event;
-
-std::int64_t number(std::uint64_t value) { return static_cast<std::int64_t>(value); }
-
-/// A whole file does not belong into a log line.
-std::string shown(Json params) {
-  params.erase("text");
-  return protocol::to_line(params).substr(0, 1000);
+/// [control] Saves what runs now, then says in the audit log what was asked and what became of it.
+void keep(Running& running, const Call& call, Json line, std::function<void(bool saved)> then) {
+  Generation about;
+  about.number = running.earlier + running.deployer.generation();
+  about.boot = running.boot;
+  about.time = logging::utc(std::chrono::system_clock::now());
+  about.uid = call.caller.peer.uid;
+  about.command = call.method->name;
+  about.reason = text_or(call.params, "reason");
+  about.mark = call.mark;
+  running.keeper->keep(std::move(about), described(running), std::move(line), std::move(then));
 }
 
-logging::Fields who(const Call& call) {
-  logging::Fields fields = {{"method", std::string(call.method->name)},
-                            {"uid", number(call.caller.peer.uid)},
-                            {"pid", static_cast<std::int64_t>(call.caller.peer.pid)},
-                            {"params", shown(call.params)}};
-  if (const auto reason = text_or(call.params, "reason"); !reason.empty()) {
-    fields.push_back({"reason", reason});
+void remember_maker(Running& running, const Call& call, std::uint64_t generation) {
+  if (generation != running.maker.generation && generation != call.before) {
+    running.maker = {generation, call.caller.peer.uid, std::string(call.method->name)};
   }
-  return fields;
 }
 
-void audit_done(Running& running, const Call& call, const Json& result) {
-  auto fields = who(call);
-  std::string detail;
-  if (result.contains("components")) {
-    for (const auto& member : result["components"]) {
-      detail += (detail.empty() ? "" : ", ") + member["name"].get<std::string>();
-    }
-  } else if (result.contains("plugin")) {
-    detail = result["plugin"].get<std::string>();
+/// [control] The answer tells whether the change was also saved, so it waits for the disk; that of
+/// a stop does not.
+void answer_applied(Running& running, const Call& call, Json result) {
+  const auto generation = running.earlier + running.deployer.generation();
+  remember_maker(running, call, generation);
+  result["generation"] = generation;
+  auto line = audit_applied(running, call, result);
+  if (running.keeper == nullptr) {
+    return call.reply(std::move(result));
   }
-  const auto state = text_or(result, "state", "applied");
-  fields.push_back({"generation", number(running.generation)});
-  fields.push_back({"state", state});
-  fields.push_back({"detail", detail});
-  running.log.write(Event::change_applied, std::move(fields));
+  if (call.method->out_of_band) {
+    call.reply(std::move(result));
+    return keep(running, call, std::move(line), {});
+  }
+  keep(running, call, std::move(line),
+       [reply = call.reply, result = std::move(result)](bool saved) mutable {
+         result["saved"] = saved;
+         reply(std::move(result));
+       });
 }
 
-void audit_refused(Running& running, const Call& call, const Fault& fault) {
-  auto fields = who(call);
-  fields.push_back({"text", (fault.where.empty() ? "" : fault.where + ": ") + fault.message});
-  fields.push_back({"error", fault.name});
-  const bool unsafe = fault.state != "unchanged";
-  running.log.write(unsafe ? Event::change_unsafe : Event::change_refused, std::move(fields));
+std::string made_by(const Maker& maker, std::uint64_t generation) {
+  if (maker.generation != generation || maker.command.empty()) {
+    return {};
+  }
+  return ", made by uid " + std::to_string(maker.uid) + " with " + maker.command;
 }
 
 }  // namespace
@@ -59,25 +65,33 @@ void answer(Running& running, const Call& call, Result<Json> result, const std::
                         protocol::fault_of(result.error(), state, running.generation.load()));
   }
   if (call.method->mutation && !flag(*result, "dry_run")) {
-    audit_done(running, call, *result);
+    return answer_applied(running, call, *std::move(result));
   }
   call.reply(*std::move(result));
 }
 
 void answer_fault(Running& running, const Call& call, Fault fault) {
   if (call.method->mutation) {
-    audit_refused(running, call, fault);
+    auto line = audit_refused(running, call, fault);
+    if (running.keeper != nullptr && fault.state != "unchanged") {
+      keep(running, call, std::move(line), {});
+    } else if (running.keeper != nullptr) {
+      running.keeper->audit(line);
+    }
   }
   call.reply(std::move(fault));
 }
 
 Status check_conditions(const Running& running, const Call& call) {
+  if (auto free = may_change(running, kind_of(call)); !free) {
+    return free;
+  }
   const auto wanted = call.params.find("if_generation");
   const auto generation = running.generation.load();
   if (wanted != call.params.end() && *wanted != generation) {
     return refuse(Errc::conflict, std::string(call.method->name),
                   "generation " + wanted->dump() + " was expected, " + std::to_string(generation) +
-                      " is running",
+                      " is running" + made_by(running.maker, generation),
                   "look at what was changed meanwhile, then try again");
   }
   const auto deadline = call.params.find("deadline_ms");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Answering requests, and the audit line of every change.
+/// Answering requests; what was changed is saved and audited before.
 #pragma once
 
 #include <optional>
@@ -10,15 +10,16 @@
 namespace mauve::daemon {
 
 /// [any] The answer, or the refusal with the generation in force. `state` is what the system is in
-/// after a refusal. A mutation leaves its audit line in the log.
+/// after a refusal. A mutation leaves its audit line in the log and in the state directory; the
+/// answer of one that was applied comes from [control] only, and says whether it was saved too.
 void answer(Running& running, const Call& call, Result<Json> result,
             const std::string& state = "unchanged");
 
 /// [any] A refusal that says more than an Error can. A mutation leaves its audit line.
 void answer_fault(Running& running, const Call& call, Fault fault);
 
-/// [control] Refused: the generation is not the one the caller saw (`if_generation`), or his
-/// deadline has passed (`deadline_ms`). Nothing has happened yet.
+/// [control] Refused: it is locked (gate.h), the generation is not the one the caller saw
+/// (`if_generation`), or his deadline has passed (`deadline_ms`). Nothing has happened yet.
 [[nodiscard]] Status check_conditions(const Running& running, const Call& call);
 
 /// A receipt as on the wire.

@@ -219,7 +219,7 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
                    std::function<void(Ongoing&)> then) {
   running.control.await([ongoing] { return ongoing->advance(); },
                         [&running, ongoing, then = std::move(then)] {
-                          running.generation = running.deployer.generation();
+                          running.generation = running.earlier + running.deployer.generation();
                           then(*ongoing);
                         });
 }
@@ -239,6 +239,7 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
   }
   if (!changes_modes_only(change)) {
     change.probation = *probation;
+    call->mark = *probation ? Mark::unconfirmed : Mark::confirmed;
   }
   auto journey = std::make_shared<Journey>();
   journey->change = std::move(change);

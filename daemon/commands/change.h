@@ -4,8 +4,9 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "commands/command.h"
 

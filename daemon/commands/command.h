@@ -2,6 +2,8 @@
 /// What a command is, and what it works on.
 #pragma once
 
+#include <sys/types.h>
+
 #include <atomic>
 #include <chrono>
 #include <functional>
@@ -13,6 +15,7 @@
 #include <vector>
 
 #include "control.h"
+#include "generations.h"
 #include "log/log.h"
 #include "mauve/architecture.h"
 #include "mauve/deployer.h"
@@ -22,10 +25,22 @@
 
 namespace mauve::daemon {
 
+class Keeper;
 class Watches;
 
 using protocol::Fault;
 using protocol::Json;
+
+/// What an administrator has locked: `params` the values of properties, `all` every change. A stop
+/// is never locked.
+enum class Lock : std::uint8_t { none, params, all };
+
+/// Who made the generation in force, where that is known.
+struct Maker {
+  std::uint64_t generation = 0;
+  uid_t uid = 0;
+  std::string command;
+};
 
 /// The running system as commands see it. Owned by Daemon, which outlives every command. The model
 /// (architecture, deployer, catalog) is used on [control] only, save where they say [factory].
@@ -45,6 +60,10 @@ struct Running {
   std::map<std::string, std::uint64_t> stops = {};
   /// [control] Cores that were rolled back, by version, and why: see quarantine.h.
   std::map<std::string, std::string> quarantined = {};
+  std::uint64_t earlier = 0;  ///< the last generation of earlier runs: numbers go on from there
+  Keeper* keeper = nullptr;   ///< null: nothing is kept
+  Lock lock = Lock::none;     ///< [control], see gate.h
+  Maker maker = {};           ///< [control]
 };
 
 /// One request under way. Dropped unanswered only when the daemon ends.
@@ -54,6 +73,8 @@ struct Call {
   Json params;
   server::Reply reply;
   std::chrono::steady_clock::time_point received;
+  std::uint64_t before = 0;     ///< the generation that the request met
+  Mark mark = Mark::confirmed;  ///< of the generation that it makes
 };
 using CallPtr = std::shared_ptr<Call>;
 
@@ -99,6 +120,7 @@ Result<Json> show(Running&, const Call&);
 Result<Json> get(Running&, const Call&);
 Result<Json> export_architecture(Running&, const Call&);
 Result<Json> check_architecture(Running&, const Call&);
+Result<Json> history(Running&, const Call&);
 Result<Json> watch(Running&, const Call&);
 Result<Json> unwatch(Running&, const Call&);
 Result<Json> tail_log(Running&, const Call&);
@@ -117,5 +139,7 @@ void apply_file(Running&, const CallPtr&, Ticket);
 void load_plugin(Running&, const CallPtr&, Ticket);
 void unload_plugin(Running&, const CallPtr&, Ticket);
 void reload_plugin(Running&, const CallPtr&, Ticket);
+void rollback(Running&, const CallPtr&, Ticket);
+void set_lock(Running&, const CallPtr&, Ticket);
 
 }  // namespace mauve::daemon

@@ -5,12 +5,16 @@
 #include "arch/value_json.h"
 #include "commands/answer.h"
 #include "commands/architecture.h"
+#include "commands/model.h"
 
 namespace mauve::daemon {
 
+Value described(const Running& running) {
+  return arch::describe(running.architecture, running.catalog, parked_now(running));
+}
+
 Result<Json> export_architecture(Running& running, const Call& /*call*/) {
-  return Json{{"architecture", arch::to_json(arch::describe(running.architecture, running.catalog,
-                                                            parked_now(running)))}};
+  return Json{{"architecture", arch::to_json(described(running))}};
 }
 
 /// With a catalog of its own: nothing it loads or makes touches the running system.

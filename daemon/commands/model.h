@@ -41,6 +41,9 @@ struct Target {
 /// "control.ports.scan" -> element and name of the port, which need not exist.
 [[nodiscard]] Result<std::pair<std::string, std::string>> split_port(std::string_view address);
 
+/// The running system in the form of an architecture file.
+[[nodiscard]] Value described(const Running& running);
+
 /// The connection of a port, or null.
 [[nodiscard]] const Binding* connection(const Element& element, const PortBase& port);
 

@@ -28,6 +28,9 @@ void finish_load(Running& running, const Call& call, Load& load) {
   if (!*load.loaded) {
     return answer(running, call, load.loaded->error());
   }
+  if (auto met = check_conditions(running, call); !met) {
+    return answer(running, call, met.error());
+  }
   const auto info = (*load.loaded)->info();
   auto done = running.catalog.commit(std::move(**load.loaded));
   if (!done) {

@@ -44,6 +44,9 @@ Json to_json(const Probation& probation) {
 }
 
 void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
+  if (auto met = check_conditions(running, *call); !met) {
+    return answer(running, *call, met.error());
+  }
   if (auto done = running.deployer.confirm(); !done) {
     return answer(running, *call, done.error());
   }
@@ -51,15 +54,18 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
 }
 
 void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
+  if (auto met = check_conditions(running, *call); !met) {
+    return answer(running, *call, met.error());
+  }
   const auto reason = text_or(call->params, "reason");
   auto begun = running.deployer.undo(reason.empty() ? "undone by request" : "undone: " + reason);
   if (!begun) {
     return answer(running, *call, begun.error());
   }
-  const auto before = running.deployer.generation();
+  const auto before = running.earlier + running.deployer.generation();
   running.control.await(
       [&running, before] {
-        running.generation = running.deployer.generation();
+        running.generation = running.earlier + running.deployer.generation();
         return running.generation != before || !running.deployer.going_back();
       },
       [&running, call] {

@@ -65,6 +65,9 @@ Result<Json> list_quarantine(Running& running, const Call& /*call*/) {
 }
 
 void release_quarantine(Running& running, const CallPtr& call, Ticket /*none*/) {
+  if (auto met = check_conditions(running, *call); !met) {
+    return answer(running, *call, met.error());
+  }
   const auto core = text_or(call->params, "core");
   const auto released = std::erase_if(running.quarantined, [&](const auto& entry) {
     return entry.first.substr(0, entry.first.find('@')) == core;

@@ -2,6 +2,8 @@
 /// status.get, ping, version: is it well, and what is it?
 #include "commands/answer.h"
 #include "commands/command.h"
+#include "commands/gate.h"
+#include "keeper.h"
 #include "mauve/version.h"
 
 namespace mauve::daemon {
@@ -41,11 +43,16 @@ Result<Json> status(Running& running, const Call& /*call*/) {
     rows.push_back(std::move(row));
   }
   const std::chrono::duration<double> up = std::chrono::steady_clock::now() - running.since;
-  return Json{{"generation", running.deployer.generation()},
-              {"architecture", running.architecture.name()},
-              {"uptime_s", up.count()},
-              {"realtime", running.deployer.realtime()},
-              {"components", std::move(rows)}};
+  Json result = {{"generation", running.earlier + running.deployer.generation()},
+                 {"architecture", running.architecture.name()},
+                 {"uptime_s", up.count()},
+                 {"realtime", running.deployer.realtime()},
+                 {"lock", to_string(running.lock)},
+                 {"components", std::move(rows)}};
+  if (running.keeper != nullptr) {
+    result["saved"] = running.keeper->saved();
+  }
+  return result;
 }
 
 }  // namespace mauve::daemon

@@ -5,6 +5,8 @@
 #include <array>
 
 #include "commands/answer.h"
+#include "commands/audit.h"
+#include "keeper.h"
 #include "mauve/version.h"
 #include "watch.h"
 
@@ -30,6 +32,7 @@ constexpr Command kCommands[] = {
     {"config.get", Role::viewer, Lane::read, export_architecture, nullptr},
     {"config.check", Role::viewer, Lane::factory, check_architecture, nullptr},
     {"architecture.diff", Role::viewer, Lane::change, nullptr, diff_architecture},
+    {"config.history", Role::viewer, Lane::any, history, nullptr},
     {"watch.subscribe", Role::viewer, Lane::read, watch, nullptr},
     {"watch.unsubscribe", Role::viewer, Lane::read, unwatch, nullptr},
     {"log.tail", Role::viewer, Lane::read, tail_log, nullptr},
@@ -47,6 +50,8 @@ constexpr Command kCommands[] = {
     {"plugin.load", Role::admin, Lane::change, nullptr, load_plugin},
     {"plugin.unload", Role::admin, Lane::change, nullptr, unload_plugin},
     {"plugin.reload", Role::admin, Lane::change, nullptr, reload_plugin},
+    {"config.rollback", Role::admin, Lane::change, nullptr, rollback},
+    {"lock.set", Role::admin, Lane::urgent, nullptr, set_lock},
 };
 
 std::string_view group_of(Role role) {
@@ -81,12 +86,7 @@ Json CommandTable::hello() {
 
 void CommandTable::dispatch(const server::Caller& caller, const protocol::Method& method,
                             protocol::Request request, server::Reply reply) {
-  auto call = std::make_shared<Call>();
-  call->caller = caller;
-  call->method = &method;
-  call->params = std::move(request.params);
-  call->reply = std::move(reply);
-  call->received = std::chrono::steady_clock::now();
+  auto call = call_of(caller, method, std::move(request), std::move(reply));
   const auto* command = find_command(method.name);
   if (command == nullptr) {
     return answer(running_, *call,
@@ -96,6 +96,27 @@ void CommandTable::dispatch(const server::Caller& caller, const protocol::Method
     return answer(running_, *call, not_permitted(*command, caller));
   }
   run(*command, call);
+}
+
+void CommandTable::refused(const server::Caller& caller, const protocol::Method& method,
+                           protocol::Request request, const Fault& fault) {
+  const auto call = call_of(caller, method, std::move(request), {});
+  const auto line = audit_refused(running_, *call, fault);
+  if (running_.keeper != nullptr) {
+    running_.keeper->audit(line);
+  }
+}
+
+CallPtr CommandTable::call_of(const server::Caller& caller, const protocol::Method& method,
+                              protocol::Request request, server::Reply reply) const {
+  auto call = std::make_shared<Call>();
+  call->caller = caller;
+  call->method = &method;
+  call->params = std::move(request.params);
+  call->reply = std::move(reply);
+  call->received = std::chrono::steady_clock::now();
+  call->before = running_.generation;
+  return call;
 }
 
 void CommandTable::run(const Command& command, const CallPtr& call) {
@@ -116,6 +137,7 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
       break;
   }
   const bool queued = running_.control.change([this, &command, call](Ticket ticket) {
+    call->before = running_.generation;
     if (auto met = check_conditions(running_, *call); !met) {
       return answer(running_, *call, met.error());
     }

@@ -13,9 +13,13 @@ class CommandTable final : public server::Dispatcher {
   Json hello() override;
   void dispatch(const server::Caller& caller, const protocol::Method& method,
                 protocol::Request request, server::Reply reply) override;
+  void refused(const server::Caller& caller, const protocol::Method& method,
+               protocol::Request request, const Fault& fault) override;
   void gone(std::uint64_t client) override;
 
  private:
+  [[nodiscard]] CallPtr call_of(const server::Caller& caller, const protocol::Method& method,
+                                protocol::Request request, server::Reply reply) const;
   void run(const Command& command, const CallPtr& call);
 
   Running& running_;

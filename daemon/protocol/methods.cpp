@@ -39,9 +39,12 @@ constexpr Param kPlugin[] = {{"plugin", string, true}};
 constexpr Param kReload[] = {{"plugin", string, true}, {"state", string}};
 constexpr Param kCheck[] = {{"text", string, true}, {"file", string}};
 constexpr Param kDiff[] = {{"text", string, true}, {"file", string}};
-constexpr Param kApply[] = {
-    {"text", string, true}, {"file", string},      {"dry_run", boolean},
-    {"state", string},      {"probation", string}, {"confirm_within", string}};
+constexpr Param kApply[] = {{"text", string, true}, {"file", string},
+                            {"dry_run", boolean},   {"state", string},
+                            {"probation", string},  {"confirm_within", string}};
+constexpr Param kHistory[] = {{"n", integer}};
+constexpr Param kRollback[] = {{"generation", integer, true}};
+constexpr Param kLock[] = {{"lock", string, true}};
 constexpr Param kTail[] = {
     {"component", string}, {"level", string}, {"n", integer}, {"follow", boolean}};
 constexpr Param kEveryMutation[] = {
@@ -80,6 +83,9 @@ constexpr Method kMethods[] = {
     {"architecture.diff", "what another architecture file would change", kDiff},
     {"architecture.apply", "the running system becomes that of a file, or nothing happens", kApply,
      true},
+    {"config.history", "the saved generations, newest first", kHistory},
+    {"config.rollback", "back to a saved generation", kRollback, true},
+    {"lock.set", "none, params or all: what may not be changed", kLock, true, true},
     {"log.tail", "the last records, and those to come", kTail},
 };
 

@@ -40,6 +40,11 @@ class Dispatcher {
   virtual void dispatch(const Caller& caller, const protocol::Method& method,
                         protocol::Request request, Reply reply) = 0;
 
+  /// A mutation was refused before it came to dispatch(): its arguments are wrong, or there are too
+  /// many. The client has its answer.
+  virtual void refused(const Caller& /*caller*/, const protocol::Method& /*method*/,
+                       protocol::Request /*request*/, const protocol::Fault& /*fault*/) {}
+
   /// The client has gone: its subscriptions may end.
   virtual void gone(std::uint64_t client) = 0;
 };

@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <string>
 
 namespace mauve::server {
@@ -27,6 +28,14 @@ std::optional<gid_t> group_named(const char* name) {
 
 Error system_error(const char* what) {
   return refuse(Errc::system, "client", std::string(what) + ": " + std::strerror(errno));
+}
+
+/// What the process calls itself. A sandboxed daemon does not see it.
+std::string program_of(pid_t pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/comm");
+  std::string name;
+  std::getline(file, name);
+  return name;
 }
 
 }  // namespace
@@ -56,7 +65,7 @@ Result<Peer> peer_of(int socket) {
   }
   groups.resize(bytes / sizeof(gid_t));
   groups.push_back(who.gid);
-  return Peer{who.pid, who.uid, std::move(groups)};
+  return Peer{who.pid, who.uid, std::move(groups), program_of(who.pid)};
 }
 
 RoleRules machine_rules() {

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct Peer {
   pid_t pid = 0;
   uid_t uid = 0;
   std::vector<gid_t> groups;  ///< primary and supplementary
+  std::string program = {};   ///< name of the process at connect, for the log only; may be empty
 };
 
 /// [io] SO_PEERCRED and SO_PEERGROUPS of a connected Unix socket.

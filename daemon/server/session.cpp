@@ -122,15 +122,15 @@ void Session::dispatch(protocol::Request request) {
     return answer(protocol::make_error(request.id, protocol::unknown_method(request.method)));
   }
   if (const auto fault = protocol::check_params(*method, request.params)) {
-    return answer(protocol::make_error(request.id, *fault));
+    return turn_down(*method, std::move(request), *fault);
   }
   // Stopping is never refused for having been asked too often.
   if (method->mutation && !method->out_of_band &&
       !context_.rate.allow(caller_.peer.uid, Clock::now())) {
-    return answer(protocol::make_error(
-        request.id, protocol::fault_of(refuse(Errc::limit, request.method,
-                                              "too many changes a second from this user",
-                                              "put several values into one param.set"))));
+    const auto fault = protocol::fault_of(refuse(Errc::limit, request.method,
+                                                 "too many changes a second from this user",
+                                                 "put several values into one param.set"));
+    return turn_down(*method, std::move(request), fault);
   }
   ++in_flight_;
   auto reply = [weak = weak_from_this(), executor = socket_.get_executor(),
@@ -150,6 +150,14 @@ void Session::dispatch(protocol::Request request) {
     });
   };
   context_.dispatcher.dispatch(caller_, *method, std::move(request), std::move(reply));
+}
+
+void Session::turn_down(const protocol::Method& method, protocol::Request request,
+                        const protocol::Fault& fault) {
+  answer(protocol::make_error(request.id, fault));
+  if (method.mutation) {
+    context_.dispatcher.refused(caller_, method, std::move(request), fault);
+  }
 }
 
 void Session::answer(const Json& message) {

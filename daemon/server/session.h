@@ -52,6 +52,8 @@ class Session : public std::enable_shared_from_this<Session> {
   void serve_lines();
   void serve(const std::string& line);
   void dispatch(protocol::Request request);
+  void turn_down(const protocol::Method& method, protocol::Request request,
+                 const protocol::Fault& fault);
   void answer(const protocol::Json& message);
   void write();
   void send();

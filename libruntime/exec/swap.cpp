@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/fail_point.h"
 #include "model/left_behind.h"
 
 namespace mauve::exec {
@@ -59,7 +60,9 @@ void Swap::attempt() {
   for (Member& member : members_) publish(member);
   for (ResourceMember& resource : resources_) arm(resource);
   const bool late = runner_.now() >= result_.instant - kDecisionMargin.count();
+  MAUVE_FAIL_POINT("commit.before_decide");
   transactions_.back()->decide(late ? Transaction::State::aborted : Transaction::State::committed);
+  MAUVE_FAIL_POINT("commit.after_decide");
   for (Member& member : members_) runner_.wake(*member.task);
 }
 
@@ -74,8 +77,8 @@ void Swap::publish(Member& member) {
 
 void Swap::arm(ResourceMember& resource) {
   if (resource.flip != nullptr) old_flips_.push_back(std::move(resource.flip));
-  resource.flip = std::make_unique<ResourceFlip>(*resource.resource, resource.parts,
-                                                 resource.state, *transactions_.back());
+  resource.flip = std::make_unique<ResourceFlip>(*resource.resource, resource.parts, resource.state,
+                                                 *transactions_.back());
 }
 
 bool Swap::all_settled() {

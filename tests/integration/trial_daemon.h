@@ -36,8 +36,11 @@ class TrialDaemon {
   using Json = protocol::Json;
 
   explicit TrialDaemon(const std::string& architecture = kTrial,
-                       std::vector<std::string> more = {"--realtime", "off"})
-      : file_(place_.write("trial.json", architecture)), more_(std::move(more)) {
+                       std::vector<std::string> more = {"--realtime", "off"},
+                       std::string program = MAUVE_BIN_DIR "/mauved")
+      : file_(place_.write("trial.json", architecture)),
+        more_(std::move(more)),
+        program_(std::move(program)) {
     std::filesystem::create_directory(plugins());
     install(1);
     start();
@@ -50,7 +53,11 @@ class TrialDaemon {
                                std::filesystem::copy_options::overwrite_existing);
     std::filesystem::rename(plugins() / "new", plugins() / "trial.so");
   }
-  void start() { process_ = std::make_unique<Process>(command(), errors_path()); }
+  void start(const std::vector<std::string>& also = {}) {
+    auto words = command();
+    words.insert(words.end(), also.begin(), also.end());
+    process_ = std::make_unique<Process>(words, errors_path());
+  }
 
   /// A client that has read its greeting; gives up when the daemon has ended.
   [[nodiscard]] RawClient client() {
@@ -90,8 +97,8 @@ class TrialDaemon {
   [[nodiscard]] const TempDir& place() const { return place_; }
   [[nodiscard]] std::string errors() const { return TempDir::read(errors_path()); }
   [[nodiscard]] std::vector<std::string> command() const {
-    std::vector<std::string> words = {MAUVE_BIN_DIR "/mauved", file_.string(), "--socket",
-                                      socket().string(),       "--plugin-dir", plugins().string()};
+    std::vector<std::string> words = {program_,          file_.string(), "--socket",
+                                      socket().string(), "--plugin-dir", plugins().string()};
     words.insert(words.end(), more_.begin(), more_.end());
     return words;
   }
@@ -102,6 +109,7 @@ class TrialDaemon {
   TempDir place_;
   std::filesystem::path file_;
   std::vector<std::string> more_;
+  std::string program_;
   std::unique_ptr<Process> process_;
 };
 

@@ -55,6 +55,7 @@ class Process {
     if (id_ > 0 && waitpid(id_, &status_, WNOHANG) == id_) id_ = 0;
     return id_ > 0;
   }
+  [[nodiscard]] pid_t id() const { return id_; }
   void signal(int number) {
     if (running()) kill(id_, number);
   }

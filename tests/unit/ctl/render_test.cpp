@@ -37,6 +37,31 @@ TEST(RenderStatus, IsATable) {
       "control  stopped  reach_goal  guidance/potential_field    40     19200       3         0\n");
 }
 
+TEST(RenderStatus, SaysWhatIsLockedAndNotSaved) {
+  const Json status = Json::parse(
+      R"({"generation":4,"architecture":"a","components":[],"lock":"params","saved":false})");
+
+  EXPECT_EQ(render_status(status, {}),
+            "a: 0 of 0 components running, generation 4, NOT saved, params locked\n");
+}
+
+TEST(RenderHistory, IsATableOfWhoAndWhy) {
+  const Json history = Json::parse(R"({"state_dir": "/s", "items": [
+    {"generation": 42, "time": "2026-01-31T12:00:00.123456Z", "uid": 1000, "command": "param.set",
+     "reason": "too slow", "mark": "confirmed", "boot": "b"},
+    {"generation": 41, "mark": "damaged"}]})");
+
+  EXPECT_EQ(render_history(history, {}),
+            "GENERATION  TIME                   UID  COMMAND    MARK       REASON\n"
+            "        42  2026-01-31 12:00:00Z  1000  param.set  confirmed  too slow\n"
+            "        41                                         damaged\n");
+}
+
+TEST(RenderHistory, SaysWhenNothingIsKept) {
+  EXPECT_EQ(render_history({{"items", Json::array()}, {"state_dir", nullptr}}, {}),
+            "nothing is kept: mauved runs without --state-dir\n");
+}
+
 TEST(RenderStatus, FitsInto80Columns) {
   const std::string text = render_status(kStatus, {80, false});
 
@@ -79,6 +104,12 @@ TEST(RenderStatus, SurvivesAnAnswerWithoutAnything) {
 TEST(RenderReceipt, IsOneSentence) {
   EXPECT_EQ(render_receipt("swapped control", kReceipt, {}),
             "swapped control: pause 38 ns, 0 releases missed (generation 42)\n");
+}
+
+TEST(RenderReceipt, SaysWhenTheDiskDidNotTakeIt) {
+  EXPECT_EQ(render_receipt("swapped control", receipt_with("saved", false), {}),
+            "swapped control: pause 38 ns, 0 releases missed (generation 42, applied but NOT "
+            "saved)\n");
 }
 
 TEST(RenderReceipt, CountsOverAllComponents) {

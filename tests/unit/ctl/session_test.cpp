@@ -194,5 +194,33 @@ TEST(Plugin, IsLoadedByName) {
   EXPECT_EQ(scene.outcome.out, "loaded extra (generation 43)\n");
 }
 
+TEST(History, AsksForAsManyAsWanted) {
+  const Json nothing = {{"items", Json::array()}, {"state_dir", nullptr}};
+  const Scene all({"history"}, nothing);
+  const Scene some({"history", "-n", "3"}, nothing);
+
+  EXPECT_EQ(all.asked.at(0).method, "config.history");
+  EXPECT_EQ(all.asked.at(0).params, Json::object());
+  EXPECT_EQ(some.asked.at(0).params, Json({{"n", 3}}));
+  EXPECT_EQ(all.outcome.exit, 0);
+}
+
+TEST(Rollback, NamesAGeneration) {
+  const Scene scene({"rollback", "41", "--reason", "it shook"}, kReceipt);
+
+  EXPECT_EQ(scene.asked.at(0).method, "config.rollback");
+  EXPECT_EQ(scene.asked.at(0).params, Json({{"generation", 41}, {"reason", "it shook"}}));
+  EXPECT_EQ(run("/nowhere", {"rollback", "yesterday"}).exit, 2);
+}
+
+TEST(Lock, SaysWhatIsLocked) {
+  const Scene lock({"lock", "all"}, {{"lock", "all"}, {"changed", true}, {"generation", 4}});
+  const Scene unlock({"lock", "none"}, {{"lock", "none"}, {"changed", true}, {"generation", 4}});
+
+  EXPECT_EQ(lock.asked.at(0).params, Json({{"lock", "all"}}));
+  EXPECT_EQ(lock.outcome.out, "locked all (generation 4)\n");
+  EXPECT_EQ(unlock.outcome.out, "unlocked (generation 4)\n");
+}
+
 }  // namespace
 }  // namespace mauve::ctl

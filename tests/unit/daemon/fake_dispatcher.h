@@ -42,6 +42,12 @@ class FakeDispatcher final : public server::Dispatcher {
     kept_.push_back(std::move(reply));
   }
 
+  void refused(const server::Caller& /*caller*/, const protocol::Method& method,
+               protocol::Request /*request*/, const protocol::Fault& fault) override {
+    const std::lock_guard lock(mutex_);
+    refused_.push_back(std::string(method.name) + ": " + fault.name);
+  }
+
   void gone(std::uint64_t client) override {
     const std::lock_guard lock(mutex_);
     gone_.push_back(client);
@@ -64,6 +70,11 @@ class FakeDispatcher final : public server::Dispatcher {
     return kept_.size();
   }
   std::size_t served() const { return served_; }
+  /// What never came to dispatch(): "param.set: limit".
+  std::vector<std::string> refused_ones() const {
+    const std::lock_guard lock(mutex_);
+    return refused_;
+  }
   std::vector<std::uint64_t> gone_clients() const {
     const std::lock_guard lock(mutex_);
     return gone_;
@@ -80,6 +91,7 @@ class FakeDispatcher final : public server::Dispatcher {
   std::vector<protocol::Request> requests_;
   std::vector<server::Reply> kept_;
   std::vector<std::uint64_t> gone_;
+  std::vector<std::string> refused_;
   std::vector<std::shared_ptr<server::Outbox>> outboxes_;
   std::atomic<std::size_t> served_{0};
 };

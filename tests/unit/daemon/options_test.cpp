@@ -53,6 +53,14 @@ TEST(Options, TakeEverythingFromTheCommandLine) {
   EXPECT_EQ(options.log_level, logging::Level::debug);
 }
 
+TEST(Options, TakeTheStateDirectoryFromTheServiceManagerUnlessOneIsGiven) {
+  setenv("STATE_DIRECTORY", "/var/lib/mauve:/var/lib/other", 1);
+  EXPECT_EQ(accepted({"rover.json"}).state_dir, "/var/lib/mauve");
+  EXPECT_EQ(accepted({"rover.json", "--state-dir", "here"}).state_dir, "here");
+  unsetenv("STATE_DIRECTORY");
+  EXPECT_EQ(accepted({"rover.json"}).state_dir, "");
+}
+
 TEST(Options, TakeTheFileBehindTheCheckFlagOrBeforeIt) {
   EXPECT_EQ(accepted({"--check", "rover.json"}).architecture, "rover.json");
   EXPECT_TRUE(accepted({"rover.json", "--check"}).check);

@@ -59,6 +59,18 @@ TEST(Server, RefusesAnUnknownArgumentBeforeTheDispatcherSeesIt) {
   EXPECT_EQ(served.dispatcher.served(), 0U);
 }
 
+TEST(Server, TellsTheDispatcherWhichChangesItRefusedItself) {
+  const ServedSocket served;
+  auto client = served.client();
+
+  static_cast<void>(client.ask("param.get", {{"adress", "a.b"}}));
+  static_cast<void>(client.ask("param.set", {{"valeus", Json::object()}}));
+  static_cast<void>(client.ask("ping"));
+
+  EXPECT_EQ(served.dispatcher.refused_ones(),
+            (std::vector<std::string>{"param.set: invalid_params"}));
+}
+
 TEST(Server, LetsAQuickAnswerOvertakeASlowOne) {
   ServedSocket served;
   auto client = served.client();

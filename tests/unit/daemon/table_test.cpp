@@ -7,6 +7,7 @@
 #include <future>
 #include <set>
 
+#include "commands/gate.h"
 #include "support/temp_dir.h"
 #include "watch.h"
 
@@ -186,6 +187,59 @@ TEST_F(TableTest, ForgetsTheSubscriptionsOfAClientThatHasGone) {
   log.flush();
 
   EXPECT_EQ(outbox->subscriptions(), 0U);
+}
+
+TEST_F(TableTest, LocksForAdministratorsOnly) {
+  EXPECT_EQ(refused(Role::operator_, "lock.set", {{"lock", "all"}}).name, "not_permitted");
+  EXPECT_EQ(refused(Role::admin, "lock.set", {{"lock", "some"}}).name, "invalid_value");
+  EXPECT_EQ(running.lock, Lock::none);
+}
+
+TEST_F(TableTest, RefusesWhatIsLockedButNeverAStop) {
+  ASSERT_TRUE(std::holds_alternative<Json>(ask(Role::admin, "lock.set", {{"lock", "all"}})));
+
+  const auto fault = refused(Role::operator_, "param.set", {{"values", {{"a.core.b", 1}}}});
+
+  EXPECT_EQ(fault.name, "conflict");
+  EXPECT_EQ(fault.exit, 6);
+  EXPECT_TRUE(
+      std::holds_alternative<Json>(ask(Role::operator_, "component.stop", {{"all", true}})));
+}
+
+TEST_F(TableTest, ListsNoGenerationsWhenNoneAreKept) {
+  auto outcome = ask(Role::viewer, "config.history");
+
+  EXPECT_EQ(std::get<Json>(outcome)["state_dir"], nullptr);
+  EXPECT_EQ(refused(Role::admin, "config.rollback", {{"generation", 1}}).name, "unsupported");
+}
+
+TEST_F(TableTest, CountsGenerationsOnFromEarlierRuns) {
+  running.earlier = 40;
+
+  auto stopped = ask(Role::operator_, "component.stop", {{"all", true}});
+
+  EXPECT_EQ(std::get<Json>(stopped)["generation"], 40 + deployer.generation());
+}
+
+struct Asked {
+  Lock lock;
+  Kind kind;
+  bool free;
+};
+
+TEST_F(TableTest, HasOneGateForEveryKindOfChange) {
+  const std::vector<Asked> cases = {
+      {Lock::none, Kind::property, true},    {Lock::none, Kind::other, true},
+      {Lock::params, Kind::property, false}, {Lock::params, Kind::other, true},
+      {Lock::params, Kind::stop, true},      {Lock::all, Kind::property, false},
+      {Lock::all, Kind::other, false},       {Lock::all, Kind::stop, true},
+      {Lock::all, Kind::lock, true}};
+  for (const auto& one : cases) {
+    running.lock = one.lock;
+    EXPECT_EQ(may_change(running, one.kind).has_value(), one.free)
+        << to_string(one.lock) << " " << static_cast<int>(one.kind);
+  }
+  running.lock = Lock::none;
 }
 
 }  // namespace

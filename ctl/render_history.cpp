@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <string>
+
+#include "render.h"
+#include "table.h"
+#include "words.h"
+
+namespace mauve::ctl {
+namespace {
+
+/// "2026-01-31T12:00:00.123456Z" is "2026-01-31 12:00:00Z".
+std::string time_in_words(std::string time) {
+  if (const auto dot = time.find('.'); dot != std::string::npos) time.erase(dot, 7);
+  if (const auto day = time.find('T'); day != std::string::npos) time[day] = ' ';
+  return time;
+}
+
+Paint paint_of(const std::string& mark) {
+  if (mark == "confirmed") return Paint::plain;
+  return mark == "damaged" ? Paint::red : Paint::yellow;
+}
+
+}  // namespace
+
+std::string render_history(const Json& result, Look look) {
+  if (word(result, "state_dir") == "-") {
+    return "nothing is kept: mauved runs without --state-dir\n";
+  }
+  const Json items = result.is_object() ? result.value("items", Json::array()) : Json::array();
+  if (items.empty()) return "none\n";
+  Table table({{"GENERATION", true}, {"TIME"}, {"UID", true}, {"COMMAND"}, {"MARK"}, {"REASON"}});
+  for (const Json& one : items) {
+    const std::string mark = word(one, "mark");
+    table.add({{word(one, "generation")},
+               {time_in_words(word(one, "time"))},
+               {word(one, "uid")},
+               {word(one, "command")},
+               {mark, paint_of(mark)},
+               {harmless(word(one, "reason"))}});
+  }
+  return table.text(look.width, look.colour);
+}
+
+}  // namespace mauve::ctl

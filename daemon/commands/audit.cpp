@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "commands/audit.h"
+
+#include <chrono>
+#include <utility>
+
+#include "commands/answer.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using logging::Event;
+
+constexpr std::size_t kLongest = 1'000;  ///< bytes of a text that a client gives
+
+std::int64_t number(std::uint64_t value) { return static_cast<std::int64_t>(value); }
+
+std::string bounded(const std::string& text) { return text.substr(0, kLongest); }
+
+/// What both kinds of line begin with.
+struct Line {
+  logging::Fields fields;
+  Json json;
+
+  void add(const char* name, std::string value) {
+    json[name] = value;
+    fields.push_back({name, std::move(value)});
+  }
+  void add(const char* name, std::int64_t value) {
+    json[name] = value;
+    fields.push_back({name, value});
+  }
+};
+
+Line begin(const Call& call) {
+  Line line;
+  line.json["time"] = logging::utc(std::chrono::system_clock::now());
+  line.add("method", std::string(call.method->name));
+  line.add("uid", number(call.caller.peer.uid));
+  line.add("pid", static_cast<std::int64_t>(call.caller.peer.pid));
+  if (!call.caller.peer.program.empty()) {
+    line.add("program", call.caller.peer.program);
+  }
+  line.add("params", bounded(protocol::to_line(call.params)));
+  if (const auto reason = text_or(call.params, "reason"); !reason.empty()) {
+    line.add("reason", bounded(reason));
+  }
+  line.add("before", number(call.before));
+  return line;
+}
+
+/// What a receipt is about, in words.
+std::string detail_of(const Json& result) {
+  if (result.contains("components")) {
+    std::string names;
+    for (const auto& member : result["components"]) {
+      names += (names.empty() ? "" : ", ") + member["name"].get<std::string>();
+    }
+    return names;
+  }
+  return text_or(result, "plugin", text_or(result, "lock"));
+}
+
+}  // namespace
+
+Json audit_applied(Running& running, const Call& call, const Json& result) {
+  auto line = begin(call);
+  line.add("generation", number(running.earlier + running.deployer.generation()));
+  line.add("state", text_or(result, "state", "applied"));
+  line.json["outcome"] = "applied";
+  line.fields.push_back({"detail", detail_of(result)});
+  running.log.write(Event::change_applied, std::move(line.fields));
+  return std::move(line.json);
+}
+
+Json audit_refused(Running& running, const Call& call, const Fault& fault) {
+  auto line = begin(call);
+  line.add("text", bounded((fault.where.empty() ? "" : fault.where + ": ") + fault.message));
+  line.add("error", fault.name);
+  line.json["state"] = fault.state;
+  line.json["outcome"] = "refused";
+  line.json["generation"] = running.generation.load();
+  const bool unsafe = fault.state != "unchanged";
+  running.log.write(unsafe ? Event::change_unsafe : Event::change_refused, std::move(line.fields));
+  return std::move(line.json);
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The audit line of a mutation: who asked for what, and what became of it. It goes to the log as
+/// an event; what is returned is the same for the audit log of the state directory.
+#pragma once
+
+#include "commands/command.h"
+
+namespace mauve::daemon {
+
+/// [control] `result` as it will be answered.
+[[nodiscard]] Json audit_applied(Running& running, const Call& call, const Json& result);
+
+/// [any]
+[[nodiscard]] Json audit_refused(Running& running, const Call& call, const Fault& fault);
+
+}  // namespace mauve::daemon

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Files that survive a power cut: after it a file is what it was before, or what it was to become.
+/// All functions wait for the disk; none is for [control] or [io].
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "mauve/result.h"
+#include "plugin/descriptor.h"
+
+namespace mauve::daemon {
+
+/// Makes the directory where it is missing, for this user and his group; its parent must be there.
+[[nodiscard]] Status make_directory(const std::filesystem::path& directory);
+
+/// The directory, locked for as long as the result lives. Refused (conflict): another process
+/// holds it.
+[[nodiscard]] Result<plugin::Descriptor> hold_directory(const std::filesystem::path& directory);
+
+/// Gives a file new content: all of it or, when this is refused, none.
+[[nodiscard]] Status replace_file(const std::filesystem::path& file, std::string_view content);
+
+/// Adds a line, or several, which are on the disk afterwards. Makes the file where it is missing.
+/// A line that was cut off before stays alone on its line.
+[[nodiscard]] Status append_lines(const std::filesystem::path& file, std::string_view lines);
+
+/// Makes an empty file, or removes one; fine when that is so already.
+[[nodiscard]] Status put_marker(const std::filesystem::path& file);
+[[nodiscard]] Status remove_marker(const std::filesystem::path& file);
+
+}  // namespace mauve::daemon

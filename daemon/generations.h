@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Saved generations: one file each, an architecture file whose first line, a comment, says what it
+/// is. Any of them can be started by hand.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mauve/result.h"
+
+namespace mauve::daemon {
+
+/// What is known of a generation. Only a confirmed one is started after a crash.
+enum class Mark : std::uint8_t { unconfirmed, confirmed, rolled_back };
+
+/// "unconfirmed", "confirmed", "rolled_back".
+[[nodiscard]] std::string_view to_string(Mark mark);
+
+/// One saved generation.
+struct Generation {
+  std::uint64_t number = 0;  ///< goes on over restarts
+  std::string boot;          ///< the run of mauved that made it
+  std::string time;          ///< UTC, "2026-01-31T12:00:00.000000Z"
+  std::uint32_t uid = 0;     ///< who made it
+  std::string command;       ///< the method of the wire, or "start", "recover"
+  std::string reason;        ///< as given, may be empty
+  Mark mark = Mark::confirmed;
+  bool damaged = false;  ///< its file cannot be read, so that nothing but the number is known
+};
+
+/// The files of a directory. A file is written whole or not at all (durable.h), so that a power cut
+/// at any point leaves the newest generation as it was saved last. Whoever writes ([disk]) waits
+/// for the disk; who reads the list does not.
+class Generations {
+ public:
+  static constexpr std::size_t kKept = 100;  ///< the newest; and the newest confirmed one
+
+  /// Makes the directory, or reads what is there. Damaged files are listed as such. [main]
+  [[nodiscard]] static Result<std::unique_ptr<Generations>> open(
+      const std::filesystem::path& directory);
+
+  /// Saves an architecture file. A number that is there already keeps what is known about it and
+  /// gets the new text: a plugin that comes or goes makes no generation. [disk]
+  Status save(const Generation& about, const std::string& text);
+
+  /// [disk] Refused: there is no such generation, or the disk failed.
+  Status mark(std::uint64_t number, Mark mark);
+
+  /// [any] Newest first.
+  [[nodiscard]] std::vector<Generation> list() const;
+  /// [any] The highest number ever seen here, 0 for none.
+  [[nodiscard]] std::uint64_t newest() const;
+
+  /// The architecture file of a generation, without its first line. Refused: not there, damaged.
+  /// Waits for the disk. [factory]
+  [[nodiscard]] Result<std::string> text(std::uint64_t number) const;
+
+  /// Where a generation is, or would be.
+  [[nodiscard]] std::filesystem::path file(std::uint64_t number) const;
+
+ private:
+  explicit Generations(std::filesystem::path directory) : directory_(std::move(directory)) {}
+
+  void look();
+  Status write(const Generation& about, const std::string& text);
+  void prune();
+  [[nodiscard]] std::uint64_t newest_confirmed() const;
+
+  const std::filesystem::path directory_;
+  std::uint64_t last_number_ = 0;  ///< [disk] saved last, and its text
+  std::string last_text_;
+  mutable std::mutex mutex_;  ///< guards what follows, never held while the disk works
+  std::map<std::uint64_t, Generation> known_;
+  std::uint64_t newest_ = 0;
+};
+
+}  // namespace mauve::daemon

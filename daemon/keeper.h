@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What outlives a run of mauved, in its state directory: generations, audit log, and whether the
+/// last run came to its end. Written on [disk], a thread of its own: a slow disk delays no change.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "control.h"
+#include "generations.h"
+#include "log/log.h"
+#include "mauve/value.h"
+#include "plugin/descriptor.h"
+#include "protocol/framing.h"
+
+namespace mauve::daemon {
+
+class Keeper {
+ public:
+  using Json = protocol::Json;
+
+  /// Makes the directory where it is missing. Refused: no rights, or another mauved has it. [main]
+  [[nodiscard]] static Result<std::unique_ptr<Keeper>> open(const std::string& directory,
+                                                            logging::Log& log);
+
+  /// [any] The run before this one did not come to its end: a crash, a power cut.
+  [[nodiscard]] bool crashed() const { return crashed_; }
+  [[nodiscard]] const Generations& generations() const { return *generations_; }
+  [[nodiscard]] const std::string& directory() const { return directory_; }
+
+  /// Saves what this run starts with, waiting for the disk, and begins to write on [disk]. From now
+  /// on an end without end() is a crash. [main]
+  void begin(const Generation& first, const Value& architecture);
+  /// Writes what waits, then says that the run has come to its end. [main]
+  void end();
+
+  /// Saves a generation, adds `line` to the audit log with "saved", then calls `then` on [disk].
+  /// [any but rt]
+  void keep(Generation about, Value architecture, Json line, std::function<void(bool saved)> then);
+  /// Adds a line to the audit log, for which nobody waits. When too many are on their way, lines
+  /// are lost and counted. [any but rt]
+  void audit(const Json& line);
+  /// Marks a saved generation, after what waits for [disk]. [any but rt]
+  void mark(std::uint64_t generation, Mark mark);
+  /// [any but rt] Waits until everything said so far is on the disk, or could not be.
+  void flush();
+
+  /// [any] False when the disk did not take the newest generation.
+  [[nodiscard]] bool saved() const { return saved_; }
+
+  static constexpr std::size_t kWaiting = 4096;  ///< audit lines
+
+ private:
+  Keeper(std::string directory, logging::Log& log) : directory_(std::move(directory)), log_(log) {}
+
+  bool save(const Generation& about, const Value& architecture);
+  void write_waiting();
+  void write_lines(const std::string& lines);
+  void report(logging::Event event, const Error& error);
+
+  const std::string directory_;
+  logging::Log& log_;
+  plugin::Descriptor held_;
+  std::unique_ptr<Generations> generations_;
+  bool crashed_ = false;
+  std::atomic<bool> saved_{true};
+  bool audit_broken_ = false;  ///< [disk] one complaint each until it works again
+  std::mutex mutex_;           ///< guards what follows
+  std::vector<std::string> waiting_;
+  std::uint64_t lost_ = 0;
+  WorkerThread disk_{"mauve-disk"};
+};
+
+}  // namespace mauve::daemon

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "recovery.h"
+
+#include <optional>
+#include <utility>
+
+#include "arch/load.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using logging::Event;
+
+/// Built once to see whether it can be, with a catalog of its own: of a generation that cannot,
+/// nothing stays behind.
+Status can_be_built(const Origin& origin, const Options& options) {
+  plugin::Catalog catalog(options.plugin_dirs);
+  arch::Problems problems;
+  if (arch::load(origin.text, catalog, problems) != nullptr) {
+    return ok();
+  }
+  return problems.sorted().front().error;
+}
+
+std::optional<Origin> last_confirmed(const Options& options, const Generations& generations,
+                                     logging::Log& log) {
+  for (const auto& one : generations.list()) {
+    const auto number = static_cast<std::int64_t>(one.number);
+    if (one.mark != Mark::confirmed && !one.damaged) {
+      continue;
+    }
+    Origin origin{generations.file(one.number).string(), {}, one.number};
+    auto text = generations.text(one.number);
+    auto usable = text ? ok() : Status(text.error());
+    if (usable) {
+      origin.text = *std::move(text);
+      usable = can_be_built(origin, options);
+    }
+    if (usable) {
+      log.write(Event::generation_recovered,
+                {{"generation", number}, {"time", one.time}, {"file", options.architecture}});
+      return origin;
+    }
+    log.write(Event::generation_unusable,
+              {{"generation", number}, {"text", to_string(usable.error())}});
+  }
+  log.write(Event::nothing_to_recover, {{"file", options.architecture}});
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<Origin> what_to_start(const Options& options, const Keeper* keeper, logging::Log& log) {
+  if (keeper != nullptr && keeper->crashed() && !options.fresh) {
+    if (auto origin = last_confirmed(options, keeper->generations(), log)) {
+      return *std::move(origin);
+    }
+  }
+  auto text = arch::read_file(options.architecture);
+  if (!text) {
+    return text.error();
+  }
+  return Origin{options.architecture, *std::move(text), 0};
+}
+
+}  // namespace mauve::daemon

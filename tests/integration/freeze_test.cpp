@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// What may not be changed, and what may be changed only if nobody was quicker.
+#include "trial_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using testing::HasSubstr;
+using Json = protocol::Json;
+
+Json gain(double value) { return {{"values", {{"first.core.gain", value}}}}; }
+
+TEST(Freeze, RefusesEveryChangeButAStop) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("lock.set", {{"lock", "all"}})["lock"], "all");
+  const std::vector<std::pair<std::string, Json>> changes = {
+      {"param.set", gain(3.0)},
+      {"core.swap", {{"component", "first"}, {"core", "trial/other"}}},
+      {"port.disconnect", {{"port", "second.ports.input"}}},
+      {"component.start", {{"components", {"first"}}}},
+      {"plugin.reload", {{"plugin", "trial"}}}};
+
+  for (const auto& [method, params] : changes) {
+    const auto error = daemon.ask(method, params);
+    EXPECT_EQ(error["data"]["name"], "conflict") << method << error;
+    EXPECT_EQ(error["data"]["exit"], 6);
+    EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("everything is locked"));
+  }
+
+  EXPECT_EQ(daemon.ask("status.get")["lock"], "all");
+  EXPECT_EQ(daemon.ask("component.stop", {{"all", true}})["state"], "applied");
+  EXPECT_EQ(daemon.ask("lock.set", {{"lock", "none"}})["lock"], "none");
+  EXPECT_EQ(daemon.ask("param.set", gain(3.0))["state"], "applied");
+}
+
+TEST(Freeze, OfParamsRefusesPropertiesOnly) {
+  TrialDaemon daemon;
+  Json swap = {{"component", "first"}, {"core", "trial/other"}};
+  ASSERT_EQ(daemon.ask("lock.set", {{"lock", "params"}})["lock"], "params");
+
+  EXPECT_EQ(daemon.ask("param.set", gain(3.0))["data"]["name"], "conflict");
+  EXPECT_EQ(daemon.ask("core.swap", swap)["state"], "applied");
+  swap["set"] = {{"gain", 3.0}};
+  EXPECT_EQ(daemon.ask("core.swap", swap)["data"]["name"], "conflict");
+}
+
+TEST(Freeze, StopsAChangeThatIsPrepared) {
+  TrialDaemon daemon;
+  auto changing = daemon.client();
+  const auto marker = daemon.place() / "configuring";
+  const auto request = protocol::make_request(
+      1, "core.swap",
+      {{"component", "first"}, {"core", "trial/slow"}, {"set", {{"marker", marker.string()}}}});
+  ASSERT_TRUE(changing.send(request.dump() + "\n"));
+  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(marker); }));
+
+  ASSERT_EQ(daemon.ask("lock.set", {{"lock", "all"}})["state"], "applied");
+
+  EXPECT_EQ(changing.json()["error"]["data"]["name"], "conflict");
+  EXPECT_EQ(daemon.component("first")["core"], "trial/steady");
+}
+
+TEST(Generation, IsAskedForByEveryChange) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("param.set", gain(3.0))["generation"], 2);
+  std::vector<std::pair<std::string, Json>> changes = {
+      {"param.set", gain(3.0)},
+      {"component.start", {{"components", {"first"}}}},
+      {"component.stop", {{"components", {"first"}}}},
+      {"core.swap", {{"component", "first"}, {"core", "trial/other"}}},
+      {"port.connect", {{"port", "second.ports.input"}, {"service", "signal.read"}}},
+      {"port.disconnect", {{"port", "second.ports.input"}}},
+      {"plugin.load", {{"plugin", "trial"}}},
+      {"plugin.unload", {{"plugin", "trial"}}},
+      {"plugin.reload", {{"plugin", "trial"}}},
+      {"config.rollback", {{"generation", 1}}},
+      {"lock.set", {{"lock", "all"}}}};
+
+  for (auto& [method, params] : changes) {
+    params["if_generation"] = 1;
+    const auto error = daemon.ask(method, params);
+    EXPECT_EQ(error["data"]["exit"], 6) << method << error;
+    EXPECT_THAT(
+        error["message"].get<std::string>(),
+        HasSubstr("2 is running, made by uid " + std::to_string(geteuid()) + " with param.set"));
+  }
+  EXPECT_EQ(daemon.ask("status.get")["generation"], 2);
+}
+
+}  // namespace
+}  // namespace mauve::test

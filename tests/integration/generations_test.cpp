@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// What outlives a run: generations, the audit log, and what is started after a crash.
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "trial_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using testing::HasSubstr;
+using Json = protocol::Json;
+
+constexpr const char* kEmpty = R"({ "schema": "mauve/architecture/1", "name": "empty" })";
+
+/// A daemon that keeps what it does in a directory of the test.
+class Generations : public testing::Test {
+ protected:
+  [[nodiscard]] std::filesystem::path state() const { return place_ / "state"; }
+  [[nodiscard]] std::vector<std::string> options() const {
+    return {"--realtime", "off", "--state-dir", state().string()};
+  }
+  [[nodiscard]] std::filesystem::path file(const std::string& number) const {
+    return state() / "generations" / (std::string(6 - number.size(), '0') + number + ".json");
+  }
+  [[nodiscard]] std::vector<Json> audit_lines() const {
+    std::vector<Json> lines;
+    std::istringstream text(TempDir::read(state() / "audit.log"));
+    for (std::string line; std::getline(text, line);) {
+      lines.push_back(Json::parse(line));
+    }
+    return lines;
+  }
+  /// Waits for the audit line of this method with this outcome: "applied", or the error's name.
+  [[nodiscard]] Json audit_line(const std::string& method, const std::string& outcome) const {
+    Json found;
+    static_cast<void>(eventually([&] {
+      for (const auto& line : audit_lines()) {
+        const auto told = line.value("error", line.value("outcome", ""));
+        if (line.value("method", "") == method && told == outcome) {
+          found = line;
+        }
+      }
+      return !found.is_null();
+    }));
+    return found;
+  }
+
+  TempDir place_;
+};
+
+Json gain(double value) { return {{"values", {{"first.core.gain", value}}}}; }
+
+Json exported(TrialDaemon& daemon) { return daemon.ask("config.get")["architecture"]; }
+
+Json newest(TrialDaemon& daemon) { return daemon.ask("config.history")["items"][0]; }
+
+bool was_logged(TrialDaemon& daemon, const std::string& event) {
+  return eventually([&] {
+    const auto told = daemon.ask("log.tail", {{"n", 1000}});
+    return std::any_of(told["records"].begin(), told["records"].end(),
+                       [&](const Json& record) { return record["event"] == event; });
+  });
+}
+
+void crash(TrialDaemon& daemon) {
+  daemon.process().signal(SIGKILL);
+  static_cast<void>(daemon.process().wait());
+}
+
+void end_and_start(TrialDaemon& daemon) {
+  daemon.process().signal(SIGTERM);
+  ASSERT_EQ(daemon.process().wait(), 0) << daemon.errors();
+  daemon.start();
+}
+
+TEST_F(Generations, AreListedWithWhoMadeThemAndWhy) {
+  TrialDaemon daemon(kTrial, options());
+
+  auto params = gain(3.0);
+  params["reason"] = "too slow";
+  const auto receipt = daemon.ask("param.set", params);
+  const auto history = daemon.ask("config.history");
+
+  EXPECT_EQ(receipt["saved"], true) << receipt;
+  EXPECT_EQ(history["state_dir"], state().string());
+  ASSERT_EQ(history["items"].size(), 2U) << history;
+  EXPECT_EQ(history["items"][1]["command"], "start");
+  const auto& last = history["items"][0];
+  EXPECT_EQ(last["generation"], 2);
+  EXPECT_EQ(last["command"], "param.set");
+  EXPECT_EQ(last["reason"], "too slow");
+  EXPECT_EQ(last["uid"], geteuid());
+  EXPECT_EQ(last["mark"], "confirmed");
+  EXPECT_EQ(daemon.ask("config.history", {{"n", 1}})["items"].size(), 1U);
+}
+
+TEST_F(Generations, AreArchitectureFilesThatCanBeStartedByHand) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
+
+  TrialDaemon other(TempDir::read(file("2")));
+
+  EXPECT_EQ(exported(other), exported(daemon));
+}
+
+TEST_F(Generations, AreNotKeptWithoutAStateDirectory) {
+  TrialDaemon daemon;
+
+  const auto receipt = daemon.ask("param.set", gain(3.0));
+
+  EXPECT_FALSE(receipt.contains("saved"));
+  EXPECT_EQ(daemon.ask("config.history")["state_dir"], nullptr);
+  EXPECT_EQ(daemon.ask("config.rollback", {{"generation", 1}})["data"]["name"], "unsupported");
+}
+
+TEST_F(Generations, AreStartedAfterACrash) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
+  ASSERT_EQ(daemon.ask("component.stop", {{"components", {"second"}}})["state"], "applied");
+  const auto before = exported(daemon);
+  ASSERT_TRUE(eventually([&] { return newest(daemon)["command"] == "component.stop"; }));
+
+  crash(daemon);
+  daemon.start();
+
+  EXPECT_EQ(exported(daemon), before);
+  EXPECT_EQ(daemon.component("second")["state"], "stopped") << "a stop outlives a crash";
+  EXPECT_EQ(newest(daemon)["command"], "recover");
+  EXPECT_THAT(daemon.errors(), HasSubstr("the last run crashed: starting generation 3"));
+}
+
+TEST_F(Generations, AreNotStartedAfterAnOrderlyEndAndTheirNumbersGoOn) {
+  TrialDaemon daemon(kTrial, options());
+  const auto as_in_the_file = exported(daemon);
+  ASSERT_EQ(daemon.ask("param.set", gain(3.0))["generation"], 2);
+
+  end_and_start(daemon);
+
+  EXPECT_EQ(exported(daemon), as_in_the_file);
+  EXPECT_EQ(daemon.ask("status.get")["generation"], 3);
+  EXPECT_EQ(daemon.ask("param.set", gain(2.0))["generation"], 4);
+  EXPECT_EQ(newest(daemon)["generation"], 4);
+}
+
+TEST_F(Generations, AreIgnoredWhenAFreshStartIsAskedFor) {
+  TrialDaemon daemon(kTrial, options());
+  const auto as_in_the_file = exported(daemon);
+  ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
+  crash(daemon);
+
+  daemon.start({"--fresh"});
+
+  EXPECT_EQ(exported(daemon), as_in_the_file);
+  EXPECT_EQ(newest(daemon)["command"], "start");
+}
+
+TEST_F(Generations, ThatAreDamagedAreSkippedForTheNextOlderOne) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
+  const auto older = exported(daemon);
+  ASSERT_EQ(daemon.ask("param.set", gain(4.0))["saved"], true);
+  ASSERT_EQ(daemon.ask("param.set", gain(5.0))["saved"], true);
+  crash(daemon);
+  auto text = TempDir::read(file("3"));
+  text.replace(text.find("4.0"), 3, "7.0");  // good JSON, wrong value
+  std::ofstream(file("3")) << text;
+  std::filesystem::resize_file(file("4"), 300);
+
+  daemon.start();
+
+  EXPECT_EQ(exported(daemon), older);
+  EXPECT_THAT(daemon.errors(), HasSubstr("generation 4 cannot be started"));
+  EXPECT_THAT(daemon.errors(), HasSubstr("generation 3 cannot be started"));
+  EXPECT_EQ(newest(daemon)["generation"], 5);
+}
+
+TEST_F(Generations, LeaveTheFileWhenNoneCanBeBuilt) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
+  crash(daemon);
+  std::filesystem::remove(daemon.plugins() / "trial.so");
+  daemon.place().write("trial.json", kEmpty);
+
+  daemon.start();
+
+  EXPECT_EQ(exported(daemon)["name"], "empty");
+  EXPECT_EQ(exported(daemon)["plugins"], Json::array()) << "nothing of a generation stays behind";
+  EXPECT_THAT(daemon.errors(), HasSubstr("no saved generation can be started"));
+}
+
+TEST_F(Generations, AreTheOldOnesOrTheNewOnesAfterAPowerCutAtAnyPoint) {
+  const std::vector<std::pair<std::string, bool>> points = {
+      {"commit.before_decide", false},
+      {"commit.after_decide", false},
+      {"generations.before_write@2", false},
+      {"generations.after_write@2", false},
+      {"generations.after_fsync@2", false},
+      {"generations.after_rename@2", true},
+      {"generations.after_directory_fsync@2", true}};
+  for (const auto& [point, in_force] : points) {
+    std::filesystem::remove_all(state());
+    setenv("MAUVE_FAIL", point.c_str(), 1);
+    TrialDaemon daemon(kTrial, options(), MAUVE_TRIAL_DIR "/mauved_fail");
+    unsetenv("MAUVE_FAIL");
+    auto expected = exported(daemon);
+    if (in_force) {
+      expected["components"]["first"]["properties"]["core.gain"] = 3.0;
+    }
+    auto client = daemon.client();
+
+    static_cast<void>(client.ask("param.set", gain(3.0)));  // no answer comes
+    ASSERT_EQ(daemon.process().wait(), 86) << point << daemon.errors();
+    daemon.start();
+
+    EXPECT_EQ(exported(daemon), expected) << point;
+    EXPECT_EQ(newest(daemon)["command"], "recover") << point;
+  }
+}
+
+/// No file may grow while it lives.
+class FullDisk {
+ public:
+  explicit FullDisk(pid_t process) : process_(process) { limit(0); }
+  ~FullDisk() { limit(RLIM_INFINITY); }
+
+ private:
+  void limit(rlim_t bytes) const {
+    rlimit now{};
+    EXPECT_EQ(prlimit(process_, RLIMIT_FSIZE, nullptr, &now), 0);
+    now.rlim_cur = std::min(bytes, now.rlim_max);
+    EXPECT_EQ(prlimit(process_, RLIMIT_FSIZE, &now, nullptr), 0);
+  }
+
+  pid_t process_;
+};
+
+TEST_F(Generations, AreToldToBeNotSavedWhenTheDiskIsFull) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
+  const auto intact = TempDir::read(file("2"));
+  {
+    const FullDisk full(daemon.process().id());
+
+    const auto receipt = daemon.ask("param.set", gain(4.0));
+
+    EXPECT_EQ(receipt["state"], "applied") << receipt;
+    EXPECT_EQ(receipt["saved"], false);
+    EXPECT_EQ(daemon.value("first.core.gain"), 4.0);
+    EXPECT_EQ(daemon.ask("status.get")["saved"], false);
+    EXPECT_EQ(newest(daemon)["generation"], 2);
+    EXPECT_TRUE(was_logged(daemon, "generation_not_saved"));
+    EXPECT_TRUE(was_logged(daemon, "audit_failed"));
+    EXPECT_EQ(TempDir::read(file("2")), intact);
+    EXPECT_FALSE(std::filesystem::exists(file("3").string() + ".new"));
+  }
+  EXPECT_EQ(daemon.ask("param.set", gain(5.0))["saved"], true);
+  EXPECT_EQ(daemon.ask("status.get")["saved"], true);
+  EXPECT_EQ(newest(daemon)["generation"], 4);
+}
+
+TEST_F(Generations, OfOneDirectoryBelongToOneDaemon) {
+  TrialDaemon daemon(kTrial, options());
+  static_cast<void>(daemon.client());
+
+  TrialDaemon second(kTrial, options());
+
+  EXPECT_EQ(second.process().wait(), 1);
+  EXPECT_THAT(second.errors(), HasSubstr("another mauved keeps its generations here"));
+}
+
+TEST_F(Generations, AreNotSavedForARefusedChange) {
+  TrialDaemon daemon(kTrial, options());
+
+  static_cast<void>(daemon.ask("core.swap", {{"component", "first"}, {"core", "trial/refusing"}}));
+  static_cast<void>(daemon.ask("lock.set", {{"lock", "all"}}));  // its answer waits for the disk
+
+  EXPECT_EQ(newest(daemon)["generation"], 1);
+}
+
+TEST_F(Generations, KnowThePluginsThatAreLoaded) {
+  TrialDaemon daemon(kEmpty, options());
+  ASSERT_EQ(daemon.ask("plugin.load", {{"plugin", "trial"}})["saved"], true);
+
+  crash(daemon);
+  daemon.start();
+
+  EXPECT_EQ(exported(daemon)["plugins"], Json({"trial"}));
+}
+
+TEST_F(Generations, CannotBeRolledBackToWhenTheyAreNotKept) {
+  TrialDaemon daemon(kTrial, options());
+
+  const auto error = daemon.ask("config.rollback", {{"generation", 77}});
+
+  EXPECT_EQ(error["data"]["name"], "unknown_name") << error;
+  EXPECT_EQ(error["data"]["exit"], 4);
+}
+
+using Audit = Generations;
+
+TEST_F(Audit, TellsWhoChangedWhatAndWhy) {
+  TrialDaemon daemon(kTrial, options());
+  auto params = gain(3.0);
+  params["reason"] = "too slow";
+
+  ASSERT_EQ(daemon.ask("param.set", params)["saved"], true);
+
+  const auto line = audit_line("param.set", "applied");
+  EXPECT_EQ(line["uid"], geteuid());
+  EXPECT_EQ(line["pid"], getpid());
+  EXPECT_EQ(line["program"], "generations_tes") << "as the kernel knows it";
+  EXPECT_EQ(line["reason"], "too slow");
+  EXPECT_THAT(line["params"].get<std::string>(), HasSubstr("first.core.gain"));
+  EXPECT_EQ(line["before"], 1);
+  EXPECT_EQ(line["generation"], 2);
+  EXPECT_EQ(line["saved"], true);
+}
+
+TEST_F(Audit, TellsWhatWasRefusedAlsoBeforeAnybodyLookedAtIt) {
+  TrialDaemon daemon(kTrial, options());
+
+  static_cast<void>(daemon.ask("param.set", {{"valeus", 1}}));
+  static_cast<void>(daemon.ask("param.set", gain(11.0)));
+  auto late = gain(2.0);
+  late["if_generation"] = 7;
+  static_cast<void>(daemon.ask("param.set", late));
+  static_cast<void>(daemon.ask("lock.set", {{"lock", "all"}}));
+  static_cast<void>(daemon.ask("plugin.load", {{"plugin", "trial"}}));
+
+  EXPECT_EQ(audit_line("param.set", "invalid_params")["outcome"], "refused");
+  EXPECT_EQ(audit_line("param.set", "invalid_value")["generation"], 1);
+  EXPECT_EQ(audit_line("param.set", "conflict")["outcome"], "refused");
+  EXPECT_EQ(audit_line("lock.set", "applied")["saved"], true);
+  EXPECT_EQ(audit_line("plugin.load", "conflict")["outcome"], "refused");
+}
+
+TEST_F(Audit, GoesOnInTheSameFileAfterARestart) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
+  std::ofstream(state() / "audit.log", std::ios::app) << R"({"cut o)";
+
+  crash(daemon);
+  daemon.start();
+  ASSERT_EQ(daemon.ask("param.set", gain(4.0))["saved"], true);
+
+  const auto text = TempDir::read(state() / "audit.log");
+  EXPECT_THAT(text, HasSubstr("{\"cut o\n{"));
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3);
+}
+
+}  // namespace
+}  // namespace mauve::test

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "keeper.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <future>
+
+#include "support/temp_dir.h"
+
+namespace mauve::daemon {
+namespace {
+
+using protocol::Json;
+using test::TempDir;
+
+Generation numbered(std::uint64_t number, Mark mark = Mark::confirmed) {
+  return {number, "b007", "2026-01-31T12:00:00.000000Z", 1000, "param.set", "why", mark};
+}
+
+Value named(const std::string& name) { return Value::Object{{"name", name}}; }
+
+class KeeperTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    log.start();
+    open();
+  }
+  void TearDown() override {
+    if (keeper) {
+      keeper->end();
+    }
+    log.stop();
+  }
+  void open() {
+    keeper.reset();
+    auto opened = Keeper::open((dir / "state").string(), log);
+    ASSERT_TRUE(opened);
+    keeper = std::move(*opened);
+  }
+  bool keep(const Generation& about, const std::string& name) {
+    std::promise<bool> saved;
+    keeper->keep(about, named(name), {{"method", "param.set"}},
+                 [&](bool done) { saved.set_value(done); });
+    return saved.get_future().get();
+  }
+  [[nodiscard]] std::string audit() const { return TempDir::read(dir / "state" / "audit.log"); }
+  [[nodiscard]] std::size_t lines() const {
+    const auto text = audit();
+    return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+  }
+
+  TempDir dir;
+  logging::Log log{logging::Level::debug};
+  std::unique_ptr<Keeper> keeper;
+};
+
+TEST_F(KeeperTest, KnowsACrashByAMissingEnd) {
+  EXPECT_FALSE(keeper->crashed());
+  keeper->begin(numbered(1), named("a"));
+  keeper->end();
+  open();
+  EXPECT_FALSE(keeper->crashed());
+  keeper->begin(numbered(2), named("a"));
+
+  open();  // without an end
+
+  EXPECT_TRUE(keeper->crashed());
+  EXPECT_EQ(keeper->generations().newest(), 2U);
+}
+
+TEST_F(KeeperTest, AnswersWhenTheGenerationIsOnTheDisk) {
+  keeper->begin(numbered(1), named("a"));
+
+  ASSERT_TRUE(keep(numbered(2), "b"));
+
+  EXPECT_THAT(keeper->generations().text(2).value(), testing::HasSubstr("\"name\": \"b\""));
+  EXPECT_THAT(audit(), testing::HasSubstr("\"saved\":true"));
+  EXPECT_TRUE(keeper->saved());
+}
+
+TEST_F(KeeperTest, MarksWhatWasSavedBefore) {
+  keeper->begin(numbered(1), named("a"));
+  ASSERT_TRUE(keep(numbered(2, Mark::unconfirmed), "b"));
+
+  keeper->mark(2, Mark::confirmed);
+  keeper->flush();
+
+  EXPECT_EQ(keeper->generations().list().front().mark, Mark::confirmed);
+}
+
+TEST_F(KeeperTest, SaysThatNothingWasSavedAndGoesOn) {
+  keeper->begin(numbered(1), named("a"));
+  std::filesystem::rename(dir / "state", dir / "away");
+
+  EXPECT_FALSE(keep(numbered(2), "b"));
+  EXPECT_FALSE(keeper->saved());
+  keeper->audit({{"method", "param.set"}});
+  keeper->flush();
+  std::filesystem::rename(dir / "away", dir / "state");
+  EXPECT_TRUE(keep(numbered(3), "c"));
+
+  EXPECT_TRUE(keeper->saved());
+  log.flush();
+  const auto told = log.history().tail(100, {});
+  const auto count = [&](logging::Event event) {
+    return std::count_if(told.begin(), told.end(),
+                         [&](const logging::Record& one) { return one.event == event; });
+  };
+  EXPECT_EQ(count(logging::Event::generation_not_saved), 1);
+  EXPECT_EQ(count(logging::Event::audit_failed), 1) << "one complaint until it works again";
+}
+
+TEST_F(KeeperTest, CountsAuditLinesThatTheDiskIsTooSlowFor) {
+  // Nothing is written before begin(): as on a disk that does not answer.
+  for (std::size_t i = 0; i < Keeper::kWaiting + 5; ++i) {
+    keeper->audit({{"method", "param.set"}, {"time", "now"}});
+  }
+
+  keeper->begin(numbered(1), named("a"));
+  keeper->flush();
+
+  EXPECT_EQ(lines(), Keeper::kWaiting + 1);
+  EXPECT_THAT(audit(), testing::HasSubstr("{\"lost\":5,\"time\":"));
+}
+
+TEST_F(KeeperTest, WritesWhatWaitsBeforeItEnds) {
+  keeper->begin(numbered(1), named("a"));
+  for (int i = 0; i < 20; ++i) {
+    keeper->audit({{"method", "param.set"}});
+  }
+
+  keeper->end();
+
+  EXPECT_EQ(lines(), 20U);
+  EXPECT_FALSE(std::filesystem::exists(dir / "state" / "running"));
+}
+
+}  // namespace
+}  // namespace mauve::daemon
