@@ -184,7 +184,6 @@ TEST(Parse, RefusesEachMistakeWithItsPlaceAddressAndHint) {
 
 TEST(Parse, RefusesWhatIsNotYetSupportedWithAClearSentence) {
   const std::pair<std::string, std::string> later[] = {
-      {"\"name\": \"rover\"", "\"name\": \"rover\", \"rules\": []"},
       {"\"start\": false", "\"fallback_core\": \"guidance/stop\""},
       {"\"start\": false", "\"on_fault\": \"stop\""},
       {"\"stop\",\n                           \"overrun_limit\": 3", "\"fallback\""}};
