@@ -125,14 +125,21 @@ Truth Condition::evaluate(const Read& read, std::string& error) const {
   return stack.back();
 }
 
-std::string Condition::values(const Read& read) const {
+Values Condition::values(const Read& read) const {
+  Values values;
+  for (const Comparison& one : comparisons_) {
+    const auto known = [&](const auto& value) { return value.first == one.address; };
+    if (std::any_of(values.begin(), values.end(), known)) continue;
+    const auto value = read(one.address);
+    values.emplace_back(one.address, value ? *value : Value());
+  }
+  return values;
+}
+
+std::string to_string(const Values& values) {
   std::string text;
-  for (auto one = comparisons_.begin(); one != comparisons_.end(); ++one) {
-    const auto same = [&](const Comparison& other) { return other.address == one->address; };
-    if (std::any_of(comparisons_.begin(), one, same)) continue;
-    const auto value = read(one->address);
-    text += (text.empty() ? "" : ", ") + one->address + " is " +
-            (value ? shown(*value) : std::string("unknown"));
+  for (const auto& [address, value] : values) {
+    text += (text.empty() ? "" : ", ") + address + " is " + shown(value);
   }
   return text;
 }

@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -42,6 +43,11 @@ struct Comparison {
 /// The value behind an address now; null: there is none now. An error: there is no such address.
 using Read = std::function<Result<Value>(const std::string& address)>;
 
+/// Addresses with their values, each once.
+using Values = std::vector<std::pair<std::string, Value>>;
+/// "gnss.core.satellites is 9, control.state is running".
+[[nodiscard]] std::string to_string(const Values& values);
+
 /// A condition that was read. Immutable; evaluating it takes time and memory: never [rt].
 class Condition {
  public:
@@ -59,8 +65,8 @@ class Condition {
   /// unknown. A value of another kind than the operand is unknown as well.
   [[nodiscard]] Truth evaluate(const Read& read, std::string& error) const;
 
-  /// "gnss.core.satellites is 9, control.state is running": each address once.
-  [[nodiscard]] std::string values(const Read& read) const;
+  /// What stands behind each address now; null where there is nothing.
+  [[nodiscard]] Values values(const Read& read) const;
 
  private:
   friend class Parser;

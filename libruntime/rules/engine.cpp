@@ -57,13 +57,13 @@ Report Engine::report(std::size_t rule, Instant now, const Read& read) const {
 }
 
 std::string Engine::why_not(const Watched& watched, const Rule& rule, Instant now,
-                            const std::string& values) const {
+                            const Values& values) const {
   const Trigger& trigger = watched.trigger;
   if (!watched.error.empty()) return watched.error;
   switch (trigger.state()) {
     case State::armed:
       return (watched.truth == Truth::no ? "condition is false: " : "condition is unknown: ") +
-             values;
+             to_string(values);
     case State::holding:
       return "holds for " + seconds(trigger.held(now)) + " of " + seconds(rule.timing.hold) + " s";
     case State::fired:

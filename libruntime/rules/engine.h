@@ -16,7 +16,7 @@ namespace mauve::rules {
 /// What is known of a rule, for people.
 struct Report {
   State state = State::armed;
-  std::string values;           ///< of all addresses of the condition: "gnss.core.satellites is 9"
+  Values values;                ///< of all addresses of the condition
   std::uint64_t times = 0;      ///< it fired
   std::optional<Instant> last;  ///< firing
   std::string answer;           ///< to the last firing; empty: none yet
@@ -49,7 +49,7 @@ class Engine {
   };
 
   [[nodiscard]] std::string why_not(const Watched& watched, const Rule& rule, Instant now,
-                                    const std::string& values) const;
+                                    const Values& values) const;
 
   std::vector<Rule> rules_;
   std::vector<Watched> watched_;  // by rule

@@ -13,9 +13,9 @@ namespace {
 using namespace std::chrono_literals;  // NOLINT: durations
 
 /// Values by address; what is not there is an unknown name.
-using Values = std::map<std::string, Value>;
+using Known = std::map<std::string, Value>;
 
-Read read_from(const Values& values) {
+Read read_from(const Known& values) {
   return [&values](const std::string& address) -> Result<Value> {
     const auto found = values.find(address);
     if (found != values.end()) return found->second;
@@ -29,7 +29,7 @@ Condition accepted(const std::string& text) {
   return condition ? *std::move(condition) : *Condition::parse("a.b");
 }
 
-Truth truth(const std::string& text, const Values& values) {
+Truth truth(const std::string& text, const Known& values) {
   std::string error;
   return accepted(text).evaluate(read_from(values), error);
 }
@@ -41,7 +41,7 @@ Error refused(const std::string& text) {
 }
 
 TEST(Condition, ComparesNumbersWithEveryOperator) {
-  const Values values{{"a.n", 3}, {"a.x", 2.5}};
+  const Known values{{"a.n", 3}, {"a.x", 2.5}};
 
   EXPECT_EQ(truth("a.n < 4", values), Truth::yes);
   EXPECT_EQ(truth("a.n <= 3", values), Truth::yes);
@@ -56,10 +56,10 @@ TEST(Condition, ComparesNumbersWithEveryOperator) {
 }
 
 TEST(Condition, ComparesWordsDurationsAndTruths) {
-  const Values values{{"c.state", "faulted"},
-                      {"c.core", "guidance/stop"},
-                      {"c.age", "20ms"},
-                      {"g.core.fixed", true}};
+  const Known values{{"c.state", "faulted"},
+                     {"c.core", "guidance/stop"},
+                     {"c.age", "20ms"},
+                     {"g.core.fixed", true}};
 
   EXPECT_EQ(truth("c.state == faulted", values), Truth::yes);
   EXPECT_EQ(truth("c.state != running", values), Truth::yes);
@@ -72,7 +72,7 @@ TEST(Condition, ComparesWordsDurationsAndTruths) {
 }
 
 TEST(Condition, BindsNotBeforeAndBeforeOr) {
-  const Values values{{"a.t", true}, {"a.f", false}};
+  const Known values{{"a.t", true}, {"a.f", false}};
 
   EXPECT_EQ(truth("a.t or a.t and a.f", values), Truth::yes);
   EXPECT_EQ(truth("(a.t or a.t) and a.f", values), Truth::no);
@@ -83,10 +83,10 @@ TEST(Condition, BindsNotBeforeAndBeforeOr) {
 }
 
 TEST(Condition, IsUnknownWhereAValueIsMissingAndItMatters) {
-  const Values values{{"a.t", true},
-                      {"a.f", false},
-                      {"a.null", Value()},
-                      {"a.nan", std::numeric_limits<double>::quiet_NaN()}};
+  const Known values{{"a.t", true},
+                     {"a.f", false},
+                     {"a.null", Value()},
+                     {"a.nan", std::numeric_limits<double>::quiet_NaN()}};
 
   EXPECT_EQ(truth("a.null < 4", values), Truth::unknown);
   EXPECT_EQ(truth("not a.null < 4", values), Truth::unknown);
@@ -98,7 +98,7 @@ TEST(Condition, IsUnknownWhereAValueIsMissingAndItMatters) {
 }
 
 TEST(Condition, TellsTheFirstAddressThatIsNotThere) {
-  const Values values{{"a.t", true}};
+  const Known values{{"a.t", true}};
   std::string error;
 
   const Truth found = accepted("a.t and b.gone").evaluate(read_from(values), error);
@@ -108,7 +108,7 @@ TEST(Condition, TellsTheFirstAddressThatIsNotThere) {
 }
 
 TEST(Condition, ShowsTheValueOfEachAddressOnce) {
-  const Values values{{"a.n", 9}, {"a.state", "running"}, {"a.null", Value()}};
+  const Known values{{"a.n", 9}, {"a.state", "running"}, {"a.null", Value()}};
 
   EXPECT_EQ(
       accepted("a.n < 4 or a.n > 20 or a.state == faulted or a.null > 1").values(read_from(values)),
