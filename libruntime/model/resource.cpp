@@ -76,6 +76,12 @@ ResourceBase::Exchange ResourceBase::exchange_core(std::shared_ptr<CoreBase> cor
     new_state->exchange(*old_state);
     exchange.bytes = new_state->type().size;
   }
+  for (ObservableBase* observable : core->observables()) {
+    const ObservableBase* same = core_->find_observable(observable->name());
+    if (same != nullptr && same_type(same->type(), observable->type())) {
+      observable->continue_from(*same);
+    }
+  }
   core->bind(*shell_);
   interface_->bind(*this, core);
   core_.swap(core);
