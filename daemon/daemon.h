@@ -12,6 +12,7 @@
 #include "options.h"
 #include "server/server.h"
 #include "signals.h"
+#include "supervisor.h"
 #include "watch.h"
 
 namespace mauve::daemon {
@@ -52,6 +53,7 @@ class Daemon {
   std::unique_ptr<Deployer> deployer_;
   Control control_;
   Watches watches_{log_};
+  Supervisor supervisor_{control_};
   std::unique_ptr<Running> running_;
   std::unique_ptr<CommandTable> table_;
   std::unique_ptr<server::Server> server_;

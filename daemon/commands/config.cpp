@@ -4,6 +4,7 @@
 #include "arch/load.h"
 #include "arch/value_json.h"
 #include "commands/answer.h"
+#include "supervisor.h"
 
 namespace mauve::daemon {
 
@@ -11,8 +12,9 @@ Result<Json> export_architecture(Running& running, const Call& /*call*/) {
   const auto parked = [&](const ComponentBase& component) {
     return running.deployer.status(component.name()).state != ComponentState::running;
   };
-  return Json{{"architecture",
-               arch::to_json(arch::describe(running.architecture, running.catalog, parked))}};
+  return Json{
+      {"architecture", arch::to_json(arch::describe(running.architecture, running.catalog, parked,
+                                                    running.supervisor.supervision()))}};
 }
 
 /// With a catalog of its own: nothing it loads or makes touches the running system.

@@ -14,7 +14,7 @@ namespace {
 
 using server::Role;
 
-constexpr std::array<Command, 26> kCommands = {{
+constexpr std::array<Command, 27> kCommands = {{
     {"ping", Role::viewer, Lane::any, ping, nullptr},
     {"version", Role::viewer, Lane::any, version, nullptr},
     {"command.list", Role::viewer, Lane::any, list_commands, nullptr},
@@ -25,6 +25,7 @@ constexpr std::array<Command, 26> kCommands = {{
     {"core.list", Role::viewer, Lane::read, list_cores, nullptr},
     {"port.list", Role::viewer, Lane::read, list_ports, nullptr},
     {"plugin.list", Role::viewer, Lane::read, list_plugins, nullptr},
+    {"rules.list", Role::viewer, Lane::read, list_rules, nullptr},
     {"object.get", Role::viewer, Lane::read, show, nullptr},
     {"param.get", Role::viewer, Lane::read, get, nullptr},
     {"config.get", Role::viewer, Lane::read, export_architecture, nullptr},
