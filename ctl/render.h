@@ -47,6 +47,10 @@ struct Look {
 /// The cores that fit a component, one row each, by the names that swap-core takes.
 [[nodiscard]] std::string render_plugins_for(const Json& result, Look look);
 
+/// What the rules wait for and did, one row each; the other: everything about the first.
+[[nodiscard]] std::string render_rules(const Json& result, Look look);
+[[nodiscard]] std::string render_rule(const Json& result, Look look);
+
 /// "FILE:3:5: error: control.core.gain: must be positive", with hints.
 [[nodiscard]] std::string render_errors(std::string_view file, const Json& result, Look look);
 
