@@ -2,6 +2,7 @@
 /// Plugin "trial" of the integration tests: one component and cores that behave well or badly.
 /// Built twice, with NUMBER 1 and 2, so that a rebuilt file can be told from the one before.
 #include <mauve/plugin.h>
+#include <mauve/request.h>
 
 #include <chrono>
 #include <cstdint>
@@ -9,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 
 namespace trial {
 
@@ -101,6 +103,17 @@ class ThrowingJob final : public Steady {
   void update() override { throw std::runtime_error("division by something"); }
 };
 
+/// Asks for a transaction in its first job.
+class Requesting final : public Steady {
+  mauve::Property<std::string> transaction{*this, "transaction", "deaf", "what it asks for"};
+  mauve::Observable<bool> asked{*this, "asked", false, "and was heard"};
+  bool first_ = true;
+  void update() override {
+    Steady::update();
+    if (std::exchange(first_, false)) asked = mauve::request(transaction.get());
+  }
+};
+
 class Hanging final : public Steady {
   void update() override {
     shell().output.write(9.0);
@@ -136,6 +149,7 @@ MAUVE_PLUGIN(plugin) {
   plugin.core<trial::Refusing>("refusing");
   plugin.core<trial::ThrowingHook>("throwing_hook");
   plugin.core<trial::ThrowingJob>("throwing_job");
+  plugin.core<trial::Requesting>("requesting");
   plugin.core<trial::Hanging>("hanging");
   plugin.core<trial::Forgetful>("forgetful");
   plugin.core<trial::AnotherCore>("another");
