@@ -94,7 +94,7 @@ void Supervisor::fire(std::size_t index) {
   }
   running_->log.write(Event::rule_fired, {{"rule", rule.name},
                                           {"transaction", order.transaction},
-                                          {"text", to_string(rule.when.values(reader()))}});
+                                          {"text", rules::in_words(rule.when.values(reader()))}});
   order.done = [this, index](const std::string& answer) { engine_.answered(index, answer); };
   carry_out(std::move(order));
 }

@@ -14,7 +14,6 @@ namespace mauve::arch {
 namespace {
 
 using rules::Comparison;
-using rules::Condition;
 
 class Checker {
  public:
@@ -73,7 +72,7 @@ class Checker {
                   nearest_hint(name.value, names));
   }
 
-  void check(const Placed<Condition>& condition, const std::string& at) {
+  void check(const ConditionSpec& condition, const std::string& at) {
     for (const Comparison& comparison : condition.value.comparisons()) {
       const std::string& address = comparison.address;
       if (was_refused(spec_, architecture_, address.substr(0, address.find('.')))) continue;

@@ -148,7 +148,7 @@ void read_steps(const Source& source, TransactionSpec& transaction) {
   if (items != nullptr && items->empty()) source.refuse("has no step");
 }
 
-void read_condition(const Source& source, std::optional<Placed<rules::Condition>>& into) {
+void read_condition(const Source& source, std::optional<ConditionSpec>& into) {
   const auto text = read_text(source);
   if (!text) return;
   auto condition = rules::Condition::parse(*text);
@@ -156,7 +156,7 @@ void read_condition(const Source& source, std::optional<Placed<rules::Condition>
     const Error& error = condition.error();
     return source.refuse(error.message, error.hint, error.code);
   }
-  into = Placed<rules::Condition>{*std::move(condition), source.node.where};
+  into = ConditionSpec{*std::move(condition), source.node.where};
 }
 
 void read_do(const Source& source, RuleSpec& rule) {

@@ -100,10 +100,15 @@ struct TransactionSpec {
   std::vector<StepSpec> steps;
 };
 
+struct ConditionSpec {
+  rules::Condition value;
+  Position where;
+};
+
 struct RuleSpec {
   PlacedText name;
-  std::optional<Placed<rules::Condition>> when;
-  std::optional<Placed<rules::Condition>> until;
+  std::optional<ConditionSpec> when;
+  std::optional<ConditionSpec> until;
   rules::Timing timing;
   PlacedText transaction;  ///< "do" as a name; empty: `steps`
   TransactionSpec steps;   ///< "do" as a list

@@ -136,7 +136,7 @@ Values Condition::values(const Read& read) const {
   return values;
 }
 
-std::string to_string(const Values& values) {
+std::string in_words(const Values& values) {
   std::string text;
   for (const auto& [address, value] : values) {
     text += (text.empty() ? "" : ", ") + address + " is " + shown(value);

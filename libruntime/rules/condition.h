@@ -46,7 +46,7 @@ using Read = std::function<Result<Value>(const std::string& address)>;
 /// Addresses with their values, each once.
 using Values = std::vector<std::pair<std::string, Value>>;
 /// "gnss.core.satellites is 9, control.state is running".
-[[nodiscard]] std::string to_string(const Values& values);
+[[nodiscard]] std::string in_words(const Values& values);
 
 /// A condition that was read. Immutable; evaluating it takes time and memory: never [rt].
 class Condition {

@@ -18,7 +18,7 @@ std::string seconds(Duration duration) {
 
 Engine::Engine(std::vector<Rule> rules) : rules_(std::move(rules)) {
   for (const Rule& rule : rules_) {
-    watched_.push_back({Trigger(rule.timing), Truth::unknown, {}, false, {}});
+    watched_.push_back({Trigger(rule.timing), {}, false, {}});
   }
 }
 
@@ -28,11 +28,11 @@ std::vector<std::size_t> Engine::step(Instant now, const Read& read) {
     const Rule& rule = rules_[i];
     Watched& watched = watched_[i];
     watched.error.clear();
-    watched.truth = rule.when.evaluate(read, watched.error);
-    Truth rearm = !watched.truth;
+    const Truth when = rule.when.evaluate(read, watched.error);
+    Truth rearm = !when;
     if (rule.until) rearm = rule.until->evaluate(read, watched.error);
     if (watched.waits_for_answer) rearm = Truth::no;
-    if (!watched.trigger.step(now, watched.truth, rearm)) continue;
+    if (!watched.trigger.step(now, when, rearm)) continue;
     watched.waits_for_answer = true;
     fired.push_back(i);
   }
@@ -52,20 +52,27 @@ Report Engine::report(std::size_t rule, Instant now, const Read& read) const {
   report.times = watched.trigger.times();
   report.last = watched.trigger.last();
   report.answer = watched.waits_for_answer ? "under way" : watched.answer;
-  report.why_not = why_not(watched, rules_[rule], now, report.values);
+  report.why_not = why_not(watched, rules_[rule], now, read);
   return report;
 }
 
 std::string Engine::why_not(const Watched& watched, const Rule& rule, Instant now,
-                            const Values& values) const {
+                            const Read& read) {
   const Trigger& trigger = watched.trigger;
   if (!watched.error.empty()) return watched.error;
+  const auto holds_for = [&](Duration held) {
+    return "holds for " + seconds(held) + " of " + seconds(rule.timing.hold) + " s";
+  };
   switch (trigger.state()) {
-    case State::armed:
-      return (watched.truth == Truth::no ? "condition is false: " : "condition is unknown: ") +
-             to_string(values);
+    case State::armed: {
+      std::string error;
+      const Truth truth = rule.when.evaluate(read, error);
+      if (truth == Truth::yes) return holds_for(0s);  // since the last look
+      return (truth == Truth::no ? "condition is false: " : "condition is unknown: ") +
+             in_words(rule.when.values(read));
+    }
     case State::holding:
-      return "holds for " + seconds(trigger.held(now)) + " of " + seconds(rule.timing.hold) + " s";
+      return holds_for(trigger.held(now));
     case State::fired:
       if (watched.waits_for_answer) return "fired, its transaction is under way";
       return "fired, to be armed again " +

@@ -42,14 +42,13 @@ class Engine {
  private:
   struct Watched {
     Trigger trigger;
-    Truth truth = Truth::unknown;
     std::string error;  ///< why the condition cannot be evaluated
     bool waits_for_answer = false;
     std::string answer;
   };
 
-  [[nodiscard]] std::string why_not(const Watched& watched, const Rule& rule, Instant now,
-                                    const Values& values) const;
+  [[nodiscard]] static std::string why_not(const Watched& watched, const Rule& rule, Instant now,
+                                           const Read& read);
 
   std::vector<Rule> rules_;
   std::vector<Watched> watched_;  // by rule

@@ -57,6 +57,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (const auto negated = rules::Condition::parse("not (" + std::string(text) + ")")) {
     require(negated->evaluate(value_of, error) == !truth);
   }
-  require(!to_string(condition->values(value_of)).empty());
+  require(!rules::in_words(condition->values(value_of)).empty());
   return 0;
 }

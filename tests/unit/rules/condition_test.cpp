@@ -110,8 +110,8 @@ TEST(Condition, TellsTheFirstAddressThatIsNotThere) {
 TEST(Condition, ShowsTheValueOfEachAddressOnce) {
   const Known values{{"a.n", 9}, {"a.state", "running"}, {"a.null", Value()}};
 
-  EXPECT_EQ(to_string(accepted("a.n < 4 or a.n > 20 or a.state == faulted or a.null > 1")
-                          .values(read_from(values))),
+  EXPECT_EQ(in_words(accepted("a.n < 4 or a.n > 20 or a.state == faulted or a.null > 1")
+                         .values(read_from(values))),
             "a.n is 9, a.state is running, a.null is not there");
 }
 
