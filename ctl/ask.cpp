@@ -85,6 +85,12 @@ int run_plugins(Session& session) {
              for_one ? render_plugins_for : render_plugins);
 }
 
+int run_rules(Session& session) {
+  const bool one = session.arguments.has("RULE");
+  return ask(session, "rules.list", without_empty({{"rule", session.arguments.one("RULE")}}),
+             one ? render_rule : render_rules);
+}
+
 int run_export(Session& session) {
   const auto answer = session.call("config.get", Json::object());
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);

@@ -65,6 +65,7 @@ constexpr Argument kPlugin[] = {one("PLUGIN", "name of a plugin, not a path", Ki
 constexpr Argument kReload[] = {kPlugin[0], kState};
 constexpr Argument kPlugins[] = {
     maybe("--for", "the cores that fit this component", Kind::component)};
+constexpr Argument kRules[] = {maybe("RULE", "only this one, with all its parts", Kind::rule)};
 constexpr Argument kCheck[] = {one("FILE", "an architecture file", Kind::file)};
 constexpr Argument kApply[] = {one("FILE", "an architecture file", Kind::file),
                                flag("--dry-run", "prepare and tell, but change nothing"), kState,
@@ -117,6 +118,8 @@ constexpr Command kCommands[] = {
      kReload, true, run_reload},
     {"plugins", "what is loaded and what it brings", "mauvectl plugins --for control", kPlugins,
      false, run_plugins},
+    {"rules", "what the daemon does by itself: state, last firing, why not", "mauvectl rules",
+     kRules, false, run_rules},
     {"check", "an architecture file, all errors at once", "mauvectl check rover.json", kCheck,
      false, run_check},
     {"export",

@@ -25,6 +25,7 @@ enum class Kind {
   address,
   assignment,
   plugin,
+  rule,
   file,
   category,
   level,

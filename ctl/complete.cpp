@@ -176,6 +176,8 @@ Words candidates(const Typed& typed, Kind kind, const std::string& begun) {
       return Live(typed).names("port.list");
     case Kind::plugin:
       return Live(typed).names("plugin.list");
+    case Kind::rule:
+      return Live(typed).names("rules.list");
     case Kind::service:
       return Live(typed).services();
     case Kind::address:

@@ -50,6 +50,9 @@ struct Look {
 
 /// The saved generations, one row each.
 [[nodiscard]] std::string render_history(const Json& result, Look look);
+/// What the rules wait for and did, one row each; the other: everything about the first.
+[[nodiscard]] std::string render_rules(const Json& result, Look look);
+[[nodiscard]] std::string render_rule(const Json& result, Look look);
 
 /// "FILE:3:5: error: control.core.gain: must be positive", with hints.
 [[nodiscard]] std::string render_errors(std::string_view file, const Json& result, Look look);

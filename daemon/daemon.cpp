@@ -141,7 +141,8 @@ Status Daemon::load() {
   }
   origin_ = *std::move(origin);
   arch::Problems problems;
-  architecture_ = arch::load(origin_.text, catalog_, problems);
+  rules::Supervision supervision;
+  architecture_ = arch::load(origin_.text, catalog_, problems, &supervision);
   for (const auto& problem : problems.sorted()) {
     log_.write(Event::start_refused, {{"text", arch::to_string(problem, origin_.file)},
                                       {"line", static_cast<std::int64_t>(problem.where.line)},
@@ -151,6 +152,7 @@ Status Daemon::load() {
     return refuse(Errc::invalid_value, origin_.file, "has " + counted(problems.size(), "error"),
                   "mauved --check shows them again");
   }
+  supervisor_.adopt(std::move(supervision));
   for (const auto* loaded : catalog_.plugins()) {
     log_.write(Event::plugin_loaded, {{"plugin", loaded->info().name},
                                       {"version", loaded->info().version},
@@ -165,7 +167,7 @@ Status Daemon::deploy() {
   if (auto deployed = deployer_->deploy(); !deployed) {
     return deployed;
   }
-  log_.set_source(happenings_of(*deployer_));
+  log_.set_source(happenings_of(*deployer_, supervisor_));
   if (options_.realtime == Realtime::off) {
     log_.write(Event::realtime_off);
   }
@@ -178,13 +180,14 @@ Status Daemon::deploy() {
 
 Status Daemon::serve() {
   running_.reset(new Running{*architecture_, *deployer_, catalog_, control_, log_, watches_,
-                             [this] { return server_->clients(); }, random_id(),
+                             supervisor_, [this] { return server_->clients(); }, random_id(),
                              std::chrono::steady_clock::now()});
   keep_the_first();
   table_ = std::make_unique<CommandTable>(*running_);
   server_ = std::make_unique<server::Server>(server::ServerOptions{{}, server::machine_rules()},
                                              *table_, log_);
   const auto state = state_line();
+  supervisor_.start(*running_);
   control_.start();
   watches_.start(*running_);
   caretaker_.start(*running_);
@@ -257,6 +260,7 @@ int Daemon::shut_down(const std::string& cause) {
     log_.write(Event::component_stuck, {{"component", name}});
   }
   server_->stop(kLastAnswers);
+  supervisor_.stop();
   control_.stop();
   watches_.stop();
   if (keeper_) {

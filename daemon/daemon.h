@@ -15,6 +15,7 @@
 #include "recovery.h"
 #include "server/server.h"
 #include "signals.h"
+#include "supervisor.h"
 #include "watch.h"
 
 namespace mauve::daemon {
@@ -59,6 +60,7 @@ class Daemon {
   std::unique_ptr<Deployer> deployer_;
   Control control_;
   Watches watches_{log_};
+  Supervisor supervisor_{control_};
   Caretaker caretaker_;
   std::unique_ptr<Running> running_;
   std::unique_ptr<CommandTable> table_;

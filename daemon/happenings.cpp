@@ -12,8 +12,10 @@ namespace {
 using logging::Event;
 using logging::Level;
 
+constexpr std::string_view kRequested = "requested";
+
 Event event_of(std::string_view name) {
-  constexpr std::array<std::pair<std::string_view, Event>, 8> kEvents = {{
+  constexpr std::array<std::pair<std::string_view, Event>, 9> kEvents = {{
       {"started", Event::component_started},
       {"stopped", Event::component_stopped},
       {"swapped", Event::core_swapped},
@@ -22,6 +24,7 @@ Event event_of(std::string_view name) {
       {"missed", Event::missed},
       {"faulted", Event::component_faulted},
       {"lost", Event::events_lost},
+      {kRequested, Event::transaction_requested},
   }};
   const auto* found = std::find_if(kEvents.begin(), kEvents.end(),
                                    [&](const auto& row) { return row.first == name; });
@@ -48,7 +51,7 @@ logging::Record record_of(const Happening& happening) {
   logging::Record record = logging::make_record(
       event_of(happening.event), {{"component", happening.component}, {"text", happening.text}});
   record.fields.clear();
-  record.text = happening.text;
+  record.text = (happening.event == kRequested ? "requests " : "") + happening.text;
   record.level = level_of(happening.level);
   record.time -= std::chrono::duration_cast<std::chrono::system_clock::duration>(
       std::chrono::nanoseconds(record.monotonic_ns - happening.time));
@@ -56,9 +59,14 @@ logging::Record record_of(const Happening& happening) {
   return record;
 }
 
-logging::Log::Source happenings_of(Deployer& deployer) {
-  return [&deployer](const std::function<void(logging::Record)>& take) {
-    deployer.drain([&](const Happening& happening) { take(record_of(happening)); });
+logging::Log::Source happenings_of(Deployer& deployer, Supervisor& supervisor) {
+  return [&](const std::function<void(logging::Record)>& take) {
+    deployer.drain([&](const Happening& happening) {
+      take(record_of(happening));
+      if (happening.event == kRequested) {
+        supervisor.request(happening.component, happening.text);
+      }
+    });
   };
 }
 

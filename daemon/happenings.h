@@ -4,14 +4,15 @@
 
 #include "log/log.h"
 #include "mauve/deployer.h"
+#include "supervisor.h"
 
 namespace mauve::daemon {
 
 /// [log] The record of one happening.
 [[nodiscard]] logging::Record record_of(const Happening& happening);
 
-/// [any] Empties the rings of all real-time threads into the log. The deployer outlives its use:
-/// take the source away before it goes.
-[[nodiscard]] logging::Log::Source happenings_of(Deployer& deployer);
+/// [any] Empties the rings of all real-time threads into the log; requests also go to the
+/// supervisor. Both outlive its use: take the source away before they go.
+[[nodiscard]] logging::Log::Source happenings_of(Deployer& deployer, Supervisor& supervisor);
 
 }  // namespace mauve::daemon

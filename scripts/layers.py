@@ -9,17 +9,18 @@ import re
 import sys
 
 # Layer: the layers that it may use (itself always). "public" is libruntime/include/mauve.
-RUNTIME = "public base rt model exec plugin analysis trace arch"
+RUNTIME = "public base rt rules model exec plugin analysis trace arch"
 MAY_USE = {
     "public": "",
     "base": "public",
     "rt": "public base",
+    "rules": "public base",
     "model": "public base rt",
     "exec": "public base rt model",
     "plugin": "public base rt model",
     "analysis": "public base rt model",
     "trace": "public base rt model",
-    "arch": "public base rt model exec plugin analysis trace",
+    "arch": "public base rt rules model exec plugin analysis trace",
     "protocol": "public base",
     "log": "public base rt",
     "daemon": RUNTIME + " protocol log",

@@ -26,6 +26,7 @@
 namespace mauve::daemon {
 
 class Keeper;
+class Supervisor;
 class Watches;
 
 using protocol::Fault;
@@ -51,6 +52,7 @@ struct Running {
   Control& control;
   logging::Log& log;
   Watches& watches;
+  Supervisor& supervisor;
   std::function<std::vector<server::ClientInfo>()> clients;  ///< [any]
   std::string boot;                                          ///< another one at every start
   std::chrono::steady_clock::time_point since;
@@ -116,6 +118,7 @@ Result<Json> list_ports(Running&, const Call&);
 Result<Json> list_plugins(Running&, const Call&);
 Result<Json> list_clients(Running&, const Call&);
 Result<Json> list_commands(Running&, const Call&);
+Result<Json> list_rules(Running&, const Call&);
 Result<Json> show(Running&, const Call&);
 Result<Json> get(Running&, const Call&);
 Result<Json> export_architecture(Running&, const Call&);

@@ -6,11 +6,13 @@
 #include "commands/answer.h"
 #include "commands/architecture.h"
 #include "commands/model.h"
+#include "supervisor.h"
 
 namespace mauve::daemon {
 
 Value described(const Running& running) {
-  return arch::describe(running.architecture, running.catalog, parked_now(running));
+  return arch::describe(running.architecture, running.catalog, parked_now(running),
+                        running.supervisor.supervision());
 }
 
 Result<Json> export_architecture(Running& running, const Call& /*call*/) {

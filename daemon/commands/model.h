@@ -1,50 +1,34 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Finding things of the model by their address. [control]
+/// Finding things of the running model by their address. [control]
 #pragma once
 
 #include <string_view>
-#include <utility>
-#include <variant>
 
-#include "arch/parts.h"
+#include "arch/target.h"
 #include "commands/command.h"
 
 namespace mauve::daemon {
 
-/// A component or a resource.
-struct Element {
-  ComponentBase* component = nullptr;
-  ResourceBase* resource = nullptr;
-
-  [[nodiscard]] const std::string& name() const;
-  [[nodiscard]] arch::Parts parts() const;
-  [[nodiscard]] Shell& shell() const;
-  [[nodiscard]] const Bindings& bindings() const;
-};
+using arch::connection;
+using arch::Element;
+using arch::split_port;
+using arch::Target;
 
 /// "control" -> the element, or unknown_name with the nearest one.
-[[nodiscard]] Result<Element> find_element(const Running& running, std::string_view name);
-[[nodiscard]] Result<ComponentBase*> find_component(const Running& running, std::string_view name);
-
-/// What an address of a value means; exactly one is set.
-struct Target {
-  Element element;
-  PropertyBase* property = nullptr;
-  ObservableBase* observable = nullptr;
-  PortBase* port = nullptr;
-  ServiceBase* service = nullptr;
-};
+[[nodiscard]] inline Result<Element> find_element(const Running& running, std::string_view name) {
+  return arch::find_element(running.architecture, name);
+}
+[[nodiscard]] inline Result<ComponentBase*> find_component(const Running& running,
+                                                           std::string_view name) {
+  return arch::find_component(running.architecture, name);
+}
 
 /// "control.core.gain", "gnss.core.bad_frames", "control.ports.scan", "scan.read".
-[[nodiscard]] Result<Target> find_target(const Running& running, std::string_view address);
-
-/// "control.ports.scan" -> element and name of the port, which need not exist.
-[[nodiscard]] Result<std::pair<std::string, std::string>> split_port(std::string_view address);
+[[nodiscard]] inline Result<Target> find_target(const Running& running, std::string_view address) {
+  return arch::find_target(running.architecture, address);
+}
 
 /// The running system in the form of an architecture file.
 [[nodiscard]] Value described(const Running& running);
-
-/// The connection of a port, or null.
-[[nodiscard]] const Binding* connection(const Element& element, const PortBase& port);
 
 }  // namespace mauve::daemon

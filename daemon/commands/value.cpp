@@ -66,6 +66,59 @@ void add_connection(Json& out, const Binding& binding) {
   }
 }
 
+Value statistic(const ComponentStatus& status, std::string_view name) {
+  const auto count = [](std::uint64_t number) { return Value(static_cast<std::int64_t>(number)); };
+  if (name == "state") {
+    return to_string(status.state);
+  }
+  if (name == "core") {
+    return status.core;
+  }
+  if (name == "fsm_state") {
+    return status.fsm_state;
+  }
+  if (name == "releases") {
+    return count(status.releases);
+  }
+  if (name == "missed") {
+    return count(status.missed);
+  }
+  if (name == "overruns") {
+    return count(status.overruns);
+  }
+  if (name == "over_budget") {
+    return count(status.over_budget);
+  }
+  return format_duration(name == "late"           ? status.late
+                         : name == "lateness_max" ? status.lateness_max
+                                                  : status.execution_max);
+}
+
+/// Of a service or port that reads shared data.
+Value look_at(const Running& running, const arch::Quantity& quantity, ServiceBase& service) {
+  using Aspect = arch::Quantity::Aspect;
+  Slot slot(service);
+  Value value;
+  auto decode = [&](const void* data) {
+    if (quantity.aspect == Aspect::value) {
+      value = arch::field_of(service.signature().data->to_value(data), quantity.fields);
+    }
+  };
+  auto status = service.look(Visitor(decode), slot.cursor);
+  const Duration age{running.deployer.clock().now() - slot.cursor.stamp};
+  if (quantity.target.port != nullptr && has_value(status)) {
+    const auto limit = connection(quantity.target.element, *quantity.target.port)->max_age();
+    status = limit > Duration{0} && age > limit ? DataStatus::stale : status;
+  }
+  if (quantity.aspect == Aspect::status) {
+    return to_string(status);
+  }
+  if (!has_value(status)) {
+    return {};
+  }
+  return quantity.aspect == Aspect::age ? Value(format_duration(age)) : value;
+}
+
 }  // namespace
 
 Json max_age_of(const Binding* binding) {
@@ -106,6 +159,29 @@ Result<Json> sample(const Running& running, const std::string& address, const Ta
     add_connection(*out, *connection(target.element, *target.port));
   }
   return out;
+}
+
+Result<Value> read(const Running& running, const arch::Quantity& quantity) {
+  const auto& target = quantity.target;
+  if (!quantity.statistic.empty()) {
+    return statistic(running.deployer.status(target.element.name()), quantity.statistic);
+  }
+  if (target.property != nullptr) {
+    return arch::field_of(target.property->value(), quantity.fields);
+  }
+  if (target.observable != nullptr) {
+    return target.observable->value();
+  }
+  auto* service = service_of(target);
+  if (service == nullptr) {
+    const bool status = quantity.aspect == arch::Quantity::Aspect::status;
+    return status ? Value(to_string(DataStatus::no_data)) : Value();
+  }
+  if (service->resource().type().name != arch::kSharedData) {
+    return refuse(Errc::unsupported, service->address(), "is not stored but made for each reader",
+                  "mauvectl get " + service->address());
+  }
+  return look_at(running, quantity, *service);
 }
 
 }  // namespace mauve::daemon

@@ -2,6 +2,7 @@
 /// The value behind an address, as JSON. [control]
 #pragma once
 
+#include "arch/quantity.h"
 #include "commands/model.h"
 
 namespace mauve::daemon {
@@ -10,6 +11,10 @@ namespace mauve::daemon {
 /// also "service" and "max_age". Never takes an item away from a queue.
 [[nodiscard]] Result<Json> sample(const Running& running, const std::string& address,
                                   const Target& target);
+
+/// What a condition compares: null when there is none now. Runs no code of a resource: refused
+/// where the value is not stored.
+[[nodiscard]] Result<Value> read(const Running& running, const arch::Quantity& quantity);
 
 /// The service whose values an address shows: itself, or what a port is connected to; else null.
 [[nodiscard]] ServiceBase* service_of(const Target& target);

@@ -18,6 +18,7 @@ constexpr Param kAddress[] = {{"address", string, true}};
 constexpr Param kAddresses[] = {{"addresses", strings, true}};
 constexpr Param kFor[] = {{"for", string}};
 constexpr Param kOfComponent[] = {{"component", string}};
+constexpr Param kRule[] = {{"rule", string}};
 constexpr Param kSub[] = {{"sub", integer, true}};
 constexpr Param kCore[] = {{"core", string, true}};
 constexpr Param kSet[] = {
@@ -61,6 +62,7 @@ constexpr Method kMethods[] = {
     {"plugin.list", "plugins loaded, or those with cores for a component", kFor},
     {"client.list", "who is connected", {}},
     {"command.list", "this table", {}},
+    {"rules.list", "state, last firing and why not, of all rules or one", kRule},
     {"object.get", "everything about one object", kAddress},
     {"param.get", "value and status of one address", kAddress},
     {"param.set", "sets properties in one change", kSet, true},

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "arch/built_in.h"
+#include "arch/check_rules.h"
 #include "arch/parts.h"
 #include "arch/resolve.h"
 #include "base/name.h"
@@ -56,15 +57,17 @@ class LooseShell {
 class Builder {
  public:
   Builder(const Spec& spec, const plugin::Catalog& catalog, Problems& problems)
-      : spec_(spec), problems_(problems), resolver_(spec, catalog, problems) {}
+      : spec_(spec), catalog_(catalog), problems_(problems), resolver_(spec, catalog, problems) {}
 
-  std::unique_ptr<Architecture> run() {
+  std::unique_ptr<Architecture> run(rules::Supervision* supervision) {
     for (const ResourceSpec& resource : spec_.resources) make(resource);
     for (const ComponentSpec& component : spec_.components) make(component);
     for (const auto& [spec, resource] : resources_) connect(*spec, resource);
     for (const auto& [spec, component] : components_) connect(*spec, component);
     for (auto& [spec, shell] : loose_) connect(*spec, shell.made() ? &shell : nullptr);
     check_cycles();
+    auto checked = check_rules(spec_, *architecture_, catalog_, problems_);
+    if (supervision != nullptr) *supervision = std::move(checked);
     return problems_.empty() ? std::move(architecture_) : nullptr;
   }
 
@@ -224,6 +227,7 @@ class Builder {
   }
 
   const Spec& spec_;
+  const plugin::Catalog& catalog_;
   Problems& problems_;
   Resolver resolver_;
   std::vector<std::pair<const ResourceSpec*, ResourceBase*>> resources_;
@@ -235,8 +239,8 @@ class Builder {
 }  // namespace
 
 std::unique_ptr<Architecture> build(const Spec& spec, const plugin::Catalog& catalog,
-                                    Problems& problems) {
-  return Builder(spec, catalog, problems).run();
+                                    Problems& problems, rules::Supervision* supervision) {
+  return Builder(spec, catalog, problems).run(supervision);
 }
 
 }  // namespace mauve::arch

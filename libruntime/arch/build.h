@@ -12,12 +12,15 @@ namespace mauve::arch {
 
 /// Makes all elements, sets properties and task attributes and connects ports. Everything that
 /// does not fit goes to `problems`, all of it in one pass: unknown plugins, types, cores, state
-/// machines, data, properties, ports and services (with the nearest name), values of the wrong
+/// machines, data, properties, ports and services (with the nearest name), what check_rules()
+/// refuses, values of the wrong
 /// type or out of range, contracts, kinds and types of ports that differ, cycles of resources, CPUs
 /// that this machine does not have (the deployer refuses them, so a file for another machine may be
 /// good there).
-/// Null when `problems` is not empty afterwards. Runs constructors of plugins, no hooks. [control]
+/// Null when `problems` is not empty afterwards; else `supervision`, when it is asked for, gets the
+/// rules. Runs constructors of plugins, no hooks. [control]
 [[nodiscard]] std::unique_ptr<Architecture> build(const Spec& spec, const plugin::Catalog& catalog,
-                                                  Problems& problems);
+                                                  Problems& problems,
+                                                  rules::Supervision* supervision = nullptr);
 
 }  // namespace mauve::arch

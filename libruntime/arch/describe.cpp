@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "arch/built_in.h"
+#include "arch/describe_rules.h"
 #include "arch/parts.h"
 #include "arch/spec.h"
 #include "base/duration.h"
@@ -89,7 +90,13 @@ Value describe(const ResourceBase& resource) {
   return object;
 }
 
-Value describe(const ComponentBase& component, bool parked) {
+Value::Array requests(const ComponentBase& component, const rules::Supervision& supervision) {
+  const auto found = supervision.may_request.find(component.name());
+  if (found == supervision.may_request.end()) return {};
+  return {found->second.begin(), found->second.end()};
+}
+
+Value describe(const ComponentBase& component, bool parked, Value::Array may_request) {
   const Bundle& bundle = *component.bundle();
   Value::Object object{{"type", component.type().name}, {"core", bundle.core_type.name}};
   // A plugin's component type registers its own state machine under its own name.
@@ -103,6 +110,7 @@ Value describe(const ComponentBase& component, bool parked) {
   add_unless_empty(object, "ports", std::move(ports));
   add_unless_empty(object, "task", std::move(attributes));
   add_if(object, parked, "start", false);
+  add_unless_empty(object, "may_request", std::move(may_request));
   return object;
 }
 
@@ -147,7 +155,7 @@ Value describe_fallback(const std::optional<ComponentBase::Fallback>& fallback) 
 }
 
 Value describe(const Architecture& architecture, const plugin::Catalog& catalog,
-               const Parked& parked) {
+               const Parked& parked, const rules::Supervision& supervision) {
   Value::Object resources;
   for (const ResourceBase* resource : architecture.resources()) {
     resources.emplace_back(resource->name(), describe(*resource));
@@ -155,13 +163,17 @@ Value describe(const Architecture& architecture, const plugin::Catalog& catalog,
   Value::Object components;
   for (const ComponentBase* component : architecture.components()) {
     const bool waits = parked ? parked(*component) : !component->task().start;
-    components.emplace_back(component->name(), describe(*component, waits));
+    components.emplace_back(component->name(),
+                            describe(*component, waits, requests(*component, supervision)));
   }
-  return Value::Object{{"schema", kSchema},
-                       {"name", architecture.name()},
-                       {"plugins", loaded_plugins(catalog)},
-                       {"resources", std::move(resources)},
-                       {"components", std::move(components)}};
+  Value::Object file{{"schema", kSchema},
+                     {"name", architecture.name()},
+                     {"plugins", loaded_plugins(catalog)},
+                     {"resources", std::move(resources)},
+                     {"components", std::move(components)}};
+  add_unless_empty(file, "transactions", describe_transactions(supervision));
+  add_unless_empty(file, "rules", describe_rules(supervision));
+  return file;
 }
 
 }  // namespace mauve::arch

@@ -11,6 +11,7 @@
 #include "mauve/architecture.h"
 #include "mauve/value.h"
 #include "plugin/catalog.h"
+#include "rules/supervision.h"
 
 namespace mauve::arch {
 
@@ -27,9 +28,10 @@ using Parked = std::function<bool(const ComponentBase&)>;
 
 /// The architecture as its file would be written: what has its default is left out. Reading the
 /// result (parse, build) gives the same system: elements, cores, state machines, property values,
-/// connections and task attributes. Without `parked`, the task attribute `start` decides.
+/// connections, task attributes and supervision. Without `parked`, the task attribute `start`
+/// decides.
 /// [control]
 [[nodiscard]] Value describe(const Architecture& architecture, const plugin::Catalog& catalog,
-                             const Parked& parked = {});
+                             const Parked& parked = {}, const rules::Supervision& supervision = {});
 
 }  // namespace mauve::arch

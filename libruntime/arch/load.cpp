@@ -49,11 +49,11 @@ void load_plugins(const Spec& spec, plugin::Catalog& catalog, Problems& problems
 }
 
 std::unique_ptr<Architecture> load(std::string_view text, plugin::Catalog& catalog,
-                                   Problems& problems) {
+                                   Problems& problems, rules::Supervision* supervision) {
   const std::optional<Spec> spec = parse(text, problems);
   if (!spec) return nullptr;
   load_plugins(*spec, catalog, problems);
-  return build(*spec, catalog, problems);
+  return build(*spec, catalog, problems, supervision);
 }
 
 }  // namespace mauve::arch

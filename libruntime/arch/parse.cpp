@@ -7,6 +7,7 @@
 
 #include "arch/json.h"
 #include "arch/parse_element.h"
+#include "arch/parse_rules.h"
 #include "arch/parse_task.h"
 #include "arch/read.h"
 #include "base/address.h"
@@ -62,7 +63,9 @@ void read_component(const Source& source, ComponentSpec& component) {
        properties_field(component, {"shell", "core", "fsm"}),
        ports_field(component),
        {"task", [&](const Source& value) { read_task(value, component.task); }},
-       {"start", [&](const Source& value) { component.start = read_flag(value).value_or(true); }}});
+       {"start", [&](const Source& value) { component.start = read_flag(value).value_or(true); }},
+       {"may_request",
+        [&](const Source& value) { read_may_request(value, component.may_request); }}});
   require_type(source, component);
   require_fallback(source, component);
 }
@@ -125,18 +128,20 @@ std::optional<Spec> parse(std::string_view text, Problems& problems) {
   const Source root{*node, "", problems};
   Spec spec;
   const Node::Object* members = read_object(
-      root, {{"$schema", [](const Source& value) { static_cast<void>(read_text(value)); }},
-             {"schema", read_schema},
-             {"name",
-              [&](const Source& value) {
-                if (auto name = read_name(value, is_name, "a name such as \"rover\"")) {
-                  spec.name = name->value;
-                }
-              }},
-             {"plugins", [&](const Source& value) { read_plugins(value, spec.plugins); }},
-             {"resources", read_elements(spec.resources, read_resource)},
-             {"components", read_elements(spec.components, read_component)},
-             unsupported_field("rules")});
+      root,
+      {{"$schema", [](const Source& value) { static_cast<void>(read_text(value)); }},
+       {"schema", read_schema},
+       {"name",
+        [&](const Source& value) {
+          if (auto name = read_name(value, is_name, "a name such as \"rover\"")) {
+            spec.name = name->value;
+          }
+        }},
+       {"plugins", [&](const Source& value) { read_plugins(value, spec.plugins); }},
+       {"resources", read_elements(spec.resources, read_resource)},
+       {"components", read_elements(spec.components, read_component)},
+       {"transactions", [&](const Source& value) { read_transactions(value, spec.transactions); }},
+       {"rules", [&](const Source& value) { read_rules(value, spec.rules); }}});
   if (members == nullptr) return std::nullopt;
   require_key(root, *members, "schema", "\"schema\": \"mauve/architecture/1\"");
   require_key(root, *members, "name", "\"name\": \"rover\"");

@@ -14,6 +14,7 @@
 #include "mauve/component.h"
 #include "mauve/time.h"
 #include "mauve/value.h"
+#include "rules/supervision.h"
 
 namespace mauve::arch {
 
@@ -21,6 +22,7 @@ inline constexpr std::string_view kSchema = "mauve/architecture/1";
 inline constexpr int kLowestPriority = 1;
 inline constexpr int kHighestPriority = 90;  ///< above are the guard and the kernel's threads
 inline constexpr int kHighestCpu = 1023;
+inline constexpr unsigned kMostPerHour = 3600;  ///< firings of a rule
 inline constexpr std::size_t kSmallestStack = 16 * 1024;
 inline constexpr std::size_t kLargestStack = 64 * 1024 * 1024;
 
@@ -91,6 +93,34 @@ struct ComponentSpec : ElementSpec {
   std::optional<FallbackSpec> fallback;
   TaskSpec task;
   bool start = true;  ///< false: stays parked after deployment
+  std::vector<PlacedText> may_request;
+};
+
+/// One step of a transaction; the rule layer's own form, with places.
+struct StepSpec {
+  rules::Step step;
+  Position where;         ///< of the step
+  Position object_where;  ///< of the service, core or value
+};
+
+struct TransactionSpec {
+  std::string name;  ///< empty: written in the rule itself
+  Position where;
+  std::vector<StepSpec> steps;
+};
+
+struct ConditionSpec {
+  rules::Condition value;
+  Position where;
+};
+
+struct RuleSpec {
+  PlacedText name;
+  std::optional<ConditionSpec> when;
+  std::optional<ConditionSpec> until;
+  rules::Timing timing;
+  PlacedText transaction;  ///< "do" as a name; empty: `steps`
+  TransactionSpec steps;   ///< "do" as a list
 };
 
 /// A whole file.
@@ -99,6 +129,8 @@ struct Spec {
   std::vector<PlacedText> plugins;
   std::vector<ResourceSpec> resources;
   std::vector<ComponentSpec> components;
+  std::vector<TransactionSpec> transactions;
+  std::vector<RuleSpec> rules;
 };
 
 }  // namespace mauve::arch

@@ -97,6 +97,11 @@ void drain_one(Deployed& deployed, std::vector<Happening>& all) {
     all.push_back({event.time, event.level, deployed.component->name(),
                    std::string(name_of(event.kind)), text_of(event)});
   }
+  rt::Request request;
+  while (deployed.task->requests().pop(request)) {
+    all.push_back({request.time, LogLevel::info, deployed.component->name(), "requested",
+                   std::string(request.name())});
+  }
   const std::uint64_t lost = deployed.task->events().lost();
   const std::uint64_t news = lost - std::exchange(deployed.lost_events, lost);
   if (news == 0) return;

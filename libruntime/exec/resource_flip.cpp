@@ -35,6 +35,11 @@ ResourceFlip::ResourceFlip(ResourceBase& resource, ResourceParts parts, StatePol
     // from the value it had.
     const auto plan = plan_hand_over(*replaced_.core, *parts_.core, state);
     if (plan) hand_over_ = *plan;
+    for (ObservableBase* observable : parts_.core->observables()) {
+      const ObservableBase* same = replaced_.core->find_observable(observable->name());
+      const bool goes_on = same != nullptr && same_type(same->type(), observable->type());
+      if (goes_on) observables_.emplace_back(observable, same);
+    }
   }
   resource_.gate().defer(*this);
 }
@@ -60,6 +65,7 @@ void ResourceFlip::take() {
   for (const auto& [port, service] : safe_writes_) write_quietly(*port, *service);
   hand_over_.run();
   bytes_ = hand_over_.bytes;
+  for (const auto& [into, from] : observables_) into->continue_from(*from);
   resource_.meet(parts_.core, parts_.bindings);
   pause_ = Duration{MonotonicClock().now() - begin};
   state_.store(State::in_force, std::memory_order_release);

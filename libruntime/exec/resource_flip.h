@@ -63,6 +63,7 @@ class ResourceFlip final : public Deferred {
   ResourceParts parts_;
   ResourceParts replaced_;
   HandOver hand_over_;
+  std::vector<std::pair<ObservableBase*, const ObservableBase*>> observables_;
   Transaction& transaction_;
   /// Ports that lose their service: their safe values are written first.
   std::vector<std::pair<const PortBase*, ServiceBase*>> safe_writes_;

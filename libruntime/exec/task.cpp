@@ -13,14 +13,15 @@
 #include "rt/cpu_time.h"
 
 #include <mauve/job.h>
+#include <mauve/request.h>
 
 namespace mauve::exec {
 namespace {
 
-/// The ring of the task whose job this thread runs, for mauve::log().
-rt::EventRing*& this_ring() {
-  [[gnu::tls_model("initial-exec")]] static thread_local rt::EventRing* ring = nullptr;
-  return ring;
+/// The task whose job this thread runs, for mauve::log() and mauve::request().
+Task*& this_task() {
+  [[gnu::tls_model("initial-exec")]] static thread_local Task* task = nullptr;
+  return task;
 }
 
 /// Counters have one writer: a load and a store are enough.
@@ -280,7 +281,7 @@ void Task::run_job(Instant now) {
   job.running = true;
   job.implausible = nullptr;
   job.lock_bound = current_->shortest_wait;
-  this_ring() = &events_;
+  this_task() = this;
   const Instant lateness = now - release_;
   counters_.lateness_last.store(lateness, std::memory_order_relaxed);
   raise(counters_.lateness_max, lateness);
@@ -297,7 +298,7 @@ void Task::run_job(Instant now) {
   } catch (...) {
     on_fault(Cause::threw, "something that is no std::exception");
   }
-  this_ring() = nullptr;
+  this_task() = nullptr;
   job.start = 0;
   job.release = 0;
   job.running = false;
@@ -432,9 +433,14 @@ void Task::note(rt::EventKind kind, LogLevel level, std::int64_t a, std::int64_t
 namespace mauve {
 
 void log_event(LogLevel level, const char* literal, LogArgument a, LogArgument b) {
-  rt::EventRing* ring = exec::this_ring();
-  if (ring == nullptr) return;
-  ring->push({job_time(), rt::EventKind::log, level, literal, a, b, {}});
+  exec::Task* task = exec::this_task();
+  if (task == nullptr) return;
+  task->events().push({job_time(), rt::EventKind::log, level, literal, a, b, {}});
+}
+
+bool request(std::string_view transaction) {
+  exec::Task* task = exec::this_task();
+  return task != nullptr && task->requests().push(job_time(), transaction);
 }
 
 }  // namespace mauve

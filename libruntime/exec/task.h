@@ -13,6 +13,7 @@
 #include "exec/transaction.h"
 #include "model/hand_over.h"
 #include "rt/event_ring.h"
+#include "rt/request_ring.h"
 
 #include <mauve/change.h>
 #include <mauve/clock.h>
@@ -90,6 +91,7 @@ class Task {
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
   [[nodiscard]] rt::EventRing& events() { return events_; }
+  [[nodiscard]] rt::RequestRing& requests() { return requests_; }
   /// What was thrown; valid while the state is faulted.
   [[nodiscard]] const char* fault() const { return fault_.data(); }
 
@@ -158,6 +160,7 @@ class Task {
   std::string name_;
   const Clock& clock_;
   rt::EventRing events_;
+  rt::RequestRing requests_;
   Counters counters_;
   std::array<char, 128> fault_{};
 

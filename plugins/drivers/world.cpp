@@ -83,8 +83,8 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
     fix.latitude = kLatitude + north / kMetresPerDegree;
     fix.longitude = kLongitude + east / (kMetresPerDegree * kCosLatitude);
     fix.altitude = kAltitude + state_->random.normal(2.0 * gnss_noise);
-    fix.mode = 3;
-    fix.satellites = 9;
+    fix.mode = satellites >= 4 ? 3 : satellites == 3 ? 2 : 1;
+    fix.satellites = satellites;
     fix.hdop = 0.9;
     return fix;
   }
@@ -112,6 +112,11 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
       *this, "laser_noise", 0.01, "standard deviation", {.unit = "m", .min = 0.0, .max = 1.0}};
   mauve::Property<double> gnss_noise{
       *this, "gnss_noise", 0.5, "standard deviation", {.unit = "m", .min = 0.0, .max = 100.0}};
+  mauve::Property<int> satellites{*this,
+                                  "satellites",
+                                  9,
+                                  "in sight of the antenna; under 3 there is no position",
+                                  {.min = 0, .max = 32}};
   mauve::Observable<double> nearest{*this, "nearest", 1e9, "the robot came to an obstacle, m"};
   mauve::Observable<double> x{*this, "x", 0.0, "true position, m"};
   mauve::Observable<double> y{*this, "y", 0.0, "true position, m"};

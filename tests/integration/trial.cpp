@@ -3,6 +3,7 @@
 /// Built with NUMBER 1 and 2, so that a rebuilt file can be told from the one before, and with 3,
 /// whose state is of a later revision.
 #include <mauve/plugin.h>
+#include <mauve/request.h>
 
 #include <chrono>
 #include <cstdint>
@@ -11,6 +12,7 @@
 #include <string>
 #include <thread>
 #include <type_traits>
+#include <utility>
 
 namespace trial {
 
@@ -120,6 +122,17 @@ class ThrowingJob final : public Steady {
   void update() override { throw std::runtime_error("division by something"); }
 };
 
+/// Asks for a transaction in its first job.
+class Requesting final : public Steady {
+  mauve::Property<std::string> transaction{*this, "transaction", "deaf", "what it asks for"};
+  mauve::Observable<bool> asked{*this, "asked", false, "and was heard"};
+  bool first_ = true;
+  void update() override {
+    Steady::update();
+    if (std::exchange(first_, false)) asked = mauve::request(transaction.get());
+  }
+};
+
 class Hanging final : public Steady {
   void update() override {
     shell().output.write(9.0);
@@ -155,6 +168,7 @@ MAUVE_PLUGIN(plugin) {
   plugin.core<trial::Refusing>("refusing");
   plugin.core<trial::ThrowingHook>("throwing_hook");
   plugin.core<trial::ThrowingJob>("throwing_job");
+  plugin.core<trial::Requesting>("requesting");
   plugin.core<trial::Hanging>("hanging");
   plugin.core<trial::Forgetful>("forgetful");
   plugin.core<trial::AnotherCore>("another");

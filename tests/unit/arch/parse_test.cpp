@@ -234,7 +234,6 @@ TEST(Parse, RefusesEachMistakeWithItsPlaceAddressAndHint) {
 
 TEST(Parse, RefusesWhatIsNotYetSupportedWithAClearSentence) {
   const std::pair<std::string, std::string> later[] = {
-      {"\"name\": \"rover\"", "\"name\": \"rover\", \"rules\": []"},
       {"\"data\": \"laser_scan/1\" }", "\"data\": \"laser_scan/1\", \"on_fault\": \"stop\" }"}};
   for (const auto& [what, by] : later) {
     const auto problems = problems_of(rover_with(what, by));

@@ -65,6 +65,8 @@ std::string file_with(const std::string& level, const std::string& inside) {
   if (level == "root") return "{" + head + ", " + inside + "}";
   if (level == "resource")
     return "{" + head + R"(, "resources": {"a": {"type": "b", )" + inside + "}}}";
+  if (level == "rule")
+    return "{" + head + R"(, "rules": [{"name": "a", "when": "a.b", "do": "c", )" + inside + "}]}";
   const std::string component = "{" + head + R"(, "components": {"a": {"type": "b", )";
   if (level == "component") return component + inside + "}}}";
   if (level == "fallback") {
@@ -105,7 +107,7 @@ std::set<std::string> parsed_keys(const std::string& level) {
 TEST(Schema, KnowsTheKeysThatTheParserKnows) {
   EXPECT_EQ(keys_of(part(schema(), {"properties"})), parsed_keys("root"));
   for (const std::string level :
-       {"resource", "component", "task", "connection", "fallback", "restart"}) {
+       {"resource", "component", "task", "connection", "fallback", "restart", "rule"}) {
     EXPECT_EQ(keys_of(part(schema(), {"definitions", level, "properties"})), parsed_keys(level))
         << level;
   }
@@ -114,7 +116,7 @@ TEST(Schema, KnowsTheKeysThatTheParserKnows) {
 TEST(Schema, RefusesUnknownKeysEverywhere) {
   EXPECT_EQ(part(schema(), {"additionalProperties"}), Value(false));
   for (const std::string level :
-       {"resource", "component", "task", "connection", "fallback", "restart"}) {
+       {"resource", "component", "task", "connection", "fallback", "restart", "rule"}) {
     EXPECT_EQ(part(schema(), {"definitions", level, "additionalProperties"}), Value(false));
   }
 }
@@ -135,6 +137,14 @@ TEST(Schema, HasTheLimitsAndDefaultsOfTheRuntime) {
   EXPECT_EQ(part(task, {"on_overrun", "default"}), Value(to_string(defaults.on_overrun)));
   EXPECT_EQ(part(task, {"overrun_limit", "default"}),
             Value(static_cast<std::int64_t>(defaults.overrun_limit)));
+  const Value& rule = part(schema(), {"definitions", "rule", "properties"});
+  const rules::Timing timing;
+  EXPECT_EQ(part(rule, {"per_hour", "maximum"}), Value(static_cast<std::int64_t>(kMostPerHour)));
+  EXPECT_EQ(part(rule, {"per_hour", "default"}), Value(static_cast<std::int64_t>(timing.per_hour)));
+  EXPECT_EQ(part(rule, {"cool_down", "default"}), Value("1s"));
+  EXPECT_EQ(timing.cool_down, 1s);
+  EXPECT_EQ(part(schema(), {"definitions", "condition", "maxLength"}),
+            Value(static_cast<std::int64_t>(rules::Condition::kLongest)));
   for (const OnOverrun policy :
        {OnOverrun::catch_up, OnOverrun::skip, OnOverrun::stop, OnOverrun::fallback}) {
     const auto& words = *part(task, {"on_overrun", "enum"}).get_if<Value::Array>();
@@ -143,7 +153,7 @@ TEST(Schema, HasTheLimitsAndDefaultsOfTheRuntime) {
 }
 
 TEST(Schema, ExplainsEveryKey) {
-  for (const std::string level : {"resource", "component", "task"}) {
+  for (const std::string level : {"resource", "component", "task", "rule"}) {
     const Value& keys = part(schema(), {"definitions", level, "properties"});
     for (const auto& [key, member] : *keys.get_if<Value::Object>()) {
       const bool refers = member.find("$ref") != nullptr && key == "ports";

@@ -25,6 +25,8 @@ void serve_names(Peer& peer) {
     } else if (request.method == "core.list") {
       peer.answer(request,
                   {{"items", {{{"name", "for_" + request.params["for"].get<std::string>()}}}}});
+    } else if (request.method == "rules.list") {
+      peer.answer(request, protocol::Json::parse(R"({"items":[{"name":"gnss_lost"}]})"));
     } else {
       peer.answer(
           request,
@@ -56,7 +58,7 @@ TEST(Completion, OffersKindsAndLevels) {
 }
 
 TEST(Completion, AsksTheDaemonForNames) {
-  FakeServer server(serve_names, 7);
+  FakeServer server(serve_names, 8);
 
   EXPECT_EQ(completions({"--socket", server.path(), "start", "l"}), Words{"laser"});
   EXPECT_EQ(completions({"--socket", server.path(), "swap-core", "arm", ""}), Words{"for_arm"});
@@ -70,6 +72,7 @@ TEST(Completion, AsksTheDaemonForNames) {
             Words{"control.ports.scan"});
   EXPECT_EQ(completions({"--socket", server.path(), "connect", "control.ports.scan", "s"}),
             (Words{"scan.read", "scan.write"}));
+  EXPECT_EQ(completions({"--socket", server.path(), "rules", "g"}), Words{"gnss_lost"});
 }
 
 TEST(Completion, IsSilentWithoutDaemon) {

@@ -376,5 +376,30 @@ TEST(RenderArchitecture, KeepsTheOrderPeopleWrite) {
             "\n");
 }
 
+TEST(Render, ShowsRulesWithTheirValuesAndWhyTheyDoNotFire) {
+  const Json result = Json::parse(R"({"items":[
+    {"name":"gnss_lost","state":"fired","when":"gnss.core.satellites < 4",
+     "values":[{"address":"gnss.core.satellites","value":3}],"fired":2,"ago_ns":3200000000,
+     "fired_ns":1,"answer":"applied, generation 5","why_not":"fired, to be armed again"},
+    {"name":"slow","state":"armed","when":"a.late > 1s and b.state == running",
+     "values":[{"address":"a.late","value":"0s"},{"address":"b.state","value":null}],
+     "fired":0,"ago_ns":null,"fired_ns":null,"answer":"","why_not":"condition is false"}]})");
+
+  EXPECT_EQ(
+      render_rules(result, {}),
+      "NAME       STATE  CONDITION                                   FIRED  LAST       ANSWER      "
+      " "
+      "          WHY NOT\n"
+      "gnss_lost  fired  gnss.core.satellites < 4 (3)                    2  3.2 s ago  applied, "
+      "generation 5  fired, to be armed again\n"
+      "slow       armed  a.late > 1s and b.state == running (0s, -)      0  never      "
+      "                       condition is false\n");
+  EXPECT_EQ(render_rules(Json::parse(R"({"items":[]})"), {}), "none\n");
+  const std::string one = render_rule(result, {});
+  EXPECT_NE(one.find("gnss_lost"), std::string::npos) << one;
+  EXPECT_NE(one.find("3.2 s ago"), std::string::npos) << one;
+  EXPECT_EQ(one.find("slow"), std::string::npos) << one;
+}
+
 }  // namespace
 }  // namespace mauve::ctl

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "commands/gate.h"
+#include "supervisor.h"
 #include "support/temp_dir.h"
 #include "watch.h"
 
@@ -84,15 +85,12 @@ class TableTest : public testing::Test {
   Control control;
   logging::Log log{logging::Level::debug};
   Watches watches{log};
-  Running running{architecture,
-                  deployer,
-                  catalog,
-                  control,
-                  log,
-                  watches,
-                  [] { return std::vector<server::ClientInfo>(); },
-                  "b007",
-                  std::chrono::steady_clock::now()};
+  Supervisor supervisor{control};
+  Running running{architecture, deployer,
+                  catalog,      control,
+                  log,          watches,
+                  supervisor,   [] { return std::vector<server::ClientInfo>(); },
+                  "b007",       std::chrono::steady_clock::now()};
   CommandTable table{running};
   std::shared_ptr<server::Outbox> outbox = std::make_shared<server::Outbox>(1000, 4, [] {});
 };

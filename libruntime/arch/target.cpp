@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "commands/model.h"
+#include "arch/target.h"
 
 #include "base/name.h"
 
-namespace mauve::daemon {
+namespace mauve::arch {
 
 namespace {
 
@@ -45,8 +45,8 @@ const std::string& Element::name() const {
   return component != nullptr ? component->name() : resource->name();
 }
 
-arch::Parts Element::parts() const {
-  return component != nullptr ? arch::parts_of(*component) : arch::parts_of(*resource);
+Parts Element::parts() const {
+  return component != nullptr ? parts_of(*component) : parts_of(*resource);
 }
 
 Shell& Element::shell() const {
@@ -57,25 +57,24 @@ const Bindings& Element::bindings() const {
   return component != nullptr ? *component->bundle()->bindings : resource->bindings();
 }
 
-Result<Element> find_element(const Running& running, std::string_view name) {
-  const Element found{running.architecture.find_component(name),
-                      running.architecture.find_resource(name)};
+Result<Element> find_element(const Architecture& architecture, std::string_view name) {
+  const Element found{architecture.find_component(name), architecture.find_resource(name)};
   if (found.component != nullptr || found.resource != nullptr) {
     return found;
   }
   std::vector<std::string> names;
-  for (const auto* component : running.architecture.components()) {
+  for (const auto* component : architecture.components()) {
     names.push_back(component->name());
   }
-  for (const auto* resource : running.architecture.resources()) {
+  for (const auto* resource : architecture.resources()) {
     names.push_back(resource->name());
   }
   return refuse(Errc::unknown_name, std::string(name.substr(0, 255)),
                 "there is no component or resource of this name", did_you_mean(name, names));
 }
 
-Result<ComponentBase*> find_component(const Running& running, std::string_view name) {
-  const auto element = find_element(running, name);
+Result<ComponentBase*> find_component(const Architecture& architecture, std::string_view name) {
+  const auto element = find_element(architecture, name);
   if (!element) {
     return element.error();
   }
@@ -86,9 +85,9 @@ Result<ComponentBase*> find_component(const Running& running, std::string_view n
   return element->component;
 }
 
-Result<Target> find_target(const Running& running, std::string_view address) {
+Result<Target> find_target(const Architecture& architecture, std::string_view address) {
   const auto dot = address.find('.');
-  const auto element = find_element(running, address.substr(0, dot));
+  const auto element = find_element(architecture, address.substr(0, dot));
   if (!element) {
     return element.error();
   }
@@ -104,8 +103,8 @@ Result<Target> find_target(const Running& running, std::string_view address) {
   } else if (element->resource != nullptr && rest.find('.') == std::string_view::npos) {
     target.service = element->resource->find_service(rest);
   } else {
-    target.property = arch::find_property(element->parts(), rest);
-    target.observable = arch::find_observable(element->parts(), rest);
+    target.property = find_property(element->parts(), rest);
+    target.observable = find_observable(element->parts(), rest);
   }
   const bool found = target.port != nullptr || target.service != nullptr ||
                      target.property != nullptr || target.observable != nullptr;
@@ -128,4 +127,4 @@ const Binding* connection(const Element& element, const PortBase& port) {
   return port.index() < bindings.size() ? bindings[port.index()].get() : nullptr;
 }
 
-}  // namespace mauve::daemon
+}  // namespace mauve::arch

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "supervisor.h"
+
+#include <sys/prctl.h>
+
+#include "arch/transaction.h"
+#include "arch/value_json.h"
+#include "base/duration.h"
+#include "base/name.h"
+#include "commands/answer.h"
+#include "commands/change.h"
+#include "commands/value.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using logging::Event;
+
+constexpr std::chrono::milliseconds kPeriod{10};
+constexpr const char* kOwnSteps = "its own steps";
+
+/// Nobody's call: answers are events of the supervisor, no audit lines of a client.
+constexpr protocol::Method kMethod{"supervision", "", {}};
+
+std::string said(const Fault& fault) {
+  return (fault.where.empty() ? "" : fault.where + ": ") + fault.message +
+         (fault.hint.empty() ? "" : " (" + fault.hint + ")");
+}
+
+}  // namespace
+
+void Supervisor::adopt(rules::Supervision supervision) {
+  supervision_ = std::move(supervision);
+  engine_ = rules::Engine(supervision_.rules);
+}
+
+void Supervisor::start(Running& running) {
+  running_ = &running;
+  if (supervision_.rules.empty()) {
+    return;
+  }
+  thread_ = std::thread([this] {
+    prctl(PR_SET_NAME, "mauve-rules");
+    run();
+  });
+}
+
+void Supervisor::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+}
+
+/// [rules] A look that still waits is not queued twice.
+void Supervisor::run() {
+  std::unique_lock lock(mutex_);
+  while (!wake_.wait_for(lock, kPeriod, [this] { return stopping_; })) {
+    if (!look_pending_.exchange(true)) {
+      control_.read([this] { look(); });
+    }
+  }
+}
+
+/// [control]
+void Supervisor::look() {
+  look_pending_ = false;
+  for (const auto rule : engine_.step(running_->deployer.clock().now(), reader())) {
+    fire(rule);
+  }
+}
+
+rules::Read Supervisor::reader() const {
+  return [this](const std::string& address) -> Result<Value> {
+    const auto quantity = arch::find_quantity(running_->architecture, address);
+    if (!quantity) {
+      return quantity.error();
+    }
+    return read(*running_, *quantity);
+  };
+}
+
+void Supervisor::fire(std::size_t index) {
+  const auto& rule = engine_.rules()[index];
+  const bool named = !rule.transaction.empty();
+  Order order{named ? rule.transaction : kOwnSteps, "by rule " + rule.name, {}, rule.steps, {}};
+  if (named) {
+    order.steps = *supervision_.find(rule.transaction);
+  }
+  running_->log.write(Event::rule_fired, {{"rule", rule.name},
+                                          {"transaction", order.transaction},
+                                          {"text", rules::in_words(rule.when.values(reader()))}});
+  order.done = [this, index](const std::string& answer) { engine_.answered(index, answer); };
+  carry_out(std::move(order));
+}
+
+void Supervisor::request(std::string component, std::string transaction) {
+  control_.read([this, component = std::move(component), transaction = std::move(transaction)] {
+    serve(component, transaction);
+  });
+}
+
+/// [control] The component is real-time code of a plugin: it may do what the file permits.
+void Supervisor::serve(const std::string& component, const std::string& transaction) {
+  Order order{transaction, "requested by " + component, component, {}, {}};
+  const auto* steps = supervision_.find(transaction);
+  if (!supervision_.permits(component, transaction)) {
+    std::vector<std::string> names;
+    for (const auto& [name, unused] : supervision_.transactions) {
+      names.push_back(name);
+    }
+    return refuse_request(
+        order, steps == nullptr
+                   ? refuse(Errc::unknown_name, transaction, "there is no such transaction",
+                            did_you_mean(transaction, names))
+                   : refuse(Errc::not_permitted, component, "may not request this",
+                            "name it under \"may_request\" of " + component));
+  }
+  if (!under_way_.emplace(component, transaction).second) {
+    return refuse_request(
+        order, refuse(Errc::conflict, transaction, "is under way already, by an earlier request"));
+  }
+  order.steps = *steps;
+  order.done = [this, component, transaction](const std::string& /*answer*/) {
+    under_way_.erase({component, transaction});
+  };
+  carry_out(std::move(order));
+}
+
+void Supervisor::refuse_request(const Order& order, const Error& error) {
+  conclude(order, protocol::fault_of(error, "unchanged", running_->generation.load()));
+}
+
+/// [control] Queued behind the changes that wait already.
+void Supervisor::carry_out(Order order) {
+  auto call = std::make_shared<Call>();
+  call->method = &kMethod;
+  call->params = Json::object();
+  call->received = std::chrono::steady_clock::now();
+  auto steps = order.steps;
+  call->reply = [this, order = std::move(order)](const server::Outcome& outcome) {
+    conclude(order, outcome);
+  };
+  const bool queued = control_.change([this, call, steps = std::move(steps)](Ticket ticket) {
+    auto change =
+        arch::change_of(steps, running_->architecture, running_->deployer, running_->catalog);
+    if (!change) {
+      return answer(*running_, *call, change.error());
+    }
+    if (change->edits.empty()) {
+      return answer(*running_, *call, to_json(Receipt{running_->generation, {}, {}, 0, {}}));
+    }
+    apply(*running_, call, std::move(ticket), *std::move(change));
+  });
+  if (!queued) {
+    answer(*running_, *call, refuse(Errc::conflict, "", "too many changes wait already"));
+  }
+}
+
+void Supervisor::conclude(const Order& order, const server::Outcome& outcome) {
+  logging::Fields fields = {{"transaction", order.transaction}, {"by", order.by}};
+  if (!order.component.empty()) {
+    fields.push_back({"component", order.component});
+  }
+  std::string answer;
+  if (const auto* fault = std::get_if<Fault>(&outcome)) {
+    const bool unsafe = fault->state != "unchanged";
+    fields.push_back({"text", said(*fault)});
+    fields.push_back({"error", fault->name});
+    running_->log.write(unsafe ? Event::transaction_unsafe : Event::transaction_refused,
+                        std::move(fields));
+    answer = (unsafe ? "unsafe: " : "refused: ") + said(*fault);
+  } else {
+    const auto& receipt = std::get<Json>(outcome);
+    answer = text_or(receipt, "state") + ", generation " + receipt["generation"].dump();
+    fields.push_back({"text", answer});
+    running_->log.write(Event::transaction_applied, std::move(fields));
+  }
+  if (order.done) {
+    order.done(answer);
+  }
+}
+
+Result<Json> Supervisor::list(const std::string& rule) const {
+  const auto now = running_->deployer.clock().now();
+  Json rows = Json::array();
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < engine_.rules().size(); ++i) {
+    names.push_back(engine_.rules()[i].name);
+    if (rule.empty() || rule == names.back()) {
+      rows.push_back(row(i, now));
+    }
+  }
+  if (!rule.empty() && rows.empty()) {
+    return refuse(Errc::unknown_name, rule, "there is no rule of this name",
+                  did_you_mean(rule, names));
+  }
+  return Json{{"items", std::move(rows)}};
+}
+
+Json Supervisor::row(std::size_t index, Instant now) const {
+  const auto& rule = engine_.rules()[index];
+  const auto report = engine_.report(index, now, reader());
+  Json values = Json::array();
+  for (const auto& [address, value] : report.values) {
+    values.push_back({{"address", address}, {"value", arch::to_json(value)}});
+  }
+  return {{"name", rule.name},
+          {"state", to_string(report.state)},
+          {"when", rule.when.text()},
+          {"values", std::move(values)},
+          {"for", format_duration(rule.timing.hold)},
+          {"until", rule.until ? Json(rule.until->text()) : Json()},
+          {"do", rule.transaction.empty() ? Json() : Json(rule.transaction)},
+          {"cool_down", format_duration(rule.timing.cool_down)},
+          {"per_hour", rule.timing.per_hour},
+          {"fired", report.times},
+          {"fired_ns", report.last ? Json(*report.last - running_->deployer.t0()) : Json()},
+          {"ago_ns", report.last ? Json(now - *report.last) : Json()},
+          {"answer", report.answer},
+          {"why_not", report.why_not}};
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What the daemon changes by itself: rules that fire, and transactions that components request.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "commands/command.h"
+#include "rules/engine.h"
+
+namespace mauve::daemon {
+
+/// Looks at the rules 100 times a second on [control], while there are any. Transactions go the way
+/// of every change: one at a time, so a change under way delays them. What became of each is an
+/// event.
+class Supervisor {
+ public:
+  explicit Supervisor(Control& control) : control_(control) {}
+  ~Supervisor() { stop(); }
+  Supervisor(const Supervisor&) = delete;
+  Supervisor& operator=(const Supervisor&) = delete;
+
+  /// What the file says; before start(). [main]
+  void adopt(rules::Supervision supervision);
+  /// Begins to look, as soon as [control] runs. [main]
+  void start(Running& running);
+  /// [main], before [control] ends.
+  void stop();
+
+  /// A component's real-time code asked for it. [log]
+  void request(std::string component, std::string transaction);
+
+  [[nodiscard]] const rules::Supervision& supervision() const { return supervision_; }
+  /// One row a rule, of one rule only when it is named. [control]
+  [[nodiscard]] Result<Json> list(const std::string& rule) const;
+
+ private:
+  /// A transaction on its way.
+  struct Order {
+    std::string transaction;  ///< as it is called in the log
+    std::string by;           ///< "by rule gnss_lost"
+    std::string component;    ///< that requested it; may be empty
+    rules::Steps steps;
+    std::function<void(const std::string& answer)> done;
+  };
+
+  void run();
+  void look();
+  void fire(std::size_t rule);
+  void serve(const std::string& component, const std::string& transaction);
+  void refuse_request(const Order& order, const Error& error);
+  void carry_out(Order order);
+  void conclude(const Order& order, const server::Outcome& outcome);
+  [[nodiscard]] rules::Read reader() const;
+  [[nodiscard]] Json row(std::size_t rule, Instant now) const;
+
+  Control& control_;
+  rules::Supervision supervision_;
+  rules::Engine engine_;                                     // [control]
+  std::set<std::pair<std::string, std::string>> under_way_;  // requests, [control]
+  Running* running_ = nullptr;
+
+  std::atomic<bool> look_pending_{false};
+  std::mutex mutex_;  // guards what follows
+  std::condition_variable wake_;
+  bool stopping_ = false;
+  std::thread thread_;
+};
+
+}  // namespace mauve::daemon

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "rules/engine.h"
+
+#include <cstdio>
+#include <utility>
+
+namespace mauve::rules {
+namespace {
+
+/// "0.4", "12.5", "90".
+std::string seconds(Duration duration) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3g", std::chrono::duration<double>(duration).count());
+  return text;
+}
+
+}  // namespace
+
+Engine::Engine(std::vector<Rule> rules) : rules_(std::move(rules)) {
+  for (const Rule& rule : rules_) {
+    watched_.push_back({Trigger(rule.timing), {}, false, {}});
+  }
+}
+
+std::vector<std::size_t> Engine::step(Instant now, const Read& read) {
+  std::vector<std::size_t> fired;
+  for (std::size_t i = 0; i < rules_.size(); ++i) {
+    const Rule& rule = rules_[i];
+    Watched& watched = watched_[i];
+    watched.error.clear();
+    const Truth when = rule.when.evaluate(read, watched.error);
+    Truth rearm = !when;
+    if (rule.until) rearm = rule.until->evaluate(read, watched.error);
+    if (watched.waits_for_answer) rearm = Truth::no;
+    if (!watched.trigger.step(now, when, rearm)) continue;
+    watched.waits_for_answer = true;
+    fired.push_back(i);
+  }
+  return fired;
+}
+
+void Engine::answered(std::size_t rule, std::string answer) {
+  watched_[rule].waits_for_answer = false;
+  watched_[rule].answer = std::move(answer);
+}
+
+Report Engine::report(std::size_t rule, Instant now, const Read& read) const {
+  const Watched& watched = watched_[rule];
+  Report report;
+  report.state = watched.error.empty() ? watched.trigger.state() : State::disabled;
+  report.values = rules_[rule].when.values(read);
+  report.times = watched.trigger.times();
+  report.last = watched.trigger.last();
+  report.answer = watched.waits_for_answer ? "under way" : watched.answer;
+  report.why_not = why_not(watched, rules_[rule], now, read);
+  return report;
+}
+
+std::string Engine::why_not(const Watched& watched, const Rule& rule, Instant now,
+                            const Read& read) {
+  const Trigger& trigger = watched.trigger;
+  if (!watched.error.empty()) return watched.error;
+  const auto holds_for = [&](Duration held) {
+    return "holds for " + seconds(held) + " of " + seconds(rule.timing.hold) + " s";
+  };
+  switch (trigger.state()) {
+    case State::armed: {
+      std::string error;
+      const Truth truth = rule.when.evaluate(read, error);
+      if (truth == Truth::yes) return holds_for(0s);  // since the last look
+      return (truth == Truth::no ? "condition is false: " : "condition is unknown: ") +
+             in_words(rule.when.values(read));
+    }
+    case State::holding:
+      return holds_for(trigger.held(now));
+    case State::fired:
+      if (watched.waits_for_answer) return "fired, its transaction is under way";
+      return "fired, to be armed again " +
+             (rule.until ? "when " + rule.until->text() : "when the condition is false");
+    case State::cooling_down:
+      return "cooling down " + seconds(trigger.cooling(now)) + " s more";
+    case State::limited:
+      return "limit " + std::to_string(rule.timing.per_hour) + " an hour reached";
+    case State::disabled:
+      break;
+  }
+  return {};
+}
+
+}  // namespace mauve::rules

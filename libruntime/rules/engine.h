@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Engine: looks at all rules and says which fire now. Applies nothing, reads no clock.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rules/supervision.h"
+#include "rules/trigger.h"
+
+namespace mauve::rules {
+
+/// What is known of a rule, for people.
+struct Report {
+  State state = State::armed;
+  Values values;                ///< of all addresses of the condition
+  std::uint64_t times = 0;      ///< it fired
+  std::optional<Instant> last;  ///< firing
+  std::string answer;           ///< to the last firing; empty: none yet
+  std::string why_not;          ///< it does not fire now: "holds for 0.4 of 2 s"
+};
+
+/// Used by one thread, [control].
+class Engine {
+ public:
+  Engine() = default;
+  explicit Engine(std::vector<Rule> rules);
+
+  [[nodiscard]] const std::vector<Rule>& rules() const { return rules_; }
+
+  /// The rules that fire now, as indices. A rule that fired waits for its answer, then for its
+  /// `until`.
+  [[nodiscard]] std::vector<std::size_t> step(Instant now, const Read& read);
+  /// What came of the firing: "applied", "refused: ...".
+  void answered(std::size_t rule, std::string answer);
+
+  [[nodiscard]] Report report(std::size_t rule, Instant now, const Read& read) const;
+
+ private:
+  struct Watched {
+    Trigger trigger;
+    std::string error;  ///< why the condition cannot be evaluated
+    bool waits_for_answer = false;
+    std::string answer;
+  };
+
+  [[nodiscard]] static std::string why_not(const Watched& watched, const Rule& rule, Instant now,
+                                           const Read& read);
+
+  std::vector<Rule> rules_;
+  std::vector<Watched> watched_;  // by rule
+};
+
+}  // namespace mauve::rules

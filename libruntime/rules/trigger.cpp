@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "rules/trigger.h"
+
+#include <algorithm>
+
+namespace mauve::rules {
+
+std::string_view to_string(State state) {
+  constexpr std::string_view kTexts[] = {"armed",        "holding", "fired",
+                                         "cooling_down", "limited", "disabled"};
+  return kTexts[static_cast<std::size_t>(state)];
+}
+
+bool Trigger::step(Instant now, Truth when, Truth rearm) {
+  const State before = state_;
+  state_ = next(now, when, rearm);
+  if (state_ != State::fired || before == State::fired) return false;
+  last_ = now;
+  this_hour_.push_back(now);
+  ++times_;
+  return true;
+}
+
+State Trigger::next(Instant now, Truth when, Truth rearm) {
+  if (state_ == State::fired) {
+    if (rearm != Truth::yes) return State::fired;
+    since_.reset();  // what held before does not count again
+  }
+  if (when != Truth::yes) {
+    since_.reset();
+    return State::armed;
+  }
+  const bool was_fired = state_ == State::fired;
+  if (!since_) since_ = now;
+  if (was_fired || held(now) < timing_.hold) return State::holding;
+  if (cooling(now) > Duration{0}) return State::cooling_down;
+  const Instant an_hour_ago = now - std::chrono::nanoseconds(1h).count();
+  std::erase_if(this_hour_, [&](Instant fired) { return fired <= an_hour_ago; });
+  return this_hour_.size() < timing_.per_hour ? State::fired : State::limited;
+}
+
+Duration Trigger::held(Instant now) const { return Duration{since_ ? now - *since_ : 0}; }
+
+Duration Trigger::cooling(Instant now) const {
+  if (!last_) return Duration{0};
+  return std::max(Duration{0}, timing_.cool_down - Duration{now - *last_});
+}
+
+}  // namespace mauve::rules

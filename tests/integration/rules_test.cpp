@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// What a running daemon changes by itself: rules, and transactions that components request.
+#include <filesystem>
+
+#include "trial_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using testing::HasSubstr;
+using Json = protocol::Json;
+
+/// `second` reads what `first` writes: its gain. Deaf it reads 0.5.
+std::string supervised(const std::string& rules, const std::string& may_request = "[]") {
+  std::string text(kTrial);
+  const std::string resources = "\"resources\"";
+  text.insert(text.find(resources), R"("transactions": {
+      "deaf": [{ "disconnect": "second.ports.input" }],
+      "calm": [{ "set": "first.core.gain", "value": 1.0 }],
+      "worse": [{ "disconnect": "second.ports.input" },
+                { "swap": "first", "core": "trial/refusing" }],
+      "rest": [{ "stop": "second" }],
+      "wake": [{ "start": "second" }] },
+    "rules": [)" + rules + "],\n");
+  const std::string first = R"({ "type": "trial/unit", "properties": { "fsm.period": "2ms" },)";
+  return text.replace(text.find(first), first.size(),
+                      first + "\"may_request\": " + may_request + ", ");
+}
+
+constexpr const char* kLoud = R"({ "name": "loud", "when": "second.core.input > 5",
+    "until": "second.core.input < 2", "do": "deaf", "cool_down": "1ms" })";
+
+class RulesDaemon : public TrialDaemon {
+ public:
+  using TrialDaemon::TrialDaemon;
+
+  Json rule(const std::string& name) { return ask("rules.list", {{"rule", name}})["items"][0]; }
+  Json set(const std::string& address, const Json& value) {
+    return ask("param.set", {{"values", {{address, value}}}});
+  }
+  /// The service that a port is connected to, or null.
+  Json service(const std::string& port) {
+    return ask("object.get", {{"address", port}})["service"];
+  }
+  /// How many records of this event there are, with this part in their text.
+  std::size_t events(const std::string& name, const std::string& part = "") {
+    const auto tail = ask("log.tail", {{"n", 1000}});
+    std::size_t count = 0;
+    for (const auto& record : tail["records"]) {
+      const auto text = record["text"].get<std::string>();
+      count += record["event"] == name && text.find(part) != std::string::npos ? 1U : 0U;
+    }
+    return count;
+  }
+  bool fired(const std::string& name, int times) {
+    return eventually([&] {
+      const auto row = rule(name);
+      return row["fired"] == times && row["answer"] != "" && row["answer"] != "under way";
+    });
+  }
+  std::string answer(const std::string& name) { return rule(name)["answer"].get<std::string>(); }
+};
+
+TEST(Rules, DisconnectAndAreArmedAgain) {
+  RulesDaemon daemon(supervised(kLoud));
+  EXPECT_TRUE(eventually([&] { return daemon.rule("loud")["state"] == "armed"; }));
+  EXPECT_EQ(daemon.rule("loud")["fired"], 0);
+  EXPECT_TRUE(daemon.becomes("second.core.input", 1.0));
+  EXPECT_THAT(daemon.rule("loud")["why_not"].get<std::string>(), HasSubstr("condition is false"));
+
+  daemon.set("first.core.gain", 6.0);
+
+  ASSERT_TRUE(daemon.fired("loud", 1)) << daemon.rule("loud");
+  EXPECT_THAT(daemon.answer("loud"), HasSubstr("applied, generation 3"));
+  EXPECT_EQ(daemon.service("second.ports.input"), nullptr);
+  EXPECT_TRUE(daemon.becomes("second.core.input", 0.5));
+  EXPECT_TRUE(eventually([&] { return daemon.rule("loud")["state"] == "armed"; }));
+  EXPECT_TRUE(
+      eventually([&] { return daemon.events("transaction_applied", "by rule loud") == 1; }));
+  EXPECT_EQ(daemon.events("rule_fired", "rule loud fires deaf: second.core.input is 6"), 1U);
+
+  daemon.ask("port.connect", {{"port", "second.ports.input"}, {"service", "signal.read"}});
+  EXPECT_TRUE(daemon.fired("loud", 2)) << daemon.rule("loud");
+}
+
+TEST(Rules, ThatAreRefusedChangeNothingAndHaveFired) {
+  RulesDaemon daemon(supervised(R"({ "name": "loud", "when": "second.core.input > 5",
+                                     "do": "worse", "cool_down": "1h" })"));
+  const auto before = daemon.set("first.core.gain", 6.0);
+
+  ASSERT_TRUE(daemon.fired("loud", 1)) << daemon.rule("loud");
+
+  EXPECT_THAT(daemon.answer("loud"), HasSubstr("refused: "));
+  EXPECT_THAT(daemon.answer("loud"), HasSubstr("is not to its liking"));
+  EXPECT_EQ(daemon.service("second.ports.input"), "signal.read") << "all steps or none";
+  EXPECT_EQ(daemon.ask("status.get")["generation"], before["generation"]);
+  EXPECT_TRUE(eventually([&] { return daemon.events("transaction_refused", "liking") == 1; }));
+  EXPECT_EQ(daemon.rule("loud")["state"], "fired");
+
+  daemon.set("first.core.gain", 1.0);
+  EXPECT_TRUE(eventually([&] { return daemon.rule("loud")["state"] == "armed"; }));
+  daemon.set("first.core.gain", 6.0);
+  EXPECT_TRUE(eventually([&] { return daemon.rule("loud")["state"] == "cooling_down"; }));
+  EXPECT_THAT(daemon.rule("loud")["why_not"].get<std::string>(), HasSubstr("cooling down"));
+  EXPECT_EQ(daemon.rule("loud")["fired"], 1);
+}
+
+TEST(Rules, ThatFireWhileAChangeIsUnderWayWaitForIt) {
+  RulesDaemon daemon(
+      supervised(R"({ "name": "alone", "when": "second.state == stopped", "do": "deaf" })"));
+  const auto marker = daemon.place() / "begun";
+  auto client = daemon.client();
+  ASSERT_TRUE(client.send(protocol::to_line(protocol::make_request(
+                              "slow", "core.swap",
+                              {{"component", "first"},
+                               {"core", "trial/slow"},
+                               {"set", {{"configure_time", "3s"}, {"marker", marker.string()}}}})) +
+                          '\n'));
+  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(marker); }));
+
+  daemon.ask("component.stop", {{"components", {"second"}}});
+  ASSERT_TRUE(eventually([&] { return daemon.rule("alone")["fired"] == 1; }));
+
+  const auto swapped = client.json();
+  EXPECT_EQ(swapped["result"]["state"], "applied") << swapped;
+  ASSERT_TRUE(daemon.fired("alone", 1));
+  EXPECT_THAT(daemon.answer("alone"), HasSubstr("applied, generation"));
+  EXPECT_EQ(daemon.service("second.ports.input"), nullptr);
+  EXPECT_EQ(daemon.component("first")["core"], "trial/slow");
+}
+
+TEST(Rules, StopAndStartComponents) {
+  RulesDaemon daemon(supervised(
+      R"({ "name": "loud", "when": "second.core.input > 5", "do": "rest" },
+         { "name": "quiet", "when": "signal.read < 2 and second.state == stopped", "for": "20ms",
+           "do": [{ "start": "second" }] })"));
+
+  daemon.set("first.core.gain", 6.0);
+  ASSERT_TRUE(daemon.fired("loud", 1)) << daemon.rule("loud");
+  EXPECT_EQ(daemon.component("second")["state"], "stopped");
+
+  daemon.set("first.core.gain", 1.0);
+  ASSERT_TRUE(daemon.fired("quiet", 1)) << daemon.rule("quiet");
+  EXPECT_EQ(daemon.component("second")["state"], "running");
+}
+
+TEST(Rules, DoNothingWhereEverythingIsSoAlready) {
+  RulesDaemon daemon(
+      supervised(R"({ "name": "same", "when": "second.state == running", "do": "wake" })"));
+
+  ASSERT_TRUE(daemon.fired("same", 1)) << daemon.rule("same");
+
+  EXPECT_EQ(daemon.answer("same"), "unchanged, generation 1");
+}
+
+TEST(Rules, AreListedByNameAndExported) {
+  RulesDaemon daemon(supervised(kLoud, R"(["deaf"])"));
+
+  EXPECT_EQ(daemon.ask("rules.list")["items"].size(), 1U);
+  const auto unknown = daemon.ask("rules.list", {{"rule", "luod"}});
+  EXPECT_EQ(unknown["data"]["name"], "unknown_name");
+  EXPECT_THAT(unknown["data"]["hint"].get<std::string>(), HasSubstr("loud"));
+  const auto exported = daemon.ask("config.get")["architecture"];
+  EXPECT_EQ(exported["rules"][0]["until"], "second.core.input < 2");
+  EXPECT_EQ(exported["transactions"]["rest"][0]["stop"], "second");
+  EXPECT_EQ(exported["components"]["first"]["may_request"][0], "deaf");
+  EXPECT_EQ(daemon.value("second.state"), "running") << "get knows what conditions know";
+  EXPECT_EQ(daemon.value("second.ports.input.status"), "new_data");
+}
+
+Json requesting(const std::string& component, const std::string& transaction) {
+  return {{"component", component},
+          {"core", "trial/requesting"},
+          {"set", {{"transaction", transaction}}}};
+}
+
+TEST(Requests, ArePermittedByTheFile) {
+  RulesDaemon daemon(supervised("", R"(["deaf"])"));
+
+  daemon.ask("core.swap", requesting("first", "deaf"));
+
+  EXPECT_TRUE(eventually([&] { return daemon.service("second.ports.input") == nullptr; }));
+  EXPECT_TRUE(daemon.becomes("first.core.asked", true));
+  EXPECT_TRUE(eventually(
+      [&] { return daemon.events("transaction_applied", "deaf requested by first") == 1; }));
+  EXPECT_EQ(daemon.events("transaction_requested", "requests deaf"), 1U);
+}
+
+TEST(Requests, AreRefusedWhereTheFileDoesNotPermitThem) {
+  RulesDaemon daemon(supervised("", R"(["deaf"])"));
+
+  daemon.ask("core.swap", requesting("first", "rest"));
+  daemon.ask("core.swap", requesting("second", "rest"));
+  EXPECT_TRUE(eventually(
+      [&] { return daemon.events("transaction_refused", "may not request this") == 2; }));
+  daemon.ask("core.swap", {{"component", "first"}, {"core", "trial/steady"}});
+  daemon.ask("core.swap", requesting("first", "daef"));
+
+  EXPECT_TRUE(eventually([&] { return daemon.events("transaction_refused", "deaf") == 1; }));
+  EXPECT_EQ(daemon.service("second.ports.input"), "signal.read");
+  EXPECT_EQ(daemon.component("second")["state"], "running");
+}
+
+TEST(RoverRules, DisconnectTheReceiverWhileItSeesTooFewSatellites) {
+  DaemonProcess rover(MAUVE_ETC_DIR "/rover.json");
+  ASSERT_TRUE(rover.up()) << rover.errors();
+  const auto service = [&] { return rover.ask({"show", "gnss.ports.fix"})["service"]; };
+  ASSERT_TRUE(eventually([&] { return rover.value("gnss.core.satellites") == 9; }));
+  const auto fired = [&](const std::string& rule) {
+    return rover.ask({"rules", rule})["items"][0]["fired"].get<int>();
+  };
+  ASSERT_TRUE(eventually([&] { return fired("gnss_back") > 0; }));
+  EXPECT_EQ(service(), "fix.write");
+
+  ASSERT_EQ(rover.ask({"set", "world.core.satellites=3"})["state"], "applied");
+  EXPECT_TRUE(eventually([&] { return service() == nullptr; })) << rover.ask({"rules"});
+
+  ASSERT_EQ(rover.ask({"set", "world.core.satellites=9"})["state"], "applied");
+  EXPECT_TRUE(eventually([&] { return service() == "fix.write"; })) << rover.ask({"rules"});
+  EXPECT_GE(fired("gnss_lost"), 1);
+}
+
+}  // namespace
+}  // namespace mauve::test

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "rules/engine.h"
+
+#include <map>
+#include <string>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+namespace mauve::rules {
+namespace {
+
+using namespace std::chrono_literals;  // NOLINT: durations
+
+class Rules : public testing::Test {
+ protected:
+  static Rule rule(const std::string& name, const std::string& when, Timing timing = {}) {
+    return {name, *Condition::parse(when), std::nullopt, timing, "drop_gnss", {}};
+  }
+  std::vector<std::size_t> after(Engine& engine, Duration passed) {
+    now_ += passed.count();
+    return engine.step(now_, read_);
+  }
+  Report report(const Engine& engine) { return engine.report(0, now_, read_); }
+
+  std::map<std::string, Value> values_{{"gnss.core.satellites", 9}};
+  Instant now_ = 1'000'000'000;
+  Read read_ = [this](const std::string& address) -> Result<Value> {
+    const auto found = values_.find(address);
+    if (found != values_.end()) return found->second;
+    return refuse(Errc::unknown_name, address, "there is nothing of this name");
+  };
+};
+
+using Fired = std::vector<std::size_t>;
+
+TEST_F(Rules, FireOneByOneAndAreArmedAgain) {
+  Engine engine({rule("few", "gnss.core.satellites < 4"), rule("none", "gnss.core.satellites == 0"),
+                 rule("many", "gnss.core.satellites > 8")});
+
+  EXPECT_EQ(after(engine, 10ms), Fired{2});
+  engine.answered(2, "applied");
+  values_["gnss.core.satellites"] = 3;
+  EXPECT_EQ(after(engine, 10ms), Fired{0});
+  engine.answered(0, "applied");
+  values_["gnss.core.satellites"] = 0;
+  EXPECT_EQ(after(engine, 2s), Fired{1});
+  engine.answered(1, "applied");
+  values_["gnss.core.satellites"] = 9;
+  EXPECT_EQ(after(engine, 2s), Fired{2});
+}
+
+TEST_F(Rules, HaveACooldownAndALimitThatNobodyAskedFor) {
+  const Rule bare = rule("few", "gnss.core.satellites < 4");
+
+  EXPECT_EQ(bare.timing, (Timing{0s, 1s, 60}));
+}
+
+TEST_F(Rules, WaitForTheSecondConditionToBeArmedAgain) {
+  Rule few = rule("few", "gnss.core.satellites < 4", {0s, 0s, 60});
+  few.until = *Condition::parse("gnss.core.satellites >= 6");
+  Engine engine({few});
+  values_["gnss.core.satellites"] = 3;
+  EXPECT_EQ(after(engine, 10ms), Fired{0});
+  engine.answered(0, "applied");
+
+  values_["gnss.core.satellites"] = 5;
+  EXPECT_EQ(after(engine, 10ms), Fired{});
+  EXPECT_EQ(report(engine).state, State::fired);
+  EXPECT_EQ(report(engine).why_not, "fired, to be armed again when gnss.core.satellites >= 6");
+  values_["gnss.core.satellites"] = 6;
+  EXPECT_EQ(after(engine, 10ms), Fired{});
+  EXPECT_EQ(report(engine).state, State::armed);
+  values_["gnss.core.satellites"] = 3;
+  EXPECT_EQ(after(engine, 10ms), Fired{0});
+}
+
+TEST_F(Rules, AreNotArmedWhileTheirTransactionIsUnderWay) {
+  Engine engine({rule("few", "gnss.core.satellites < 4", {0s, 0s, 60})});
+  values_["gnss.core.satellites"] = 3;
+  EXPECT_EQ(after(engine, 10ms), Fired{0});
+
+  values_["gnss.core.satellites"] = 9;
+  EXPECT_EQ(after(engine, 10ms), Fired{});
+  values_["gnss.core.satellites"] = 3;
+  EXPECT_EQ(after(engine, 10ms), Fired{});
+  EXPECT_EQ(report(engine).answer, "under way");
+  engine.answered(0, "refused: it is late");
+  EXPECT_EQ(report(engine).answer, "refused: it is late");
+  EXPECT_EQ(after(engine, 10ms), Fired{}) << "refused or not, it has fired";
+}
+
+TEST_F(Rules, SayWhyTheyDoNotFire) {
+  Engine engine({rule("few", "gnss.core.satellites < 4", {2s, 5s, 1})});
+  EXPECT_EQ(after(engine, 10ms), Fired{});
+  EXPECT_EQ(report(engine).why_not, "condition is false: gnss.core.satellites is 9");
+
+  values_["gnss.core.satellites"] = Value();
+  EXPECT_EQ(after(engine, 10ms), Fired{});
+  EXPECT_EQ(report(engine).why_not, "condition is unknown: gnss.core.satellites is not there");
+
+  values_["gnss.core.satellites"] = 3;
+  EXPECT_EQ(after(engine, 10ms), Fired{});
+  EXPECT_EQ(after(engine, 400ms), Fired{});
+  EXPECT_EQ(report(engine).why_not, "holds for 0.4 of 2 s");
+  EXPECT_EQ(after(engine, 1600ms), Fired{0});
+  EXPECT_EQ(report(engine).why_not, "fired, its transaction is under way");
+  engine.answered(0, "applied");
+  EXPECT_EQ(report(engine).why_not, "fired, to be armed again when the condition is false");
+
+  values_["gnss.core.satellites"] = 9;
+  EXPECT_EQ(after(engine, 10ms), Fired{});
+  values_["gnss.core.satellites"] = 3;
+  EXPECT_EQ(after(engine, 10ms), Fired{});
+  EXPECT_EQ(after(engine, 1980ms), Fired{});
+  EXPECT_EQ(after(engine, 20ms), Fired{});
+  EXPECT_EQ(report(engine).why_not, "cooling down 2.98 s more");
+  EXPECT_EQ(after(engine, 5s), Fired{});
+  EXPECT_EQ(report(engine).why_not, "limit 1 an hour reached");
+  EXPECT_EQ(report(engine).times, 1U);
+}
+
+TEST_F(Rules, AreDisabledWhileAnAddressIsNotThere) {
+  Engine engine({rule("few", "gnss.core.satellites < 4 or gnss.core.gone > 1")});
+  values_["gnss.core.satellites"] = 5;
+
+  EXPECT_EQ(after(engine, 10ms), Fired{});
+  EXPECT_EQ(report(engine).state, State::disabled);
+  EXPECT_NE(report(engine).why_not.find("gnss.core.gone"), std::string::npos);
+
+  values_["gnss.core.gone"] = 0;
+  EXPECT_EQ(after(engine, 10ms), Fired{});
+  EXPECT_EQ(report(engine).state, State::armed);
+}
+
+}  // namespace
+}  // namespace mauve::rules
