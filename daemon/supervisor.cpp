@@ -20,8 +20,8 @@ using logging::Event;
 constexpr std::chrono::milliseconds kPeriod{10};
 constexpr const char* kOwnSteps = "its own steps";
 
-/// Nobody's call: answers are events of the supervisor, no audit lines of a client.
-constexpr protocol::Method kMethod{"supervision", "", {}};
+/// Nobody's call: what is audited is that the daemon itself did it.
+constexpr protocol::Method kMethod{"supervision", "", {}, true};
 
 std::string said(const Fault& fault) {
   return (fault.where.empty() ? "" : fault.where + ": ") + fault.message +
@@ -33,11 +33,20 @@ std::string said(const Fault& fault) {
 void Supervisor::adopt(rules::Supervision supervision) {
   supervision_ = std::move(supervision);
   engine_ = rules::Engine(supervision_.rules);
+  ++adoptions_;
+  if (running_ != nullptr) {
+    begin_to_look();
+  }
 }
 
 void Supervisor::start(Running& running) {
   running_ = &running;
-  if (supervision_.rules.empty()) {
+  begin_to_look();
+}
+
+/// Without rules there is nothing to look at, and no thread.
+void Supervisor::begin_to_look() {
+  if (supervision_.rules.empty() || thread_.joinable()) {
     return;
   }
   thread_ = std::thread([this] {
@@ -95,7 +104,11 @@ void Supervisor::fire(std::size_t index) {
   running_->log.write(Event::rule_fired, {{"rule", rule.name},
                                           {"transaction", order.transaction},
                                           {"text", rules::in_words(rule.when.values(reader()))}});
-  order.done = [this, index](const std::string& answer) { engine_.answered(index, answer); };
+  order.done = [this, index, adoption = adoptions_](const std::string& answer) {
+    if (adoption == adoptions_) {
+      engine_.answered(index, answer);
+    }
+  };
   carry_out(std::move(order));
 }
 
@@ -140,13 +153,17 @@ void Supervisor::refuse_request(const Order& order, const Error& error) {
 void Supervisor::carry_out(Order order) {
   auto call = std::make_shared<Call>();
   call->method = &kMethod;
-  call->params = Json::object();
+  call->params = {{"transaction", order.transaction}, {"reason", order.by}};
   call->received = std::chrono::steady_clock::now();
   auto steps = order.steps;
   call->reply = [this, order = std::move(order)](const server::Outcome& outcome) {
-    conclude(order, outcome);
+    // Whoever answers: the books are kept on [control].
+    control_.read([this, order, outcome] { conclude(order, outcome); });
   };
   const bool queued = control_.change([this, call, steps = std::move(steps)](Ticket ticket) {
+    if (auto met = check_conditions(*running_, *call); !met) {
+      return answer(*running_, *call, met.error());
+    }
     auto change =
         arch::change_of(steps, running_->architecture, running_->deployer, running_->catalog);
     if (!change) {

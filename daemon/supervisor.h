@@ -26,7 +26,7 @@ class Supervisor {
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
 
-  /// What the file says; before start(). [main]
+  /// What the file says. Rules begin anew, armed. [main] before start(), then [control]
   void adopt(rules::Supervision supervision);
   /// Begins to look, as soon as [control] runs. [main]
   void start(Running& running);
@@ -50,6 +50,7 @@ class Supervisor {
     std::function<void(const std::string& answer)> done;
   };
 
+  void begin_to_look();
   void run();
   void look();
   void fire(std::size_t rule);
@@ -63,6 +64,7 @@ class Supervisor {
   Control& control_;
   rules::Supervision supervision_;
   rules::Engine engine_;                                     // [control]
+  std::uint64_t adoptions_ = 0;                              // [control]
   std::set<std::pair<std::string, std::string>> under_way_;  // requests, [control]
   Running* running_ = nullptr;
 

@@ -18,7 +18,7 @@ MAY_USE = {
     "model": "public base rt",
     "exec": "public base rt model",
     "plugin": "public base rt model",
-    "analysis": "public base rt model",
+    "analysis": "public base",
     "trace": "public base rt model",
     "arch": "public base rt rules model exec plugin analysis trace",
     "protocol": "public base",

@@ -10,11 +10,13 @@
 
 #include <utility>
 
+#include "arch/describe_rules.h"
 #include "arch/diff.h"
 #include "arch/load.h"
 #include "arch/value_json.h"
 #include "commands/answer.h"
 #include "commands/change.h"
+#include "supervisor.h"
 
 namespace mauve::daemon {
 
@@ -45,12 +47,14 @@ class Application final : public Companion {
   }
 
   /// [factory]
-  void load() { wanted_ = arch::load(text_, catalog_, problems_); }
+  void load() { wanted_ = arch::load(text_, catalog_, problems_, &supervision_); }
   [[nodiscard]] const arch::Problems& problems() const { return problems_; }
 
   /// [control] Once the file turned out to be good.
   void compare() {
     difference_ = arch::compare(running_.architecture, *wanted_, parked_now(running_));
+    elements_ = !difference_.lines.empty();
+    compare_supervision();
     for (const auto* loaded : catalog_.plugins()) {
       if (running_.catalog.find(loaded->info().name) == nullptr) {
         plugins_.push_back(loaded->info().name);
@@ -59,7 +63,7 @@ class Application final : public Companion {
   }
   [[nodiscard]] bool same() const { return difference_.lines.empty() && plugins_.empty(); }
   /// False: plugins are all that is new.
-  [[nodiscard]] bool changes_elements() const { return !difference_.lines.empty(); }
+  [[nodiscard]] bool changes_elements() const { return elements_; }
   /// Its name is part of a file, but no part that can change.
   [[nodiscard]] Status named_alike() const {
     if (wanted_->name() == running_.architecture.name()) {
@@ -86,6 +90,9 @@ class Application final : public Companion {
     return ok();
   }
   void in_force() override {
+    if (supervises_) {
+      running_.supervisor.adopt(std::move(supervision_));
+    }
     for (const auto& name : plugins_) {
       const auto& loaded = *catalog_.find(name);
       // It was checked, and no other change came in between.
@@ -117,6 +124,33 @@ class Application final : public Companion {
   [[nodiscard]] bool dry_run() const override { return dry_run_; }
 
  private:
+  void compare_supervision() {
+    const auto& present = running_.supervisor.supervision();
+    const auto compare = [&](const char* what, Value before, Value after) {
+      if (before == after) {
+        return;
+      }
+      difference_.lines.push_back(arch::make_line(what, what, std::move(before), std::move(after)));
+      supervises_ = true;
+    };
+    compare("transactions", arch::describe_transactions(present),
+            arch::describe_transactions(supervision_));
+    compare("rules", arch::describe_rules(present), arch::describe_rules(supervision_));
+    compare("may_request", permissions(present), permissions(supervision_));
+  }
+
+  static Value permissions(const rules::Supervision& supervision) {
+    Value::Object all;
+    for (const auto& [component, transactions] : supervision.may_request) {
+      Value::Array names;
+      for (const auto& name : transactions) {
+        names.emplace_back(name);
+      }
+      all.emplace_back(component, std::move(names));
+    }
+    return all;
+  }
+
   Running& running_;
   std::string text_;
   plugin::Catalog catalog_;  // the running one, and what the file adds
@@ -124,6 +158,9 @@ class Application final : public Companion {
   arch::Problems problems_;
   std::unique_ptr<Architecture> wanted_;
   arch::Difference difference_;
+  bool elements_ = false;
+  rules::Supervision supervision_;
+  bool supervises_ = false;           // its rules, transactions or permissions are others
   std::vector<std::string> plugins_;  // not loaded yet
 };
 using ApplicationPtr = std::shared_ptr<Application>;

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Processor: response times of the tasks on one CPU, under SCHED_FIFO.
+///
+/// The response of a job is the least w that satisfies
+///   w = wake-up + its work + blocking + work of all tasks of its priority or above in w
+///       + interrupts and ticks in w
+/// Its own earlier jobs need no term: they ended before its release. A task of equal priority
+/// counts as a higher one; first in, first out does not do worse than that. The wake-up stands
+/// inside the window, like blocking: while it lasts, others are released.
+#pragma once
+
+#include <vector>
+
+#include "analysis/demand.h"
+#include "analysis/report.h"
+
+namespace mauve::analysis {
+
+class Processor {
+ public:
+  /// How to look at it. `factor`: of all execution times. `in_turn`: tasks that are there only
+  /// before and only after a change never run together; else they do, which is quicker to compute.
+  struct Options {
+    double factor = 1;
+    bool in_turn = false;
+  };
+
+  /// `tasks`: those pinned to it and those that float, which may delay them. They outlive this.
+  Processor(std::vector<const Task*> tasks, const Overheads& overheads, Options options);
+
+  /// Every job meets its deadline and no second is overloaded; stops at the first that does not.
+  [[nodiscard]] bool passes();
+  /// One for each pinned task, highest priority first.
+  [[nodiscard]] std::vector<TaskReport> tasks();
+  /// All but the number of the CPU.
+  [[nodiscard]] CpuReport second() const;
+
+ private:
+  [[nodiscard]] Cover whole_line() const;
+  void find_blocking();
+  void unroll();
+  [[nodiscard]] std::int64_t response(const Demand& demand, std::size_t vertex,
+                                      const Interference& others) const;
+  [[nodiscard]] std::int64_t needed_execution(const Demand& demand, std::size_t vertex,
+                                              const Interference& others) const;
+  [[nodiscard]] TaskReport report(const Demand& demand, const Interference& others) const;
+  /// All but the work of the job itself and of others.
+  [[nodiscard]] std::int64_t delay(const Demand& demand) const {
+    return overheads_.wake.count() + demand.blocking;
+  }
+  /// Calls visit(demand, interference) for each pinned task, highest priority first, until false.
+  template <typename Visit>
+  bool each(Visit visit);
+
+  const Overheads overheads_;
+  const Options options_;
+  std::vector<Demand> demands_;  // highest priority first
+  Kernel kernel_;
+  std::int64_t horizon_ = 0;  // longest window that is computed exactly
+};
+
+}  // namespace mauve::analysis
