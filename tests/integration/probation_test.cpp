@@ -109,10 +109,10 @@ TEST(Probation, AStopDuringARollBackIsObeyed) {
       const auto status = daemon.component("first");
       return status["core"] == "trial/steady" || status["state"] == "stopped";
     }));
-    client.ask("change.undo");
+    static_cast<void>(client.ask("change.undo"));
     ASSERT_TRUE(eventually([&] { return daemon.component("first")["core"] == "trial/steady"; }));
     EXPECT_EQ(daemon.component("first")["state"], "stopped");
-    client.ask("quarantine.release", {{"core", "trial/throwing_job"}});
+    static_cast<void>(client.ask("quarantine.release", {{"core", "trial/throwing_job"}}));
     ASSERT_TRUE(client.ask("component.start", {{"components", {"first"}}}).contains("result"));
   }
 }
