@@ -87,7 +87,7 @@ constexpr Method kMethods[] = {
      true},
     {"config.history", "the saved generations, newest first", kHistory},
     {"config.rollback", "back to a saved generation", kRollback, true},
-    {"lock.set", "none, params or all: what may not be changed", kLock, true, true},
+    {"lock.set", "none, params or all: what may not be changed", kLock, true},
     {"log.tail", "the last records, and those to come", kTail},
 };
 
