@@ -16,7 +16,8 @@ namespace mauve::analysis {
 [[nodiscard]] Report admit(const TaskSet& before, const TaskSet& after);
 
 /// The largest factor, in steps of about 1 %, by which all execution times could be multiplied so
-/// that analyze() still passes; 0 when none does, at most kLargestFactor. Ten times as long.
+/// that analyze() still passes; 0 when none does, at most kLargestFactor. Takes some thirty times
+/// as long.
 [[nodiscard]] double largest_factor(const TaskSet& set);
 
 inline constexpr double kLargestFactor = 1024;
