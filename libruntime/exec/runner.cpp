@@ -7,6 +7,9 @@
 
 #include "model/left_behind.h"
 #include "rt/futex.h"
+#include "rt/rescue.h"
+
+#include <mauve/job.h>
 
 namespace mauve::exec {
 namespace {
@@ -92,11 +95,14 @@ class Threads final : public Runner {
   };
 
   void run(Worker& worker) {
+    const rt::FaultStack stack;
+    worker.task.runs_on(&this_job());
     parked_.fetch_add(1);
     while (gate_.load(std::memory_order_acquire) == 0) {
       rt::futex_wait_until(gate_, 0, rt::kForever);
     }
     while (!worker.quit.load(std::memory_order_relaxed)) step(worker.task);
+    worker.task.runs_on(nullptr);
   }
 
   /// One look at the mailbox and at the clock; sleeps until there is something to do.

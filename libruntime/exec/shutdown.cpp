@@ -33,6 +33,7 @@ std::vector<std::string> bring_down(System& system, Duration bound) {
     leave_behind(deployed.task);  // its thread still runs in it
     leave_behind(system.runner);
   }
+  system.last_words.reset();
   return left_behind;
 }
 

@@ -7,6 +7,7 @@
 
 #include "base/name.h"
 #include "exec/commit.h"
+#include "exec/last_words.h"
 #include "exec/probation.h"
 #include "exec/relief.h"
 #include "rt/memory.h"
@@ -143,6 +144,7 @@ Status bring_up(System& system) {
   for (Deployed& deployed : system.deployed) {
     if (ready) ready = start_thread(system, deployed);
   }
+  if (ready && !system.options.simulated) ready = prepare_last_words(system);
   if (!ready) {
     system.runner = system.options.simulated ? make_simulation() : make_threads();
     system.deployed.clear();

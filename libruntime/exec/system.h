@@ -12,6 +12,7 @@
 #include "exec/prepared.h"
 #include "exec/runner.h"
 #include "exec/task.h"
+#include "rt/last_words.h"
 
 #include <mauve/deployer.h>
 
@@ -66,6 +67,7 @@ class System {
   Instant t0 = 0;
   bool up = false;
   bool realtime = false;
+  std::unique_ptr<rt::LastWords> last_words;  ///< while it is up
 
   [[nodiscard]] Deployed* find(std::string_view component);
   /// Takes every change under way as far as it can go now.
@@ -96,6 +98,7 @@ Result<PreparedChange> prepare_change(System& system, const Change& change, bool
 [[nodiscard]] PreparedMember member_of(ComponentBase& component, Mode mode);
 
 [[nodiscard]] ComponentStatus look_at(const System& system, const Deployed& deployed);
+[[nodiscard]] std::string_view name_of(rt::EventKind kind);
 std::size_t drain_events(System& system, const std::function<void(const Happening&)>& visit);
 
 }  // namespace mauve::exec

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -11,7 +10,9 @@
 #include "exec/write_quietly.h"
 #include "rt/cache.h"
 #include "rt/cpu_time.h"
+#include "rt/rescue.h"
 
+#include <mauve/gate.h>
 #include <mauve/job.h>
 
 namespace mauve::exec {
@@ -23,27 +24,12 @@ rt::EventRing*& this_ring() {
   return ring;
 }
 
-/// Counters have one writer: a load and a store are enough.
-template <typename T>
-void add(std::atomic<T>& counter, T amount) {
-  counter.store(counter.load(std::memory_order_relaxed) + amount, std::memory_order_relaxed);
-}
-template <typename T>
-void raise(std::atomic<T>& maximum, T value) {
-  if (value > maximum.load(std::memory_order_relaxed)) {
-    maximum.store(value, std::memory_order_relaxed);
-  }
-}
-
 /// The first instant base + k * step that is not before `instant`.
 Instant next_on_grid(Instant base, Duration step, Instant instant) {
   if (instant <= base || step <= Duration{0}) return base;
   const Instant past = instant - base;
   return base + (past + step.count() - 1) / step.count() * step.count();
 }
-
-/// The way back begins so much later, so that no member passes the instant unaware of it.
-constexpr Duration kWayBackLead = 200us;
 
 /// What take() touches was written by the coordinator, often on another CPU, from where each cache
 /// line takes 100 ns. It is brought here while the old bundle is still in force.
@@ -181,12 +167,6 @@ Published* Task::take_over() {
   return ready ? relief : nullptr;
 }
 
-/// Is, or will be, led back by the change on probation?
-bool Task::leads_back() const {
-  const Published* back = back_.load(std::memory_order_acquire);
-  return back != nullptr && back->transaction->instant() != kClosed;
-}
-
 void Task::take(Published& next, Instant begin) {
   acknowledge();  // of a change that is overtaken at the same boundary
   const bool was_running = running_;
@@ -290,20 +270,38 @@ void Task::run_job(Instant now) {
   add<std::uint64_t>(counters_.releases, 1);
   const bool watched = back_.load(std::memory_order_relaxed) != nullptr;
   if (watched && current_->bundle->task.budget > Duration{0}) cpu_before_ = rt::cpu_time();
-  // Invariant: whatever user code throws ends here. Only this component is affected; its outputs
-  // get their safe values; every resource it held was left on the way (Entry).
-  try {
-    run_states();
-    account(now, clock_.now());
-  } catch (const std::exception& error) {
-    on_fault(Cause::threw, error.what());
-  } catch (...) {
-    on_fault(Cause::threw, "something that is no std::exception");
+  // Invariant: whatever user code does to end its job ends here. Only this component is affected;
+  // its outputs get their safe values; every resource it held was left.
+  watched_.busy_since.store(now, std::memory_order_release);
+  const rt::Fault fault =
+      rt::rescued([](void* task) { static_cast<Task*>(task)->run_user_code(); }, this, watched_);
+  watched_.busy_since.store(0, std::memory_order_relaxed);
+  if (fault.signal != 0) {
+    Gate::poison_and_leave_all();
+    rt::describe(fault, fault_.data(), fault_.size());
+    on_fault(Cause::crashed);
+  } else if (threw_) {
+    on_fault(Cause::threw);
   }
   this_ring() = nullptr;
   job.start = 0;
   job.release = 0;
   job.running = false;
+}
+
+void Task::run_user_code() {
+  threw_ = false;
+  const char* what = "something that is no std::exception";
+  try {
+    run_states();
+    return account(this_job().start, clock_.now());
+  } catch (const std::exception& error) {
+    threw_ = true;
+    std::strncpy(fault_.data(), error.what(), fault_.size() - 1);
+  } catch (...) {
+    threw_ = true;
+    std::strncpy(fault_.data(), what, fault_.size() - 1);
+  }
 }
 
 /// Execution states up to the next synchronization state, which arms the next release.
@@ -355,74 +353,12 @@ void Task::count_overrun(const TaskAttributes& task, Instant by) {
   }
 }
 
-/// On probation: what is no fault by itself leads back as well.
-void Task::watch_over(const TaskAttributes& task, Instant start, Instant end, bool late) {
-  overran_ = overran_ << 1U | (late ? 1U : 0U);
-  const unsigned overruns = static_cast<unsigned>(std::popcount(overran_ & current_->window));
-  const PortBase* port = this_job().implausible;
-  if (port != nullptr) {
-    std::array<char, 64> name{};
-    port->name().copy(name.data(), name.size() - 1);
-    give_up_core(Cause::implausible, name.data());
-  } else if (overruns > current_->tolerated) {
-    give_up_core(Cause::overruns, "");
-  } else if (task.budget > Duration{0} && end - start > task.budget.count() &&
-             rt::cpu_time() - cpu_before_ > task.budget) {
-    // On the processor's clock: a job that others preempt is not to blame.
-    give_up_core(Cause::over_budget, "");
-  }
-}
-
-/// Sets the way back off. The core goes on until its next release.
-void Task::give_up_core(Cause cause, const char* what) {
-  const Published* back = back_.load(std::memory_order_acquire);
-  if (back == nullptr) return;
-  back->way_back->set_off(clock_.now() + kWayBackLead.count(), cause, this, what);
-}
-
-/// A failed core runs no more; its releases pass until something takes over.
-void Task::skip_job() {
-  if (!leads_back() && relief_.load(std::memory_order_acquire) == nullptr) {
-    return park(ComponentState::faulted);
-  }
-  add<std::uint64_t>(counters_.missed, 1);
-  release_ += current_->grid.count();
-  counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
-}
-
 void Task::park(ComponentState state) {
   running_ = false;
   parked_at_ = clock_.now();
   counters_.state.store(state, std::memory_order_release);
   if (state == ComponentState::stopped) {
     note(rt::EventKind::stopped, LogLevel::info, clock_.now() - t0_);
-  }
-}
-
-void Task::on_fault(Cause cause, const char* what) {
-  write_safe_values();
-  add<std::uint64_t>(counters_.faults, 1);
-  std::strncpy(fault_.data(), what, fault_.size() - 1);
-  rt::Event event{clock_.now(), rt::EventKind::faulted, LogLevel::error, nullptr, {}, {}, {}};
-  std::strncpy(event.text.data(), what, event.text.size() - 1);
-  events_.push(event);
-  give_up_core(cause, what);
-  const Published* relief = relief_.load(std::memory_order_acquire);
-  const bool relieved =
-      relief != nullptr && current_->bundle->task.on_fault.action != FaultPolicy::Action::stop;
-  if (!leads_back() && !relieved) return park(ComponentState::faulted);
-  failed_ = true;
-  wait_ = current_->grid;
-  release_ += wait_.count();
-  relief_from_ = relieved ? clock_.now() + relief->back_off.count() : 0;
-  counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
-}
-
-void Task::write_safe_values() {
-  const Bundle& bundle = *current_->bundle;
-  for (const PortBase* port : bundle.shell->ports()) {
-    const Binding* binding = (*bundle.bindings)[port->index()].get();
-    if (binding != nullptr) write_quietly(*port, binding->service());
   }
 }
 

@@ -10,13 +10,16 @@
 #include <utility>
 #include <vector>
 
+#include "exec/counters.h"
 #include "exec/transaction.h"
 #include "rt/event_ring.h"
+#include "rt/rescue.h"
 
 #include <mauve/change.h>
 #include <mauve/clock.h>
 #include <mauve/component.h>
 #include <mauve/deployer.h>
+#include <mauve/job.h>
 
 namespace mauve::exec {
 
@@ -63,23 +66,6 @@ struct Published {
   Published* older = nullptr;  ///< in the task's pile of what it does not use any more
 };
 
-/// Counters, written by the task's thread, read by anyone.
-struct Counters {
-  std::atomic<std::uint64_t> releases{0};
-  std::atomic<std::uint64_t> missed{0};
-  std::atomic<std::uint64_t> overruns{0};
-  std::atomic<std::uint64_t> over_budget{0};
-  std::atomic<std::uint64_t> implausible{0};
-  std::atomic<std::uint64_t> faults{0};
-  std::atomic<std::int64_t> lateness_last{0};
-  std::atomic<std::int64_t> lateness_max{0};
-  std::atomic<std::int64_t> execution_last{0};
-  std::atomic<std::int64_t> execution_max{0};
-  std::atomic<std::int64_t> next_release{0};
-  std::atomic<std::uint32_t> fsm_state{0};
-  std::atomic<ComponentState> state{ComponentState::stopped};
-};
-
 class Task {
  public:
   Task(std::string name, const Clock& clock);
@@ -114,7 +100,12 @@ class Task {
   /// Tells the thread to look at its mailbox.
   [[nodiscard]] std::atomic<std::uint32_t>& command() { return command_; }
 
+  /// All that the thread still tries to write or read is dropped from now on. [any]
+  void fence();
+
   // --- [rt] -------------------------------------------------------------------------------------
+  /// First and last thing on its thread: its job, or null.
+  void runs_on(Job* job) { job_.store(job); }
   /// Takes a change that need not wait for a boundary: an aborted one is given back; a decided one
   /// is taken now when no job lies between its instant and the armed release (realtime 8.4.9).
   void serve();
@@ -143,6 +134,7 @@ class Task {
   void rearm(const Published& next, bool was_running);
   void keep_phase(const Published& next);
   void run_job(Instant now);
+  void run_user_code();
   void skip_job();
   void run_states();
   void account(Instant start, Instant end);
@@ -150,7 +142,7 @@ class Task {
   void count_overrun(const TaskAttributes& task, Instant by);
   void watch_over(const TaskAttributes& task, Instant start, Instant end, bool late);
   void give_up_core(Cause cause, const char* what);
-  void on_fault(Cause cause, const char* what);
+  void on_fault(Cause cause);
   [[nodiscard]] bool leads_back() const;
   void write_safe_values();
   void note(rt::EventKind kind, LogLevel level, std::int64_t a = 0, std::int64_t b = 0);
@@ -160,6 +152,8 @@ class Task {
   rt::EventRing events_;
   Counters counters_;
   std::array<char, 128> fault_{};
+  rt::Watched watched_;
+  std::atomic<Job*> job_{nullptr};  // of its thread
 
   alignas(64) std::atomic<Published*> pending_{nullptr};
   alignas(64) std::atomic<Published*> unused_{nullptr};
@@ -180,6 +174,7 @@ class Task {
   std::uint64_t overran_ = 0;  // a bit for each of the last jobs
   Duration cpu_before_{0};     // of this thread, when the job on probation began
   bool running_ = false;
+  bool threw_ = false;   // its last job
   bool failed_ = false;  // waits for its way back or its relief; no job runs meanwhile
 };
 
