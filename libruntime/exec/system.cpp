@@ -67,6 +67,7 @@ Status check_cpus(const TaskAttributes& task, const std::string& component) {
 std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mode) {
   auto first = std::make_unique<Published>();
   first->bundle = component.bundle();
+  first->bound = bound_of(*component.bundle());
   first->grid = component.fsm().grid();
   first->shortest_wait = component.fsm().shortest_wait();
   first->mode = mode;

@@ -85,6 +85,8 @@ std::vector<std::string> bring_down(System& system, Duration bound);
 
 /// Of a component that is placed and started: by bring_up() and by let_in().
 [[nodiscard]] Status check_cpus(const TaskAttributes& task, const std::string& component);
+/// A job that runs longer never returns.
+[[nodiscard]] Duration bound_of(const Bundle& bundle);
 [[nodiscard]] std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mode);
 /// Chooses its CPU if its task names none.
 void place(System& system, Deployed& deployed);

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <cstring>
 #include <exception>
+#include <string_view>
 
 #include "exec/write_quietly.h"
 #include "rt/cache.h"
@@ -58,6 +58,7 @@ Task::~Task() {
 void Task::begin(std::unique_ptr<Published> first, Instant t0) {
   t0_ = t0;
   current_ = first.release();
+  bound_.store(current_->bound.count());
   const TaskAttributes& attributes = current_->bundle->task;
   release_ = t0_ + attributes.offset.count();
   running_ = attributes.start;
@@ -120,13 +121,20 @@ void Task::serve() {
   add<std::uint64_t>(looks_, 1);
 }
 
-void Task::release() {
+bool Task::release() {
   const Instant now = clock_.now();
   drop_missed(now);
   meet_boundary(now);
-  if (running_ && release_ <= now) failed_ ? skip_job() : run_job(now);
+  if (running_ && release_ <= now) {
+    if (failed_) {
+      skip_job();
+    } else if (!run_job(now)) {
+      return false;
+    }
+  }
   acknowledge();
   add<std::uint64_t>(looks_, 1);
+  return true;
 }
 
 /// Policy skip: only the newest of the releases that passed runs; the grid is kept.
@@ -172,11 +180,15 @@ void Task::take(Published& next, Instant begin) {
   const bool was_running = running_;
   for (const auto& [port, service] : next.safe_writes) write_quietly(*port, *service);
   if (next.mode == Mode::park) write_safe_values();
-  if (next.into != nullptr) {
+  // Nothing is taken from a core that a lost thread may still be inside.
+  const bool hands_over = current_->bundle->core.get() != lost_;
+  if (next.into != nullptr && hands_over) {
     next.into->exchange(*next.from);
     next.answer->bytes = next.into->type().size;
   }
-  for (const auto& [into, from] : next.observables) into->continue_from(*from);
+  if (hands_over) {
+    for (const auto& [into, from] : next.observables) into->continue_from(*from);
+  }
   next.bundle->shell->use(next.bundle->bindings.get());
   map_state(next);
   Published* const old = current_;
@@ -195,6 +207,7 @@ void Task::take(Published& next, Instant begin) {
 void Task::put_in_place(Published& next) {
   const bool same_bundle = next.bundle == current_->bundle;
   current_ = &next;
+  bound_.store(next.bound.count(), std::memory_order_relaxed);
   failed_ = false;
   if (same_bundle && next.back == nullptr) return;
   overran_ = 0;
@@ -256,7 +269,49 @@ void Task::acknowledge() {
   taken->answer->progress.store(Published::Progress::done, std::memory_order_release);
 }
 
-void Task::run_job(Instant now) {
+/// What user code leaves; on the stack of the job, since the task may go on without it.
+struct Task::JobEnd {
+  Task& task;
+  FsmState* state = nullptr;  ///< the wait it ended in; null: it did not
+  bool threw = false;
+  std::array<char, 128> text{};
+
+  void keep(const char* what) {
+    threw = true;
+    std::string_view(what).copy(text.data(), text.size() - 1);
+  }
+  static void run(void* self) {
+    auto& end = *static_cast<JobEnd*>(self);
+    try {
+      end.state = end.task.run_states();
+    } catch (const std::exception& error) {
+      end.keep(error.what());
+    } catch (...) {
+      end.keep("something that is no std::exception");
+    }
+  }
+};
+
+bool Task::run_job(Instant now) {
+  begin_job(now);
+  // Invariant: whatever user code does to end its job ends here. Only this component is affected;
+  // its outputs get their safe values; every resource it held was left.
+  JobEnd end{*this};
+  watched_.busy_since.store(now, std::memory_order_release);
+  const rt::Fault fault = rt::rescued(&JobEnd::run, &end, watched_);
+  if (fault.signal != 0) Gate::poison_and_leave_all();
+  Instant begun = now;
+  const bool ours = watched_.busy_since.compare_exchange_strong(begun, 0);
+  if (ours) conclude(now, end, fault);
+  Job& job = this_job();
+  this_ring() = nullptr;
+  job.start = 0;
+  job.release = 0;
+  job.running = false;
+  return ours;
+}
+
+void Task::begin_job(Instant now) {
   Job& job = this_job();
   job.start = now;
   job.release = release_;
@@ -270,52 +325,48 @@ void Task::run_job(Instant now) {
   add<std::uint64_t>(counters_.releases, 1);
   const bool watched = back_.load(std::memory_order_relaxed) != nullptr;
   if (watched && current_->bundle->task.budget > Duration{0}) cpu_before_ = rt::cpu_time();
-  // Invariant: whatever user code does to end its job ends here. Only this component is affected;
-  // its outputs get their safe values; every resource it held was left.
-  watched_.busy_since.store(now, std::memory_order_release);
-  const rt::Fault fault =
-      rt::rescued([](void* task) { static_cast<Task*>(task)->run_user_code(); }, this, watched_);
-  watched_.busy_since.store(0, std::memory_order_relaxed);
-  if (fault.signal != 0) {
-    Gate::poison_and_leave_all();
-    rt::describe(fault, fault_.data(), fault_.size());
-    on_fault(Cause::crashed);
-  } else if (threw_) {
-    on_fault(Cause::threw);
-  }
-  this_ring() = nullptr;
-  job.start = 0;
-  job.release = 0;
-  job.running = false;
 }
 
-void Task::run_user_code() {
-  threw_ = false;
-  const char* what = "something that is no std::exception";
-  try {
-    run_states();
-    return account(this_job().start, clock_.now());
-  } catch (const std::exception& error) {
-    threw_ = true;
-    std::strncpy(fault_.data(), error.what(), fault_.size() - 1);
-  } catch (...) {
-    threw_ = true;
-    std::strncpy(fault_.data(), what, fault_.size() - 1);
+void Task::conclude(Instant start, const JobEnd& end, const rt::Fault& fault) {
+  if (fault.interrupted) {
+    hung();
+  } else if (fault.signal != 0) {
+    rt::describe(fault, fault_.data(), fault_.size());
+    on_fault(Cause::crashed);
+  } else if (end.threw) {
+    fault_ = end.text;
+    on_fault(Cause::threw);
+  } else {
+    state_ = end.state;
+    counters_.fsm_state.store(static_cast<std::uint32_t>(state_->index()),
+                              std::memory_order_relaxed);
+    account(start, clock_.now());
   }
+}
+
+void Task::go_on() {
+  this_job().lock_bound = current_->shortest_wait;
+  this_ring() = &events_;
+  lost_ = current_->bundle->core.get();
+  hung();
+  this_ring() = nullptr;
+  watched_.busy_since.store(0);
+  acknowledge();
+  add<std::uint64_t>(looks_, 1);
 }
 
 /// Execution states up to the next synchronization state, which arms the next release.
-void Task::run_states() {
+FsmState* Task::run_states() {
   CoreBase& core = *current_->bundle->core;
   FsmState* state = state_ != nullptr ? &state_->next(core) : current_->bundle->fsm->initial();
   while (state->kind() == FsmState::Kind::execution) {
     counters_.fsm_state.store(static_cast<std::uint32_t>(state->index()),
                               std::memory_order_relaxed);
     state->run(core);
+    if (this_job().detached.load(std::memory_order_relaxed)) break;  // given up meanwhile
     state = &state->next(core);
   }
-  state_ = state;
-  counters_.fsm_state.store(static_cast<std::uint32_t>(state->index()), std::memory_order_relaxed);
+  return state;
 }
 
 /// Advances the component's clock by the wait, and counts a job that ended too late.
@@ -372,7 +423,7 @@ namespace mauve {
 
 void log_event(LogLevel level, const char* literal, LogArgument a, LogArgument b) {
   rt::EventRing* ring = exec::this_ring();
-  if (ring == nullptr) return;
+  if (ring == nullptr || this_job().detached.load(std::memory_order_relaxed)) return;
   ring->push({job_time(), rt::EventKind::log, level, literal, a, b, {}});
 }
 

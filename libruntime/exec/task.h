@@ -34,6 +34,7 @@ struct Published {
   bool count_gap = false;  ///< releases that passed while parked count as missed (in place)
   Duration grid{0};
   Duration shortest_wait{0};
+  Duration bound{0};  ///< a job that runs longer never returns; zero: nobody looks
   /// By index of the state of the old machine: the state of the new one; null: begin anew.
   std::vector<FsmState*> state_map;
   StateBase* from = nullptr;  ///< hand-over, or null
@@ -103,6 +104,20 @@ class Task {
   /// All that the thread still tries to write or read is dropped from now on. [any]
   void fence();
 
+  /// How long its job may run, and since when it does (0: none). [guard]
+  [[nodiscard]] Duration bound() const { return Duration{bound_.load(std::memory_order_relaxed)}; }
+  [[nodiscard]] Instant busy_since() const { return watched_.busy_since.load(); }
+  /// The job that began then shall end where it is, when its thread is told to look.
+  void interrupt(Instant since) { watched_.interrupt.store(since); }
+  /// The job that began then never returns: its thread has no part in the component any more, what
+  /// it holds is poisoned, and the task is the caller's until another thread goes on with it.
+  /// False: the job has ended. The thread must not end meanwhile.
+  bool lose_thread(Instant since);
+  /// What the lost thread still uses.
+  [[nodiscard]] std::shared_ptr<const Bundle> bundle() const { return current_->bundle; }
+  /// There is no other thread.
+  void park_for_good(const char* why);
+
   // --- [rt] -------------------------------------------------------------------------------------
   /// First and last thing on its thread: its job, or null.
   void runs_on(Job* job) { job_.store(job); }
@@ -114,8 +129,11 @@ class Task {
   [[nodiscard]] Instant next_release() const { return release_; }
   /// Has the time of the next job come?
   [[nodiscard]] bool due() const { return running_ && clock_.now() >= release_; }
-  /// The boundary and the job of the armed release.
-  void release();
+  /// The boundary and the job of the armed release. False: this thread was given up meanwhile, and
+  /// has no part in the task any more.
+  bool release();
+  /// First thing on the thread that goes on for a lost one: the fault of that one.
+  void go_on();
 
  private:
   static bool empty(std::atomic<Published*>& slot, Published& content);
@@ -133,10 +151,13 @@ class Task {
   void map_state(const Published& next);
   void rearm(const Published& next, bool was_running);
   void keep_phase(const Published& next);
-  void run_job(Instant now);
-  void run_user_code();
+  struct JobEnd;
+  [[nodiscard]] bool run_job(Instant now);
+  void begin_job(Instant now);
+  void conclude(Instant start, const JobEnd& end, const rt::Fault& fault);
+  void hung();
   void skip_job();
-  void run_states();
+  [[nodiscard]] FsmState* run_states();
   void account(Instant start, Instant end);
   void park(ComponentState state);
   void count_overrun(const TaskAttributes& task, Instant by);
@@ -154,6 +175,7 @@ class Task {
   std::array<char, 128> fault_{};
   rt::Watched watched_;
   std::atomic<Job*> job_{nullptr};  // of its thread
+  std::atomic<std::int64_t> bound_{0};
 
   alignas(64) std::atomic<Published*> pending_{nullptr};
   alignas(64) std::atomic<Published*> unused_{nullptr};
@@ -165,6 +187,7 @@ class Task {
   // Owned by the task's thread.
   Published* current_ = nullptr;
   Published* unacknowledged_ = nullptr;  // taken, its first job not yet done
+  const CoreBase* lost_ = nullptr;       // a thread that was given up may still be inside
   FsmState* state_ = nullptr;            // the wait the task is in; null: before the initial state
   Instant t0_ = 0;
   Instant release_ = 0;  // logical: t0 + offset + clock of the component
@@ -174,7 +197,6 @@ class Task {
   std::uint64_t overran_ = 0;  // a bit for each of the last jobs
   Duration cpu_before_{0};     // of this thread, when the job on probation began
   bool running_ = false;
-  bool threw_ = false;   // its last job
   bool failed_ = false;  // waits for its way back or its relief; no job runs meanwhile
 };
 

@@ -2,6 +2,7 @@
 /// What a task does about a core that fails, or does not prove itself.
 #include <array>
 #include <bit>
+#include <cstdio>
 #include <string_view>
 
 #include "exec/safe_values.h"
@@ -15,6 +16,9 @@ namespace {
 
 /// The way back begins so much later, so that no member passes the instant unaware of it.
 constexpr Duration kWayBackLead = 200us;
+
+/// In place of when a job began: nobody runs the task.
+constexpr Instant kLost = -1;
 
 }  // namespace
 
@@ -80,6 +84,28 @@ void Task::on_fault(Cause cause) {
 }
 
 void Task::write_safe_values() { exec::write_safe_values(*current_->bundle); }
+
+/// The job ran into its bound.
+void Task::hung() {
+  std::snprintf(fault_.data(), fault_.size(), "its job ran longer than %lld ms",
+                static_cast<long long>(current_->bound / 1ms));
+  on_fault(Cause::hung);
+}
+
+bool Task::lose_thread(Instant since) {
+  if (!watched_.busy_since.compare_exchange_strong(since, kLost)) return false;
+  if (Job* job = job_.exchange(nullptr)) {
+    job->detached.store(true);
+    const std::size_t held = job->held_count.load(std::memory_order_acquire);
+    for (std::size_t i = 0; i < held; ++i) job->held[i].load()->poison();
+  }
+  return true;
+}
+
+void Task::park_for_good(const char* why) {
+  std::snprintf(fault_.data(), fault_.size(), "%s", why);
+  park(ComponentState::faulted);
+}
 
 void Task::fence() {
   if (Job* job = job_.load()) job->detached.store(true);

@@ -24,6 +24,8 @@ bool PiMutex::lock_until(Instant deadline) {
   return pthread_mutex_clocklock(&mutex_, CLOCK_MONOTONIC, &until) == 0;
 }
 
+void PiMutex::lock() { pthread_mutex_lock(&mutex_); }
+
 void PiMutex::unlock() { pthread_mutex_unlock(&mutex_); }
 
 }  // namespace mauve::rt

@@ -20,8 +20,6 @@ namespace mauve::rt {
 namespace {
 
 constexpr std::array<int, 4> kFaults{SIGSEGV, SIGBUS, SIGFPE, SIGILL};
-/// Ignored unless handled, and of no other use in a process without out-of-band data.
-constexpr int kInterrupt = SIGURG;
 
 struct Frame {
   sigjmp_buf buffer;

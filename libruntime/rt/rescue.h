@@ -7,6 +7,7 @@
 
 #include <array>
 #include <atomic>
+#include <csignal>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -23,6 +24,10 @@ inline constexpr bool kCanRescue = true;
 #else
 inline constexpr bool kCanRescue = false;
 #endif
+
+/// The signal that makes a thread look whether its body shall end. Ignored unless handled, and of
+/// no other use in a process without out-of-band data.
+inline constexpr int kInterrupt = SIGURG;
 
 /// Why a body did not end by itself.
 struct Fault {

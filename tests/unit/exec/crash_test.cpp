@@ -177,7 +177,8 @@ TEST_F(Crash, InAResourceIsToldToItsNextUserAndANewCoreHealsIt) {
   ASSERT_TRUE(architecture.meter.gate().try_enter()) << "the lock itself was left";
   architecture.meter.gate().leave();
 
-  const Result<Receipt> healed = deployer.set("meter.core.breaks_at", Value(0.0));
+  const Result<Receipt> healed =
+      deployer.set("meter.core.breaks_at", Value(0.0), StatePolicy::drop);
   ASSERT_TRUE(healed) << to_string(healed.error());
   EXPECT_FALSE(architecture.meter.gate().poisoned());
   EXPECT_TRUE(architecture.meter.interface().write.write(&value));
