@@ -205,8 +205,8 @@ TEST_F(Guard, AChangeOfAComponentThatHangsEndsWithIt) {
 
 TEST_F(Guard, AShutdownLeavesBehindWhatAThreadIsStillIn) {
   // Never freed: a thread stays in them.
-  static auto* const architecture = new Two<Blocked>;
-  static auto* const forever = new Block;
+  static auto* const kept = new std::vector<std::pair<Two<Blocked>*, Block*>>;
+  const auto [architecture, forever] = kept->emplace_back(new Two<Blocked>, new Block);
   block() = forever;
   auto deployer = std::make_unique<Deployer>(*architecture);
   ASSERT_TRUE(deployer->deploy());
