@@ -197,7 +197,10 @@ void Commit::enter(std::size_t index) {
     member.component->renew(*std::exchange(member.type, std::move(before)));
   }
   schedule(system_, *deployed_[index]);
-  retire(*member.base, *member.next, retired_);
+  system_.runner->look_again();
+  // Where a lost thread is inside, it is freed when that has ended: see tend().
+  const bool lost = system_.runner->has_lost(deployed_[index]->task.get());
+  retire(*member.base, *member.next, lost ? system_.free : retired_);
   if (member.next != member.base) {
     system_.free.keep(std::exchange(deployed_[index]->relief, {}).content);
   }

@@ -139,7 +139,8 @@ Status Deployer::undo(const std::string& reason) {
 
 std::vector<Outcome> Deployer::tend(Retired& retired) {
   system_->advance();
-  retired.merge(std::move(system_->free));
+  // A thread that was given up may still be inside.
+  if (!system_->runner->has_lost()) retired.merge(std::move(system_->free));
   return std::exchange(system_->outcomes, {});
 }
 

@@ -8,7 +8,6 @@
 #include "exec/system.h"
 
 namespace mauve::exec {
-namespace {
 
 std::string_view name_of(rt::EventKind kind) {
   switch (kind) {
@@ -31,6 +30,8 @@ std::string_view name_of(rt::EventKind kind) {
   }
   return "unknown";
 }
+
+namespace {
 
 /// Three digits and a unit, for people: "3.01 ms".
 std::string rounded(std::int64_t nanoseconds) {
@@ -86,7 +87,7 @@ std::string text_of(const rt::Event& event) {
     case rt::EventKind::missed:
       return count(event.a) + " releases missed, " + count(event.b) + " in all";
     case rt::EventKind::faulted:
-      return "threw: " + std::string(event.text.data());
+      return std::string(to_string(static_cast<Cause>(event.a.integer))) + ": " + event.text.data();
   }
   return {};
 }

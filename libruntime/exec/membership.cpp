@@ -31,7 +31,8 @@ Result<Deployed*> let_in(System& system, ComponentBase& component) {
 
 bool let_go(System& system, Deployed& deployed) {
   const bool ended =
-      system.runner->end(*deployed.task, system.runner->now() + kEndOfThread.count());
+      system.runner->end(*deployed.task, system.runner->now() + kEndOfThread.count()) &&
+      !system.runner->has_lost(deployed.task.get());
   if (!ended) {
     deployed.component->abandon();
     leave_behind(deployed.task);  // its thread still runs in it

@@ -189,7 +189,7 @@ Result<PreparedMember> prepare_joining(const Afterwards& after, const NewCompone
                                     wanted.max_age);
     if (!done) return done.error();
   }
-  const TaskAttributes& task = component.bundle()->task;
+  const TaskAttributes task = component.bundle()->task;  // configure() makes another bundle
   Status ready = check_cpus(task, component.name());
   if (ready) ready = after.may_run_at(task.priority);
   const Detached detached;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Works out beforehand what a task does when it takes a change, so that taking it is a few pointer
 /// stores.
+#include <algorithm>
+
 #include "exec/commit.h"
 
 namespace mauve::exec {
@@ -46,12 +48,23 @@ void add_safe_writes(const PreparedMember& member, Published& next) {
 
 }  // namespace
 
+Duration bound_of(const Bundle& bundle) {
+  constexpr Duration kShortest = 10ms;
+  constexpr Duration kUndeclared = 10s;
+  if (bundle.task.watchdog > Duration{0}) return bundle.task.watchdog;
+  if (bundle.task.budget > Duration{0}) return std::max(10 * bundle.task.budget, kShortest);
+  Duration longest{0};
+  for (const FsmState* state : bundle.fsm->states()) longest = std::max(longest, state->duration());
+  return longest + kUndeclared;
+}
+
 std::unique_ptr<Published> make_published(const PreparedMember& member) {
   auto next = std::make_unique<Published>();
   next->bundle = member.next;
   next->mode = member.mode;
   next->restart = member.restart;
   next->count_gap = member.count_gap;
+  next->bound = bound_of(*member.next);
   next->grid = member.next->fsm->grid();
   next->shortest_wait = member.next->fsm->shortest_wait();
   next->offset_changes = member.next->task.offset != member.base->task.offset;

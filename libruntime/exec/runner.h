@@ -39,6 +39,10 @@ class Runner {
   virtual Status reschedule(Task& task, int priority, const std::vector<int>& cpus) = 0;
   /// Ends the task's thread; false when it does not end by `deadline` and was left behind.
   virtual bool end(Task& task, Instant deadline) = 0;
+  /// What a job may take has changed.
+  virtual void look_again() {}
+  /// Threads that were given up and may still be in elements of this task, or of any.
+  [[nodiscard]] virtual bool has_lost(const Task* /*task*/ = nullptr) const { return false; }
   /// Simulations: runs all jobs due by then.
   virtual void run_until(Instant /*instant*/) {}
 };

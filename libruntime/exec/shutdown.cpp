@@ -2,6 +2,7 @@
 /// Orderly end in bounded time.
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "exec/stop.h"
@@ -27,12 +28,17 @@ std::vector<std::string> bring_down(System& system, Duration bound) {
     const bool stuck = stop.hung().count(&deployed) != 0;
     const Instant now = system.runner->now();
     const Instant until = stuck ? now : std::max(deadline, now + kShortestPatience.count());
-    if (system.runner->end(*deployed.task, until)) continue;
+    const bool ended = system.runner->end(*deployed.task, until);
+    if (ended && !system.runner->has_lost(deployed.task.get())) continue;
     left_behind.push_back(deployed.component->name());
     deployed.component->abandon();
     leave_behind(deployed.task);  // its thread still runs in it
     leave_behind(system.runner);
   }
+  if (system.runner->has_lost()) {
+    leave_behind(std::make_shared<Retired>(std::exchange(system.free, {})));
+  }
+  system.last_words.reset();
   return left_behind;
 }
 

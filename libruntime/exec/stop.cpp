@@ -5,6 +5,8 @@
 #include <map>
 #include <utility>
 
+#include "exec/safe_values.h"
+
 namespace mauve::exec {
 namespace {
 
@@ -50,14 +52,6 @@ std::map<const Deployed*, std::size_t> stage_numbers(const std::list<Deployed>& 
     }
   }
   return stage;
-}
-
-/// Its thread is stuck in user code: the outputs get their safe values from here.
-void write_safe_values(const ComponentBase& component) {
-  for (const PortBase* port : component.shell().ports()) {
-    const auto& binding = (*component.bundle()->bindings)[port->index()];
-    if (binding != nullptr) port->write_safe(binding->service());
-  }
 }
 
 /// Longer than this nobody waits for a slow reader's next job.
@@ -163,7 +157,8 @@ void Stop::take_answer(const Commit& commit) {
 
 void Stop::give_up(Deployed& deployed) {
   if (!hung_.insert(&deployed).second) return;
-  write_safe_values(*deployed.component);
+  // Its thread is stuck in user code: the outputs get their safe values from here.
+  write_safe_values(*deployed.component->bundle());
 }
 
 void Stop::begin_reading() {

@@ -7,6 +7,7 @@
 
 #include "base/name.h"
 #include "exec/commit.h"
+#include "exec/last_words.h"
 #include "exec/probation.h"
 #include "exec/relief.h"
 #include "rt/memory.h"
@@ -66,6 +67,7 @@ Status check_cpus(const TaskAttributes& task, const std::string& component) {
 std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mode) {
   auto first = std::make_unique<Published>();
   first->bundle = component.bundle();
+  first->bound = bound_of(*component.bundle());
   first->grid = component.fsm().grid();
   first->shortest_wait = component.fsm().shortest_wait();
   first->mode = mode;
@@ -143,6 +145,7 @@ Status bring_up(System& system) {
   for (Deployed& deployed : system.deployed) {
     if (ready) ready = start_thread(system, deployed);
   }
+  if (ready && !system.options.simulated) ready = prepare_last_words(system);
   if (!ready) {
     system.runner = system.options.simulated ? make_simulation() : make_threads();
     system.deployed.clear();

@@ -12,6 +12,7 @@
 #include "exec/prepared.h"
 #include "exec/runner.h"
 #include "exec/task.h"
+#include "rt/last_words.h"
 
 #include <mauve/deployer.h>
 
@@ -69,6 +70,7 @@ class System {
   Instant t0 = 0;
   bool up = false;
   bool realtime = false;
+  std::unique_ptr<rt::LastWords> last_words;  ///< while it is up
 
   [[nodiscard]] Deployed* find(std::string_view component);
   /// Takes every change under way as far as it can go now.
@@ -88,6 +90,8 @@ std::vector<std::string> bring_down(System& system, Duration bound);
 
 /// Of a component that is placed and started: by bring_up() and by let_in().
 [[nodiscard]] Status check_cpus(const TaskAttributes& task, const std::string& component);
+/// A job that runs longer never returns.
+[[nodiscard]] Duration bound_of(const Bundle& bundle);
 [[nodiscard]] std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mode);
 /// Chooses its CPU if its task names none.
 void place(System& system, Deployed& deployed);
@@ -101,6 +105,7 @@ Result<PreparedChange> prepare_change(System& system, const Change& change, bool
 [[nodiscard]] PreparedMember member_of(ComponentBase& component, Mode mode);
 
 [[nodiscard]] ComponentStatus look_at(const System& system, const Deployed& deployed);
+[[nodiscard]] std::string_view name_of(rt::EventKind kind);
 std::size_t drain_events(System& system, const std::function<void(const Happening&)>& visit);
 
 }  // namespace mauve::exec

@@ -2,39 +2,12 @@
 #include "exec/task.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
-#include <cstdio>
-#include <cstring>
-#include <exception>
 
 #include "exec/write_quietly.h"
 #include "rt/cache.h"
-#include "rt/cpu_time.h"
-
-#include <mauve/job.h>
-#include <mauve/request.h>
 
 namespace mauve::exec {
 namespace {
-
-/// The task whose job this thread runs, for mauve::log() and mauve::request().
-Task*& this_task() {
-  [[gnu::tls_model("initial-exec")]] static thread_local Task* task = nullptr;
-  return task;
-}
-
-/// Counters have one writer: a load and a store are enough.
-template <typename T>
-void add(std::atomic<T>& counter, T amount) {
-  counter.store(counter.load(std::memory_order_relaxed) + amount, std::memory_order_relaxed);
-}
-template <typename T>
-void raise(std::atomic<T>& maximum, T value) {
-  if (value > maximum.load(std::memory_order_relaxed)) {
-    maximum.store(value, std::memory_order_relaxed);
-  }
-}
 
 /// The first instant base + k * step that is not before `instant`.
 Instant next_on_grid(Instant base, Duration step, Instant instant) {
@@ -42,9 +15,6 @@ Instant next_on_grid(Instant base, Duration step, Instant instant) {
   const Instant past = instant - base;
   return base + (past + step.count() - 1) / step.count() * step.count();
 }
-
-/// The way back begins so much later, so that no member passes the instant unaware of it.
-constexpr Duration kWayBackLead = 200us;
 
 /// What take() touches was written by the coordinator, often on another CPU, from where each cache
 /// line takes 100 ns. It is brought here while the old bundle is still in force.
@@ -72,6 +42,7 @@ Task::~Task() {
 void Task::begin(std::unique_ptr<Published> first, Instant t0) {
   t0_ = t0;
   current_ = first.release();
+  bound_.store(current_->bound.count());
   const TaskAttributes& attributes = current_->bundle->task;
   release_ = t0_ + attributes.offset.count();
   running_ = attributes.start;
@@ -134,13 +105,20 @@ void Task::serve() {
   add<std::uint64_t>(looks_, 1);
 }
 
-void Task::release() {
+bool Task::release() {
   const Instant now = clock_.now();
   drop_missed(now);
   meet_boundary(now);
-  if (running_ && release_ <= now) failed_ ? skip_job() : run_job(now);
+  if (running_ && release_ <= now) {
+    if (failed_) {
+      skip_job();
+    } else if (!run_job(now)) {
+      return false;
+    }
+  }
   acknowledge();
   add<std::uint64_t>(looks_, 1);
+  return true;
 }
 
 /// Policy skip: only the newest of the releases that passed runs; the grid is kept.
@@ -181,20 +159,17 @@ Published* Task::take_over() {
   return ready ? relief : nullptr;
 }
 
-/// Is, or will be, led back by the change on probation?
-bool Task::leads_back() const {
-  const Published* back = back_.load(std::memory_order_acquire);
-  return back != nullptr && back->transaction->instant() != kClosed;
-}
-
 void Task::take(Published& next, Instant begin) {
   acknowledge();  // of a change that is overtaken at the same boundary
   const bool was_running = running_;
   for (const auto& [port, service] : next.safe_writes) write_quietly(*port, *service);
   if (next.mode == Mode::park) write_safe_values();
-  next.hand_over.run();
-  next.answer->bytes = next.hand_over.bytes;
-  for (const auto& [into, from] : next.observables) into->continue_from(*from);
+  // Nothing is taken from a core that a lost thread may still be inside.
+  if (current_->bundle->core.get() != lost_) {
+    next.hand_over.run();
+    next.answer->bytes = next.hand_over.bytes;
+    for (const auto& [into, from] : next.observables) into->continue_from(*from);
+  }
   next.bundle->shell->use(next.bundle->bindings.get());
   map_state(next);
   Published* const old = current_;
@@ -213,6 +188,7 @@ void Task::take(Published& next, Instant begin) {
 void Task::put_in_place(Published& next) {
   const bool same_bundle = next.bundle == current_->bundle;
   current_ = &next;
+  bound_.store(next.bound.count(), std::memory_order_relaxed);
   failed_ = false;
   if (same_bundle && next.back == nullptr) return;
   overran_ = 0;
@@ -274,120 +250,6 @@ void Task::acknowledge() {
   taken->answer->progress.store(Published::Progress::done, std::memory_order_release);
 }
 
-void Task::run_job(Instant now) {
-  Job& job = this_job();
-  job.start = now;
-  job.release = release_;
-  job.running = true;
-  job.implausible = nullptr;
-  job.lock_bound = current_->shortest_wait;
-  this_task() = this;
-  const Instant lateness = now - release_;
-  counters_.lateness_last.store(lateness, std::memory_order_relaxed);
-  raise(counters_.lateness_max, lateness);
-  add<std::uint64_t>(counters_.releases, 1);
-  const bool watched = back_.load(std::memory_order_relaxed) != nullptr;
-  if (watched && current_->bundle->task.budget > Duration{0}) cpu_before_ = rt::cpu_time();
-  // Invariant: whatever user code throws ends here. Only this component is affected; its outputs
-  // get their safe values; every resource it held was left on the way (Entry).
-  try {
-    run_states();
-    account(now, clock_.now());
-  } catch (const std::exception& error) {
-    on_fault(Cause::threw, error.what());
-  } catch (...) {
-    on_fault(Cause::threw, "something that is no std::exception");
-  }
-  this_task() = nullptr;
-  job.start = 0;
-  job.release = 0;
-  job.running = false;
-}
-
-/// Execution states up to the next synchronization state, which arms the next release.
-void Task::run_states() {
-  CoreBase& core = *current_->bundle->core;
-  FsmState* state = state_ != nullptr ? &state_->next(core) : current_->bundle->fsm->initial();
-  while (state->kind() == FsmState::Kind::execution) {
-    counters_.fsm_state.store(static_cast<std::uint32_t>(state->index()),
-                              std::memory_order_relaxed);
-    state->run(core);
-    state = &state->next(core);
-  }
-  state_ = state;
-  counters_.fsm_state.store(static_cast<std::uint32_t>(state->index()), std::memory_order_relaxed);
-}
-
-/// Advances the component's clock by the wait, and counts a job that ended too late.
-void Task::account(Instant start, Instant end) {
-  const TaskAttributes& task = current_->bundle->task;
-  const Instant released = release_;
-  wait_ = state_->duration();
-  release_ = released + wait_.count();
-  counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
-  counters_.execution_last.store(end - start, std::memory_order_relaxed);
-  raise(counters_.execution_max, end - start);
-  if (task.budget > Duration{0} && end - start > task.budget.count()) {
-    add<std::uint64_t>(counters_.over_budget, 1);
-  }
-  const Instant deadline =
-      task.deadline > Duration{0} ? std::min(release_, released + task.deadline.count()) : release_;
-  const bool late = end > deadline;
-  if (late) count_overrun(task, end - deadline);
-  if (this_job().implausible != nullptr) add<std::uint64_t>(counters_.implausible, 1);
-  if (back_.load(std::memory_order_relaxed) != nullptr) watch_over(task, start, end, late);
-}
-
-void Task::count_overrun(const TaskAttributes& task, Instant by) {
-  add<std::uint64_t>(counters_.overruns, 1);
-  const std::uint64_t overruns = counters_.overruns.load(std::memory_order_relaxed);
-  note(rt::EventKind::overrun, LogLevel::warning, by, static_cast<std::int64_t>(overruns));
-  if (overruns < task.overrun_limit) return;
-  if (task.on_overrun == OnOverrun::stop) {
-    write_safe_values();
-    park(ComponentState::stopped);
-  } else if (task.on_overrun == OnOverrun::fallback && relief_.load() != nullptr) {
-    std::snprintf(fault_.data(), fault_.size(), "overran %u times", task.overrun_limit);
-    failed_ = true;  // its relief takes over at the next release
-    relief_from_ = release_;
-  }
-}
-
-/// On probation: what is no fault by itself leads back as well.
-void Task::watch_over(const TaskAttributes& task, Instant start, Instant end, bool late) {
-  overran_ = overran_ << 1U | (late ? 1U : 0U);
-  const unsigned overruns = static_cast<unsigned>(std::popcount(overran_ & current_->window));
-  const PortBase* port = this_job().implausible;
-  if (port != nullptr) {
-    std::array<char, 64> name{};
-    port->name().copy(name.data(), name.size() - 1);
-    give_up_core(Cause::implausible, name.data());
-  } else if (overruns > current_->tolerated) {
-    give_up_core(Cause::overruns, "");
-  } else if (task.budget > Duration{0} && end - start > task.budget.count() &&
-             rt::cpu_time() - cpu_before_ > task.budget) {
-    // On the processor's clock: a job that others preempt is not to blame.
-    give_up_core(Cause::over_budget, "");
-  }
-}
-
-/// Sets the way back off. The core goes on until its next release.
-void Task::give_up_core(Cause cause, const char* what) {
-  const Published* back = back_.load(std::memory_order_acquire);
-  if (back == nullptr) return;
-  back->way_back->set_off(clock_.now() + kWayBackLead.count(), cause, this, what);
-}
-
-/// A failed core runs no more; its releases pass until something takes over.
-void Task::skip_job() {
-  if (!leads_back() && relief_.load(std::memory_order_acquire) == nullptr) {
-    return park(ComponentState::faulted);
-  }
-  add<std::uint64_t>(counters_.missed, 1);
-  release_ += current_->grid.count();
-  counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
-}
-
 void Task::park(ComponentState state) {
   running_ = false;
   parked_at_ = clock_.now();
@@ -397,50 +259,8 @@ void Task::park(ComponentState state) {
   }
 }
 
-void Task::on_fault(Cause cause, const char* what) {
-  write_safe_values();
-  add<std::uint64_t>(counters_.faults, 1);
-  std::strncpy(fault_.data(), what, fault_.size() - 1);
-  rt::Event event{clock_.now(), rt::EventKind::faulted, LogLevel::error, nullptr, {}, {}, {}};
-  std::strncpy(event.text.data(), what, event.text.size() - 1);
-  events_.push(event);
-  give_up_core(cause, what);
-  const Published* relief = relief_.load(std::memory_order_acquire);
-  const bool relieved =
-      relief != nullptr && current_->bundle->task.on_fault.action != FaultPolicy::Action::stop;
-  if (!leads_back() && !relieved) return park(ComponentState::faulted);
-  failed_ = true;
-  wait_ = current_->grid;
-  release_ += wait_.count();
-  relief_from_ = relieved ? clock_.now() + relief->back_off.count() : 0;
-  counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
-}
-
-void Task::write_safe_values() {
-  const Bundle& bundle = *current_->bundle;
-  for (const PortBase* port : bundle.shell->ports()) {
-    const Binding* binding = (*bundle.bindings)[port->index()].get();
-    if (binding != nullptr) write_quietly(*port, binding->service());
-  }
-}
-
 void Task::note(rt::EventKind kind, LogLevel level, std::int64_t a, std::int64_t b) {
   events_.push({clock_.now(), kind, level, nullptr, LogArgument(a), LogArgument(b), {}});
 }
 
 }  // namespace mauve::exec
-
-namespace mauve {
-
-void log_event(LogLevel level, const char* literal, LogArgument a, LogArgument b) {
-  exec::Task* task = exec::this_task();
-  if (task == nullptr) return;
-  task->events().push({job_time(), rt::EventKind::log, level, literal, a, b, {}});
-}
-
-bool request(std::string_view transaction) {
-  exec::Task* task = exec::this_task();
-  return task != nullptr && task->requests().push(job_time(), transaction);
-}
-
-}  // namespace mauve

@@ -10,15 +10,18 @@
 #include <utility>
 #include <vector>
 
+#include "exec/counters.h"
 #include "exec/transaction.h"
 #include "model/hand_over.h"
 #include "rt/event_ring.h"
 #include "rt/request_ring.h"
+#include "rt/rescue.h"
 
 #include <mauve/change.h>
 #include <mauve/clock.h>
 #include <mauve/component.h>
 #include <mauve/deployer.h>
+#include <mauve/job.h>
 
 namespace mauve::exec {
 
@@ -33,6 +36,7 @@ struct Published {
   bool count_gap = false;  ///< releases that passed while parked count as missed (in place)
   Duration grid{0};
   Duration shortest_wait{0};
+  Duration bound{0};  ///< a job that runs longer never returns; zero: nobody looks
   /// By index of the state of the old machine: the state of the new one; null: begin anew.
   std::vector<FsmState*> state_map;
   HandOver hand_over;
@@ -62,23 +66,6 @@ struct Published {
   };
   const std::shared_ptr<Answer> answer = std::make_shared<Answer>();
   Published* older = nullptr;  ///< in the task's pile of what it does not use any more
-};
-
-/// Counters, written by the task's thread, read by anyone.
-struct Counters {
-  std::atomic<std::uint64_t> releases{0};
-  std::atomic<std::uint64_t> missed{0};
-  std::atomic<std::uint64_t> overruns{0};
-  std::atomic<std::uint64_t> over_budget{0};
-  std::atomic<std::uint64_t> implausible{0};
-  std::atomic<std::uint64_t> faults{0};
-  std::atomic<std::int64_t> lateness_last{0};
-  std::atomic<std::int64_t> lateness_max{0};
-  std::atomic<std::int64_t> execution_last{0};
-  std::atomic<std::int64_t> execution_max{0};
-  std::atomic<std::int64_t> next_release{0};
-  std::atomic<std::uint32_t> fsm_state{0};
-  std::atomic<ComponentState> state{ComponentState::stopped};
 };
 
 class Task {
@@ -116,7 +103,26 @@ class Task {
   /// Tells the thread to look at its mailbox.
   [[nodiscard]] std::atomic<std::uint32_t>& command() { return command_; }
 
+  /// All that the thread still tries to write or read is dropped from now on. [any]
+  void fence();
+
+  /// How long its job may run, and since when it does (0: none). [guard]
+  [[nodiscard]] Duration bound() const { return Duration{bound_.load(std::memory_order_relaxed)}; }
+  [[nodiscard]] Instant busy_since() const { return watched_.busy_since.load(); }
+  /// The job that began then shall end where it is, when its thread is told to look.
+  void interrupt(Instant since) { watched_.interrupt.store(since); }
+  /// The job that began then never returns: its thread has no part in the component any more, what
+  /// it holds is poisoned, and the task is the caller's until another thread goes on with it.
+  /// False: the job has ended. The thread must not end meanwhile.
+  bool lose_thread(Instant since);
+  /// What the lost thread still uses.
+  [[nodiscard]] std::shared_ptr<const Bundle> bundle() const { return current_->bundle; }
+  /// There is no other thread.
+  void park_for_good(const char* why);
+
   // --- [rt] -------------------------------------------------------------------------------------
+  /// First and last thing on its thread: its job, or null.
+  void runs_on(Job* job) { job_.store(job); }
   /// Takes a change that need not wait for a boundary: an aborted one is given back; a decided one
   /// is taken now when no job lies between its instant and the armed release (realtime 8.4.9).
   void serve();
@@ -125,8 +131,11 @@ class Task {
   [[nodiscard]] Instant next_release() const { return release_; }
   /// Has the time of the next job come?
   [[nodiscard]] bool due() const { return running_ && clock_.now() >= release_; }
-  /// The boundary and the job of the armed release.
-  void release();
+  /// The boundary and the job of the armed release. False: this thread was given up meanwhile, and
+  /// has no part in the task any more.
+  bool release();
+  /// First thing on the thread that goes on for a lost one: the fault of that one.
+  void go_on();
 
  private:
   static bool empty(std::atomic<Published*>& slot, Published& content);
@@ -144,15 +153,19 @@ class Task {
   void map_state(const Published& next);
   void rearm(const Published& next, bool was_running);
   void keep_phase(const Published& next);
-  void run_job(Instant now);
+  struct JobEnd;
+  [[nodiscard]] bool run_job(Instant now);
+  void begin_job(Instant now);
+  void conclude(Instant start, const JobEnd& end, const rt::Fault& fault);
+  void hung();
   void skip_job();
-  void run_states();
+  [[nodiscard]] FsmState* run_states();
   void account(Instant start, Instant end);
   void park(ComponentState state);
   void count_overrun(const TaskAttributes& task, Instant by);
   void watch_over(const TaskAttributes& task, Instant start, Instant end, bool late);
   void give_up_core(Cause cause, const char* what);
-  void on_fault(Cause cause, const char* what);
+  void on_fault(Cause cause);
   [[nodiscard]] bool leads_back() const;
   void write_safe_values();
   void note(rt::EventKind kind, LogLevel level, std::int64_t a = 0, std::int64_t b = 0);
@@ -163,6 +176,9 @@ class Task {
   rt::RequestRing requests_;
   Counters counters_;
   std::array<char, 128> fault_{};
+  rt::Watched watched_;
+  std::atomic<Job*> job_{nullptr};  // of its thread
+  std::atomic<std::int64_t> bound_{0};
 
   alignas(64) std::atomic<Published*> pending_{nullptr};
   alignas(64) std::atomic<Published*> unused_{nullptr};
@@ -174,6 +190,7 @@ class Task {
   // Owned by the task's thread.
   Published* current_ = nullptr;
   Published* unacknowledged_ = nullptr;  // taken, its first job not yet done
+  const CoreBase* lost_ = nullptr;       // a thread that was given up may still be inside
   FsmState* state_ = nullptr;            // the wait the task is in; null: before the initial state
   Instant t0_ = 0;
   Instant release_ = 0;  // logical: t0 + offset + clock of the component

@@ -18,15 +18,16 @@ Gate::~Gate() = default;
 
 bool Gate::enter() {
   Job& job = this_job();
-  if (job.held_count == Job::kMaxHeld) return false;
+  if (job.held_count.load(std::memory_order_relaxed) == Job::kMaxHeld) return false;
   if (!lock_->mutex.try_lock()) {
+    if (poisoned()) return false;  // who holds it may never leave
     const Duration bound = job.lock_bound > Duration{0} ? job.lock_bound : Duration{1s};
     if (!lock_->mutex.lock_until(MonotonicClock().now() + bound.count())) {
       lock_->timeouts.fetch_add(1, std::memory_order_relaxed);
       return false;
     }
   }
-  job.held[job.held_count++] = this;
+  hold();
   if (deferred_.load(std::memory_order_acquire) != nullptr) visit_deferred(job.release);
   if (!poisoned()) return true;
   leave();
@@ -35,14 +36,34 @@ bool Gate::enter() {
 
 bool Gate::try_enter() {
   Job& job = this_job();
-  if (job.held_count == Job::kMaxHeld || !lock_->mutex.try_lock()) return false;
-  job.held[job.held_count++] = this;
+  if (job.held_count.load(std::memory_order_relaxed) == Job::kMaxHeld) return false;
+  if (!lock_->mutex.try_lock()) return false;
+  hold();
   return true;
 }
 
+/// One writer: a load and a store are enough.
+void Gate::hold() {
+  Job& job = this_job();
+  const std::size_t count = job.held_count.load(std::memory_order_relaxed);
+  job.held[count].store(this, std::memory_order_relaxed);
+  job.held_count.store(count + 1, std::memory_order_release);
+}
+
 void Gate::leave() {
-  --this_job().held_count;  // locks nest: the innermost is left first
+  Job& job = this_job();  // locks nest: the innermost is left first
+  job.held_count.store(job.held_count.load(std::memory_order_relaxed) - 1,
+                       std::memory_order_relaxed);
   lock_->mutex.unlock();
+}
+
+void Gate::poison_and_leave_all() {
+  Job& job = this_job();
+  while (const std::size_t count = job.held_count.load(std::memory_order_relaxed)) {
+    Gate& innermost = *job.held[count - 1].load(std::memory_order_relaxed);
+    innermost.poison();
+    innermost.leave();
+  }
 }
 
 void Gate::visit_deferred(Instant release) {

@@ -57,8 +57,9 @@ bool PortBase::connected() const {
 }
 
 const Binding* PortBase::binding() {
+  if (this_job().detached.load(std::memory_order_relaxed)) return nullptr;
   const Bindings* table = shell_.bindings();
-  if (table == nullptr || this_job().detached.load(std::memory_order_relaxed)) return nullptr;
+  if (table == nullptr) return nullptr;
   const Binding* binding = (*table)[index_].get();
   if (binding == nullptr) return nullptr;
   if (binding->id() != seen_) {

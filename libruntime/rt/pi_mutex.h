@@ -19,6 +19,8 @@ class PiMutex {
   [[nodiscard]] bool try_lock();
   /// False when `deadline` (monotonic) passed first. The holder runs at the waiter's priority. [rt]
   [[nodiscard]] bool lock_until(Instant deadline);
+  /// Waits as long as it takes; for holders that are known to be quick.
+  void lock();
   void unlock();
 
  private:

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "rt/fifo.h"
+#include "rt/rescue.h"
 
 namespace mauve::rt {
 namespace {
@@ -119,6 +120,10 @@ Status Thread::set_priority(int priority) {
       pthread_setschedparam(handle_, priority > 0 ? SCHED_FIFO : SCHED_OTHER, &parameter);
   if (error != 0) return no_fifo(priority, error);
   return ok();
+}
+
+void Thread::interrupt() {
+  if (running_) pthread_kill(handle_, kInterrupt);
 }
 
 Status Thread::set_cpus(const std::vector<int>& cpus) {

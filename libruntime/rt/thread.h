@@ -41,6 +41,8 @@ class Thread {
   [[nodiscard]] bool is_fifo(int priority) const;
   /// Changes the priority of a running thread (also demotion to 0). [control]
   Status set_priority(int priority);
+  /// Makes it look whether its body shall end where it is, see rescue.h. [any]
+  void interrupt();
   Status set_cpus(const std::vector<int>& cpus);
 
  private:

@@ -30,8 +30,9 @@ class Gate {
   Gate(const Gate&) = delete;
   Gate& operator=(const Gate&) = delete;
 
-  /// Waits no longer than the caller's bound. False when that passed first, when the caller holds
-  /// too many, or when the resource is poisoned; nothing is held then. [any]
+  /// Waits no longer than the caller's bound, and not at all for one that is poisoned. False when
+  /// that passed first, when the caller holds too many, or when the resource is poisoned; nothing
+  /// is held then. [any]
   [[nodiscard]] bool enter();
   /// Never waits, and enters a poisoned resource too. [control]
   [[nodiscard]] bool try_enter();
@@ -45,6 +46,9 @@ class Gate {
   /// Under the gate: its core is new, or known to be whole.
   void heal() { poisoned_.store(false, std::memory_order_release); }
 
+  /// Runtime only: of all that this thread holds, which it was thrown out of: poisoned, then left.
+  static void poison_and_leave_all();
+
   /// Runtime only: what the next callers visit. [control]
   void defer(Deferred& deferred) { deferred_.store(&deferred, std::memory_order_release); }
   /// Runtime only: it is not visited again, but a caller may be inside it until the gate was
@@ -56,6 +60,7 @@ class Gate {
 
  private:
   struct Lock;
+  void hold();
   void visit_deferred(Instant release);
 
   std::unique_ptr<Lock> lock_;

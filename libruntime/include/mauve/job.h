@@ -29,8 +29,9 @@ struct Job {
   /// given up because its job did not return.
   std::atomic<bool> detached{false};
   const PortBase* implausible = nullptr;  ///< the first that was given a value it does not let out
-  std::size_t held_count = 0;             ///< resources locked by this thread, innermost last
-  std::array<Gate*, kMaxHeld> held{};
+  /// Resources locked by this thread, innermost last; a guard may look.
+  std::atomic<std::size_t> held_count{0};
+  std::array<std::atomic<Gate*>, kMaxHeld> held{};
 };
 
 /// The calling thread's job. [any]

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What a task does about a core that fails, or does not prove itself.
+#include <array>
+#include <bit>
+#include <cstdio>
+#include <string_view>
+
+#include "exec/safe_values.h"
+#include "exec/task.h"
+#include "rt/cpu_time.h"
+
+#include <mauve/job.h>
+
+namespace mauve::exec {
+namespace {
+
+/// The way back begins so much later, so that no member passes the instant unaware of it.
+constexpr Duration kWayBackLead = 200us;
+
+/// In place of when a job began: nobody runs the task.
+constexpr Instant kLost = -1;
+
+}  // namespace
+
+/// Is, or will be, led back by the change on probation?
+bool Task::leads_back() const {
+  const Published* back = back_.load(std::memory_order_acquire);
+  return back != nullptr && back->transaction->instant() != kClosed;
+}
+
+/// On probation: what is no fault by itself leads back as well.
+void Task::watch_over(const TaskAttributes& task, Instant start, Instant end, bool late) {
+  overran_ = overran_ << 1U | (late ? 1U : 0U);
+  const unsigned overruns = static_cast<unsigned>(std::popcount(overran_ & current_->window));
+  const PortBase* port = this_job().implausible;
+  if (port != nullptr) {
+    std::array<char, 64> name{};
+    port->name().copy(name.data(), name.size() - 1);
+    give_up_core(Cause::implausible, name.data());
+  } else if (overruns > current_->tolerated) {
+    give_up_core(Cause::overruns, "");
+  } else if (task.budget > Duration{0} && end - start > task.budget.count() &&
+             rt::cpu_time() - cpu_before_ > task.budget) {
+    // On the processor's clock: a job that others preempt is not to blame.
+    give_up_core(Cause::over_budget, "");
+  }
+}
+
+/// Sets the way back off. The core goes on until its next release.
+void Task::give_up_core(Cause cause, const char* what) {
+  const Published* back = back_.load(std::memory_order_acquire);
+  if (back == nullptr) return;
+  back->way_back->set_off(clock_.now() + kWayBackLead.count(), cause, this, what);
+}
+
+/// A failed core runs no more; its releases pass until something takes over.
+void Task::skip_job() {
+  if (!leads_back() && relief_.load(std::memory_order_acquire) == nullptr) {
+    return park(ComponentState::faulted);
+  }
+  add<std::uint64_t>(counters_.missed, 1);
+  release_ += current_->grid.count();
+  counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
+}
+
+/// `fault_` says what it was.
+void Task::on_fault(Cause cause) {
+  write_safe_values();
+  add<std::uint64_t>(counters_.faults, 1);
+  rt::Event event{clock_.now(), rt::EventKind::faulted, LogLevel::error, nullptr, {}, {}, {}};
+  event.a = LogArgument(static_cast<std::int64_t>(cause));
+  std::string_view(fault_.data()).copy(event.text.data(), event.text.size() - 1);
+  events_.push(event);
+  give_up_core(cause, fault_.data());
+  const Published* relief = relief_.load(std::memory_order_acquire);
+  const bool relieved =
+      relief != nullptr && current_->bundle->task.on_fault.action != FaultPolicy::Action::stop;
+  if (!leads_back() && !relieved) return park(ComponentState::faulted);
+  failed_ = true;
+  wait_ = current_->grid;
+  release_ += wait_.count();
+  relief_from_ = relieved ? clock_.now() + relief->back_off.count() : 0;
+  counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
+}
+
+void Task::write_safe_values() { exec::write_safe_values(*current_->bundle); }
+
+/// The job ran into its bound.
+void Task::hung() {
+  std::snprintf(fault_.data(), fault_.size(), "its job ran longer than %lld ms",
+                static_cast<long long>(current_->bound / 1ms));
+  on_fault(Cause::hung);
+}
+
+bool Task::lose_thread(Instant since) {
+  if (!watched_.busy_since.compare_exchange_strong(since, kLost)) return false;
+  if (Job* job = job_.exchange(nullptr)) {
+    job->detached.store(true);
+    const std::size_t held = job->held_count.load(std::memory_order_acquire);
+    for (std::size_t i = 0; i < held; ++i) job->held[i].load()->poison();
+  }
+  return true;
+}
+
+void Task::park_for_good(const char* why) {
+  std::snprintf(fault_.data(), fault_.size(), "%s", why);
+  park(ComponentState::faulted);
+}
+
+void Task::fence() {
+  if (Job* job = job_.load()) job->detached.store(true);
+}
+
+}  // namespace mauve::exec

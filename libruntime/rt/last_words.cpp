@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "rt/last_words.h"
+
+#include <sys/prctl.h>
+
+#include "rt/futex.h"
+
+#include <mauve/clock.h>
+
+namespace mauve::rt {
+namespace {
+
+constexpr Duration kMayTake{500ms};
+constexpr int kPriority = 96;  // above every component and the guard
+
+std::atomic<std::uint32_t> bell{0};  // rung when the process dies, and when a speaker shall end
+std::atomic<bool> dying{false};
+std::atomic<bool> told{false};  // `death` can be read
+std::atomic<std::uint32_t> speakers{0};
+std::atomic<std::uint32_t> silent{0};  // have spoken
+Death death;
+
+bool& i_speak() {
+  [[gnu::tls_model("initial-exec")]] static thread_local bool speaking = false;
+  return speaking;
+}
+
+}  // namespace
+
+LastWords::~LastWords() {
+  if (!thread_.running()) return;
+  speakers.fetch_sub(1);
+  quit_.store(true);
+  futex_bump(bell);
+  thread_.join();
+}
+
+Status LastWords::start(std::function<void(const Death&)> speak) {
+  if constexpr (!kCanRescue) return ok();
+  speak_ = std::move(speak);
+  Status started = thread_.start({"mauve-last", 0, {}, 64 * 1024}, [this] { wait(); });
+  if (!started) return started;
+  speakers.fetch_add(1);
+  handlers_.emplace();
+  return started;
+}
+
+void LastWords::wait() {
+  const FaultStack stack;
+  while (!told.load()) {
+    const std::uint32_t seen = bell.load();
+    if (quit_.load()) return;
+    if (!told.load()) futex_wait_until(bell, seen, kForever);
+  }
+  i_speak() = true;
+  const Boost urgent(kPriority);
+  speak_(death);
+  futex_bump(silent);
+}
+
+void speak_last_words(const Fault& fault) {
+  if (i_speak()) return;  // it failed in its last words
+  const Instant until = MonotonicClock().now() + kMayTake.count();
+  if (!dying.exchange(true)) {
+    death.fault = fault;
+    prctl(PR_GET_NAME, death.thread.data());
+    told.store(true);
+    futex_bump(bell);
+  }
+  while (MonotonicClock().now() < until) {
+    const std::uint32_t seen = silent.load();
+    if (seen >= speakers.load()) return;
+    futex_wait_until(silent, seen, until);
+  }
+}
+
+}  // namespace mauve::rt

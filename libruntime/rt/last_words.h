@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// LastWords: what is still done when the process must die of a fault. The thread that failed only
+/// wakes others and waits for them, since in its handler next to nothing is allowed.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <functional>
+#include <optional>
+
+#include "rt/rescue.h"
+#include "rt/thread.h"
+
+namespace mauve::rt {
+
+/// Who dies of what.
+struct Death {
+  Fault fault;
+  std::array<char, 16> thread{};  ///< its name
+};
+
+/// A thread that sleeps until the process must die. While one lives, faults are handled.
+class LastWords {
+ public:
+  LastWords() = default;
+  ~LastWords();
+  LastWords(const LastWords&) = delete;
+  LastWords& operator=(const LastWords&) = delete;
+
+  /// `speak` gets 500 ms; it may not be able to have memory. It runs before all components, where
+  /// that is permitted.
+  Status start(std::function<void(const Death&)> speak);
+
+ private:
+  void wait();
+
+  std::optional<FaultHandlers> handlers_;
+  std::function<void(const Death&)> speak_;
+  std::atomic<bool> quit_{false};
+  Thread thread_;
+};
+
+/// Lets all of them speak, and waits for the end of it; not longer than 500 ms.
+/// Async-signal-safe.
+void speak_last_words(const Fault& fault);
+
+}  // namespace mauve::rt

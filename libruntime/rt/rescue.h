@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Rescue: a fault of user code (SIGSEGV, SIGBUS, SIGFPE, SIGILL) ends the body it happened in, not
+/// the process; and a guard may end a body that does not return. No destructor of what was on the
+/// stack runs. Not where the fault lies in code of the system, which may hold locks of its own:
+/// there the process speaks its last words and dies.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <csignal>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include <mauve/time.h>
+
+namespace mauve::rt {
+
+/// Sanitizers have handlers of their own.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kCanRescue = false;
+#elif defined(__x86_64__) || defined(__aarch64__)
+inline constexpr bool kCanRescue = true;
+#else
+inline constexpr bool kCanRescue = false;
+#endif
+
+/// The signal that makes a thread look whether its body shall end. Ignored unless handled, and of
+/// no other use in a process without out-of-band data.
+inline constexpr int kInterrupt = SIGURG;
+
+/// Why a body did not end by itself.
+struct Fault {
+  int signal = 0;  ///< 0: it did; else the signal
+  std::uintptr_t address = 0;
+  bool interrupted = false;  ///< by the guard
+  bool sent = false;         ///< by somebody's kill(), not by an instruction
+};
+
+/// "SIGSEGV at address 0x10", cut to the room there is. Async-signal-safe enough for a last word.
+void describe(const Fault& fault, char* text, std::size_t room);
+
+/// What a guard sees of a thread that runs bodies.
+struct Watched {
+  std::atomic<Instant> busy_since{0};  ///< when the body began, never the same twice; 0: idle
+  std::atomic<Instant> interrupt{0};   ///< the body that began then shall not go on
+};
+
+/// Runs `body`, which must not throw. About 2 ns. [rt]
+[[nodiscard]] Fault rescued(void (*body)(void*), void* argument, const Watched& watched);
+
+/// While one lives, the process handles faults; what was handled before is handled again after the
+/// last one. Not on real-time threads.
+class FaultHandlers {
+ public:
+  FaultHandlers();
+  ~FaultHandlers();
+  FaultHandlers(const FaultHandlers&) = delete;
+  FaultHandlers& operator=(const FaultHandlers&) = delete;
+};
+
+/// The stack that the calling thread handles faults on, so that a full stack is one that can be
+/// handled. First thing in a thread, touched; taken away at the end of the scope.
+class FaultStack {
+ public:
+  FaultStack();
+  ~FaultStack();
+  FaultStack(const FaultStack&) = delete;
+  FaultStack& operator=(const FaultStack&) = delete;
+
+ private:
+  std::unique_ptr<std::byte[]> memory_;
+};
+
+}  // namespace mauve::rt

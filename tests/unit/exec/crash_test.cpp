@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Cores that crash, on real threads.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <cstring>
+
+#include <unistd.h>
+
+#include "rt/rescue.h"
+#include "support/eventually.h"
+#include "support/ramp.h"
+
+namespace mauve {
+namespace {
+
+using test::eventually;
+
+/// Goes wrong in its fourth job.
+struct Wrong : ramp::Up {
+  void update() override {
+    if (++jobs_ == 4) go_wrong();
+    ramp::Up::update();
+  }
+  virtual void go_wrong() = 0;
+
+ private:
+  int jobs_ = 0;
+};
+
+struct NullDereference final : Wrong {
+  int* volatile nobody = nullptr;
+  void go_wrong() override { *nobody = 1; }
+};
+
+struct DivisionByZero final : Wrong {
+  volatile int zero = 0;
+  volatile int quotient = 1;
+  void go_wrong() override { quotient = quotient / zero; }
+};
+
+struct StackOverflow final : Wrong {
+  volatile bool deeper = true;
+  int sink(int depth) {
+    volatile char frame[256] = {};
+    frame[depth % 256] = 1;
+    return deeper ? sink(depth + 1) + frame[0] : 0;
+  }
+  void go_wrong() override { static_cast<void>(sink(0)); }
+};
+
+struct CrashInLibc final : Wrong {
+  const char* volatile nothing = nullptr;
+  volatile std::size_t length = 0;
+  void go_wrong() override { length = std::strlen(nothing); }
+};
+
+/// `left` goes wrong and falls back; `right` is well.
+template <typename Core>
+struct Two : Architecture {
+  SharedData<double> left_position{*this, "left_position"};
+  SharedData<double> right_position{*this, "right_position"};
+  Component<ramp::Shell, Core, ramp::Fsm> left{*this, "left"};
+  Component<ramp::Shell, ramp::Up, ramp::Fsm> right{*this, "right"};
+
+  explicit Two(FaultPolicy::Action action = FaultPolicy::Action::fallback) {
+    left.task().on_fault.action = action;
+    left.fall_back_to(ComponentBase::Fallback{CoreType::of<ramp::Down>("ramp/down"), {}});
+    left.fsm().period = 5ms;
+    right.fsm().period = 5ms;
+  }
+  Status on_configure() override {
+    if (auto done = left.shell().out.connect(left_position.write_service()); !done) return done;
+    return right.shell().out.connect(right_position.write_service());
+  }
+};
+
+class Crash : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!rt::kCanRescue) GTEST_SKIP() << "the sanitizer handles faults itself";
+  }
+
+  template <typename Core>
+  void falls_back(const std::string& text) {
+    Two<Core> architecture;
+    Deployer deployer(architecture);
+    ASSERT_TRUE(deployer.deploy());
+    std::vector<Outcome> outcomes;
+    const bool relieved = eventually([&] {
+      Retired free;
+      for (Outcome& one : deployer.tend(free)) outcomes.push_back(std::move(one));
+      return !outcomes.empty();
+    });
+    ASSERT_TRUE(relieved);
+    EXPECT_EQ(outcomes[0].kind, Outcome::Kind::fell_back);
+    EXPECT_EQ(outcomes[0].reason.rfind(text, 0), 0u) << outcomes[0].reason;
+    const std::uint64_t left = deployer.status("left").releases;
+    const std::uint64_t right = deployer.status("right").releases;
+    EXPECT_TRUE(eventually([&] { return deployer.status("left").releases > left + 2; }));
+    EXPECT_TRUE(eventually([&] { return deployer.status("right").releases > right + 2; }));
+    EXPECT_EQ(deployer.status("left").state, ComponentState::running);
+    EXPECT_EQ(deployer.status("left").core, "ramp/down");
+  }
+};
+
+TEST_F(Crash, ANullPointerIsContainedAndTheFallbackCoreTakesOver) {
+  falls_back<NullDereference>("SIGSEGV at address 0x0");
+}
+
+TEST_F(Crash, ADivisionByZeroIsContained) {
+#if defined(__x86_64__)
+  falls_back<DivisionByZero>("SIGFPE at address 0x");
+#else
+  GTEST_SKIP() << "this processor divides by zero without a fault";
+#endif
+}
+
+TEST_F(Crash, AFullStackIsContained) { falls_back<StackOverflow>("SIGSEGV at address 0x"); }
+
+TEST_F(Crash, WithoutAFallbackCoreItsComponentIsParkedAndItsOutputsAreSafe) {
+  Two<NullDereference> architecture(FaultPolicy::Action::stop);
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+
+  ASSERT_TRUE(eventually([&] { return deployer.status("left").state == ComponentState::faulted; }));
+
+  EXPECT_EQ(deployer.status("left").fault, "SIGSEGV at address 0x0");
+  EXPECT_EQ(ramp::read(architecture.left_position), -1.0);
+  std::vector<std::string> told;
+  deployer.drain([&](const Happening& h) {
+    if (h.event == "faulted") told.push_back(h.component + ": " + h.text);
+  });
+  EXPECT_EQ(told, std::vector<std::string>{"left: crashed: SIGSEGV at address 0x0"});
+}
+
+// --- a resource that is held
+// -----------------------------------------------------------------------
+
+struct EmptyShell : Shell {};
+class MeterCore : public Core<EmptyShell> {
+ public:
+  using Contract = MeterCore;
+  static constexpr const char* contract = "meter/core/1";
+  virtual void note(const double& value) = 0;
+};
+struct FragileMeter final : MeterCore {
+  Property<double> breaks_at{*this, "breaks_at", 4.0, "crashes when it is given this value"};
+  int* volatile nobody = nullptr;
+  void note(const double& value) override {
+    if (value == breaks_at) *nobody = 1;
+  }
+};
+struct MeterInterface : Interface<MeterCore> {
+  WriteService<double> write{*this, "write", &MeterCore::note};
+};
+
+struct Fragile : Architecture {
+  Resource<EmptyShell, FragileMeter, MeterInterface> meter{*this, "meter"};
+  Component<ramp::Shell, ramp::Up, ramp::Fsm> left{*this, "left"};
+  Status on_configure() override { return left.shell().out.connect(meter.interface().write); }
+};
+
+TEST_F(Crash, InAResourceIsToldToItsNextUserAndANewCoreHealsIt) {
+  Fragile architecture;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(eventually([&] { return deployer.status("left").state == ComponentState::faulted; }));
+
+  EXPECT_TRUE(architecture.meter.gate().poisoned());
+  const double value = 1;
+  EXPECT_FALSE(architecture.meter.interface().write.write(&value)) << "it may be half written";
+  {
+    Entry entry(architecture.meter.gate());
+    EXPECT_EQ(entry.refusal(), DataStatus::poisoned);
+  }
+  ASSERT_TRUE(architecture.meter.gate().try_enter()) << "the lock itself was left";
+  architecture.meter.gate().leave();
+
+  const Result<Receipt> healed =
+      deployer.set("meter.core.breaks_at", Value(0.0), StatePolicy::drop);
+  ASSERT_TRUE(healed) << to_string(healed.error());
+  EXPECT_FALSE(architecture.meter.gate().poisoned());
+  EXPECT_TRUE(architecture.meter.interface().write.write(&value));
+}
+
+// --- what is not contained
+// ---------------------------------------------------------------------------
+
+/// Tells on standard error what it is given, as hardware would show it.
+struct Shown final : MeterCore {
+  void note(const double& value) override {
+    if (value != -1.0) return;
+    constexpr char kText[] = "the motor is safe\n";
+    if (write(STDERR_FILENO, kText, sizeof kText - 1) < 0) return;
+  }
+};
+
+struct Deadly : Architecture {
+  Resource<EmptyShell, Shown, MeterInterface> motor{*this, "motor"};
+  SharedData<double> position{*this, "position"};
+  Component<ramp::Shell, CrashInLibc, ramp::Fsm> left{*this, "left"};
+  Component<ramp::Shell, ramp::Up, ramp::Fsm> right{*this, "right"};
+  Status on_configure() override {
+    if (auto done = left.shell().out.connect(position.write_service()); !done) return done;
+    return right.shell().out.connect(motor.interface().write);
+  }
+};
+
+void die_in_libc() {
+  Deadly architecture;
+  Deployer deployer(architecture);
+  if (!deployer.deploy()) std::exit(2);
+  std::this_thread::sleep_for(20s);
+  std::exit(3);
+}
+
+using CrashDeathTest = Crash;
+
+TEST_F(CrashDeathTest, InTheCLibraryEndsTheProcessWithItsOutputsSafe) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(die_in_libc(), testing::KilledBySignal(SIGSEGV),
+              "the motor is safe[^\\0]*mauve: SIGSEGV at address 0x0 in thread left: the safe "
+              "values of 2 components are written");
+}
+
+TEST_F(CrashDeathTest, OutsideAJobEndsTheProcessWithItsOutputsSafe) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto die = [] {
+    Two<ramp::Up> architecture;
+    Deployer deployer(architecture);
+    if (!deployer.deploy()) std::exit(2);
+    int* volatile nobody = nullptr;
+    *nobody = 1;
+    std::exit(3);
+  };
+  EXPECT_EXIT(die(), testing::KilledBySignal(SIGSEGV), "the safe values of 2 components");
+}
+
+}  // namespace
+}  // namespace mauve

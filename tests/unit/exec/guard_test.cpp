@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Cores that do not return, on real threads. The bound is wide, so that no healthy job runs into
+/// it on a loaded machine.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <thread>
+
+#include <unistd.h>
+
+#include "rt/rescue.h"
+#include "support/eventually.h"
+#include "support/ramp.h"
+
+namespace mauve {
+namespace {
+
+using test::eventually;
+constexpr Duration kBound = 500ms;
+
+/// A call into the system that does not return until it is let go.
+class Block {
+ public:
+  Block() {
+    if (pipe(ends_.data()) != 0) std::abort();
+  }
+  ~Block() {
+    for (const int end : ends_) close(end);
+  }
+  void wait() {
+    entered.store(true);
+    char byte = 0;
+    if (read(ends_[0], &byte, 1) < 0) return;
+  }
+  void let_go() const {
+    if (write(ends_[1], "", 1) < 0) std::abort();
+  }
+  std::atomic<bool> entered{false};
+
+ private:
+  std::array<int, 2> ends_{};
+};
+
+/// Of the test that runs.
+Block*& block() {
+  static Block* one = nullptr;
+  return one;
+}
+
+struct Endless final : ramp::Up {
+  volatile bool forever = true;
+  void update() override {
+    ramp::Up::update();
+    while (state->value >= 4 && forever) {
+    }
+  }
+};
+
+/// Blocks in its fourth job, and tells what came of the write after it.
+struct Blocked final : ramp::Up {
+  void update() override {
+    ramp::Up::update();
+    if (state->value != 4) return;
+    block()->wait();
+    late_write() = shell().out.write(1234.0) ? 1 : 0;
+  }
+  /// -1: not done yet.
+  static std::atomic<int>& late_write() {
+    static std::atomic<int> result{-1};
+    return result;
+  }
+};
+
+/// `left` does not return; `right` is well.
+template <typename Core>
+struct Two : Architecture {
+  SharedData<double> left_position{*this, "left_position"};
+  SharedData<double> right_position{*this, "right_position"};
+  Component<ramp::Shell, Core, ramp::Fsm> left{*this, "left"};
+  Component<ramp::Shell, ramp::Down, ramp::Fsm> right{*this, "right"};
+
+  explicit Two(FaultPolicy::Action action = FaultPolicy::Action::fallback) {
+    left.task().on_fault.action = action;
+    left.task().watchdog = kBound;
+    left.fall_back_to(ComponentBase::Fallback{CoreType::of<ramp::Down>("ramp/down"), {}});
+    left.fsm().period = 5ms;
+    right.fsm().period = 5ms;
+  }
+  Status on_configure() override {
+    if (auto done = left.shell().out.connect(left_position.write_service()); !done) return done;
+    return right.shell().out.connect(right_position.write_service());
+  }
+};
+
+std::vector<Outcome> await_outcome(Deployer& deployer) {
+  std::vector<Outcome> outcomes;
+  static_cast<void>(eventually([&] {
+    Retired free;
+    outcomes = deployer.tend(free);
+    return !outcomes.empty();
+  }));
+  return outcomes;
+}
+
+bool runs_on(Deployer& deployer, const char* component) {
+  const std::uint64_t before = deployer.status(component).releases;
+  return eventually([&] { return deployer.status(component).releases > before + 2; });
+}
+
+bool is_faulted(Deployer& deployer) {
+  return eventually([&] { return deployer.status("left").state == ComponentState::faulted; });
+}
+
+class Guard : public testing::Test {
+ protected:
+  void SetUp() override {
+    block() = &block_;
+    Blocked::late_write() = -1;
+    ramp::Up::configured_cores() = 0;
+  }
+  Block block_;
+};
+
+TEST_F(Guard, EndsAnEndlessLoopAndTheFallbackCoreTakesOver) {
+  if (!rt::kCanRescue) GTEST_SKIP() << "under a sanitizer a loop cannot be ended";
+  Two<Endless> architecture;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+
+  const auto outcomes = await_outcome(deployer);
+
+  ASSERT_EQ(outcomes.size(), 1u);
+  EXPECT_EQ(outcomes[0].kind, Outcome::Kind::fell_back);
+  EXPECT_EQ(outcomes[0].reason, "its job ran longer than 500 ms");
+  EXPECT_TRUE(runs_on(deployer, "left"));
+  EXPECT_TRUE(runs_on(deployer, "right"));
+  EXPECT_TRUE(deployer.shutdown().empty()) << "the same thread goes on: nobody is left behind";
+}
+
+TEST_F(Guard, GivesUpAThreadThatIsInTheSystemAndAFreshOneGoesOn) {
+  Two<Blocked> architecture;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+
+  const auto outcomes = await_outcome(deployer);
+
+  ASSERT_EQ(outcomes.size(), 1u);
+  EXPECT_EQ(outcomes[0].kind, Outcome::Kind::fell_back);
+  EXPECT_EQ(deployer.status("left").core, "ramp/down");
+  EXPECT_TRUE(runs_on(deployer, "left"));
+  EXPECT_TRUE(runs_on(deployer, "right"));
+  EXPECT_GE(deployer.status("left").releases, 4u) << "it counts on";
+  EXPECT_EQ(ramp::Up::configured_cores(), 1) << "nobody cleans up what a thread is in";
+  EXPECT_LT(ramp::read(architecture.left_position), 1.0) << "nothing is taken from that core";
+
+  block_.let_go();
+  EXPECT_TRUE(eventually([] { return Blocked::late_write() != -1; }));
+  EXPECT_EQ(Blocked::late_write(), 0) << "what it still writes is dropped";
+  EXPECT_TRUE(eventually([&] {
+    Retired free;
+    static_cast<void>(deployer.tend(free));
+    static_cast<void>(free.release());
+    return ramp::Up::configured_cores() == 0;
+  })) << "its thread was joined, its core cleaned up";
+  EXPECT_TRUE(runs_on(deployer, "left"));
+  EXPECT_TRUE(deployer.shutdown().empty());
+}
+
+TEST_F(Guard, ParksAComponentWithoutAFallbackCoreAndItStartsAgain) {
+  Two<Blocked> architecture(FaultPolicy::Action::stop);
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+
+  ASSERT_TRUE(is_faulted(deployer));
+  EXPECT_EQ(deployer.status("left").fault, "its job ran longer than 500 ms");
+  EXPECT_EQ(ramp::read(architecture.left_position), -1.0) << "the safe value";
+
+  ASSERT_TRUE(deployer.swap_core<ramp::Down>("left"));
+  ASSERT_TRUE(deployer.start({"left"}));
+  EXPECT_TRUE(runs_on(deployer, "left"));
+  block_.let_go();
+  EXPECT_TRUE(eventually([] { return Blocked::late_write() == 0; }));
+  EXPECT_TRUE(runs_on(deployer, "left"));
+}
+
+TEST_F(Guard, AChangeOfAComponentThatHangsEndsWithIt) {
+  Two<Blocked> architecture(FaultPolicy::Action::stop);
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(eventually([&] { return block_.entered.load(); }));
+
+  static_cast<void>(deployer.swap_core<ramp::Down>("left"));
+
+  ASSERT_TRUE(is_faulted(deployer));
+  EXPECT_TRUE(eventually([&] { return !deployer.status("left").changing; }));
+  if (deployer.status("left").core != "ramp/down") {
+    ASSERT_TRUE(
+        deployer.swap_core("left", CoreType::of<ramp::Down>("ramp/down")));  // taken back in time
+  }
+  ASSERT_TRUE(deployer.start({"left"}));
+  EXPECT_TRUE(runs_on(deployer, "left"));
+  block_.let_go();
+  EXPECT_TRUE(eventually([] { return Blocked::late_write() == 0; }));
+}
+
+TEST_F(Guard, AShutdownLeavesBehindWhatAThreadIsStillIn) {
+  // Never freed: a thread stays in them.
+  static auto* const kept = new std::vector<std::pair<Two<Blocked>*, Block*>>;
+  const auto [architecture, forever] = kept->emplace_back(new Two<Blocked>, new Block);
+  block() = forever;
+  auto deployer = std::make_unique<Deployer>(*architecture);
+  ASSERT_TRUE(deployer->deploy());
+  ASSERT_EQ(await_outcome(*deployer).size(), 1u);
+
+  EXPECT_EQ(deployer->shutdown(), std::vector<std::string>{"left"});
+  deployer.reset();
+  forever->let_go();
+  EXPECT_TRUE(eventually([] { return Blocked::late_write() == 0; }));
+}
+
+// --- a resource that is held
+// -----------------------------------------------------------------------
+
+struct NoShell : Shell {};
+struct SlowMeter final : Core<NoShell> {
+  void note(const double& value) {
+    if (value == 4) block()->wait();
+  }
+};
+struct SlowInterface : Interface<SlowMeter> {
+  WriteService<double> write{*this, "write", &SlowMeter::note};
+};
+
+/// `right` counts down, so it never hands over a 4.
+struct Shared : Architecture {
+  Resource<NoShell, SlowMeter, SlowInterface> meter{*this, "meter"};
+  Component<ramp::Shell, ramp::Up, ramp::Fsm> left{*this, "left"};
+  Component<ramp::Shell, ramp::Down, ramp::Fsm> right{*this, "right"};
+  Status on_configure() override {
+    left.task().watchdog = kBound;
+    if (auto done = left.shell().out.connect(meter.interface().write); !done) return done;
+    return right.shell().out.connect(meter.interface().write);
+  }
+};
+
+TEST_F(Guard, WhatALostThreadHoldsIsToldToItsUsersAndLeftWhenItReturns) {
+  Shared architecture;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+
+  ASSERT_TRUE(is_faulted(deployer));
+
+  Gate& gate = architecture.meter.gate();
+  EXPECT_TRUE(gate.poisoned());
+  const double value = 1;
+  EXPECT_FALSE(architecture.meter.interface().write.write(&value));
+  EXPECT_TRUE(runs_on(deployer, "right"));
+  EXPECT_FALSE(gate.try_enter()) << "the thread is still inside";
+
+  block_.let_go();
+  EXPECT_TRUE(eventually([&] {
+    if (!gate.try_enter()) return false;
+    gate.leave();
+    return true;
+  }));
+}
+
+}  // namespace
+}  // namespace mauve
