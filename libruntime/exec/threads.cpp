@@ -22,6 +22,8 @@ constexpr int kGuardPriority = 95;  // above every component
 /// that must not be interrupted.
 constexpr unsigned kCalls = rt::kCanRescue ? 10 : 0;
 constexpr Duration kBetweenCalls{100us};
+/// An ordinary thread shares its processor: a healthy job may be kept waiting for so long.
+constexpr Duration kShortestOrdinaryBound{500ms};
 
 class Threads final : public Runner {
  public:
@@ -198,12 +200,17 @@ class Threads final : public Runner {
     }
   }
 
+  static Duration bound_of(const Worker& worker) {
+    const bool realtime = worker.attributes.priority > 0;
+    return realtime ? worker.task.bound() : std::max(worker.task.bound(), kShortestOrdinaryBound);
+  }
+
   /// When to look again.
   Instant look_at(std::unique_ptr<Worker>& worker) {
     Task& task = worker->task;
     if (worker->quit.load() || task.bound() <= Duration{0}) return rt::kForever;
     const Instant since = task.busy_since();
-    const Instant bound = task.bound().count();
+    const Instant bound = bound_of(*worker).count();
     if (since <= 0) return now() + bound;
     if (now() < since + bound) return since + bound;
     if (std::exchange(worker->called_since, since) != since) worker->calls = 0;
