@@ -24,6 +24,7 @@ std::int64_t number(std::uint64_t value) { return static_cast<std::int64_t>(valu
 Event event_of(Outcome::Kind kind) {
   switch (kind) {
     case Outcome::Kind::passed:
+    case Outcome::Kind::overtaken:
       return Event::probation_passed;
     case Outcome::Kind::rolled_back:
       return Event::rolled_back;
@@ -97,8 +98,12 @@ void Caretaker::tell(const Outcome& outcome) {
 void Caretaker::save(const Outcome& outcome) {
   auto& keeper = *running_->keeper;
   const auto began = running_->earlier + outcome.began;
+  if (outcome.kind == Outcome::Kind::overtaken) {
+    return;  // it proved nothing; the newer one will
+  }
   if (outcome.kind == Outcome::Kind::passed) {
-    return keeper.mark(began, Mark::confirmed);
+    keeper.mark(began, Mark::confirmed);
+    return keeper.mark(running_->earlier + outcome.generation, Mark::confirmed);
   }
   const bool back = outcome.kind == Outcome::Kind::rolled_back;
   if (back) {

@@ -19,7 +19,7 @@ void keep(Running& running, const Call& call, Json line, std::function<void(bool
   about.uid = call.caller.peer.uid;
   about.command = call.method->name;
   about.reason = text_or(call.params, "reason");
-  about.mark = call.mark;
+  about.mark = running.deployer.on_probation() ? Mark::unconfirmed : call.mark;
   running.keeper->keep(std::move(about), described(running), std::move(line), std::move(then));
 }
 

@@ -165,6 +165,21 @@ void end(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket,
                              });
 }
 
+/// [control] What still looks at the old code: a probation that this change ended, a core that
+/// stood by. Threads look away at once, but one that hangs.
+void end_when_settled(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket,
+                      const Status& done) {
+  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  running.control.await(
+      [&running, patience] {
+        return running.deployer.settled() || std::chrono::steady_clock::now() > patience;
+      },
+      [&running, call, reload, ticket = std::move(ticket), done]() mutable {
+        reload->retired->merge(running.deployer.collect());
+        end(running, call, std::move(reload), std::move(ticket), done);
+      });
+}
+
 /// [control]
 void put_in_force(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket) {
   if (auto good = may_go_on(running, *call, *reload); !good) {
@@ -186,7 +201,7 @@ void put_in_force(Running& running, const CallPtr& call, ReloadPtr reload, Ticke
                   } else {
                     done = receipt.error();
                   }
-                  end(running, call, std::move(reload), std::move(ticket), done);
+                  end_when_settled(running, call, std::move(reload), std::move(ticket), done);
                 });
 }
 

@@ -23,6 +23,8 @@ std::string_view to_string(Outcome::Kind kind) {
   switch (kind) {
     case Outcome::Kind::passed:
       return "passed";
+    case Outcome::Kind::overtaken:
+      return "overtaken";
     case Outcome::Kind::rolled_back:
       return "rolled_back";
     case Outcome::Kind::fell_back:

@@ -106,7 +106,7 @@ Status Commit::check_probation(Swap::Kind kind) {
                   "waits to be confirmed, so nothing else is changed meanwhile",
                   "confirm it, or undo it");
   }
-  if (before.pass("a newer change")) {
+  if (before.pass("a newer change", Outcome::Kind::overtaken)) {
     system_.fading.push_back(std::move(system_.probation));
     return ok();
   }

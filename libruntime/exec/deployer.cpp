@@ -138,10 +138,20 @@ Status Deployer::undo(const std::string& reason) {
 }
 
 std::vector<Outcome> Deployer::tend(Retired& retired) {
+  retired.merge(collect());
+  return std::exchange(system_->outcomes, {});
+}
+
+Retired Deployer::collect() {
   system_->advance();
   // A thread that was given up may still be inside.
-  if (!system_->runner->has_lost()) retired.merge(std::move(system_->free));
-  return std::exchange(system_->outcomes, {});
+  if (system_->runner->has_lost()) return {};
+  return std::exchange(system_->free, {});
+}
+
+bool Deployer::settled() const {
+  system_->advance();
+  return system_->fading.empty();
 }
 
 std::vector<Change> Deployer::wanted_reliefs() const {

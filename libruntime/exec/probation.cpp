@@ -99,14 +99,14 @@ bool OnProbation::undo(const std::string& reason) {
                             reason.c_str());
 }
 
-bool OnProbation::pass(const std::string& reason) {
+bool OnProbation::pass(const std::string& reason, Outcome::Kind kind) {
   if (phase_ != Phase::watching || !way_back_->close()) return false;
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     PreparedMember& member = content_->members[i];
     if (member.part != Part::leaves) continue;
     if (member.owner != nullptr) free_.keep(member.owner);
   }
-  tell(false, reason);
+  tell(kind, reason);
   withdraw();
   return true;
 }
@@ -140,7 +140,7 @@ void OnProbation::go_back() {
   const Instant now = system_.runner->now();
   for (auto& flip : flips_) flip->help(now);
   if (!way_back_->told() || !all_are_back()) return;
-  tell(true, culprit());
+  tell(Outcome::Kind::rolled_back, culprit());
   install_old();
   system_.outcomes.back().generation = system_.generation;
   replaced_.forget();
@@ -198,13 +198,13 @@ std::string OnProbation::culprit() const {
   return text.empty() ? cause : cause + ": " + text;
 }
 
-void OnProbation::tell(bool rolled_back, const std::string& reason) {
+void OnProbation::tell(Outcome::Kind kind, const std::string& reason) {
   Outcome end;
   end.began = generation_;
   end.generation = system_.generation;
-  end.kind = rolled_back ? Outcome::Kind::rolled_back : Outcome::Kind::passed;
+  end.kind = kind;
   end.reason = reason;
-  if (rolled_back) {
+  if (kind == Outcome::Kind::rolled_back) {
     end.commit = Duration{way_back_->transaction().instant() - system_.t0};
     for (const WayBackOfMember& member : members_) {
       const bool at_fault =

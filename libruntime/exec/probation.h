@@ -36,7 +36,7 @@ class OnProbation {
   /// Looks whether it is over. The end is told in System::outcomes; false: nothing of it is left.
   bool advance();
   /// Nobody can fail any more: the change stays. False: it is being rolled back already.
-  bool pass(const std::string& reason);
+  bool pass(const std::string& reason, Outcome::Kind kind = Outcome::Kind::passed);
   /// False: it is over, or being rolled back already.
   bool undo(const std::string& reason);
   [[nodiscard]] bool open() const { return phase_ == Phase::watching && way_back_->open(); }
@@ -55,7 +55,7 @@ class OnProbation {
   void install_old();
   void withdraw();
   [[nodiscard]] bool all_looked_away() const;
-  void tell(bool rolled_back, const std::string& reason);
+  void tell(Outcome::Kind kind, const std::string& reason);
   [[nodiscard]] std::string culprit() const;
 
   System& system_;

@@ -53,7 +53,7 @@ class Generations : public testing::Test {
   TempDir place_;
 };
 
-Json gain(double value) { return {{"values", {{"first.core.gain", value}}}}; }
+Json gain(double value) { return {{"values", {{"first.core.gain", value}}}, {"probation", "off"}}; }
 
 Json exported(TrialDaemon& daemon) { return daemon.ask("config.get")["architecture"]; }
 
@@ -76,6 +76,48 @@ void end_and_start(TrialDaemon& daemon) {
   daemon.process().signal(SIGTERM);
   ASSERT_EQ(daemon.process().wait(), 0) << daemon.errors();
   daemon.start();
+}
+
+TEST_F(Generations, OnProbationAreNotStartedAfterACrash) {
+  TrialDaemon daemon(kTrial, options());
+  const auto before = exported(daemon);
+  Json change = {{"values", {{"first.core.gain", 3.0}}}, {"confirm_within", "600s"}};
+  ASSERT_EQ(daemon.ask("param.set", change)["saved"], true);
+  EXPECT_EQ(newest(daemon)["mark"], "unconfirmed");
+
+  crash(daemon);
+  daemon.start();
+
+  EXPECT_EQ(exported(daemon), before);
+}
+
+TEST_F(Generations, ThatWereConfirmedAreStartedAfterACrash) {
+  TrialDaemon daemon(kTrial, options());
+  Json change = {{"values", {{"first.core.gain", 3.0}}}, {"confirm_within", "600s"}};
+  ASSERT_EQ(daemon.ask("param.set", change)["saved"], true);
+  const auto after = exported(daemon);
+  ASSERT_EQ(daemon.ask("change.confirm")["changed"], true);
+  ASSERT_TRUE(eventually([&] { return newest(daemon)["mark"] == "confirmed"; }));
+
+  crash(daemon);
+  daemon.start();
+
+  EXPECT_EQ(exported(daemon), after);
+}
+
+TEST_F(Generations, ThatWereRolledBackAreMarkedAndTheOldOneIsSavedAgain) {
+  TrialDaemon daemon(kTrial, options());
+  const auto before = exported(daemon);
+  Json change = {{"values", {{"first.core.gain", 3.0}}}};
+  ASSERT_EQ(daemon.ask("param.set", change)["saved"], true);
+  ASSERT_EQ(daemon.ask("change.undo")["state"], "applied");
+
+  ASSERT_TRUE(eventually([&] { return newest(daemon)["command"] == "rolled_back"; }));
+  EXPECT_EQ(newest(daemon)["mark"], "confirmed");
+  crash(daemon);
+  daemon.start();
+
+  EXPECT_EQ(exported(daemon), before);
 }
 
 TEST_F(Generations, AreListedWithWhoMadeThemAndWhy) {

@@ -10,7 +10,9 @@ namespace {
 using testing::HasSubstr;
 using Json = protocol::Json;
 
-Json swap(const std::string& core) { return {{"component", "first"}, {"core", core}}; }
+Json swap(const std::string& core, const std::string& probation = "3000") {
+  return {{"component", "first"}, {"core", core}, {"probation", probation}};
+}
 
 TEST(Swap, ReplacesACoreAndKeepsItsState) {
   TrialDaemon daemon;
@@ -342,7 +344,7 @@ TEST(Fault, StopsItsOwnComponentOnly) {
   TrialDaemon daemon;
   ASSERT_TRUE(daemon.becomes("signal.read", 1.0));
 
-  ASSERT_EQ(daemon.ask("core.swap", swap("trial/throwing_job"))["state"], "applied");
+  ASSERT_EQ(daemon.ask("core.swap", swap("trial/throwing_job", "off"))["state"], "applied");
 
   ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
   EXPECT_THAT(daemon.component("first")["fault"].get<std::string>(), HasSubstr("division"));
@@ -359,7 +361,7 @@ TEST(Fault, StopsItsOwnComponentOnly) {
 
 TEST(Fault, IsOverAfterASwapToASoundCoreAndAStart) {
   TrialDaemon daemon;
-  ASSERT_EQ(daemon.ask("core.swap", swap("trial/throwing_job"))["state"], "applied");
+  ASSERT_EQ(daemon.ask("core.swap", swap("trial/throwing_job", "off"))["state"], "applied");
   ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
 
   EXPECT_EQ(daemon.ask("core.swap", swap("trial/steady"))["state"], "applied");

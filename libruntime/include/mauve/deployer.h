@@ -87,6 +87,7 @@ class Retired;
 struct Outcome {
   enum class Kind : std::uint8_t {
     passed,       ///< the change on probation stays
+    overtaken,    ///< so it does, since a newer change ended its probation
     rolled_back,  ///< all its members are as they were before
     fell_back,    ///< the fallback core took over
     restarted,    ///< a fresh core took over
@@ -164,6 +165,10 @@ class Deployer {
   /// Looks after what goes on by itself: probations, rollbacks, cores that took over. Call it some
   /// times a second; what became free goes to `retired`.
   std::vector<Outcome> tend(Retired& retired);
+  /// What became free, without the outcomes.
+  Retired collect();
+  /// No thread can still be looking at what a probation kept.
+  [[nodiscard]] bool settled() const;
 
   /// Cores that shall stand by for a failing one, and do not yet: after deployment, after each
   /// change, after each fault. Prepare each [factory], then let it stand by.

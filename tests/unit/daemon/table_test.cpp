@@ -127,7 +127,6 @@ TEST_F(TableTest, LetsAnAdminApplyAFileAndAViewerCompareOne) {
   const auto applied = ask(Role::admin, "architecture.apply", {{"text", kEmpty}});
   ASSERT_TRUE(std::holds_alternative<Json>(applied));
   EXPECT_EQ(std::get<Json>(applied)["state"], "unchanged");
-  EXPECT_EQ(std::get<Json>(applied)["generation"], 7);
 
   const auto same = ask(Role::viewer, "architecture.diff", {{"text", kEmpty}});
   ASSERT_TRUE(std::holds_alternative<Json>(same));
