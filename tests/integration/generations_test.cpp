@@ -112,8 +112,11 @@ TEST_F(Generations, ThatWereRolledBackAreMarkedAndTheOldOneIsSavedAgain) {
   ASSERT_EQ(daemon.ask("param.set", change)["saved"], true);
   ASSERT_EQ(daemon.ask("change.undo")["state"], "applied");
 
-  ASSERT_TRUE(eventually([&] { return newest(daemon)["command"] == "rolled_back"; }));
-  EXPECT_EQ(newest(daemon)["mark"], "confirmed");
+  ASSERT_TRUE(eventually([&] {
+    const auto items = daemon.ask("config.history")["items"];
+    return items.size() == 3U && items[0]["mark"] == "confirmed" &&
+           items[1]["mark"] == "rolled_back";
+  }));
   crash(daemon);
   daemon.start();
 

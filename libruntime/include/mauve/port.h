@@ -142,9 +142,8 @@ struct Safe {
 template <typename T>
 Safe(T) -> Safe<T>;
 
-/// What a port lets out: `accepts(value, last)` is asked on the real-time thread before each write;
-/// `last` is the value written before, or `value` itself at first. Range and slew are said so:
-/// `Plausible<double>{[](double v, double last) { return v <= 2 && std::abs(v - last) < 0.1; }}`
+/// What a port lets out, asked on the real-time thread before each write; `last` is the value before,
+/// or `value` itself at first: `[](double v, double last) { return std::abs(v - last) < 0.1; }`
 template <typename T>
 struct Plausible {
   std::function<bool(const T& value, const T& last)> accepts;
@@ -169,8 +168,7 @@ class WritePort final : public PortBase {
     if (connection == nullptr || !lets_out(value)) return counted(false);
     return counted(connection->service().write(&value));
   }
-  /// Calls f(T&) on the storage of the exchange, which holds some older value, then publishes it.
-  /// Not checked for plausibility.
+  /// Calls f(T&) on the storage of the exchange, some older value, then publishes it unchecked.
   template <typename F>
   bool fill(F&& f) {
     const Binding* connection = binding();

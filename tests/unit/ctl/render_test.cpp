@@ -350,32 +350,6 @@ TEST(RenderErrors, PointAtLineAndColumn) {
             "rover.json: no error\n");
 }
 
-TEST(RenderArchitecture, WritesShortThingsInOneLine) {
-  const Json architecture = Json::parse(R"({"name":"rover","components":{"laser":{"type":"a/b",
-    "task":{"cpus":[1],"priority":60}}},"plugins":["types"],"resources":{}})");
-
-  EXPECT_EQ(render_architecture(architecture),
-            "{\n"
-            "  \"name\": \"rover\",\n"
-            "  \"plugins\": [\"types\"],\n"
-            "  \"resources\": {},\n"
-            "  \"components\": {\n"
-            "    \"laser\": { \"type\": \"a/b\", \"task\": { \"priority\": 60, \"cpus\": [1] } }\n"
-            "  }\n"
-            "}\n");
-}
-
-TEST(RenderArchitecture, KeepsTheOrderPeopleWrite) {
-  const Json architecture =
-      Json::parse(R"({"components":{"laser":{"task":{"cpus":[1],"priority":60},
-    "type":"drivers/laser"}},"name":"rover","schema":"mauve/architecture/1","plugins":[]})");
-
-  EXPECT_EQ(architecture_line(architecture),
-            R"({"schema":"mauve/architecture/1","name":"rover","plugins":[],"components":{"laser":)"
-            R"({"type":"drivers/laser","task":{"priority":60,"cpus":[1]}}}})"
-            "\n");
-}
-
 TEST(Render, ShowsRulesWithTheirValuesAndWhyTheyDoNotFire) {
   const Json result = Json::parse(R"({"items":[
     {"name":"gnss_lost","state":"fired","when":"gnss.core.satellites < 4",
