@@ -16,7 +16,7 @@ MAY_USE = {
     "rt": "public base",
     "rules": "public base",
     "model": "public base rt",
-    "exec": "public base rt model",
+    "exec": "public base rt model analysis",
     "plugin": "public base rt model",
     "analysis": "public base",
     "trace": "public base rt model",

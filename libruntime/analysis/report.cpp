@@ -10,14 +10,21 @@ namespace {
 
 constexpr Duration kMicrosecond = 1us;
 
-/// For people: whole microseconds, `value` or a little more.
+/// The third digit of a value, at least a microsecond: what people can tell apart.
+Duration third_digit(Duration value) {
+  Duration digit = kMicrosecond;
+  while (value >= 1000 * digit) digit *= 10;
+  return digit;
+}
+
+/// For people, who may write it into a file: `value` or a little more.
 std::string above(Duration value) {
-  const Duration rest = value % kMicrosecond;
-  return format_duration(rest > Duration{0} ? value - rest + kMicrosecond : value);
+  const Duration rest = value % third_digit(value);
+  return format_duration(rest > Duration{0} ? value - rest + third_digit(value) : value);
 }
 
 /// `value` or a little less.
-std::string below(Duration value) { return format_duration(value - value % kMicrosecond); }
+std::string below(Duration value) { return format_duration(value - value % third_digit(value)); }
 
 std::string what_would_pass(const JobReport& job) {
   std::string text;
@@ -36,10 +43,10 @@ Problem late(const TaskReport& task, const JobReport& job) {
   const std::string end = job.response == kUnbounded
                               ? "may never end"
                               : "may end " + above(job.response) + " after its release";
-  return {Problem::Kind::late, refuse(Errc::limit, task.name,
-                                      "job " + name(job.job) + " " + end + ", its deadline is " +
-                                          format_duration(job.deadline),
-                                      what_would_pass(job))};
+  return {Problem::Kind::late,
+          refuse(Errc::limit, task.name,
+                 "job " + name(job.job) + " " + end + ", its deadline is " + below(job.deadline),
+                 what_would_pass(job))};
 }
 
 void find(const TaskReport& task, std::vector<Problem>& found) {

@@ -235,6 +235,7 @@ void Commit::conclude() {
   receipt_.commit = Duration{swapped.instant - system_.t0};
   receipt_.attempts = swapped.attempts;
   receipt_.generation = ++system_.generation;
+  receipt_.warnings = content_->warnings;
   change_membership();
   if (swapped.state != SwapResult::State::committed) {
     result_ = not_applied();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/deployer.h>
 
+#include "exec/admission.h"
 #include "exec/commit.h"
 #include "exec/relief.h"
 #include "exec/stop.h"
@@ -81,6 +82,11 @@ ComponentStatus Deployer::status(std::string_view component) const {
   const exec::Deployed* deployed = system_->find(component);
   return deployed == nullptr || deployed->task == nullptr ? ComponentStatus{}
                                                           : exec::look_at(*system_, *deployed);
+}
+
+Timing Deployer::analyze() const {
+  system_->advance();
+  return exec::analyze(*system_);
 }
 
 Result<PreparedChange> Deployer::prepare(const Change& change) {

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "base/name.h"
+#include "exec/admission.h"
 
 #include <mauve/job.h>
 
@@ -85,6 +86,9 @@ class Preparation {
       if (Status done = change(edit, configure); !done) return done.error();
     }
     if (Status cut_off = check_all_left(); !cut_off) return cut_off.error();
+    auto admitted = admit_change(system_, *content_);
+    if (!admitted) return admitted.error();
+    content_->warnings = *std::move(admitted);
     return PreparedChange(std::move(content_));
   }
 

@@ -54,6 +54,7 @@ class PreparedChange::Content {
   std::vector<exec::PreparedMember> members;
   std::vector<exec::PreparedResource> resources;
   std::optional<Probation> probation;
+  std::vector<std::string> warnings;  ///< for the receipt
 };
 
 }  // namespace mauve

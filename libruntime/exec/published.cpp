@@ -67,6 +67,7 @@ std::unique_ptr<Published> make_published(const PreparedMember& member) {
   next->bound = bound_of(*member.next);
   next->grid = member.next->fsm->grid();
   next->shortest_wait = member.next->fsm->shortest_wait();
+  next->other_core = member.next->core_type.name != member.base->core_type.name;
   next->offset_changes = member.next->task.offset != member.base->task.offset;
   add_hand_over(member, *next);
   add_state_map(member, *next);

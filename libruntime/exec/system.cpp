@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/name.h"
+#include "exec/admission.h"
 #include "exec/commit.h"
 #include "exec/last_words.h"
 #include "exec/probation.h"
@@ -74,22 +75,27 @@ std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mod
   return first;
 }
 
-/// Pinned where the task says, else to the CPU with the fewest components so far.
-void place(System& system, Deployed& deployed) {
-  const TaskAttributes& task = deployed.component->bundle()->task;
-  deployed.cpus = task.cpus;
-  if (!deployed.cpus.empty()) return;
+int least_used_cpu(const System& system, const std::vector<int>& more) {
   std::map<int, int> load;
   for (const int cpu : rt::usable_cpus()) load[cpu] = 0;
   for (const Deployed& other : system.deployed) {
     for (const int cpu : other.cpus) ++load[cpu];
   }
+  for (const int cpu : more) ++load[cpu];
   const auto least = std::min_element(
       load.begin(), load.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  deployed.cpus = {least->first};
+  return least->first;
+}
+
+/// Pinned where the task says, else to the CPU with the fewest components so far.
+void place(System& system, Deployed& deployed) {
+  const TaskAttributes& task = deployed.component->bundle()->task;
+  deployed.cpus = task.cpus;
+  if (!deployed.cpus.empty()) return;
+  deployed.cpus = {least_used_cpu(system)};
   if (system.options.simulated) return;
   system.warnings.push_back(deployed.component->name() + " is pinned to CPU " +
-                            std::to_string(least->first) + ": its task names no cpus");
+                            std::to_string(deployed.cpus.front()) + ": its task names no cpus");
 }
 
 Status start_thread(System& system, Deployed& deployed) {
@@ -141,7 +147,8 @@ Status bring_up(System& system) {
     system.deployed.push_back(std::move(deployed));
   }
   for (Deployed& deployed : system.deployed) place(system, deployed);
-  Status ready = check_privileges(system, highest);
+  Status ready = admit_deployment(system);
+  if (ready) ready = check_privileges(system, highest);
   for (Deployed& deployed : system.deployed) {
     if (ready) ready = start_thread(system, deployed);
   }

@@ -33,7 +33,8 @@ struct Published {
   Mode mode = Mode::keep;
   bool restart = false;  ///< begin at the initial state, on the next instant of the grid
   bool offset_changes = false;
-  bool count_gap = false;  ///< releases that passed while parked count as missed (in place)
+  bool other_core = false;  ///< of another type: what was measured is not about it
+  bool count_gap = false;   ///< releases that passed while parked count as missed (in place)
   Duration grid{0};
   Duration shortest_wait{0};
   Duration bound{0};  ///< a job that runs longer never returns; zero: nobody looks

@@ -101,6 +101,7 @@ struct Receipt {
   Duration commit{0};     ///< logical instant of the change, since T0
   unsigned attempts = 0;  ///< tries until the coordinator met its instant
   std::vector<MemberReceipt> components;
+  std::vector<std::string> warnings = {};  ///< why it was not admitted, see Admission::warn
 };
 
 }  // namespace mauve

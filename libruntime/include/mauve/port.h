@@ -142,8 +142,9 @@ struct Safe {
 template <typename T>
 Safe(T) -> Safe<T>;
 
-/// What a port lets out, asked on the real-time thread before each write; `last` is the value before,
-/// or `value` itself at first: `[](double v, double last) { return std::abs(v - last) < 0.1; }`
+/// What a port lets out, asked on the real-time thread before each write; `last` is the value
+/// before, or `value` itself at first: `[](double v, double last) { return std::abs(v - last) <
+/// 0.1; }`
 template <typename T>
 struct Plausible {
   std::function<bool(const T& value, const T& last)> accepts;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // Architecture files as people read them.
-#include <gtest/gtest.h>
-
 #include "render.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
 
 namespace mauve::ctl {
 namespace {

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Admission of the running system and of its changes, as DeployOptions::admission says.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "exec/system.h"
+
+#include <mauve/timing.h>
+
+namespace mauve::exec {
+
+/// Before the first release; what is not proved goes to the warnings of the system. [control]
+Status admit_deployment(System& system);
+
+/// A prepared change: the warnings for its receipt, or the first problem. [factory] or [control],
+/// under System::model.
+[[nodiscard]] Result<std::vector<std::string>> admit_change(System& system,
+                                                            const PreparedChange::Content& change);
+
+/// Of what runs now. [control]
+[[nodiscard]] Timing analyze(System& system);
+/// Of an architecture that is not deployed, from what it declares; where a component names no CPUs
+/// as a deployer would choose. Its state machines are configured, and cleaned up afterwards.
+[[nodiscard]] Timing analyze(Architecture& architecture);
+
+}  // namespace mauve::exec

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/timing_model.h"
+
+#include "analysis/machine.h"
+
+#include <mauve/fsm.h>
+#include <mauve/shared_data.h>
+
+namespace mauve::exec {
+namespace {
+
+analysis::Machine machine_of(const FsmBase& fsm) {
+  analysis::Machine machine;
+  for (const FsmState* state : fsm.states()) {
+    std::vector<std::size_t> next;
+    for (const FsmState::Transition& transition : state->transitions()) {
+      next.push_back(transition.target->index());
+    }
+    if (state->successor() != nullptr) next.push_back(state->successor()->index());
+    const std::string name(state->name());
+    machine.states.push_back(
+        state->kind() == FsmState::Kind::synchronization
+            ? analysis::waiting(name, state->duration(), std::move(next))
+            : analysis::running(name, Duration{0}, analysis::Source::unknown, std::move(next)));
+  }
+  machine.initial = fsm.initial() == nullptr ? machine.states.size() : fsm.initial()->index();
+  return machine;
+}
+
+/// Counted for every kind of job of the component: the runtime does not tell them apart.
+void count_measured(analysis::Graph& graph, Duration longest) {
+  for (analysis::Vertex& job : graph.vertices) {
+    job.execution = longest + longest / 5;
+    job.source = analysis::Source::measured;
+  }
+}
+
+/// All resources that a call through these connections may hold, theirs included.
+void find_held(const Bindings& bindings, std::set<std::string>& held) {
+  for (const auto& binding : bindings) {
+    if (binding == nullptr) continue;
+    const ResourceBase& resource = binding->service().resource();
+    const bool waits = dynamic_cast<const SharedDataBase*>(&resource) == nullptr;
+    if (waits && held.insert(resource.name()).second) find_held(resource.bindings(), held);
+  }
+}
+
+}  // namespace
+
+void TimingModel::add(const TimedComponent& component) {
+  const TaskAttributes& attributes = component.bundle->task;
+  auto graph =
+      analysis::to_graph(machine_of(*component.fsm), {attributes.deadline, attributes.budget});
+  if (!graph) {
+    notes_.push_back(component.name + " is not counted: " + graph.error().message);
+    return;
+  }
+  if (attributes.budget == Duration{0} && component.measured > Duration{0}) {
+    count_measured(*graph, component.measured);
+  }
+  analysis::Task task;
+  task.name = component.name;
+  if (component.cpus.size() == 1) task.cpu = component.cpus.front();
+  task.priority = attributes.priority;
+  task.offset = attributes.offset;
+  task.graph = *std::move(graph);
+  task.sections = sections_of(*component.bundle);
+  task.version = component.version;
+  set_.tasks.push_back(std::move(task));
+}
+
+std::vector<analysis::Section> TimingModel::sections_of(const Bundle& bundle) {
+  std::set<std::string> held;
+  find_held(*bundle.bindings, held);
+  std::vector<analysis::Section> sections;
+  for (const std::string& resource : held) sections.push_back({resource, Duration{0}});
+  held_.merge(held);
+  return sections;
+}
+
+std::vector<std::string> TimingModel::notes() const {
+  std::vector<std::string> notes = notes_;
+  if (held_.empty()) return notes;
+  std::string names;
+  for (const std::string& name : held_) names += (names.empty() ? "" : ", ") + name;
+  notes.push_back("how long " + names + (held_.size() > 1 ? " are" : " is") +
+                  " held is not known: that wait is counted as 0");
+  return notes;
+}
+
+}  // namespace mauve::exec

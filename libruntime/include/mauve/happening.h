@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What a deployer tells: how its components are, what happened, what it did by itself.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <mauve/log.h>
+#include <mauve/time.h>
+
+namespace mauve {
+
+enum class ComponentState : std::uint8_t { not_configured, stopped, running, faulted };
+[[nodiscard]] std::string_view to_string(ComponentState state);
+
+/// A look at one component; numbers may be some jobs apart.
+struct ComponentStatus {
+  std::string name;
+  std::string type;
+  std::string core;
+  std::string fsm_state;
+  ComponentState state = ComponentState::not_configured;
+  int priority = 0;
+  std::vector<int> cpus;
+  bool realtime = false;          ///< the system really runs it with SCHED_FIFO
+  std::uint64_t releases = 0;     ///< jobs that ran
+  std::uint64_t missed = 0;       ///< releases that never ran
+  std::uint64_t overruns = 0;     ///< jobs that ended after their wait or deadline
+  std::uint64_t over_budget = 0;  ///< jobs longer than the declared budget, on the wall clock
+  Duration lateness_max{0};       ///< of job starts
+  Duration lateness_last{0};
+  Duration execution_max{0};  ///< of jobs, on the wall clock
+  Duration execution_last{0};
+  Duration next_release{0};  ///< since T0
+  bool changing = false;     ///< a change, or an order to stop, waits for the end of its job
+  /// How long ago the job under way should have ended, once that is more than its longest wait;
+  /// else zero. A core that hangs is running and late.
+  Duration late{0};
+  std::string fault;  ///< what was thrown, when faulted
+};
+
+/// Something that happened on a real-time thread, as told to the [log] thread.
+struct Happening {
+  Instant time = 0;  ///< monotonic
+  LogLevel level = LogLevel::info;
+  std::string component;
+  std::string event;  ///< "swapped", "overrun", "missed", "faulted", "log", ...
+  std::string text;   ///< formatted for people
+};
+
+/// What the system did by itself: a probation that is over, or a core that took over from one that
+/// failed.
+struct Outcome {
+  enum class Kind : std::uint8_t {
+    passed,       ///< the change on probation stays
+    overtaken,    ///< so it does, since a newer change ended its probation
+    rolled_back,  ///< all its members are as they were before
+    fell_back,    ///< the fallback core took over
+    restarted,    ///< a fresh core took over
+  };
+  Kind kind = Kind::passed;
+  std::uint64_t began = 0;       ///< generation it happened to
+  std::uint64_t generation = 0;  ///< in force now
+  std::string component;         ///< whose fault it was; empty: nobody's
+  std::string reason;            ///< "threw: sensor lost", "confirmed", "3000 jobs without a fault"
+  Duration commit{0};            ///< of a rollback, since T0
+  /// Types of the cores that were rolled back, or of the one that took over.
+  std::vector<std::string> cores;
+};
+[[nodiscard]] std::string_view to_string(Outcome::Kind kind);
+
+}  // namespace mauve

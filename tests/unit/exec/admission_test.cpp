@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What is admitted to run, and what is not, on a clock that is moved by hand.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "support/ramp.h"
+
+namespace mauve {
+namespace {
+
+struct IdleShell : Shell {};
+struct Idle : Core<IdleShell> {
+  Stateless stateless{*this};
+  void update() {}
+};
+using IdleFsm = PeriodicFsm<Idle>;
+
+/// Two tasks on one CPU; the budgets of the tests make them fit or not.
+struct Pair : Architecture {
+  mauve::Component<IdleShell, Idle, IdleFsm> fast{*this, "fast"};
+  mauve::Component<IdleShell, Idle, IdleFsm> slow{*this, "slow"};
+
+  Pair(Duration fast_budget, Duration slow_budget) {
+    fast.task() = task(30, fast_budget);
+    slow.task() = task(20, slow_budget);
+  }
+  static TaskAttributes task(int priority, Duration budget) {
+    TaskAttributes attributes;
+    attributes.priority = priority;
+    attributes.cpus = {0};
+    attributes.budget = budget;
+    return attributes;
+  }
+  Status on_configure() override {
+    fast.fsm().period = 10ms;
+    slow.fsm().period = 20ms;
+    return ok();
+  }
+};
+
+constexpr DeployOptions options(Admission admission) {
+  return {.realtime = Realtime::off, .simulated = true, .admission = admission};
+}
+
+Change with_task(const std::string& component, const TaskAttributes& task) {
+  Edit edit;
+  edit.component = component;
+  edit.task = task;
+  return {{edit}};
+}
+
+Change joining(const std::string& name, Duration budget) {
+  auto component = std::make_shared<ComponentBase>(
+      name, ComponentType{"idle", ShellType::of<IdleShell>(), FsmType::of<IdleFsm>("idle"), {}},
+      CoreType::of<Idle>("idle"));
+  component->task() = Pair::task(10, budget);
+  Change change{{}};
+  change.new_components.push_back({std::move(component), {}});
+  return change;
+}
+
+bool says(const std::vector<std::string>& texts, const std::string& part) {
+  return std::any_of(texts.begin(), texts.end(),
+                     [&](const std::string& text) { return text.find(part) != std::string::npos; });
+}
+
+TEST(Admission, StrictDeploysWhatFits) {
+  Pair architecture(2ms, 4ms);
+  Deployer deployer(architecture, options(Admission::strict));
+
+  const Status deployed = deployer.deploy();
+
+  ASSERT_TRUE(deployed) << to_string(deployed.error());
+  EXPECT_TRUE(deployer.warnings().empty()) << deployer.warnings().front();
+}
+
+TEST(Admission, StrictRefusesADeploymentAndNamesWhatWouldPass) {
+  Pair architecture(6ms, 9ms);
+  Deployer deployer(architecture, options(Admission::strict));
+
+  const Status deployed = deployer.deploy();
+
+  ASSERT_FALSE(deployed);
+  EXPECT_EQ(deployed.error().at, "slow");
+  EXPECT_NE(deployed.error().message.find("its deadline is 20ms"), std::string::npos)
+      << deployed.error().message;
+  EXPECT_NE(deployed.error().hint.find("an execution time of 7."), std::string::npos)
+      << deployed.error().hint;
+  EXPECT_TRUE(deployer.status().empty());
+}
+
+TEST(Admission, StrictRefusesAnUnknownBudgetAndWarnTellsOfIt) {
+  Pair refused(2ms, 0ms);
+  Pair told(2ms, 0ms);
+  Deployer strict(refused, options(Admission::strict));
+  Deployer warning(told, options(Admission::warn));
+
+  const Status deployed = strict.deploy();
+
+  ASSERT_FALSE(deployed);
+  EXPECT_EQ(deployed.error().at, "slow");
+  EXPECT_EQ(deployed.error().hint, "declare a budget, or measure it");
+  ASSERT_TRUE(warning.deploy());
+  ASSERT_EQ(warning.warnings().size(), 1U);
+  EXPECT_TRUE(says(warning.warnings(), "admission: slow: execution times are not known"));
+}
+
+TEST(Admission, StrictRefusesAChangeThatAsksForTooMuchAndNothingChanges) {
+  Pair architecture(2ms, 4ms);
+  Deployer deployer(architecture, options(Admission::strict));
+  ASSERT_TRUE(deployer.deploy());
+
+  const Result<Receipt> done = deployer.apply(with_task("fast", Pair::task(30, 9ms)));
+
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, Errc::limit);
+  EXPECT_EQ(done.error().at, "slow");
+  EXPECT_EQ(deployer.generation(), 1U);
+  EXPECT_EQ(architecture.fast.bundle()->task.budget, 2ms);
+}
+
+TEST(Admission, WarnAppliesTheSameChangeAndTheReceiptWarns) {
+  Pair architecture(2ms, 4ms);
+  Deployer deployer(architecture, options(Admission::warn));
+  ASSERT_TRUE(deployer.deploy());
+
+  const Result<Receipt> done = deployer.apply(with_task("fast", Pair::task(30, 9ms)));
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_EQ(done->generation, 2U);
+  EXPECT_TRUE(says(done->warnings, "slow: job"));
+}
+
+TEST(Admission, OffNeitherRefusesNorWarns) {
+  Pair architecture(6ms, 0ms);
+  Deployer deployer(architecture, options(Admission::off));
+  ASSERT_TRUE(deployer.deploy());
+
+  const Result<Receipt> done = deployer.apply(with_task("fast", Pair::task(30, 9ms)));
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_TRUE(done->warnings.empty());
+  EXPECT_TRUE(deployer.warnings().empty());
+}
+
+TEST(Admission, WarnDoesNotRepeatWhatTheChangeIsNotAbout) {
+  Pair architecture(2ms, 0ms);
+  Deployer deployer(architecture, options(Admission::warn));
+  ASSERT_TRUE(deployer.deploy());
+
+  const Result<Receipt> done = deployer.apply(with_task("fast", Pair::task(30, 3ms)));
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_TRUE(done->warnings.empty()) << done->warnings.front();
+}
+
+TEST(Admission, WhatLeavesMakesRoom) {
+  Pair architecture(4ms, 6ms);
+  Deployer deployer(architecture, options(Admission::strict));
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_FALSE(deployer.apply(joining("third", 4ms)));
+  Change leaving{{}};
+  leaving.remove = {"slow"};
+
+  ASSERT_TRUE(deployer.apply(leaving));
+  const Result<Receipt> done = deployer.apply(joining("third", 4ms));
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_NE(architecture.find_component("third"), nullptr);
+}
+
+TEST(Admission, AStoppedComponentAsksForNothingUntilItStarts) {
+  Pair architecture(4ms, 6ms);
+  Deployer deployer(architecture, options(Admission::strict));
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(deployer.stop({"slow"}));
+  ASSERT_TRUE(deployer.apply(joining("third", 4ms)));
+
+  const Result<Receipt> started = deployer.start({"slow"});
+
+  ASSERT_FALSE(started);
+  EXPECT_EQ(started.error().at, "third");
+}
+
+TEST(Admission, OldAndNewMustFitTogetherSinceTheChangeMayBeTakenBack) {
+  Pair before(2ms, 14ms);
+  Pair after(6ms, 6ms);
+  Deployer deployer(before, options(Admission::strict));
+  Deployer other(after, options(Admission::strict));
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(other.deploy()) << "each of both fits";
+  Change change = with_task("fast", Pair::task(30, 6ms));
+  change.edits.push_back(with_task("slow", Pair::task(20, 6ms)).edits.front());
+
+  const Result<Receipt> done = deployer.apply(change);
+
+  ASSERT_FALSE(done) << "6 ms of the new one and 14 ms of the old one";
+  EXPECT_EQ(done.error().at, "slow");
+}
+
+TEST(Admission, AnalyzeTellsResponsesOfATextbookSet) {
+  Pair architecture(3ms, 5ms);
+  Deployer deployer(architecture, options(Admission::warn));
+  ASSERT_TRUE(deployer.deploy());
+
+  const Timing timing = deployer.analyze();
+
+  ASSERT_EQ(timing.components.size(), 2U);
+  const ComponentTiming& fast = timing.components[0];
+  const ComponentTiming& slow = timing.components[1];
+  EXPECT_EQ(fast.name, "fast");
+  EXPECT_EQ(fast.source, "declared");
+  EXPECT_EQ(fast.deadline, 10ms);
+  EXPECT_EQ(slow.deadline, 20ms);
+  ASSERT_TRUE(fast.response && slow.response && slow.slack);
+  // 3 ms, and 3 ms + 5 ms, with at most half a millisecond of what the machine costs.
+  EXPECT_GE(*fast.response, 3ms);
+  EXPECT_LE(*fast.response, 3500us);
+  EXPECT_GE(*slow.response, 8ms);
+  EXPECT_LE(*slow.response, 8500us);
+  EXPECT_EQ(*slow.slack, 20ms - *slow.response);
+  ASSERT_EQ(timing.cpus.size(), 1U);
+  EXPECT_NEAR(timing.cpus[0].load, 0.55, 0.05);
+  ASSERT_TRUE(timing.factor);
+  EXPECT_GT(*timing.factor, 1.5);
+  EXPECT_LT(*timing.factor, 1.82);
+  EXPECT_TRUE(timing.problems.empty());
+}
+
+TEST(Admission, AnalyzeSaysWhereItDoesNotKnow) {
+  Pair architecture(3ms, 0ms);
+  Deployer deployer(architecture, options(Admission::warn));
+  ASSERT_TRUE(deployer.deploy());
+
+  const Timing timing = deployer.analyze();
+
+  ASSERT_EQ(timing.components.size(), 2U);
+  EXPECT_EQ(timing.components[1].source, "unknown");
+  EXPECT_NE(timing.components[1].problem, "");
+  EXPECT_FALSE(timing.factor);
+}
+
+}  // namespace
+}  // namespace mauve
