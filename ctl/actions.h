@@ -15,6 +15,7 @@ int run_show(Session& session);
 int run_get(Session& session);
 int run_watch(Session& session);
 int run_plugins(Session& session);
+int run_analyze(Session& session);
 int run_rules(Session& session);
 int run_check(Session& session);
 int run_export(Session& session);

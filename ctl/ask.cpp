@@ -85,6 +85,10 @@ int run_plugins(Session& session) {
              for_one ? render_plugins_for : render_plugins);
 }
 
+int run_analyze(Session& session) {
+  return ask(session, "system.analyze", Json::object(), render_analysis);
+}
+
 int run_rules(Session& session) {
   const bool one = session.arguments.has("RULE");
   return ask(session, "rules.list", without_empty({{"rule", session.arguments.one("RULE")}}),

@@ -271,7 +271,13 @@ std::string render_receipt(std::string_view done, const Json& receipt, Look look
   if (attempts > 1) text += ", " + counted(attempts, "attempt");
   text += " (generation " + generation + on_probation(receipt);
   if (member(receipt, "saved") == false) text += ", applied but NOT saved";
-  return wrapped(text + ")", look.width, 2) + "\n";
+  text = wrapped(text + ")", look.width, 2) + "\n";
+  const Json& warnings = member(receipt, "warnings");
+  for (const Json& warning : warnings.is_array() ? warnings : Json::array()) {
+    const std::string line = "warning: " + harmless(compact(warning));
+    text += painted(wrapped(line, look.width, 2), Paint::yellow, look.colour) + "\n";
+  }
+  return text;
 }
 
 std::string render_quarantine(const Json& list, Look look) {

@@ -36,7 +36,9 @@ std::string render_plugin(std::string_view done, const Json& result, Look look) 
   const std::string unmapped = word(result, "unmapped");
   std::string text(done);
   if (unmapped == "true") text += ", the old code is out of memory";
-  text = render_receipt(text, result, look);
+  Json receipt = result;
+  if (receipt.is_object()) receipt.erase("warnings");  // told below
+  text = render_receipt(text, receipt, look);
   if (const auto why = word(result, "why"); unmapped == "false" && !why.empty()) {
     text += wrapped("  the old code stays in memory: " + why, look.width, 4) + "\n";
   }

@@ -45,27 +45,14 @@ std::string counted(std::size_t count, const std::string& noun) {
 /// "core 'x' is unknown (did you mean 'y'?)", with its address in front.
 std::string sentence(const Error& error) { return to_string(error); }
 
-}  // namespace
-
-int check_file(const Options& options) {
-  const auto text = arch::read_file(options.architecture);
-  if (!text) {
-    std::cerr << sentence(text.error()) << "\n";
-    return 1;
+Event event_of(const std::string& warning) {
+  if (warning.starts_with("timing")) {
+    return Event::realtime_missing;
   }
-  plugin::Catalog catalog(options.plugin_dirs);
-  arch::Problems problems;
-  static_cast<void>(arch::load(*text, catalog, problems));
-  for (const auto& problem : problems.sorted()) {
-    std::cerr << arch::to_string(problem, options.architecture) << "\n";
-  }
-  if (!problems.empty()) {
-    std::cerr << counted(problems.size(), "error") << " in " << options.architecture << "\n";
-    return 1;
-  }
-  std::cout << options.architecture << ": no errors\n";
-  return 0;
+  return warning.starts_with("admission") ? Event::not_admitted : Event::task_placed;
 }
+
+}  // namespace
 
 Daemon::Daemon(Options options)
     : options_(std::move(options)), log_(options_.log_level), catalog_(options_.plugin_dirs) {}
@@ -163,7 +150,8 @@ Status Daemon::load() {
 }
 
 Status Daemon::deploy() {
-  deployer_ = std::make_unique<Deployer>(*architecture_, DeployOptions{options_.realtime, false});
+  deployer_ = std::make_unique<Deployer>(
+      *architecture_, DeployOptions{options_.realtime, false, options_.admission});
   if (auto deployed = deployer_->deploy(); !deployed) {
     return deployed;
   }
@@ -172,8 +160,7 @@ Status Daemon::deploy() {
     log_.write(Event::realtime_off);
   }
   for (const auto& warning : deployer_->warnings()) {
-    const bool timing = warning.starts_with("timing");
-    log_.write(timing ? Event::realtime_missing : Event::task_placed, {{"text", warning}});
+    log_.write(event_of(warning), {{"text", warning}});
   }
   return ok();
 }

@@ -18,6 +18,8 @@ constexpr int kWrongUse = 2;
 
 const std::map<std::string, Realtime> kRealtime = {
     {"require", Realtime::require}, {"prefer", Realtime::prefer}, {"off", Realtime::off}};
+const std::map<std::string, Admission> kAdmission = {
+    {"strict", Admission::strict}, {"warn", Admission::warn}, {"off", Admission::off}};
 const std::map<std::string, logging::Level> kLevels = {{"debug", logging::Level::debug},
                                                        {"info", logging::Level::info},
                                                        {"warn", logging::Level::warn},
@@ -70,6 +72,12 @@ void declare(CLI::App& app, Options& options) {
       ->type_name("require|prefer|off")
       ->check(CLI::IsMember(kRealtime))
       ->default_str("prefer");
+  app.add_option_function("--admission", chosen(kAdmission, options.admission),
+                          "What is not proved to meet its deadlines: strict refuses it, warn says "
+                          "so, off does not look")
+      ->type_name("strict|warn|off")
+      ->check(CLI::IsMember(kAdmission))
+      ->default_str("warn");
   app.add_flag("--check", options.check, "Only say what is wrong with the file; needs no root");
   app.add_option("--log-file", options.log_file, "Also write the log as JSON lines to this file")
       ->type_name("FILE");

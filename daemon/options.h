@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "log/event.h"
-#include "mauve/deployer.h"
+#include "mauve/deploy_options.h"
 
 namespace mauve::daemon {
 
@@ -17,6 +17,7 @@ struct Options {
   std::string socket;                    ///< never empty
   std::vector<std::string> plugin_dirs;  ///< where plugins may come from, and nowhere else
   Realtime realtime = Realtime::prefer;
+  Admission admission = Admission::warn;
   bool check = false;     ///< only say what is wrong with the file
   std::string log_file;   ///< JSON lines; empty for none
   std::string state_dir;  ///< what outlives a run; empty: nothing is kept

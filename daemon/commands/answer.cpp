@@ -114,9 +114,14 @@ Json to_json(const Receipt& receipt) {
                        {"missed", member.missed},
                        {"bytes", member.bytes}});
   }
-  return {{"generation", receipt.generation},  {"changed", receipt.state != ChangeState::unchanged},
-          {"state", to_string(receipt.state)}, {"commit", receipt.commit.count()},
-          {"attempts", receipt.attempts},      {"components", std::move(members)}};
+  Json result = {
+      {"generation", receipt.generation},  {"changed", receipt.state != ChangeState::unchanged},
+      {"state", to_string(receipt.state)}, {"commit", receipt.commit.count()},
+      {"attempts", receipt.attempts},      {"components", std::move(members)}};
+  if (!receipt.warnings.empty()) {
+    result["warnings"] = receipt.warnings;
+  }
+  return result;
 }
 
 std::string text_or(const Json& params, const char* name, std::string otherwise) {

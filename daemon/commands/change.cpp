@@ -135,6 +135,7 @@ void tell(Running& running, const CallPtr& call, JourneyPtr journey, Ticket tick
   for (const auto& member : (*journey->prepared)->content().members) {
     receipt.components.push_back({member.component->name(), Duration{0}, 0, kept_bytes(member)});
   }
+  receipt.warnings = (*journey->prepared)->content().warnings;
   auto result = to_json(receipt);
   journey->companion->complete(result);
   answer(running, *call, std::move(result));

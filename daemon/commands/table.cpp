@@ -27,6 +27,7 @@ constexpr Command kCommands[] = {
     {"core.list", Role::viewer, Lane::read, list_cores, nullptr},
     {"port.list", Role::viewer, Lane::read, list_ports, nullptr},
     {"plugin.list", Role::viewer, Lane::read, list_plugins, nullptr},
+    {"system.analyze", Role::viewer, Lane::read, analyze, nullptr},
     {"rules.list", Role::viewer, Lane::read, list_rules, nullptr},
     {"object.get", Role::viewer, Lane::read, show, nullptr},
     {"param.get", Role::viewer, Lane::read, get, nullptr},

@@ -62,6 +62,7 @@ constexpr Method kMethods[] = {
     {"plugin.list", "plugins loaded, or those with cores for a component", kFor},
     {"client.list", "who is connected", {}},
     {"command.list", "this table", {}},
+    {"system.analyze", "response times, slack and what is not proved", {}},
     {"rules.list", "state, last firing and why not, of all rules or one", kRule},
     {"object.get", "everything about one object", kAddress},
     {"param.get", "value and status of one address", kAddress},

@@ -42,13 +42,14 @@ TEST(Options, HaveDefaultsForAllButTheFile) {
 }
 
 TEST(Options, TakeEverythingFromTheCommandLine) {
-  const auto options =
-      accepted({"rover.json", "--socket", "s", "--plugin-dir", "a", "--plugin-dir", "b",
-                "--realtime", "require", "--log-file", "l", "--log-level", "debug"});
+  const auto options = accepted({"rover.json", "--socket", "s", "--plugin-dir", "a", "--plugin-dir",
+                                 "b", "--realtime", "require", "--log-file", "l", "--log-level",
+                                 "debug", "--admission", "strict"});
 
   EXPECT_EQ(options.socket, "s");
   EXPECT_EQ(options.plugin_dirs, (std::vector<std::string>{"a", "b"}));
   EXPECT_EQ(options.realtime, Realtime::require);
+  EXPECT_EQ(options.admission, Admission::strict);
   EXPECT_EQ(options.log_file, "l");
   EXPECT_EQ(options.log_level, logging::Level::debug);
 }

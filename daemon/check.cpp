@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// mauved --check: what is wrong with a file, and whether its deadlines can be met.
+#include <array>
+#include <cstdio>
+#include <iostream>
+
+#include "arch/load.h"
+#include "daemon.h"
+#include "exec/admission.h"
+
+namespace mauve::daemon {
+namespace {
+
+/// "21.9 ms"; none: "-".
+std::string in_words(const std::optional<Duration>& duration) {
+  if (!duration) {
+    return "-";
+  }
+  const double milliseconds = std::chrono::duration<double, std::milli>(*duration).count();
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%.3g ms", milliseconds);
+  return text.data();
+}
+
+void print_line(const std::array<std::string, 8>& cells) {
+  std::array<char, 200> line{};
+  std::snprintf(line.data(), line.size(), "%-16s %4s %4s %10s %-9s %10s %10s %10s",
+                cells[0].c_str(), cells[1].c_str(), cells[2].c_str(), cells[3].c_str(),
+                cells[4].c_str(), cells[5].c_str(), cells[6].c_str(), cells[7].c_str());
+  std::cout << line.data() << "\n";
+}
+
+void print(const Timing& timing) {
+  print_line({"NAME", "CPU", "PRIO", "EXECUTION", "SOURCE", "RESPONSE", "DEADLINE", "SLACK"});
+  for (const auto& one : timing.components) {
+    print_line({one.name, one.cpu ? std::to_string(*one.cpu) : "-", std::to_string(one.priority),
+                one.source == "unknown" ? "-" : in_words(one.execution), one.source,
+                in_words(one.response), in_words(one.deadline), in_words(one.slack)});
+  }
+  for (const auto& problem : timing.problems) {
+    std::cout << "warning: " << problem << "\n";
+  }
+  for (const auto& note : timing.notes) {
+    std::cout << "note: " << note << "\n";
+  }
+}
+
+}  // namespace
+
+int check_file(const Options& options) {
+  const auto text = arch::read_file(options.architecture);
+  if (!text) {
+    std::cerr << to_string(text.error()) << "\n";
+    return 1;
+  }
+  plugin::Catalog catalog(options.plugin_dirs);
+  arch::Problems problems;
+  const auto architecture = arch::load(*text, catalog, problems);
+  for (const auto& problem : problems.sorted()) {
+    std::cerr << arch::to_string(problem, options.architecture) << "\n";
+  }
+  if (!problems.empty()) {
+    const auto count = problems.size();
+    std::cerr << count << (count == 1 ? " error in " : " errors in ") << options.architecture
+              << "\n";
+    return 1;
+  }
+  std::cout << options.architecture << ": no errors\n";
+  if (architecture != nullptr && !architecture->components().empty()) {
+    print(exec::analyze(*architecture));
+  }
+  return 0;
+}
+
+}  // namespace mauve::daemon
