@@ -178,12 +178,17 @@ Result<std::vector<std::string>> admit_change(System& system,
   auto problems = analysis::problems(analysis::admit(before.set(), after.set()));
   if (problems.empty()) return std::vector<std::string>{};
   if (system.options.admission == Admission::strict) return problems.front().error;
-  // Of what does not change it was said before.
+  // Of what was so before, and is no member, it was said before.
+  const auto known = analysis::problems(analysis::analyze(before.set()));
   std::erase_if(problems, [&](const Problem& problem) {
-    return problem.kind == Problem::Kind::unknown &&
-           std::none_of(change.members.begin(), change.members.end(), [&](const auto& member) {
-             return member.component->name() == problem.error.at && member.part != Part::leaves;
-           });
+    const auto is_same = [&](const Problem& other) {
+      return other.kind == problem.kind && other.error.at == problem.error.at;
+    };
+    const auto is_member = [&](const PreparedMember& member) {
+      return member.component->name() == problem.error.at && member.part != Part::leaves;
+    };
+    return std::any_of(known.begin(), known.end(), is_same) &&
+           std::none_of(change.members.begin(), change.members.end(), is_member);
   });
   return warnings_of(problems);
 }
