@@ -133,7 +133,6 @@ class ReadPort final : public PortBase {
   T default_;
   DataStatus status_ = DataStatus::no_data;
 };
-
 /// The value to write when the component stops or faults, or the port is disconnected.
 template <typename T>
 struct Safe {
@@ -150,8 +149,8 @@ struct Plausible {
   std::function<bool(const T& value, const T& last)> accepts;
 };
 
-/// Writes to a connected service; not connected: counted and dropped. So is a value that is not
-/// plausible: the service keeps the one before, and a core on probation is rolled back.
+/// Writes to a connected service; not connected: counted and dropped. So is what is not plausible:
+/// a core on probation is then rolled back.
 template <typename T>
 class WritePort final : public PortBase {
  public:
