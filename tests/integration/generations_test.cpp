@@ -53,7 +53,8 @@ class Generations : public testing::Test {
   TempDir place_;
 };
 
-Json gain(double value) { return {{"values", {{"first.core.gain", value}}}, {"probation", "off"}}; }
+Json with_gain(double value) { return {{"first.core.gain", value}}; }
+Json gain(double value) { return {{"values", with_gain(value)}, {"probation", "off"}}; }
 
 Json exported(TrialDaemon& daemon) { return daemon.ask("config.get")["architecture"]; }
 
