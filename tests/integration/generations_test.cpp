@@ -53,8 +53,7 @@ class Generations : public testing::Test {
   TempDir place_;
 };
 
-Json with_gain(double value) { return {{"first.core.gain", value}}; }
-Json gain(double value) { return {{"values", with_gain(value)}, {"probation", "off"}}; }
+Json gain(double value) { return {{"values", {{"first.core.gain", value}}}, {"probation", "off"}}; }
 
 Json exported(TrialDaemon& daemon) { return daemon.ask("config.get")["architecture"]; }
 
@@ -82,7 +81,7 @@ void end_and_start(TrialDaemon& daemon) {
 TEST_F(Generations, OnProbationAreNotStartedAfterACrash) {
   TrialDaemon daemon(kTrial, options());
   const auto before = exported(daemon);
-  const Json change = {{"values", with_gain(3.0)}, {"confirm_within", "600s"}};
+  const Json change = {{"values", Json{{"first.core.gain", 3.0}}}, {"confirm_within", "600s"}};
   ASSERT_EQ(daemon.ask("param.set", change)["saved"], true);
   EXPECT_EQ(newest(daemon)["mark"], "unconfirmed");
 
@@ -94,7 +93,7 @@ TEST_F(Generations, OnProbationAreNotStartedAfterACrash) {
 
 TEST_F(Generations, ThatWereConfirmedAreStartedAfterACrash) {
   TrialDaemon daemon(kTrial, options());
-  const Json change = {{"values", with_gain(3.0)}, {"confirm_within", "600s"}};
+  const Json change = {{"values", Json{{"first.core.gain", 3.0}}}, {"confirm_within", "600s"}};
   ASSERT_EQ(daemon.ask("param.set", change)["saved"], true);
   ASSERT_EQ(daemon.ask("change.confirm")["changed"], true);
   ASSERT_TRUE(eventually([&] { return newest(daemon)["mark"] == "confirmed"; }));
@@ -108,7 +107,7 @@ TEST_F(Generations, ThatWereConfirmedAreStartedAfterACrash) {
 TEST_F(Generations, ThatWereRolledBackAreMarkedAndTheOldOneIsSavedAgain) {
   TrialDaemon daemon(kTrial, options());
   const auto before = exported(daemon);
-  ASSERT_EQ(daemon.ask("param.set", {{"values", with_gain(3.0)}})["saved"], true);
+  ASSERT_EQ(daemon.ask("param.set", {{"values", Json{{"first.core.gain", 3.0}}}})["saved"], true);
   ASSERT_EQ(daemon.ask("change.undo")["state"], "applied");
 
   ASSERT_TRUE(eventually([&] {
