@@ -288,7 +288,7 @@ Result<Receipt> Commit::result() const {
 std::vector<Deployed*> Commit::silent() const {
   std::vector<Deployed*> silent;
   for (std::size_t i = 0; i < deployed_.size(); ++i) {
-    if (!swap_->members()[i].in_force) silent.push_back(deployed_[i]);
+    if (swap_ != nullptr && !swap_->members()[i].in_force) silent.push_back(deployed_[i]);
   }
   return silent;
 }
@@ -358,7 +358,8 @@ void System::look_after_itself() {
 
 std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change, Swap::Kind kind,
                                      Duration longest_job) {
-  system.advance();
+  // What an order was made from is true now; a rollback that gets into the books would undo that.
+  if (kind == Swap::Kind::transaction) system.advance();
   auto commit = std::make_shared<Commit>(system, change.share(), kind, longest_job);
   if (!commit->over()) system.under_way.push_back(commit);
   return commit;

@@ -62,6 +62,7 @@ std::unique_ptr<Published> make_published(const PreparedMember& member) {
   auto next = std::make_unique<Published>();
   next->bundle = member.next;
   next->mode = member.mode;
+  next->mode_only = member.next == member.base && member.part != Part::joins;
   next->restart = member.restart;
   next->count_gap = member.count_gap;
   next->bound = bound_of(*member.next);

@@ -161,6 +161,7 @@ Published* Task::take_over() {
 
 void Task::take(Published& next, Instant begin) {
   acknowledge();  // of a change that is overtaken at the same boundary
+  if (next.mode_only) keep_bundle(next);
   const bool was_running = running_;
   for (const auto& [port, service] : next.safe_writes) write_quietly(*port, *service);
   if (next.mode == Mode::park) write_safe_values();
@@ -182,6 +183,15 @@ void Task::take(Published& next, Instant begin) {
     note(rt::EventKind::swapped, LogLevel::info, next.answer->pause.count(),
          static_cast<std::int64_t>(next.answer->bytes));
   }
+}
+
+/// It was made from what the model showed then; meanwhile the task may have gone back.
+void Task::keep_bundle(Published& next) const {
+  if (next.bundle == current_->bundle) return;
+  next.bundle = current_->bundle;  // two counts; the last one to go is never here
+  next.grid = current_->grid;
+  next.shortest_wait = current_->shortest_wait;
+  next.bound = current_->bound;
 }
 
 /// What stood ready for the old bundle is of no use for another one.

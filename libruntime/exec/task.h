@@ -31,7 +31,8 @@ struct Published {
   std::shared_ptr<const Bundle> bundle;
   Transaction* transaction = nullptr;
   Mode mode = Mode::keep;
-  bool restart = false;  ///< begin at the initial state, on the next instant of the grid
+  bool mode_only = false;  ///< whatever the task runs with stays: it may be back at an older bundle
+  bool restart = false;    ///< begin at the initial state, on the next instant of the grid
   bool offset_changes = false;
   bool other_core = false;  ///< of another type: what was measured is not about it
   bool count_gap = false;   ///< releases that passed while parked count as missed (in place)
@@ -146,6 +147,7 @@ class Task {
   [[nodiscard]] bool claim(Published& next) { return empty(pending_, next); }
   [[nodiscard]] Published* take_over();
   void put_in_place(Published& next);
+  void keep_bundle(Published& next) const;
   void pile_up(Published& unused);
   /// `begin`: when the job that the change delays would have begun.
   void take(Published& next, Instant begin);
