@@ -192,6 +192,20 @@ TEST_F(OnProbation, AStopDuringItParksAndTheWayBackStays) {
   EXPECT_NE(core().find("Up"), std::string::npos);
 }
 
+TEST_F(OnProbation, AStopThatKnowsNothingOfARollBackParksTheOldCore) {
+  const std::string before = core();
+  ASSERT_TRUE(swap_to<Bad>());
+  deployer.run_for(100ms);  // it threw and went back; nobody has looked yet
+
+  ASSERT_TRUE(deployer.stop({"control"}));
+  ASSERT_EQ(tend().size(), 1u);
+  ASSERT_TRUE(deployer.start({"control"}));
+  deployer.run_for(50ms);
+
+  EXPECT_EQ(core(), before);
+  EXPECT_GT(ramp::read(architecture.position), 6.0) << "it counts up again";
+}
+
 TEST_F(OnProbation, WhatJoinedLeavesAgainAndWhatLeftComesBack) {
   struct Other : ramp::Shell {};
   auto joining = std::make_shared<ComponentBase>(
