@@ -20,10 +20,10 @@ namespace {
 
 using test::eventually;
 
-/// Fails in its third job.
+/// Fails from its third job on.
 struct Failing : ramp::Up {
   int own_jobs = 0;
-  bool fails() { return ++own_jobs == 3; }
+  bool fails() { return ++own_jobs >= 3; }
 };
 
 struct Crashing final : Failing {
@@ -117,6 +117,9 @@ class FaultCampaign : public testing::Test {
                 rounds, what, static_cast<unsigned long long>(good.releases),
                 static_cast<unsigned long long>(missed),
                 static_cast<unsigned long long>(missed_disturbed));
+    if (missed > 0 && test::disturbances(probes) >= test::kTooOften) {
+      GTEST_SKIP() << "the host held up the probe too often to judge by: use a quiet machine";
+    }
     EXPECT_EQ(missed, 0u);
     EXPECT_EQ(good.state, ComponentState::running);
   }

@@ -75,6 +75,9 @@ class Load {
   std::vector<std::thread> threads_;
 };
 
+/// A host that held the probe up so often in one campaign holds others up unseen as well.
+inline constexpr std::uint64_t kTooOften = 10;
+
 inline std::uint64_t disturbances(const std::vector<std::unique_ptr<Probe>>& probes) {
   std::uint64_t all = 0;
   for (const auto& probe : probes) all += probe->disturbances();
