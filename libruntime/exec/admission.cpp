@@ -11,8 +11,11 @@ namespace {
 
 using analysis::Problem;
 
+/// Where it is not known what a job used, as long as it took.
 Duration measured(const Deployed& deployed) {
-  return Duration{deployed.task->counters().execution_max.load(std::memory_order_relaxed)};
+  const Counters& counters = deployed.task->counters();
+  const std::int64_t used = counters.used_max.load(std::memory_order_relaxed);
+  return Duration{used > 0 ? used : counters.execution_max.load(std::memory_order_relaxed)};
 }
 
 TimedComponent timed(const Deployed& deployed) {

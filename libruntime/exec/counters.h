@@ -20,7 +20,8 @@ struct Counters {
   std::atomic<std::int64_t> lateness_last{0};
   std::atomic<std::int64_t> lateness_max{0};
   std::atomic<std::int64_t> execution_last{0};
-  std::atomic<std::int64_t> execution_max{0};
+  std::atomic<std::int64_t> execution_max{0};  ///< preemption by others included
+  std::atomic<std::int64_t> used_max{0};       ///< processor time of a job; 0: none was measured
   std::atomic<std::int64_t> next_release{0};
   std::atomic<std::uint32_t> fsm_state{0};
   std::atomic<ComponentState> state{ComponentState::stopped};

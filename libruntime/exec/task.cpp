@@ -200,7 +200,10 @@ void Task::put_in_place(Published& next) {
   current_ = &next;
   bound_.store(next.bound.count(), std::memory_order_relaxed);
   failed_ = false;
-  if (next.other_core) counters_.execution_max.store(0, std::memory_order_relaxed);
+  if (next.other_core) {
+    counters_.execution_max.store(0, std::memory_order_relaxed);
+    counters_.used_max.store(0, std::memory_order_relaxed);
+  }
   if (same_bundle && next.back == nullptr) return;
   overran_ = 0;
   if (Published* before = back_.exchange(next.back.release(), std::memory_order_acq_rel)) {

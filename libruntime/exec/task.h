@@ -164,6 +164,7 @@ class Task {
   void skip_job();
   [[nodiscard]] FsmState* run_states();
   void account(Instant start, Instant end);
+  void measure(Instant start, Instant end);
   void park(ComponentState state);
   void count_overrun(const TaskAttributes& task, Instant by);
   void watch_over(const TaskAttributes& task, Instant start, Instant end, bool late);
@@ -201,7 +202,8 @@ class Task {
   Instant parked_at_ = 0;
   Instant relief_from_ = 0;    // not before
   std::uint64_t overran_ = 0;  // a bit for each of the last jobs
-  Duration cpu_before_{0};     // of this thread, when the job on probation began
+  Duration cpu_before_{0};     // of this thread, when the job began; zero: was not asked for
+  bool preempted_ = false;     // the last job was
   bool running_ = false;
   bool failed_ = false;  // waits for its way back or its relief; no job runs meanwhile
 };

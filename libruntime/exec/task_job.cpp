@@ -7,6 +7,7 @@
 
 #include "exec/task.h"
 #include "rt/cpu_time.h"
+#include "rt/preemption.h"
 
 #include <mauve/gate.h>
 #include <mauve/job.h>
@@ -58,6 +59,7 @@ bool Task::run_job(Instant now) {
   const bool ours = watched_.busy_since.compare_exchange_strong(begun, 0);
   if (ours) conclude(now, end, fault);
   Job& job = this_job();
+  rt::end_preemption_watch();
   this_task() = nullptr;
   job.start = 0;
   job.release = 0;
@@ -78,7 +80,10 @@ void Task::begin_job(Instant now) {
   raise(counters_.lateness_max, lateness);
   add<std::uint64_t>(counters_.releases, 1);
   const bool watched = back_.load(std::memory_order_relaxed) != nullptr;
-  if (watched && current_->bundle->task.budget > Duration{0}) cpu_before_ = rt::cpu_time();
+  const bool has_budget = current_->bundle->task.budget > Duration{0};
+  // A system call, so only of those that are preempted now and then.
+  cpu_before_ = preempted_ || (watched && has_budget) ? rt::cpu_time() : Duration{0};
+  rt::watch_for_preemption();
 }
 
 void Task::conclude(Instant start, const JobEnd& end, const rt::Fault& fault) {
@@ -123,6 +128,16 @@ FsmState* Task::run_states() {
   return state;
 }
 
+/// What the job itself used of the processor, as far as it can be told.
+void Task::measure(Instant start, Instant end) {
+  preempted_ = rt::preempted();
+  if (!preempted_) {
+    raise(counters_.used_max, end - start);
+  } else if (cpu_before_ > Duration{0}) {
+    raise(counters_.used_max, (rt::cpu_time() - cpu_before_).count());
+  }
+}
+
 /// Advances the component's clock by the wait, and counts a job that ended too late.
 void Task::account(Instant start, Instant end) {
   const TaskAttributes& task = current_->bundle->task;
@@ -132,6 +147,7 @@ void Task::account(Instant start, Instant end) {
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
   counters_.execution_last.store(end - start, std::memory_order_relaxed);
   raise(counters_.execution_max, end - start);
+  measure(start, end);
   if (task.budget > Duration{0} && end - start > task.budget.count()) {
     add<std::uint64_t>(counters_.over_budget, 1);
   }

@@ -2,6 +2,9 @@
 #include <mauve/gate.h>
 
 #include "rt/pi_mutex.h"
+#include "rt/preemption.h"
+
+#include <utility>
 
 #include <mauve/clock.h>
 #include <mauve/job.h>
@@ -11,6 +14,9 @@ namespace mauve {
 struct Gate::Lock {
   rt::PiMutex mutex;
   std::atomic<std::uint64_t> timeouts{0};
+  bool timed = true;
+  Instant since = 0;  // held, by a job that nothing has interrupted so far; 0: not, or not timed
+  std::atomic<std::int64_t> longest{0};
 };
 
 Gate::Gate() : lock_(std::make_unique<Lock>()) {}
@@ -48,12 +54,17 @@ void Gate::hold() {
   const std::size_t count = job.held_count.load(std::memory_order_relaxed);
   job.held[count].store(this, std::memory_order_relaxed);
   job.held_count.store(count + 1, std::memory_order_release);
+  if (lock_->timed && !rt::preempted()) lock_->since = MonotonicClock().now();
 }
 
 void Gate::leave() {
   Job& job = this_job();  // locks nest: the innermost is left first
   job.held_count.store(job.held_count.load(std::memory_order_relaxed) - 1,
                        std::memory_order_relaxed);
+  if (const Instant since = std::exchange(lock_->since, 0); since != 0 && !rt::preempted()) {
+    const std::int64_t held = MonotonicClock().now() - since;
+    if (held > lock_->longest.load(std::memory_order_relaxed)) lock_->longest.store(held);
+  }
   lock_->mutex.unlock();
 }
 
@@ -70,6 +81,9 @@ void Gate::visit_deferred(Instant release) {
   Deferred* deferred = deferred_.load(std::memory_order_acquire);
   if (deferred != nullptr && deferred->visit(release)) forget(*deferred);
 }
+
+Duration Gate::longest_hold() const { return Duration{lock_->longest.load()}; }
+void Gate::hold_shortly() { lock_->timed = false; }
 
 std::uint64_t Gate::timeouts() const { return lock_->timeouts.load(std::memory_order_relaxed); }
 

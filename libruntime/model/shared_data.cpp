@@ -117,6 +117,7 @@ ResourceType shared_data_type(const DataType& data, const std::shared_ptr<void>&
 SharedDataBase::SharedDataBase(std::string name, const DataType& data, const void* initial,
                                std::shared_ptr<void> library)
     : ResourceBase(std::move(name), shared_data_type(data, library)) {
+  gate().hold_shortly();
   if (initial != nullptr) write_service().write(initial);
 }
 

@@ -38,6 +38,12 @@ class Gate {
   [[nodiscard]] bool try_enter();
   void leave();
   [[nodiscard]] std::uint64_t timeouts() const;
+  /// The longest that a caller held it without being interrupted by another thread; 0: none was
+  /// measured. For the analysis of response times. [any]
+  [[nodiscard]] Duration longest_hold() const;
+  /// It is only ever held for some loads and stores: the clock would take longer. Before its first
+  /// caller.
+  void hold_shortly();
 
   /// A caller was thrown out in the middle of a service (a crash, a core that did not return): what
   /// the core holds may be half written. Callers are refused until it gets a new core. [any]

@@ -37,7 +37,7 @@ struct Timing {
   /// as they are. None: an execution time is not known.
   std::optional<double> factor;
   std::vector<std::string> problems;  ///< all, also of CPUs and locks
-  std::vector<std::string> notes;     ///< what was not counted
+  std::vector<std::string> notes;     ///< what was not counted, and what the machine itself costs
 };
 
 }  // namespace mauve
