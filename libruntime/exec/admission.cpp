@@ -2,9 +2,12 @@
 #include "exec/admission.h"
 
 #include <algorithm>
+#include <set>
 
 #include "analysis/admission.h"
+#include "base/duration.h"
 #include "exec/timing_model.h"
+#include "rt/machine_costs.h"
 
 namespace mauve::exec {
 namespace {
@@ -42,7 +45,7 @@ bool runs(const System& system, const Deployed& deployed) {
 }
 
 TimingModel model_of(System& system) {
-  TimingModel model;
+  TimingModel model(system.overheads);
   const std::lock_guard lock(system.members);
   for (const Deployed& deployed : system.deployed) {
     if (runs(system, deployed)) model.add(timed(deployed));
@@ -63,7 +66,7 @@ bool runs_after(const PreparedMember& member, bool ran) {
 }
 
 TimingModel model_after(System& system, const PreparedChange::Content& change) {
-  TimingModel model;
+  TimingModel model(system.overheads);
   const std::lock_guard lock(system.members);
   for (const Deployed& deployed : system.deployed) {
     const bool ran = runs(system, deployed);
@@ -96,6 +99,13 @@ std::vector<std::string> sentences(const std::vector<Problem>& problems) {
   std::vector<std::string> all;
   for (const Problem& problem : problems) all.push_back(sentence(problem.error));
   return all;
+}
+
+/// The same of the same, whatever its figures.
+bool has(const std::vector<Problem>& problems, const Problem& problem) {
+  return std::any_of(problems.begin(), problems.end(), [&](const Problem& other) {
+    return other.kind == problem.kind && other.error.at == problem.error.at;
+  });
 }
 
 /// What nobody declared is said once, in one line.
@@ -141,7 +151,17 @@ ComponentTiming row_of(const analysis::TaskReport& task, const std::vector<Probl
   return row;
 }
 
-Timing timing_of(const TimingModel& model) {
+/// What the machine takes, in words.
+std::string overheads_of(const System& system) {
+  const analysis::Overheads& costs = system.overheads;
+  return "the machine takes " + format_duration(costs.wake) + " to wake a thread up, " +
+         format_duration(costs.activation) + " to switch to it and back, " +
+         format_duration(costs.interrupt) + " for a timer, " + format_duration(costs.tick) +
+         " of each " + format_duration(costs.tick_period) +
+         (system.overheads_measured ? " (measured when it was deployed)" : " (assumed)");
+}
+
+Timing timing_of(const System& system, const TimingModel& model) {
   const analysis::Report report = analysis::analyze(model.set());
   const std::vector<Problem> problems = analysis::problems(report);
   Timing timing;
@@ -157,10 +177,27 @@ Timing timing_of(const TimingModel& model) {
   if (known && !report.tasks.empty()) timing.factor = analysis::largest_factor(model.set());
   timing.problems = sentences(problems);
   timing.notes = model.notes();
+  timing.notes.push_back(overheads_of(system));
   return timing;
 }
 
 }  // namespace
+
+void measure_overheads(System& system, int priority) {
+  if (!system.realtime || system.options.admission == Admission::off) return;
+  std::set<int> cpus;
+  for (const Deployed& deployed : system.deployed) {
+    cpus.insert(deployed.cpus.begin(), deployed.cpus.end());
+  }
+  const auto costs = rt::measure_machine({cpus.begin(), cpus.end()}, priority);
+  if (!costs) return;
+  system.overheads.wake = costs->wake;
+  system.overheads.activation = costs->activation;
+  system.overheads.interrupt = costs->interrupt;
+  system.overheads.tick = costs->kernel;
+  system.overheads.tick_period = rt::MachineCosts::window;
+  system.overheads_measured = true;
+}
 
 Status admit_deployment(System& system) {
   if (system.options.admission == Admission::off) return ok();
@@ -178,25 +215,28 @@ Result<std::vector<std::string>> admit_change(System& system,
   if (system.options.admission == Admission::off) return std::vector<std::string>{};
   const TimingModel before = model_of(system);
   const TimingModel after = model_after(system, change);
-  auto problems = analysis::problems(analysis::admit(before.set(), after.set()));
-  if (problems.empty()) return std::vector<std::string>{};
-  if (system.options.admission == Admission::strict) return problems.front().error;
-  // Of what was so before, and is no member, it was said before.
   const auto known = analysis::problems(analysis::analyze(before.set()));
-  std::erase_if(problems, [&](const Problem& problem) {
-    const auto is_same = [&](const Problem& other) {
-      return other.kind == problem.kind && other.error.at == problem.error.at;
-    };
-    const auto is_member = [&](const PreparedMember& member) {
-      return member.component->name() == problem.error.at && member.part != Part::leaves;
-    };
-    return std::any_of(known.begin(), known.end(), is_same) &&
-           std::none_of(change.members.begin(), change.members.end(), is_member);
-  });
+  const auto lasting = analysis::problems(analysis::analyze(after.set()));
+  auto problems = analysis::problems(analysis::admit(before.set(), after.set()));
+  // What was so before is not the doing of this change, not even while it leads away from it.
+  std::erase_if(problems, [&](const Problem& problem) { return has(known, problem); });
+  if (system.options.admission == Admission::strict) {
+    if (problems.empty()) problems = lasting;
+    if (!problems.empty()) return problems.front().error;
+    return std::vector<std::string>{};
+  }
+  // Of members it is said again what stays so.
+  for (const Problem& problem : lasting) {
+    const bool of_member = std::any_of(
+        change.members.begin(), change.members.end(), [&](const PreparedMember& member) {
+          return member.component->name() == problem.error.at;
+        });
+    if (of_member && !has(problems, problem)) problems.push_back(problem);
+  }
   return warnings_of(problems);
 }
 
-Timing analyze(System& system) { return timing_of(model_of(system)); }
+Timing analyze(System& system) { return timing_of(system, model_of(system)); }
 
 Timing analyze(Architecture& architecture) {
   System system(architecture, {.realtime = Realtime::off, .simulated = true});
@@ -209,7 +249,7 @@ Timing analyze(Architecture& architecture) {
     system.deployed.push_back(std::move(deployed));
   }
   for (Deployed& deployed : system.deployed) place(system, deployed);
-  Timing timing = timing_of(model_of(system));
+  Timing timing = timing_of(system, model_of(system));
   for (ComponentBase* component : architecture.components()) {
     static_cast<void>(component->fsm().cleanup());
   }

@@ -147,8 +147,9 @@ Status bring_up(System& system) {
     system.deployed.push_back(std::move(deployed));
   }
   for (Deployed& deployed : system.deployed) place(system, deployed);
-  Status ready = admit_deployment(system);
-  if (ready) ready = check_privileges(system, highest);
+  Status ready = check_privileges(system, highest);
+  if (ready) measure_overheads(system, highest);
+  if (ready) ready = admit_deployment(system);
   for (Deployed& deployed : system.deployed) {
     if (ready) ready = start_thread(system, deployed);
   }

@@ -27,21 +27,29 @@ analysis::Machine machine_of(const FsmBase& fsm) {
   return machine;
 }
 
+/// What was measured is not the worst that can be.
+Duration with_margin(Duration measured) { return measured + measured / 5; }
+
 /// Counted for every kind of job of the component: the runtime does not tell them apart.
 void count_measured(analysis::Graph& graph, Duration longest) {
   for (analysis::Vertex& job : graph.vertices) {
-    job.execution = longest + longest / 5;
+    job.execution = with_margin(longest);
     job.source = analysis::Source::measured;
   }
 }
 
-/// All resources that a call through these connections may hold, theirs included.
-void find_held(const Bindings& bindings, std::set<std::string>& held) {
+using Held = std::map<std::string, Duration>;
+
+/// All resources that a call through these connections may hold, theirs included, and how long.
+void find_held(const Bindings& bindings, Held& held) {
   for (const auto& binding : bindings) {
     if (binding == nullptr) continue;
-    const ResourceBase& resource = binding->service().resource();
+    ResourceBase& resource = binding->service().resource();
     const bool waits = dynamic_cast<const SharedDataBase*>(&resource) == nullptr;
-    if (waits && held.insert(resource.name()).second) find_held(resource.bindings(), held);
+    const Duration longest = with_margin(resource.gate().longest_hold());
+    if (waits && held.emplace(resource.name(), longest).second) {
+      find_held(resource.bindings(), held);
+    }
   }
 }
 
@@ -70,21 +78,24 @@ void TimingModel::add(const TimedComponent& component) {
 }
 
 std::vector<analysis::Section> TimingModel::sections_of(const Bundle& bundle) {
-  std::set<std::string> held;
+  Held held;
   find_held(*bundle.bindings, held);
   std::vector<analysis::Section> sections;
-  for (const std::string& resource : held) sections.push_back({resource, Duration{0}});
+  for (const auto& [resource, longest] : held) sections.push_back({resource, longest});
   held_.merge(held);
   return sections;
 }
 
 std::vector<std::string> TimingModel::notes() const {
   std::vector<std::string> notes = notes_;
-  if (held_.empty()) return notes;
-  std::string names;
-  for (const std::string& name : held_) names += (names.empty() ? "" : ", ") + name;
-  notes.push_back("how long " + names + (held_.size() > 1 ? " are" : " is") +
-                  " held is not known: that wait is counted as 0");
+  std::string unknown;
+  for (const auto& [name, longest] : held_) {
+    if (longest == Duration{0}) unknown += (unknown.empty() ? "" : ", ") + name;
+  }
+  if (!unknown.empty()) {
+    notes.push_back("how long these are held is not known, so waiting for them counts as 0: " +
+                    unknown);
+  }
   return notes;
 }
 

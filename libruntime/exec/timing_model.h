@@ -2,7 +2,7 @@
 /// TimingModel: components as the analysis of response times wants them.
 #pragma once
 
-#include <set>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -24,11 +24,13 @@ struct TimedComponent {
 
 class TimingModel {
  public:
+  explicit TimingModel(const analysis::Overheads& overheads) { set_.overheads = overheads; }
+
   /// A declared budget counts before what was measured; that counts with a margin of a fifth.
   void add(const TimedComponent& component);
 
   [[nodiscard]] const analysis::TaskSet& set() const { return set_; }
-  /// What is not in the set.
+  /// What is not in the set, or was measured rather than declared.
   [[nodiscard]] std::vector<std::string> notes() const;
 
  private:
@@ -36,7 +38,7 @@ class TimingModel {
 
   analysis::TaskSet set_;
   std::vector<std::string> notes_;
-  std::set<std::string> held_;  ///< resources whose callers may wait for each other
+  std::map<std::string, Duration> held_;  ///< how long; 0: not known
 };
 
 }  // namespace mauve::exec
