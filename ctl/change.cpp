@@ -111,6 +111,7 @@ int run_swap_core(Session& session) {
   if (const auto* fault = std::get_if<Fault>(&values)) return session.fail(*fault);
   Json params = {{"component", component}, {"core", session.arguments.one("CORE")}};
   if (session.arguments.has("--set")) params["set"] = std::move(std::get<Json>(values));
+  if (session.arguments.has("--budget")) params["budget"] = session.arguments.one("--budget");
   if (session.arguments.has("--in-place")) params["in_place"] = true;
   add_state(session, params);
   add_probation(session, params);

@@ -50,6 +50,7 @@ constexpr Argument kSwap[] = {
     kComponent,
     one("CORE", "such as guidance/finite_time", Kind::core),
     any("--set", "KEY=VALUE of a property of the new core", Kind::none),
+    maybe("--budget", "processor time that a job of it may use, such as 2ms", Kind::none),
     flag("--in-place", "stop, swap, start: for hardware that one core only can hold"),
     kState,
     kProbation,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// core.swap: another core behind the same contract, at a boundary, state handed over.
 #include "arch/value_json.h"
+#include "base/duration.h"
 #include "commands/answer.h"
 #include "commands/change.h"
 #include "commands/model.h"
@@ -12,6 +13,20 @@ namespace {
 /// "gain" and "core.gain" mean the same here.
 std::string property_path(const std::string& key) {
   return key.find('.') == std::string::npos ? "core." + key : key;
+}
+
+/// What a job of the new core may use of the processor; as it was when it is not said.
+Status declare_budget(const ComponentBase& component, const Json& params, Edit& edit) {
+  if (!params.contains("budget")) {
+    return ok();
+  }
+  const auto budget = parse_duration(text_or(params, "budget"));
+  if (!budget) {
+    return refuse(budget.error().code, "budget", budget.error().message, budget.error().hint);
+  }
+  edit.task = component.bundle()->task;
+  edit.task->budget = *budget;
+  return ok();
 }
 
 Result<Edit> edit_from(const Running& running, const Json& params) {
@@ -30,6 +45,9 @@ Result<Edit> edit_from(const Running& running, const Json& params) {
   auto edit = edit_of((*component)->name());
   edit.core = *std::move(core);
   edit.state = *policy;
+  if (auto declared = declare_budget(**component, params, edit); !declared) {
+    return declared.error();
+  }
   if (const auto set = params.find("set"); set != params.end()) {
     for (const auto& [key, json] : set->items()) {
       auto value = arch::from_json(json);

@@ -26,9 +26,9 @@ constexpr Param kSet[] = {
 constexpr Param kStart[] = {{"components", strings, true}, {"reset", boolean}};
 constexpr Param kStop[] = {{"components", strings}, {"all", boolean}};
 constexpr Param kSwap[] = {
-    {"component", string, true}, {"core", string, true}, {"set", object},
-    {"in_place", boolean},       {"state", string},      {"probation", string},
-    {"confirm_within", string}};
+    {"component", string, true}, {"core", string, true},    {"set", object},
+    {"budget", string},          {"in_place", boolean},     {"state", string},
+    {"probation", string},       {"confirm_within", string}};
 constexpr Param kConnect[] = {{"port", string, true},
                               {"service", string, true},
                               {"max_age", string},

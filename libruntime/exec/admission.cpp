@@ -6,6 +6,7 @@
 
 #include "analysis/admission.h"
 #include "base/duration.h"
+#include "exec/placement.h"
 #include "exec/timing_model.h"
 #include "rt/machine_costs.h"
 

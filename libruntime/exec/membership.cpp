@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "exec/placement.h"
 #include "model/left_behind.h"
 
 namespace mauve::exec {

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "exec/edit_properties.h"
+#include "exec/placement.h"
 #include "exec/prepare.h"
 #include "model/connection.h"
 #include "model/elements.h"

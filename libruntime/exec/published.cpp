@@ -49,7 +49,8 @@ void add_safe_writes(const PreparedMember& member, Published& next) {
 }  // namespace
 
 Duration bound_of(const Bundle& bundle) {
-  constexpr Duration kShortest = 10ms;
+  // Throttling and virtual machines hold healthy threads up for tens of milliseconds.
+  constexpr Duration kShortest = 100ms;
   constexpr Duration kUndeclared = 10s;
   if (bundle.task.watchdog > Duration{0}) return bundle.task.watchdog;
   if (bundle.task.budget > Duration{0}) return std::max(10 * bundle.task.budget, kShortest);

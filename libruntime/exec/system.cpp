@@ -7,6 +7,7 @@
 
 #include "base/name.h"
 #include "exec/admission.h"
+#include "exec/placement.h"
 #include "exec/commit.h"
 #include "exec/last_words.h"
 #include "exec/probation.h"
@@ -58,13 +59,6 @@ void release_all(System& system) {
 
 }  // namespace
 
-Status check_cpus(const TaskAttributes& task, const std::string& component) {
-  for (const int cpu : task.cpus) {
-    if (Status there = rt::check_cpu(cpu, component + ".task.cpus"); !there) return there;
-  }
-  return ok();
-}
-
 std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mode) {
   auto first = std::make_unique<Published>();
   first->bundle = component.bundle();
@@ -73,29 +67,6 @@ std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mod
   first->shortest_wait = component.fsm().shortest_wait();
   first->mode = mode;
   return first;
-}
-
-int least_used_cpu(const System& system, const std::vector<int>& more) {
-  std::map<int, int> load;
-  for (const int cpu : rt::usable_cpus()) load[cpu] = 0;
-  for (const Deployed& other : system.deployed) {
-    for (const int cpu : other.cpus) ++load[cpu];
-  }
-  for (const int cpu : more) ++load[cpu];
-  const auto least = std::min_element(
-      load.begin(), load.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return least->first;
-}
-
-/// Pinned where the task says, else to the CPU with the fewest components so far.
-void place(System& system, Deployed& deployed) {
-  const TaskAttributes& task = deployed.component->bundle()->task;
-  deployed.cpus = task.cpus;
-  if (!deployed.cpus.empty()) return;
-  deployed.cpus = {least_used_cpu(system)};
-  if (system.options.simulated) return;
-  system.warnings.push_back(deployed.component->name() + " is pinned to CPU " +
-                            std::to_string(deployed.cpus.front()) + ": its task names no cpus");
 }
 
 Status start_thread(System& system, Deployed& deployed) {

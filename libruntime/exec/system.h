@@ -91,15 +91,9 @@ std::vector<std::string> bring_down(System& system, Duration bound);
 /// Of one component, when the whole stop should not take much longer than `bound`.
 [[nodiscard]] Duration patience_within(Duration bound);
 
-/// Of a component that is placed and started: by bring_up() and by let_in().
-[[nodiscard]] Status check_cpus(const TaskAttributes& task, const std::string& component);
 /// A job that runs longer never returns.
 [[nodiscard]] Duration bound_of(const Bundle& bundle);
 [[nodiscard]] std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mode);
-/// Chooses its CPU if its task names none.
-void place(System& system, Deployed& deployed);
-/// The CPU with the fewest components; `more` are on their way.
-[[nodiscard]] int least_used_cpu(const System& system, const std::vector<int>& more = {});
 Status start_thread(System& system, Deployed& deployed);
 /// Its thread has ended: what it still had to say is told with the next drain_events().
 void keep_last_events(System& system, Deployed& deployed);

@@ -2,9 +2,9 @@
 #include "exec/timing_model.h"
 
 #include "analysis/machine.h"
+#include "exec/placement.h"
 
 #include <mauve/fsm.h>
-#include <mauve/shared_data.h>
 
 namespace mauve::exec {
 namespace {
@@ -38,21 +38,6 @@ void count_measured(analysis::Graph& graph, Duration longest) {
   }
 }
 
-using Held = std::map<std::string, Duration>;
-
-/// All resources that a call through these connections may hold, theirs included, and how long.
-void find_held(const Bindings& bindings, Held& held) {
-  for (const auto& binding : bindings) {
-    if (binding == nullptr) continue;
-    ResourceBase& resource = binding->service().resource();
-    const bool waits = dynamic_cast<const SharedDataBase*>(&resource) == nullptr;
-    const Duration longest = with_margin(resource.gate().longest_hold());
-    if (waits && held.emplace(resource.name(), longest).second) {
-      find_held(resource.bindings(), held);
-    }
-  }
-}
-
 }  // namespace
 
 void TimingModel::add(const TimedComponent& component) {
@@ -78,11 +63,12 @@ void TimingModel::add(const TimedComponent& component) {
 }
 
 std::vector<analysis::Section> TimingModel::sections_of(const Bundle& bundle) {
-  Held held;
-  find_held(*bundle.bindings, held);
   std::vector<analysis::Section> sections;
-  for (const auto& [resource, longest] : held) sections.push_back({resource, longest});
-  held_.merge(held);
+  for (ResourceBase* resource : locks_of(*bundle.bindings)) {
+    const Duration longest = with_margin(resource->gate().longest_hold());
+    sections.push_back({resource->name(), longest});
+    held_[resource->name()] = longest;
+  }
   return sections;
 }
 

@@ -5,6 +5,8 @@
 ///   mauvectl swap-core control guidance_faulty/throwing                   # rolled back by itself
 ///   mauvectl swap-core control guidance_faulty/endless --probation off    # its fallback core
 ///   takes over
+///   mauvectl swap-core control guidance_faulty/slow       # uses 5 ms a job, and is rolled back
+#include <chrono>
 #include <cstdint>
 #include <stdexcept>
 
@@ -42,10 +44,20 @@ class Endless final : public Faulty {
   }
 };
 
+/// Comes to an end, but late.
+class Slow final : public Faulty {
+  void go_wrong() override {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(5);
+    while (std::chrono::steady_clock::now() < end) {
+    }
+  }
+};
+
 }  // namespace
 }  // namespace guidance
 
 MAUVE_PLUGIN(plugin) {
   plugin.core<guidance::Throwing>("throwing");
   plugin.core<guidance::Endless>("endless");
+  plugin.core<guidance::Slow>("slow");
 }

@@ -22,7 +22,8 @@ class Robot:
         self.ctl = [str(programs / "mauvectl")]
         self.environment = dict(os.environ, MAUVE_SOCKET=str(place / "mauved.sock"))
         self.command = [str(programs / "mauved"), str(architecture), "--socket",
-                        str(place / "mauved.sock"), "--plugin-dir", str(plugins)]
+                        str(place / "mauved.sock"), "--plugin-dir", str(plugins),
+                        "--admission", "strict"]
         self.log = open(out / "mauved.log", "w", encoding="utf-8")
         self.receipts = []
         self.path = []  # (x, y, name of the core that drove)
