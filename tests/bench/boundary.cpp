@@ -2,9 +2,9 @@
 /// What the runtime adds to each state and to each job, against calling the same core methods one
 /// after the other. Releases are run back to back, without the sleep between them, on the real
 /// clock: their instants lie far ahead, so that no job is late.
-#include <iostream>
 #include <string>
 
+#include "bench/support/checked.h"
 #include "bench/support/machine.h"
 #include "bench/support/report.h"
 
@@ -65,10 +65,7 @@ template <typename FsmT>
 class Driven {
  public:
   Driven() {
-    if (mauve::Status done = architecture_.configure(); !done) {
-      std::cerr << mauve::to_string(done.error()) << "\n";
-      std::exit(1);
-    }
+    must(architecture_.configure());
     auto first = std::make_unique<Published>();
     first->bundle = component_.bundle();
     first->mode = mauve::Mode::run;

@@ -3,12 +3,11 @@
 /// against a raw thread that takes a pointer out of an atomic word when it wakes.
 #include <array>
 #include <atomic>
-#include <cstdlib>
-#include <iostream>
 #include <memory>
 #include <string>
 #include <thread>
 
+#include "bench/support/checked.h"
 #include "bench/support/machine.h"
 #include "bench/support/raw.h"
 #include "bench/support/report.h"
@@ -82,13 +81,6 @@ struct OneComponent : mauve::Architecture {
   mauve::Component<mauve::EmptyShell, First, mauve::PeriodicFsm<Work>> component{*this, "work"};
 };
 
-template <typename T>
-T checked(mauve::Result<T> result) {
-  if (result) return *std::move(result);
-  std::cerr << mauve::to_string(result.error()) << "\n";
-  std::exit(1);
-}
-
 /// CPUs. What the coordinator wrote on another one has to come from there, line by line.
 struct Places {
   int component;
@@ -114,10 +106,7 @@ template <typename A, typename B>
 Swaps swap_to_and_fro(Places places, int swaps, Duration period = kPeriod) {
   OneComponent<A> architecture(places.component, period);
   mauve::Deployer deployer(architecture);
-  if (mauve::Status up = deployer.deploy(); !up) {
-    std::cerr << mauve::to_string(up.error()) << "\n";
-    std::exit(1);
-  }
+  must(deployer.deploy());
   const Probe probe(deployer.t0() + kPeriod.count() / 4);
   const OnCpu here(places.coordinator, 0);
   Swaps result;
@@ -172,7 +161,8 @@ std::vector<double> raw_exchanges(Places places, int swaps) {
 double added_to_a_job(int cpu, int swaps) {
   OneComponent<With<1, Small>> first(cpu);
   OneComponent<With<2, Small>> second(cpu);
-  if (!first.configure() || !second.configure()) std::exit(1);
+  must(first.configure());
+  must(second.configure());
   const std::array<mauve::ComponentBase*, 2> bundles{&second.component, &first.component};
   mauve::MonotonicClock clock;
   mauve::exec::Task task("work", clock);
