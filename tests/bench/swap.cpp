@@ -11,6 +11,7 @@
 #include "bench/support/machine.h"
 #include "bench/support/raw.h"
 #include "bench/support/report.h"
+#include "bench/support/stepped_clock.h"
 #include "exec/swap.h"
 #include "exec/task.h"
 
@@ -164,15 +165,16 @@ double added_to_a_job(int cpu, int swaps) {
   must(first.configure());
   must(second.configure());
   const std::array<mauve::ComponentBase*, 2> bundles{&second.component, &first.component};
-  mauve::MonotonicClock clock;
+  SteppedClock clock;
   mauve::exec::Task task("work", clock);
   const auto make = [](mauve::ComponentBase& of) {
     auto made = std::make_unique<mauve::exec::Published>();
     made->bundle = of.bundle();
     return made;
   };
-  task.begin(make(first.component), now() + 3'600'000'000'000);
+  task.begin(make(first.component), clock.now());
   const auto job = [&] {
+    clock.set(task.next_release());
     const Instant start = now();
     task.release();
     return static_cast<double>(now() - start);
@@ -183,7 +185,7 @@ double added_to_a_job(int cpu, int swaps) {
     const OnCpu here(cpu, fifo_or_none(kPriority));
     mauve::ComponentBase& next = *bundles[static_cast<std::size_t>(i) % 2];
     mauve::ComponentBase& old = *bundles[static_cast<std::size_t>(i + 1) % 2];
-    mauve::exec::Transaction transaction(now());
+    mauve::exec::Transaction transaction(task.next_release());
     transaction.decide(mauve::exec::Transaction::State::committed);
     auto published = make(next);
     published->transaction = &transaction;
@@ -194,6 +196,8 @@ double added_to_a_job(int cpu, int swaps) {
     static_cast<void>(task.reclaim());
     plain.push_back(job());
   }
+  must_hold(task.counters().releases == 2 * static_cast<std::uint64_t>(swaps),
+            "some releases were no jobs");
   return median(added) - median(plain);
 }
 

@@ -16,6 +16,13 @@ inline void must(const mauve::Status& done) {
   std::exit(1);
 }
 
+/// What a benchmark takes for granted of what it measures.
+inline void must_hold(bool condition, const char* what) {
+  if (condition) return;
+  std::cerr << "this measures nothing: " << what << "\n";
+  std::exit(1);
+}
+
 template <typename T>
 T checked(mauve::Result<T> result) {
   if (result) return *std::move(result);
