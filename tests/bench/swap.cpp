@@ -2,7 +2,6 @@
 /// The pause that a swap of a running core costs its real-time thread: what the receipts say,
 /// against a raw thread that takes a pointer out of an atomic word when it wakes.
 #include <array>
-#include <atomic>
 #include <memory>
 #include <string>
 #include <thread>
@@ -82,12 +81,6 @@ struct OneComponent : mauve::Architecture {
   mauve::Component<mauve::EmptyShell, First, mauve::PeriodicFsm<Work>> component{*this, "work"};
 };
 
-/// CPUs. What the coordinator wrote on another one has to come from there, line by line.
-struct Places {
-  int component;
-  int coordinator;
-};
-
 struct Swaps {
   std::vector<double> pauses;  // ns
   std::uint64_t missed = 0;    // releases, as the receipts say
@@ -123,38 +116,6 @@ Swaps swap_to_and_fro(Places places, int swaps, Duration period = kPeriod) {
   }
   static_cast<void>(deployer.shutdown());
   return result;
-}
-
-/// The floor: one slot checked, one pointer exchanged, one given back, between two clock readings.
-std::vector<double> raw_exchanges(Places places, int swaps) {
-  std::atomic<int*> pending{nullptr};
-  std::atomic<int*> retired{nullptr};
-  std::vector<double> pauses;
-  auto current = std::make_unique<int>(0);
-  std::atomic<Instant> pause{0};
-  const OnCpu here(places.coordinator, 0);
-  const RawLoop loop(places.component, fifo_or_none(kPriority), now() + kPeriod.count(), kPeriod,
-                     [&](Instant) {
-                       int* next = pending.load(std::memory_order_acquire);
-                       if (next == nullptr) return;
-                       const Instant begin = now();
-                       pending.store(nullptr, std::memory_order_relaxed);
-                       int* old = current.release();
-                       current.reset(next);
-                       *next += 1;
-                       pause.store(now() - begin, std::memory_order_relaxed);
-                       retired.store(old, std::memory_order_release);
-                     });
-  for (int i = 0; i < swaps; ++i) {
-    pending.store(new int(i), std::memory_order_release);
-    int* old = nullptr;
-    while ((old = retired.exchange(nullptr, std::memory_order_acquire)) == nullptr) {
-      std::this_thread::sleep_for(std::chrono::microseconds(100));
-    }
-    delete old;
-    pauses.push_back(static_cast<double>(pause.load(std::memory_order_relaxed)));
-  }
-  return pauses;
 }
 
 /// A task driven by hand: what a job with a swap takes longer than one without, all of it: slot,
@@ -237,8 +198,9 @@ void run(const Options& options) {
     const Places together{last, last};
     using A = Without<1>;
     using B = Without<2>;
-    same.add(all.count(swap_to_and_fro<A, B>(together, swaps)), raw_exchanges(together, swaps));
-    const auto raw = raw_exchanges(apart, swaps);
+    same.add(all.count(swap_to_and_fro<A, B>(together, swaps)),
+             raw_exchanges(together, kPriority, swaps));
+    const auto raw = raw_exchanges(apart, kPriority, swaps);
     without.add(all.count(swap_to_and_fro<A, B>(apart, swaps)), raw);
     small.add(all.count(swap_to_and_fro<With<1, Small>, With<2, Small>>(apart, swaps)), raw);
     large.add(all.count(swap_to_and_fro<With<1, Large>, With<2, Large>>(apart, swaps)), raw);
