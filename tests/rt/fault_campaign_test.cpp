@@ -10,13 +10,11 @@
 
 #include "rt/rescue.h"
 #include "support/campaign.h"
-#include "support/eventually.h"
+#include "support/outcomes.h"
 #include "support/ramp.h"
 
 namespace mauve {
 namespace {
-
-using test::eventually;
 
 /// Fails from its third job on.
 struct Failing : ramp::Up {
@@ -53,22 +51,13 @@ struct Blocking final : Failing {
   }
 };
 
-struct Pair : Architecture {
-  SharedData<double> bad_position{*this, "bad_position"};
-  SharedData<double> good_position{*this, "good_position"};
-  Component<ramp::Shell, ramp::Up, ramp::Fsm> bad{*this, "bad"};
-  Component<ramp::Shell, ramp::Up, ramp::Fsm> good{*this, "good"};
-
+struct Pair : ramp::Two<ramp::Up> {
   Pair() {
-    bad.fsm().period = 1ms;
-    bad.task().priority = 40;
-    bad.task().watchdog = 5ms;
-    good.fsm().period = 1ms;
-    good.task().priority = 80;
-  }
-  Status on_configure() override {
-    if (auto done = bad.shell().out.connect(bad_position.write_service()); !done) return done;
-    return good.shell().out.connect(good_position.write_service());
+    left.fsm().period = 1ms;
+    left.task().priority = 40;
+    left.task().watchdog = 5ms;
+    right.fsm().period = 1ms;
+    right.task().priority = 80;
   }
 };
 
@@ -92,26 +81,24 @@ class FaultCampaign : public testing::Test {
     Pair architecture;
     Deployer deployer(architecture, {.realtime = Realtime::require});
     ASSERT_TRUE(deployer.deploy());
-    test::UnderLoad load(tally, [&] { return deployer.status("good").missed; });
+    test::UnderLoad load(tally, [&] { return deployer.status("right").missed; });
     for (int i = 0; i < rounds; ++i) {
       const Result<Receipt> done =
-          deployer.swap_core("bad", CoreType::of<Core>("bad"), StatePolicy::drop);
+          deployer.swap_core("left", CoreType::of<Core>("failing"), StatePolicy::drop);
       ASSERT_TRUE(done) << to_string(done.error());
-      if (deployer.status("bad").state != ComponentState::running) {
-        static_cast<void>(deployer.start({"bad"}));
+      if (deployer.status("left").state != ComponentState::running) {
+        static_cast<void>(deployer.start({"left"}));
       }
-      ASSERT_TRUE(
-          eventually([&] { return deployer.status("bad").state == ComponentState::faulted; }));
+      ASSERT_TRUE(test::is_faulted(deployer, "left"));
       after();
-      Retired free;
-      static_cast<void>(deployer.tend(free));
+      static_cast<void>(test::tend(deployer));
       deployer.drain([](const Happening&) {});
       load.close_window();
     }
-    const ComponentStatus good = deployer.status("good");
+    const ComponentStatus right = deployer.status("right");
     std::printf("%d times %s: releases of the other %llu\n", rounds, what,
-                static_cast<unsigned long long>(good.releases));
-    EXPECT_EQ(good.state, ComponentState::running);
+                static_cast<unsigned long long>(right.releases));
+    EXPECT_EQ(right.state, ComponentState::running);
   }
 };
 
