@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// What the runtime adds to each state and to each job, against calling the same core methods one
-/// after the other. Releases are run back to back, without the sleep between them, on the real
-/// clock: their instants lie far ahead, so that no job is late.
-#include <iostream>
+/// after the other. Releases are run back to back, on a clock that is moved forward by the wait
+/// instead of sleeping through it.
+#include <memory>
 #include <string>
 
+#include "bench/support/checked.h"
 #include "bench/support/machine.h"
 #include "bench/support/report.h"
+#include "bench/support/stepped_clock.h"
 
 #include <mauve/architecture.h>
 
@@ -20,6 +22,8 @@ using mauve::exec::Task;
 
 constexpr std::size_t kStates = 100;
 constexpr int kPriority = 50;
+/// So long that no batch of jobs is late at its end.
+constexpr Duration kWait{1'000'000'000};
 
 /// The contract: methods that a compiler cannot see through.
 struct Stepping : mauve::Core<mauve::EmptyShell> {
@@ -31,9 +35,9 @@ struct Stepping : mauve::Core<mauve::EmptyShell> {
 
 struct Counting final : Stepping {
   mauve::Stateless stateless{*this};
-  std::uint64_t steps = 0;
-  void step() override { ++steps; }
-  bool at_end() override { return steps == 0; }
+  volatile std::uint64_t steps = 0;  // a loop of calls is not one addition
+  [[gnu::noinline]] void step() override { steps = steps + 1; }
+  [[gnu::noinline]] bool at_end() override { return steps == 0; }
 };
 
 /// `States` execution states in a row, then one wait. With `Guards`, each state has a transition
@@ -57,38 +61,69 @@ struct Chain : mauve::Fsm<Stepping> {
   }
 
   std::vector<std::unique_ptr<Exec>> states;
-  Sync wait{*this, "wait", std::chrono::milliseconds(1)};
+  Sync wait{*this, "wait", kWait};
+};
+
+/// How a component is looked after.
+enum class Care {
+  none,
+  on_probation,  ///< a change on probation, a bound for the guard, and a relief standing by
+  full,          ///< and a budget
 };
 
 /// A task as the deployer makes it, driven by hand.
 template <typename FsmT>
 class Driven {
  public:
-  Driven() {
-    if (mauve::Status done = architecture_.configure(); !done) {
-      std::cerr << mauve::to_string(done.error()) << "\n";
-      std::exit(1);
-    }
-    auto first = std::make_unique<Published>();
-    first->bundle = component_.bundle();
-    first->mode = mauve::Mode::run;
-    task_.begin(std::move(first), now() + 3'600'000'000'000);
+  explicit Driven(Care care = Care::none) {
+    if (care == Care::full) component_.task().budget = std::chrono::seconds(1);
+    must(architecture_.configure());
+    task_.begin(bundle(mauve::Mode::run), clock_.now());
+    if (care != Care::none) look_after();
   }
   /// Nanoseconds for one job, over `jobs` of them.
   double job(int jobs) {
+    const std::uint64_t before = task_.counters().releases;
+    clock_.set(task_.next_release());
     const Instant start = now();
     for (int i = 0; i < jobs; ++i) {
       task_.serve();
       task_.release();
+      clock_.step(kWait);
     }
-    return static_cast<double>(now() - start) / jobs;
+    const Instant end = now();
+    must_hold(task_.counters().releases == before + static_cast<std::uint64_t>(jobs),
+              "some releases were no jobs");
+    return static_cast<double>(end - start) / jobs;
   }
   [[nodiscard]] Stepping& core() const { return component_.core(); }
 
  private:
+  [[nodiscard]] std::unique_ptr<Published> bundle(mauve::Mode mode) {
+    auto made = std::make_unique<Published>();
+    made->bundle = component_.bundle();
+    made->mode = mode;
+    made->bound = std::chrono::seconds(10);
+    made->transaction = &decided_;
+    return made;
+  }
+  /// As after a change whose probation has begun; the guard would sleep until the bound.
+  void look_after() {
+    auto forth = bundle(mauve::Mode::keep);
+    forth->back = bundle(mauve::Mode::keep);
+    forth->back->transaction = &way_back_.transaction();
+    forth->back->way_back = &way_back_;
+    clock_.set(task_.next_release());
+    task_.publish(*forth.release());
+    task_.release();
+    must_hold(task_.stand_by(*bundle(mauve::Mode::keep).release()), "no relief stands by");
+  }
+
+  mauve::exec::Transaction decided_{0, mauve::exec::Transaction::State::committed};
+  mauve::exec::WayBack way_back_;
   mauve::Architecture architecture_;
   mauve::Component<mauve::EmptyShell, Counting, FsmT> component_{architecture_, "stepping"};
-  mauve::MonotonicClock clock_;
+  SteppedClock clock_;
   Task task_{"stepping", clock_};
 };
 
@@ -128,21 +163,37 @@ void run(const Options& options) {
   Report report("boundary",
                 "Cost of running core methods through a task, against calling them in a loop. A "
                 "state is an execution state and its transition; a job is a release, one state, a "
-                "wait that is armed but not slept, and all clock readings and counters.",
+                "wait that is armed but not slept, and all clock readings and counters. With all "
+                "care: a change on probation, a bound for the guard, a relief that stands by, and "
+                "a budget, which on probation costs each job a reading of the processor's clock.",
                 options);
   Figure& state = report.figure("a state of 100 in a row", "ns", above_raw(100));
   Figure& guarded = report.figure("a state with one guard asked", "ns", above_raw(100));
   Figure& job = report.figure("a job of one state, without its sleep", "ns", above_raw(100));
+  Figure& cared = report.figure("a state of 100 in a row, all care", "ns", above_raw(100));
+  Figure& cared_guarded = report.figure("a state with one guard, all care", "ns", above_raw(100));
+  Figure& watched_job =
+      report.figure("a job of one state, all care but a budget", "ns", above_raw(100));
+  Figure& cared_job = report.figure("a job of one state, all care", "ns", above_raw(100));
   Driven<Chain<kStates, false>> chain;
   Driven<Chain<kStates, true>> guarded_chain;
   Driven<Chain<1, false>> single;
+  Driven<Chain<kStates, false>> cared_chain(Care::full);
+  Driven<Chain<kStates, true>> cared_guarded_chain(Care::full);
+  Driven<Chain<1, false>> watched_single(Care::on_probation);
+  Driven<Chain<1, false>> cared_single(Care::full);
+  const auto add = [&options](Figure& figure, auto& driven, std::size_t states, bool guards) {
+    const Pair jobs = measure(driven, states, guards, options);
+    figure.add(jobs.ours / static_cast<double>(states), jobs.raw / static_cast<double>(states));
+  };
   for (int i = 0; i < options.rounds; ++i) {
-    const Pair states = measure(chain, kStates, false, options);
-    state.add(states.ours / kStates, states.raw / kStates);
-    const Pair guards = measure(guarded_chain, kStates, true, options);
-    guarded.add(guards.ours / kStates, guards.raw / kStates);
-    const Pair jobs = measure(single, 1, false, options);
-    job.add(jobs.ours, jobs.raw);
+    add(state, chain, kStates, false);
+    add(guarded, guarded_chain, kStates, true);
+    add(job, single, 1, false);
+    add(cared, cared_chain, kStates, false);
+    add(cared_guarded, cared_guarded_chain, kStates, true);
+    add(watched_job, watched_single, 1, false);
+    add(cared_job, cared_single, 1, false);
   }
   report.print();
 }

@@ -6,10 +6,10 @@
 #include <cstddef>
 #include <cstring>
 #include <functional>
-#include <iostream>
 #include <memory>
 #include <string>
 
+#include "bench/support/checked.h"
 #include "bench/support/machine.h"
 #include "bench/support/raw.h"
 #include "bench/support/report.h"
@@ -64,12 +64,7 @@ template <std::size_t Size>
 struct Contenders {
   using T = Block<Size>;
 
-  Contenders() {
-    if (mauve::Status done = wired.configure(); !done) {
-      std::cerr << mauve::to_string(done.error()) << "\n";
-      std::exit(1);
-    }
-  }
+  Contenders() { must(wired.configure()); }
   template <typename Body>
   Operation repeat(Body body) {
     return [body](int times) {

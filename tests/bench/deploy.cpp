@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <functional>
-#include <iostream>
 #include <memory>
 #include <string>
 #include <thread>
@@ -16,6 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "bench/support/checked.h"
 #include "bench/support/machine.h"
 #include "bench/support/raw.h"
 #include "bench/support/report.h"
@@ -63,12 +63,6 @@ struct Many : mauve::Architecture {
   }
   std::vector<std::unique_ptr<Component>> components;
 };
-
-void must(const mauve::Status& done) {
-  if (done) return;
-  std::cerr << mauve::to_string(done.error()) << "\n";
-  std::exit(1);
-}
 
 double two_tasks() {
   Many architecture(2);

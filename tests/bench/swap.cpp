@@ -2,16 +2,15 @@
 /// The pause that a swap of a running core costs its real-time thread: what the receipts say,
 /// against a raw thread that takes a pointer out of an atomic word when it wakes.
 #include <array>
-#include <atomic>
-#include <cstdlib>
-#include <iostream>
 #include <memory>
 #include <string>
 #include <thread>
 
+#include "bench/support/checked.h"
 #include "bench/support/machine.h"
 #include "bench/support/raw.h"
 #include "bench/support/report.h"
+#include "bench/support/stepped_clock.h"
 #include "exec/swap.h"
 #include "exec/task.h"
 
@@ -82,19 +81,6 @@ struct OneComponent : mauve::Architecture {
   mauve::Component<mauve::EmptyShell, First, mauve::PeriodicFsm<Work>> component{*this, "work"};
 };
 
-template <typename T>
-T checked(mauve::Result<T> result) {
-  if (result) return *std::move(result);
-  std::cerr << mauve::to_string(result.error()) << "\n";
-  std::exit(1);
-}
-
-/// CPUs. What the coordinator wrote on another one has to come from there, line by line.
-struct Places {
-  int component;
-  int coordinator;
-};
-
 struct Swaps {
   std::vector<double> pauses;  // ns
   std::uint64_t missed = 0;    // releases, as the receipts say
@@ -114,10 +100,7 @@ template <typename A, typename B>
 Swaps swap_to_and_fro(Places places, int swaps, Duration period = kPeriod) {
   OneComponent<A> architecture(places.component, period);
   mauve::Deployer deployer(architecture);
-  if (mauve::Status up = deployer.deploy(); !up) {
-    std::cerr << mauve::to_string(up.error()) << "\n";
-    std::exit(1);
-  }
+  must(deployer.deploy());
   const Probe probe(deployer.t0() + kPeriod.count() / 4);
   const OnCpu here(places.coordinator, 0);
   Swaps result;
@@ -135,54 +118,24 @@ Swaps swap_to_and_fro(Places places, int swaps, Duration period = kPeriod) {
   return result;
 }
 
-/// The floor: one slot checked, one pointer exchanged, one given back, between two clock readings.
-std::vector<double> raw_exchanges(Places places, int swaps) {
-  std::atomic<int*> pending{nullptr};
-  std::atomic<int*> retired{nullptr};
-  std::vector<double> pauses;
-  auto current = std::make_unique<int>(0);
-  std::atomic<Instant> pause{0};
-  const OnCpu here(places.coordinator, 0);
-  const RawLoop loop(places.component, fifo_or_none(kPriority), now() + kPeriod.count(), kPeriod,
-                     [&](Instant) {
-                       int* next = pending.load(std::memory_order_acquire);
-                       if (next == nullptr) return;
-                       const Instant begin = now();
-                       pending.store(nullptr, std::memory_order_relaxed);
-                       int* old = current.release();
-                       current.reset(next);
-                       *next += 1;
-                       pause.store(now() - begin, std::memory_order_relaxed);
-                       retired.store(old, std::memory_order_release);
-                     });
-  for (int i = 0; i < swaps; ++i) {
-    pending.store(new int(i), std::memory_order_release);
-    int* old = nullptr;
-    while ((old = retired.exchange(nullptr, std::memory_order_acquire)) == nullptr) {
-      std::this_thread::sleep_for(std::chrono::microseconds(100));
-    }
-    delete old;
-    pauses.push_back(static_cast<double>(pause.load(std::memory_order_relaxed)));
-  }
-  return pauses;
-}
-
 /// A task driven by hand: what a job with a swap takes longer than one without, all of it: slot,
 /// decision, bundle, hand-over, event, answer. Caches are warm here. ns.
 double added_to_a_job(int cpu, int swaps) {
   OneComponent<With<1, Small>> first(cpu);
   OneComponent<With<2, Small>> second(cpu);
-  if (!first.configure() || !second.configure()) std::exit(1);
+  must(first.configure());
+  must(second.configure());
   const std::array<mauve::ComponentBase*, 2> bundles{&second.component, &first.component};
-  mauve::MonotonicClock clock;
+  SteppedClock clock;
   mauve::exec::Task task("work", clock);
   const auto make = [](mauve::ComponentBase& of) {
     auto made = std::make_unique<mauve::exec::Published>();
     made->bundle = of.bundle();
     return made;
   };
-  task.begin(make(first.component), now() + 3'600'000'000'000);
+  task.begin(make(first.component), clock.now());
   const auto job = [&] {
+    clock.set(task.next_release());
     const Instant start = now();
     task.release();
     return static_cast<double>(now() - start);
@@ -193,7 +146,7 @@ double added_to_a_job(int cpu, int swaps) {
     const OnCpu here(cpu, fifo_or_none(kPriority));
     mauve::ComponentBase& next = *bundles[static_cast<std::size_t>(i) % 2];
     mauve::ComponentBase& old = *bundles[static_cast<std::size_t>(i + 1) % 2];
-    mauve::exec::Transaction transaction(now());
+    mauve::exec::Transaction transaction(task.next_release());
     transaction.decide(mauve::exec::Transaction::State::committed);
     auto published = make(next);
     published->transaction = &transaction;
@@ -204,6 +157,8 @@ double added_to_a_job(int cpu, int swaps) {
     static_cast<void>(task.reclaim());
     plain.push_back(job());
   }
+  must_hold(task.counters().releases == 2 * static_cast<std::uint64_t>(swaps),
+            "some releases were no jobs");
   return median(added) - median(plain);
 }
 
@@ -243,8 +198,9 @@ void run(const Options& options) {
     const Places together{last, last};
     using A = Without<1>;
     using B = Without<2>;
-    same.add(all.count(swap_to_and_fro<A, B>(together, swaps)), raw_exchanges(together, swaps));
-    const auto raw = raw_exchanges(apart, swaps);
+    same.add(all.count(swap_to_and_fro<A, B>(together, swaps)),
+             raw_exchanges(together, kPriority, swaps));
+    const auto raw = raw_exchanges(apart, kPriority, swaps);
     without.add(all.count(swap_to_and_fro<A, B>(apart, swaps)), raw);
     small.add(all.count(swap_to_and_fro<With<1, Small>, With<2, Small>>(apart, swaps)), raw);
     large.add(all.count(swap_to_and_fro<With<1, Large>, With<2, Large>>(apart, swaps)), raw);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// How late a 1 kHz component starts its job, against a raw thread of the same priority on the
 /// same CPU whose releases lie half a period off: both live through the same milliseconds.
-#include <iostream>
 #include <string>
 #include <thread>
 
+#include "bench/support/checked.h"
 #include "bench/support/machine.h"
 #include "bench/support/raw.h"
 #include "bench/support/report.h"
@@ -75,10 +75,7 @@ Round measure(int cpu, Duration time) {
   Instants raw_started(kCapacity);
   OneComponent architecture(cpu);
   mauve::Deployer deployer(architecture);
-  if (mauve::Status up = deployer.deploy(); !up) {
-    std::cerr << mauve::to_string(up.error()) << "\n";
-    std::exit(1);
-  }
+  must(deployer.deploy());
   const Instant t0 = deployer.t0();
   const Instant raw_first = t0 + kPeriod.count() / 2 + 20 * kPeriod.count();
   const Probe probe(t0 + kPeriod.count() / 4);

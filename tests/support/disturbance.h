@@ -5,7 +5,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <memory>
 #include <thread>
 #include <vector>
 
@@ -30,7 +29,7 @@ class Probe {
     thread_.join();
   }
   [[nodiscard]] bool started() const { return started_; }
-  [[nodiscard]] inline std::uint64_t disturbances() const { return disturbances_; }
+  [[nodiscard]] std::uint64_t disturbances() const { return disturbances_; }
   [[nodiscard]] Instant worst() const { return worst_; }
 
  private:
@@ -74,14 +73,5 @@ class Load {
   std::atomic<bool> quit_{false};
   std::vector<std::thread> threads_;
 };
-
-/// A host that held the probe up so often in one campaign holds others up unseen as well.
-inline constexpr std::uint64_t kTooOften = 10;
-
-inline std::uint64_t disturbances(const std::vector<std::unique_ptr<Probe>>& probes) {
-  std::uint64_t all = 0;
-  for (const auto& probe : probes) all += probe->disturbances();
-  return all;
-}
 
 }  // namespace mauve::test

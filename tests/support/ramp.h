@@ -99,6 +99,34 @@ class Stranger : public mauve::Core<Shell> {
   void update() {}
 };
 
+/// `left`, which a test is about, and `right`, which is well; both at 10 ms.
+template <typename Left, typename Right = Up>
+struct Two : mauve::Architecture {
+  mauve::SharedData<double> left_position{*this, "left_position"};
+  mauve::SharedData<double> right_position{*this, "right_position"};
+  mauve::Component<Shell, Left, Fsm> left{*this, "left"};
+  mauve::Component<Shell, Right, Fsm> right{*this, "right"};
+
+  mauve::Status on_configure() override {
+    if (auto done = left.shell().out.connect(left_position.write_service()); !done) return done;
+    return right.shell().out.connect(right_position.write_service());
+  }
+};
+
+/// At 5 ms; when `left` fails, it counts down.
+template <typename Left, typename Right = Up>
+struct FallingBack : Two<Left, Right> {
+  using Action = mauve::FaultPolicy::Action;
+
+  explicit FallingBack(Action action = Action::fallback) {
+    this->left.task().on_fault.action = action;
+    this->left.fall_back_to(
+        mauve::ComponentBase::Fallback{mauve::CoreType::of<Down>("ramp/down"), {}});
+    this->left.fsm().period = std::chrono::milliseconds(5);
+    this->right.fsm().period = std::chrono::milliseconds(5);
+  }
+};
+
 /// One ramp at 10 ms, its output in `position`, its speed from `speed`.
 struct Architecture : mauve::Architecture {
   mauve::SharedData<double> position{*this, "position"};

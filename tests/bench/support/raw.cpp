@@ -2,6 +2,8 @@
 #include "bench/support/raw.h"
 
 #include <cstring>
+#include <memory>
+#include <thread>
 #include <utility>
 
 #include <linux/futex.h>
@@ -34,6 +36,38 @@ void RawLoop::run(Instant due, Duration period) {
             FUTEX_BITSET_MATCH_ANY);
     body_(now());
   }
+}
+
+std::vector<double> raw_exchanges(Places places, int priority, int count) {
+  constexpr Duration kPeriod{1'000'000};
+  std::atomic<int*> pending{nullptr};
+  std::atomic<int*> retired{nullptr};
+  std::vector<double> pauses;
+  auto current = std::make_unique<int>(0);
+  std::atomic<Instant> pause{0};
+  const OnCpu here(places.coordinator, 0);
+  const RawLoop loop(places.component, fifo_or_none(priority), now() + kPeriod.count(), kPeriod,
+                     [&](Instant) {
+                       int* next = pending.load(std::memory_order_acquire);
+                       if (next == nullptr) return;
+                       const Instant begin = now();
+                       pending.store(nullptr, std::memory_order_relaxed);
+                       int* old = current.release();
+                       current.reset(next);
+                       *next += 1;
+                       pause.store(now() - begin, std::memory_order_relaxed);
+                       retired.store(old, std::memory_order_release);
+                     });
+  for (int i = 0; i < count; ++i) {
+    pending.store(new int(i), std::memory_order_release);
+    int* old = nullptr;
+    while ((old = retired.exchange(nullptr, std::memory_order_acquire)) == nullptr) {
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    }
+    delete old;
+    pauses.push_back(static_cast<double>(pause.load(std::memory_order_relaxed)));
+  }
+  return pauses;
 }
 
 RawPiMutex::RawPiMutex(std::size_t size) : value_(size) {

@@ -54,6 +54,16 @@ class RawLoop {
   mauve::rt::Thread thread_;
 };
 
+/// CPUs. What the coordinator wrote on another one has to come from there, line by line.
+struct Places {
+  int component;
+  int coordinator;
+};
+
+/// The floor of a swap: one slot checked, one pointer exchanged, one given back, between two clock
+/// readings of a 1 kHz thread. ns of each.
+[[nodiscard]] std::vector<double> raw_exchanges(Places places, int priority, int count);
+
 /// memcpy under a priority-inheritance mutex.
 class RawPiMutex {
  public:

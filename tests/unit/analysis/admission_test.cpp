@@ -5,19 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "task_sets.h"
+
 namespace mauve::analysis {
 namespace {
-
-Task task(const std::string& name, int priority, Duration period, Duration execution) {
-  Task task;
-  task.name = name;
-  task.cpu = 0;
-  task.priority = priority;
-  task.graph = periodic(period, execution);
-  return task;
-}
-
-TaskSet set(std::vector<Task> tasks) { return {std::move(tasks), no_overheads()}; }
 
 /// The only problem of a report; fails when there are more or none.
 Problem only_problem(const Report& report) {

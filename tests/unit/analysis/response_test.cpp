@@ -2,21 +2,10 @@
 /// Response times: examples of textbooks, to the nanosecond.
 #include <gtest/gtest.h>
 
-#include "analysis/admission.h"
+#include "task_sets.h"
 
 namespace mauve::analysis {
 namespace {
-
-Task task(const std::string& name, int priority, Duration period, Duration execution) {
-  Task task;
-  task.name = name;
-  task.cpu = 0;
-  task.priority = priority;
-  task.graph = periodic(period, execution);
-  return task;
-}
-
-TaskSet without_overheads(std::vector<Task> tasks) { return {std::move(tasks), no_overheads()}; }
 
 std::vector<Duration> responses(const Report& report) {
   std::vector<Duration> result;
@@ -25,8 +14,8 @@ std::vector<Duration> responses(const Report& report) {
 }
 
 TEST(Response, OfThreePeriodicTasksIsThatOfTheTextbook) {  // Burns and Wellings
-  const Report report = analyze(without_overheads(
-      {task("a", 3, 7ms, 3ms), task("b", 2, 12ms, 3ms), task("c", 1, 20ms, 5ms)}));
+  const Report report =
+      analyze(set({task("a", 3, 7ms, 3ms), task("b", 2, 12ms, 3ms), task("c", 1, 20ms, 5ms)}));
 
   EXPECT_EQ(responses(report), (std::vector<Duration>{3ms, 6ms, 20ms}));
   EXPECT_EQ(report.tasks[2].jobs[0].slack(), 0ms);
@@ -34,8 +23,8 @@ TEST(Response, OfThreePeriodicTasksIsThatOfTheTextbook) {  // Burns and Wellings
 }
 
 TEST(Response, HarmonicPeriodsMayUseAllOfTheProcessor) {
-  const Report report = analyze(without_overheads(
-      {task("c", 3, 20ms, 5ms), task("b", 2, 40ms, 10ms), task("a", 1, 80ms, 40ms)}));
+  const Report report =
+      analyze(set({task("c", 3, 20ms, 5ms), task("b", 2, 40ms, 10ms), task("a", 1, 80ms, 40ms)}));
 
   EXPECT_EQ(responses(report), (std::vector<Duration>{5ms, 15ms, 80ms}));
   EXPECT_TRUE(report.cpus[0].overloaded) << "the kernel stops what takes a whole second";
@@ -43,8 +32,7 @@ TEST(Response, HarmonicPeriodsMayUseAllOfTheProcessor) {
 
 TEST(Response, OfTwoTasksAboveTheLiuAndLaylandBoundMayBeTooLong) {
   // 5/10 + 6/14 = 0.929, above 0.828: the second is late, 6 + 5 + 5 = 16 > 14.
-  const Report report =
-      analyze(without_overheads({task("a", 2, 10ms, 5ms), task("b", 1, 14ms, 6ms)}));
+  const Report report = analyze(set({task("a", 2, 10ms, 5ms), task("b", 1, 14ms, 6ms)}));
 
   ASSERT_TRUE(report.tasks[1].late());
   EXPECT_FALSE(report.tasks[0].late());
@@ -53,8 +41,7 @@ TEST(Response, OfTwoTasksAboveTheLiuAndLaylandBoundMayBeTooLong) {
 }
 
 TEST(Response, CountsEqualPrioritiesAsHigherOnes) {
-  const Report report =
-      analyze(without_overheads({task("a", 1, 10ms, 2ms), task("b", 1, 10ms, 3ms)}));
+  const Report report = analyze(set({task("a", 1, 10ms, 2ms), task("b", 1, 10ms, 3ms)}));
 
   EXPECT_EQ(responses(report), (std::vector<Duration>{5ms, 5ms}));
 }
@@ -66,7 +53,7 @@ TEST(Response, WithBlockingByALowerTaskThatHoldsAResource) {
   a.sections = {{"map", 1ms}};
   c.sections = {{"map", 3ms}};
 
-  const Report report = analyze(without_overheads({a, b, c}));
+  const Report report = analyze(set({a, b, c}));
 
   EXPECT_EQ(responses(report), (std::vector<Duration>{5ms, 9ms, 17ms}));
   EXPECT_EQ(report.tasks[0].blocking, 3ms);
@@ -77,7 +64,7 @@ TEST(Response, WithJitterOfAHigherTask) {
   Task a = task("a", 2, 10ms, 3ms);
   a.jitter = 2ms;
 
-  const Report report = analyze(without_overheads({a, task("b", 1, 20ms, 6ms)}));
+  const Report report = analyze(set({a, task("b", 1, 20ms, 6ms)}));
 
   // 6 + 3 = 9; two releases of a fit into 9 ms when the first comes 2 ms late: 6 + 3 + 3.
   EXPECT_EQ(responses(report), (std::vector<Duration>{5ms, 12ms}));
@@ -107,7 +94,7 @@ TEST(Response, OfAStateMachineIsGivenForEachJob) {
                            {"slow", "fast", 6ms, 30ms, Source::measured, Part::steady}};
   walker.graph.edges = {{0, 1, 10ms}, {1, 0, 30ms}};
 
-  const Report report = analyze(without_overheads({task("top", 2, 8ms, 4ms), walker}));
+  const Report report = analyze(set({task("top", 2, 8ms, 4ms), walker}));
 
   ASSERT_EQ(report.tasks[1].jobs.size(), 2u);
   EXPECT_EQ(report.tasks[1].jobs[0].response, 5ms);
@@ -116,15 +103,13 @@ TEST(Response, OfAStateMachineIsGivenForEachJob) {
 }
 
 TEST(Response, AJobWithoutWorkStillWaitsForOthers) {
-  const Report report =
-      analyze(without_overheads({task("a", 2, 10ms, 4ms), task("b", 1, 10ms, 0ms)}));
+  const Report report = analyze(set({task("a", 2, 10ms, 4ms), task("b", 1, 10ms, 0ms)}));
 
   EXPECT_EQ(responses(report), (std::vector<Duration>{4ms, 4ms}));
 }
 
 TEST(Response, IsNotBoundedWhenHigherTasksTakeEverything) {
-  const Report report =
-      analyze(without_overheads({task("a", 2, 10ms, 10ms), task("b", 1, 100ms, 1ms)}));
+  const Report report = analyze(set({task("a", 2, 10ms, 10ms), task("b", 1, 100ms, 1ms)}));
 
   EXPECT_EQ(responses(report)[1], kUnbounded);
   EXPECT_LE(report.tasks[1].jobs[0].needed_execution, 0ms);
@@ -134,7 +119,7 @@ TEST(Response, ADeadlineAfterTheNextReleaseDoesNotCount) {
   Task late = task("late", 1, 10ms, 1ms);
   late.graph.vertices[0].deadline = 1s;
 
-  EXPECT_EQ(analyze(without_overheads({late})).tasks[0].jobs[0].deadline, 10ms);
+  EXPECT_EQ(analyze(set({late})).tasks[0].jobs[0].deadline, 10ms);
 }
 
 }  // namespace

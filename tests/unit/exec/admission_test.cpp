@@ -9,8 +9,7 @@
 namespace mauve {
 namespace {
 
-struct IdleShell : Shell {};
-struct Idle : Core<IdleShell> {
+struct Idle : Core<EmptyShell> {
   Stateless stateless{*this};
   void update() {}
 };
@@ -18,8 +17,8 @@ using IdleFsm = PeriodicFsm<Idle>;
 
 /// Two tasks on one CPU; the budgets of the tests make them fit or not.
 struct Pair : Architecture {
-  mauve::Component<IdleShell, Idle, IdleFsm> fast{*this, "fast"};
-  mauve::Component<IdleShell, Idle, IdleFsm> slow{*this, "slow"};
+  mauve::Component<EmptyShell, Idle, IdleFsm> fast{*this, "fast"};
+  mauve::Component<EmptyShell, Idle, IdleFsm> slow{*this, "slow"};
 
   Pair(Duration fast_budget, Duration slow_budget) {
     fast.task() = task(30, fast_budget);
@@ -52,7 +51,7 @@ Change with_task(const std::string& component, const TaskAttributes& task) {
 
 Change joining(const std::string& name, Duration budget) {
   auto component = std::make_shared<ComponentBase>(
-      name, ComponentType{"idle", ShellType::of<IdleShell>(), FsmType::of<IdleFsm>("idle"), {}},
+      name, ComponentType{"idle", ShellType::of<EmptyShell>(), FsmType::of<IdleFsm>("idle"), {}},
       CoreType::of<Idle>("idle"));
   component->task() = Pair::task(10, budget);
   Change change{{}};

@@ -8,13 +8,11 @@
 #include <unistd.h>
 
 #include "rt/rescue.h"
-#include "support/eventually.h"
+#include "support/outcomes.h"
 #include "support/ramp.h"
 
 namespace mauve {
 namespace {
-
-using test::eventually;
 
 /// Goes wrong in its fourth job.
 struct Wrong : ramp::Up {
@@ -55,26 +53,6 @@ struct CrashInLibc final : Wrong {
   void go_wrong() override { length = std::strlen(nothing); }
 };
 
-/// `left` goes wrong and falls back; `right` is well.
-template <typename Core>
-struct Two : Architecture {
-  SharedData<double> left_position{*this, "left_position"};
-  SharedData<double> right_position{*this, "right_position"};
-  Component<ramp::Shell, Core, ramp::Fsm> left{*this, "left"};
-  Component<ramp::Shell, ramp::Up, ramp::Fsm> right{*this, "right"};
-
-  explicit Two(FaultPolicy::Action action = FaultPolicy::Action::fallback) {
-    left.task().on_fault.action = action;
-    left.fall_back_to(ComponentBase::Fallback{CoreType::of<ramp::Down>("ramp/down"), {}});
-    left.fsm().period = 5ms;
-    right.fsm().period = 5ms;
-  }
-  Status on_configure() override {
-    if (auto done = left.shell().out.connect(left_position.write_service()); !done) return done;
-    return right.shell().out.connect(right_position.write_service());
-  }
-};
-
 class Crash : public testing::Test {
  protected:
   void SetUp() override {
@@ -83,22 +61,15 @@ class Crash : public testing::Test {
 
   template <typename Core>
   void falls_back(const std::string& text) {
-    Two<Core> architecture;
+    ramp::FallingBack<Core> architecture;
     Deployer deployer(architecture);
     ASSERT_TRUE(deployer.deploy());
-    std::vector<Outcome> outcomes;
-    const bool relieved = eventually([&] {
-      Retired free;
-      for (Outcome& one : deployer.tend(free)) outcomes.push_back(std::move(one));
-      return !outcomes.empty();
-    });
-    ASSERT_TRUE(relieved);
+    const auto outcomes = test::await_outcomes(deployer);
+    ASSERT_FALSE(outcomes.empty());
     EXPECT_EQ(outcomes[0].kind, Outcome::Kind::fell_back);
     EXPECT_EQ(outcomes[0].reason.rfind(text, 0), 0u) << outcomes[0].reason;
-    const std::uint64_t left = deployer.status("left").releases;
-    const std::uint64_t right = deployer.status("right").releases;
-    EXPECT_TRUE(eventually([&] { return deployer.status("left").releases > left + 2; }));
-    EXPECT_TRUE(eventually([&] { return deployer.status("right").releases > right + 2; }));
+    EXPECT_TRUE(test::runs_on(deployer, "left"));
+    EXPECT_TRUE(test::runs_on(deployer, "right"));
     EXPECT_EQ(deployer.status("left").state, ComponentState::running);
     EXPECT_EQ(deployer.status("left").core, "ramp/down");
   }
@@ -119,11 +90,11 @@ TEST_F(Crash, ADivisionByZeroIsContained) {
 TEST_F(Crash, AFullStackIsContained) { falls_back<StackOverflow>("SIGSEGV at address 0x"); }
 
 TEST_F(Crash, WithoutAFallbackCoreItsComponentIsParkedAndItsOutputsAreSafe) {
-  Two<NullDereference> architecture(FaultPolicy::Action::stop);
+  ramp::FallingBack<NullDereference> architecture(FaultPolicy::Action::stop);
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
 
-  ASSERT_TRUE(eventually([&] { return deployer.status("left").state == ComponentState::faulted; }));
+  ASSERT_TRUE(test::is_faulted(deployer, "left"));
 
   EXPECT_EQ(deployer.status("left").fault, "SIGSEGV at address 0x0");
   EXPECT_EQ(ramp::read(architecture.left_position), -1.0);
@@ -137,7 +108,6 @@ TEST_F(Crash, WithoutAFallbackCoreItsComponentIsParkedAndItsOutputsAreSafe) {
 // --- a resource that is held
 // -----------------------------------------------------------------------
 
-struct EmptyShell : Shell {};
 class MeterCore : public Core<EmptyShell> {
  public:
   using Contract = MeterCore;
@@ -165,7 +135,7 @@ TEST_F(Crash, InAResourceIsToldToItsNextUserAndANewCoreHealsIt) {
   Fragile architecture;
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
-  ASSERT_TRUE(eventually([&] { return deployer.status("left").state == ComponentState::faulted; }));
+  ASSERT_TRUE(test::is_faulted(deployer, "left"));
 
   EXPECT_TRUE(architecture.meter.gate().poisoned());
   const double value = 1;
@@ -227,7 +197,7 @@ TEST_F(CrashDeathTest, InTheCLibraryEndsTheProcessWithItsOutputsSafe) {
 TEST_F(CrashDeathTest, OutsideAJobEndsTheProcessWithItsOutputsSafe) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto die = [] {
-    Two<ramp::Up> architecture;
+    ramp::FallingBack<ramp::Up> architecture;
     Deployer deployer(architecture);
     if (!deployer.deploy()) std::exit(2);
     int* volatile nobody = nullptr;

@@ -6,17 +6,7 @@
 namespace mauve {
 namespace {
 
-struct Two : Architecture {
-  SharedData<double> left_position{*this, "left_position"};
-  SharedData<double> right_position{*this, "right_position"};
-  Component<ramp::Shell, ramp::ThrowingInJob, ramp::Fsm> left{*this, "left"};
-  Component<ramp::Shell, ramp::Up, ramp::Fsm> right{*this, "right"};
-
-  Status on_configure() override {
-    if (auto done = left.shell().out.connect(left_position.write_service()); !done) return done;
-    return right.shell().out.connect(right_position.write_service());
-  }
-};
+using Two = ramp::Two<ramp::ThrowingInJob>;
 
 TEST(Fault, ThrowingCoreFaultsOnlyItsComponentAndWritesSafeValues) {
   Two architecture;

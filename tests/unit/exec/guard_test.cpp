@@ -9,13 +9,16 @@
 #include <unistd.h>
 
 #include "rt/rescue.h"
-#include "support/eventually.h"
+#include "support/outcomes.h"
 #include "support/ramp.h"
 
 namespace mauve {
 namespace {
 
+using test::await_outcomes;
 using test::eventually;
+using test::is_faulted;
+using test::runs_on;
 constexpr Duration kBound = 500ms;
 
 /// A call into the system that does not return until it is let go.
@@ -71,45 +74,14 @@ struct Blocked final : ramp::Up {
   }
 };
 
-/// `left` does not return; `right` is well.
+/// `left` does not return.
 template <typename Core>
-struct Two : Architecture {
-  SharedData<double> left_position{*this, "left_position"};
-  SharedData<double> right_position{*this, "right_position"};
-  Component<ramp::Shell, Core, ramp::Fsm> left{*this, "left"};
-  Component<ramp::Shell, ramp::Down, ramp::Fsm> right{*this, "right"};
-
-  explicit Two(FaultPolicy::Action action = FaultPolicy::Action::fallback) {
-    left.task().on_fault.action = action;
-    left.task().watchdog = kBound;
-    left.fall_back_to(ComponentBase::Fallback{CoreType::of<ramp::Down>("ramp/down"), {}});
-    left.fsm().period = 5ms;
-    right.fsm().period = 5ms;
-  }
-  Status on_configure() override {
-    if (auto done = left.shell().out.connect(left_position.write_service()); !done) return done;
-    return right.shell().out.connect(right_position.write_service());
+struct Two : ramp::FallingBack<Core, ramp::Down> {
+  explicit Two(FaultPolicy::Action action = FaultPolicy::Action::fallback)
+      : ramp::FallingBack<Core, ramp::Down>(action) {
+    this->left.task().watchdog = kBound;
   }
 };
-
-std::vector<Outcome> await_outcome(Deployer& deployer) {
-  std::vector<Outcome> outcomes;
-  static_cast<void>(eventually([&] {
-    Retired free;
-    outcomes = deployer.tend(free);
-    return !outcomes.empty();
-  }));
-  return outcomes;
-}
-
-bool runs_on(Deployer& deployer, const char* component) {
-  const std::uint64_t before = deployer.status(component).releases;
-  return eventually([&] { return deployer.status(component).releases > before + 2; });
-}
-
-bool is_faulted(Deployer& deployer) {
-  return eventually([&] { return deployer.status("left").state == ComponentState::faulted; });
-}
 
 class Guard : public testing::Test {
  protected:
@@ -127,7 +99,7 @@ TEST_F(Guard, EndsAnEndlessLoopAndTheFallbackCoreTakesOver) {
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
 
-  const auto outcomes = await_outcome(deployer);
+  const auto outcomes = await_outcomes(deployer);
 
   ASSERT_EQ(outcomes.size(), 1u);
   EXPECT_EQ(outcomes[0].kind, Outcome::Kind::fell_back);
@@ -142,7 +114,7 @@ TEST_F(Guard, GivesUpAThreadThatIsInTheSystemAndAFreshOneGoesOn) {
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
 
-  const auto outcomes = await_outcome(deployer);
+  const auto outcomes = await_outcomes(deployer);
 
   ASSERT_EQ(outcomes.size(), 1u);
   EXPECT_EQ(outcomes[0].kind, Outcome::Kind::fell_back);
@@ -157,9 +129,7 @@ TEST_F(Guard, GivesUpAThreadThatIsInTheSystemAndAFreshOneGoesOn) {
   EXPECT_TRUE(eventually([] { return Blocked::late_write() != -1; }));
   EXPECT_EQ(Blocked::late_write(), 0) << "what it still writes is dropped";
   EXPECT_TRUE(eventually([&] {
-    Retired free;
-    static_cast<void>(deployer.tend(free));
-    static_cast<void>(free.release());
+    static_cast<void>(test::tend(deployer));
     return ramp::Up::configured_cores() == 0;
   })) << "its thread was joined, its core cleaned up";
   EXPECT_TRUE(runs_on(deployer, "left"));
@@ -171,7 +141,7 @@ TEST_F(Guard, ParksAComponentWithoutAFallbackCoreAndItStartsAgain) {
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
 
-  ASSERT_TRUE(is_faulted(deployer));
+  ASSERT_TRUE(is_faulted(deployer, "left"));
   EXPECT_EQ(deployer.status("left").fault, "its job ran longer than 500 ms");
   EXPECT_EQ(ramp::read(architecture.left_position), -1.0) << "the safe value";
 
@@ -191,7 +161,7 @@ TEST_F(Guard, AChangeOfAComponentThatHangsEndsWithIt) {
 
   static_cast<void>(deployer.swap_core<ramp::Down>("left"));
 
-  ASSERT_TRUE(is_faulted(deployer));
+  ASSERT_TRUE(is_faulted(deployer, "left"));
   EXPECT_TRUE(eventually([&] { return !deployer.status("left").changing; }));
   if (deployer.status("left").core != "ramp/down") {
     ASSERT_TRUE(
@@ -210,7 +180,7 @@ TEST_F(Guard, AShutdownLeavesBehindWhatAThreadIsStillIn) {
   block() = forever;
   auto deployer = std::make_unique<Deployer>(*architecture);
   ASSERT_TRUE(deployer->deploy());
-  ASSERT_EQ(await_outcome(*deployer).size(), 1u);
+  ASSERT_EQ(await_outcomes(*deployer).size(), 1u);
 
   EXPECT_EQ(deployer->shutdown(), std::vector<std::string>{"left"});
   deployer.reset();
@@ -221,8 +191,7 @@ TEST_F(Guard, AShutdownLeavesBehindWhatAThreadIsStillIn) {
 // --- a resource that is held
 // -----------------------------------------------------------------------
 
-struct NoShell : Shell {};
-struct SlowMeter final : Core<NoShell> {
+struct SlowMeter final : Core<EmptyShell> {
   void note(const double& value) {
     if (value == 4) block()->wait();
   }
@@ -233,7 +202,7 @@ struct SlowInterface : Interface<SlowMeter> {
 
 /// `right` counts down, so it never hands over a 4.
 struct Shared : Architecture {
-  Resource<NoShell, SlowMeter, SlowInterface> meter{*this, "meter"};
+  Resource<EmptyShell, SlowMeter, SlowInterface> meter{*this, "meter"};
   Component<ramp::Shell, ramp::Up, ramp::Fsm> left{*this, "left"};
   Component<ramp::Shell, ramp::Down, ramp::Fsm> right{*this, "right"};
   Status on_configure() override {
@@ -248,7 +217,7 @@ TEST_F(Guard, WhatALostThreadHoldsIsToldToItsUsersAndLeftWhenItReturns) {
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
 
-  ASSERT_TRUE(is_faulted(deployer));
+  ASSERT_TRUE(is_faulted(deployer, "left"));
 
   Gate& gate = architecture.meter.gate();
   EXPECT_TRUE(gate.poisoned());

@@ -9,8 +9,6 @@
 namespace mauve::exec {
 namespace {
 
-struct EmptyShell : Shell {};
-
 /// Job number n takes `cost(n)` of the manual clock.
 class Busy : public Core<EmptyShell> {
  public:

@@ -2,10 +2,13 @@
 /// What takes over by itself when a core fails, on a clock that is moved by hand.
 #include <gtest/gtest.h>
 
+#include "support/outcomes.h"
 #include "support/ramp.h"
 
 namespace mauve {
 namespace {
+
+using test::tend;
 
 /// Throws in every third job.
 struct Unsteady : ramp::Up {
@@ -25,11 +28,6 @@ struct UnsteadyArchitecture : Architecture {
   explicit UnsteadyArchitecture(FaultPolicy policy) { control.task().on_fault = policy; }
   Status on_configure() override { return control.shell().out.connect(position.write_service()); }
 };
-
-std::vector<Outcome> tend(Deployer& deployer) {
-  Retired free;
-  return deployer.tend(free);
-}
 
 void prepare_reliefs(Deployer& deployer) {
   for (const Change& change : deployer.wanted_reliefs()) {

@@ -13,8 +13,6 @@
 namespace mauve {
 namespace {
 
-struct EmptyShell : Shell {};
-
 /// Asks for everything in `names`, in every job.
 class Asking : public Core<EmptyShell> {
  public:

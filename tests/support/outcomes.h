@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What a system did by itself.
+#pragma once
+
+#include <vector>
+
+#include "support/eventually.h"
+
+#include <mauve/deployer.h>
+
+namespace mauve::test {
+
+/// What was told since the last look; the elements that became free are freed.
+inline std::vector<Outcome> tend(Deployer& deployer) {
+  Retired free;
+  return deployer.tend(free);
+}
+
+/// The first that are told; none when nothing is.
+[[nodiscard]] inline std::vector<Outcome> await_outcomes(Deployer& deployer) {
+  std::vector<Outcome> outcomes;
+  static_cast<void>(eventually([&] {
+    outcomes = tend(deployer);
+    return !outcomes.empty();
+  }));
+  return outcomes;
+}
+
+/// Runs three more jobs.
+[[nodiscard]] inline bool runs_on(const Deployer& deployer, const char* component) {
+  const std::uint64_t before = deployer.status(component).releases;
+  return eventually([&] { return deployer.status(component).releases > before + 2; });
+}
+
+[[nodiscard]] inline bool is_faulted(const Deployer& deployer, const char* component) {
+  return eventually([&] { return deployer.status(component).state == ComponentState::faulted; });
+}
+
+}  // namespace mauve::test
