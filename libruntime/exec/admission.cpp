@@ -229,9 +229,8 @@ Result<std::vector<std::string>> admit_change(System& system,
   // Of members it is said again what stays so.
   for (const Problem& problem : lasting) {
     const bool of_member = std::any_of(
-        change.members.begin(), change.members.end(), [&](const PreparedMember& member) {
-          return member.component->name() == problem.error.at;
-        });
+        change.members.begin(), change.members.end(),
+        [&](const PreparedMember& member) { return member.component->name() == problem.error.at; });
     if (of_member && !has(problems, problem)) problems.push_back(problem);
   }
   return warnings_of(problems);

@@ -7,9 +7,9 @@
 
 #include "base/name.h"
 #include "exec/admission.h"
-#include "exec/placement.h"
 #include "exec/commit.h"
 #include "exec/last_words.h"
+#include "exec/placement.h"
 #include "exec/probation.h"
 #include "exec/relief.h"
 #include "rt/memory.h"

@@ -71,8 +71,8 @@ class System {
   Instant t0 = 0;
   bool up = false;
   bool realtime = false;
-  analysis::Overheads overheads;     ///< of this machine, for admission
-  bool overheads_measured = false;  ///< else assumed
+  analysis::Overheads overheads;              ///< of this machine, for admission
+  bool overheads_measured = false;            ///< else assumed
   std::unique_ptr<rt::LastWords> last_words;  ///< while it is up
 
   [[nodiscard]] Deployed* find(std::string_view component);

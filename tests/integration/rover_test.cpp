@@ -32,7 +32,8 @@ const std::filesystem::path kRoot = MAUVE_SOURCE_DIR;
 class Simulated {
  public:
   /// `sample`: what to read in place of the GNSS sample.
-  explicit Simulated(const std::string& name, const std::string& sample = {})
+  explicit Simulated(const std::string& name, const std::string& sample = {},
+                     mauve::Admission admission = mauve::Admission::warn)
       : catalog_({MAUVE_PLUGIN_DIR}) {
     std::string text = support::bytes_of(kRoot / "etc" / name);
     if (!sample.empty()) replace(text, "etc/samples/gnss.nmea", sample);
@@ -42,13 +43,17 @@ class Simulated {
     architecture_ = mauve::arch::load(text, catalog_, problems);
     EXPECT_TRUE(architecture_ != nullptr) << name;
     if (architecture_ == nullptr) return;
-    deployer_ = std::make_unique<Deployer>(*architecture_,
-                                           mauve::DeployOptions{mauve::Realtime::off, true});
+    deployer_ = std::make_unique<Deployer>(
+        *architecture_, mauve::DeployOptions{mauve::Realtime::off, true, admission});
     const mauve::Status up = deployer_->deploy();
     EXPECT_TRUE(up) << (up ? "" : to_string(up.error()));
   }
 
   [[nodiscard]] Deployer& deployer() { return *deployer_; }
+  [[nodiscard]] auto core(const std::string& name) const { return catalog_.core(name); }
+  [[nodiscard]] mauve::TaskAttributes task(const std::string& component) const {
+    return architecture_->find_component(component)->bundle()->task;
+  }
   void load(const std::string& plugin) { EXPECT_TRUE(catalog_.load(plugin)); }
 
   /// The observable "control.core.goals_reached" of a component, or of a resource, as a number.
@@ -190,6 +195,36 @@ TEST(RoverSimulated, HearsItsReceiverThroughTheSerialLine) {
 
   EXPECT_EQ(rover.observe("gnss", "bad_frames"), 0.0);
   EXPECT_EQ(rover.observe("gnss", "satellites"), 9.0);
+}
+
+TEST(RoverSimulated, IsProvedToMeetItsDeadlinesAndRefusesACoreThatWouldNot) {
+  Simulated rover("rover.json", {}, mauve::Admission::strict);
+  const mauve::Timing timing = rover.deployer().analyze();
+  EXPECT_TRUE(timing.problems.empty()) << timing.problems.front();
+  EXPECT_GT(timing.factor.value_or(0), 1.0);
+  mauve::Edit edit;
+  edit.component = "control";
+  edit.core = *rover.core("guidance/finite_time");
+  edit.task = rover.task("control");
+  edit.task->budget = 12ms;
+
+  const mauve::Result<Receipt> refused = rover.deployer().apply({{edit}});
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, mauve::Errc::limit);
+  EXPECT_EQ(refused.error().at, "control");
+  EXPECT_EQ(rover.deployer().generation(), 1U);
+  edit.task->budget = 1ms;
+  EXPECT_TRUE(rover.deployer().apply({{edit}}));
+}
+
+TEST(RoverSimulated, RunsWhoUsesItsWorldOnOneCpu) {
+  Simulated rover("rover.json");
+
+  const auto cpus = [&](const char* name) { return rover.deployer().status(name).cpus; };
+
+  EXPECT_EQ(cpus("laser"), cpus("robot"));
+  EXPECT_EQ(cpus("receiver"), cpus("robot"));
 }
 
 TEST(MinimalSimulated, CountsAndGoesOnCountingAfterASwap) {

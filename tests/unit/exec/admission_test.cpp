@@ -154,6 +154,19 @@ TEST(Admission, WarnDoesNotRepeatWhatTheChangeIsNotAbout) {
   EXPECT_TRUE(done->warnings.empty()) << done->warnings.front();
 }
 
+TEST(Admission, AChangeThatMendsALateComponentIsNotBlamedForIt) {
+  Pair architecture(2ms, 30ms);
+  Deployer deployer(architecture, options(Admission::warn));
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(says(deployer.warnings(), "slow: job"));
+
+  const Result<Receipt> done = deployer.apply(with_task("slow", Pair::task(20, 4ms)));
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_TRUE(done->warnings.empty()) << done->warnings.front();
+  EXPECT_TRUE(deployer.analyze().problems.empty());
+}
+
 TEST(Admission, WhatLeavesMakesRoom) {
   Pair architecture(4ms, 6ms);
   Deployer deployer(architecture, options(Admission::strict));

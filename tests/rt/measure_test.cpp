@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What the runtime measures for admission: what a job uses, how long it holds a resource, what the
+/// machine takes for itself.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "rt/machine_costs.h"
+#include "rt/preemption.h"
+#include "rt/thread.h"
+#include "support/eventually.h"
+
+#include <mauve/clock.h>
+#include <mauve/gate.h>
+
+namespace mauve {
+namespace {
+
+constexpr Duration kHeld = 300us;
+
+void busy_for(Duration time) {
+  const MonotonicClock clock;
+  const Instant end = clock.now() + time.count();
+  while (clock.now() < end) {
+  }
+}
+
+TEST(Preemption, IsToldWhereTheKernelKnowsRestartableSequences) {
+  if (!rt::preemption_is_told()) GTEST_SKIP() << "NOT TESTED: this kernel or libc does not tell";
+  rt::watch_for_preemption();
+  std::this_thread::sleep_for(100us);
+  EXPECT_TRUE(rt::preempted()) << "a thread that sleeps is preempted";
+
+  EXPECT_TRUE(test::eventually([] {
+    rt::watch_for_preemption();
+    busy_for(10us);
+    return !rt::preempted();
+  })) << "ten microseconds in a row";
+
+  rt::end_preemption_watch();
+  EXPECT_TRUE(rt::preempted()) << "nobody watched";
+}
+
+TEST(Gate, KnowsHowLongAnUninterruptedJobHeldIt) {
+  if (!rt::preemption_is_told()) GTEST_SKIP() << "NOT TESTED: this kernel or libc does not tell";
+  Gate gate;
+  Gate shortly;
+  shortly.hold_shortly();
+
+  EXPECT_TRUE(test::eventually([&] {
+    rt::watch_for_preemption();
+    {
+      const Entry one(gate);
+      const Entry other(shortly);
+      busy_for(kHeld);
+    }
+    return gate.longest_hold() > Duration{0};
+  }));
+  rt::end_preemption_watch();
+
+  EXPECT_GE(gate.longest_hold(), kHeld);
+  EXPECT_EQ(shortly.longest_hold(), Duration{0}) << "the clock would take longer";
+}
+
+TEST(Gate, DoesNotMeasureOutsideJobs) {
+  Gate gate;
+  {
+    const Entry entry(gate);
+    busy_for(kHeld);
+  }
+  EXPECT_EQ(gate.longest_hold(), Duration{0});
+}
+
+TEST(MachineCosts, AreMeasuredOnEachCpuAtRealTimePriority) {
+  if (!rt::may_use_fifo(50)) {
+    EXPECT_FALSE(rt::measure_machine(rt::usable_cpus(), 50));
+    GTEST_SKIP() << "NOT TESTED: no SCHED_FIFO here";
+  }
+
+  const auto costs = rt::measure_machine(rt::usable_cpus(), 50);
+
+  ASSERT_TRUE(costs);
+  EXPECT_GT(costs->wake, Duration{0});
+  EXPECT_GT(costs->activation, Duration{0});
+  EXPECT_GE(costs->interrupt, Duration{0});
+  EXPECT_LT(costs->kernel, 2 * rt::MachineCosts::window) << "with a margin of two";
+}
+
+}  // namespace
+}  // namespace mauve
