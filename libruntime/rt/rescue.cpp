@@ -19,7 +19,8 @@
 namespace mauve::rt {
 namespace {
 
-constexpr std::array<int, 4> kFaults{SIGSEGV, SIGBUS, SIGFPE, SIGILL};
+/// SIGABRT is always sent: by std::terminate(), a failed assertion, a corrupt heap.
+constexpr std::array<int, 5> kFaults{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 
 struct Frame {
   sigjmp_buf buffer;
@@ -164,12 +165,18 @@ void install(Installed& before) {
 }  // namespace
 
 void describe(const Fault& fault, char* text, std::size_t room) {
-  const char* name = fault.signal == SIGSEGV  ? "SIGSEGV"
-                     : fault.signal == SIGBUS ? "SIGBUS"
-                     : fault.signal == SIGFPE ? "SIGFPE"
-                     : fault.signal == SIGILL ? "SIGILL"
-                                              : "a signal";
-  std::snprintf(text, room, "%s at address 0x%lx", name, static_cast<unsigned long>(fault.address));
+  const char* name = fault.signal == SIGSEGV   ? "SIGSEGV"
+                     : fault.signal == SIGBUS  ? "SIGBUS"
+                     : fault.signal == SIGFPE  ? "SIGFPE"
+                     : fault.signal == SIGILL  ? "SIGILL"
+                     : fault.signal == SIGABRT ? "SIGABRT"
+                                               : "a signal";
+  if (fault.sent) {
+    std::snprintf(text, room, "%s", name);
+  } else {
+    std::snprintf(text, room, "%s at address 0x%lx", name,
+                  static_cast<unsigned long>(fault.address));
+  }
 }
 
 Fault rescued(void (*body)(void*), void* argument, const Watched& watched) {

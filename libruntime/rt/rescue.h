@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Rescue: a fault of user code (SIGSEGV, SIGBUS, SIGFPE, SIGILL) ends the body it happened in, not
 /// the process; and a guard may end a body that does not return. No destructor of what was on the
-/// stack runs. Not where the fault lies in code of the system, which may hold locks of its own:
-/// there the process speaks its last words and dies.
+/// stack runs. Not where the fault lies in code of the system, which may hold locks of its own, and
+/// not when the code itself gave up (SIGABRT): there the process speaks its last words and dies.
 #pragma once
 
 #include <array>

@@ -53,6 +53,10 @@ struct CrashInLibc final : Wrong {
   void go_wrong() override { length = std::strlen(nothing); }
 };
 
+struct Aborting final : Wrong {
+  void go_wrong() override { std::abort(); }
+};
+
 class Crash : public testing::Test {
  protected:
   void SetUp() override {
@@ -192,6 +196,19 @@ TEST_F(CrashDeathTest, InTheCLibraryEndsTheProcessWithItsOutputsSafe) {
   EXPECT_EXIT(die_in_libc(), testing::KilledBySignal(SIGSEGV),
               "the motor is safe[^\\0]*mauve: SIGSEGV at address 0x0 in thread left: the safe "
               "values of 2 components are written");
+}
+
+TEST_F(CrashDeathTest, ByGivingUpInAJobEndsTheProcessWithItsOutputsSafe) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto die = [] {
+    ramp::FallingBack<Aborting> architecture;
+    Deployer deployer(architecture);
+    if (!deployer.deploy()) std::exit(2);
+    std::this_thread::sleep_for(20s);
+    std::exit(3);
+  };
+  EXPECT_EXIT(die(), testing::KilledBySignal(SIGABRT),
+              "mauve: SIGABRT in thread left: the safe values of 2 components are written");
 }
 
 TEST_F(CrashDeathTest, OutsideAJobEndsTheProcessWithItsOutputsSafe) {
