@@ -99,6 +99,22 @@ class Stranger : public mauve::Core<Shell> {
   void update() {}
 };
 
+/// One ramp with this core at 10 ms, its output in `position`.
+template <typename Core>
+struct One : mauve::Architecture {
+  mauve::SharedData<double> position{*this, "position"};
+  mauve::Component<Shell, Core, Fsm> control{*this, "control"};
+
+  mauve::Status on_configure() override {
+    return control.shell().out.connect(position.write_service());
+  }
+};
+
+/// And one whose speed may come from `speed`.
+struct Architecture : One<Up> {
+  mauve::SharedData<double> speed{*this, "speed"};
+};
+
 /// `left`, which a test is about, and `right`, which is well; both at 10 ms.
 template <typename Left, typename Right = Up>
 struct Two : mauve::Architecture {
@@ -124,18 +140,6 @@ struct FallingBack : Two<Left, Right> {
         mauve::ComponentBase::Fallback{mauve::CoreType::of<Down>("ramp/down"), {}});
     this->left.fsm().period = std::chrono::milliseconds(5);
     this->right.fsm().period = std::chrono::milliseconds(5);
-  }
-};
-
-/// One ramp at 10 ms, its output in `position`, its speed from `speed`.
-struct Architecture : mauve::Architecture {
-  mauve::SharedData<double> position{*this, "position"};
-  mauve::SharedData<double> speed{*this, "speed"};
-  mauve::Component<Shell, Up, Fsm> control{*this, "control"};
-
-  mauve::Status on_configure() override {
-    if (auto done = control.shell().out.connect(position.write_service()); !done) return done;
-    return mauve::ok();
   }
 };
 

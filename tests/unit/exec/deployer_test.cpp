@@ -63,11 +63,7 @@ struct Hanging : ramp::Up {
   }
 };
 
-struct HangingArchitecture : Architecture {
-  SharedData<double> position{*this, "position"};
-  Component<ramp::Shell, Hanging, ramp::Fsm> control{*this, "control"};
-  Status on_configure() override { return control.shell().out.connect(position.write_service()); }
-};
+using HangingArchitecture = ramp::One<Hanging>;
 
 TEST(Deployer, TakesAChangeBackWhenTheComponentNeverEndsItsJob) {
   Hanging::released() = false;
