@@ -5,6 +5,8 @@
 
 #include <atomic>
 #include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <mauve/architecture.h>
@@ -142,6 +144,15 @@ struct FallingBack : Two<Left, Right> {
     this->right.fsm().period = std::chrono::milliseconds(5);
   }
 };
+
+/// Another core for one component.
+template <typename Core>
+mauve::Edit to_core(std::string type_name, std::string component = "control") {
+  mauve::Edit edit;
+  edit.component = std::move(component);
+  edit.core = mauve::CoreType::of<Core>(std::move(type_name));
+  return edit;
+}
 
 inline double read(mauve::SharedDataBase& data) {
   double value = 0;

@@ -131,10 +131,7 @@ TEST_F(HangingDeployer, ParksACoreThatHungAsSoonAsItsJobEnds) {
 }
 
 TEST_F(HangingDeployer, StopsTheOthersWhileAChangeWaitsForACoreThatHangs) {
-  Edit edit;
-  edit.component = "control";
-  edit.core = CoreType::of<ramp::Down>("ramp/down");
-  Result<PreparedChange> change = deployer.prepare({{edit}});
+  Result<PreparedChange> change = deployer.prepare({{ramp::to_core<ramp::Down>("ramp/down")}});
   ASSERT_TRUE(change);
   const std::shared_ptr<Ongoing> swapping = deployer.begin(*change);
   const std::shared_ptr<Ongoing> stopping = deployer.begin_stop_all();
