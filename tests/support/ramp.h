@@ -5,6 +5,8 @@
 
 #include <atomic>
 #include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <mauve/architecture.h>
@@ -99,6 +101,22 @@ class Stranger : public mauve::Core<Shell> {
   void update() {}
 };
 
+/// One ramp with this core at 10 ms, its output in `position`.
+template <typename Core>
+struct One : mauve::Architecture {
+  mauve::SharedData<double> position{*this, "position"};
+  mauve::Component<Shell, Core, Fsm> control{*this, "control"};
+
+  mauve::Status on_configure() override {
+    return control.shell().out.connect(position.write_service());
+  }
+};
+
+/// And one whose speed may come from `speed`.
+struct Architecture : One<Up> {
+  mauve::SharedData<double> speed{*this, "speed"};
+};
+
 /// `left`, which a test is about, and `right`, which is well; both at 10 ms.
 template <typename Left, typename Right = Up>
 struct Two : mauve::Architecture {
@@ -127,17 +145,14 @@ struct FallingBack : Two<Left, Right> {
   }
 };
 
-/// One ramp at 10 ms, its output in `position`, its speed from `speed`.
-struct Architecture : mauve::Architecture {
-  mauve::SharedData<double> position{*this, "position"};
-  mauve::SharedData<double> speed{*this, "speed"};
-  mauve::Component<Shell, Up, Fsm> control{*this, "control"};
-
-  mauve::Status on_configure() override {
-    if (auto done = control.shell().out.connect(position.write_service()); !done) return done;
-    return mauve::ok();
-  }
-};
+/// Another core for one component.
+template <typename Core>
+mauve::Edit to_core(std::string type_name, std::string component = "control") {
+  mauve::Edit edit;
+  edit.component = std::move(component);
+  edit.core = mauve::CoreType::of<Core>(std::move(type_name));
+  return edit;
+}
 
 inline double read(mauve::SharedDataBase& data) {
   double value = 0;

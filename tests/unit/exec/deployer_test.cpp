@@ -63,11 +63,7 @@ struct Hanging : ramp::Up {
   }
 };
 
-struct HangingArchitecture : Architecture {
-  SharedData<double> position{*this, "position"};
-  Component<ramp::Shell, Hanging, ramp::Fsm> control{*this, "control"};
-  Status on_configure() override { return control.shell().out.connect(position.write_service()); }
-};
+using HangingArchitecture = ramp::One<Hanging>;
 
 TEST(Deployer, TakesAChangeBackWhenTheComponentNeverEndsItsJob) {
   Hanging::released() = false;
@@ -135,10 +131,7 @@ TEST_F(HangingDeployer, ParksACoreThatHungAsSoonAsItsJobEnds) {
 }
 
 TEST_F(HangingDeployer, StopsTheOthersWhileAChangeWaitsForACoreThatHangs) {
-  Edit edit;
-  edit.component = "control";
-  edit.core = CoreType::of<ramp::Down>("ramp/down");
-  Result<PreparedChange> change = deployer.prepare({{edit}});
+  Result<PreparedChange> change = deployer.prepare({{ramp::to_core<ramp::Down>("ramp/down")}});
   ASSERT_TRUE(change);
   const std::shared_ptr<Ongoing> swapping = deployer.begin(*change);
   const std::shared_ptr<Ongoing> stopping = deployer.begin_stop_all();

@@ -12,13 +12,6 @@
 namespace mauve {
 namespace {
 
-struct Moving : Architecture {
-  SharedData<double> position{*this, "position"};
-  Component<ramp::Shell, ramp::First, ramp::Fsm> control{*this, "control"};
-
-  Status on_configure() override { return control.shell().out.connect(position.write_service()); }
-};
-
 /// A core of revision 1 that has climbed to 20 m.
 class HandOver : public testing::Test {
  protected:
@@ -35,7 +28,7 @@ class HandOver : public testing::Test {
     return deployer.swap_core("control", CoreType::of<T>("test/next"), policy);
   }
 
-  Moving architecture;
+  ramp::One<ramp::First> architecture;
   Deployer deployer{architecture, {.simulated = true}};
 };
 

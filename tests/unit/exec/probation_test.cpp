@@ -2,6 +2,7 @@
 /// Probation and the way back, on a clock that is moved by hand.
 #include <gtest/gtest.h>
 
+#include "support/outcomes.h"
 #include "support/ramp.h"
 
 namespace mauve {
@@ -24,21 +25,27 @@ class OnProbation : public testing::Test {
     ASSERT_TRUE(deployer.deploy());
     deployer.run_for(100ms);
   }
-  Result<Receipt> swap(const CoreType& core, Probation probation = {}) {
-    Change change;
-    change.edits.resize(1);
-    change.edits[0].component = "control";
-    change.edits[0].core = core;
+  template <typename T>
+  Result<Receipt> swap_to(Probation probation = {}) {
+    Change change{{ramp::to_core<T>(class_name(typeid(T)))}};
     change.probation = probation;
     return deployer.apply(change);
   }
-  template <typename T>
-  Result<Receipt> swap_to(Probation probation = {}) {
-    return swap(CoreType::of<T>(class_name(typeid(T))), probation);
+  std::vector<Outcome> tend() { return test::tend(deployer); }
+  /// What is told of the change on probation when so much time has passed.
+  Outcome end_after(Duration time) {
+    deployer.run_for(time);
+    const std::vector<Outcome> ends = tend();
+    EXPECT_EQ(ends.size(), 1u);
+    return ends.size() == 1 ? ends[0] : Outcome{};
   }
-  std::vector<Outcome> tend() {
-    Retired free;
-    return deployer.tend(free);
+  /// The same, and it led back to the core `before`.
+  Outcome rolled_back_after(Duration time, const std::string& before, const std::string& reason) {
+    Outcome end = end_after(time);
+    EXPECT_EQ(end.kind, Outcome::Kind::rolled_back);
+    EXPECT_EQ(end.reason, reason);
+    EXPECT_EQ(core(), before);
+    return end;
   }
   std::string core() { return deployer.status("control").core; }
 
@@ -54,17 +61,12 @@ TEST_F(OnProbation, ACoreThatThrowsIsRolledBackAtTheNextRelease) {
 
   deployer.run_for(20ms);  // the fifth job is among these
   EXPECT_EQ(ramp::read(architecture.position), -1.0) << "its safe value, at once";
-  deployer.run_for(20ms);
-  const auto ends = tend();
+  const Outcome end = rolled_back_after(20ms, before, "threw: sensor lost");
 
-  ASSERT_EQ(ends.size(), 1u);
-  EXPECT_EQ(ends[0].kind, Outcome::Kind::rolled_back);
-  EXPECT_EQ(ends[0].component, "control");
-  EXPECT_EQ(ends[0].reason, "threw: sensor lost");
-  EXPECT_EQ(ends[0].began, 2u);
-  EXPECT_EQ(ends[0].generation, 3u);
-  ASSERT_EQ(ends[0].cores.size(), 1u);
-  EXPECT_EQ(core(), before);
+  EXPECT_EQ(end.component, "control");
+  EXPECT_EQ(end.began, 2u);
+  EXPECT_EQ(end.generation, 3u);
+  EXPECT_EQ(end.cores.size(), 1u);
   EXPECT_EQ(deployer.status("control").state, ComponentState::running);
   EXPECT_EQ(deployer.status("control").missed, 0u) << "the old core runs at the next release";
   EXPECT_EQ(deployer.generation(), 3u);
@@ -73,8 +75,7 @@ TEST_F(OnProbation, ACoreThatThrowsIsRolledBackAtTheNextRelease) {
 
 TEST_F(OnProbation, TheStateGoesBackAsItIs) {
   ASSERT_TRUE(swap_to<Bad>());  // counts down: 10, 9, 8, 7, 6, thrown
-  deployer.run_for(100ms);
-  ASSERT_EQ(tend().size(), 1u);
+  end_after(100ms);
 
   // Four jobs down from about 10, then up again without a jump.
   const double position = ramp::read(architecture.position);
@@ -88,29 +89,22 @@ TEST_F(OnProbation, ItEndsAfterSoManyJobsWithoutAFault) {
   deployer.run_for(150ms);
   EXPECT_TRUE(deployer.on_probation());
   EXPECT_TRUE(tend().empty());
-  deployer.run_for(100ms);
-  const auto ends = tend();
+  const Outcome end = end_after(100ms);
 
-  ASSERT_EQ(ends.size(), 1u);
-  EXPECT_EQ(ends[0].kind, Outcome::Kind::passed);
-  EXPECT_EQ(ends[0].reason, "20 jobs without a fault");
+  EXPECT_EQ(end.kind, Outcome::Kind::passed);
+  EXPECT_EQ(end.reason, "20 jobs without a fault");
   EXPECT_EQ(deployer.generation(), 2u);
 }
 
 TEST_F(OnProbation, ItEndsWithItsTime) {
   ASSERT_TRUE(swap_to<ramp::Down>({.time = 200ms}));
 
-  deployer.run_for(250ms);
-
-  const auto ends = tend();
-  ASSERT_EQ(ends.size(), 1u);
-  EXPECT_EQ(ends[0].kind, Outcome::Kind::passed);
+  EXPECT_EQ(end_after(250ms).kind, Outcome::Kind::passed);
 }
 
 TEST_F(OnProbation, AfterItAFaultIsTheComponentsOwn) {
   ASSERT_TRUE(swap_to<Bad>({.activations = 2}));
-  deployer.run_for(30ms);
-  ASSERT_EQ(tend().size(), 1u);
+  end_after(30ms);
 
   deployer.run_for(50ms);
 
@@ -124,14 +118,9 @@ TEST_F(OnProbation, UndoLeadsBack) {
   deployer.run_for(20ms);
 
   ASSERT_TRUE(deployer.undo());
-  deployer.run_for(20ms);
+  const Outcome end = rolled_back_after(20ms, before, "undone by request");
 
-  const auto ends = tend();
-  ASSERT_EQ(ends.size(), 1u);
-  EXPECT_EQ(ends[0].kind, Outcome::Kind::rolled_back);
-  EXPECT_EQ(ends[0].reason, "undone by request");
-  EXPECT_EQ(ends[0].component, "");
-  EXPECT_EQ(core(), before);
+  EXPECT_EQ(end.component, "");
   EXPECT_FALSE(deployer.undo()) << "once";
 }
 
@@ -140,13 +129,8 @@ TEST_F(OnProbation, WhatNobodyConfirmsIsRolledBack) {
   ASSERT_TRUE(swap_to<ramp::Down>({.confirm_within = 50ms}));
   deployer.run_for(60ms);
   EXPECT_TRUE(tend().empty());
-  deployer.run_for(20ms);
 
-  const auto ends = tend();
-  ASSERT_EQ(ends.size(), 1u);
-  EXPECT_EQ(ends[0].kind, Outcome::Kind::rolled_back);
-  EXPECT_EQ(ends[0].reason, "not confirmed within its time");
-  EXPECT_EQ(core(), before);
+  rolled_back_after(20ms, before, "not confirmed within its time");
 }
 
 TEST_F(OnProbation, WhatIsConfirmedStays) {
@@ -154,13 +138,11 @@ TEST_F(OnProbation, WhatIsConfirmedStays) {
   const Result<Receipt> meanwhile = deployer.swap_core<ramp::Up>("control");
 
   ASSERT_TRUE(deployer.confirm());
-  deployer.run_for(100ms);
+  const Outcome end = end_after(100ms);
 
   ASSERT_FALSE(meanwhile);
   EXPECT_EQ(meanwhile.error().code, Errc::conflict);
-  const auto ends = tend();
-  ASSERT_EQ(ends.size(), 1u);
-  EXPECT_EQ(ends[0].reason, "confirmed");
+  EXPECT_EQ(end.reason, "confirmed");
   EXPECT_FALSE(deployer.confirm());
   EXPECT_EQ(deployer.generation(), 2u);
 }
@@ -168,11 +150,8 @@ TEST_F(OnProbation, WhatIsConfirmedStays) {
 TEST_F(OnProbation, ANewerChangeEndsIt) {
   ASSERT_TRUE(swap_to<ramp::Down>());
   ASSERT_TRUE(swap_to<ramp::Up>());
-  deployer.run_for(20ms);
 
-  const auto ends = tend();
-  ASSERT_EQ(ends.size(), 1u);
-  EXPECT_EQ(ends[0].reason, "a newer change");
+  EXPECT_EQ(end_after(20ms).reason, "a newer change");
   EXPECT_TRUE(deployer.on_probation());
   ASSERT_TRUE(deployer.undo());
   deployer.run_for(20ms);
@@ -185,9 +164,8 @@ TEST_F(OnProbation, AStopDuringItParksAndTheWayBackStays) {
 
   ASSERT_TRUE(deployer.stop({"control"}));
   ASSERT_TRUE(deployer.undo());
-  deployer.run_for(20ms);
+  end_after(20ms);
 
-  ASSERT_EQ(tend().size(), 1u);
   EXPECT_EQ(deployer.status("control").state, ComponentState::stopped);
   EXPECT_NE(core().find("Up"), std::string::npos);
 }
@@ -221,11 +199,7 @@ TEST_F(OnProbation, WhatJoinedLeavesAgainAndWhatLeftComesBack) {
   change = {};
   EXPECT_EQ(architecture.find_component("control"), nullptr);
 
-  deployer.run_for(100ms);
-  const auto ends = tend();
-
-  ASSERT_EQ(ends.size(), 1u);
-  EXPECT_EQ(ends[0].component, "second");
+  EXPECT_EQ(end_after(100ms).component, "second");
   EXPECT_NE(architecture.find_component("control"), nullptr);
   EXPECT_EQ(architecture.find_component("second"), nullptr);
   EXPECT_EQ(deployer.status("control").state, ComponentState::running);
@@ -261,16 +235,12 @@ TEST(Plausibility, AnImplausibleValueIsNotLetOutAndRollsBack) {
   GuardedArchitecture architecture;
   Deployer deployer{architecture, {.simulated = true}};
   ASSERT_TRUE(deployer.deploy());
-  Change change;
-  change.edits.resize(1);
-  change.edits[0].component = "pump";
-  change.edits[0].core = CoreType::of<Wild>("wild");
+  Change change{{ramp::to_core<Wild>("wild", "pump")}};
   change.probation = Probation{};
   ASSERT_TRUE(deployer.apply(change));
 
   deployer.run_for(100ms);
-  Retired free;
-  const auto ends = deployer.tend(free);
+  const auto ends = test::tend(deployer);
 
   EXPECT_EQ(ramp::read(architecture.value), 1.0);
   ASSERT_EQ(ends.size(), 1u);

@@ -21,12 +21,15 @@ struct Unsteady : ramp::Up {
   int jobs_ = 0;
 };
 
-struct UnsteadyArchitecture : Architecture {
-  SharedData<double> position{*this, "position"};
-  Component<ramp::Shell, Unsteady, ramp::Fsm> control{*this, "control"};
-
+struct UnsteadyArchitecture : ramp::One<Unsteady> {
   explicit UnsteadyArchitecture(FaultPolicy policy) { control.task().on_fault = policy; }
-  Status on_configure() override { return control.shell().out.connect(position.write_service()); }
+};
+
+/// Counts down when it fails.
+struct FallingBack : UnsteadyArchitecture {
+  FallingBack() : UnsteadyArchitecture({.action = FaultPolicy::Action::fallback}) {
+    control.fall_back_to(ComponentBase::Fallback{CoreType::of<ramp::Down>("ramp/down"), {}});
+  }
 };
 
 void prepare_reliefs(Deployer& deployer) {
@@ -38,9 +41,7 @@ void prepare_reliefs(Deployer& deployer) {
 }
 
 TEST(Relief, TheFallbackCoreTakesOverAtTheNextRelease) {
-  UnsteadyArchitecture architecture({.action = FaultPolicy::Action::fallback});
-  architecture.control.fall_back_to(
-      ComponentBase::Fallback{CoreType::of<ramp::Down>("ramp/down"), {}});
+  FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
   EXPECT_TRUE(deployer.wanted_reliefs().empty()) << "it stands by";
@@ -86,9 +87,7 @@ TEST(Relief, AFreshCoreTakesOverWithinItsBudgetOfRestarts) {
 }
 
 TEST(Relief, AChangeMakesItAnew) {
-  UnsteadyArchitecture architecture({.action = FaultPolicy::Action::fallback});
-  architecture.control.fall_back_to(
-      ComponentBase::Fallback{CoreType::of<ramp::Down>("ramp/down"), {}});
+  FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
   ASSERT_TRUE(deployer.disconnect("control.ports.out"));
@@ -126,13 +125,8 @@ struct Late : ramp::Up {
   }
 };
 
-struct LateArchitecture : Architecture {
-  SharedData<double> position{*this, "position"};
-  Component<ramp::Shell, Late, ramp::Fsm> control{*this, "control"};
-};
-
 TEST(Relief, TheFallbackTakesOverAfterTooManyOverruns) {
-  LateArchitecture architecture;
+  ramp::One<Late> architecture;
   architecture.control.task().on_overrun = OnOverrun::fallback;
   architecture.control.task().overrun_limit = 3;
   architecture.control.fall_back_to(

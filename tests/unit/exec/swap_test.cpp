@@ -75,9 +75,7 @@ TEST_F(Swap, CleansUpAndFreesTheOldCore) {
 
 TEST_F(Swap, ChangesNothingWhenTheNewCoreRefusesItsConfiguration) {
   deployer.run_for(50ms);
-  Edit edit;
-  edit.component = "control";
-  edit.core = CoreType::of<ramp::Up>("ramp/up");
+  Edit edit = ramp::to_core<ramp::Up>("ramp/up");
   edit.properties.emplace_back("core.step", 7.0);
 
   const Result<Receipt> refused = deployer.apply({{edit}});
@@ -247,10 +245,7 @@ TEST_F(Swap, RefusesTheSameComponentTwiceInOneTransaction) {
 }
 
 TEST_F(Swap, RefusesAChangeThatSomebodyElseOvertook) {
-  Edit edit;
-  edit.component = "control";
-  edit.core = CoreType::of<ramp::Down>("ramp/down");
-  Result<PreparedChange> slow = deployer.prepare({{edit}});
+  Result<PreparedChange> slow = deployer.prepare({{ramp::to_core<ramp::Down>("ramp/down")}});
   ASSERT_TRUE(slow);
   ASSERT_TRUE(deployer.swap_core<ramp::Up>("control"));
 
@@ -262,10 +257,7 @@ TEST_F(Swap, RefusesAChangeThatSomebodyElseOvertook) {
 }
 
 TEST_F(Swap, CommitsAPreparedChangeOnAComponentThatWasStoppedMeanwhile) {
-  Edit edit;
-  edit.component = "control";
-  edit.core = CoreType::of<ramp::Down>("ramp/down");
-  Result<PreparedChange> slow = deployer.prepare({{edit}});
+  Result<PreparedChange> slow = deployer.prepare({{ramp::to_core<ramp::Down>("ramp/down")}});
   ASSERT_TRUE(slow);
   ASSERT_TRUE(deployer.stop({"control"}));
 
@@ -293,11 +285,8 @@ TEST_F(Swap, MovesNothingWhileACoreIsPrepared) {
 
 TEST_F(Swap, InPlaceStopsCleansConfiguresAndStartsOnTheGrid) {
   deployer.run_for(100ms);
-  Edit edit;
-  edit.component = "control";
-  edit.core = CoreType::of<ramp::Down>("ramp/down");
 
-  const Result<Receipt> done = deployer.swap_core_in_place(edit);
+  const Result<Receipt> done = deployer.swap_core_in_place(ramp::to_core<ramp::Down>("ramp/down"));
   deployer.run_for(50ms);
 
   ASSERT_TRUE(done) << to_string(done.error());
@@ -310,11 +299,8 @@ TEST_F(Swap, InPlaceStopsCleansConfiguresAndStartsOnTheGrid) {
 
 TEST_F(Swap, InPlaceLeavesAStoppedComponentStopped) {
   ASSERT_TRUE(deployer.stop({"control"}));
-  Edit edit;
-  edit.component = "control";
-  edit.core = CoreType::of<ramp::Down>("ramp/down");
 
-  const Result<Receipt> done = deployer.swap_core_in_place(edit);
+  const Result<Receipt> done = deployer.swap_core_in_place(ramp::to_core<ramp::Down>("ramp/down"));
 
   ASSERT_TRUE(done) << to_string(done.error());
   EXPECT_EQ(control().core, "ramp/down");
@@ -323,11 +309,9 @@ TEST_F(Swap, InPlaceLeavesAStoppedComponentStopped) {
 
 TEST_F(Swap, InPlaceGoesBackToTheOldCoreWhenTheNewOneRefuses) {
   deployer.run_for(100ms);
-  Edit edit;
-  edit.component = "control";
-  edit.core = CoreType::of<ramp::ThrowingOnConfigure>("ramp/throwing");
 
-  const Result<Receipt> refused = deployer.swap_core_in_place(edit);
+  const Result<Receipt> refused =
+      deployer.swap_core_in_place(ramp::to_core<ramp::ThrowingOnConfigure>("ramp/throwing"));
   deployer.run_for(50ms);
 
   ASSERT_FALSE(refused);

@@ -48,6 +48,13 @@ class Transactions : public testing::Test {
   static std::shared_ptr<ResourceBase> data(const std::string& name) {
     return std::make_shared<SharedDataBase>(name, data_type<double>());
   }
+  /// Of the ramp, and says of its task what is so already.
+  Edit with_its_task() {
+    Edit edit;
+    edit.component = "control";
+    edit.task = architecture.control.bundle()->task;
+    return edit;
+  }
   Result<Receipt> apply(const Change& change) {
     Result<PreparedChange> prepared = deployer.prepare(change);
     if (!prepared) return prepared.error();
@@ -169,10 +176,7 @@ TEST_F(Transactions, LetNothingJoinWhenTheLastPartIsRefused) {
   Change change;
   change.new_components.push_back({reader("reader"), {{"in", "position.read", 0ms}}});
   change.new_resources.push_back({data("other"), {}});
-  Edit bad;
-  bad.component = "control";
-  bad.core = CoreType::of<ramp::ThrowingOnConfigure>("ramp/throwing");
-  change.edits = {bad};
+  change.edits = {ramp::to_core<ramp::ThrowingOnConfigure>("ramp/throwing")};
 
   const Result<Receipt> refused = apply(change);
 
@@ -184,9 +188,7 @@ TEST_F(Transactions, LetNothingJoinWhenTheLastPartIsRefused) {
 }
 
 TEST_F(Transactions, ChangeTaskAttributesWithTheRest) {
-  Edit edit;
-  edit.component = "control";
-  edit.task = architecture.control.bundle()->task;
+  Edit edit = with_its_task();
   edit.task->priority = 33;
   edit.task->budget = 2ms;
 
@@ -198,9 +200,7 @@ TEST_F(Transactions, ChangeTaskAttributesWithTheRest) {
 
 TEST_F(Transactions, MoveTheGridWithTheOffsetAndLoseNoRelease) {
   deployer.run_for(35ms);
-  Edit edit;
-  edit.component = "control";
-  edit.task = architecture.control.bundle()->task;
+  Edit edit = with_its_task();
   edit.task->offset = 3ms;
 
   ASSERT_TRUE(apply({{edit}}));
@@ -211,9 +211,7 @@ TEST_F(Transactions, MoveTheGridWithTheOffsetAndLoseNoRelease) {
 }
 
 TEST_F(Transactions, RefuseAnotherStackForAThreadThatRuns) {
-  Edit edit;
-  edit.component = "control";
-  edit.task = architecture.control.bundle()->task;
+  Edit edit = with_its_task();
   edit.task->stack = 1 << 20;
 
   const Result<Receipt> refused = apply({{edit}});
