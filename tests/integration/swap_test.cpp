@@ -62,20 +62,6 @@ TEST(Swap, ChangesNothingWhenItIsRefused) {
   EXPECT_EQ(daemon.component("first")["state"], "running");
 }
 
-TEST(Swap, DeclaresTheBudgetOfTheNewCore) {
-  TrialDaemon daemon;
-  Json params = swap("trial/other");
-  params["budget"] = "2ms";
-
-  const auto receipt = daemon.ask("core.swap", params);
-
-  EXPECT_EQ(receipt["state"], "applied") << receipt;
-  const auto task = daemon.ask("object.get", {{"address", "first"}})["task"];
-  EXPECT_EQ(task["budget"], "2ms") << task;
-  params["budget"] = "2";
-  EXPECT_EQ(daemon.ask("core.swap", params)["data"]["where"], "budget");
-}
-
 TEST(Swap, SuggestsTheNearestName) {
   TrialDaemon daemon;
 

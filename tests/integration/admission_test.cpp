@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What a daemon says about response times, and what it refuses because of them.
+#include "trial_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using Json = protocol::Json;
+
+const std::vector<std::string> kStrict{"--realtime", "off", "--admission", "strict"};
+
+/// Two components with budgets, `first` with this one.
+std::string budgeted(const std::string& budget) {
+  std::string text = kTrial;
+  const auto add = [&](const std::string& ports, const std::string& time) {
+    const std::string task = R"(, "task": { "cpus": [0], "budget": ")" + time + "\" }";
+    text.insert(text.find(ports) + ports.size(), task);
+  };
+  add(R"("ports": { "output": "signal.write" })", budget);
+  add(R"("ports": { "input": "signal.read" })", "100us");
+  return text;
+}
+
+Json swap(const std::string& budget) {
+  return {{"component", "first"}, {"core", "trial/other"}, {"budget", budget}};
+}
+
+TEST(Analyze, TellsTheBoundOfEveryComponentAndWhatTheMachineTakes) {
+  TrialDaemon daemon(budgeted("200us"));
+
+  const Json timing = daemon.ask("system.analyze");
+
+  ASSERT_EQ(timing["components"].size(), 2U) << timing;
+  const Json& first = timing["components"][0];
+  EXPECT_EQ(first["name"], "first");
+  EXPECT_EQ(first["source"], "declared");
+  EXPECT_EQ(first["execution_ns"], 200'000);
+  EXPECT_EQ(first["deadline_ns"], 2'000'000);
+  EXPECT_EQ(first["slack_ns"].get<std::int64_t>(),
+            first["deadline_ns"].get<std::int64_t>() - first["response_ns"].get<std::int64_t>());
+  EXPECT_THAT(timing["problems"], IsEmpty());
+  EXPECT_GT(timing["factor"].get<double>(), 1.0);
+  EXPECT_THAT(timing["notes"].dump(), HasSubstr("(assumed)")) << "ordinary threads";
+}
+
+TEST(Swap, DeclaresTheBudgetOfTheNewCore) {
+  TrialDaemon daemon;
+
+  const Json receipt = daemon.ask("core.swap", swap("2ms"));
+
+  EXPECT_EQ(receipt["state"], "applied") << receipt;
+  EXPECT_EQ(daemon.ask("object.get", {{"address", "first"}})["task"]["budget"], "2ms");
+  EXPECT_EQ(daemon.ask("core.swap", swap("2"))["data"]["where"], "budget");
+}
+
+TEST(StrictAdmission, RefusesACoreWhoseBudgetIsOverItsDeadlineAndSaysWhatWouldPass) {
+  TrialDaemon daemon(budgeted("200us"), kStrict);
+
+  const Json error = daemon.ask("core.swap", swap("3ms"));
+
+  EXPECT_EQ(error["data"]["where"], "first") << error;
+  EXPECT_EQ(error["data"]["state"], "unchanged");
+  EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("its deadline is 2ms"));
+  EXPECT_THAT(error["data"]["hint"].get<std::string>(), HasSubstr("an execution time of 1."));
+  EXPECT_EQ(daemon.component("first")["core"], "trial/steady");
+  EXPECT_EQ(daemon.ask("core.swap", swap("1ms"))["state"], "applied");
+}
+
+TEST(StrictAdmission, DoesNotStartWhatIsNotProved) {
+  TrialDaemon daemon(kTrial, kStrict);
+
+  EXPECT_TRUE(eventually([&] { return !daemon.process().running(); }));
+
+  EXPECT_THAT(daemon.errors(), HasSubstr("the execution time of a job is not known"));
+  EXPECT_THAT(daemon.errors(), HasSubstr("declare a budget"));
+}
+
+TEST(WarningAdmission, AppliesTheSameSwapAndSaysSoInTheAnswer) {
+  TrialDaemon daemon(budgeted("200us"));
+
+  const Json receipt = daemon.ask("core.swap", swap("3ms"));
+
+  EXPECT_EQ(receipt["state"], "applied") << receipt;
+  EXPECT_THAT(receipt["warnings"].dump(), HasSubstr("first: job"));
+}
+
+}  // namespace
+}  // namespace mauve::test

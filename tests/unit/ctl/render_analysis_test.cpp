@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "render.h"
+
+namespace mauve::ctl {
+namespace {
+
+Json analysis() {
+  return Json::parse(R"({"components": [
+    {"name": "robot", "cpu": 0, "priority": 70, "execution_ns": 500000, "source": "declared",
+     "blocking_ns": 0, "deadline_ns": 10000000, "response_ns": 773800, "slack_ns": 9226200},
+    {"name": "laser", "cpu": 0, "priority": 60, "execution_ns": 0, "source": "unknown",
+     "blocking_ns": 0, "deadline_ns": 25000000, "response_ns": null, "slack_ns": null}],
+    "cpus": [{"cpu": 0, "load": 0.134, "overloaded": false}], "factor": 3.456,
+    "problems": [], "notes": ["the machine takes 60us"]})");
+}
+
+TEST(RenderAnalysis, IsATableWithAVerdict) {
+  EXPECT_EQ(render_analysis(analysis(), {}),
+            "NAME   CPU  PRIO  EXECUTION  SOURCE    BLOCKED  RESPONSE  DEADLINE   SLACK\n"
+            "robot    0    70     500 us  declared     0 ns    774 us   10.0 ms  9.2 ms\n"
+            "laser    0    60          -  unknown      0 ns         -   25.0 ms       -\n"
+            "proved: deadlines are met up to 3.46 times the execution times; CPU 0: 13 %\n"
+            "note: the machine takes 60us\n");
+}
+
+TEST(RenderAnalysis, DoesNotSayProvedWhenSomethingIsLateOrUnknown) {
+  Json late = analysis();
+  late["factor"] = 0.8;
+  late["problems"] = {"laser: job pace -> pace may never end"};
+  Json unknown = analysis();
+  unknown["factor"] = nullptr;
+  Json shared = analysis();
+  shared["problems"] = {"world: its lock is shared across CPUs"};
+
+  EXPECT_NE(render_analysis(late, {}).find("not proved: deadlines would be met with 0.80 of"),
+            std::string::npos);
+  EXPECT_NE(render_analysis(late, {}).find("warning: laser: job pace -> pace may never end\n"),
+            std::string::npos);
+  EXPECT_NE(render_analysis(unknown, {}).find("not proved: some execution times are unknown"),
+            std::string::npos);
+  EXPECT_NE(render_analysis(shared, {}).find("not proved: see the warnings"), std::string::npos);
+}
+
+TEST(RenderAnalysis, SaysWhenNothingRuns) {
+  EXPECT_EQ(render_analysis(Json{{"components", Json::array()}}, {}), "no component runs\n");
+}
+
+}  // namespace
+}  // namespace mauve::ctl
