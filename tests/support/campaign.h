@@ -94,7 +94,9 @@ inline void campaign(const std::function<void(Tally&)>& run) {
     GTEST_SKIP() << "the host held up the probe too often in each of " << kRuns
                  << " runs: use a quiet machine";
   }
-  EXPECT_EQ(verdict, Verdict::passed) << "a release was missed, and the machine was not disturbed";
+  if (verdict == Verdict::failed && !testing::Test::HasFailure()) {
+    ADD_FAILURE() << "a release was missed, and the machine was not disturbed";
+  }
 }
 
 }  // namespace mauve::test

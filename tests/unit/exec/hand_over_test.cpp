@@ -166,7 +166,9 @@ std::unique_ptr<exec::Published> way_back(ComponentBase& component,
   member.component = &component;
   member.base = component.bundle();
   member.next = std::move(old);
-  return exec::make_published(member);
+  auto published = exec::make_published(member);
+  published->hand_over.run();
+  return published;
 }
 
 TEST_F(HandOver, GoesBackToTheValueItHadWhenThereIsNoWayBack) {
@@ -176,7 +178,6 @@ TEST_F(HandOver, GoesBackToTheValueItHadWhenThereIsNoWayBack) {
   deployer.run_for(50ms);
 
   const auto published = way_back(architecture.control, old);
-  published->hand_over.run();
 
   EXPECT_EQ(published->hand_over.bytes, 0u);
   EXPECT_EQ(static_cast<const ramp::PositionV1*>(old->core->state()->data())->metres, 20.0);
@@ -188,7 +189,6 @@ TEST_F(HandOver, GoesOnFromTheLaterValueWhenThereIsAWayBack) {
   deployer.run_for(50ms);
 
   const auto published = way_back(architecture.control, old);
-  published->hand_over.run();
 
   EXPECT_EQ(published->hand_over.bytes, sizeof(ramp::PositionV2));
   EXPECT_EQ(static_cast<const ramp::PositionV1*>(old->core->state()->data())->metres, 15.0);
