@@ -56,6 +56,7 @@ void add_state(const Session& session, Json& params) {
 void add_probation(const Session& session, Json& params) {
   const auto& given = session.arguments;
   if (given.has("--probation")) params["probation"] = given.one("--probation");
+  if (given.has("--misses")) params["misses"] = given.one("--misses");
   if (given.has("--confirm-within")) params["confirm_within"] = given.one("--confirm-within");
 }
 

@@ -31,6 +31,9 @@ constexpr Argument kPort = one("PORT", "such as control.ports.scan", Kind::port)
 constexpr Argument kProbation =
     maybe("--probation", "so many jobs of each member before it counts as good (3000), or off",
           Kind::none);
+constexpr Argument kMisses =
+    maybe("--misses", "late jobs tolerated on probation, M of the last K such as 2/64 (0/64)",
+          Kind::none);
 constexpr Argument kConfirmWithin =
     maybe("--confirm-within", "rolled back unless confirmed in this time, such as 30s", Kind::none);
 
@@ -41,7 +44,7 @@ constexpr Argument kShow[] = {
 constexpr Argument kGet[] = {
     some("ADDRESS", "such as control.core.gain or fix.read", Kind::address)};
 constexpr Argument kSet[] = {some("ADDRESS=VALUE", "JSON, or a bare text", Kind::assignment),
-                             kState, kProbation, kConfirmWithin};
+                             kState, kProbation, kMisses, kConfirmWithin};
 constexpr Argument kStart[] = {some("COMPONENT", "names of components", Kind::component),
                                flag("--reset", "with a fresh core state")};
 constexpr Argument kStop[] = {any("COMPONENT", "names of components", Kind::component),
@@ -54,12 +57,16 @@ constexpr Argument kSwap[] = {
     flag("--in-place", "stop, swap, start: for hardware that one core only can hold"),
     kState,
     kProbation,
+    kMisses,
     kConfirmWithin};
 constexpr Argument kConnect[] = {
-    kPort, one("SERVICE", "such as scan.read", Kind::service),
-    maybe("--max-age", "values older than this are stale, such as 50ms", Kind::none), kProbation,
+    kPort,
+    one("SERVICE", "such as scan.read", Kind::service),
+    maybe("--max-age", "values older than this are stale, such as 50ms", Kind::none),
+    kProbation,
+    kMisses,
     kConfirmWithin};
-constexpr Argument kDisconnect[] = {kPort, kProbation, kConfirmWithin};
+constexpr Argument kDisconnect[] = {kPort, kProbation, kMisses, kConfirmWithin};
 constexpr Argument kQuarantine[] = {maybe("ACTION", "\"release\", or nothing to list", Kind::none),
                                     maybe("CORE", "the core to release", Kind::core)};
 constexpr Argument kPlugin[] = {one("PLUGIN", "name of a plugin, not a path", Kind::plugin)};
@@ -69,8 +76,11 @@ constexpr Argument kPlugins[] = {
 constexpr Argument kRules[] = {maybe("RULE", "only this one, with all its parts", Kind::rule)};
 constexpr Argument kCheck[] = {one("FILE", "an architecture file", Kind::file)};
 constexpr Argument kApply[] = {one("FILE", "an architecture file", Kind::file),
-                               flag("--dry-run", "prepare and tell, but change nothing"), kState,
-                               kProbation, kConfirmWithin};
+                               flag("--dry-run", "prepare and tell, but change nothing"),
+                               kState,
+                               kProbation,
+                               kMisses,
+                               kConfirmWithin};
 constexpr Argument kPlan[] = {one("FILE", "an architecture file", Kind::file), kState};
 constexpr Argument kHistory[] = {maybe("-n,--lines", "how many of the newest", Kind::none)};
 constexpr Argument kRollback[] = {one("GENERATION", "a number of mauvectl history", Kind::none)};

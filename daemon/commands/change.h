@@ -47,8 +47,8 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
 /// What a change of this component starts from.
 [[nodiscard]] Edit edit_of(std::string_view component);
 
-/// [any] `probation` (a number of jobs, or "off") and `confirm_within`; the default when neither is
-/// given.
+/// [any] `probation` (a number of jobs, or "off"), `misses` and `confirm_within`; the default where
+/// one is not given.
 [[nodiscard]] Result<std::optional<Probation>> probation_of(const Json& params);
 [[nodiscard]] Json to_json(const Probation& probation);
 

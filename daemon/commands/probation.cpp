@@ -1,11 +1,38 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// change.confirm and change.undo: what becomes of the change on probation. Served before
 /// everything that waits.
+#include <charconv>
+#include <system_error>
+
 #include "base/duration.h"
 #include "commands/answer.h"
 #include "commands/change.h"
 
 namespace mauve::daemon {
+
+namespace {
+
+/// "2/64": late jobs that are tolerated, of so many.
+Status read_misses(const std::string& text, Probation& probation) {
+  unsigned misses = 0;
+  unsigned window = 0;
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, misses);
+  const bool slash = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
+  const auto second = slash ? std::from_chars(first.ptr + 1, end, window) : first;
+  const bool sound = slash && second.ec == std::errc() && second.ptr == end && window >= 1 &&
+                     window <= 64 && misses < window;
+  if (!sound) {
+    return refuse(Errc::invalid_value, "misses",
+                  "'" + text.substr(0, 64) + "' is no M/K with M below K, and K at most 64",
+                  "2/64: two late jobs of the last 64 are tolerated");
+  }
+  probation.misses = misses;
+  probation.window = window;
+  return ok();
+}
+
+}  // namespace
 
 Result<std::optional<Probation>> probation_of(const Json& params) {
   Probation probation;
@@ -23,6 +50,11 @@ Result<std::optional<Probation>> probation_of(const Json& params) {
     }
     probation.activations = std::stoul(text);
     probation.time = Duration{24h};  // the number alone decides
+  }
+  if (params.contains("misses")) {
+    if (auto sound = read_misses(text_or(params, "misses"), probation); !sound) {
+      return sound.error();
+    }
   }
   if (const auto text = text_or(params, "confirm_within"); !text.empty()) {
     const auto within = parse_duration(text);

@@ -21,28 +21,29 @@ constexpr Param kOfComponent[] = {{"component", string}};
 constexpr Param kRule[] = {{"rule", string}};
 constexpr Param kSub[] = {{"sub", integer, true}};
 constexpr Param kCore[] = {{"core", string, true}};
-constexpr Param kSet[] = {
-    {"values", object, true}, {"state", string}, {"probation", string}, {"confirm_within", string}};
+constexpr Param kSet[] = {{"values", object, true},
+                          {"state", string},
+                          {"probation", string},
+                          {"misses", string},
+                          {"confirm_within", string}};
 constexpr Param kStart[] = {{"components", strings, true}, {"reset", boolean}};
 constexpr Param kStop[] = {{"components", strings}, {"all", boolean}};
 constexpr Param kSwap[] = {
-    {"component", string, true}, {"core", string, true},    {"set", object},
-    {"budget", string},          {"in_place", boolean},     {"state", string},
-    {"probation", string},       {"confirm_within", string}};
-constexpr Param kConnect[] = {{"port", string, true},
-                              {"service", string, true},
-                              {"max_age", string},
-                              {"probation", string},
-                              {"confirm_within", string}};
+    {"component", string, true}, {"core", string, true}, {"set", object},
+    {"budget", string},          {"in_place", boolean},  {"state", string},
+    {"probation", string},       {"misses", string},     {"confirm_within", string}};
+constexpr Param kConnect[] = {{"port", string, true}, {"service", string, true},
+                              {"max_age", string},    {"probation", string},
+                              {"misses", string},     {"confirm_within", string}};
 constexpr Param kDisconnect[] = {
-    {"port", string, true}, {"probation", string}, {"confirm_within", string}};
+    {"port", string, true}, {"probation", string}, {"misses", string}, {"confirm_within", string}};
 constexpr Param kPlugin[] = {{"plugin", string, true}};
 constexpr Param kReload[] = {{"plugin", string, true}, {"state", string}};
 constexpr Param kCheck[] = {{"text", string, true}, {"file", string}};
 constexpr Param kDiff[] = {{"text", string, true}, {"file", string}};
-constexpr Param kApply[] = {{"text", string, true}, {"file", string},
-                            {"dry_run", boolean},   {"state", string},
-                            {"probation", string},  {"confirm_within", string}};
+constexpr Param kApply[] = {{"text", string, true},    {"file", string},      {"dry_run", boolean},
+                            {"state", string},         {"probation", string}, {"misses", string},
+                            {"confirm_within", string}};
 constexpr Param kHistory[] = {{"n", integer}};
 constexpr Param kRollback[] = {{"generation", integer, true}};
 constexpr Param kLock[] = {{"lock", string, true}};

@@ -39,6 +39,18 @@ TEST(Probation, ABadCoreIsRolledBackAndItsBuildQuarantined) {
   EXPECT_THAT(again["message"].get<std::string>(), HasSubstr("quarantine"));
 }
 
+TEST(Probation, ToleratesAsManyLateJobsAsItIsTold) {
+  TrialDaemon daemon;
+
+  EXPECT_EQ(daemon.ask("core.swap", swap("trial/other", {{"misses", "2/64"}}))["state"], "applied");
+
+  for (const char* wrong : {"2", "2/", "/64", "3/65", "4/4", "-1/8", "2/64x", ""}) {
+    const auto refused = daemon.ask("core.swap", swap("trial/steady", {{"misses", wrong}}));
+    EXPECT_EQ(refused["data"]["where"], "misses") << wrong << refused;
+    EXPECT_EQ(refused["data"]["state"], "unchanged");
+  }
+}
+
 TEST(Probation, AReleasedCoreMayBeTriedAgain) {
   TrialDaemon daemon;
   ASSERT_EQ(daemon.ask("core.swap", swap("trial/throwing_job"))["state"], "applied");

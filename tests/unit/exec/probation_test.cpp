@@ -19,6 +19,21 @@ struct Bad : ramp::Down {
   int jobs_ = 0;
 };
 
+/// Takes longer than the period in its second, fourth and sixth job.
+struct Tardy : ramp::Down {
+  void update() override {
+    ramp::Down::update();
+    if (++jobs_ % 2 == 0 && jobs_ <= 6) clock()->advance(12ms);
+  }
+  static ManualClock*& clock() {
+    static ManualClock* clock = nullptr;
+    return clock;
+  }
+
+ private:
+  int jobs_ = 0;
+};
+
 class OnProbation : public testing::Test {
  protected:
   void SetUp() override {
@@ -110,6 +125,25 @@ TEST_F(OnProbation, AfterItAFaultIsTheComponentsOwn) {
 
   EXPECT_TRUE(tend().empty());
   EXPECT_EQ(deployer.status("control").state, ComponentState::faulted);
+}
+
+TEST_F(OnProbation, MoreLateJobsThanToleratedLeadBack) {
+  Tardy::clock() = const_cast<ManualClock*>(dynamic_cast<const ManualClock*>(&deployer.clock()));
+  const std::string before = core();
+
+  ASSERT_TRUE(swap_to<Tardy>({.misses = 2, .window = 10}));
+
+  rolled_back_after(200ms, before, "overran too often");
+  EXPECT_EQ(deployer.status("control").overruns, 3u) << "two were tolerated";
+}
+
+TEST_F(OnProbation, AsManyLateJobsAsToleratedDoNot) {
+  Tardy::clock() = const_cast<ManualClock*>(dynamic_cast<const ManualClock*>(&deployer.clock()));
+
+  ASSERT_TRUE(swap_to<Tardy>({.activations = 20, .misses = 1, .window = 2}));
+
+  EXPECT_EQ(end_after(500ms).kind, Outcome::Kind::passed) << "one of any two jobs in a row";
+  EXPECT_EQ(deployer.status("control").overruns, 3u);
 }
 
 TEST_F(OnProbation, UndoLeadsBack) {
