@@ -119,10 +119,11 @@ void look_after_reliefs(System& system) {
   for (Deployed& deployed : system.deployed) {
     StandingBy& relief = deployed.relief;
     if (relief.content == nullptr) continue;
-    if (relief.answer->progress.load(std::memory_order_acquire) == Published::Progress::done) {
+    const auto progress = relief.answer->progress.load(std::memory_order_acquire);
+    if (progress == Published::Progress::done) {
       take_note(system, deployed);
-    } else if (!deployed.changing && !deployed.task->has_relief()) {
-      // A change made it useless; the task gave it up.
+    } else if (progress == Published::Progress::given_back && !deployed.changing) {
+      // A change made it useless. In its first job it is neither.
       system.free.keep(std::exchange(relief, {}).content);
     }
   }

@@ -209,7 +209,10 @@ void Task::put_in_place(Published& next) {
   if (Published* before = back_.exchange(next.back.release(), std::memory_order_acq_rel)) {
     pile_up(*before);
   }
-  if (Published* relief = relief_.exchange(nullptr, std::memory_order_acq_rel)) pile_up(*relief);
+  if (Published* relief = relief_.exchange(nullptr, std::memory_order_acq_rel)) {
+    relief->answer->progress.store(Published::Progress::given_back, std::memory_order_release);
+    pile_up(*relief);
+  }
 }
 
 void Task::map_state(const Published& next) {

@@ -56,7 +56,7 @@ struct Published {
   enum class Progress : std::uint8_t {
     published,
     done,        ///< in force, and the first job with it has ended
-    given_back,  ///< the instant was missed: the task never used it
+    given_back,  ///< missed its instant, or made useless by another: the task never used it
   };
   /// The answer of the task; it outlives what it is about.
   struct Answer {
@@ -98,7 +98,6 @@ class Task {
   /// Takes the way back, or the relief, out again; false when the task has taken it.
   bool withdraw_back(Published& back) { return empty(back_, back); }
   bool withdraw_relief(Published& relief) { return empty(relief_, relief); }
-  [[nodiscard]] bool has_relief() const { return relief_.load() != nullptr; }
   /// How often the task looked for changes: what was taken out before the last look is not looked
   /// at any more.
   [[nodiscard]] std::uint64_t looks() const { return looks_.load(std::memory_order_acquire); }

@@ -86,6 +86,31 @@ TEST(Relief, AFreshCoreTakesOverWithinItsBudgetOfRestarts) {
   EXPECT_EQ(deployer.status("control").missed, 3u) << "one in 15 ms, two in 30 ms";
 }
 
+/// Somebody looks after the system while it runs its first job.
+struct Watched : ramp::Down {
+  void update() override {
+    static_cast<void>(tend(*deployer()));
+    ramp::Down::update();
+  }
+  static Deployer*& deployer() {
+    static Deployer* deployer = nullptr;
+    return deployer;
+  }
+};
+
+TEST(Relief, IsNotLostWhenSomebodyLooksDuringItsFirstJob) {
+  UnsteadyArchitecture architecture({.action = FaultPolicy::Action::fallback});
+  architecture.control.fall_back_to(ComponentBase::Fallback{CoreType::of<Watched>("watched"), {}});
+  Deployer deployer(architecture, {.simulated = true});
+  Watched::deployer() = &deployer;
+  ASSERT_TRUE(deployer.deploy());
+
+  deployer.run_for(35ms);  // the third job throws, the fourth is that of the relief
+
+  EXPECT_EQ(tend(deployer).size(), 1u);
+  EXPECT_EQ(deployer.status("control").core, "watched");
+}
+
 TEST(Relief, AChangeMakesItAnew) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
