@@ -167,6 +167,7 @@ class Task {
   void park(ComponentState state);
   void count_overrun(const TaskAttributes& task, Instant by);
   void watch_over(const TaskAttributes& task, Instant start, Instant end, bool late);
+  [[nodiscard]] bool used_too_much(const TaskAttributes& task) const;
   void give_up_core(Cause cause, const char* what);
   void on_fault(Cause cause);
   [[nodiscard]] bool leads_back() const;

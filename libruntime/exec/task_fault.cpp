@@ -40,10 +40,16 @@ void Task::watch_over(const TaskAttributes& task, Instant start, Instant end, bo
   } else if (overruns > current_->tolerated) {
     give_up_core(Cause::overruns, "");
   } else if (task.budget > Duration{0} && end - start > task.budget.count() &&
-             rt::cpu_time() - cpu_before_ > task.budget) {
-    // On the processor's clock: a job that others preempt is not to blame.
+             used_too_much(task)) {
     give_up_core(Cause::over_budget, "");
   }
+}
+
+/// Longer than its budget it took. On the processor's clock too? A job that others preempt is not
+/// to blame; one whose time nobody asked for is not judged, but the next one will be.
+bool Task::used_too_much(const TaskAttributes& task) const {
+  if (!preempted_) return true;
+  return cpu_before_ > Duration{0} && rt::cpu_time() - cpu_before_ > task.budget;
 }
 
 /// Sets the way back off. The core goes on until its next release.
@@ -63,9 +69,8 @@ void Task::skip_job() {
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
 }
 
-/// `fault_` says what it was.
+/// `fault_` says what it was; the safe values are written.
 void Task::on_fault(Cause cause) {
-  write_safe_values();
   add<std::uint64_t>(counters_.faults, 1);
   rt::Event event{clock_.now(), rt::EventKind::faulted, LogLevel::error, nullptr, {}, {}, {}};
   event.a = LogArgument(static_cast<std::int64_t>(cause));

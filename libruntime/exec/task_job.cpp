@@ -81,12 +81,14 @@ void Task::begin_job(Instant now) {
   add<std::uint64_t>(counters_.releases, 1);
   const bool watched = back_.load(std::memory_order_relaxed) != nullptr;
   const bool has_budget = current_->bundle->task.budget > Duration{0};
-  // A system call, so only of those that are preempted now and then.
-  cpu_before_ = preempted_ || (watched && has_budget) ? rt::cpu_time() : Duration{0};
+  // A system call, so only where the next best guess is that it will be needed.
+  const bool ask = rt::preemption_is_told() ? preempted_ : watched && has_budget;
+  cpu_before_ = ask ? rt::cpu_time() : Duration{0};
   rt::watch_for_preemption();
 }
 
 void Task::conclude(Instant start, const JobEnd& end, const rt::Fault& fault) {
+  if (fault.signal != 0 || end.threw) write_safe_values();  // before anything is said about it
   if (fault.interrupted) {
     hung();
   } else if (fault.signal != 0) {
@@ -107,6 +109,7 @@ void Task::go_on() {
   this_job().lock_bound = current_->shortest_wait;
   this_task() = this;
   lost_ = current_->bundle->core.get();
+  write_safe_values();
   hung();
   this_task() = nullptr;
   watched_.busy_since.store(0);
