@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "exec/model_lock.h"
 #include "exec/prepared.h"
 #include "exec/runner.h"
 #include "exec/task.h"
@@ -57,7 +58,7 @@ class System {
   std::list<Deployed> deployed;
   /// Held while a change is prepared, which reads the model on [factory]: what the system did by
   /// itself gets into the books afterwards.
-  std::mutex model;
+  ModelLock model;
   std::mutex members;
   std::vector<Happening> last_events;  ///< of components that left; under `members`
   std::vector<std::string> warnings;
