@@ -155,6 +155,26 @@ std::string titled(const std::string& key, const std::string& block, Look look) 
   return painted(harmless(key), Paint::bold, look.colour) + "\n" + indented(block, 2);
 }
 
+/// What is amiss beside the components.
+std::string troubles(const Json& status, Look look) {
+  std::string text;
+  const auto add = [&](const std::string& line) {
+    text += painted(wrapped(line, look.width, 2), Paint::red, look.colour) + "\n";
+  };
+  const Json& poisoned = member(status, "poisoned");
+  for (const Json& name : poisoned.is_array() ? poisoned : Json::array()) {
+    add(harmless(compact(name)) +
+        ": is poisoned: a core was thrown out of it, and it refuses its users until it has a new "
+        "core");
+  }
+  const Json& left = member(status, "left_behind");
+  for (const Json& one : left.is_array() ? left : Json::array()) {
+    const std::string hook = word(one, "hook");
+    add("left behind: " + (hook.empty() ? "user code" : hook) + " since " + word(one, "since"));
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string render_status(const Json& status, Look look) {
@@ -189,7 +209,7 @@ std::string render_status(const Json& status, Look look) {
       text += painted(word(one, "name") + said, Paint::red, look.colour) + "\n";
     }
   }
-  return text;
+  return text + troubles(status, look);
 }
 
 std::string render_list(const Json& result, Look look) {

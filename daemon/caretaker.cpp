@@ -4,9 +4,11 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <limits>
 #include <optional>
 #include <utility>
 
+#include "commands/given_up.h"
 #include "commands/model.h"
 #include "commands/quarantine.h"
 #include "keeper.h"
@@ -64,6 +66,7 @@ void Caretaker::run() {
 
 /// [control]
 void Caretaker::look() {
+  tell_of_factory();
   auto free = std::make_shared<Retired>();
   const auto outcomes = running_->deployer.tend(*free);
   running_->generation = running_->earlier + running_->deployer.generation();
@@ -75,6 +78,13 @@ void Caretaker::look() {
   }
   make_reliefs();
   looking_ = false;
+}
+
+void Caretaker::tell_of_factory() {
+  for (const auto& left : running_->control.look_after_factory()) {
+    running_->log.write(Event::hook_left_behind,
+                        {{"hook", left.hook.empty() ? std::string("user code") : left.hook}});
+  }
 }
 
 void Caretaker::tell(const Outcome& outcome) {
@@ -125,12 +135,26 @@ void Caretaker::save(const Outcome& outcome) {
   keeper.keep(std::move(about), described(*running_), std::move(line), {});
 }
 
+bool Caretaker::refused_before(const Change& relief) const {
+  const auto found = refused_.find(relief.edits[0].component);
+  return found != refused_.end() && found->second >= running_->generation;
+}
+
+void Caretaker::refuse_relief(const Change& relief, const Error& error, bool for_ever) {
+  constexpr auto kAll = std::numeric_limits<std::uint64_t>::max();
+  refused_[relief.edits[0].component] = for_ever ? kAll : running_->generation.load();
+  running_->log.write(Event::relief_refused, {{"component", error.at}, {"text", to_string(error)}});
+}
+
 /// A change like any other, so that no two prepare at the same time.
 void Caretaker::make_reliefs() {
-  if (making_ || running_->control.busy()) {
+  if (making_ || running_->control.busy() || !may_prepare(*running_)) {
     return;
   }
   auto wanted = running_->deployer.wanted_reliefs();
+  std::erase_if(wanted, [this](const Change& relief) {
+    return refused_before(relief) || !check_barred(*running_, relief);
+  });
   if (wanted.empty()) {
     return;
   }
@@ -143,18 +167,24 @@ void Caretaker::make_reliefs() {
             prepared->push_back(running_->deployer.prepare(change));
           }
         },
-        [this, prepared, ticket]() mutable {
-          for (auto& relief : *prepared) {
+        [this, wanted, prepared, ticket]() mutable {
+          for (std::size_t i = 0; i < wanted.size(); ++i) {
+            auto& relief = (*prepared)[i];
             if (relief) {
               running_->deployer.stand_by(*relief);
             } else {
-              running_->log.write(Event::relief_refused, {{"component", relief.error().at},
-                                                          {"text", to_string(relief.error())}});
+              refuse_relief(wanted[i], relief.error(), false);
             }
           }
           making_ = false;
           // What did not stand by is freed where it was made.
           running_->control.in_factory([prepared] { prepared->clear(); }, [ticket] {});
+        },
+        [this, wanted](const std::string& hook) {
+          for (const auto& relief : wanted) {
+            refuse_relief(relief, given_up(*running_, hook, relief.edits[0].component), true);
+          }
+          making_ = false;
         });
   });
 }

@@ -5,7 +5,10 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <cstdint>
+#include <map>
 #include <mutex>
+#include <string>
 #include <thread>
 
 #include "commands/command.h"
@@ -28,7 +31,10 @@ class Caretaker {
   void look();
   void tell(const Outcome& outcome);
   void save(const Outcome& outcome);
+  void tell_of_factory();
   void make_reliefs();
+  [[nodiscard]] bool refused_before(const Change& relief) const;
+  void refuse_relief(const Change& relief, const Error& error, bool for_ever);
 
   Running* running_ = nullptr;
   std::mutex mutex_;
@@ -36,6 +42,9 @@ class Caretaker {
   bool stopping_ = false;
   std::atomic<bool> looking_{false};  ///< a look is queued or under way
   bool making_ = false;               ///< [control] reliefs are being made
+  /// [control] The generation in which the relief of a component was refused: it is tried again in
+  /// the next one, but never what hung.
+  std::map<std::string, std::uint64_t> refused_;
   std::thread thread_;
 };
 

@@ -118,7 +118,7 @@ void WorkerThread::look_at_awaited() {
   }
 }
 
-Control::Control() = default;
+Control::Control(std::chrono::nanoseconds prepare_within) : prepare_within_(prepare_within) {}
 
 Control::~Control() { stop(); }
 
@@ -179,13 +179,11 @@ void Control::ended() {
   begin_next();
 }
 
-void Control::in_factory(Job work, Job then) {
-  factory_.post([this, work = std::move(work), then = std::move(then)]() mutable {
-    work();
-    work = nullptr;  // what it holds is destroyed here, before [control] goes on
-    control_.post(std::move(then));
-  });
+void Control::in_factory(Job work, Job then, Factory::GivenUp given_up) {
+  factory_.post(std::move(work), std::move(then), std::move(given_up));
 }
+
+std::vector<LeftBehind> Control::look_after_factory() { return factory_.look(prepare_within_); }
 
 bool Control::busy() const {
   const std::lock_guard lock(mutex_);

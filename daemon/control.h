@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The two threads behind the socket: [control] owns the model, [factory] does what takes long.
+/// The threads behind the socket: [control] owns the model, [factory] does what takes long.
 #pragma once
 
 #include <chrono>
@@ -12,6 +12,8 @@
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include "factory.h"
 
 namespace mauve::daemon {
 
@@ -72,7 +74,8 @@ class Control {
   using Ticket = std::shared_ptr<void>;
   using Change = std::function<void(Ticket)>;
 
-  Control();
+  /// What [factory] may take for one piece of work before that is given up.
+  explicit Control(std::chrono::nanoseconds prepare_within = std::chrono::seconds(10));
   ~Control();
 
   void start();
@@ -90,8 +93,14 @@ class Control {
   /// [any] Runs on [control] when no other change is under way. False: too many wait already.
   [[nodiscard]] bool change(Change change);
 
-  /// [control] Runs `work` on [factory], then `then` on [control].
-  void in_factory(Job work, Job then);
+  /// [any] Runs `work` on [factory], then `then` on [control]; when the work is given up only
+  /// `given_up`, also on [control]. That must not share anything with the work.
+  void in_factory(Job work, Job then, Factory::GivenUp given_up = {});
+  /// [control] Call it some times a second: who was given up now.
+  std::vector<LeftBehind> look_after_factory();
+  /// [any] Work that was given up and has not returned.
+  [[nodiscard]] std::vector<LeftBehind> left_behind() const { return factory_.left_behind(); }
+  [[nodiscard]] std::chrono::nanoseconds prepare_within() const { return prepare_within_; }
   /// [control] Runs `then` when `over` says yes; meanwhile [control] serves others.
   void await(std::function<bool()> over, Job then) {
     control_.await(std::move(over), std::move(then));
@@ -112,7 +121,8 @@ class Control {
   bool busy_ = false;
   bool stopping_ = false;
   WorkerThread control_{"mauve-control"};
-  WorkerThread factory_{"mauve-factory"};
+  Factory factory_{[this](Job then) { control_.post(std::move(then)); }};
+  const std::chrono::nanoseconds prepare_within_;
 };
 
 }  // namespace mauve::daemon

@@ -255,9 +255,13 @@ int Daemon::shut_down(const std::string& cause) {
   }
   log_.flush();
   log_.set_source({});
+  const auto hooks = control_.left_behind();
+  for (const auto& left : hooks) {
+    log_.write(Event::hook_left_behind, {{"hook", left.hook}});
+  }
   log_.write(Event::daemon_stopped);
   log_.stop();
-  if (!left_behind.empty()) {
+  if (!left_behind.empty() || !hooks.empty()) {
     // A thread still runs in code that a tidy end would unmap under its feet.
     _exit(1);
   }

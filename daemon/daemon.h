@@ -58,7 +58,7 @@ class Daemon {
   plugin::Catalog catalog_;
   std::unique_ptr<Architecture> architecture_;
   std::unique_ptr<Deployer> deployer_;
-  Control control_;
+  Control control_{options_.prepare_within};
   Watches watches_{log_};
   Supervisor supervisor_{control_};
   Caretaker caretaker_;

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <utility>
+
+#include "request_limit.h"
 
 namespace mauve::daemon {
 
@@ -45,6 +48,21 @@ Level level_of(LogLevel level) {
   return Level::error;
 }
 
+/// 1, 10, 100 and so on: told seldom, however many there are.
+bool is_power_of_ten(std::uint64_t count) {
+  while (count >= 10 && count % 10 == 0) {
+    count /= 10;
+  }
+  return count == 1;
+}
+
+logging::Record ignored_request(const Happening& happening, std::uint64_t ignored) {
+  return logging::make_record(Event::requests_ignored,
+                              {{"component", happening.component},
+                               {"transaction", happening.text},
+                               {"count", static_cast<std::int64_t>(ignored)}});
+}
+
 }  // namespace
 
 logging::Record record_of(const Happening& happening) {
@@ -60,11 +78,18 @@ logging::Record record_of(const Happening& happening) {
 }
 
 logging::Log::Source happenings_of(Deployer& deployer, Supervisor& supervisor) {
-  return [&](const std::function<void(logging::Record)>& take) {
+  auto limit = std::make_shared<RequestLimit>();
+  return [&, limit](const std::function<void(logging::Record)>& take) {
     deployer.drain([&](const Happening& happening) {
-      take(record_of(happening));
-      if (happening.event == kRequested) {
-        supervisor.request(happening.component, happening.text);
+      if (happening.event != kRequested) {
+        return take(record_of(happening));
+      }
+      if (limit->pass(happening.component, happening.time)) {
+        take(record_of(happening));
+        return supervisor.request(happening.component, happening.text);
+      }
+      if (const auto ignored = limit->ignored(happening.component); is_power_of_ten(ignored)) {
+        take(ignored_request(happening, ignored));
       }
     });
   };

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 
+#include "base/duration.h"
 #include "mauve/version.h"
 #include "protocol/socket_path.h"
 
@@ -49,6 +50,15 @@ std::function<void(const std::string&)> chosen(const std::map<std::string, T>& w
   return [&words, &into](const std::string& word) { into = words.at(word); };
 }
 
+/// What CLI11 says when it is refused.
+std::string is_some_time(const std::string& text) {
+  const auto time = parse_duration(text);
+  if (!time) {
+    return time.error().message + ", " + time.error().hint;
+  }
+  return *time > Duration{0} ? "" : "must be more than zero";
+}
+
 void declare(CLI::App& app, Options& options) {
   app.name("mauved");
   app.footer(
@@ -78,6 +88,13 @@ void declare(CLI::App& app, Options& options) {
       ->type_name("strict|warn|off")
       ->check(CLI::IsMember(kAdmission))
       ->default_str("warn");
+  app.add_option_function<std::string>(
+         "--prepare-within",
+         [&options](const std::string& text) { options.prepare_within = *parse_duration(text); },
+         "Give a change up whose hooks (constructors, configure) take longer; what runs runs on")
+      ->type_name("DURATION")
+      ->check(is_some_time, "", "DURATION")
+      ->default_str("10s");
   app.add_flag("--check", options.check, "Only say what is wrong with the file; needs no root");
   app.add_option("--log-file", options.log_file, "Also write the log as JSON lines to this file")
       ->type_name("FILE");

@@ -9,6 +9,7 @@
 
 #include "log/event.h"
 #include "mauve/deploy_options.h"
+#include "mauve/time.h"
 
 namespace mauve::daemon {
 
@@ -18,10 +19,11 @@ struct Options {
   std::vector<std::string> plugin_dirs;  ///< where plugins may come from, and nowhere else
   Realtime realtime = Realtime::prefer;
   Admission admission = Admission::warn;
-  bool check = false;     ///< only say what is wrong with the file
-  std::string log_file;   ///< JSON lines; empty for none
-  std::string state_dir;  ///< what outlives a run; empty: nothing is kept
-  bool fresh = false;     ///< start the file, also after a crash
+  Duration prepare_within{10s};  ///< what user code may take while a change is prepared
+  bool check = false;            ///< only say what is wrong with the file
+  std::string log_file;          ///< JSON lines; empty for none
+  std::string state_dir;         ///< what outlives a run; empty: nothing is kept
+  bool fresh = false;            ///< start the file, also after a crash
   logging::Level log_level = logging::Level::info;
 };
 

@@ -9,6 +9,7 @@
 #include "base/name.h"
 #include "commands/answer.h"
 #include "commands/change.h"
+#include "commands/given_up.h"
 #include "commands/value.h"
 
 namespace mauve::daemon {
@@ -161,7 +162,11 @@ void Supervisor::carry_out(Order order) {
     control_.read([this, order, outcome] { conclude(order, outcome); });
   };
   const bool queued = control_.change([this, call, steps = std::move(steps)](Ticket ticket) {
-    if (auto met = check_conditions(*running_, *call); !met) {
+    auto met = check_conditions(*running_, *call);
+    if (met) {
+      met = may_prepare(*running_);
+    }
+    if (!met) {
       return answer(*running_, *call, met.error());
     }
     auto change =

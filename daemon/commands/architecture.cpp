@@ -16,6 +16,7 @@
 #include "arch/value_json.h"
 #include "commands/answer.h"
 #include "commands/change.h"
+#include "commands/given_up.h"
 #include "supervisor.h"
 
 namespace mauve::daemon {
@@ -235,15 +236,19 @@ using Step = void (*)(Running&, const CallPtr&, ApplicationPtr, Ticket);
 void load_then(Running& running, const CallPtr& call, ApplicationPtr application, Ticket ticket,
                Step next) {
   auto work = [application] { application->load(); };
-  running.control.in_factory(std::move(work), [&running, call, application = std::move(application),
-                                               ticket = std::move(ticket), next]() mutable {
+  auto then = [&running, call, application = std::move(application), ticket = std::move(ticket),
+               next]() mutable {
     if (!application->problems().empty()) {
       refuse_file(running, *call, application->problems());
       return free_in_factory(running, std::move(application), std::move(ticket));
     }
     application->compare();
     next(running, call, std::move(application), std::move(ticket));
-  });
+  };
+  running.control.in_factory(std::move(work), std::move(then),
+                             [&running, call](const std::string& hook) {
+                               answer(running, *call, given_up(running, hook, "file"));
+                             });
 }
 
 }  // namespace

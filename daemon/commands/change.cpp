@@ -5,8 +5,10 @@
 #include <optional>
 
 #include "commands/answer.h"
+#include "commands/given_up.h"
 #include "commands/quarantine.h"
 #include "exec/prepared.h"
+#include "model/elements.h"
 #include "model/hand_over.h"
 
 namespace mauve::daemon {
@@ -25,14 +27,23 @@ struct Journey {
 };
 using JourneyPtr = std::shared_ptr<Journey>;
 
+/// [factory]
+Status free_all(Journey& journey) {
+  auto cleaned = journey.retired->release();
+  const std::string at = journey.change.edits.empty() ? "" : journey.change.edits[0].component;
+  static_cast<void>(drop_elements(at, [&journey] {
+    journey.prepared.reset();
+    journey.change = {};
+    journey.companion.reset();
+  }));
+  return cleaned;
+}
+
 /// [control] Nothing of the journey is touched on this thread afterwards.
 void free_in_factory(Running& running, JourneyPtr journey, Ticket ticket) {
   running.control.in_factory(
       [&running, journey = std::move(journey)] {
-        auto cleaned = journey->retired->release();
-        journey->prepared.reset();
-        journey->change = {};
-        journey->companion.reset();
+        const auto cleaned = free_all(*journey);
         if (!cleaned) {
           running.log.write(logging::Event::clean_up_failed,
                             {{"component", cleaned.error().at}, {"text", cleaned.error().message}});
@@ -184,6 +195,12 @@ void exchange_in_place(Running& running, const CallPtr& call, JourneyPtr journey
       },
       [&running, call, journey, ticket = std::move(ticket)]() mutable {
         resume_in_place(running, call, std::move(journey), std::move(ticket));
+      },
+      [&running, call, name = journey->change.edits[0].component](const std::string& hook) {
+        bar(running, {name}, hook, true);
+        answer(running, *call,
+               given_up(running, hook, name, name + " is stopped with its safe values written"),
+               "safe");
       });
 }
 
@@ -201,6 +218,14 @@ void park_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ti
 
 using Step = void (*)(Running&, const CallPtr&, JourneyPtr, Ticket);
 
+std::vector<std::string> components_of(const Change& change) {
+  std::vector<std::string> names;
+  for (const auto& edit : change.edits) {
+    names.push_back(edit.component);
+  }
+  return names;
+}
+
 /// Prepares on [factory]; goes on with `next` unless there is a reason not to.
 void prepare_then(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket,
                   std::function<Result<PreparedChange>()> prepare, Step next) {
@@ -211,6 +236,10 @@ void prepare_then(Running& running, const CallPtr& call, JourneyPtr journey, Tic
           return free_in_factory(running, std::move(journey), std::move(ticket));
         }
         next(running, call, std::move(journey), std::move(ticket));
+      },
+      [&running, call, names = components_of(journey->change)](const std::string& hook) {
+        bar(running, names, hook, false);
+        answer(running, *call, given_up(running, hook, std::string(call->method->name)));
       });
 }
 
@@ -231,7 +260,11 @@ std::string state_after(const Error& error) {
 
 void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
            std::shared_ptr<Companion> companion) {
-  if (auto free = check_quarantine(running, change); !free) {
+  auto free = check_quarantine(running, change);
+  if (free) {
+    free = check_barred(running, change);
+  }
+  if (!free) {
     return answer(running, *call, free.error());
   }
   auto probation = probation_of(call->params);
@@ -257,6 +290,9 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
 void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit) {
   auto journey = std::make_shared<Journey>();
   journey->change.edits.push_back(std::move(edit));
+  if (auto free = check_barred(running, journey->change); !free) {
+    return answer(running, *call, free.error());
+  }
   journey->stops = stops_of(running, journey->change);
   auto& only = journey->change.edits[0];
   prepare_then(

@@ -62,6 +62,8 @@ struct Running {
   std::map<std::string, std::uint64_t> stops = {};
   /// [control] Cores that were rolled back, by version, and why: see quarantine.h.
   std::map<std::string, std::string> quarantined = {};
+  /// [control] Components that a thread which was left behind may still be in, and its hook.
+  std::map<std::string, std::string> barred = {};
   std::uint64_t earlier = 0;  ///< the last generation of earlier runs: numbers go on from there
   Keeper* keeper = nullptr;   ///< null: nothing is kept
   Lock lock = Lock::none;     ///< [control], see gate.h

@@ -6,6 +6,7 @@
 
 #include "commands/answer.h"
 #include "commands/architecture.h"
+#include "commands/given_up.h"
 #include "keeper.h"
 
 namespace mauve::daemon {
@@ -64,6 +65,9 @@ void rollback(Running& running, const CallPtr& call, Ticket ticket) {
         }
         apply_architecture(running, call, std::move(ticket), ***std::move(text),
                            "rollback to generation " + std::to_string(number));
+      },
+      [&running, call](const std::string& hook) {
+        answer(running, *call, given_up(running, hook, "config.rollback"));
       });
 }
 

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "commands/answer.h"
+#include "commands/given_up.h"
 
 namespace mauve::daemon {
 
@@ -47,6 +48,18 @@ void finish_load(Running& running, const Call& call, Load& load) {
               {"generation", running.generation.load()}});
 }
 
+void finish_unload(Running& running, const Call& call, const std::string& name,
+                   const plugin::Unmapped& unmapped) {
+  const auto event = unmapped.unmapped ? Event::plugin_unloaded : Event::plugin_resident;
+  running.log.write(event, {{"plugin", name}, {"text", unmapped.reason}});
+  answer(running, call,
+         Json{{"plugin", name},
+              {"loaded", false},
+              {"unmapped", unmapped.unmapped},
+              {"why", unmapped.reason},
+              {"generation", running.generation.load()}});
+}
+
 }  // namespace
 
 void load_plugin(Running& running, const CallPtr& call, Ticket ticket) {
@@ -64,6 +77,9 @@ void load_plugin(Running& running, const CallPtr& call, Ticket ticket) {
         finish_load(running, *call, *load);
         // A plugin that was refused is unmapped where it was mapped.
         running.control.in_factory([load] { load->loaded.reset(); }, [ticket] {});
+      },
+      [&running, call, name = load->name](const std::string& hook) {
+        answer(running, *call, given_up(running, hook, name));
       });
 }
 
@@ -80,14 +96,10 @@ void unload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
         *unmapped = Library::release(std::move(library));
       },
       [&running, call, name, unmapped, ticket = std::move(ticket)] {
-        const auto event = unmapped->unmapped ? Event::plugin_unloaded : Event::plugin_resident;
-        running.log.write(event, {{"plugin", name}, {"text", unmapped->reason}});
-        answer(running, *call,
-               Json{{"plugin", name},
-                    {"loaded", false},
-                    {"unmapped", unmapped->unmapped},
-                    {"why", unmapped->reason},
-                    {"generation", running.generation.load()}});
+        finish_unload(running, *call, name, *unmapped);
+      },
+      [&running, call, name](const std::string& /*none*/) {
+        finish_unload(running, *call, name, {false, "a thread was left behind in it"});
       });
 }
 

@@ -9,6 +9,7 @@
 
 #include "commands/answer.h"
 #include "commands/change.h"
+#include "commands/given_up.h"
 
 namespace mauve::daemon {
 
@@ -130,24 +131,24 @@ void free_old(Running& running, Reload& reload, bool in_force) {
   }
 }
 
-Json result_of(const Running& running, const Reload& reload) {
+/// What is said of a reload that is in force, but for what became of the old code.
+Json result_of(const Reload& reload) {
   auto result = reload.receipt ? to_json(*reload.receipt) : to_json(Receipt{});
-  result["generation"] = running.generation.load();
   result["changed"] = true;
   result["state"] = "applied";
   result["plugin"] = reload.name;
   result["loaded"] = true;
-  result["unmapped"] = reload.unmapped.unmapped;
-  result["why"] = reload.unmapped.reason;
   return result;
 }
 
-void finish(Running& running, const Call& call, const Reload& reload) {
-  const auto event = reload.unmapped.unmapped ? Event::plugin_unloaded : Event::plugin_resident;
-  running.log.write(event, {{"plugin", reload.name},
-                            {"text", reload.unmapped.unmapped ? std::string("replaced by a new one")
-                                                              : reload.unmapped.reason}});
-  answer(running, call, result_of(running, reload));
+void finish(Running& running, const Call& call, Json result, const plugin::Unmapped& old) {
+  running.log.write(old.unmapped ? Event::plugin_unloaded : Event::plugin_resident,
+                    {{"plugin", text_or(result, "plugin")},
+                     {"text", old.unmapped ? std::string("replaced by a new one") : old.reason}});
+  result["generation"] = running.generation.load();
+  result["unmapped"] = old.unmapped;
+  result["why"] = old.reason;
+  answer(running, call, std::move(result));
 }
 
 /// [control] A refusal is answered at once, what is in force when the old code is gone.
@@ -157,12 +158,20 @@ void end(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket,
   if (!in_force) {
     answer(running, *call, done.error(), state_after(done.error()));
   }
-  running.control.in_factory([&running, reload, in_force] { free_old(running, *reload, in_force); },
-                             [&running, call, reload, in_force, ticket = std::move(ticket)] {
-                               if (in_force) {
-                                 finish(running, *call, *reload);
-                               }
-                             });
+  auto result = in_force ? result_of(*reload) : Json();
+  running.control.in_factory(
+      [&running, reload, in_force] { free_old(running, *reload, in_force); },
+      [&running, call, reload, in_force, result, ticket = std::move(ticket)] {
+        if (in_force) {
+          finish(running, *call, result, reload->unmapped);
+        }
+      },
+      [&running, call, in_force, result](const std::string& hook) {
+        if (in_force) {
+          finish(running, *call, result,
+                 {false, "a thread was left behind in it" + (hook.empty() ? "" : ": " + hook)});
+        }
+      });
 }
 
 /// [control] What still looks at the old code: a probation that this change ended, a core that
@@ -220,9 +229,15 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
     return answer(running, *call, policy.error());
   }
   reload->change = members(running, reload->name, *policy);
+  if (auto free = check_barred(running, reload->change); !free) {
+    return answer(running, *call, free.error());
+  }
   running.control.in_factory([&running, reload] { prepare(running, *reload); },
                              [&running, call, reload, ticket = std::move(ticket)]() mutable {
                                put_in_force(running, call, std::move(reload), std::move(ticket));
+                             },
+                             [&running, call, name = reload->name](const std::string& hook) {
+                               answer(running, *call, given_up(running, hook, name));
                              });
 }
 

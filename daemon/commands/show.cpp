@@ -167,10 +167,13 @@ Json show_resource(const Running& running, ResourceBase& resource) {
   for (const auto* service : resource.interface().services()) {
     services.push_back(service_row(*service));
   }
-  Json object = {
-      {"address", resource.name()},           {"kind", "resource"},
-      {"type", resource.type().name},         {"services", std::move(services)},
-      {"users", users_of(running, resource)}, {"lock_timeouts", resource.gate().timeouts()}};
+  Json object = {{"address", resource.name()},
+                 {"kind", "resource"},
+                 {"type", resource.type().name},
+                 {"services", std::move(services)},
+                 {"users", users_of(running, resource)},
+                 {"lock_timeouts", resource.gate().timeouts()},
+                 {"poisoned", resource.gate().poisoned()}};
   add_parts(object, running, {nullptr, &resource});
   return object;
 }

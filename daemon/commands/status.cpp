@@ -3,10 +3,26 @@
 #include "commands/answer.h"
 #include "commands/command.h"
 #include "commands/gate.h"
+#include "commands/given_up.h"
 #include "keeper.h"
 #include "mauve/version.h"
 
 namespace mauve::daemon {
+
+namespace {
+
+/// Names of the resources that refuse their users.
+Json poisoned(const Running& running) {
+  Json names = Json::array();
+  for (auto* resource : running.architecture.resources()) {
+    if (resource->gate().poisoned()) {
+      names.push_back(resource->name());
+    }
+  }
+  return names;
+}
+
+}  // namespace
 
 Result<Json> ping(Running& /*running*/, const Call& /*call*/) { return Json{{"pong", true}}; }
 
@@ -48,7 +64,9 @@ Result<Json> status(Running& running, const Call& /*call*/) {
                  {"uptime_s", up.count()},
                  {"realtime", running.deployer.realtime()},
                  {"lock", to_string(running.lock)},
-                 {"components", std::move(rows)}};
+                 {"components", std::move(rows)},
+                 {"poisoned", poisoned(running)},
+                 {"left_behind", left_behind(running)}};
   if (running.keeper != nullptr) {
     result["saved"] = running.keeper->saved();
   }

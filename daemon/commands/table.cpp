@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "commands/answer.h"
 #include "commands/audit.h"
+#include "commands/given_up.h"
 #include "keeper.h"
 #include "mauve/version.h"
 #include "watch.h"
@@ -134,13 +136,17 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
       return running_.control.urgent(
           [this, &command, call] { command.change(running_, call, {}); });
     case Lane::factory:
-      return running_.control.in_factory(serve, [] {});
+      return run_in_factory(command, call);
     case Lane::change:
       break;
   }
   const bool queued = running_.control.change([this, &command, call](Ticket ticket) {
     call->before = running_.generation;
-    if (auto met = check_conditions(running_, *call); !met) {
+    auto met = check_conditions(running_, *call);
+    if (met) {
+      met = may_prepare(running_);
+    }
+    if (!met) {
       return answer(running_, *call, met.error());
     }
     command.change(running_, call, std::move(ticket));
@@ -150,6 +156,19 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
            refuse(Errc::conflict, std::string(command.method), "too many changes wait already",
                   "try again when they are done"));
   }
+}
+
+void CommandTable::run_in_factory(const Command& command, const CallPtr& call) {
+  if (auto free = may_prepare(running_); !free) {
+    return answer(running_, *call, free.error());
+  }
+  auto result = std::make_shared<std::optional<Result<Json>>>();
+  running_.control.in_factory(
+      [this, &command, call, result] { *result = command.read(running_, *call); },
+      [this, call, result] { answer(running_, *call, std::move(**result)); },
+      [this, call](const std::string& hook) {
+        answer(running_, *call, given_up(running_, hook, std::string(call->method->name)));
+      });
 }
 
 void CommandTable::gone(std::uint64_t client) { running_.watches.forget(client); }

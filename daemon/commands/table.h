@@ -21,6 +21,7 @@ class CommandTable final : public server::Dispatcher {
   [[nodiscard]] CallPtr call_of(const server::Caller& caller, const protocol::Method& method,
                                 protocol::Request request, server::Reply reply) const;
   void run(const Command& command, const CallPtr& call);
+  void run_in_factory(const Command& command, const CallPtr& call);
 
   Running& running_;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Points at which a test cuts the power. Nothing at all unless MAUVE_FAIL_POINTS is defined, which
-/// only the test program mauved_fail does.
+/// Points at which a test cuts the power, or holds the program up. Nothing at all unless
+/// MAUVE_FAIL_POINTS is defined, which only test programs do.
 #pragma once
 
 #ifdef MAUVE_FAIL_POINTS
@@ -9,15 +9,23 @@
 
 #include <atomic>
 #include <cstdlib>
+#include <functional>
 #include <string>
 #include <string_view>
 
 namespace mauve {
 
+/// What a test in the same program does at each point.
+inline std::function<void(std::string_view)>& at_fail_point() {
+  static std::function<void(std::string_view)> action;
+  return action;
+}
+
 /// Ends the process with exit code 86, without any tidying, when the environment has
 /// MAUVE_FAIL=NAME
 /// ("NAME@2": when the point is reached the second time). [any]
 inline void fail_point(std::string_view name) {
+  if (at_fail_point()) at_fail_point()(name);
   static std::atomic<int> times{0};
   const char* wanted = std::getenv("MAUVE_FAIL");
   const std::string_view text = wanted == nullptr ? std::string_view() : wanted;

@@ -2,6 +2,7 @@
 #include <mauve/change.h>
 
 #include "exec/prepared.h"
+#include "model/elements.h"
 
 namespace mauve {
 
@@ -45,7 +46,8 @@ Status Retired::release() {
   while (!elements_.empty()) {
     Status done = elements_.back()->cleanup();
     if (first && !done) first = std::move(done);
-    elements_.pop_back();
+    const std::string address = elements_.back()->address();
+    static_cast<void>(drop_elements(address, [this] { elements_.pop_back(); }));
   }
   while (!owners_.empty()) owners_.pop_back();
   return first;

@@ -4,6 +4,7 @@
 
 #include "exec/commit.h"
 #include "model/elements.h"
+#include "model/leavable.h"
 
 #include <mauve/job.h>
 
@@ -43,9 +44,12 @@ std::shared_ptr<Ongoing> Deployer::begin_in_place_park(PreparedChange& change) {
 Status Deployer::in_place_exchange(PreparedChange& change) {
   const exec::PreparedMember& member = change.content().members.front();
   const std::array<Configurable*, 2> old{member.base->core.get(), member.base->fsm.get()};
-  static_cast<void>(cleanup_in_reverse(old));
-  Status configured = configure_pair(*member.next);
-  if (configured) return ok();
+  const Inside inside;
+  if (!inside) return refuse(Errc::timed_out, member.component->name(), "was given up before");
+  Status configured = cleanup_in_reverse(old);
+  if (!left_here()) configured = configure_pair(*member.next);
+  // Of one that was left behind the component is parked: nobody gives it the old core back.
+  if (configured || left_here()) return configured;
   if (Status back = configure_pair(*member.base); !back) {
     configured.error().message +=
         "; and the old core could not be configured again: " + back.error().message;

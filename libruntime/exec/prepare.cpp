@@ -204,11 +204,12 @@ Result<PreparedChange> prepare_change(System& system, const Change& change, bool
     return refuse(Errc::wrong_state, system.architecture.name(), "is not deployed",
                   "before deployment change the elements themselves");
   }
-  Status sound = check_worth(change);
-  if (sound) sound = check_names(system, change);
-  if (!sound) return sound.error();
-  const std::lock_guard lock(system.model);
-  return Preparation(system, change).run(configure);
+  if (Status sound = check_worth(change); !sound) return sound.error();
+  Preparation preparation(system, change);  // what is dropped with it runs user code, without lock
+  const ModelLock::Hold hold(system.model);
+  if (!hold) return refuse(Errc::timed_out, "deployer", "the change was given up before it began");
+  if (Status sound = check_names(system, change); !sound) return sound.error();
+  return preparation.run(configure);
 }
 
 }  // namespace mauve::exec

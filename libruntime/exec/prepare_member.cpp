@@ -21,7 +21,8 @@ class MemberBuilder {
       : after_(after),
         edit_(edit),
         component_(component),
-        base_(*component.bundle()),
+        kept_(component.bundle()),
+        base_(*kept_),
         next_(std::make_shared<Bundle>(base_)),
         configure_(configure) {
     remake_shell_ = edit.type.has_value() || touches(edit, "shell");
@@ -165,6 +166,7 @@ class MemberBuilder {
   const Afterwards& after_;
   const Edit& edit_;
   ComponentBase& component_;
+  const std::shared_ptr<const Bundle> kept_;  // also if its thread is left behind
   const Bundle& base_;
   std::shared_ptr<Bundle> next_;
   Retired made_;
@@ -178,7 +180,11 @@ class MemberBuilder {
 
 Result<PreparedMember> prepare_member(const Afterwards& after, const Edit& edit,
                                       ComponentBase& component, bool configure) {
-  return MemberBuilder(after, edit, component, configure).build();
+  auto builder = std::make_unique<MemberBuilder>(after, edit, component, configure);
+  auto member = builder->build();
+  const Status dropped = drop_elements(component.name(), [&] { builder.reset(); });
+  if (member && !dropped) return dropped.error();
+  return member;
 }
 
 Result<PreparedMember> prepare_joining(const Afterwards& after, const NewComponent& joining) {

@@ -69,7 +69,10 @@ Result<PreparedResource> prepare_resource(const Afterwards& after, const Edit& e
     prepared.parts.bindings = *std::move(bindings);
   }
   if (edit.properties.empty()) return prepared;
-  if (Status made = make_core(edit, resource, prepared); !made) return made.error();
+  if (Status made = make_core(edit, resource, prepared); !made) {
+    static_cast<void>(drop_elements(resource.name(), [&] { prepared = {}; }));
+    return made.error();
+  }
   return prepared;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "analysis/task_set.h"
+#include "exec/model_lock.h"
 #include "exec/prepared.h"
 #include "exec/runner.h"
 #include "exec/task.h"
@@ -58,7 +59,7 @@ class System {
   std::list<Deployed> deployed;
   /// Held while a change is prepared, which reads the model on [factory]: what the system did by
   /// itself gets into the books afterwards.
-  std::mutex model;
+  ModelLock model;
   std::mutex members;
   std::vector<Happening> last_events;  ///< of components that left; under `members`
   std::vector<std::string> warnings;

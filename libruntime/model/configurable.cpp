@@ -28,11 +28,17 @@ Status Configurable::configure() {
     return error;
   }
   reset();
-  if (Status hook = call_hook(address_, "on_configure", [this] { return on_configure(); }); !hook) {
-    return located(std::move(hook), address_);
-  }
-  if (Status sound = verify(); !sound) {
-    static_cast<void>(call_hook(address_, "on_cleanup", [this] { return on_cleanup(), ok(); }));
+  bool opened = false;  // also when the hook returned too late
+  Status sound = call_hook(address_, "on_configure", [&] {
+    Status hook = on_configure();
+    opened = hook.has_value();
+    return hook;
+  });
+  if (sound) sound = verify();
+  if (!sound) {
+    if (opened) {
+      static_cast<void>(call_hook(address_, "on_cleanup", [this] { return on_cleanup(), ok(); }));
+    }
     return located(std::move(sound), address_);
   }
   configured_.store(true, std::memory_order_release);

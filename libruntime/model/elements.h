@@ -21,6 +21,12 @@ Status make_element(const std::string& address, const detail::Make<Base>& make,
   return done;
 }
 
+/// Runs destructors behind the same door.
+template <typename Drop>
+Status drop_elements(const std::string& address, Drop&& drop) {
+  return call_hook(address, "destructor", [&] { return drop(), ok(); });
+}
+
 /// May a core of this type be called by this state machine, and see this shell?
 [[nodiscard]] Status check_contract(const std::string& at, const CoreType& core, const FsmType& fsm,
                                     const ShellType& shell);

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The door behind which user constructors and hooks may throw what they like.
+/// The door behind which user constructors and hooks may throw what they like, or never return.
 #pragma once
 
 #include <exception>
 #include <string>
 
+#include "model/leavable.h"
+
 #include <mauve/result.h>
 
 namespace mauve {
 
-/// Runs `body` (returning Status); whatever it throws becomes an Error that names the hook.
+namespace detail {
+
 template <typename Body>
-Status call_hook(const std::string& at, const char* hook, Body&& body) {
+Status caught(const std::string& at, const char* hook, Body&& body) {
   try {
     return body();
   } catch (const std::exception& error) {
@@ -20,6 +23,18 @@ Status call_hook(const std::string& at, const char* hook, Body&& body) {
     return refuse(Errc::hook_threw, at,
                   std::string(hook) + " threw something that is no std::exception");
   }
+}
+
+}  // namespace detail
+
+/// Runs `body` (returning Status); whatever it throws becomes an Error that names the hook. So does
+/// a return to a thread that was left behind in it: whoever gets that must not touch the model.
+template <typename Body>
+Status call_hook(const std::string& at, const char* hook, Body&& body) {
+  InHook in_hook(at, hook);
+  Status done = detail::caught(at, hook, body);
+  if (in_hook.back()) return done;
+  return refuse(Errc::timed_out, at, std::string(hook) + " returned when it had been given up");
 }
 
 }  // namespace mauve

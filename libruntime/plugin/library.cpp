@@ -102,11 +102,14 @@ Status Library::declare(const PluginManifest& checked) {
     return refuse(Errc::plugin_refused, {}, "is damaged: its entry is not the one in its manifest",
                   "build or copy it again");
   }
-  Status declared = call_hook({}, "its MAUVE_PLUGIN block", [&] {
+  Status declared = call_hook(info_.name, "its MAUVE_PLUGIN block", [&] {
     entry->declare(*declared_);
     return ok();
   });
-  if (!declared) return declared;
+  if (!declared) {
+    declared.error().at.clear();  // the file says more
+    return declared;
+  }
   prefault(entry);
   return ok();
 }

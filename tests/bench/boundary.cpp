@@ -165,7 +165,7 @@ void run(const Options& options) {
                 "state is an execution state and its transition; a job is a release, one state, a "
                 "wait that is armed but not slept, and all clock readings and counters. With all "
                 "care: a change on probation, a bound for the guard, a relief that stands by, and "
-                "a budget, which on probation costs each job a reading of the processor's clock.",
+                "a budget.",
                 options);
   Figure& state = report.figure("a state of 100 in a row", "ns", above_raw(100));
   Figure& guarded = report.figure("a state with one guard asked", "ns", above_raw(100));

@@ -52,6 +52,15 @@ class RulesDaemon : public TrialDaemon {
     }
     return count;
   }
+  /// How often these words stand in the whole log.
+  std::size_t said(const std::string& words) const {
+    const auto log = errors();
+    std::size_t count = 0;
+    for (auto at = log.find(words); at != std::string::npos; at = log.find(words, at + 1)) {
+      ++count;
+    }
+    return count;
+  }
   bool fired(const std::string& name, int times) {
     return eventually([&] {
       const auto row = rule(name);
@@ -129,6 +138,34 @@ TEST(Rules, ThatFireWhileAChangeIsUnderWayWaitForIt) {
   EXPECT_EQ(daemon.component("first")["core"], "trial/slow");
 }
 
+TEST(Rules, ThatFireDuringAnApplyWaitForIt) {
+  const auto rules = R"({ "name": "alone", "when": "second.state == stopped", "do": "deaf" })";
+  RulesDaemon daemon(supervised(rules));
+  const auto marker = daemon.place() / "begun";
+  auto wanted = supervised(rules);
+  const std::string period = R"({ "fsm.period": "2ms" })";
+  wanted.replace(wanted.find(period), period.size(),
+                 R"({ "fsm.period": "2ms", "core.configure_time": "3s", "core.marker": ")" +
+                     marker.string() + R"(" }, "core": "trial/slow")");
+  auto client = daemon.client();
+  ASSERT_TRUE(client.send(
+      protocol::to_line(protocol::make_request("slow", "architecture.apply", {{"text", wanted}})) +
+      '\n'));
+  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(marker); }));
+
+  daemon.ask("component.stop", {{"components", {"second"}}});
+  ASSERT_TRUE(eventually([&] { return daemon.rule("alone")["fired"] == 1; }));
+  EXPECT_EQ(daemon.service("second.ports.input"), "signal.read") << "it waits";
+
+  const auto applied = client.json()["result"];
+  EXPECT_EQ(applied["state"], "applied") << applied;
+  ASSERT_TRUE(daemon.fired("alone", 1));
+  EXPECT_THAT(daemon.answer("alone"), HasSubstr("applied, generation"));
+  EXPECT_EQ(daemon.service("second.ports.input"), nullptr);
+  EXPECT_EQ(daemon.component("first")["core"], "trial/slow");
+  EXPECT_EQ(daemon.component("second")["state"], "stopped") << "a stop is never undone";
+}
+
 TEST(Rules, StopAndStartComponents) {
   RulesDaemon daemon(supervised(
       R"({ "name": "loud", "when": "second.core.input > 5", "do": "rest" },
@@ -199,6 +236,21 @@ TEST(Requests, AreRefusedWhereTheFileDoesNotPermitThem) {
   EXPECT_TRUE(eventually([&] { return daemon.events("transaction_refused", "deaf") == 1; }));
   EXPECT_EQ(daemon.service("second.ports.input"), "signal.read");
   EXPECT_EQ(daemon.component("second")["state"], "running");
+}
+
+TEST(Requests, InEveryJobFloodNeitherLogNorChanges) {
+  RulesDaemon daemon(supervised("", R"(["calm"])"));
+  daemon.ask("core.swap", {{"component", "first"},
+                           {"core", "trial/nagging"},
+                           {"probation", "off"},
+                           {"set", {{"transaction", "calm"}}}});
+  const auto ignored = [&] { return daemon.said("asks too often"); };
+  ASSERT_TRUE(eventually([&] { return ignored() >= 4; })) << "the 1st, 10th, 100th and 1000th";
+
+  EXPECT_LE(ignored(), 5U);
+  EXPECT_GE(daemon.said("requests calm"), 10U);
+  EXPECT_LE(daemon.said("requests calm"), 10U + 60U);
+  EXPECT_EQ(daemon.set("second.core.gain", 2.0)["state"], "applied");
 }
 
 TEST(RoverRules, DisconnectTheReceiverWhileItSeesTooFewSatellites) {

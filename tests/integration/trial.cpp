@@ -7,6 +7,8 @@
 
 #include <chrono>
 #include <cstdint>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <stdexcept>
 #include <string>
@@ -110,6 +112,35 @@ class Slow final : public Steady {
   }
 };
 
+/// Never gets ready while the file is there; then makes another one when it is cleaned up.
+class Stuck final : public Steady {
+  mauve::Property<std::string> while_there{*this, "while_there", "", "path of the file"};
+  mauve::Property<std::string> cleaned{*this, "cleaned", "", "path of the other file"};
+  mauve::Status on_configure() override {
+    while (std::filesystem::exists(while_there.get())) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return mauve::ok();
+  }
+  void on_cleanup() override { std::ofstream(cleaned.get()) << "cleaned"; }
+};
+
+/// Never comes into being, or never ends, while the file that is named in the environment is there.
+void wait_for_file_to_go() {
+  const char* const path = std::getenv("MAUVE_TRIAL_WAITS");
+  while (path != nullptr && std::filesystem::exists(path)) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+}
+class StuckConstructor final : public Steady {
+ public:
+  StuckConstructor() { wait_for_file_to_go(); }
+};
+class StuckDestructor final : public Steady {
+ public:
+  ~StuckDestructor() override { wait_for_file_to_go(); }
+};
+
 class Refusing final : public Steady {
   mauve::Status on_configure() override { return mauve::invalid(gain, "is not to its liking"); }
 };
@@ -122,6 +153,10 @@ class ThrowingJob final : public Steady {
   void update() override { throw std::runtime_error("division by something"); }
 };
 
+class ThrowingAnything final : public Steady {
+  mauve::Status on_configure() override { throw 42; }
+};
+
 /// Asks for a transaction in its first job.
 class Requesting final : public Steady {
   mauve::Property<std::string> transaction{*this, "transaction", "deaf", "what it asks for"};
@@ -130,6 +165,15 @@ class Requesting final : public Steady {
   void update() override {
     Steady::update();
     if (std::exchange(first_, false)) asked = mauve::request(transaction.get());
+  }
+};
+
+/// Asks in every job.
+class Nagging final : public Steady {
+  mauve::Property<std::string> transaction{*this, "transaction", "deaf", "what it asks for"};
+  void update() override {
+    Steady::update();
+    static_cast<void>(mauve::request(transaction.get()));
   }
 };
 
@@ -146,6 +190,22 @@ class Hanging final : public Steady {
 class Forgetful final : public TrialCore {
   mauve::Property<double> gain{*this, "gain", 1.0, "written out"};
   void update() override {}
+};
+
+/// A resource that does not let its caller go when it is given this value.
+class MeterCore final : public mauve::Core<mauve::EmptyShell> {
+ public:
+  void note(const double& value) {
+    for (volatile bool for_ever = value == breaks_at.get(); for_ever;) {
+    }
+  }
+
+ private:
+  mauve::Stateless stateless_{*this};
+  mauve::Property<double> breaks_at{*this, "breaks_at", 4.0, "hangs when it is given this value"};
+};
+struct MeterInterface : mauve::Interface<MeterCore> {
+  mauve::WriteService<double> write{*this, "write", &MeterCore::note};
 };
 
 struct AnotherShell : mauve::Shell {};
@@ -165,6 +225,11 @@ MAUVE_PLUGIN(plugin) {
   plugin.core<trial::Counting>("counting");
   plugin.core<trial::Talking>("talking");
   plugin.core<trial::Slow>("slow");
+  plugin.core<trial::Stuck>("stuck");
+  plugin.core<trial::StuckConstructor>("stuck_constructor");
+  plugin.core<trial::StuckDestructor>("stuck_destructor");
+  plugin.core<trial::ThrowingAnything>("throwing_anything");
+  plugin.core<trial::Nagging>("nagging");
   plugin.core<trial::Refusing>("refusing");
   plugin.core<trial::ThrowingHook>("throwing_hook");
   plugin.core<trial::ThrowingJob>("throwing_job");
@@ -173,4 +238,5 @@ MAUVE_PLUGIN(plugin) {
   plugin.core<trial::Forgetful>("forgetful");
   plugin.core<trial::AnotherCore>("another");
   plugin.component<trial::TrialShell, mauve::PeriodicFsm<trial::TrialCore>>("unit", "steady");
+  plugin.resource<mauve::EmptyShell, trial::MeterCore, trial::MeterInterface>("meter");
 }

@@ -10,7 +10,8 @@ namespace mauve {
 /// out later and elsewhere, if the file permits it ("may_request" of the component); what became of
 /// it is an event in the log. Wait-free and bounded; the text is copied. False, and nothing is
 /// asked: outside a job of a component, a name that is empty or longer than 64 characters, or too
-/// many requests that nobody has looked at yet. [rt]
+/// many requests that nobody has looked at yet. Of one component ten at once, then one a second are
+/// carried out; the rest is counted and told in the log. [rt]
 bool request(std::string_view transaction);
 
 }  // namespace mauve

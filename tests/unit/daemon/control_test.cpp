@@ -4,10 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <future>
+#include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "model/leavable.h"
 #include "support/eventually.h"
 
 namespace mauve::daemon {
@@ -118,6 +122,105 @@ TEST_F(ControlTest, ContinuesOnTheControlThread) {
                      [&] { where.set_value(control.on_control_thread()); });
 
   EXPECT_TRUE(where.get_future().get());
+}
+
+/// Gives work up that takes longer than a moment, when it is looked after.
+class FactoryTest : public ControlTest {
+ protected:
+  FactoryTest() : hasty(std::chrono::milliseconds(1)) {}
+  void SetUp() override { hasty.start(); }
+  void TearDown() override {
+    released = true;
+    EXPECT_TRUE(test::eventually([&] { return hasty.left_behind().empty(); }));
+  }
+
+  void wait_for_release() const {
+    while (!released) {
+      std::this_thread::yield();
+    }
+  }
+  /// Work that does not return before the test is over.
+  auto hanging(std::shared_ptr<void> held = nullptr) {
+    return [this, held = std::move(held)] {
+      InHook hook("first.core", "on_configure");
+      wait_for_release();
+      returned_whole = hook.back();
+    };
+  }
+  /// Looks until work was given up, or `times` times.
+  std::vector<LeftBehind> look(int times = 20'000) {
+    std::vector<LeftBehind> left;
+    for (int i = 0; left.empty() && i < times; ++i) {
+      std::promise<void> done;
+      hasty.read([&] {
+        left = hasty.look_after_factory();
+        done.set_value();
+      });
+      done.get_future().wait();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return left;
+  }
+
+  std::atomic<bool> released{false};
+  std::atomic<bool> returned_whole{true};
+  Control hasty;
+};
+
+TEST_F(FactoryTest, GivesWorkUpAndGoesOnWithTheNextChange) {
+  auto elements = std::make_shared<int>(1);
+  const std::weak_ptr<int> alive = elements;
+  ASSERT_TRUE(hasty.change([&, elements = std::move(elements)](Control::Ticket ticket) mutable {
+    hasty.in_factory(
+        hanging(elements), [&, elements, ticket] { note("prepared"); },
+        [&](const std::string& hook) { note("given up in " + hook); });
+    elements.reset();
+  }));
+  ASSERT_TRUE(hasty.change([&](const Control::Ticket& ticket) {
+    hasty.in_factory([] {}, [&, ticket] { note("second"); });
+  }));
+
+  const auto left = look();
+
+  ASSERT_EQ(left.size(), 1U);
+  EXPECT_EQ(left[0].hook, "first.core on_configure");
+  ASSERT_TRUE(test::eventually([&] { return noted().size() == 2; }));
+  EXPECT_THAT(noted(), testing::ElementsAre("given up in first.core on_configure", "second"));
+  EXPECT_EQ(hasty.left_behind().size(), 1U);
+  EXPECT_FALSE(alive.expired()) << "the thread that was left behind may still touch it";
+
+  released = true;
+  EXPECT_TRUE(test::eventually([&] { return alive.expired(); }));
+  EXPECT_FALSE(returned_whole);
+  EXPECT_THAT(noted(), testing::Not(testing::Contains("prepared")));
+}
+
+TEST_F(FactoryTest, EndsWhileAThreadIsLeftBehind) {
+  hasty.in_factory(hanging(), [] {});
+  ASSERT_EQ(look().size(), 1U);
+
+  hasty.stop();
+
+  EXPECT_EQ(hasty.left_behind().size(), 1U);
+}
+
+TEST_F(FactoryTest, GivesNothingUpThatUsesTheModel) {
+  hasty.in_factory(
+      [this] {
+        const Inside inside;
+        wait_for_release();
+      },
+      [] {});
+
+  EXPECT_TRUE(look(50).empty());
+  EXPECT_TRUE(hasty.left_behind().empty());
+}
+
+TEST_F(FactoryTest, GivesNothingUpThatIsQueuedOnly) {
+  hasty.in_factory([] {}, [&] { note("done"); });
+  ASSERT_TRUE(test::eventually([&] { return noted().size() == 1; }));
+
+  EXPECT_TRUE(look(50).empty());
 }
 
 TEST_F(ControlTest, DropsWaitingChangesWhenItStops) {

@@ -39,17 +39,19 @@ TEST(Options, HaveDefaultsForAllButTheFile) {
   EXPECT_EQ(options.plugin_dirs.size(), 1U);
   EXPECT_EQ(options.log_level, logging::Level::info);
   EXPECT_FALSE(options.check);
+  EXPECT_EQ(options.prepare_within, 10s);
 }
 
 TEST(Options, TakeEverythingFromTheCommandLine) {
   const auto options = accepted({"rover.json", "--socket", "s", "--plugin-dir", "a", "--plugin-dir",
                                  "b", "--realtime", "require", "--log-file", "l", "--log-level",
-                                 "debug", "--admission", "strict"});
+                                 "debug", "--admission", "strict", "--prepare-within", "1.5min"});
 
   EXPECT_EQ(options.socket, "s");
   EXPECT_EQ(options.plugin_dirs, (std::vector<std::string>{"a", "b"}));
   EXPECT_EQ(options.realtime, Realtime::require);
   EXPECT_EQ(options.admission, Admission::strict);
+  EXPECT_EQ(options.prepare_within, 90s);
   EXPECT_EQ(options.log_file, "l");
   EXPECT_EQ(options.log_level, logging::Level::debug);
 }
@@ -80,6 +82,8 @@ TEST(Options, RefuseWrongUseWithTwo) {
   EXPECT_EQ(left({"a.json", "--realtime", "maybe"}).exit, 2);
   EXPECT_EQ(left({"a.json", "--nonsense"}).exit, 2);
   EXPECT_EQ(left({"a.json", "--log-level", "loud"}).exit, 2);
+  EXPECT_EQ(left({"a.json", "--prepare-within", "0s"}).exit, 2);
+  EXPECT_THAT(left({"a.json", "--prepare-within", "10"}).text, testing::HasSubstr("no unit"));
   EXPECT_THAT(left({}).text, testing::HasSubstr("hint: mauved --help"));
 }
 

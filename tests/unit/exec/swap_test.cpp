@@ -100,6 +100,19 @@ TEST_F(Swap, ChangesNothingWhenTheNewCoreThrows) {
   EXPECT_EQ(deployer.generation(), 1u);
 }
 
+TEST(SwapBefore, RefusesAComponentThatWasNeverConfigured) {
+  ramp::Architecture architecture;
+  Deployer deployer(architecture, {.simulated = true});
+
+  const Result<Receipt> refused = deployer.swap_core<ramp::Down>("control");
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::wrong_state);
+  EXPECT_NE(refused.error().message.find("is not deployed"), std::string::npos);
+  EXPECT_FALSE(architecture.control.configured());
+  EXPECT_TRUE(deployer.deploy()) << "nothing was spoilt";
+}
+
 TEST_F(Swap, RefusesACoreOfAnotherContract) {
   const Result<Receipt> refused = deployer.swap_core<ramp::Stranger>("control");
 

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// Hooks that do not return: the change is given up, its thread left behind, and the next one works.
+#include <cstdlib>
+
+#include "trial_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using testing::HasSubstr;
+using Json = protocol::Json;
+
+/// Gives up after a second. While the file `gate` is there, the stuck cores of "trial" are stuck.
+class GivenUp : public testing::Test {
+ protected:
+  void begin(const std::string& within = "1s", const std::string& architecture = kTrial) {
+    setenv("MAUVE_TRIAL_WAITS", gate_.c_str(), 1);
+    daemon_ = std::make_unique<TrialDaemon>(
+        architecture, std::vector<std::string>{"--realtime", "off", "--prepare-within", within});
+    unsetenv("MAUVE_TRIAL_WAITS");
+    static_cast<void>(daemon_->client());
+    close();
+  }
+  void close() const { static_cast<void>(files_.write("gate", "closed")); }
+  void open() const { std::filesystem::remove(gate_); }
+
+  Json ask(const std::string& method, Json params = Json::object()) {
+    return daemon_->ask(method, std::move(params));
+  }
+  Json swap(const std::string& core, Json more = Json::object()) {
+    Json params = {{"component", "first"}, {"core", core}};
+    params.update(more);
+    return ask("core.swap", params);
+  }
+  Json swap_to_stuck(const Json& more = Json::object()) {
+    Json params = {{"set", {{"while_there", gate_}, {"cleaned", cleaned_}}}};
+    params.update(more);
+    return swap("trial/stuck", params);
+  }
+  Json left_behind() { return ask("status.get")["left_behind"]; }
+  /// The next change, of another component, goes through.
+  void expect_next_change_works(double gain) {
+    const auto next = ask("param.set", {{"values", {{"second.core.gain", gain}}}});
+    EXPECT_EQ(next["state"], "applied") << next;
+  }
+
+  TempDir files_;
+  const std::string gate_ = (files_ / "gate").string();
+  const std::string cleaned_ = (files_ / "cleaned").string();
+  std::unique_ptr<TrialDaemon> daemon_;
+};
+
+TEST_F(GivenUp, TheOldCoreRunsOnAndTheNextChangeGoesThrough) {
+  begin();
+  const auto before = daemon_->component("first");
+
+  const auto error = swap_to_stuck();
+
+  EXPECT_EQ(error["data"]["name"], "timed_out") << error;
+  EXPECT_EQ(error["data"]["where"], "first.core");
+  EXPECT_EQ(error["data"]["state"], "unchanged");
+  EXPECT_EQ(error["data"]["generation"], 1);
+  EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("on_configure did not return"));
+  EXPECT_THAT(error["data"]["hint"].get<std::string>(), HasSubstr("left behind"));
+  const auto after = daemon_->component("first");
+  EXPECT_EQ(after["core"], "trial/steady");
+  EXPECT_EQ(after["state"], "running");
+  EXPECT_GE(after["releases"].get<int>() + after["missed"].get<int>(),
+            before["releases"].get<int>() + before["missed"].get<int>() + 400)
+      << "a second of its grid";
+  EXPECT_GT(after["releases"], before["releases"]);
+  expect_next_change_works(2.0);
+  EXPECT_EQ(ask("status.get")["generation"], 2);
+}
+
+TEST_F(GivenUp, WhatReturnsLateIsCleanedUpAndNeverInForce) {
+  begin();
+  ASSERT_EQ(swap_to_stuck()["data"]["name"], "timed_out");
+  ASSERT_EQ(left_behind().size(), 1U);
+  EXPECT_FALSE(std::filesystem::exists(cleaned_));
+
+  open();
+
+  EXPECT_TRUE(eventually([&] { return left_behind().empty(); }));
+  EXPECT_TRUE(std::filesystem::exists(cleaned_));
+  EXPECT_EQ(daemon_->component("first")["core"], "trial/steady");
+  EXPECT_EQ(ask("status.get")["generation"], 1);
+  EXPECT_EQ(swap_to_stuck()["state"], "applied") << "it does not hang any more";
+  daemon_->process().signal(SIGTERM);
+  EXPECT_EQ(daemon_->process().wait(), 0) << "nothing is left behind";
+}
+
+TEST_F(GivenUp, IsToldInStatusAndLog) {
+  begin();
+  ASSERT_EQ(swap_to_stuck()["data"]["name"], "timed_out");
+
+  EXPECT_EQ(left_behind()[0]["hook"], "first.core on_configure");
+  EXPECT_THAT(left_behind()[0]["since"].get<std::string>(), HasSubstr("T"));
+  Process status({MAUVE_BIN_DIR "/mauvectl", "--socket", daemon_->socket().string(), "status"});
+  EXPECT_THAT(status.all_output(), HasSubstr("left behind: first.core on_configure since "));
+  EXPECT_TRUE(eventually([&] {
+    const auto records = ask("log.tail", {{"level", "error"}})["records"];
+    return !records.empty() && records[0]["event"] == "hook_left_behind";
+  }));
+  const auto unload = ask("plugin.unload", {{"plugin", "trial"}});
+  EXPECT_THAT(unload["message"].get<std::string>(), HasSubstr("trial/stuck"));
+}
+
+TEST_F(GivenUp, EndsInBoundedTimeWithAThreadLeftBehind) {
+  begin();
+  ASSERT_EQ(swap_to_stuck()["data"]["name"], "timed_out");
+  const auto start = std::chrono::steady_clock::now();
+
+  daemon_->process().signal(SIGTERM);
+
+  EXPECT_EQ(daemon_->process().wait(), 1) << "a thread was left behind";
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(8)) << "without force";
+  EXPECT_THAT(daemon_->errors(), HasSubstr("first.core on_configure did not return in time"));
+  EXPECT_THAT(daemon_->errors(), HasSubstr("info    stopped"));
+}
+
+TEST_F(GivenUp, IsAConstructorThatDoesNotReturn) {
+  begin();
+
+  const auto error = swap("trial/stuck_constructor");
+
+  EXPECT_EQ(error["data"]["name"], "timed_out") << error;
+  EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("constructor did not return"));
+  expect_next_change_works(2.0);
+}
+
+TEST_F(GivenUp, IsADestructorThatDoesNotReturnAfterTheAnswer) {
+  begin();
+  ASSERT_EQ(swap("trial/stuck_destructor", {{"probation", "off"}})["state"], "applied");
+
+  ASSERT_EQ(swap("trial/steady", {{"probation", "off"}})["state"], "applied");
+
+  expect_next_change_works(2.0);
+  EXPECT_EQ(left_behind()[0]["hook"], "first destructor");
+}
+
+TEST_F(GivenUp, InPlaceLeavesTheComponentSafeAndBarred) {
+  begin();
+  ASSERT_TRUE(daemon_->becomes("signal.read", 1.0));
+
+  const auto error = swap_to_stuck({{"in_place", true}});
+
+  EXPECT_EQ(error["data"]["name"], "timed_out") << error;
+  EXPECT_EQ(error["data"]["state"], "safe");
+  EXPECT_EQ(daemon_->component("first")["state"], "stopped");
+  EXPECT_TRUE(daemon_->becomes("signal.read", -1.0)) << "its safe value";
+  const auto refused = ask("component.start", {{"components", {"first"}}});
+  EXPECT_EQ(refused["data"]["name"], "wrong_state") << refused;
+  EXPECT_THAT(refused["message"].get<std::string>(), HasSubstr("left behind"));
+  EXPECT_EQ(ask("plugin.reload", {{"plugin", "trial"}})["data"]["name"], "wrong_state");
+  expect_next_change_works(2.0);
+  open();
+  EXPECT_TRUE(eventually([&] { return left_behind().empty(); }));
+  EXPECT_EQ(daemon_->component("first")["state"], "stopped");
+}
+
+TEST_F(GivenUp, IsAFileWhoseElementsAreNotMadeInTime) {
+  begin();
+  std::string text(kTrial);
+  const std::string name = "\"trial/unit\",";
+  text.replace(text.find(name), name.size(), name + " \"core\": \"trial/stuck_constructor\",");
+
+  for (const char* method : {"config.check", "architecture.diff", "architecture.apply"}) {
+    const auto error = ask(method, {{"text", text}});
+    EXPECT_EQ(error["data"]["name"], "timed_out") << method << error;
+    EXPECT_EQ(error["data"]["where"], "first.core");
+  }
+
+  EXPECT_EQ(left_behind().size(), 3U);
+  expect_next_change_works(2.0);
+}
+
+TEST_F(GivenUp, IsAReloadWhoseNewCoresAreNotReady) {
+  begin();
+  open();
+  ASSERT_EQ(swap_to_stuck()["state"], "applied");
+  close();
+  daemon_->install(2);
+
+  const auto error = ask("plugin.reload", {{"plugin", "trial"}});
+
+  EXPECT_EQ(error["data"]["name"], "timed_out") << error;
+  EXPECT_TRUE(daemon_->becomes("first.core.number", 1)) << "the old code runs on";
+  open();
+  ASSERT_TRUE(eventually([&] { return left_behind().empty(); }));
+  const auto reloaded = ask("plugin.reload", {{"plugin", "trial"}});
+  EXPECT_EQ(reloaded["unmapped"], true) << reloaded;
+  EXPECT_TRUE(daemon_->becomes("first.core.number", 2));
+}
+
+TEST_F(GivenUp, ARelief) {
+  std::string text(kTrial);
+  const std::string first = R"("first":  { "type": "trial/unit",)";
+  open();
+  begin("1s", text.replace(text.find(first), first.size(),
+                           first + R"( "task": { "on_fault": "fallback" }, "fallback_core":
+                           { "core": "trial/stuck", "properties": { "core.while_there": ")" +
+                               gate_ + R"(" } },)"));
+
+  ASSERT_EQ(swap("trial/other", {{"probation", "off"}})["state"], "applied");
+
+  EXPECT_TRUE(eventually([&] {
+    return daemon_->errors().find("no core stands by for first.core: ") != std::string::npos;
+  }));
+  EXPECT_EQ(left_behind()[0]["hook"], "first.core on_configure");
+  expect_next_change_works(2.0);
+  expect_next_change_works(3.0);
+  EXPECT_EQ(left_behind().size(), 1U) << "it is not tried again";
+}
+
+TEST_F(GivenUp, TooOftenRefusesWhatIsNewButNeverAStop) {
+  begin("100ms");
+  for (int i = 0; i < 8; ++i) {
+    ASSERT_EQ(swap_to_stuck()["data"]["name"], "timed_out");
+  }
+
+  const auto refused = swap("trial/other");
+
+  EXPECT_EQ(refused["data"]["name"], "wrong_state") << refused;
+  EXPECT_THAT(refused["message"].get<std::string>(), HasSubstr("8 threads are left behind"));
+  EXPECT_EQ(ask("config.check", {{"text", "{}"}})["data"]["name"], "wrong_state");
+  EXPECT_EQ(daemon_->component("first")["state"], "running");
+  EXPECT_EQ(ask("component.stop", {{"all", true}})["state"], "applied");
+  open();
+  ASSERT_TRUE(eventually([&] { return left_behind().empty(); }));
+  EXPECT_TRUE(eventually([&] { return swap("trial/other")["state"] == "applied"; }));
+}
+
+/// `first` writes into a resource that never lets it go.
+std::string with_meter() {
+  std::string text(kTrial);
+  const std::string count = R"("count": {)";
+  text.insert(text.find(count), R"("meter": { "type": "trial/meter" }, )");
+  const std::string output = R"("output": "signal.write")";
+  text.replace(text.find(output), output.size(), R"("output": "meter.write")");
+  const std::string period = R"("fsm.period": "2ms" })";
+  return text.replace(text.find(period), period.size(),
+                      period + R"(, "task": { "watchdog": "500ms" })");
+}
+
+TEST(Poisoned, IsAResourceThatItsCallerWasThrownOutOf) {
+  TrialDaemon daemon(with_meter());
+  const auto show = [&] { return daemon.ask("object.get", {{"address", "meter"}})["poisoned"]; };
+  EXPECT_EQ(daemon.ask("status.get")["poisoned"], Json::array());
+  EXPECT_EQ(show(), false);
+
+  daemon.ask("param.set", {{"values", {{"first.core.gain", 4.0}}}, {"probation", "off"}});
+
+  ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
+  EXPECT_EQ(daemon.ask("status.get")["poisoned"], Json({"meter"}));
+  EXPECT_EQ(show(), true);
+  Process status({MAUVE_BIN_DIR "/mauvectl", "--socket", daemon.socket().string(), "status"});
+  EXPECT_THAT(status.all_output(), HasSubstr("meter: is poisoned: "));
+
+  const auto healed =
+      daemon.ask("param.set", {{"values", {{"meter.core.breaks_at", 5.0}}}, {"state", "drop"}});
+  EXPECT_EQ(healed["state"], "applied") << healed;
+  EXPECT_EQ(daemon.ask("status.get")["poisoned"], Json::array());
+  EXPECT_EQ(show(), false);
+}
+
+}  // namespace
+}  // namespace mauve::test

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// A coordinator that is held up between looking at the clock and deciding, until the instant has
+/// passed: on a clock that is moved by hand, with the fail points of exec/swap.cpp.
+#include <gtest/gtest.h>
+
+#include "base/fail_point.h"
+#include "exec/swap.h"
+#include "support/ramp.h"
+
+namespace mauve {
+namespace {
+
+constexpr std::string_view kBeforeDecide = "commit.before_decide";
+
+/// Counts the jobs of all cores of this type.
+struct Counted : ramp::Up {
+  static int& jobs_of_all() {
+    static int count = 0;
+    return count;
+  }
+  void update() override {
+    ++jobs_of_all();
+    Up::update();
+  }
+};
+
+struct Two : Architecture {
+  SharedData<double> position{*this, "position"};
+  Component<ramp::Shell, ramp::Up, ramp::Fsm> quick{*this, "quick"};
+  Component<ramp::Shell, ramp::Up, ramp::Fsm> slow{*this, "slow"};
+
+  Status on_configure() override {
+    slow.fsm().period = 1s;
+    return quick.shell().out.connect(position.write_service());
+  }
+};
+
+class LateCommit : public testing::Test {
+ protected:
+  void SetUp() override {
+    Counted::jobs_of_all() = 0;
+    ASSERT_TRUE(deployer.deploy());
+    deployer.run_for(55ms);
+  }
+  void TearDown() override { at_fail_point() = nullptr; }
+
+  /// In the first `attempts` attempts the boundary of `quick` passes before the decision.
+  void hold_up(unsigned attempts) {
+    at_fail_point() = [this, attempts](std::string_view point) {
+      if (point == kBeforeDecide && held_up++ < attempts) deployer.run_for(10ms);
+    };
+  }
+  Result<Receipt> swap_both() {
+    Change change;
+    for (const char* name : {"quick", "slow"}) {
+      Edit edit;
+      edit.component = name;
+      edit.core = CoreType::of<Counted>("counted");
+      change.edits.push_back(std::move(edit));
+    }
+    return deployer.apply(change);
+  }
+
+  Two architecture;
+  Deployer deployer{architecture, {.simulated = true}};
+  unsigned held_up = 0;
+};
+
+TEST_F(LateCommit, AbortsEveryAttemptAndChangesNothing) {
+  const int configured = ramp::Up::configured_cores();
+  hold_up(exec::kMaxAttempts);
+
+  const Result<Receipt> refused = swap_both();
+
+  EXPECT_EQ(held_up, exec::kMaxAttempts);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::timed_out);
+  EXPECT_EQ(refused.error().at, "quick, slow");
+  EXPECT_NE(refused.error().message.find("every attempt missed its instant"), std::string::npos);
+  deployer.run_for(3s);
+  EXPECT_EQ(Counted::jobs_of_all(), 0) << "no member ever ran the new core";
+  EXPECT_EQ(deployer.generation(), 1u);
+  EXPECT_NE(deployer.status("quick").core, "counted");
+  EXPECT_EQ(deployer.status("quick").missed, 0u);
+  EXPECT_EQ(deployer.status("quick").next_release.count() % 10'000'000, 0);
+  EXPECT_EQ(ramp::Up::configured_cores(), configured) << "what was prepared is gone";
+  const auto jobs = static_cast<double>(deployer.status("quick").releases);
+  EXPECT_EQ(ramp::read(architecture.position), jobs) << "the old core kept its state";
+}
+
+TEST_F(LateCommit, IsFollowedByAChangeThatWorks) {
+  hold_up(exec::kMaxAttempts);
+  ASSERT_FALSE(swap_both());
+
+  const Result<Receipt> done = swap_both();
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_EQ(done->attempts, 1u);
+  EXPECT_EQ(done->generation, 2u);
+  deployer.run_for(2s);
+  EXPECT_EQ(deployer.status("quick").core, "counted");
+  EXPECT_EQ(deployer.status("slow").core, "counted");
+  const auto jobs = static_cast<double>(deployer.status("quick").releases);
+  EXPECT_EQ(ramp::read(architecture.position), jobs);
+}
+
+TEST_F(LateCommit, TriesAgainUntilTheLastAttempt) {
+  hold_up(exec::kMaxAttempts - 1);
+
+  const Result<Receipt> done = swap_both();
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_EQ(done->attempts, exec::kMaxAttempts);
+  EXPECT_EQ(deployer.status("quick").missed, 0u);
+}
+
+}  // namespace
+}  // namespace mauve
