@@ -9,6 +9,9 @@ namespace mauve::ctl {
 /// 0, or what the state after a change says: rolled back 1, safe 9.
 [[nodiscard]] int exit_of(const Json& receipt);
 
+/// The options that were given, of those that several changes have: "--state drop" and the like.
+void add_options(const Session& session, Json& params);
+
 int run_status(Session& session);
 int run_list(Session& session);
 int run_show(Session& session);

@@ -23,7 +23,7 @@ int apply(Session& session, bool dry_run) {
   if (const auto* fault = std::get_if<Fault>(&params)) return session.fail(*fault);
   Json asked = std::get<Json>(std::move(params));
   if (dry_run) asked["dry_run"] = true;
-  if (session.arguments.has("--state")) asked["state"] = session.arguments.one("--state");
+  add_options(session, asked);
   const auto answer = session.call("architecture.apply", std::move(asked));
   if (const auto* fault = std::get_if<Fault>(&answer)) return fail(session, *fault);
   const auto& result = std::get<Json>(answer);

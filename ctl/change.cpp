@@ -48,27 +48,27 @@ std::variant<Json, Fault> assignments(const std::vector<std::string>& given) {
   return values;
 }
 
-void add_state(const Session& session, Json& params) {
-  if (session.arguments.has("--state")) params["state"] = session.arguments.one("--state");
-}
-
-/// How long the change is on probation.
-void add_probation(const Session& session, Json& params) {
-  const auto& given = session.arguments;
-  if (given.has("--probation")) params["probation"] = given.one("--probation");
-  if (given.has("--misses")) params["misses"] = given.one("--misses");
-  if (given.has("--confirm-within")) params["confirm_within"] = given.one("--confirm-within");
-}
-
 int change_plugin(Session& session, std::string_view method, std::string_view verb) {
   const std::string plugin = session.arguments.one("PLUGIN");
   Json params = {{"plugin", plugin}};
-  add_state(session, params);
+  add_options(session, params);
   return change(session, method, std::move(params), std::string(verb) + " " + plugin,
                 render_plugin);
 }
 
 }  // namespace
+
+void add_options(const Session& session, Json& params) {
+  constexpr std::pair<std::string_view, const char*> kOptions[] = {
+      {"--state", "state"},
+      {"--sync", "sync"},
+      {"--probation", "probation"},
+      {"--misses", "misses"},
+      {"--confirm-within", "confirm_within"}};
+  for (const auto& [option, name] : kOptions) {
+    if (session.arguments.has(option)) params[name] = session.arguments.one(option);
+  }
+}
 
 int exit_of(const Json& receipt) {
   const std::string state = word(receipt, "state");
@@ -82,8 +82,7 @@ int run_set(Session& session) {
   std::vector<std::string> names;
   for (const auto& [name, value] : std::get<Json>(values).items()) names.push_back(name);
   Json params = {{"values", std::move(std::get<Json>(values))}};
-  add_state(session, params);
-  add_probation(session, params);
+  add_options(session, params);
   return change(session, "param.set", std::move(params), "set " + listed(names));
 }
 
@@ -114,8 +113,7 @@ int run_swap_core(Session& session) {
   if (session.arguments.has("--set")) params["set"] = std::move(std::get<Json>(values));
   if (session.arguments.has("--budget")) params["budget"] = session.arguments.one("--budget");
   if (session.arguments.has("--in-place")) params["in_place"] = true;
-  add_state(session, params);
-  add_probation(session, params);
+  add_options(session, params);
   return change(session, "core.swap", std::move(params), "swapped " + component);
 }
 
@@ -124,14 +122,14 @@ int run_connect(Session& session) {
   const std::string service = session.arguments.one("SERVICE");
   Json params = {{"port", port}, {"service", service}};
   if (session.arguments.has("--max-age")) params["max_age"] = session.arguments.one("--max-age");
-  add_probation(session, params);
+  add_options(session, params);
   return change(session, "port.connect", std::move(params), "connected " + port + " to " + service);
 }
 
 int run_disconnect(Session& session) {
   const std::string port = session.arguments.one("PORT");
   Json params = {{"port", port}};
-  add_probation(session, params);
+  add_options(session, params);
   return change(session, "port.disconnect", std::move(params), "disconnected " + port);
 }
 
@@ -167,7 +165,9 @@ int run_rollback(Session& session) {
     return session.fail(fault_of(protocol::kUsage, "'" + wanted + "' is not a generation", {},
                                  "mauvectl history lists them"));
   }
-  return change(session, "config.rollback", {{"generation", *generation}},
+  Json params = {{"generation", *generation}};
+  add_options(session, params);
+  return change(session, "config.rollback", std::move(params),
                 "rolled back to generation " + wanted);
 }
 

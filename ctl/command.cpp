@@ -25,6 +25,10 @@ constexpr Argument flag(std::string_view name, std::string_view text) {
 }
 
 constexpr Argument kState = maybe("--state", "\"drop\": begin with a fresh state", Kind::none);
+constexpr Argument kSync =
+    maybe("--sync",
+          "\"cut\", or \"barrier\": members wait for each other; unsaid: where a contract changes",
+          Kind::none);
 constexpr Argument kComponent = one("COMPONENT", "name of a component", Kind::component);
 constexpr Argument kPort = one("PORT", "such as control.ports.scan", Kind::port);
 
@@ -78,12 +82,15 @@ constexpr Argument kCheck[] = {one("FILE", "an architecture file", Kind::file)};
 constexpr Argument kApply[] = {one("FILE", "an architecture file", Kind::file),
                                flag("--dry-run", "prepare and tell, but change nothing"),
                                kState,
+                               kSync,
                                kProbation,
                                kMisses,
                                kConfirmWithin};
-constexpr Argument kPlan[] = {one("FILE", "an architecture file", Kind::file), kState};
+constexpr Argument kPlan[] = {one("FILE", "an architecture file", Kind::file), kState, kSync,
+                              kProbation};
 constexpr Argument kHistory[] = {maybe("-n,--lines", "how many of the newest", Kind::none)};
-constexpr Argument kRollback[] = {one("GENERATION", "a number of mauvectl history", Kind::none)};
+constexpr Argument kRollback[] = {one("GENERATION", "a number of mauvectl history", Kind::none),
+                                  kState, kSync};
 constexpr Argument kLock[] = {one("LOCK", "none, params or all", Kind::lock)};
 constexpr Argument kLogs[] = {
     maybe("COMPONENT", "only this one", Kind::component),

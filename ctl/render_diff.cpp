@@ -47,6 +47,25 @@ std::string lines_of(const Json& result, Look look) {
   return text;
 }
 
+/// Why everybody waits for everybody, and in a plan at what cost.
+std::string at_barrier(const Json& result, bool planned, Look look) {
+  if (word(result, "sync") != "barrier") return {};
+  std::string names;
+  for (const Json& name : list_in(result, "exchanged")) {
+    names += (names.empty() ? "" : ", ") + harmless(compact(name));
+  }
+  std::string text = "at a barrier";
+  if (!names.empty()) text += ", for another contract of " + names;
+  std::string costs;
+  for (const Json& member : list_in(result, "components")) {
+    const auto missed = whole_number(member, "missed");
+    if (!planned || missed == 0) continue;
+    costs += (costs.empty() ? "" : ", ") + word(member, "name") + " " + counted(missed, "release");
+  }
+  if (planned && !costs.empty()) text += "; may lose: " + costs;
+  return wrapped(text, look.width, 2) + "\n";
+}
+
 std::string same_as(std::string_view file, const Json& result) {
   return std::string(file) + " is what runs (generation " + word(result, "generation") + ")\n";
 }
@@ -62,7 +81,8 @@ std::string render_diff(std::string_view file, const Json& result, Look look) {
 
 std::string render_applied(std::string_view file, const Json& result, Look look) {
   const std::string lines = lines_of(result, look);
-  return lines + render_receipt("applied " + harmless(file), result, look);
+  return lines + at_barrier(result, false, look) +
+         render_receipt("applied " + harmless(file), result, look);
 }
 
 std::string render_plan(std::string_view file, const Json& result, Look look) {
@@ -76,8 +96,8 @@ std::string render_plan(std::string_view file, const Json& result, Look look) {
   }
   std::string text = "everything is prepared and would be applied";
   if (!members.empty()) text += "; at the same instant: " + members;
-  return lines + wrapped(text, look.width, 2) + "\nnothing was changed (generation " +
-         word(result, "generation") + " still running)\n";
+  return lines + at_barrier(result, true, look) + wrapped(text, look.width, 2) +
+         "\nnothing was changed (generation " + word(result, "generation") + " still running)\n";
 }
 
 }  // namespace mauve::ctl

@@ -75,10 +75,16 @@ class Application final : public Companion {
                       running_.architecture.name() + "\" is running",
                   "keep the name, or start mauved with this file");
   }
-  [[nodiscard]] Change take_change(StatePolicy state) {
+  /// A change of a contract goes by the barrier, unless it was asked for something else.
+  [[nodiscard]] Change take_change(StatePolicy state, std::optional<Sync> asked) {
     for (auto& edit : difference_.change.edits) {
       edit.state = state;
     }
+    for (auto& joining : difference_.change.new_resources) {
+      joining.state = state;
+    }
+    difference_.change.sync =
+        asked.value_or(difference_.exchanged.empty() ? Sync::cut : Sync::barrier);
     return std::move(difference_.change);
   }
 
@@ -118,6 +124,9 @@ class Application final : public Companion {
       lines.push_back(line_json(line));
     }
     result["lines"] = std::move(lines);
+    if (!difference_.exchanged.empty()) {
+      result["exchanged"] = difference_.exchanged;
+    }
     if (dry_run_) {
       result["dry_run"] = true;
     }
@@ -209,15 +218,16 @@ void load_only(Running& running, const Call& call, Application& application) {
 /// [control] The file is good, and compared.
 void go_on(Running& running, const CallPtr& call, ApplicationPtr application, Ticket ticket) {
   const auto state = state_policy(call->params);
+  const auto sync = sync_of(call->params);
   const auto named = application->named_alike();
-  if (!state || !named) {
-    answer(running, *call, state ? named.error() : state.error());
+  if (!state || !sync || !named) {
+    answer(running, *call, !state ? state.error() : !sync ? sync.error() : named.error());
   } else if (application->same() || (application->dry_run() && !application->changes_elements())) {
     answer_unchanged(running, *call, *application);
   } else if (!application->changes_elements()) {
     load_only(running, *call, *application);
   } else {
-    auto change = application->take_change(*state);
+    auto change = application->take_change(*state, *sync);
     return apply(running, call, std::move(ticket), std::move(change), std::move(application));
   }
   free_in_factory(running, std::move(application), std::move(ticket));

@@ -52,6 +52,12 @@ void free_in_factory(Running& running, JourneyPtr journey, Ticket ticket) {
       [ticket = std::move(ticket)] {});
 }
 
+void say_sync(const Change& change, Json& result) {
+  if (change.sync == Sync::barrier) {
+    result["sync"] = "barrier";
+  }
+}
+
 void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
             const std::string& state, const Journey& journey) {
   Companion* const companion = journey.companion.get();
@@ -63,6 +69,7 @@ void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
     return answer(running, call, receipt.error(), state);
   }
   auto result = to_json(*receipt);
+  say_sync(journey.change, result);
   if (journey.change.probation) {
     result["probation"] = to_json(*journey.change.probation);
   }
@@ -139,6 +146,19 @@ std::size_t kept_bytes(const exec::PreparedMember& member) {
   return plan ? plan->bytes : 0;
 }
 
+/// What those that would wait at a barrier may lose.
+void add_waits(const exec::PreparedBarrier& barrier, Receipt& receipt) {
+  for (const auto& wait : barrier.waits) {
+    const auto row = std::find_if(receipt.components.begin(), receipt.components.end(),
+                                  [&](const auto& one) { return one.name == wait.component; });
+    if (row != receipt.components.end()) {
+      row->missed = wait.releases;
+    } else {
+      receipt.components.push_back({wait.component, Duration{0}, wait.releases, 0});
+    }
+  }
+}
+
 /// [control] The end of a dry run: what was prepared is told and dropped.
 void tell(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
   Receipt receipt;
@@ -146,8 +166,13 @@ void tell(Running& running, const CallPtr& call, JourneyPtr journey, Ticket tick
   for (const auto& member : (*journey->prepared)->content().members) {
     receipt.components.push_back({member.component->name(), Duration{0}, 0, kept_bytes(member)});
   }
-  receipt.warnings = (*journey->prepared)->content().warnings;
+  const auto& content = (*journey->prepared)->content();
+  if (content.barrier) {
+    add_waits(*content.barrier, receipt);
+  }
+  receipt.warnings = content.warnings;
   auto result = to_json(receipt);
+  say_sync(journey->change, result);
   journey->companion->complete(result);
   answer(running, *call, std::move(result));
   free_in_factory(running, std::move(journey), std::move(ticket));
@@ -317,6 +342,19 @@ Result<StatePolicy> state_policy(const Json& params) {
   return refuse(Errc::invalid_value, "state",
                 "'" + text.substr(0, 64) + "' is no way to treat state",
                 "leave it out to hand the state over, or say drop");
+}
+
+Result<std::optional<Sync>> sync_of(const Json& params) {
+  const auto text = text_or(params, "sync");
+  if (text.empty()) {
+    return std::optional<Sync>();
+  }
+  if (text == "cut" || text == "barrier") {
+    return std::optional(text == "cut" ? Sync::cut : Sync::barrier);
+  }
+  return refuse(Errc::invalid_value, "sync",
+                "'" + text.substr(0, 64) + "' is no way to change together",
+                "say cut or barrier, or leave it out");
 }
 
 }  // namespace mauve::daemon

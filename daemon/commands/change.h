@@ -55,4 +55,7 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
 /// [any] "drop" or nothing; anything else is refused.
 [[nodiscard]] Result<StatePolicy> state_policy(const Json& params);
 
+/// [any] "cut", "barrier" or nothing: what the change wants by itself; anything else is refused.
+[[nodiscard]] Result<std::optional<Sync>> sync_of(const Json& params);
+
 }  // namespace mauve::daemon

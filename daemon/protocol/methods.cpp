@@ -41,11 +41,12 @@ constexpr Param kPlugin[] = {{"plugin", string, true}};
 constexpr Param kReload[] = {{"plugin", string, true}, {"state", string}};
 constexpr Param kCheck[] = {{"text", string, true}, {"file", string}};
 constexpr Param kDiff[] = {{"text", string, true}, {"file", string}};
-constexpr Param kApply[] = {{"text", string, true},    {"file", string},      {"dry_run", boolean},
-                            {"state", string},         {"probation", string}, {"misses", string},
-                            {"confirm_within", string}};
+constexpr Param kApply[] = {{"text", string, true}, {"file", string},
+                            {"dry_run", boolean},   {"state", string},
+                            {"sync", string},       {"probation", string},
+                            {"misses", string},     {"confirm_within", string}};
 constexpr Param kHistory[] = {{"n", integer}};
-constexpr Param kRollback[] = {{"generation", integer, true}};
+constexpr Param kRollback[] = {{"generation", integer, true}, {"state", string}, {"sync", string}};
 constexpr Param kLock[] = {{"lock", string, true}};
 constexpr Param kTail[] = {
     {"component", string}, {"level", string}, {"n", integer}, {"follow", boolean}};

@@ -98,6 +98,11 @@ class Comparison {
     for (const ComponentBase* now : running_.components()) {
       if (wanted_.find_component(now->name()) == nullptr) leaves("component", *now);
     }
+    for (const std::string& name : replaced_) {
+      const CoreBase& core = running_.find_resource(name)->core();
+      const bool has_state = core.state() != nullptr || core.slow_state() != nullptr;
+      if (has_state || used_.contains(name)) difference_.exchanged.push_back(name);
+    }
     take_out();
     return std::move(difference_);
   }
@@ -203,6 +208,7 @@ class Comparison {
     const Value before = describe_connection(now);
     const Value after = describe_connection(then);
     const bool lost = now != nullptr && replaced_.contains(now->service().resource().name());
+    if (lost) used_.insert(now->service().resource().name());
     if (same_value(before, after) && !lost) return;
     if (now != nullptr) edit.disconnect.emplace_back(port);
     if (then != nullptr) edit.connect.push_back(connection_to(*then, port));
@@ -240,6 +246,7 @@ class Comparison {
   Architecture& wanted_;
   const Parked& parked_;
   std::set<std::string, std::less<>> replaced_;  // resources at which no connection can stay
+  std::set<std::string, std::less<>> used_;      // those of them that are connected to others
   std::set<std::string, std::less<>> joining_;
   Difference difference_;
 };

@@ -40,6 +40,9 @@ struct Difference {
   /// Fallback cores that are others when the change is in force: ComponentBase::fall_back_to().
   std::vector<std::pair<std::string, std::optional<ComponentBase::Fallback>>> fallbacks;
   std::vector<Line> lines;
+  /// Resources that get another contract under their name, while others use them or with a state.
+  /// Such a change wants Sync::barrier; as compared, it is a cut.
+  std::vector<std::string> exchanged;
 };
 
 /// Compares by name. `wanted` was made from a file (load(), build()): nothing in it is configured,

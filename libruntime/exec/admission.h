@@ -17,8 +17,9 @@ namespace mauve::exec {
 void measure_overheads(System& system, int priority);
 Status admit_deployment(System& system);
 
-/// A prepared change: the warnings for its receipt, or the first problem. [factory] or [control],
-/// under System::model.
+/// A prepared change: the warnings for its receipt, or the first problem. A barrier only moves
+/// releases apart, of members and of bystanders, so what is proved for the cut holds for it.
+/// [factory] or [control], under System::model.
 [[nodiscard]] Result<std::vector<std::string>> admit_change(System& system,
                                                             const PreparedChange::Content& change);
 

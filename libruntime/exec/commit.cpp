@@ -64,7 +64,12 @@ Commit::Commit(System& system, Content content, Swap::Kind kind, Duration longes
     return;
   }
   if (content_->probation) way_back_ = std::make_shared<WayBack>();
-  publish(kind, longest_job);
+  hold_members();
+  if (barrier_ == nullptr) {
+    publish(kind, longest_job);
+  } else {
+    barrier_->begin(deployed_);
+  }
 }
 
 /// Nothing has happened, and nothing will.
@@ -93,6 +98,10 @@ Status Commit::check(Swap::Kind kind) {
   }
   for (const PreparedResource& resource : content_->resources) {
     if (Status current = check_resource(resource); !current) return current;
+  }
+  if (content_->barrier) {
+    barrier_ = std::make_unique<Barrier>(system_);
+    if (Status ready = barrier_->check(*content_); !ready) return ready;
   }
   return check_probation(kind);
 }
@@ -157,14 +166,19 @@ std::vector<ResourceMember> Commit::resource_members() const {
   return resources;
 }
 
-void Commit::publish(Swap::Kind kind, Duration longest_job) {
+void Commit::hold_members() {
   entered_.resize(deployed_.size());
+  for (Deployed* deployed : deployed_) {
+    missed_before_.push_back(deployed->task->counters().missed.load());
+    deployed->changing = true;
+  }
+}
+
+void Commit::publish(Swap::Kind kind, Duration longest_job) {
   std::vector<Member> members;
-  for (std::size_t i = 0; i < deployed_.size(); ++i) {
-    Deployed& deployed = *deployed_[i];
-    members.push_back(forth(i, deployed));
-    missed_before_.push_back(deployed.task->counters().missed.load());
-    deployed.changing = true;
+  for (std::size_t i = 0; i < deployed_.size(); ++i) members.push_back(forth(i, *deployed_[i]));
+  if (barrier_ != nullptr) {
+    for (Member& bystander : barrier_->go_on()) members.push_back(std::move(bystander));
   }
   swap_ = std::make_unique<Swap>(std::move(members), resource_members(), *system_.runner,
                                  longest_job, kind);
@@ -172,6 +186,7 @@ void Commit::publish(Swap::Kind kind, Duration longest_job) {
 
 bool Commit::advance() {
   if (over_) return true;
+  if (swap_ == nullptr && !pass_barrier()) return over_;
   over_ = swap_->advance();
   for (std::size_t i = 0; i < deployed_.size(); ++i) {
     if (swap_->members()[i].settled && !entered_[i]) enter(i);
@@ -236,6 +251,10 @@ void Commit::conclude() {
   receipt_.attempts = swapped.attempts;
   receipt_.generation = ++system_.generation;
   receipt_.warnings = content_->warnings;
+  if (barrier_ != nullptr) {
+    barrier_->tell(receipt_);
+    barrier_->end();
+  }
   change_membership();
   if (swapped.state != SwapResult::State::committed) {
     result_ = not_applied();

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "exec/barrier.h"
 #include "exec/prepared.h"
 #include "exec/probation.h"
 #include "exec/swap.h"
@@ -34,6 +35,10 @@ class Commit final : public Ongoing {
   /// An order that some member does not obey yet is answered, but not over.
   [[nodiscard]] bool answered() const { return result_.has_value(); }
   [[nodiscard]] bool over() const { return over_; }
+  /// A stop of this component was asked for: it does not wait for others at a barrier.
+  void give_way(const Deployed& stopped) {
+    if (barrier_ != nullptr && swap_ == nullptr) barrier_->give_way(stopped);
+  }
   /// Of the members that have answered so far.
   [[nodiscard]] const Receipt& receipt() const { return receipt_; }
   [[nodiscard]] Result<Receipt> result() const override;
@@ -46,6 +51,8 @@ class Commit final : public Ongoing {
   Status check_probation(Swap::Kind kind);
   Status let_in_new();
   void let_go_new();
+  void hold_members();
+  [[nodiscard]] bool pass_barrier();
   void publish(Swap::Kind kind, Duration longest_job);
   [[nodiscard]] Member forth(std::size_t index, Deployed& deployed);
   [[nodiscard]] std::vector<ResourceMember> resource_members() const;
@@ -62,7 +69,8 @@ class Commit final : public Ongoing {
   std::vector<Deployed*> deployed_;  // by member
   std::vector<std::uint64_t> missed_before_;
   std::vector<bool> entered_;
-  std::unique_ptr<Swap> swap_;
+  std::unique_ptr<Barrier> barrier_;   // null: the cut
+  std::unique_ptr<Swap> swap_;         // null: not yet past the barrier
   std::shared_ptr<WayBack> way_back_;  // null: no probation
   std::vector<WayBackOfMember> ways_back_;
   Receipt receipt_;

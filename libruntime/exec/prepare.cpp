@@ -6,6 +6,7 @@
 
 #include "base/name.h"
 #include "exec/admission.h"
+#include "exec/barrier.h"
 
 #include <mauve/job.h>
 
@@ -78,6 +79,7 @@ class Preparation {
 
   Result<PreparedChange> run(bool configure) {
     content_->probation = change_.probation;
+    if (change_.sync == Sync::barrier) content_->barrier.emplace();
     for (const auto step : {&Preparation::let_leave, &Preparation::let_resources_join,
                             &Preparation::let_components_join}) {
       if (Status done = (this->*step)(); !done) return done.error();
@@ -89,6 +91,7 @@ class Preparation {
     auto admitted = admit_change(system_, *content_);
     if (!admitted) return admitted.error();
     content_->warnings = *std::move(admitted);
+    if (content_->barrier) content_->barrier->waits = waits_of(system_, *content_);
     return PreparedChange(std::move(content_));
   }
 
@@ -113,7 +116,9 @@ class Preparation {
       content_->new_resources.push_back(joining.resource);
     }
     for (const NewResource& joining : change_.new_resources) {
-      if (Status done = prepare_joining(after_, joining); !done) return done;
+      Status done = content_->barrier ? prepare_heir(system_, joining, *content_) : ok();
+      if (done) done = prepare_joining(after_, joining);
+      if (!done) return done;
     }
     return ok();
   }

@@ -41,6 +41,23 @@ struct PreparedResource {
   Retired made;
 };
 
+/// What a change at a barrier needs besides.
+struct PreparedBarrier {
+  /// A resource that joins under the name of one that leaves.
+  struct Heir {
+    ResourceBase* from = nullptr;
+    std::shared_ptr<CoreBase> base;  ///< of `from`: what it was prepared against
+    ResourceBase* into = nullptr;
+    StatePolicy state = StatePolicy::keep;
+  };
+  struct Wait {
+    std::string component;
+    std::uint64_t releases = 0;  ///< that it may lose, from what its jobs took so far
+  };
+  std::vector<Heir> heirs;
+  std::vector<Wait> waits;  ///< of all that run and would wait
+};
+
 }  // namespace mauve::exec
 
 namespace mauve {
@@ -54,7 +71,8 @@ class PreparedChange::Content {
   std::vector<exec::PreparedMember> members;
   std::vector<exec::PreparedResource> resources;
   std::optional<Probation> probation;
-  std::vector<std::string> warnings;  ///< for the receipt
+  std::optional<exec::PreparedBarrier> barrier;  ///< none: the cut
+  std::vector<std::string> warnings;             ///< for the receipt
 };
 
 }  // namespace mauve

@@ -41,12 +41,20 @@ void add_safe_writes(const PreparedMember& member, Published& next) {
     const auto& before = old[port->index()];
     if (before == nullptr || !port->has_safe_value()) continue;
     const PortBase* same = member.next->shell->find_port(port->name());
-    if (same != nullptr && (*member.next->bindings)[same->index()] == before) continue;
+    const auto after = same != nullptr ? (*member.next->bindings)[same->index()] : nullptr;
+    if (after == before || goes_on_at_heir(*before, after.get())) continue;
     next.safe_writes.emplace_back(port, &before->service());
   }
 }
 
 }  // namespace
+
+bool goes_on_at_heir(const Binding& before, const Binding* after) {
+  if (after == nullptr) return false;
+  const ResourceBase& old = before.service().resource();
+  const ResourceBase& now = after->service().resource();
+  return &old != &now && old.name() == now.name();
+}
 
 Duration bound_of(const Bundle& bundle) {
   // Throttling and virtual machines hold healthy threads up for tens of milliseconds.

@@ -14,7 +14,8 @@ std::vector<std::pair<const PortBase*, ServiceBase*>> lost_services(const Resour
   if (next == nullptr) return lost;
   for (const PortBase* port : resource.shell().ports()) {
     const auto& before = resource.bindings()[port->index()];
-    if (before == nullptr || before == (*next)[port->index()]) continue;
+    const auto& after = (*next)[port->index()];
+    if (before == nullptr || before == after || goes_on_at_heir(*before, after.get())) continue;
     lost.emplace_back(port, &before->service());
   }
   return lost;

@@ -22,6 +22,10 @@ struct ResourceParts {
   std::shared_ptr<const Bindings> bindings;
 };
 
+/// Does a port with these connections go on at the resource that joined under the name of the one
+/// that left? Then it loses nothing.
+[[nodiscard]] bool goes_on_at_heir(const Binding& before, const Binding* after);
+
 class ResourceFlip final : public Deferred {
  public:
   enum class State : std::uint8_t {

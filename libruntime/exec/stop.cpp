@@ -115,7 +115,10 @@ void Stop::begin_stage() {
 void Stop::park_free() {
   auto content = std::make_unique<PreparedChange::Content>();
   std::erase_if(waiting_, [&](Deployed* deployed) {
-    if (deployed->changing) return false;
+    if (deployed->changing) {
+      for (const auto& commit : system_.under_way) commit->give_way(*deployed);
+      return false;
+    }
     if (deployed->state() == ComponentState::running) {
       content->members.push_back(member_of(*deployed->component, Mode::park));
     }

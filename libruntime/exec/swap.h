@@ -78,6 +78,10 @@ class Swap {
   /// Settles the members that have answered; tries again after a missed instant; gives up when the
   /// time is over. Never waits. True when no member is left to wait for.
   bool advance();
+  /// Takes back what nobody has claimed yet, before the time is over.
+  void call_off() {
+    if (result_.state == SwapResult::State::under_way) give_up();
+  }
   [[nodiscard]] const SwapResult& result() const { return result_; }
   [[nodiscard]] const std::vector<Member>& members() const { return members_; }
   [[nodiscard]] const std::vector<ResourceMember>& resources() const { return resources_; }

@@ -19,6 +19,7 @@ Instant next_on_grid(Instant base, Duration step, Instant instant) {
 /// What take() touches was written by the coordinator, often on another CPU, from where each cache
 /// line takes 100 ns. It is brought here while the old bundle is still in force.
 void fetch(const Published& next, const FsmState* state) {
+  if (next.barrier != Published::Barrier::none) return;
   rt::touch(&next, sizeof next);
   rt::touch(next.answer.get(), sizeof *next.answer);
   rt::touch(next.bundle.get(), sizeof *next.bundle);
@@ -144,6 +145,7 @@ void Task::meet_boundary(Instant now) {
       take(*next, now);
     }
   }
+  if (waiting_) return;  // a relief waits as well
   if (Published* other = take_over()) take(*other, now);
 }
 
@@ -161,8 +163,10 @@ Published* Task::take_over() {
 
 void Task::take(Published& next, Instant begin) {
   acknowledge();  // of a change that is overtaken at the same boundary
+  if (next.barrier != Published::Barrier::none) return wait_or_go_on(next);
   if (next.mode_only) keep_bundle(next);
-  const bool was_running = running_;
+  const bool waited = std::exchange(waiting_, false);
+  const bool was_running = running_ = running_ || waited;
   for (const auto& [port, service] : next.safe_writes) write_quietly(*port, *service);
   if (next.mode == Mode::park) write_safe_values();
   // Nothing is taken from a core that a lost thread may still be inside.
@@ -178,11 +182,36 @@ void Task::take(Published& next, Instant begin) {
   rearm(next, was_running);
   unacknowledged_ = &next;
   next.answer->pause = Duration{next.count_gap ? release_ - parked_at_ : clock_.now() - begin};
+  if (waited) next.answer->pause = skip_gap(next.transaction->instant());
   pile_up(*old);
   if (running_ && was_running) {
     note(rt::EventKind::swapped, LogLevel::info, next.answer->pause.count(),
          static_cast<std::int64_t>(next.answer->bytes));
   }
+}
+
+/// A task that does not run has nothing to wait with.
+void Task::wait_or_go_on(Published& step) {
+  if (step.barrier == Published::Barrier::wait) {
+    waiting_ = std::exchange(running_, false);
+  } else if (std::exchange(waiting_, false)) {
+    running_ = true;
+    step.answer->pause = skip_gap(step.transaction->instant());
+  }
+  step.answer->progress.store(Published::Progress::done, std::memory_order_release);
+  pile_up(step);  // last: from there it is freed
+}
+
+/// After a barrier: arms the first release at or after its end on the grid that it was on. The ones
+/// before are lost. How much later the next job begins than it would have.
+Duration Task::skip_gap(Instant until) {
+  const Instant armed = release_;
+  const Duration grid = current_->grid;
+  if (!running_ || armed >= until || grid <= Duration{0}) return Duration{0};
+  release_ = next_on_grid(armed, grid, until);
+  add(counters_.missed, static_cast<std::uint64_t>((release_ - armed) / grid.count()));
+  counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
+  return Duration{release_ - armed};
 }
 
 /// It was made from what the model showed then; meanwhile the task may have gone back.

@@ -28,8 +28,13 @@ namespace mauve::exec {
 /// What a change hands to one task: the new bundle, and everything worked out beforehand so that
 /// taking it is a few pointer stores. Immutable after publication but for the answer.
 struct Published {
-  std::shared_ptr<const Bundle> bundle;
+  /// At a barrier: no job from the instant on; until the next one, which may also be a change. The
+  /// task keeps what it runs with, and is not seen to be stopped.
+  enum class Barrier : std::uint8_t { none, wait, go_on };
+
+  std::shared_ptr<const Bundle> bundle;  ///< null: of a barrier
   Transaction* transaction = nullptr;
+  Barrier barrier = Barrier::none;
   Mode mode = Mode::keep;
   bool mode_only = false;  ///< whatever the task runs with stays: it may be back at an older bundle
   bool restart = false;    ///< begin at the initial state, on the next instant of the grid
@@ -150,6 +155,8 @@ class Task {
   void pile_up(Published& unused);
   /// `begin`: when the job that the change delays would have begun.
   void take(Published& next, Instant begin);
+  void wait_or_go_on(Published& step);
+  Duration skip_gap(Instant until);
   void give_back(Published& next);
   void acknowledge();
   void map_state(const Published& next);
@@ -205,7 +212,8 @@ class Task {
   Duration cpu_before_{0};     // of this thread, when the job began; zero: was not asked for
   bool preempted_ = false;     // the last job was
   bool running_ = false;
-  bool failed_ = false;  // waits for its way back or its relief; no job runs meanwhile
+  bool waiting_ = false;  // at a barrier; it runs again after it
+  bool failed_ = false;   // waits for its way back or its relief; no job runs meanwhile
 };
 
 }  // namespace mauve::exec

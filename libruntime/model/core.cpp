@@ -38,6 +38,8 @@ void StateBase::convert(const StateBase& old, const ConvertsBase& by) {
   by.run(old.data(), object_.get());
 }
 
+void StateBase::copy(const StateBase& old) { std::memcpy(object_.get(), old.data(), type().size); }
+
 void StateBase::keep_alive(std::shared_ptr<void> library) {
   if (type().flat && type().to_value != nullptr) {
     // Described plain bytes need no code, so that a reload can unmap the plugin they came from.

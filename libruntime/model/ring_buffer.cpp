@@ -3,13 +3,15 @@
 
 #include <cstring>
 
+#include "model/succession.h"
+
 #include <mauve/core.h>
 #include <mauve/tap.h>
 
 namespace mauve {
 namespace {
 
-class RingBufferCore final : public CoreBase {
+class RingBufferCore final : public CoreBase, public ValueStore {
  public:
   RingBufferCore(const DataType& data, std::shared_ptr<void> library)
       : data_(data), library_(std::move(library)) {}
@@ -37,6 +39,15 @@ class RingBufferCore final : public CoreBase {
   }
 
   [[nodiscard]] std::size_t item_size() const { return data_.size; }
+
+  [[nodiscard]] const DataType& data() const override { return data_; }
+  void each(const Visit& visit) const override {
+    for (std::size_t i = 0; i < count_; ++i) {
+      const std::size_t index = (first_ + i) % slots_;
+      visit(memory_.get() + index * data_.size, stamps_[index]);
+    }
+  }
+  void put(const void* value, Instant stamp) override { push(value, stamp); }
 
  private:
   Status on_configure() override {

@@ -6,18 +6,26 @@
 #include <mauve/core.h>
 #include <mauve/tap.h>
 
+#include "model/succession.h"
 #include "rt/latest_value.h"
 
 namespace mauve {
 namespace {
 
 /// The exchange lives in the core: it is the inner data of the resource.
-class SharedDataCore final : public CoreBase {
+class SharedDataCore final : public CoreBase, public ValueStore {
  public:
   SharedDataCore(const DataType& data, std::shared_ptr<void> library)
       : data_(data),
         library_(std::move(library)),
         exchange_(data.size, data.alignment, SharedDataBase::kReaders) {}
+
+  [[nodiscard]] const DataType& data() const override { return data_; }
+  void each(const Visit& visit) const override {
+    const rt::LatestValue::View newest = exchange_.newest();
+    if (newest.data != nullptr) visit(newest.data, newest.header.stamp);
+  }
+  void put(const void* value, Instant stamp) override { exchange_.write(value, stamp); }
 
   const DataType& data_;
   std::shared_ptr<void> library_;  // of the data type

@@ -254,6 +254,68 @@ TEST_F(Apply, LeavesOneAuditLineWithTheReason) {
   EXPECT_EQ(std::count_if(records.begin(), records.end(), told), 1) << records;
 }
 
+/// The signal becomes a queue: another contract for who writes it and who reads it.
+std::string with_queue() {
+  return with(R"("signal": { "type": "shared_data")", R"("signal": { "type": "ring_buffer")");
+}
+
+TEST_F(Apply, LetsMembersWaitForEachOtherWhereAResourceChangesItsContract) {
+  const auto planned = ctl("plan", with_queue());
+  EXPECT_EQ(planned.exit, 0) << client_errors();
+  EXPECT_THAT(planned.out, HasSubstr("at a barrier, for another contract of signal; may lose: "));
+  ASSERT_TRUE(eventually([&] { return daemon_.value("second.core.count") >= 10; }));
+
+  const auto applied = ctl("apply", with_queue(), {"--json"});
+
+  ASSERT_EQ(applied.exit, 0) << applied.out << client_errors();
+  const auto result = Json::parse(applied.out);
+  EXPECT_EQ(result["sync"], "barrier");
+  EXPECT_EQ(result["exchanged"], Json::array({"signal"}));
+  const auto& rows = result["components"];
+  const auto signal = std::find_if(rows.begin(), rows.end(),
+                                   [](const Json& row) { return row["name"] == "signal"; });
+  ASSERT_NE(signal, rows.end()) << result;
+  EXPECT_EQ((*signal)["bytes"], 8) << "its latest value is the first item";
+  EXPECT_GE(daemon_.value("second.core.count"), 10);
+  EXPECT_TRUE(eventually([&] { return daemon_.value("second.core.count") >= 30; }));
+  EXPECT_EQ(ctl("diff", with_queue()).exit, 0);
+}
+
+TEST(ApplyAtABarrier, LeavesTheOldGenerationAfterAPowerCut) {
+  for (const std::string point : {"barrier.before_hand_over", "barrier.after_hand_over"}) {
+    const TempDir state;
+    setenv("MAUVE_FAIL", point.c_str(), 1);
+    TrialDaemon daemon(kTrial, {"--realtime", "off", "--state-dir", state.path().string()},
+                       MAUVE_TRIAL_DIR "/mauved_fail");
+    unsetenv("MAUVE_FAIL");
+    const auto before = daemon.ask("config.get")["architecture"];
+    auto client = daemon.client();
+
+    static_cast<void>(client.ask("architecture.apply", {{"text", with_queue()}}));  // no answer
+    ASSERT_EQ(daemon.process().wait(), 86) << point << daemon.errors();
+    daemon.start();
+
+    EXPECT_EQ(daemon.ask("config.get")["architecture"], before) << point;
+  }
+}
+
+TEST_F(Apply, LetsNobodyWaitWhenToldToCut) {
+  const auto applied = ctl("apply", with_queue(), {"--sync", "cut", "--json"});
+
+  ASSERT_EQ(applied.exit, 0) << applied.out << client_errors();
+  EXPECT_FALSE(Json::parse(applied.out).contains("sync"));
+  EXPECT_EQ(ctl("apply", kTrial, {"--sync", "soon"}).exit, 1);
+  EXPECT_THAT(client_errors(), HasSubstr("say cut or barrier"));
+}
+
+TEST_F(Apply, LetsMembersWaitForEachOtherWhenTold) {
+  const auto applied = ctl("apply", with_edits(), {"--sync", "barrier"});
+
+  ASSERT_EQ(applied.exit, 0) << applied.out << client_errors();
+  EXPECT_THAT(applied.out, HasSubstr("\nat a barrier\n"));
+  EXPECT_TRUE(daemon_.becomes("signal.read", 2.5));
+}
+
 TEST_F(Apply, ExportsWhatItAppliesAgain) {
   ASSERT_EQ(ctl("apply", with_edits()).exit, 0);
   const auto exported = daemon_.ask("config.get")["architecture"].dump();

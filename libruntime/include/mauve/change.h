@@ -24,6 +24,16 @@ enum class StatePolicy : std::uint8_t {
   drop,  ///< the new core starts fresh
 };
 
+/// When the members of a change go on.
+enum class Sync : std::uint8_t {
+  /// Each at its own first release at or after the instant; nobody waits for anybody.
+  cut,
+  /// All members wait at a boundary until the last one is there; then a resource that leaves hands
+  /// its state to the one that joins under its name, and all go on at their next releases. For
+  /// changes of a contract between members.
+  barrier,
+};
+
 /// What one component is to do after the change.
 enum class Mode : std::uint8_t { keep, run, park };
 
@@ -56,6 +66,7 @@ struct Edit {
 struct NewResource {
   std::shared_ptr<ResourceBase> resource;
   std::vector<NewConnection> connect;
+  StatePolicy state = StatePolicy::keep;  ///< of what leaves under its name, at a barrier
 };
 struct NewComponent {
   std::shared_ptr<ComponentBase> component;
@@ -81,6 +92,7 @@ struct Change {
   /// Components and resources that leave. A name that leaves may join again as something else.
   std::vector<std::string> remove = {};
   std::optional<Probation> probation = {};
+  Sync sync = Sync::cut;
 };
 
 /// What a change cost one component.

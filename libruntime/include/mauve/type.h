@@ -8,6 +8,13 @@
 ///                         mauve::field("angular", &Velocity::angular, "rad/s")};
 ///     }
 ///   };
+///
+/// A type that follows another one may say how it is made from it, which is kept beside it under
+/// its old description; then shared_data and ring_buffer keep what they hold when a change gives
+/// them the new type:
+///
+///     using Before = VelocityV1;
+///     static void convert(const VelocityV1& old, Velocity& now) noexcept;
 #pragma once
 
 #include <cstddef>
@@ -36,6 +43,9 @@ struct DataType {
   Status (*from_value)(const Value& value, void* data) = nullptr;
   Value (*describe)() = nullptr;              ///< fields with kinds and units, for people and tools
   void (*construct)(void* memory) = nullptr;  ///< default value; null for void
+  /// The type it can be made from, and how; null: none. `now` is a default value.
+  const DataType& (*before)() = nullptr;
+  void (*convert)(const void* old, void* now) = nullptr;
 };
 
 [[nodiscard]] inline bool same_type(const DataType& a, const DataType& b) {
@@ -94,6 +104,16 @@ DataType make_data_type() {
     type.layout = layout_of<T>();
     type.flat = std::is_trivially_copyable_v<T>;
     type.construct = [](void* memory) { ::new (memory) T{}; };
+    if constexpr (requires { typename Described<T>::Before; }) {
+      using Before = typename Described<T>::Before;
+      static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_copyable_v<Before>);
+      static_assert(
+          noexcept(Described<T>::convert(std::declval<const Before&>(), std::declval<T&>())));
+      type.before = &data_type<Before>;
+      type.convert = [](const void* old, void* now) {
+        Described<T>::convert(*static_cast<const Before*>(old), *static_cast<T*>(now));
+      };
+    }
     if constexpr (HasCodec<T>) {
       type.to_value = [](const void* data) {
         return Codec<T>::encode(*static_cast<const T*>(data));

@@ -104,6 +104,23 @@ TEST_F(Diff, ConnectsEveryPortOfAReplacedResourceAnew) {
   const Edit& left = difference.change.edits[1];
   EXPECT_THAT(left.disconnect, ElementsAre("pose"));
   EXPECT_THAT(said(left.connect), ElementsAre("pose=pose.read/50000000"));
+  EXPECT_THAT(difference.exchanged, ElementsAre("pose")) << "its users stay";
+  EXPECT_EQ(difference.change.sync, Sync::cut) << "how is the caller's choice";
+}
+
+TEST_F(Diff, AResourceThatNobodyUsesExchangesNoContract) {
+  std::string text = sample::with("\"scan\": \"scan.read\", ", "");
+  ASSERT_NE((running_ = made(text)), nullptr);
+  wanted_ =
+      made(sample::with("\"ring_buffer\", \"data\": \"scan/1\", \"properties\": { "
+                        "\"core.capacity\": 16 }",
+                        "\"shared_data\", \"data\": \"scan/1\"", text));
+  ASSERT_NE(wanted_, nullptr);
+
+  const Difference difference = compare(*running_, *wanted_);
+
+  EXPECT_THAT(difference.change.remove, ElementsAre("scan"));
+  EXPECT_THAT(difference.exchanged, IsEmpty());
 }
 
 TEST_F(Diff, ReplacesAResourceWhoseInterfaceHasAnotherProperty) {

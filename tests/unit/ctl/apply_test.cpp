@@ -49,6 +49,26 @@ TEST(RenderDiff, IsOneSentenceWhenNothingDiffers) {
   EXPECT_EQ(render_diff("rover.json", kSame, {}), "rover.json is what runs (generation 41)\n");
 }
 
+TEST(RenderDiff, SaysWhyMembersWaitForEachOtherAndWhatAPlanMayCost) {
+  Json result = kResult;
+  result["sync"] = "barrier";
+  result["exchanged"] = {"fix", "scan"};
+  result["components"][0]["missed"] = 2;
+
+  EXPECT_EQ(render_applied("rover.json", result, {}).find(kLines), 0U);
+  EXPECT_NE(render_applied("rover.json", result, {})
+                .find("\nat a barrier, for another contract of fix, scan\napplied"),
+            std::string::npos);
+  EXPECT_NE(render_plan("rover.json", result, {})
+                .find("\nat a barrier, for another contract of fix, scan; may lose: control 2 "
+                      "releases\n"),
+            std::string::npos);
+  result.erase("exchanged");
+  EXPECT_NE(render_applied("rover.json", result, {}).find("\nat a barrier\napplied"),
+            std::string::npos)
+      << "as asked";
+}
+
 TEST(RenderDiff, HasColoursForPeopleOnly) {
   const std::string text = render_diff("rover.json", kResult, {0, true});
 
@@ -85,7 +105,8 @@ TEST(RenderPlan, SaysWhoTakesPartAndWhatIsKept) {
 }
 
 TEST(Apply, SendsTheTextOfTheFileAndWhatWasSaid) {
-  const Scene scene({"apply", kFile, "--state", "drop", "--if-generation", "41", "--reason", "x"},
+  const Scene scene({"apply", kFile, "--state", "drop", "--sync", "cut", "--probation", "off",
+                     "--if-generation", "41", "--reason", "x"},
                     kResult);
 
   ASSERT_EQ(scene.asked.size(), 1U);
@@ -94,6 +115,8 @@ TEST(Apply, SendsTheTextOfTheFileAndWhatWasSaid) {
   EXPECT_NE(params["text"].get<std::string>().find("\"minimal\""), std::string::npos);
   EXPECT_EQ(params["file"], kFile);
   EXPECT_EQ(params["state"], "drop");
+  EXPECT_EQ(params["sync"], "cut");
+  EXPECT_EQ(params["probation"], "off");
   EXPECT_EQ(params["if_generation"], 41);
   EXPECT_EQ(params["reason"], "x");
   EXPECT_FALSE(params.contains("dry_run"));

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/barrier.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/fail_point.h"
+#include "exec/commit.h"
+
+namespace mauve::exec {
+namespace {
+
+Member member_at(Deployed& deployed, Published::Barrier step) {
+  Member member;
+  member.task = deployed.task.get();
+  member.next = std::make_unique<Published>();
+  member.next->barrier = step;
+  return member;
+}
+
+/// A thread that was given up may hold it for good.
+bool is_free(ResourceBase& resource) {
+  if (!resource.gate().try_enter()) return false;
+  resource.gate().leave();
+  return true;
+}
+
+}  // namespace
+
+Status Barrier::check(const PreparedChange::Content& content) {
+  for (const PreparedBarrier::Heir& heir : content.barrier->heirs) {
+    const std::string& name = heir.from->name();
+    if (heir.from->shared_core() != heir.base) {
+      return refuse(Errc::conflict, name,
+                    "was changed by somebody else while this change was prepared", "try again");
+    }
+    auto plan = plan_succession(*heir.from, *heir.into, heir.state, content.probation.has_value());
+    if (!plan) return plan.error();
+    heirs_.push_back({heir.from, heir.into->name(), *plan});
+  }
+  for (const ComponentBase* component : bystanders_of(system_, content)) {
+    Deployed* const deployed = system_.find(component->name());
+    if (deployed->changing) {
+      return refuse(Errc::conflict, component->name(),
+                    "has not ended the job it is in, and a change waits for that", "try again");
+    }
+    bystanders_.push_back({deployed, deployed->task->counters().missed.load()});
+  }
+  return ok();
+}
+
+void Barrier::begin(const std::vector<Deployed*>& members) {
+  gathered_ = members;
+  for (const Bystander& one : bystanders_) {
+    one.deployed->changing = true;
+    gathered_.push_back(one.deployed);
+  }
+  std::erase_if(gathered_,
+                [](const Deployed* one) { return one->state() != ComponentState::running; });
+  std::vector<Member> waiting;
+  for (Deployed* one : gathered_) waiting.push_back(member_at(*one, Published::Barrier::wait));
+  gathering_ = std::make_unique<Swap>(std::move(waiting), std::vector<ResourceMember>{},
+                                      *system_.runner, kLongestWait, Swap::Kind::transaction);
+}
+
+bool Barrier::advance() {
+  if (phase_ == Phase::gathering && gathering_->advance()) {
+    const SwapResult::State state = gathering_->result().state;
+    if (state == SwapResult::State::committed) {
+      phase_ = Phase::waiting;
+    } else if (state == SwapResult::State::missed) {
+      call_off(refuse(Errc::timed_out, absent(),
+                      "every attempt missed its instant: the machine is overloaded", "try again"));
+    } else {
+      call_off(refuse(Errc::timed_out, absent(),
+                      "did not come to the barrier within " + std::to_string(kLongestWait / 1ms) +
+                          " ms, so the change was taken back and all go on as before",
+                      "look at `status`: a core that never returns holds its component"));
+    }
+  }
+  if (phase_ == Phase::parting && parting_->advance()) phase_ = Phase::over;
+  return phase_ == Phase::waiting || phase_ == Phase::over;
+}
+
+std::string Barrier::absent() const {
+  std::string names;
+  for (std::size_t i = 0; i < gathered_.size(); ++i) {
+    if (gathering_->members()[i].in_force) continue;
+    names += (names.empty() ? "" : ", ") + gathered_[i]->component->name();
+  }
+  return names;
+}
+
+void Barrier::call_off(Error why) {
+  if (phase_ != Phase::gathering && phase_ != Phase::waiting) return;
+  refusal_ = std::move(why);
+  gathering_->call_off();
+  part();
+}
+
+void Barrier::give_way(const Deployed& stopped) {
+  if (std::find(gathered_.begin(), gathered_.end(), &stopped) == gathered_.end()) return;
+  call_off(refuse(Errc::conflict, stopped.component->name(),
+                  "was to be stopped while others waited for it at the barrier, so the change was "
+                  "taken back",
+                  "try again"));
+}
+
+void Barrier::part() {
+  std::vector<Member> leaving;
+  for (std::size_t i = 0; i < gathered_.size(); ++i) {
+    if (!gathering_->members()[i].in_force) continue;
+    leaving.push_back(member_at(*gathered_[i], Published::Barrier::go_on));
+  }
+  parting_ = std::make_unique<Swap>(std::move(leaving), std::vector<ResourceMember>{},
+                                    *system_.runner, kLongestWait, Swap::Kind::order);
+  phase_ = Phase::parting;
+}
+
+bool Barrier::hand_over(const std::vector<PreparedResource>& changed) {
+  std::string held;
+  for (const Heir& heir : heirs_) {
+    if (!is_free(*heir.from)) held = heir.name;
+  }
+  for (const PreparedResource& one : changed) {
+    if (!is_free(*one.resource)) held = one.resource->name();
+  }
+  if (!held.empty()) {
+    call_off(refuse(Errc::timed_out, held,
+                    "is held by a caller that does not leave it, so the change was taken back and "
+                    "all go on as before",
+                    "look at `status`: a core that never returns holds what it is inside"));
+    return false;
+  }
+  MAUVE_FAIL_POINT("barrier.before_hand_over");
+  for (Heir& heir : heirs_) heir.bytes = heir.plan.run();
+  MAUVE_FAIL_POINT("barrier.after_hand_over");
+  return true;
+}
+
+std::vector<Member> Barrier::go_on() const {
+  std::vector<Member> members;
+  for (const Bystander& one : bystanders_) {
+    members.push_back(member_at(*one.deployed, Published::Barrier::go_on));
+  }
+  return members;
+}
+
+void Barrier::end() {
+  for (const Bystander& one : bystanders_) one.deployed->changing = false;
+}
+
+void Barrier::tell(Receipt& receipt) const {
+  receipt.attempts = gathering_->result().attempts;
+  for (const Bystander& one : bystanders_) {
+    const std::uint64_t missed = one.deployed->task->counters().missed.load();
+    receipt.components.push_back(
+        {one.deployed->component->name(), Duration{0}, missed - one.missed_before, 0});
+  }
+  for (const Heir& heir : heirs_) {
+    receipt.components.push_back({heir.name, Duration{0}, 0, heir.bytes});
+  }
+}
+
+/// False: not yet, or never. Who waits takes an order at once, so nothing can fail after it.
+bool Commit::pass_barrier() {
+  if (!barrier_->advance()) return false;
+  if (barrier_->all_wait() && barrier_->hand_over(content_->resources)) {
+    publish(Swap::Kind::order, kLongestJob);
+    return true;
+  }
+  if (barrier_->advance()) {
+    for (Deployed* deployed : deployed_) deployed->changing = false;
+    barrier_->end();
+    refuse_all(barrier_->refusal());
+  }
+  return false;
+}
+
+}  // namespace mauve::exec

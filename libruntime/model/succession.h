@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Succession: what a resource that joins takes over from the one that leaves under its name, while
+/// nobody uses either of them.
+///
+///   cores of authors               the rule of hand_over.h; when there may be a way back, a state
+///                                  that would be moved is copied, or refused if not plain bytes
+///   shared_data and ring_buffer    values of the same type are copied with their age, those of the
+///                                  type before it converted (Described<T>::convert)
+///   anything else                  refused before anything happens, unless the state is dropped
+#pragma once
+
+#include <functional>
+
+#include "model/hand_over.h"
+
+#include <mauve/resource.h>
+
+namespace mauve {
+
+/// What the cores of shared_data and ring_buffer are besides: places for plain values.
+class ValueStore {
+ public:
+  using Visit = std::function<void(const void* value, Instant stamp)>;
+
+  [[nodiscard]] virtual const DataType& data() const = 0;
+  /// Oldest first. Nobody else uses it meanwhile. [control]
+  virtual void each(const Visit& visit) const = 0;
+  virtual void put(const void* value, Instant stamp) = 0;
+
+ protected:
+  ~ValueStore() = default;
+};
+
+/// Worked out beforehand; valid while both cores live.
+struct Succession {
+  HandOver hand_over;
+  bool copies = false;  ///< what hand_over would move
+  const ValueStore* from = nullptr;
+  ValueStore* into = nullptr;
+
+  /// Nobody uses either resource. Cannot fail. Bytes that were handed over. [control]
+  [[nodiscard]] std::size_t run() const;
+};
+
+/// `way_back`: the old resource may come back, with what it holds now. Errors: type_mismatch,
+/// unsupported. [any], not on a real-time thread.
+[[nodiscard]] Result<Succession> plan_succession(const ResourceBase& from, const ResourceBase& into,
+                                                 StatePolicy policy, bool way_back);
+
+}  // namespace mauve
