@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// mauved --check: what is wrong with a file, and whether its deadlines can be met.
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 
@@ -11,32 +12,53 @@
 namespace mauve::daemon {
 namespace {
 
-/// "21.9 ms"; none: "-".
+/// "21.9 ms", "614 us"; none: "-".
 std::string in_words(const std::optional<Duration>& duration) {
   if (!duration) {
     return "-";
   }
-  const double milliseconds = std::chrono::duration<double, std::milli>(*duration).count();
+  const double microseconds = std::chrono::duration<double, std::micro>(*duration).count();
+  const bool small = std::abs(microseconds) < 1000;
   std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), "%.3g ms", milliseconds);
+  std::snprintf(text.data(), text.size(), small ? "%.3g us" : "%.3g ms",
+                small ? microseconds : microseconds / 1000);
   return text.data();
 }
 
-void print_line(const std::array<std::string, 8>& cells) {
+void print_line(const std::array<std::string, 9>& cells) {
   std::array<char, 200> line{};
-  std::snprintf(line.data(), line.size(), "%-16s %4s %4s %10s %-9s %10s %10s %10s",
+  std::snprintf(line.data(), line.size(), "%-16s %4s %4s %10s %-9s %10s %10s %10s %10s",
                 cells[0].c_str(), cells[1].c_str(), cells[2].c_str(), cells[3].c_str(),
-                cells[4].c_str(), cells[5].c_str(), cells[6].c_str(), cells[7].c_str());
+                cells[4].c_str(), cells[5].c_str(), cells[6].c_str(), cells[7].c_str(),
+                cells[8].c_str());
   std::cout << line.data() << "\n";
 }
 
+/// What the table comes to.
+std::string verdict(const Timing& timing) {
+  if (!timing.factor) {
+    return "not proved: some execution times are not declared, or some components float";
+  }
+  std::array<char, 120> text{};
+  std::snprintf(text.data(), text.size(),
+                *timing.factor < 1
+                    ? "not proved: deadlines would be met with %.2f of the execution times"
+                    : "proved: deadlines are met up to %.2f times the execution times",
+                *timing.factor);
+  return *timing.factor >= 1 && !timing.problems.empty() ? "not proved: see the warnings"
+                                                         : text.data();
+}
+
 void print(const Timing& timing) {
-  print_line({"NAME", "CPU", "PRIO", "EXECUTION", "SOURCE", "RESPONSE", "DEADLINE", "SLACK"});
+  print_line(
+      {"NAME", "CPU", "PRIO", "EXECUTION", "SOURCE", "BLOCKED", "RESPONSE", "DEADLINE", "SLACK"});
   for (const auto& one : timing.components) {
     print_line({one.name, one.cpu ? std::to_string(*one.cpu) : "-", std::to_string(one.priority),
                 one.source == "unknown" ? "-" : in_words(one.execution), one.source,
-                in_words(one.response), in_words(one.deadline), in_words(one.slack)});
+                in_words(one.blocking), in_words(one.response), in_words(one.deadline),
+                in_words(one.slack)});
   }
+  std::cout << verdict(timing) << "\n";
   for (const auto& problem : timing.problems) {
     std::cout << "warning: " << problem << "\n";
   }

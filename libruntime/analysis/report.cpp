@@ -103,9 +103,9 @@ std::vector<Problem> problems(const Report& report) {
     found.push_back(
         {Problem::Kind::overloaded,
          refuse(Errc::limit, "cpu " + std::to_string(cpu.cpu),
-                "its tasks may ask for " + above(cpu.busiest_second) + " of a second, " +
-                    format_duration(kSecondLimit) + " are allowed",
-                "take " + above(cpu.busiest_second - kSecondLimit) + " a second off it")});
+                "its tasks may ask for " + above(cpu.busiest_second) +
+                    " of its time in a second, " + format_duration(kSecondLimit) + " are allowed",
+                "take " + above(cpu.busiest_second - kSecondLimit) + " off that")});
   }
   for (const SharedReport& shared : report.cross_cpu) {
     found.push_back({Problem::Kind::cross_cpu,

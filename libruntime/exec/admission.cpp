@@ -33,7 +33,7 @@ TimedComponent timed(const Deployed& deployed, const PreparedMember& member) {
   TimedComponent after = timed(deployed);
   after.bundle = member.next.get();
   if (!member.next->task.cpus.empty()) after.cpus = member.next->task.cpus;
-  if (member.next->core_type.name != member.base->core_type.name) after.measured = Duration{0};
+  if (is_other_code(*member.base->core, *member.next->core)) after.measured = Duration{0};
   // In place the new machine is configured later: until then the old one tells.
   if (member.next->fsm->initial() != nullptr) after.fsm = member.next->fsm.get();
   after.version = member.next->core != member.base->core ? 1 : 0;
@@ -78,16 +78,13 @@ TimingModel model_after(System& system, const PreparedChange::Content& change) {
       model.add(timed(deployed, *member));
     }
   }
-  std::vector<int> chosen;
+  Placement placement(system);
   for (const PreparedMember& member : change.members) {
     if (member.part != Part::joins) continue;
-    std::vector<int> cpus = member.next->task.cpus;
-    if (cpus.empty()) {
-      chosen.push_back(least_used_cpu(system, chosen));
-      cpus = {chosen.back()};
-    }
+    const std::string& name = member.component->name();
+    const Placement::Seat seat = placement.seat(name, *member.next);
     if (!runs_after(member, false)) continue;
-    model.add({member.component->name(), member.next.get(), member.next->fsm.get(), cpus});
+    model.add({name, member.next.get(), member.next->fsm.get(), seat.cpus});
   }
   return model;
 }

@@ -20,28 +20,14 @@ void collect_locks(const Bindings& bindings, std::set<ResourceBase*>& locks) {
   }
 }
 
-std::set<ResourceBase*> own_locks(const Deployed& deployed) {
-  return exec::locks_of(*deployed.component->bundle()->bindings);
-}
-
-/// Somebody with a CPU of its own and a lock in common, and that lock.
-struct Neighbour {
-  const Deployed* deployed = nullptr;
-  const ResourceBase* shared = nullptr;
-};
-
-Neighbour find_neighbour(const System& system, const Deployed& deployed) {
-  const std::set<ResourceBase*> own = own_locks(deployed);
-  if (own.empty()) return {};
-  for (const Deployed& other : system.deployed) {
-    if (&other == &deployed || other.cpus.size() != 1) continue;
-    for (const ResourceBase* lock : own_locks(other)) {
-      const bool shared = std::any_of(own.begin(), own.end(),
-                                      [&](const ResourceBase* mine) { return mine == lock; });
-      if (shared) return {&other, lock};
-    }
+/// The first resource in both; null: none.
+const ResourceBase* common(const std::set<ResourceBase*>& a, const std::set<ResourceBase*>& b) {
+  for (const ResourceBase* lock : a) {
+    const bool shared =
+        std::any_of(b.begin(), b.end(), [&](const ResourceBase* other) { return other == lock; });
+    if (shared) return lock;
   }
-  return {};
+  return nullptr;
 }
 
 }  // namespace
@@ -59,32 +45,49 @@ Status check_cpus(const TaskAttributes& task, const std::string& component) {
   return ok();
 }
 
-int least_used_cpu(const System& system, const std::vector<int>& more) {
+Placement::Placement(const System& system) {
+  for (const Deployed& one : system.deployed) {
+    if (one.cpus.empty()) continue;
+    const auto bundle = one.component->bundle();
+    placed_.push_back({one.component->name(), locks_of(*bundle->bindings), one.cpus});
+  }
+}
+
+int Placement::least_used() const {
   std::map<int, int> load;
   for (const int cpu : rt::usable_cpus()) load[cpu] = 0;
-  for (const Deployed& other : system.deployed) {
-    for (const int cpu : other.cpus) ++load[cpu];
+  for (const Placed& one : placed_) {
+    for (const int cpu : one.cpus) ++load[cpu];
   }
-  for (const int cpu : more) ++load[cpu];
   const auto least = std::min_element(
       load.begin(), load.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   return least->first;
 }
 
-void place(System& system, Deployed& deployed) {
-  deployed.cpus = deployed.component->bundle()->task.cpus;
-  if (!deployed.cpus.empty()) return;
-  const Neighbour neighbour = find_neighbour(system, deployed);
-  deployed.cpus = {neighbour.deployed != nullptr ? neighbour.deployed->cpus.front()
-                                                 : least_used_cpu(system)};
-  if (system.options.simulated) return;
-  std::string why = ": its task names no cpus";
-  if (neighbour.deployed != nullptr) {
-    why += ", and it shares the lock of " + neighbour.shared->name() + " with " +
-           neighbour.deployed->component->name();
+Placement::Seat Placement::seat(const std::string& name, const Bundle& bundle) {
+  Placed mine{name, locks_of(*bundle.bindings), bundle.task.cpus};
+  Seat seat{mine.cpus, ""};
+  if (seat.cpus.empty()) seat.why = "its task names no cpus";
+  for (const Placed& other : placed_) {
+    const ResourceBase* lock = common(mine.locks, other.locks);
+    if (!seat.cpus.empty() || lock == nullptr || other.cpus.size() != 1) continue;
+    seat.cpus = other.cpus;
+    seat.why += ", and it shares the lock of " + lock->name() + " with " + other.name;
   }
-  system.warnings.push_back(deployed.component->name() + " is pinned to CPU " +
-                            std::to_string(deployed.cpus.front()) + why);
+  if (seat.cpus.empty()) seat.cpus = {least_used()};
+  mine.cpus = seat.cpus;
+  placed_.push_back(std::move(mine));
+  return seat;
+}
+
+void place(System& system, Deployed& deployed) {
+  if (!deployed.cpus.empty()) return;
+  const std::string& name = deployed.component->name();
+  const Placement::Seat seat = Placement(system).seat(name, *deployed.component->bundle());
+  deployed.cpus = seat.cpus;
+  if (seat.why.empty() || system.options.simulated) return;
+  system.warnings.push_back(name + " is pinned to CPU " + std::to_string(deployed.cpus.front()) +
+                            ": " + seat.why);
 }
 
 }  // namespace mauve::exec

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <set>
+#include <string>
 #include <vector>
 
 #include "exec/system.h"
@@ -15,10 +16,33 @@ namespace mauve::exec {
 
 /// Errors: a CPU that is not there.
 [[nodiscard]] Status check_cpus(const TaskAttributes& task, const std::string& component);
-/// Pinned where the task says; else where those are with whom it shares a lock, since priority
-/// inheritance holds on one CPU; else where the fewest are so far.
+
+/// Who runs where. Admission asks it what deployment will do.
+class Placement {
+ public:
+  /// Of those that are there; their order counts.
+  explicit Placement(const System& system);
+
+  struct Seat {
+    std::vector<int> cpus;
+    std::string why;  ///< empty: the task names them
+  };
+  /// Where the task says; else where those are with whom it shares a lock, since priority
+  /// inheritance holds on one CPU; else where the fewest are so far. It is there from now on.
+  Seat seat(const std::string& name, const Bundle& bundle);
+
+ private:
+  struct Placed {
+    std::string name;
+    std::set<ResourceBase*> locks;
+    std::vector<int> cpus;
+  };
+  [[nodiscard]] int least_used() const;
+
+  std::vector<Placed> placed_;
+};
+
+/// Chooses the CPU of one that is not among the deployed yet, or has none so far.
 void place(System& system, Deployed& deployed);
-/// The CPU with the fewest components; `more` are on their way.
-[[nodiscard]] int least_used_cpu(const System& system, const std::vector<int>& more = {});
 
 }  // namespace mauve::exec

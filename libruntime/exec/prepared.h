@@ -58,6 +58,10 @@ struct PreparedBarrier {
   std::vector<Wait> waits;  ///< of all that run and would wait
 };
 
+/// Other code, not just another object: another class, or the same one of another build. What was
+/// measured of the one says nothing about the other.
+[[nodiscard]] bool is_other_code(const CoreBase& before, const CoreBase& after);
+
 }  // namespace mauve::exec
 
 namespace mauve {

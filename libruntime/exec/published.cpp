@@ -2,6 +2,7 @@
 /// Works out beforehand what a task does when it takes a change, so that taking it is a few pointer
 /// stores.
 #include <algorithm>
+#include <typeinfo>
 
 #include "exec/commit.h"
 
@@ -56,6 +57,11 @@ bool goes_on_at_heir(const Binding& before, const Binding* after) {
   return &old != &now && old.name() == now.name();
 }
 
+/// Builds are loaded apart, so each has a type_info of its own; their names are equal.
+bool is_other_code(const CoreBase& before, const CoreBase& after) {
+  return &typeid(before) != &typeid(after);
+}
+
 Duration bound_of(const Bundle& bundle) {
   // Throttling and virtual machines hold healthy threads up for tens of milliseconds.
   constexpr Duration kShortest = 100ms;
@@ -77,7 +83,7 @@ std::unique_ptr<Published> make_published(const PreparedMember& member) {
   next->bound = bound_of(*member.next);
   next->grid = member.next->fsm->grid();
   next->shortest_wait = member.next->fsm->shortest_wait();
-  next->other_core = member.next->core_type.name != member.base->core_type.name;
+  next->other_core = is_other_code(*member.base->core, *member.next->core);
   next->offset_changes = member.next->task.offset != member.base->task.offset;
   add_hand_over(member, *next);
   add_state_map(member, *next);

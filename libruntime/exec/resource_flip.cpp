@@ -68,6 +68,7 @@ void ResourceFlip::take() {
   bytes_ = hand_over_.bytes;
   for (const auto& [into, from] : observables_) into->continue_from(*from);
   resource_.meet(parts_.core, parts_.bindings);
+  if (parts_.core != nullptr) resource_.gate().forget_holds();
   pause_ = Duration{MonotonicClock().now() - begin};
   state_.store(State::in_force, std::memory_order_release);
 }

@@ -39,7 +39,7 @@ struct Published {
   bool mode_only = false;  ///< whatever the task runs with stays: it may be back at an older bundle
   bool restart = false;    ///< begin at the initial state, on the next instant of the grid
   bool offset_changes = false;
-  bool other_core = false;  ///< of another type: what was measured is not about it
+  bool other_core = false;  ///< other code: what was measured is not about it
   bool count_gap = false;   ///< releases that passed while parked count as missed (in place)
   Duration grid{0};
   Duration shortest_wait{0};

@@ -22,6 +22,9 @@ constexpr int kGuardPriority = 95;  // above every component
 /// that must not be interrupted.
 constexpr unsigned kCalls = rt::kCanRescue ? 10 : 0;
 constexpr Duration kBetweenCalls{100us};
+/// The last tenth of its bound tells whether a job runs on and on, or others keep it from running.
+constexpr Instant kShareToJudge = 10;
+constexpr Duration kBetweenLooks{1ms};
 /// An ordinary thread shares its processor: a healthy job may be kept waiting for so long.
 constexpr Duration kShortestOrdinaryBound{500ms};
 
@@ -126,8 +129,9 @@ class Threads final : public Runner {
     std::atomic<bool> quit{false};
     std::shared_ptr<const Bundle> inside;  // once lost: what it may still use
     bool ending = false;
-    unsigned calls = 0;  // to end the job that began at:
-    Instant called_since = 0;
+    Instant judged = 0;       // when the job began that the next two are about
+    Duration used_before{0};  // of the processor, when its last tenth began
+    unsigned calls = 0;       // to end it
     rt::Thread thread;
   };
 
@@ -205,15 +209,28 @@ class Threads final : public Runner {
     return realtime ? worker.task.bound() : std::max(worker.task.bound(), kShortestOrdinaryBound);
   }
 
+  /// Past its bound: because its job goes on and on, or sleeps? Not one that more urgent threads,
+  /// or a host that stood still, keep from the processor.
+  [[nodiscard]] static bool is_to_blame(const Worker& worker, Instant bound) {
+    const Duration used = worker.thread.used() - worker.used_before;
+    return used.count() >= bound / kShareToJudge * 9 / 10 || worker.thread.asleep();
+  }
+
   /// When to look again.
   Instant look_at(std::unique_ptr<Worker>& worker) {
     Task& task = worker->task;
     if (worker->quit.load() || task.bound() <= Duration{0}) return rt::kForever;
     const Instant since = task.busy_since();
     const Instant bound = bound_of(*worker).count();
-    if (since <= 0) return now() + bound;
+    const Instant unjudged = bound - bound / kShareToJudge;
+    if (since <= 0) return now() + unjudged;
+    if (now() < since + unjudged) return since + unjudged;
+    if (std::exchange(worker->judged, since) != since) {
+      worker->calls = 0;
+      worker->used_before = worker->thread.used();
+    }
     if (now() < since + bound) return since + bound;
-    if (std::exchange(worker->called_since, since) != since) worker->calls = 0;
+    if (!is_to_blame(*worker, bound)) return now() + kBetweenLooks.count();
     if (worker->calls != kCalls) {
       ++worker->calls;
       task.interrupt(since);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/timing_model.h"
 
+#include <algorithm>
+
 #include "analysis/machine.h"
 #include "exec/placement.h"
 
@@ -57,30 +59,33 @@ void TimingModel::add(const TimedComponent& component) {
   task.priority = attributes.priority;
   task.offset = attributes.offset;
   task.graph = *std::move(graph);
-  task.sections = sections_of(*component.bundle);
+  task.sections = sections_of(component);
   task.version = component.version;
   set_.tasks.push_back(std::move(task));
 }
 
-std::vector<analysis::Section> TimingModel::sections_of(const Bundle& bundle) {
+/// No longer than the whole job, which is what counts until it was measured.
+std::vector<analysis::Section> TimingModel::sections_of(const TimedComponent& component) {
+  const Duration declared = component.bundle->task.budget;
+  const Duration job = declared > Duration{0} ? declared : with_margin(component.measured);
   std::vector<analysis::Section> sections;
-  for (ResourceBase* resource : locks_of(*bundle.bindings)) {
+  for (ResourceBase* resource : locks_of(*component.bundle->bindings)) {
     const Duration longest = with_margin(resource->gate().longest_hold());
-    sections.push_back({resource->name(), longest});
-    held_[resource->name()] = longest;
+    if (longest == Duration{0}) whole_jobs_.insert(resource->name());
+    sections.push_back({resource->name(), longest == Duration{0} ? job : std::min(longest, job)});
   }
   return sections;
 }
 
 std::vector<std::string> TimingModel::notes() const {
   std::vector<std::string> notes = notes_;
-  std::string unknown;
-  for (const auto& [name, longest] : held_) {
-    if (longest == Duration{0}) unknown += (unknown.empty() ? "" : ", ") + name;
-  }
-  if (!unknown.empty()) {
-    notes.push_back("how long these are held is not known, so waiting for them counts as 0: " +
-                    unknown);
+  std::string names;
+  for (const std::string& name : whole_jobs_) names += (names.empty() ? "" : ", ") + name;
+  if (!names.empty()) {
+    notes.push_back(
+        "how long a job holds a resource was not measured yet, so it counts as long "
+        "as the whole job: " +
+        names);
   }
   return notes;
 }

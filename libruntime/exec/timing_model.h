@@ -2,7 +2,7 @@
 /// TimingModel: components as the analysis of response times wants them.
 #pragma once
 
-#include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -34,11 +34,11 @@ class TimingModel {
   [[nodiscard]] std::vector<std::string> notes() const;
 
  private:
-  std::vector<analysis::Section> sections_of(const Bundle& bundle);
+  std::vector<analysis::Section> sections_of(const TimedComponent& component);
 
   analysis::TaskSet set_;
   std::vector<std::string> notes_;
-  std::map<std::string, Duration> held_;  ///< how long; 0: not known
+  std::set<std::string> whole_jobs_;  ///< resources that count as held for whole jobs
 };
 
 }  // namespace mauve::exec

@@ -83,6 +83,10 @@ void Gate::visit_deferred(Instant release) {
 }
 
 Duration Gate::longest_hold() const { return Duration{lock_->longest.load()}; }
+void Gate::forget_holds() {
+  lock_->since = 0;
+  lock_->longest.store(0);
+}
 void Gate::hold_shortly() { lock_->timed = false; }
 
 std::uint64_t Gate::timeouts() const { return lock_->timeouts.load(std::memory_order_relaxed); }

@@ -2,10 +2,15 @@
 #include "rt/thread.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
+#include <ctime>
+#include <string_view>
 
 #include <alloca.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <sched.h>
 #include <unistd.h>
@@ -56,6 +61,7 @@ Thread::~Thread() { join(); }
 
 void* Thread::enter(void* self) {
   auto& thread = *static_cast<Thread*>(self);
+  thread.id_.store(gettid());
   touch_stack(thread.stack_ > 2 * kStackReserve ? thread.stack_ - kStackReserve : 4096);
   warm_exceptions();
   thread.body_();
@@ -104,6 +110,28 @@ void Thread::join() {
 void Thread::abandon() {
   if (running_) pthread_detach(handle_);
   running_ = false;
+}
+
+Duration Thread::used() const {
+  clockid_t clock{};
+  timespec now{};
+  if (!running_ || pthread_getcpuclockid(handle_, &clock) != 0) return Duration{0};
+  clock_gettime(clock, &now);
+  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
+}
+
+bool Thread::asleep() const {
+  std::array<char, 64> path{};
+  std::array<char, 256> stat{};
+  std::snprintf(path.data(), path.size(), "/proc/self/task/%d/stat", id_.load());
+  const int file = open(path.data(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return true;
+  const ssize_t length = read(file, stat.data(), stat.size() - 1);
+  close(file);
+  // "12 (its name) R ...": the name may hold anything.
+  const std::string_view text(stat.data(), length > 0 ? static_cast<std::size_t>(length) : 0);
+  const auto end = text.rfind(") ");
+  return end == std::string_view::npos || text.substr(end + 2, 1) != "R";
 }
 
 bool Thread::is_fifo(int priority) const {

@@ -11,6 +11,7 @@
 #include <pthread.h>
 
 #include <mauve/result.h>
+#include <mauve/time.h>
 
 namespace mauve::rt {
 
@@ -41,6 +42,10 @@ class Thread {
   [[nodiscard]] bool is_fifo(int priority) const;
   /// Changes the priority of a running thread (also demotion to 0). [control]
   Status set_priority(int priority);
+  /// Processor time that its body used so far. [any]
+  [[nodiscard]] Duration used() const;
+  /// It neither runs nor waits for a processor, but for something else; reads a file of the system.
+  [[nodiscard]] bool asleep() const;
   /// Makes it look whether its body shall end where it is, see rescue.h. [any]
   void interrupt();
   Status set_cpus(const std::vector<int>& cpus);
@@ -52,6 +57,7 @@ class Thread {
   std::size_t stack_ = 0;
   std::function<void()> body_;
   std::atomic<bool> finished_{false};
+  std::atomic<int> id_{0};
   bool running_ = false;
 };
 

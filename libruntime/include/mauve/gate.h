@@ -41,6 +41,8 @@ class Gate {
   /// The longest that a caller held it without being interrupted by another thread; 0: none was
   /// measured. For the analysis of response times. [any]
   [[nodiscard]] Duration longest_hold() const;
+  /// Under the gate: its core is another one.
+  void forget_holds();
   /// It is only ever held for some loads and stores: the clock would take longer. Before its first
   /// caller.
   void hold_shortly();

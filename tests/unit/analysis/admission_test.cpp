@@ -66,7 +66,8 @@ TEST(Analyze, LeavesFivePercentOfASecondToTheKernel) {
 
   EXPECT_EQ(problem.kind, Problem::Kind::overloaded);
   EXPECT_EQ(problem.error.at, "cpu 0");
-  EXPECT_EQ(problem.error.message, "its tasks may ask for 960ms of a second, 950ms are allowed");
+  EXPECT_EQ(problem.error.message,
+            "its tasks may ask for 960ms of its time in a second, 950ms are allowed");
 }
 
 TEST(Analyze, SaysThatAnExecutionTimeIsNotKnown) {

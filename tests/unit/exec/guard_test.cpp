@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "rt/rescue.h"
+#include "rt/thread.h"
 #include "support/outcomes.h"
 #include "support/ramp.h"
 
@@ -74,6 +75,25 @@ struct Blocked final : ramp::Up {
   }
 };
 
+/// In its fourth job it waits for somebody who takes its processor away.
+struct Displaced final : ramp::Up {
+  static std::atomic<bool>& waits() {
+    static std::atomic<bool> waits{false};
+    return waits;
+  }
+  static std::atomic<bool>& displaced() {
+    static std::atomic<bool> displaced{false};
+    return displaced;
+  }
+  void update() override {
+    ramp::Up::update();
+    if (state->value != 4) return;
+    waits() = true;
+    while (!displaced()) {
+    }
+  }
+};
+
 /// `left` does not return.
 template <typename Core>
 struct Two : ramp::FallingBack<Core, ramp::Down> {
@@ -92,6 +112,36 @@ class Guard : public testing::Test {
   }
   Block block_;
 };
+
+TEST_F(Guard, DoesNotBlameAJobThatAMoreUrgentThreadKeepsFromItsProcessor) {
+  if (!rt::may_use_fifo(90))
+    GTEST_SKIP() << "NOT TESTED: nothing is more urgent without SCHED_FIFO";
+  constexpr Duration kShort = 100ms;
+  const int cpu = rt::usable_cpus().front();
+  Displaced::waits() = false;
+  Displaced::displaced() = false;
+  Two<Displaced> architecture;
+  architecture.left.task().watchdog = kShort;
+  architecture.left.task().cpus = {cpu};
+  Deployer deployer(architecture, {.realtime = Realtime::require});
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(eventually([] { return Displaced::waits().load(); }));
+
+  rt::Thread urgent;
+  ASSERT_TRUE(urgent.start({"urgent", 90, {cpu}}, [&] {
+    const MonotonicClock clock;
+    const Instant end = clock.now() + (3 * kShort).count();
+    while (clock.now() < end) {
+    }
+    Displaced::displaced() = true;
+  }));
+  urgent.join();
+  const std::uint64_t before = deployer.status("left").releases;
+
+  EXPECT_TRUE(eventually([&] { return deployer.status("left").releases > before + 2; }));
+  EXPECT_TRUE(test::tend(deployer).empty());
+  EXPECT_TRUE(runs_on(deployer, "left"));
+}
 
 TEST_F(Guard, EndsAnEndlessLoopAndTheFallbackCoreTakesOver) {
   if (!rt::kCanRescue) GTEST_SKIP() << "under a sanitizer a loop cannot be ended";

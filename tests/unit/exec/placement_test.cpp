@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Where components run whose tasks name no CPU: admission must think the same as deployment.
+#include <gtest/gtest.h>
+
+#include "rt/thread.h"
+
+#include <mauve/architecture.h>
+#include <mauve/deployer.h>
+
+namespace mauve {
+namespace {
+
+/// A resource with a lock, since its core is asked in the caller's job.
+class TableCore : public Core<EmptyShell> {
+ public:
+  Stateless stateless{*this};
+  void write(const double& value) { last_ = value; }
+
+ private:
+  double last_ = 0;
+};
+struct TableInterface : Interface<TableCore> {
+  WriteService<double> write{*this, "write", &TableCore::write};
+};
+
+struct UserShell : Shell {
+  WritePort<double> out{*this, "out"};
+};
+struct User : Core<UserShell> {
+  Stateless stateless{*this};
+  void update() { shell().out.write(1.0); }
+};
+using UserFsm = PeriodicFsm<User>;
+
+TaskAttributes budgeted() {
+  TaskAttributes task;
+  task.priority = 20;
+  task.budget = 1ms;
+  return task;
+}
+
+/// Two that share a lock, and one that does not, in this order: alone, first.
+struct Sharing : Architecture {
+  Resource<EmptyShell, TableCore, TableInterface> table{*this, "table"};
+  mauve::Component<UserShell, User, UserFsm> alone{*this, "alone"};
+  mauve::Component<UserShell, User, UserFsm> first{*this, "first"};
+
+  Sharing() {
+    alone.task() = budgeted();
+    first.task() = budgeted();
+  }
+  Status on_configure() override {
+    alone.fsm().period = 50ms;
+    first.fsm().period = 50ms;
+    return first.shell().out.connect(table.interface().write);
+  }
+};
+
+/// Named "NAME", connected to the table or not.
+NewComponent joining(const std::string& name, bool shares) {
+  auto component = std::make_shared<ComponentBase>(
+      name, ComponentType{"user", ShellType::of<UserShell>(), FsmType::of<UserFsm>("user"), {}},
+      CoreType::of<User>("user"));
+  component->task() = budgeted();
+  NewComponent made{std::move(component), {}};
+  if (shares) made.connect.push_back({"out", "table.write"});
+  return made;
+}
+
+constexpr DeployOptions kStrict{
+    .realtime = Realtime::off, .simulated = true, .admission = Admission::strict};
+
+TEST(Placement, RunsWhoSharesALockOnOneCpuAlsoWhenItJoins) {
+  Sharing architecture;
+  Deployer deployer(architecture, kStrict);
+  ASSERT_TRUE(deployer.deploy());
+  Change change{{}};
+  change.new_components.push_back(joining("second", true));
+  change.new_components.push_back(joining("third", true));
+
+  const Result<Receipt> done = deployer.apply(change);
+
+  ASSERT_TRUE(done) << "strict thinks of the CPU where it will be: " << to_string(done.error());
+  const std::vector<int> cpus = deployer.status("first").cpus;
+  EXPECT_EQ(cpus.size(), 1U);
+  EXPECT_EQ(deployer.status("second").cpus, cpus);
+  EXPECT_EQ(deployer.status("third").cpus, cpus);
+}
+
+TEST(Placement, TakesTheCpuWithTheFewestOtherwise) {
+  if (rt::usable_cpus().size() < 2) GTEST_SKIP() << "NOT TESTED: one CPU only";
+  Sharing architecture;
+  Deployer deployer(architecture, kStrict);
+  ASSERT_TRUE(deployer.deploy());
+
+  EXPECT_NE(deployer.status("alone").cpus, deployer.status("first").cpus);
+}
+
+TEST(Placement, CountsAHoldThatWasNotMeasuredAsAWholeJob) {
+  Sharing architecture;
+  Deployer deployer(architecture, kStrict);
+  ASSERT_TRUE(deployer.deploy());
+  TaskAttributes urgent = budgeted();
+  urgent.priority = 30;
+  NewComponent second = joining("second", true);
+  second.component->task() = urgent;
+  Change change{{}};
+  change.new_components.push_back(std::move(second));
+  ASSERT_TRUE(deployer.apply(change));
+
+  const Timing timing = deployer.analyze();
+
+  for (const ComponentTiming& one : timing.components) {
+    if (one.name == "second") {
+      EXPECT_GE(one.blocking, 1ms) << "the budget of first, which may hold the table so long";
+    }
+  }
+  EXPECT_FALSE(timing.notes.empty());
+}
+
+}  // namespace
+}  // namespace mauve
