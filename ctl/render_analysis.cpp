@@ -19,10 +19,6 @@ std::string execution_of(const Json& row) {
   return word(row, "source") == "unknown" ? "-" : time_of(row, "execution_ns");
 }
 
-Json list_of(const Json& result, const char* key) {
-  return result.is_object() ? result.value(key, Json::array()) : Json::array();
-}
-
 /// "CPU 0: 55 %, CPU 1: 3 %"
 std::string loads_of(const Json& cpus) {
   std::string text;
@@ -46,13 +42,13 @@ std::string verdict_of(const Json& result) {
                 late ? "not proved: deadlines would be met with %.2f of the execution times"
                      : "proved: deadlines are met up to %.2f times the execution times",
                 factor.get<double>());
-  return late || list_of(result, "problems").empty() ? text : "not proved: see the warnings";
+  return late || list_in(result, "problems").empty() ? text : "not proved: see the warnings";
 }
 
 }  // namespace
 
 std::string render_analysis(const Json& result, Look look) {
-  const Json rows = list_of(result, "components");
+  const Json& rows = list_in(result, "components");
   if (rows.empty()) return "no component runs\n";
   Table table({{"NAME"},
                {"CPU", true},
@@ -77,12 +73,12 @@ std::string render_analysis(const Json& result, Look look) {
                {time_of(row, "slack_ns"), late ? Paint::red : Paint::plain}});
   }
   std::string text = table.text(look.width, look.colour);
-  text += wrapped(verdict_of(result) + "; " + loads_of(list_of(result, "cpus")), look.width, 2);
+  text += wrapped(verdict_of(result) + "; " + loads_of(list_in(result, "cpus")), look.width, 2);
   text += "\n";
-  for (const Json& problem : list_of(result, "problems")) {
+  for (const Json& problem : list_in(result, "problems")) {
     text += wrapped("warning: " + harmless(compact(problem)), look.width, 2) + "\n";
   }
-  for (const Json& note : list_of(result, "notes")) {
+  for (const Json& note : list_in(result, "notes")) {
     text += wrapped("note: " + harmless(compact(note)), look.width, 2) + "\n";
   }
   return text;

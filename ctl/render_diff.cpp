@@ -8,13 +8,6 @@
 namespace mauve::ctl {
 namespace {
 
-const Json& list_in(const Json& object, const char* key) {
-  static const Json kNone = Json::array();
-  if (!object.is_object()) return kNone;
-  const auto found = object.find(key);
-  return found != object.end() && found->is_array() ? *found : kNone;
-}
-
 /// "component watcher" where the address alone does not say what it is.
 std::string subject(const Json& line) {
   const std::string kind = word(line, "kind");

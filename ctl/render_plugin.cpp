@@ -9,13 +9,6 @@
 namespace mauve::ctl {
 namespace {
 
-const Json& list_in(const Json& object, const char* key) {
-  static const Json kNone = Json::array();
-  if (!object.is_object()) return kNone;
-  const auto found = object.find(key);
-  return found != object.end() && found->is_array() ? *found : kNone;
-}
-
 /// "drivers/laser_sim" is "laser_sim" in the row of the plugin "drivers".
 std::string own_name(std::string name, const std::string& plugin) {
   return name.starts_with(plugin + "/") ? name.substr(plugin.size() + 1) : name;

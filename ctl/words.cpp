@@ -54,6 +54,13 @@ std::string word(const Json& object, std::string_view key) {
   return found == object.end() ? std::string{} : compact(*found);
 }
 
+const Json& list_in(const Json& object, const char* key) {
+  static const Json kNone = Json::array();
+  if (!object.is_object()) return kNone;
+  const auto found = object.find(key);
+  return found != object.end() && found->is_array() ? *found : kNone;
+}
+
 std::string compact(const Json& value) {
   if (value.is_null()) return "-";
   if (value.is_string()) return harmless(value.get_ref<const std::string&>());
