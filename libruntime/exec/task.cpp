@@ -46,7 +46,7 @@ void Task::begin(std::unique_ptr<Published> first, Instant t0) {
   bound_.store(current_->bound.count());
   const TaskAttributes& attributes = current_->bundle->task;
   release_ = t0_ + attributes.offset.count();
-  running_ = attributes.start;
+  running_ = attributes.start && current_->mode != Mode::park;
   counters_.next_release.store(attributes.offset.count());
   counters_.state.store(running_ ? ComponentState::running : ComponentState::stopped);
 }

@@ -114,5 +114,23 @@ TEST_F(LateCommit, TriesAgainUntilTheLastAttempt) {
   EXPECT_EQ(deployer.status("quick").missed, 0u);
 }
 
+TEST_F(LateCommit, LetsNothingJoinThatRanAJob) {
+  hold_up(exec::kMaxAttempts);
+  Change change;
+  change.edits.push_back(ramp::to_core<ramp::Down>("down", "quick"));
+  change.new_components.push_back(
+      {std::make_shared<ComponentBase>("joining",
+                                       ComponentType{"ramp", ShellType::of<ramp::Shell>(),
+                                                     FsmType::of<ramp::Fsm>("ramp"), "counted"},
+                                       CoreType::of<Counted>("counted")),
+       {}});
+
+  EXPECT_FALSE(deployer.apply(change));
+  deployer.run_for(100ms);
+
+  EXPECT_EQ(Counted::jobs_of_all(), 0);
+  EXPECT_EQ(deployer.status().size(), 2u);
+}
+
 }  // namespace
 }  // namespace mauve
