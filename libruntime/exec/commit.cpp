@@ -87,9 +87,10 @@ Status Commit::check(Swap::Kind kind) {
       deployed_.push_back(nullptr);  // see let_in_new()
       continue;
     }
-    deployed_.push_back(system_.find(member.component->name()));
-    const bool there =
-        deployed_.back() != nullptr && deployed_.back()->component == member.component;
+    deployed_.push_back(system_.find(*member.component));
+    // What was led back but is not in the books yet can be ordered to park.
+    const bool there = deployed_.back() != nullptr &&
+                       (kind == Swap::Kind::order || !deployed_.back()->hidden);
     if (!there) {
       return refuse(Errc::conflict, member.component->name(),
                     "has left while this change was prepared", "look at `status`");
@@ -204,7 +205,8 @@ void Commit::enter(std::size_t index) {
   if (another_attempt) return;
   PreparedMember& member = content_->members[index];
   entered_[index] = true;
-  deployed_[index]->changing = deployed_[index]->parking = false;
+  deployed_[index]->parking = false;
+  deployed_[index]->changing = settled.in_force && member.part == Part::leaves;
   if (!settled.in_force) return;
   if (member.next != member.base) member.component->install(member.next);
   if (member.type) {
@@ -276,6 +278,7 @@ void Commit::change_membership() {
     if (member.part == Part::leaves) {
       member.owner = system_.architecture.take_out(*member.component);
       deployed_[i]->hidden = true;
+      deployed_[i]->changing = false;
     }
   }
   // A member that hangs may still use what was to leave.
@@ -315,7 +318,7 @@ std::vector<Deployed*> Commit::silent() const {
 Error Commit::not_applied() const {
   std::string names;
   for (const Deployed* one : silent()) {
-    names += (names.empty() ? "" : ", ") + one->component->name();
+    names += (names.empty() ? "" : ", ") + one->task->name();
   }
   for (const ResourceMember& one : swap_->resources()) {
     if (one.flip->state() == ResourceFlip::State::in_force) continue;
@@ -373,6 +376,7 @@ void System::look_after_itself() {
     return true;
   });
   look_after_reliefs(*this);
+  forget_departed();
 }
 
 std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change, Swap::Kind kind,

@@ -26,6 +26,7 @@ void put_back(Architecture& architecture, Element& element, std::shared_ptr<Elem
 OnProbation::OnProbation(System& system, Content content, std::vector<WayBackOfMember> members,
                          std::shared_ptr<WayBack> way_back, Retired replaced)
     : system_(system),
+      departed_(system.departed),
       content_(std::move(content)),
       members_(std::move(members)),
       way_back_(std::move(way_back)),
@@ -42,9 +43,10 @@ OnProbation::OnProbation(System& system, Content content, std::vector<WayBackOfM
 }
 
 OnProbation::~OnProbation() {
-  if (phase_ == Phase::over) return;
+  if (phase_ == Phase::over || (phase_ == Phase::withdrawing && all_looked_away())) return;
   // The system goes down: whose thread ended looks at nothing any more.
-  if (all_looked_away()) return;
+  const auto ended = [](const WayBackOfMember& member) { return member.deployed->ended; };
+  if (std::all_of(members_.begin(), members_.end(), ended)) return;
   for (WayBackOfMember& member : members_) {
     leave_behind(std::shared_ptr<Published>(std::move(member.withdrawn)));
   }
@@ -122,8 +124,7 @@ void OnProbation::withdraw() {
   }
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     if (content_->members[i].part != Part::leaves) continue;
-    Deployed*& leaving = members_[i].deployed;
-    static_cast<void>(let_go(system_, *std::exchange(leaving, nullptr)));
+    static_cast<void>(let_go(system_, *members_[i].deployed));
   }
   free_.merge(std::move(replaced_));
   free_.keep(content_);
@@ -131,23 +132,22 @@ void OnProbation::withdraw() {
 
 bool OnProbation::all_looked_away() const {
   return std::all_of(members_.begin(), members_.end(), [&](const WayBackOfMember& member) {
-    return member.deployed == nullptr || !system_.up ||
-           member.deployed->task->looks() > member.looks_after;
+    return member.deployed->ended || member.deployed->task->looks() > member.looks_after;
   });
 }
 
 void OnProbation::go_back() {
   const Instant now = system_.runner->now();
   for (auto& flip : flips_) flip->help(now);
-  if (!way_back_->told() || !all_are_back()) return;
+  if (!way_back_->told() || !all_are_back() || !may_let_go()) return;
   tell(Outcome::Kind::rolled_back, culprit());
   install_old();
   system_.outcomes.back().generation = system_.generation;
   replaced_.forget();
   free_.keep(content_);
   for (WayBackOfMember& member : members_) {
-    member.looks_after = member.deployed != nullptr ? member.deployed->task->looks() : 0;
-    if (member.deployed != nullptr) system_.runner->wake(*member.deployed->task);
+    member.looks_after = member.deployed->task->looks();
+    system_.runner->wake(*member.deployed->task);
   }
   phase_ = Phase::withdrawing;
 }
@@ -160,12 +160,20 @@ bool OnProbation::all_are_back() {
                                 [](const auto& flip) { return flip->settled(); });
 }
 
+/// An order to park may be on its way to what joined; the task is parked, so that is over soon.
+bool OnProbation::may_let_go() const {
+  for (std::size_t i = 0; i < content_->members.size(); ++i) {
+    if (content_->members[i].part == Part::joins && members_[i].deployed->changing) return false;
+  }
+  return true;
+}
+
 /// What callers and threads use again is what the model shows.
 void OnProbation::install_old() {
   Architecture& architecture = system_.architecture;
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     PreparedMember& member = content_->members[i];
-    Deployed*& deployed = members_[i].deployed;
+    Deployed* const deployed = members_[i].deployed;
     if (member.next != member.base) member.component->install(member.base);
     if (member.type) member.component->renew(*member.type);
     if (member.part == Part::leaves) {
@@ -176,7 +184,7 @@ void OnProbation::install_old() {
     retire(*member.next, *member.base, free_);
     if (member.part != Part::joins) continue;
     static_cast<void>(architecture.take_out(*member.component));
-    static_cast<void>(let_go(system_, *std::exchange(deployed, nullptr)));
+    static_cast<void>(let_go(system_, *deployed));
   }
   for (const PreparedResource& change : content_->resources) {
     change.resource->install(change.base.core, change.base.bindings);
@@ -207,9 +215,7 @@ void OnProbation::tell(Outcome::Kind kind, const std::string& reason) {
   if (kind == Outcome::Kind::rolled_back) {
     end.commit = Duration{way_back_->transaction().instant() - system_.t0};
     for (const WayBackOfMember& member : members_) {
-      const bool at_fault =
-          member.deployed != nullptr && member.deployed->task.get() == way_back_->member();
-      if (at_fault) end.component = member.deployed->task->name();
+      if (member.deployed->task.get() == way_back_->member()) end.component = member.deployed->task->name();
     }
     for (const PreparedMember& member : content_->members) {
       const std::string& core = member.next->core_type.name;

@@ -52,6 +52,7 @@ class OnProbation {
   void watch();
   void go_back();
   [[nodiscard]] bool all_are_back();
+  [[nodiscard]] bool may_let_go() const;
   void install_old();
   void withdraw();
   [[nodiscard]] bool all_looked_away() const;
@@ -59,6 +60,7 @@ class OnProbation {
   [[nodiscard]] std::string culprit() const;
 
   System& system_;
+  std::shared_ptr<void> departed_;  // who is let go meanwhile stays
   Content content_;
   std::vector<WayBackOfMember> members_;
   std::vector<std::unique_ptr<ResourceFlip>> flips_;
