@@ -58,7 +58,10 @@ class Commit final : public Ongoing {
   [[nodiscard]] std::vector<ResourceMember> resource_members() const;
   void enter(std::size_t index);
   void enter_resources();
+  [[nodiscard]] bool all_changed();
   void conclude();
+  void take_back();
+  [[nodiscard]] bool all_went_back();
   void refuse_all(Error error);
   void change_membership();
   void begin_probation();
@@ -73,6 +76,7 @@ class Commit final : public Ongoing {
   std::unique_ptr<Swap> swap_;         // null: not yet past the barrier
   std::shared_ptr<WayBack> way_back_;  // null: no probation
   std::vector<WayBackOfMember> ways_back_;
+  Instant back_by_ = 0;  // some member hangs, the others are led back; zero: nobody is
   Receipt receipt_;
   Retired retired_;
   std::optional<Result<Receipt>> result_;

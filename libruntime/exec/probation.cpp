@@ -11,8 +11,12 @@
 namespace mauve::exec {
 namespace {
 
-/// After an undo, or when nobody confirmed.
-constexpr Duration kLead = 200us;
+/// Does the resource have what the change gave it?
+bool in_force(const PreparedResource& change) {
+  const ResourceBase& resource = *change.resource;
+  return (change.parts.core == nullptr || resource.shared_core() == change.parts.core) &&
+         (change.parts.bindings == nullptr || resource.shared_bindings() == change.parts.bindings);
+}
 
 /// `owner` is null for a member of a derived architecture.
 template <typename Element>
@@ -34,6 +38,7 @@ OnProbation::OnProbation(System& system, Content content, std::vector<WayBackOfM
       generation_(system.generation),
       began_(system.runner->now()) {
   for (const PreparedResource& change : content_->resources) {
+    if (!in_force(change)) continue;
     ResourceParts before = change.base;
     if (change.parts.core == nullptr) before.core.reset();
     if (change.parts.bindings == nullptr) before.bindings.reset();
@@ -97,7 +102,7 @@ void OnProbation::watch() {
 
 bool OnProbation::undo(const std::string& reason) {
   if (phase_ != Phase::watching) return false;
-  return way_back_->set_off(system_.runner->now() + kLead.count(), Cause::asked, nullptr,
+  return way_back_->set_off(system_.runner->now() + kLeadOfWayBack.count(), Cause::asked, nullptr,
                             reason.c_str());
 }
 
@@ -132,7 +137,8 @@ void OnProbation::withdraw() {
 
 bool OnProbation::all_looked_away() const {
   return std::all_of(members_.begin(), members_.end(), [&](const WayBackOfMember& member) {
-    return member.deployed->ended || member.deployed->task->looks() > member.looks_after;
+    return !member.in_force || member.deployed->ended ||
+           member.deployed->task->looks() > member.looks_after;
   });
 }
 
@@ -142,7 +148,7 @@ void OnProbation::go_back() {
   if (!way_back_->told() || !all_are_back() || !may_let_go()) return;
   tell(Outcome::Kind::rolled_back, culprit());
   install_old();
-  system_.outcomes.back().generation = system_.generation;
+  if (!quiet_) system_.outcomes.back().generation = ++system_.generation;
   replaced_.forget();
   free_.keep(content_);
   for (WayBackOfMember& member : members_) {
@@ -152,9 +158,10 @@ void OnProbation::go_back() {
   phase_ = Phase::withdrawing;
 }
 
-bool OnProbation::all_are_back() {
+bool OnProbation::all_are_back() const {
   const bool members = std::all_of(members_.begin(), members_.end(), [](const auto& member) {
-    return member.answer->progress.load(std::memory_order_acquire) == Published::Progress::done;
+    return !member.in_force ||
+           member.answer->progress.load(std::memory_order_acquire) == Published::Progress::done;
   });
   return members && std::all_of(flips_.begin(), flips_.end(),
                                 [](const auto& flip) { return flip->settled(); });
@@ -163,7 +170,8 @@ bool OnProbation::all_are_back() {
 /// An order to park may be on its way to what joined; the task is parked, so that is over soon.
 bool OnProbation::may_let_go() const {
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
-    if (content_->members[i].part == Part::joins && members_[i].deployed->changing) return false;
+    const bool leaves = members_[i].in_force && content_->members[i].part == Part::joins;
+    if (leaves && members_[i].deployed->changing) return false;
   }
   return true;
 }
@@ -174,6 +182,7 @@ void OnProbation::install_old() {
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     PreparedMember& member = content_->members[i];
     Deployed* const deployed = members_[i].deployed;
+    if (!members_[i].in_force) continue;
     if (member.next != member.base) member.component->install(member.base);
     if (member.type) member.component->renew(*member.type);
     if (member.part == Part::leaves) {
@@ -187,6 +196,7 @@ void OnProbation::install_old() {
     static_cast<void>(let_go(system_, *deployed));
   }
   for (const PreparedResource& change : content_->resources) {
+    if (!in_force(change)) continue;
     change.resource->install(change.base.core, change.base.bindings);
     if (change.parts.core != nullptr) free_.add(change.parts.core);
   }
@@ -196,7 +206,11 @@ void OnProbation::install_old() {
   for (std::size_t i = 0; i < content_->left_resources.size(); ++i) {
     put_back(architecture, *content_->leaving_resources[i], content_->left_resources[i]);
   }
-  ++system_.generation;
+}
+
+void OnProbation::tell_after_all() {
+  if (!std::exchange(quiet_, false)) return;
+  generation_ = ++system_.generation;
 }
 
 std::string OnProbation::culprit() const {
@@ -207,6 +221,7 @@ std::string OnProbation::culprit() const {
 }
 
 void OnProbation::tell(Outcome::Kind kind, const std::string& reason) {
+  if (quiet_) return;
   Outcome end;
   end.began = generation_;
   end.generation = system_.generation;
@@ -215,7 +230,8 @@ void OnProbation::tell(Outcome::Kind kind, const std::string& reason) {
   if (kind == Outcome::Kind::rolled_back) {
     end.commit = Duration{way_back_->transaction().instant() - system_.t0};
     for (const WayBackOfMember& member : members_) {
-      if (member.deployed->task.get() == way_back_->member()) end.component = member.deployed->task->name();
+      if (member.deployed->task.get() == way_back_->member())
+        end.component = member.deployed->task->name();
     }
     for (const PreparedMember& member : content_->members) {
       const std::string& core = member.next->core_type.name;

@@ -13,6 +13,9 @@
 
 namespace mauve::exec {
 
+/// After an undo, or when nobody confirmed.
+inline constexpr Duration kLeadOfWayBack = 200us;
+
 /// Prepares the way back of each member, to be handed out together with the way forth.
 struct WayBackOfMember {
   Deployed* deployed = nullptr;
@@ -21,6 +24,7 @@ struct WayBackOfMember {
   std::uint64_t releases_before = 0;
   std::uint64_t looks_after = 0;  ///< when it was withdrawn
   std::unique_ptr<Published> withdrawn;
+  bool in_force = true;  ///< the change is
 };
 
 /// One change on probation. [control]
@@ -39,6 +43,13 @@ class OnProbation {
   bool pass(const std::string& reason, Outcome::Kind kind = Outcome::Kind::passed);
   /// False: it is over, or being rolled back already.
   bool undo(const std::string& reason);
+  /// Of a change that is not even in force everywhere: it never made a generation.
+  void go_quietly() { quiet_ = true; }
+  /// Unless going back takes too long.
+  void tell_after_all();
+  [[nodiscard]] bool leads(const WayBack& back) const {
+    return way_back_.get() == &back && !told();
+  }
   [[nodiscard]] bool open() const { return phase_ == Phase::watching && way_back_->open(); }
   [[nodiscard]] bool awaits_confirmation() const;
   /// Its end is in System::outcomes; all that remains is to wait until no thread looks at it.
@@ -51,7 +62,7 @@ class OnProbation {
 
   void watch();
   void go_back();
-  [[nodiscard]] bool all_are_back();
+  [[nodiscard]] bool all_are_back() const;
   [[nodiscard]] bool may_let_go() const;
   void install_old();
   void withdraw();
@@ -68,6 +79,7 @@ class OnProbation {
   Retired replaced_;
   Retired free_;
   Phase phase_ = Phase::watching;
+  bool quiet_ = false;
   std::uint64_t generation_;
   Instant began_;
 };

@@ -74,10 +74,7 @@ Stages in_order_of_safe_values(System& system) {
 }
 
 Stop::Stop(System& system, Stages stages, Duration patience)
-    : system_(system),
-      departed_(system.departed),
-      stages_(std::move(stages)),
-      patience_(patience) {
+    : system_(system), departed_(system.departed), stages_(std::move(stages)), patience_(patience) {
   receipt_.generation = system.generation;
   begin_stage();
 }

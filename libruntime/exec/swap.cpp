@@ -97,6 +97,7 @@ bool Swap::all_settled() {
 bool Swap::advance() {
   if (!all_settled()) {
     if (result_.state != SwapResult::State::under_way || runner_.now() < deadline_) return false;
+    if (is_taking()) return false;
     give_up();
     return result_.state != SwapResult::State::waiting;
   }
@@ -114,6 +115,13 @@ bool Swap::advance() {
   lead_ *= 2;
   attempt();
   return false;
+}
+
+/// Some caller is about to change a resource: an instant later that is settled.
+bool Swap::is_taking() const {
+  return std::any_of(resources_.begin(), resources_.end(), [](const ResourceMember& member) {
+    return member.flip->state() == ResourceFlip::State::taking;
+  });
 }
 
 void Swap::settle(Member& member) {

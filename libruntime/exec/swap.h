@@ -94,6 +94,7 @@ class Swap {
   void give_up();
   void give_up(Member& member, bool committed);
   [[nodiscard]] bool all_settled();
+  [[nodiscard]] bool is_taking() const;
 
   std::vector<Member> members_;
   std::vector<ResourceMember> resources_;

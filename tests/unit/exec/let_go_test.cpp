@@ -23,11 +23,10 @@ class LetGo : public testing::Test {
   void let_join() {
     Change change;
     change.new_components.push_back(
-        {std::make_shared<ComponentBase>(
-             "second",
-             ComponentType{"ramp", ShellType::of<ramp::Shell>(), FsmType::of<ramp::Fsm>("ramp"),
-                           "up"},
-             CoreType::of<ramp::Up>("up")),
+        {std::make_shared<ComponentBase>("second",
+                                         ComponentType{"ramp", ShellType::of<ramp::Shell>(),
+                                                       FsmType::of<ramp::Fsm>("ramp"), "up"},
+                                         CoreType::of<ramp::Up>("up")),
          {}});
     apply(std::move(change));
     ASSERT_NE(system.find("second"), nullptr);
