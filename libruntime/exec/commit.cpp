@@ -41,6 +41,7 @@ Commit::Commit(System& system, Content content, Swap::Kind kind, Duration longes
     : system_(system), content_(std::move(content)) {
   Status sound = check(kind);
   if (sound) sound = let_in_new();
+  if (sound && barrier_ != nullptr) sound = end_probation_before();
   if (!sound) {
     refuse_all(std::move(sound.error()));
     return;
@@ -89,7 +90,6 @@ Status Commit::check(Swap::Kind kind) {
   return check_probation(kind);
 }
 
-/// There is one way back at a time: the newest change ends the probation of the one before.
 Status Commit::check_probation(Swap::Kind kind) {
   if (kind == Swap::Kind::order || system_.probation == nullptr) return ok();
   OnProbation& before = *system_.probation;
@@ -98,12 +98,21 @@ Status Commit::check_probation(Swap::Kind kind) {
                   "waits to be confirmed, so nothing else is changed meanwhile",
                   "confirm it, or undo it");
   }
-  if (before.pass("a newer change", Outcome::Kind::overtaken)) {
-    system_.fading.push_back(std::move(system_.probation));
-    return ok();
+  if (before.way_back()->leads_back()) return being_rolled_back(system_.generation);
+  before_ = before.way_back();
+  return ok();
+}
+
+/// Who waits at a barrier does not go back: there the probation of the change before ends when the
+/// members are called.
+Status Commit::end_probation_before() {
+  if (before_ == nullptr) return ok();
+  before_.reset();
+  if (!system_.probation->pass("a newer change", Outcome::Kind::overtaken)) {
+    return being_rolled_back(system_.generation);
   }
-  return refuse(Errc::conflict, "generation " + std::to_string(system_.generation),
-                "is being rolled back", "try again when it is over: see the log");
+  system_.fading.push_back(std::move(system_.probation));
+  return ok();
 }
 
 Status Commit::let_in_new() {
@@ -164,7 +173,7 @@ void Commit::publish(Swap::Kind kind, Duration longest_job) {
     for (Member& bystander : barrier_->go_on()) members.push_back(std::move(bystander));
   }
   swap_ = std::make_unique<Swap>(std::move(members), resource_members(), *system_.runner,
-                                 longest_job, kind);
+                                 longest_job, kind, before_);
 }
 
 bool Commit::advance() {

@@ -7,6 +7,11 @@
 
 namespace mauve::exec {
 
+Error being_rolled_back(std::uint64_t generation) {
+  return refuse(Errc::conflict, "generation " + std::to_string(generation), "is being rolled back",
+                "try again when it is over: see the log");
+}
+
 void retire(const Bundle& old, const Bundle& now, Retired& retired) {
   if (now.shell != old.shell) retired.add(old.shell);
   if (now.core != old.core) retired.add(old.core);
@@ -69,12 +74,15 @@ void Commit::enter_resources() {
 
 void Commit::conclude() {
   const SwapResult& swapped = swap_->result();
-  const bool nothing_happened =
-      swapped.state == SwapResult::State::missed || swapped.state == SwapResult::State::revoked;
+  const bool nothing_happened = swapped.state == SwapResult::State::missed ||
+                                swapped.state == SwapResult::State::revoked ||
+                                swapped.state == SwapResult::State::overtaken;
   if (nothing_happened) {
     result_ = not_applied();
+    if (before_ != nullptr) before_->give_way_to(nullptr);
     return let_go_new();
   }
+  overtake_before();
   enter_resources();
   receipt_.state = ChangeState::applied;
   receipt_.commit = Duration{swapped.instant - system_.t0};
@@ -99,10 +107,17 @@ void Commit::conclude() {
   }
 }
 
+/// There is one way back at a time: the newest change ends the probation of the one before.
+void Commit::overtake_before() {
+  if (before_ == nullptr || system_.probation == nullptr) return;
+  if (!system_.probation->leads(*before_)) return;  // its probation ended by itself
+  system_.probation->overtake();
+  system_.fading.push_back(std::move(system_.probation));
+}
+
 /// Some member hangs in its job: those that have changed go back, so that there is no mixture.
 void Commit::take_back() {
-  const Instant now = system_.runner->now();
-  const bool quietly = way_back_->set_off(now + kLeadOfWayBack.count(), Cause::asked, nullptr,
+  const bool quietly = way_back_->set_off(system_.runner->clock(), Cause::asked, nullptr,
                                           "some member did not end its job in time");
   if (!quietly) ++system_.generation;  // a core failed meanwhile, which is told
   change_membership();
@@ -111,7 +126,7 @@ void Commit::take_back() {
   }
   begin_probation();
   if (quietly) system_.probation->go_quietly();
-  back_by_ = now + kLongestJob.count();
+  back_by_ = system_.runner->now() + kLongestJob.count();
 }
 
 /// Or some member that has changed does not go back in time either.
@@ -174,13 +189,15 @@ Error Commit::not_applied() const {
     if (one.flip->state() == ResourceFlip::State::in_force) continue;
     names += (names.empty() ? "" : ", ") + one.resource->name();
   }
-  if (swap_->members().empty()) {
+  if (swap_->members().empty() && swap_->result().state != SwapResult::State::overtaken) {
     return refuse(Errc::timed_out, names,
                   "is held by a caller that does not leave it, so it was not changed",
                   "look at `status`: a core that never returns holds its component");
   }
   const std::string look = "look at `status`: a core that never returns holds its component";
   switch (swap_->result().state) {
+    case SwapResult::State::overtaken:
+      return being_rolled_back(system_.generation);
     case SwapResult::State::missed:
       return refuse(Errc::timed_out, names,
                     "every attempt missed its instant: the machine is overloaded", "try again");

@@ -76,11 +76,12 @@ bool OnProbation::advance() {
 }
 
 void OnProbation::watch() {
-  if (!way_back_->open()) {
+  if (way_back_->told()) {
     phase_ = Phase::going_back;
     for (const WayBackOfMember& member : members_) system_.runner->wake(*member.deployed->task);
     return;
   }
+  if (way_back_->closed()) return overtake();
   const Probation& rules = *content_->probation;
   const Duration passed{system_.runner->now() - began_};
   if (rules.confirm_within > Duration{0}) {
@@ -102,12 +103,22 @@ void OnProbation::watch() {
 
 bool OnProbation::undo(const std::string& reason) {
   if (phase_ != Phase::watching) return false;
-  return way_back_->set_off(system_.runner->now() + kLeadOfWayBack.count(), Cause::asked, nullptr,
-                            reason.c_str());
+  return way_back_->set_off(system_.runner->clock(), Cause::asked, nullptr, reason.c_str());
 }
 
 bool OnProbation::pass(const std::string& reason, Outcome::Kind kind) {
   if (phase_ != Phase::watching || !way_back_->close()) return false;
+  end(kind, reason);
+  return true;
+}
+
+void OnProbation::overtake() {
+  if (phase_ != Phase::watching) return;
+  static_cast<void>(way_back_->close());  // or a member that failed meanwhile does
+  end(Outcome::Kind::overtaken, "a newer change");
+}
+
+void OnProbation::end(Outcome::Kind kind, const std::string& reason) {
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     PreparedMember& member = content_->members[i];
     if (member.part != Part::leaves) continue;
@@ -115,7 +126,6 @@ bool OnProbation::pass(const std::string& reason, Outcome::Kind kind) {
   }
   tell(kind, reason);
   withdraw();
-  return true;
 }
 
 /// The tasks give the ways back up; each is freed when its thread has looked elsewhere.

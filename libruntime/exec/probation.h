@@ -13,9 +13,6 @@
 
 namespace mauve::exec {
 
-/// After an undo, or when nobody confirmed.
-inline constexpr Duration kLeadOfWayBack = 200us;
-
 /// Prepares the way back of each member, to be handed out together with the way forth.
 struct WayBackOfMember {
   Deployed* deployed = nullptr;
@@ -41,6 +38,9 @@ class OnProbation {
   bool advance();
   /// Nobody can fail any more: the change stays. False: it is being rolled back already.
   bool pass(const std::string& reason, Outcome::Kind kind = Outcome::Kind::passed);
+  /// A newer change is in force, to which the way back gave way.
+  void overtake();
+  [[nodiscard]] const std::shared_ptr<WayBack>& way_back() const { return way_back_; }
   /// False: it is over, or being rolled back already.
   bool undo(const std::string& reason);
   /// Of a change that is not even in force everywhere: it never made a generation.
@@ -61,6 +61,7 @@ class OnProbation {
   enum class Phase : std::uint8_t { watching, going_back, withdrawing, over };
 
   void watch();
+  void end(Outcome::Kind kind, const std::string& reason);
   void go_back();
   [[nodiscard]] bool all_are_back() const;
   [[nodiscard]] bool may_let_go() const;

@@ -148,6 +148,20 @@ TEST_F(Partly, WhoHangsWithTheNewCoreGoesBackWhenItReturns) {
   EXPECT_TRUE(runs_on("right"));
 }
 
+TEST_F(Partly, ARevokedChangeLeavesTheProbationOfTheOneBefore) {
+  const std::string before = core("right");
+  ASSERT_TRUE(apply({{ramp::to_core<ramp::Down>("down", "right")}}));
+
+  const Result<Receipt> revoked = apply({{ramp::to_core<ramp::Down>("down", "left")}});
+
+  ASSERT_FALSE(revoked);
+  EXPECT_EQ(revoked.error().code, Errc::timed_out);
+  EXPECT_TRUE(system.outcomes.empty());
+  ASSERT_NE(system.probation, nullptr);
+  EXPECT_TRUE(system.probation->undo("undone"));
+  EXPECT_TRUE(eventually([&] { return look(), core("right") == before; }));
+}
+
 TEST_F(Partly, WithoutProbationTheMixtureIsToldAndWhatLeftIsGone) {
   Change change{{ramp::to_core<ramp::Down>("down", "left")}};
   change.remove = {"right"};
