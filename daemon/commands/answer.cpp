@@ -11,7 +11,8 @@ namespace mauve::daemon {
 namespace {
 
 /// [control] Saves what runs now, then says in the audit log what was asked and what became of it.
-void keep(Running& running, const Call& call, Json line, std::function<void(bool saved)> then) {
+void keep(Running& running, const Call& call, Mark mark, Json line,
+          std::function<void(bool saved)> then) {
   Generation about;
   about.number = running.earlier + running.deployer.generation();
   about.boot = running.boot;
@@ -19,7 +20,7 @@ void keep(Running& running, const Call& call, Json line, std::function<void(bool
   about.uid = call.caller.peer.uid;
   about.command = call.method->name;
   about.reason = text_or(call.params, "reason");
-  about.mark = running.deployer.on_probation() ? Mark::unconfirmed : call.mark;
+  about.mark = running.deployer.on_probation() ? Mark::unconfirmed : mark;
   running.keeper->keep(std::move(about), described(running), std::move(line), std::move(then));
 }
 
@@ -41,9 +42,9 @@ void answer_applied(Running& running, const Call& call, Json result) {
   }
   if (call.method->out_of_band) {
     call.reply(std::move(result));
-    return keep(running, call, std::move(line), {});
+    return keep(running, call, call.mark, std::move(line), {});
   }
-  keep(running, call, std::move(line),
+  keep(running, call, call.mark, std::move(line),
        [reply = call.reply, result = std::move(result)](bool saved) mutable {
          result["saved"] = saved;
          reply(std::move(result));
@@ -74,7 +75,9 @@ void answer_fault(Running& running, const Call& call, Fault fault) {
   if (call.method->mutation) {
     auto line = audit_refused(running, call, fault);
     if (running.keeper != nullptr && fault.state != "unchanged") {
-      keep(running, call, std::move(line), {});
+      // Nobody shall start with a mixture of old and new.
+      const auto mark = fault.state == "partly" ? Mark::unconfirmed : call.mark;
+      keep(running, call, mark, std::move(line), {});
     } else if (running.keeper != nullptr) {
       running.keeper->audit(line);
     }

@@ -37,28 +37,11 @@ Status check_resource(const PreparedResource& change) {
 
 }  // namespace
 
-void retire(const Bundle& old, const Bundle& now, Retired& retired) {
-  if (now.shell != old.shell) retired.add(old.shell);
-  if (now.core != old.core) retired.add(old.core);
-  if (now.fsm != old.fsm) retired.add(old.fsm);
-}
-
-void schedule(System& system, Deployed& deployed) {
-  const TaskAttributes& task = deployed.component->bundle()->task;
-  const bool moves = !task.cpus.empty() && task.cpus != deployed.cpus;
-  if (!moves && task.priority == deployed.priority) return;
-  if (moves) deployed.cpus = task.cpus;
-  deployed.priority = task.priority;
-  // Both were found possible when the change was prepared.
-  static_cast<void>(system.runner->reschedule(*deployed.task, system.realtime ? task.priority : 0,
-                                              deployed.cpus));
-  deployed.realtime = system.realtime && system.runner->is_fifo(*deployed.task, task.priority);
-}
-
 Commit::Commit(System& system, Content content, Swap::Kind kind, Duration longest_job)
     : system_(system), content_(std::move(content)) {
   Status sound = check(kind);
   if (sound) sound = let_in_new();
+  if (sound && barrier_ != nullptr) sound = end_probation_before();
   if (!sound) {
     refuse_all(std::move(sound.error()));
     return;
@@ -87,9 +70,10 @@ Status Commit::check(Swap::Kind kind) {
       deployed_.push_back(nullptr);  // see let_in_new()
       continue;
     }
-    deployed_.push_back(system_.find(member.component->name()));
+    deployed_.push_back(system_.find(*member.component));
+    // What was led back but is not in the books yet can be ordered to park.
     const bool there =
-        deployed_.back() != nullptr && deployed_.back()->component == member.component;
+        deployed_.back() != nullptr && (kind == Swap::Kind::order || !deployed_.back()->hidden);
     if (!there) {
       return refuse(Errc::conflict, member.component->name(),
                     "has left while this change was prepared", "look at `status`");
@@ -106,7 +90,6 @@ Status Commit::check(Swap::Kind kind) {
   return check_probation(kind);
 }
 
-/// There is one way back at a time: the newest change ends the probation of the one before.
 Status Commit::check_probation(Swap::Kind kind) {
   if (kind == Swap::Kind::order || system_.probation == nullptr) return ok();
   OnProbation& before = *system_.probation;
@@ -115,12 +98,21 @@ Status Commit::check_probation(Swap::Kind kind) {
                   "waits to be confirmed, so nothing else is changed meanwhile",
                   "confirm it, or undo it");
   }
-  if (before.pass("a newer change", Outcome::Kind::overtaken)) {
-    system_.fading.push_back(std::move(system_.probation));
-    return ok();
+  if (before.way_back()->leads_back()) return being_rolled_back(system_.generation);
+  before_ = before.way_back();
+  return ok();
+}
+
+/// Who waits at a barrier does not go back: there the probation of the change before ends when the
+/// members are called.
+Status Commit::end_probation_before() {
+  if (before_ == nullptr) return ok();
+  before_.reset();
+  if (!system_.probation->pass("a newer change", Outcome::Kind::overtaken)) {
+    return being_rolled_back(system_.generation);
   }
-  return refuse(Errc::conflict, "generation " + std::to_string(system_.generation),
-                "is being rolled back", "try again when it is over: see the log");
+  system_.fading.push_back(std::move(system_.probation));
+  return ok();
 }
 
 Status Commit::let_in_new() {
@@ -181,121 +173,27 @@ void Commit::publish(Swap::Kind kind, Duration longest_job) {
     for (Member& bystander : barrier_->go_on()) members.push_back(std::move(bystander));
   }
   swap_ = std::make_unique<Swap>(std::move(members), resource_members(), *system_.runner,
-                                 longest_job, kind);
+                                 longest_job, kind, before_);
 }
 
 bool Commit::advance() {
   if (over_) return true;
   if (swap_ == nullptr && !pass_barrier()) return over_;
-  over_ = swap_->advance();
-  for (std::size_t i = 0; i < deployed_.size(); ++i) {
-    if (swap_->members()[i].settled && !entered_[i]) enter(i);
-  }
-  if (!answered() && (over_ || swap_->result().state == SwapResult::State::waiting)) conclude();
+  over_ = back_by_ != 0 ? all_went_back() : all_changed();
   if (over_) content_.reset();  // freed by whoever prepared it
   return over_ || answered();
 }
 
-/// The member's thread has answered: what it runs is what the model shows.
-void Commit::enter(std::size_t index) {
-  const Member& settled = swap_->members()[index];
-  const SwapResult::State state = swap_->result().state;
-  const bool another_attempt = !settled.in_force && (state == SwapResult::State::under_way);
-  if (another_attempt) return;
-  PreparedMember& member = content_->members[index];
-  entered_[index] = true;
-  deployed_[index]->changing = deployed_[index]->parking = false;
-  if (!settled.in_force) return;
-  if (member.next != member.base) member.component->install(member.next);
-  if (member.type) {
-    ComponentType before = member.component->type();
-    member.component->renew(*std::exchange(member.type, std::move(before)));
-  }
-  schedule(system_, *deployed_[index]);
-  system_.runner->look_again();
-  // Where a lost thread is inside, it is freed when that has ended: see tend().
-  const bool lost = system_.runner->has_lost(deployed_[index]->task.get());
-  retire(*member.base, *member.next, lost ? system_.free : retired_);
-  if (member.next != member.base) {
-    system_.free.keep(std::exchange(deployed_[index]->relief, {}).content);
-  }
-  member.made.forget();
-  const std::uint64_t missed = deployed_[index]->task->counters().missed.load();
-  receipt_.components.push_back(
-      {member.component->name(), settled.pause, missed - missed_before_[index], settled.bytes});
-}
-
-void Commit::enter_resources() {
-  for (std::size_t i = 0; i < swap_->resources().size(); ++i) {
-    const ResourceFlip& flip = *swap_->resources()[i].flip;
-    if (flip.state() != ResourceFlip::State::in_force) continue;
-    PreparedResource& change = content_->resources[i];
-    change.resource->install(change.parts.core, change.parts.bindings);
-    if (change.parts.core != nullptr) retired_.add(change.base.core);
-    change.made.forget();
-    receipt_.components.push_back({change.resource->name(), flip.pause(), 0, flip.bytes()});
-  }
-}
-
-void Commit::conclude() {
-  const SwapResult& swapped = swap_->result();
-  const bool nothing_happened =
-      swapped.state == SwapResult::State::missed || swapped.state == SwapResult::State::revoked;
-  if (nothing_happened) {
-    result_ = not_applied();
-    return let_go_new();
-  }
-  enter_resources();
-  receipt_.state = ChangeState::applied;
-  receipt_.commit = Duration{swapped.instant - system_.t0};
-  receipt_.attempts = swapped.attempts;
-  receipt_.generation = ++system_.generation;
-  receipt_.warnings = content_->warnings;
-  if (barrier_ != nullptr) {
-    barrier_->tell(receipt_);
-    barrier_->end();
-  }
-  change_membership();
-  if (swapped.state != SwapResult::State::committed) {
-    result_ = not_applied();
-    return;
-  }
-  result_ = receipt_;
-  if (way_back_ != nullptr) return begin_probation();
+/// True when no member is left to wait for.
+bool Commit::all_changed() {
+  const bool settled = swap_->advance();
   for (std::size_t i = 0; i < deployed_.size(); ++i) {
-    if (content_->members[i].part != Part::leaves) continue;
-    static_cast<void>(let_go(system_, *std::exchange(deployed_[i], nullptr)));
+    if (swap_->members()[i].settled && !entered_[i]) enter(i);
   }
-}
-
-/// What joined is part of the architecture now, what left is not; it stays alive with the content.
-void Commit::change_membership() {
-  for (std::size_t i = 0; i < deployed_.size(); ++i) {
-    PreparedMember& member = content_->members[i];
-    if (!entered_[i] || !swap_->members()[i].in_force) continue;
-    if (member.part == Part::leaves) {
-      member.owner = system_.architecture.take_out(*member.component);
-      deployed_[i]->hidden = true;
-    }
-  }
-  // A member that hangs may still use what was to leave.
-  const bool whole = swap_->result().state == SwapResult::State::committed;
-  for (ResourceBase* resource : content_->leaving_resources) {
-    if (!whole) break;
-    content_->left_resources.push_back(system_.architecture.take_out(*resource));
-  }
-  for (const auto& resource : content_->new_resources) system_.architecture.own(resource);
-  for (std::size_t i = 0; i < deployed_.size(); ++i) {
-    PreparedMember& member = content_->members[i];
-    if (member.part != Part::joins) continue;
-    system_.architecture.own(member.owner);
-    deployed_[i]->hidden = false;
-  }
-}
-
-void Commit::begin_probation() {
-  system_.probation = std::make_unique<OnProbation>(system_, content_, std::move(ways_back_),
-                                                    std::move(way_back_), std::move(retired_));
+  // Behind a barrier nobody is in a job.
+  const bool late = barrier_ == nullptr && swap_->result().state == SwapResult::State::waiting;
+  if (!answered() && (settled || late)) conclude();
+  return settled && back_by_ == 0;
 }
 
 Result<Receipt> Commit::result() const {
@@ -310,38 +208,6 @@ std::vector<Deployed*> Commit::silent() const {
     if (swap_ != nullptr && !swap_->members()[i].in_force) silent.push_back(deployed_[i]);
   }
   return silent;
-}
-
-Error Commit::not_applied() const {
-  std::string names;
-  for (const Deployed* one : silent()) {
-    names += (names.empty() ? "" : ", ") + one->component->name();
-  }
-  for (const ResourceMember& one : swap_->resources()) {
-    if (one.flip->state() == ResourceFlip::State::in_force) continue;
-    names += (names.empty() ? "" : ", ") + one.resource->name();
-  }
-  if (swap_->members().empty()) {
-    return refuse(Errc::timed_out, names,
-                  "is held by a caller that does not leave it, so it was not changed",
-                  "look at `status`: a core that never returns holds its component");
-  }
-  const std::string look = "look at `status`: a core that never returns holds its component";
-  switch (swap_->result().state) {
-    case SwapResult::State::missed:
-      return refuse(Errc::timed_out, names,
-                    "every attempt missed its instant: the machine is overloaded", "try again");
-    case SwapResult::State::revoked:
-      return refuse(Errc::timed_out, names,
-                    "did not end its job within 2 s, so the change was taken back", look);
-    case SwapResult::State::waiting:
-      return refuse(Errc::partly, names, "did not end its job in time; it will obey when it does",
-                    look);
-    default:
-      return refuse(Errc::partly, names,
-                    "did not end its job within 2 s: the change is in force on the others only",
-                    "stop the component that hangs");
-  }
 }
 
 PreparedMember member_of(ComponentBase& component, Mode mode) {
@@ -373,6 +239,7 @@ void System::look_after_itself() {
     return true;
   });
   look_after_reliefs(*this);
+  forget_departed();
 }
 
 std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change, Swap::Kind kind,

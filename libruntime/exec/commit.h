@@ -49,6 +49,8 @@ class Commit final : public Ongoing {
  private:
   Status check(Swap::Kind kind);
   Status check_probation(Swap::Kind kind);
+  Status end_probation_before();
+  void overtake_before();
   Status let_in_new();
   void let_go_new();
   void hold_members();
@@ -58,7 +60,10 @@ class Commit final : public Ongoing {
   [[nodiscard]] std::vector<ResourceMember> resource_members() const;
   void enter(std::size_t index);
   void enter_resources();
+  [[nodiscard]] bool all_changed();
   void conclude();
+  void take_back();
+  [[nodiscard]] bool all_went_back();
   void refuse_all(Error error);
   void change_membership();
   void begin_probation();
@@ -72,7 +77,9 @@ class Commit final : public Ongoing {
   std::unique_ptr<Barrier> barrier_;   // null: the cut
   std::unique_ptr<Swap> swap_;         // null: not yet past the barrier
   std::shared_ptr<WayBack> way_back_;  // null: no probation
+  std::shared_ptr<WayBack> before_;    // of the change before, which is on probation; or null
   std::vector<WayBackOfMember> ways_back_;
+  Instant back_by_ = 0;  // some member hangs, the others are led back; zero: nobody is
   Receipt receipt_;
   Retired retired_;
   std::optional<Result<Receipt>> result_;
@@ -84,6 +91,7 @@ std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change,
                                      Swap::Kind kind = Swap::Kind::transaction,
                                      Duration longest_job = kLongestJob);
 
+[[nodiscard]] Error being_rolled_back(std::uint64_t generation);
 /// Makes what a committed bundle says of the thread true: priority and CPUs. [control]
 void schedule(System& system, Deployed& deployed);
 /// The elements of `old` that `now` does not use, in the order of dependency.

@@ -165,7 +165,10 @@ std::vector<Change> Deployer::wanted_reliefs() const {
   return exec::wanted_reliefs(*system_);
 }
 
-void Deployer::stand_by(PreparedChange& relief) { exec::put_in_readiness(*system_, relief); }
+void Deployer::stand_by(PreparedChange& relief) {
+  system_->advance();  // not while it was prepared
+  exec::put_in_readiness(*system_, relief);
+}
 
 Result<Receipt> Deployer::start(const std::vector<std::string>& components, bool reset) {
   Change change;

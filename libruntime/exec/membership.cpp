@@ -2,6 +2,7 @@
 #include "exec/membership.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "exec/placement.h"
 #include "model/left_behind.h"
@@ -34,14 +35,19 @@ bool let_go(System& system, Deployed& deployed) {
   const bool ended =
       system.runner->end(*deployed.task, system.runner->now() + kEndOfThread.count()) &&
       !system.runner->has_lost(deployed.task.get());
+  deployed.ended = ended;
   if (!ended) {
     deployed.component->abandon();
     leave_behind(deployed.task);  // its thread still runs in it
     leave_behind(system.runner);
   }
   keep_last_events(system, deployed);
+  system.free.keep(std::exchange(deployed.relief, {}).content);
+  deployed.component = nullptr;
   const std::lock_guard lock(system.members);
-  system.deployed.remove_if([&](const Deployed& one) { return &one == &deployed; });
+  const auto here = std::find_if(system.deployed.begin(), system.deployed.end(),
+                                 [&](const Deployed& one) { return &one == &deployed; });
+  system.departed->splice(system.departed->end(), system.deployed, here);
   return ended;
 }
 

@@ -11,8 +11,12 @@
 namespace mauve::exec {
 namespace {
 
-/// After an undo, or when nobody confirmed.
-constexpr Duration kLead = 200us;
+/// Does the resource have what the change gave it?
+bool in_force(const PreparedResource& change) {
+  const ResourceBase& resource = *change.resource;
+  return (change.parts.core == nullptr || resource.shared_core() == change.parts.core) &&
+         (change.parts.bindings == nullptr || resource.shared_bindings() == change.parts.bindings);
+}
 
 /// `owner` is null for a member of a derived architecture.
 template <typename Element>
@@ -26,6 +30,7 @@ void put_back(Architecture& architecture, Element& element, std::shared_ptr<Elem
 OnProbation::OnProbation(System& system, Content content, std::vector<WayBackOfMember> members,
                          std::shared_ptr<WayBack> way_back, Retired replaced)
     : system_(system),
+      departed_(system.departed),
       content_(std::move(content)),
       members_(std::move(members)),
       way_back_(std::move(way_back)),
@@ -33,6 +38,7 @@ OnProbation::OnProbation(System& system, Content content, std::vector<WayBackOfM
       generation_(system.generation),
       began_(system.runner->now()) {
   for (const PreparedResource& change : content_->resources) {
+    if (!in_force(change)) continue;
     ResourceParts before = change.base;
     if (change.parts.core == nullptr) before.core.reset();
     if (change.parts.bindings == nullptr) before.bindings.reset();
@@ -42,9 +48,10 @@ OnProbation::OnProbation(System& system, Content content, std::vector<WayBackOfM
 }
 
 OnProbation::~OnProbation() {
-  if (phase_ == Phase::over) return;
+  if (phase_ == Phase::over || (phase_ == Phase::withdrawing && all_looked_away())) return;
   // The system goes down: whose thread ended looks at nothing any more.
-  if (all_looked_away()) return;
+  const auto ended = [](const WayBackOfMember& member) { return member.deployed->ended; };
+  if (std::all_of(members_.begin(), members_.end(), ended)) return;
   for (WayBackOfMember& member : members_) {
     leave_behind(std::shared_ptr<Published>(std::move(member.withdrawn)));
   }
@@ -69,11 +76,12 @@ bool OnProbation::advance() {
 }
 
 void OnProbation::watch() {
-  if (!way_back_->open()) {
+  if (way_back_->told()) {
     phase_ = Phase::going_back;
     for (const WayBackOfMember& member : members_) system_.runner->wake(*member.deployed->task);
     return;
   }
+  if (way_back_->closed()) return overtake();
   const Probation& rules = *content_->probation;
   const Duration passed{system_.runner->now() - began_};
   if (rules.confirm_within > Duration{0}) {
@@ -95,12 +103,22 @@ void OnProbation::watch() {
 
 bool OnProbation::undo(const std::string& reason) {
   if (phase_ != Phase::watching) return false;
-  return way_back_->set_off(system_.runner->now() + kLead.count(), Cause::asked, nullptr,
-                            reason.c_str());
+  return way_back_->set_off(system_.runner->clock(), Cause::asked, nullptr, reason.c_str());
 }
 
 bool OnProbation::pass(const std::string& reason, Outcome::Kind kind) {
   if (phase_ != Phase::watching || !way_back_->close()) return false;
+  end(kind, reason);
+  return true;
+}
+
+void OnProbation::overtake() {
+  if (phase_ != Phase::watching) return;
+  static_cast<void>(way_back_->close());  // or a member that failed meanwhile does
+  end(Outcome::Kind::overtaken, "a newer change");
+}
+
+void OnProbation::end(Outcome::Kind kind, const std::string& reason) {
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     PreparedMember& member = content_->members[i];
     if (member.part != Part::leaves) continue;
@@ -108,7 +126,6 @@ bool OnProbation::pass(const std::string& reason, Outcome::Kind kind) {
   }
   tell(kind, reason);
   withdraw();
-  return true;
 }
 
 /// The tasks give the ways back up; each is freed when its thread has looked elsewhere.
@@ -122,8 +139,7 @@ void OnProbation::withdraw() {
   }
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     if (content_->members[i].part != Part::leaves) continue;
-    Deployed*& leaving = members_[i].deployed;
-    static_cast<void>(let_go(system_, *std::exchange(leaving, nullptr)));
+    static_cast<void>(let_go(system_, *members_[i].deployed));
   }
   free_.merge(std::move(replaced_));
   free_.keep(content_);
@@ -131,7 +147,7 @@ void OnProbation::withdraw() {
 
 bool OnProbation::all_looked_away() const {
   return std::all_of(members_.begin(), members_.end(), [&](const WayBackOfMember& member) {
-    return member.deployed == nullptr || !system_.up ||
+    return !member.in_force || member.deployed->ended ||
            member.deployed->task->looks() > member.looks_after;
   });
 }
@@ -139,25 +155,35 @@ bool OnProbation::all_looked_away() const {
 void OnProbation::go_back() {
   const Instant now = system_.runner->now();
   for (auto& flip : flips_) flip->help(now);
-  if (!way_back_->told() || !all_are_back()) return;
+  if (!way_back_->told() || !all_are_back() || !may_let_go()) return;
   tell(Outcome::Kind::rolled_back, culprit());
   install_old();
-  system_.outcomes.back().generation = system_.generation;
+  if (!quiet_) system_.outcomes.back().generation = ++system_.generation;
   replaced_.forget();
   free_.keep(content_);
   for (WayBackOfMember& member : members_) {
-    member.looks_after = member.deployed != nullptr ? member.deployed->task->looks() : 0;
-    if (member.deployed != nullptr) system_.runner->wake(*member.deployed->task);
+    member.looks_after = member.deployed->task->looks();
+    system_.runner->wake(*member.deployed->task);
   }
   phase_ = Phase::withdrawing;
 }
 
-bool OnProbation::all_are_back() {
+bool OnProbation::all_are_back() const {
   const bool members = std::all_of(members_.begin(), members_.end(), [](const auto& member) {
-    return member.answer->progress.load(std::memory_order_acquire) == Published::Progress::done;
+    return !member.in_force ||
+           member.answer->progress.load(std::memory_order_acquire) == Published::Progress::done;
   });
   return members && std::all_of(flips_.begin(), flips_.end(),
                                 [](const auto& flip) { return flip->settled(); });
+}
+
+/// An order to park may be on its way to what joined; the task is parked, so that is over soon.
+bool OnProbation::may_let_go() const {
+  for (std::size_t i = 0; i < content_->members.size(); ++i) {
+    const bool leaves = members_[i].in_force && content_->members[i].part == Part::joins;
+    if (leaves && members_[i].deployed->changing) return false;
+  }
+  return true;
 }
 
 /// What callers and threads use again is what the model shows.
@@ -165,7 +191,8 @@ void OnProbation::install_old() {
   Architecture& architecture = system_.architecture;
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     PreparedMember& member = content_->members[i];
-    Deployed*& deployed = members_[i].deployed;
+    Deployed* const deployed = members_[i].deployed;
+    if (!members_[i].in_force) continue;
     if (member.next != member.base) member.component->install(member.base);
     if (member.type) member.component->renew(*member.type);
     if (member.part == Part::leaves) {
@@ -176,9 +203,10 @@ void OnProbation::install_old() {
     retire(*member.next, *member.base, free_);
     if (member.part != Part::joins) continue;
     static_cast<void>(architecture.take_out(*member.component));
-    static_cast<void>(let_go(system_, *std::exchange(deployed, nullptr)));
+    static_cast<void>(let_go(system_, *deployed));
   }
   for (const PreparedResource& change : content_->resources) {
+    if (!in_force(change)) continue;
     change.resource->install(change.base.core, change.base.bindings);
     if (change.parts.core != nullptr) free_.add(change.parts.core);
   }
@@ -188,7 +216,11 @@ void OnProbation::install_old() {
   for (std::size_t i = 0; i < content_->left_resources.size(); ++i) {
     put_back(architecture, *content_->leaving_resources[i], content_->left_resources[i]);
   }
-  ++system_.generation;
+}
+
+void OnProbation::tell_after_all() {
+  if (!std::exchange(quiet_, false)) return;
+  generation_ = ++system_.generation;
 }
 
 std::string OnProbation::culprit() const {
@@ -199,6 +231,7 @@ std::string OnProbation::culprit() const {
 }
 
 void OnProbation::tell(Outcome::Kind kind, const std::string& reason) {
+  if (quiet_) return;
   Outcome end;
   end.began = generation_;
   end.generation = system_.generation;
@@ -207,9 +240,8 @@ void OnProbation::tell(Outcome::Kind kind, const std::string& reason) {
   if (kind == Outcome::Kind::rolled_back) {
     end.commit = Duration{way_back_->transaction().instant() - system_.t0};
     for (const WayBackOfMember& member : members_) {
-      const bool at_fault =
-          member.deployed != nullptr && member.deployed->task.get() == way_back_->member();
-      if (at_fault) end.component = member.deployed->task->name();
+      if (member.deployed->task.get() == way_back_->member())
+        end.component = member.deployed->task->name();
     }
     for (const PreparedMember& member : content_->members) {
       const std::string& core = member.next->core_type.name;

@@ -21,6 +21,7 @@ struct WayBackOfMember {
   std::uint64_t releases_before = 0;
   std::uint64_t looks_after = 0;  ///< when it was withdrawn
   std::unique_ptr<Published> withdrawn;
+  bool in_force = true;  ///< the change is
 };
 
 /// One change on probation. [control]
@@ -37,8 +38,18 @@ class OnProbation {
   bool advance();
   /// Nobody can fail any more: the change stays. False: it is being rolled back already.
   bool pass(const std::string& reason, Outcome::Kind kind = Outcome::Kind::passed);
+  /// A newer change is in force, to which the way back gave way.
+  void overtake();
+  [[nodiscard]] const std::shared_ptr<WayBack>& way_back() const { return way_back_; }
   /// False: it is over, or being rolled back already.
   bool undo(const std::string& reason);
+  /// Of a change that is not even in force everywhere: it never made a generation.
+  void go_quietly() { quiet_ = true; }
+  /// Unless going back takes too long.
+  void tell_after_all();
+  [[nodiscard]] bool leads(const WayBack& back) const {
+    return way_back_.get() == &back && !told();
+  }
   [[nodiscard]] bool open() const { return phase_ == Phase::watching && way_back_->open(); }
   [[nodiscard]] bool awaits_confirmation() const;
   /// Its end is in System::outcomes; all that remains is to wait until no thread looks at it.
@@ -50,8 +61,10 @@ class OnProbation {
   enum class Phase : std::uint8_t { watching, going_back, withdrawing, over };
 
   void watch();
+  void end(Outcome::Kind kind, const std::string& reason);
   void go_back();
-  [[nodiscard]] bool all_are_back();
+  [[nodiscard]] bool all_are_back() const;
+  [[nodiscard]] bool may_let_go() const;
   void install_old();
   void withdraw();
   [[nodiscard]] bool all_looked_away() const;
@@ -59,6 +72,7 @@ class OnProbation {
   [[nodiscard]] std::string culprit() const;
 
   System& system_;
+  std::shared_ptr<void> departed_;  // who is let go meanwhile stays
   Content content_;
   std::vector<WayBackOfMember> members_;
   std::vector<std::unique_ptr<ResourceFlip>> flips_;
@@ -66,6 +80,7 @@ class OnProbation {
   Retired replaced_;
   Retired free_;
   Phase phase_ = Phase::watching;
+  bool quiet_ = false;
   std::uint64_t generation_;
   Instant began_;
 };

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "exec/commit.h"
+#include "model/left_behind.h"
 
 namespace mauve::exec {
 namespace {
@@ -72,9 +73,24 @@ std::optional<Edit> relief_of(const System& system, const Deployed& deployed) {
   return edit;
 }
 
+/// Tasks go back, or are back already, to bundles that the model does not show yet.
+bool is_led_back(const System& system) {
+  return system.probation != nullptr && system.probation->way_back()->leads_back();
+}
+
+/// False: the task has one, or runs with another bundle than the relief was made for.
+bool stand_by(const System& system, Task& task, std::unique_ptr<Published> relief) {
+  if (!task.stand_by(*relief)) return false;
+  Published* const standing = relief.release();
+  if (!is_led_back(system) || !task.withdraw_relief(*standing)) return true;
+  leave_behind(std::shared_ptr<Published>(standing));  // its thread may be about to look
+  return false;
+}
+
 }  // namespace
 
 std::vector<Change> wanted_reliefs(System& system) {
+  if (is_led_back(system)) return {};
   std::vector<Change> wanted;
   for (const Deployed& deployed : system.deployed) {
     const bool ready = deployed.relief.content != nullptr || deployed.hidden || deployed.changing;
@@ -94,6 +110,7 @@ Status put_reliefs_in_readiness(System& system) {
 }
 
 void put_in_readiness(System& system, PreparedChange& prepared) {
+  if (is_led_back(system)) return;
   const std::shared_ptr<PreparedChange::Content> content = prepared.share();
   for (PreparedMember& member : content->members) {
     Deployed* deployed = system.find(member.component->name());
@@ -107,11 +124,7 @@ void put_in_readiness(System& system, PreparedChange& prepared) {
     published->transaction = &standing_decision();
     if (member.restart) published->back_off = back_off(policy, deployed->restarts.size());
     deployed->relief = {content, &member, published->answer};
-    if (deployed->task->stand_by(*published)) {
-      static_cast<void>(published.release());
-    } else {
-      deployed->relief = {};
-    }
+    if (!stand_by(system, *deployed->task, std::move(published))) deployed->relief = {};
   }
 }
 

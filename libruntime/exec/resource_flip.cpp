@@ -49,10 +49,11 @@ ResourceFlip::~ResourceFlip() = default;
 
 bool ResourceFlip::visit(Instant release) {
   if (state() == State::in_force || state() == State::given_up) return true;
-  if (release == 0 || release < transaction_.instant()) return false;
+  if (release == 0) return false;
   // The coordinator is late: whoever comes at the instant decides for all that nothing happens.
-  const bool aborted =
-      transaction_.decide(Transaction::State::aborted) == Transaction::State::aborted;
+  const Transaction::Verdict verdict = transaction_.meet(release);
+  if (verdict == Transaction::Verdict::go_on) return false;
+  const bool aborted = verdict == Transaction::Verdict::give_back;
   State expected = State::waiting;
   const State wanted = aborted ? State::given_up : State::taking;
   if (!state_.compare_exchange_strong(expected, wanted, std::memory_order_acq_rel)) return true;
@@ -75,7 +76,7 @@ void ResourceFlip::take() {
 
 void ResourceFlip::help(Instant now) {
   if (state() != State::waiting) return;
-  if (transaction_.state() == Transaction::State::aborted) return revoke();
+  if (transaction_.given_up()) return revoke();
   if (transaction_.state() != Transaction::State::committed || now < transaction_.instant()) return;
   if (!resource_.gate().try_enter()) return;
   static_cast<void>(visit(now));

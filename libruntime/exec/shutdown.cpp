@@ -29,7 +29,8 @@ std::vector<std::string> bring_down(System& system, Duration bound) {
     const Instant now = system.runner->now();
     const Instant until = stuck ? now : std::max(deadline, now + kShortestPatience.count());
     const bool ended = system.runner->end(*deployed.task, until);
-    if (ended && !system.runner->has_lost(deployed.task.get())) continue;
+    deployed.ended = ended && !system.runner->has_lost(deployed.task.get());
+    if (deployed.ended) continue;
     left_behind.push_back(deployed.component->name());
     deployed.component->abandon();
     leave_behind(deployed.task);  // its thread still runs in it

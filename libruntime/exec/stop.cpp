@@ -74,7 +74,7 @@ Stages in_order_of_safe_values(System& system) {
 }
 
 Stop::Stop(System& system, Stages stages, Duration patience)
-    : system_(system), stages_(std::move(stages)), patience_(patience) {
+    : system_(system), departed_(system.departed), stages_(std::move(stages)), patience_(patience) {
   receipt_.generation = system.generation;
   begin_stage();
 }
@@ -115,19 +115,18 @@ void Stop::begin_stage() {
 void Stop::park_free() {
   auto content = std::make_unique<PreparedChange::Content>();
   std::erase_if(waiting_, [&](Deployed* deployed) {
+    if (deployed->component == nullptr) return true;  // it left
     if (deployed->changing) {
       for (const auto& commit : system_.under_way) commit->give_way(*deployed);
       return false;
     }
     if (deployed->state() == ComponentState::running) {
       content->members.push_back(member_of(*deployed->component, Mode::park));
+      deployed->parking = true;
     }
     return true;
   });
   if (content->members.empty()) return;
-  for (const PreparedMember& member : content->members) {
-    system_.find(member.component->name())->parking = true;
-  }
   PreparedChange change(std::move(content));
   commits_.push_back(begin_commit(system_, change, Swap::Kind::order, patience_));
 }
@@ -159,7 +158,7 @@ void Stop::take_answer(const Commit& commit) {
 }
 
 void Stop::give_up(Deployed& deployed) {
-  if (!hung_.insert(&deployed).second) return;
+  if (deployed.component == nullptr || !hung_.insert(&deployed).second) return;
   // Its thread is stuck in user code: the outputs get their safe values from here.
   write_safe_values(*deployed.component->bundle());
 }
@@ -191,7 +190,7 @@ Result<Receipt> Stop::result() const {
   if (hung_.empty()) return receipt_;
   std::string names;
   for (const Deployed* one : hung_) {
-    names += (names.empty() ? "" : ", ") + one->component->name();
+    names += (names.empty() ? "" : ", ") + one->task->name();
   }
   return refuse(Errc::partly, names,
                 "did not end its job in time: its safe values are written, and it stops as soon as "

@@ -11,20 +11,19 @@ namespace {
 
 constexpr Duration kShortestLead = 200us;
 constexpr Duration kLeadPerMember = 1us;
-/// Nearer than this the coordinator does not decide: a member might be at its boundary already.
-constexpr Duration kDecisionMargin = 50us;
 
 using Progress = Published::Progress;
 
 }  // namespace
 
 Swap::Swap(std::vector<Member> members, std::vector<ResourceMember> resources, Runner& runner,
-           Duration bound, Kind kind)
+           Duration bound, Kind kind, std::shared_ptr<WayBack> before)
     : members_(std::move(members)),
       resources_(std::move(resources)),
       runner_(runner),
       bound_(bound),
       kind_(kind),
+      before_(std::move(before)),
       lead_(std::max(kShortestLead, kLeadPerMember * static_cast<std::int64_t>(members_.size()))) {
   // Resources alone wait for nobody: their callers meet the change from now on.
   if (members_.empty()) lead_ = Duration{0};
@@ -42,9 +41,7 @@ Swap::~Swap() {
   // When a change was given up, or the system goes down over it: a thread may be about to look.
   for (const Member& member : members_) in_use = in_use || member.published != nullptr;
   if (!in_use) return;
-  for (auto& transaction : transactions_) {
-    leave_behind(std::shared_ptr<Transaction>(std::move(transaction)));
-  }
+  for (auto& transaction : transactions_) leave_behind(std::move(transaction));
 }
 
 /// Publishes and decides. The whole of it is a few stores, so it runs just above ordinary threads
@@ -54,14 +51,17 @@ void Swap::attempt() {
   const auto urgency = runner_.hurry();
   result_.instant = runner_.now() + lead_.count();
   deadline_ = result_.instant + bound_.count();
-  const bool decided = kind_ == Kind::order || members_.empty();
-  transactions_.push_back(std::make_unique<Transaction>(
+  const bool decided = kind_ == Kind::order || (members_.empty() && before_ == nullptr);
+  transactions_.push_back(std::make_shared<Transaction>(
       result_.instant, decided ? Transaction::State::committed : Transaction::State::prepared));
+  if (before_ != nullptr) before_->give_way_to(transactions_.back());
   for (Member& member : members_) publish(member);
   for (ResourceMember& resource : resources_) arm(resource);
-  const bool late = runner_.now() >= result_.instant - kDecisionMargin.count();
+  const bool late = !members_.empty() && runner_.now() >= result_.instant - kDecisionMargin.count();
+  const bool led_back = before_ != nullptr && before_->leads_back();
   MAUVE_FAIL_POINT("commit.before_decide");
-  transactions_.back()->decide(late ? Transaction::State::aborted : Transaction::State::committed);
+  transactions_.back()->decide(late || led_back ? Transaction::State::aborted
+                                                : Transaction::State::committed);
   MAUVE_FAIL_POINT("commit.after_decide");
   for (Member& member : members_) runner_.wake(*member.task);
 }
@@ -97,6 +97,7 @@ bool Swap::all_settled() {
 bool Swap::advance() {
   if (!all_settled()) {
     if (result_.state != SwapResult::State::under_way || runner_.now() < deadline_) return false;
+    if (is_taking()) return false;
     give_up();
     return result_.state != SwapResult::State::waiting;
   }
@@ -107,6 +108,10 @@ bool Swap::advance() {
     result_.state = SwapResult::State::committed;
     return true;
   }
+  if (before_ != nullptr && before_->leads_back()) {
+    result_.state = SwapResult::State::overtaken;
+    return true;
+  }
   if (result_.attempts == kMaxAttempts) {
     result_.state = SwapResult::State::missed;
     return true;
@@ -114,6 +119,13 @@ bool Swap::advance() {
   lead_ *= 2;
   attempt();
   return false;
+}
+
+/// Some caller is about to change a resource: an instant later that is settled.
+bool Swap::is_taking() const {
+  return std::any_of(resources_.begin(), resources_.end(), [](const ResourceMember& member) {
+    return member.flip->state() == ResourceFlip::State::taking;
+  });
 }
 
 void Swap::settle(Member& member) {

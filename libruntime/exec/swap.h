@@ -48,10 +48,11 @@ struct SwapResult {
   enum class State : std::uint8_t {
     under_way,
     committed,
-    missed,   ///< every attempt missed its instant: nothing happened
-    revoked,  ///< no member reached a boundary in time: taken back, nothing happened
-    partly,   ///< some member did not reach a boundary in time, others did
-    waiting,  ///< an order: some member did not reach a boundary yet, it will obey when it does
+    missed,     ///< every attempt missed its instant: nothing happened
+    revoked,    ///< no member reached a boundary in time: taken back, nothing happened
+    partly,     ///< some member did not reach a boundary in time, others did
+    overtaken,  ///< the change before is led back: nothing happened
+    waiting,    ///< an order: some member did not reach a boundary yet, it will obey when it does
   };
   State state = State::under_way;
   Instant instant = 0;
@@ -69,8 +70,9 @@ class Swap {
   };
 
   /// Publishes and decides. `bound`: how long after the instant members may take to answer.
+  /// `before`: a way back that can no longer be set off once this is committed; may be null.
   Swap(std::vector<Member> members, std::vector<ResourceMember> resources, Runner& runner,
-       Duration bound, Kind kind);
+       Duration bound, Kind kind, std::shared_ptr<WayBack> before = nullptr);
   ~Swap();
   Swap(const Swap&) = delete;
   Swap& operator=(const Swap&) = delete;
@@ -94,6 +96,7 @@ class Swap {
   void give_up();
   void give_up(Member& member, bool committed);
   [[nodiscard]] bool all_settled();
+  [[nodiscard]] bool is_taking() const;
 
   std::vector<Member> members_;
   std::vector<ResourceMember> resources_;
@@ -101,10 +104,11 @@ class Swap {
   Runner& runner_;
   const Duration bound_;
   const Kind kind_;
+  const std::shared_ptr<WayBack> before_;
   bool given_up_ = false;
   Duration lead_;
   Instant deadline_ = 0;
-  std::vector<std::unique_ptr<Transaction>> transactions_;  // the newest counts
+  std::vector<std::shared_ptr<Transaction>> transactions_;  // the newest counts
   SwapResult result_;
 };
 

@@ -93,6 +93,19 @@ Deployed* System::find(std::string_view component) {
   return nullptr;
 }
 
+Deployed* System::find(const ComponentBase& component) {
+  for (Deployed& candidate : deployed) {
+    if (candidate.component == &component) return &candidate;
+  }
+  return nullptr;
+}
+
+void System::forget_departed() {
+  if (departed.use_count() > 1) return;
+  for (Deployed& one : *departed) free.keep(std::move(one.task));
+  departed->clear();
+}
+
 Result<ComponentBase*> System::component(std::string_view name) const {
   if (ComponentBase* found = architecture.find_component(name)) return found;
   std::vector<std::string> names;

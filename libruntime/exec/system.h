@@ -29,7 +29,7 @@ struct StandingBy {
 
 /// One component and what runs it.
 struct Deployed {
-  ComponentBase* component = nullptr;
+  ComponentBase* component = nullptr;  ///< null: it was let go
   std::shared_ptr<Task> task;
   std::vector<int> cpus;
   int priority = 0;
@@ -37,6 +37,7 @@ struct Deployed {
   std::uint64_t lost_events = 0;  ///< reported so far
   bool changing = false;          ///< a change of it is under way: no other may begin
   bool parking = false;           ///< that change is an order to park
+  bool ended = false;             ///< no thread looks at its task any more
   bool hidden = false;            ///< joins with a change under way, or left with one on probation
   StandingBy relief;
   std::vector<Instant> restarts;  ///< the recent ones
@@ -57,6 +58,8 @@ class System {
   std::shared_ptr<Runner> runner;
   /// Addresses stay. Changed by [control] under `members`, since [log] goes through it too.
   std::list<Deployed> deployed;
+  /// Let go. Whoever may still know one holds this; emptied when nobody does. [control]
+  std::shared_ptr<std::list<Deployed>> departed = std::make_shared<std::list<Deployed>>();
   /// Held while a change is prepared, which reads the model on [factory]: what the system did by
   /// itself gets into the books afterwards.
   ModelLock model;
@@ -77,10 +80,14 @@ class System {
   std::unique_ptr<rt::LastWords> last_words;  ///< while it is up
 
   [[nodiscard]] Deployed* find(std::string_view component);
+  /// Also one that is hidden.
+  [[nodiscard]] Deployed* find(const ComponentBase& component);
   /// Takes every change under way as far as it can go now.
   void advance();
   /// Probations and reliefs: may change the model.
   void look_after_itself();
+  /// What nobody knows any more goes to `free`.
+  void forget_departed();
   /// The component of this name, or an error with the nearest one.
   Result<ComponentBase*> component(std::string_view name) const;
 };

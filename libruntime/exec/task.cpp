@@ -46,7 +46,7 @@ void Task::begin(std::unique_ptr<Published> first, Instant t0) {
   bound_.store(current_->bound.count());
   const TaskAttributes& attributes = current_->bundle->task;
   release_ = t0_ + attributes.offset.count();
-  running_ = attributes.start;
+  running_ = attributes.start && current_->mode != Mode::park;
   counters_.next_release.store(attributes.offset.count());
   counters_.state.store(running_ ? ComponentState::running : ComponentState::stopped);
 }
@@ -137,13 +137,11 @@ void Task::drop_missed(Instant now) {
 /// The one place where a running component changes. Before it everything is old, after it new.
 void Task::meet_boundary(Instant now) {
   Published* next = pending_.load(std::memory_order_acquire);
-  if (next != nullptr && release_ >= next->transaction->instant()) {
+  if (next != nullptr) {
     // The coordinator is late: a member at its instant decides for all that nothing happens.
-    if (next->transaction->decide(Transaction::State::aborted) == Transaction::State::aborted) {
-      give_back(*next);
-    } else if (claim(*next)) {
-      take(*next, now);
-    }
+    const Transaction::Verdict verdict = next->transaction->meet(release_);
+    if (verdict == Transaction::Verdict::give_back) give_back(*next);
+    if (verdict == Transaction::Verdict::take && claim(*next)) take(*next, now);
   }
   if (waiting_) return;  // a relief waits as well
   if (Published* other = take_over()) take(*other, now);
@@ -152,9 +150,9 @@ void Task::meet_boundary(Instant now) {
 /// The way back once it was set off, or the relief of a core that failed; null: go on.
 Published* Task::take_over() {
   Published* back = back_.load(std::memory_order_acquire);
-  if (back != nullptr && release_ >= back->transaction->instant() && empty(back_, *back)) {
-    return back;
-  }
+  const bool goes_back =
+      back != nullptr && back->transaction->meet(release_) == Transaction::Verdict::take;
+  if (goes_back && empty(back_, *back)) return back;
   if (!failed_ || leads_back()) return nullptr;
   Published* relief = relief_.load(std::memory_order_acquire);
   const bool ready = relief != nullptr && release_ >= relief_from_ && empty(relief_, *relief);

@@ -14,9 +14,6 @@
 namespace mauve::exec {
 namespace {
 
-/// The way back begins so much later, so that no member passes the instant unaware of it.
-constexpr Duration kWayBackLead = 200us;
-
 /// In place of when a job began: nobody runs the task.
 constexpr Instant kLost = -1;
 
@@ -56,7 +53,7 @@ bool Task::used_too_much(const TaskAttributes& task) const {
 void Task::give_up_core(Cause cause, const char* what) {
   const Published* back = back_.load(std::memory_order_acquire);
   if (back == nullptr) return;
-  back->way_back->set_off(clock_.now() + kWayBackLead.count(), cause, this, what);
+  back->way_back->set_off(clock_, cause, this, what);
 }
 
 /// A failed core runs no more; its releases pass until something takes over.

@@ -53,6 +53,29 @@ TEST(Deployer, ChangesAComponentThatSleepsLongAtOnce) {
   EXPECT_EQ(deployer.status("control").state, ComponentState::stopped);
 }
 
+TEST(Deployer, LetsAComponentJoinThatWaitsForTheNextReleaseOfItsGrid) {
+  ramp::Architecture architecture;
+  Deployer deployer(architecture, {.realtime = Realtime::off});
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(eventually([&] { return deployer.status("control").releases > 1; }));
+  auto joining = std::make_shared<ComponentBase>(
+      "second",
+      ComponentType{"ramp", ShellType::of<ramp::Shell>(), FsmType::of<ramp::Fsm>("ramp"), "up"},
+      CoreType::of<ramp::Up>("up"));
+  static_cast<ramp::Fsm&>(joining->fsm()).period = 60s;
+  Change change;
+  change.new_components.push_back({joining, {}});
+
+  const Result<Receipt> done = deployer.apply(change);
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_EQ(deployer.status("second").state, ComponentState::running);
+  EXPECT_EQ(deployer.status("second").releases, 0u) << "T0 is long over";
+  EXPECT_EQ(deployer.status("second").next_release, 60s);
+  EXPECT_EQ(deployer.status("second").missed, 0u);
+  static_cast<void>(deployer.shutdown());
+}
+
 struct Hanging : ramp::Up {
   void update() override {
     while (!released().load()) std::this_thread::sleep_for(1ms);

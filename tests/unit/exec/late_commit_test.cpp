@@ -114,5 +114,90 @@ TEST_F(LateCommit, TriesAgainUntilTheLastAttempt) {
   EXPECT_EQ(deployer.status("quick").missed, 0u);
 }
 
+TEST_F(LateCommit, LetsNothingJoinThatRanAJob) {
+  hold_up(exec::kMaxAttempts);
+  Change change;
+  change.edits.push_back(ramp::to_core<ramp::Down>("down", "quick"));
+  change.new_components.push_back(
+      {std::make_shared<ComponentBase>("joining",
+                                       ComponentType{"ramp", ShellType::of<ramp::Shell>(),
+                                                     FsmType::of<ramp::Fsm>("ramp"), "counted"},
+                                       CoreType::of<Counted>("counted")),
+       {}});
+
+  EXPECT_FALSE(deployer.apply(change));
+  deployer.run_for(100ms);
+
+  EXPECT_EQ(Counted::jobs_of_all(), 0);
+  EXPECT_EQ(deployer.status().size(), 2u);
+}
+
+class LateCommitOnProbation : public LateCommit {
+ protected:
+  void SetUp() override {
+    LateCommit::SetUp();
+    Change change{{ramp::to_core<ramp::Down>("down", "quick")}};
+    change.probation.emplace();
+    ASSERT_TRUE(deployer.apply(change));
+    deployer.run_for(20ms);
+    ASSERT_TRUE(deployer.on_probation());
+  }
+  /// The change before is undone when a newer one reaches that point, once.
+  void undo_at(std::string_view where) {
+    at_fail_point() = [this, where](std::string_view point) {
+      if (point == where && held_up++ == 0) undone = deployer.undo().has_value();
+    };
+  }
+  std::vector<Outcome> tend() {
+    Retired free;
+    return deployer.tend(free);
+  }
+  bool undone = false;
+};
+
+TEST_F(LateCommitOnProbation, LeavesTheProbationOfTheChangeBefore) {
+  hold_up(exec::kMaxAttempts);
+  ASSERT_FALSE(swap_both());
+
+  EXPECT_TRUE(tend().empty());
+  EXPECT_TRUE(deployer.on_probation());
+  ASSERT_TRUE(deployer.undo());
+  deployer.run_for(20ms);
+  ASSERT_EQ(tend().size(), 1u);
+  EXPECT_EQ(deployer.status("quick").core, "ramp::Up");
+}
+
+TEST_F(LateCommitOnProbation, IsRefusedWhenTheChangeBeforeIsLedBackBeforeTheDecision) {
+  undo_at(kBeforeDecide);
+
+  const Result<Receipt> refused = swap_both();
+
+  EXPECT_TRUE(undone);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::conflict);
+  deployer.run_for(20ms);
+  const std::vector<Outcome> ends = tend();
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_EQ(ends[0].kind, Outcome::Kind::rolled_back);
+  EXPECT_EQ(deployer.status("quick").core, "ramp::Up");
+  EXPECT_EQ(Counted::jobs_of_all(), 0);
+  EXPECT_TRUE(swap_both());
+}
+
+TEST_F(LateCommitOnProbation, IsNotLedBackAnyMoreAfterTheDecision) {
+  undo_at("commit.after_decide");
+
+  const Result<Receipt> done = swap_both();
+
+  EXPECT_FALSE(undone);
+  ASSERT_TRUE(done) << to_string(done.error());
+  deployer.run_for(1s);
+  const std::vector<Outcome> ends = tend();
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_EQ(ends[0].kind, Outcome::Kind::overtaken);
+  EXPECT_EQ(deployer.status("quick").core, "counted");
+  EXPECT_EQ(deployer.status("slow").core, "counted");
+}
+
 }  // namespace
 }  // namespace mauve

@@ -126,6 +126,46 @@ TEST(Relief, AChangeMakesItAnew) {
   EXPECT_EQ(deployer.status("control").core, "ramp/down");
 }
 
+struct OnProbation : FallingBack {
+  OnProbation() {
+    EXPECT_TRUE(deployer.deploy());
+    Change change{{ramp::to_core<ramp::Up>("other")}};
+    change.probation.emplace();
+    EXPECT_TRUE(deployer.apply(change));
+  }
+  Deployer deployer{*this, {.simulated = true}};
+};
+
+TEST(Relief, OfAChangeThatWasLedBackMeanwhileDoesNotStandBy) {
+  OnProbation system;
+  const std::vector<Change> wanted = system.deployer.wanted_reliefs();
+  ASSERT_EQ(wanted.size(), 1u);
+  auto prepared = system.deployer.prepare(wanted[0]);
+  ASSERT_TRUE(prepared) << to_string(prepared.error());
+  ASSERT_TRUE(system.deployer.undo());
+  system.deployer.run_for(15ms);  // it is back, and nobody has looked yet
+
+  system.deployer.stand_by(*prepared);
+
+  EXPECT_EQ(system.deployer.wanted_reliefs().size(), 1u) << "one for what runs now";
+  prepare_reliefs(system.deployer);
+  system.deployer.run_for(50ms);  // the old core throws
+  const auto outcomes = tend(system.deployer);
+  ASSERT_EQ(outcomes.size(), 2u);
+  EXPECT_EQ(outcomes[1].kind, Outcome::Kind::fell_back);
+  EXPECT_EQ(system.deployer.status("control").core, "ramp/down");
+}
+
+TEST(Relief, IsNotWantedWhileAChangeIsLedBack) {
+  OnProbation system;
+  system.deployer.run_for(10900us);
+  ASSERT_TRUE(system.deployer.undo());  // one more job comes before its instant
+
+  EXPECT_TRUE(system.deployer.wanted_reliefs().empty());
+  system.deployer.run_for(15ms);
+  EXPECT_EQ(system.deployer.wanted_reliefs().size(), 1u);
+}
+
 TEST(Relief, DeploymentIsRefusedWhenTheFallbackCoreCannotBeConfigured) {
   UnsteadyArchitecture architecture({.action = FaultPolicy::Action::fallback});
   architecture.control.fall_back_to(

@@ -5,6 +5,8 @@
 
 #include "support/ramp.h"
 
+#include <mauve/job.h>
+
 namespace mauve {
 namespace {
 
@@ -16,7 +18,12 @@ struct Reader : Core<ReaderShell> {
   Stateless stateless{*this};
   void update() {
     last() = shell().in.read();
-    ++jobs();
+    if (++jobs() == 1) first() = this_job().release;
+  }
+  /// The release of the first job.
+  static Instant& first() {
+    static Instant release = 0;
+    return release;
   }
   static double& last() {
     static double value = 0;
@@ -82,6 +89,27 @@ TEST_F(Transactions, LetAComponentJoinOnTheCommonGrid) {
   EXPECT_GE(Reader::jobs(), 9);
   EXPECT_GT(Reader::last(), 0.0);
   EXPECT_EQ(deployer.status("control").missed, 0u);
+}
+
+TEST_F(Transactions, LetAComponentThatJoinsRunNothingBeforeTheInstant) {
+  deployer.run_for(95ms);
+  Change change;
+  change.new_components.push_back({reader("reader"), {{"in", "position.read", 0ms}}});
+  Result<PreparedChange> prepared = deployer.prepare(change);
+  ASSERT_TRUE(prepared) << to_string(prepared.error());
+
+  const std::shared_ptr<Ongoing> ongoing = deployer.begin(*prepared);
+  deployer.run_for(1us);
+  EXPECT_EQ(Reader::jobs(), 0) << "nothing has happened yet";
+  const Result<Receipt> done = deployer.wait(*ongoing);
+  ASSERT_TRUE(done) << to_string(done.error());
+  deployer.run_for(100ms);
+
+  EXPECT_GE(Reader::first(), deployer.t0() + done->commit.count());
+  EXPECT_EQ(deployer.status("reader").missed, 0u);
+  ASSERT_FALSE(done->components.empty());
+  EXPECT_EQ(done->components[0].missed, 0u);
+  EXPECT_EQ(deployer.status("reader").lateness_max, 0ns);
 }
 
 TEST_F(Transactions, LetAComponentLeaveWithItsSafeValueWritten) {

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The books of a commit: the model shows what the members run, and what becomes of what they ran.
+#include <utility>
+
+#include "exec/commit.h"
+#include "exec/membership.h"
+
+namespace mauve::exec {
+
+Error being_rolled_back(std::uint64_t generation) {
+  return refuse(Errc::conflict, "generation " + std::to_string(generation), "is being rolled back",
+                "try again when it is over: see the log");
+}
+
+void retire(const Bundle& old, const Bundle& now, Retired& retired) {
+  if (now.shell != old.shell) retired.add(old.shell);
+  if (now.core != old.core) retired.add(old.core);
+  if (now.fsm != old.fsm) retired.add(old.fsm);
+}
+
+void schedule(System& system, Deployed& deployed) {
+  const TaskAttributes& task = deployed.component->bundle()->task;
+  const bool moves = !task.cpus.empty() && task.cpus != deployed.cpus;
+  if (!moves && task.priority == deployed.priority) return;
+  if (moves) deployed.cpus = task.cpus;
+  deployed.priority = task.priority;
+  // Both were found possible when the change was prepared.
+  static_cast<void>(system.runner->reschedule(*deployed.task, system.realtime ? task.priority : 0,
+                                              deployed.cpus));
+  deployed.realtime = system.realtime && system.runner->is_fifo(*deployed.task, task.priority);
+}
+
+/// The member's thread has answered: what it runs is what the model shows.
+void Commit::enter(std::size_t index) {
+  const Member& settled = swap_->members()[index];
+  const SwapResult::State state = swap_->result().state;
+  const bool another_attempt = !settled.in_force && (state == SwapResult::State::under_way);
+  if (another_attempt) return;
+  PreparedMember& member = content_->members[index];
+  entered_[index] = true;
+  deployed_[index]->parking = false;
+  deployed_[index]->changing = settled.in_force && member.part == Part::leaves;
+  if (!settled.in_force) return;
+  if (member.next != member.base) member.component->install(member.next);
+  if (member.type) {
+    ComponentType before = member.component->type();
+    member.component->renew(*std::exchange(member.type, std::move(before)));
+  }
+  schedule(system_, *deployed_[index]);
+  system_.runner->look_again();
+  // Where a lost thread is inside, it is freed when that has ended: see tend().
+  const bool lost = system_.runner->has_lost(deployed_[index]->task.get());
+  retire(*member.base, *member.next, lost ? system_.free : retired_);
+  if (member.next != member.base) {
+    system_.free.keep(std::exchange(deployed_[index]->relief, {}).content);
+  }
+  member.made.forget();
+  const std::uint64_t missed = deployed_[index]->task->counters().missed.load();
+  receipt_.components.push_back(
+      {member.component->name(), settled.pause, missed - missed_before_[index], settled.bytes});
+}
+
+void Commit::enter_resources() {
+  for (std::size_t i = 0; i < swap_->resources().size(); ++i) {
+    const ResourceFlip& flip = *swap_->resources()[i].flip;
+    if (flip.state() != ResourceFlip::State::in_force) continue;
+    PreparedResource& change = content_->resources[i];
+    change.resource->install(change.parts.core, change.parts.bindings);
+    if (change.parts.core != nullptr) retired_.add(change.base.core);
+    change.made.forget();
+    receipt_.components.push_back({change.resource->name(), flip.pause(), 0, flip.bytes()});
+  }
+}
+
+void Commit::conclude() {
+  const SwapResult& swapped = swap_->result();
+  const bool nothing_happened = swapped.state == SwapResult::State::missed ||
+                                swapped.state == SwapResult::State::revoked ||
+                                swapped.state == SwapResult::State::overtaken;
+  if (nothing_happened) {
+    result_ = not_applied();
+    if (before_ != nullptr) before_->give_way_to(nullptr);
+    return let_go_new();
+  }
+  overtake_before();
+  enter_resources();
+  receipt_.state = ChangeState::applied;
+  receipt_.commit = Duration{swapped.instant - system_.t0};
+  receipt_.attempts = swapped.attempts;
+  receipt_.warnings = content_->warnings;
+  if (swapped.state == SwapResult::State::partly && way_back_ != nullptr) return take_back();
+  receipt_.generation = ++system_.generation;
+  if (barrier_ != nullptr) {
+    barrier_->tell(receipt_);
+    barrier_->end();
+  }
+  change_membership();
+  if (swapped.state == SwapResult::State::committed) {
+    result_ = receipt_;
+    if (way_back_ != nullptr) return begin_probation();
+  } else {
+    result_ = not_applied();
+  }
+  for (std::size_t i = 0; i < deployed_.size(); ++i) {
+    if (content_->members[i].part != Part::leaves || !swap_->members()[i].in_force) continue;
+    static_cast<void>(let_go(system_, *std::exchange(deployed_[i], nullptr)));
+  }
+}
+
+/// There is one way back at a time: the newest change ends the probation of the one before.
+void Commit::overtake_before() {
+  if (before_ == nullptr || system_.probation == nullptr) return;
+  if (!system_.probation->leads(*before_)) return;  // its probation ended by itself
+  system_.probation->overtake();
+  system_.fading.push_back(std::move(system_.probation));
+}
+
+/// Some member hangs in its job: those that have changed go back, so that there is no mixture.
+void Commit::take_back() {
+  const bool quietly = way_back_->set_off(system_.runner->clock(), Cause::asked, nullptr,
+                                          "some member did not end its job in time");
+  if (!quietly) ++system_.generation;  // a core failed meanwhile, which is told
+  change_membership();
+  for (std::size_t i = 0; i < deployed_.size(); ++i) {
+    ways_back_[i].in_force = swap_->members()[i].in_force;
+  }
+  begin_probation();
+  if (quietly) system_.probation->go_quietly();
+  back_by_ = system_.runner->now() + kLongestJob.count();
+}
+
+/// Or some member that has changed does not go back in time either.
+bool Commit::all_went_back() {
+  if (const ModelLock::Hold hold(system_.model, std::try_to_lock); hold)
+    system_.look_after_itself();
+  const bool under_way = system_.probation != nullptr && system_.probation->leads(*way_back_);
+  if (under_way && system_.runner->now() < back_by_) return false;
+  if (under_way) system_.probation->tell_after_all();
+  result_ = not_applied();
+  if (!under_way) {
+    result_ = refuse(Errc::timed_out, result_->error().at,
+                     "did not end its job within 2 s, so the change was taken back on all others",
+                     "look at `status`: a core that never returns holds its component");
+  }
+  return true;
+}
+
+/// What joined is part of the architecture now, what left is not; it stays alive with the content.
+void Commit::change_membership() {
+  for (std::size_t i = 0; i < deployed_.size(); ++i) {
+    PreparedMember& member = content_->members[i];
+    if (!entered_[i] || !swap_->members()[i].in_force) continue;
+    if (member.part == Part::leaves) {
+      member.owner = system_.architecture.take_out(*member.component);
+      deployed_[i]->hidden = true;
+      deployed_[i]->changing = false;
+    }
+  }
+  // A member that hangs may still use what was to leave.
+  const bool whole = swap_->result().state == SwapResult::State::committed;
+  for (ResourceBase* resource : content_->leaving_resources) {
+    if (!whole) break;
+    content_->left_resources.push_back(system_.architecture.take_out(*resource));
+  }
+  for (const auto& resource : content_->new_resources) system_.architecture.own(resource);
+  for (std::size_t i = 0; i < deployed_.size(); ++i) {
+    PreparedMember& member = content_->members[i];
+    if (member.part != Part::joins) continue;
+    if (way_back_ != nullptr && !swap_->members()[i].in_force) {
+      static_cast<void>(let_go(system_, *deployed_[i]));
+      continue;
+    }
+    system_.architecture.own(member.owner);
+    deployed_[i]->hidden = false;
+  }
+}
+
+void Commit::begin_probation() {
+  system_.probation = std::make_unique<OnProbation>(system_, content_, std::move(ways_back_),
+                                                    way_back_, std::move(retired_));
+}
+
+Error Commit::not_applied() const {
+  std::string names;
+  for (const Deployed* one : silent()) {
+    names += (names.empty() ? "" : ", ") + one->task->name();
+  }
+  for (const ResourceMember& one : swap_->resources()) {
+    if (one.flip->state() == ResourceFlip::State::in_force) continue;
+    names += (names.empty() ? "" : ", ") + one.resource->name();
+  }
+  if (swap_->members().empty() && swap_->result().state != SwapResult::State::overtaken) {
+    return refuse(Errc::timed_out, names,
+                  "is held by a caller that does not leave it, so it was not changed",
+                  "look at `status`: a core that never returns holds its component");
+  }
+  const std::string look = "look at `status`: a core that never returns holds its component";
+  switch (swap_->result().state) {
+    case SwapResult::State::overtaken:
+      return being_rolled_back(system_.generation);
+    case SwapResult::State::missed:
+      return refuse(Errc::timed_out, names,
+                    "every attempt missed its instant: the machine is overloaded", "try again");
+    case SwapResult::State::revoked:
+      return refuse(Errc::timed_out, names,
+                    "did not end its job within 2 s, so the change was taken back", look);
+    case SwapResult::State::waiting:
+      return refuse(Errc::partly, names, "did not end its job in time; it will obey when it does",
+                    look);
+    default:
+      if (way_back_ != nullptr) {
+        return refuse(Errc::partly, names,
+                      "did not end its job within 2 s: the change is taken back on the others, but "
+                      "some of them do not end their job either",
+                      look);
+      }
+      return refuse(Errc::partly, names,
+                    "did not end its job within 2 s: the change is in force on the others only, a "
+                    "mixture that "
+                    "is not safe to keep",
+                    "stop the component that hangs, then change it, or all others back");
+  }
+}
+
+}  // namespace mauve::exec

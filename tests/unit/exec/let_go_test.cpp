@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Components that are let go while a stop, or a change, still knows them: on a clock that is moved
+/// by hand.
+#include <gtest/gtest.h>
+
+#include "exec/commit.h"
+#include "exec/stop.h"
+#include "support/ramp.h"
+
+namespace mauve::exec {
+namespace {
+
+class LetGo : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(bring_up(system));
+    run_for(50ms);
+  }
+  void TearDown() override { static_cast<void>(bring_down(system, 2s)); }
+
+  void run_for(Duration time) { system.runner->run_until(system.runner->now() + time.count()); }
+  /// "second" joins on probation.
+  void let_join() {
+    Change change;
+    change.new_components.push_back(
+        {std::make_shared<ComponentBase>("second",
+                                         ComponentType{"ramp", ShellType::of<ramp::Shell>(),
+                                                       FsmType::of<ramp::Fsm>("ramp"), "up"},
+                                         CoreType::of<ramp::Up>("up")),
+         {}});
+    apply(std::move(change));
+    ASSERT_NE(system.find("second"), nullptr);
+    second = system.find("second")->task;
+    run_for(30ms);
+  }
+  void apply(Change change) {
+    change.probation.emplace();
+    auto prepared = prepare_change(system, change);
+    ASSERT_TRUE(prepared) << to_string(prepared.error());
+    const auto commit = begin_commit(system, *prepared);
+    ASSERT_TRUE(wait(*commit));
+  }
+  bool wait(Ongoing& ongoing) {
+    return system.runner->await([&] { return ongoing.advance(); }, kNever) &&
+           ongoing.result().has_value();
+  }
+  void look() {
+    system.advance();
+    static_cast<void>(std::exchange(system.free, {}).release());
+  }
+
+  ramp::Architecture architecture;
+  System system{architecture, {.simulated = true}};
+  std::weak_ptr<Task> second;
+};
+
+TEST_F(LetGo, WaitsForAnOrderToParkThatIsOnItsWay) {
+  let_join();
+  {
+    ASSERT_TRUE(system.probation->undo("undone"));
+    Stop stop(system, {{system.find("second"), system.find("control")}}, kLongestJob);
+    ASSERT_TRUE(system.find("second")->changing);
+
+    system.advance();
+    EXPECT_NE(system.find("second"), nullptr) << "it takes part in a change";
+
+    EXPECT_TRUE(wait(stop));
+    EXPECT_TRUE(stop.hung().empty());
+    EXPECT_EQ(system.find("control")->state(), ComponentState::stopped);
+  }
+  for (int i = 0; i < 5; ++i) look();
+
+  EXPECT_EQ(system.find("second"), nullptr);
+  EXPECT_EQ(system.generation, 4u) << "joined, stopped, back";
+  EXPECT_TRUE(second.expired()) << "in the end all of it is freed";
+}
+
+TEST_F(LetGo, LeavesWhatAStopStillKnows) {
+  let_join();
+  {
+    Stop stop(system, {{system.find("control")}, {system.find("second")}}, kLongestJob);
+    ASSERT_TRUE(system.probation->undo("undone"));
+    run_for(20ms);
+    look();
+    look();
+    EXPECT_EQ(system.find("second"), nullptr);
+
+    EXPECT_FALSE(second.expired());
+    EXPECT_TRUE(wait(stop)) << "and nobody waits for it";
+  }
+  for (int i = 0; i < 5; ++i) look();
+
+  EXPECT_TRUE(second.expired());
+}
+
+TEST_F(LetGo, AStopParksWhatCameBackBeforeItIsInTheBooks) {
+  Change change;
+  change.remove = {"control"};
+  apply(std::move(change));
+  ASSERT_EQ(system.find("control"), nullptr);
+  ASSERT_TRUE(system.probation->undo("undone"));
+  system.runner->wake(*system.deployed.front().task);
+  ASSERT_EQ(system.deployed.front().state(), ComponentState::running);
+
+  Stop stop(system, in_order_of_safe_values(system), kLongestJob);
+  EXPECT_TRUE(wait(stop));
+  look();
+
+  ASSERT_NE(system.find("control"), nullptr);
+  EXPECT_EQ(system.find("control")->state(), ComponentState::stopped);
+}
+
+}  // namespace
+}  // namespace mauve::exec

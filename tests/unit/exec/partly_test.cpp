@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Changes that some member does not take since it hangs in its job: on real threads.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+#include "exec/commit.h"
+#include "support/eventually.h"
+#include "support/ramp.h"
+
+namespace mauve::exec {
+namespace {
+
+using test::eventually;
+
+/// Does not end its job while the gate of its kind is shut.
+template <int>
+struct Held : ramp::Up {
+  void update() override {
+    while (shut().load()) {
+      inside() = true;
+      std::this_thread::sleep_for(1ms);
+    }
+    ramp::Up::update();
+  }
+  static std::atomic<bool>& shut() {
+    static std::atomic<bool> flag{false};
+    return flag;
+  }
+  static std::atomic<bool>& inside() {
+    static std::atomic<bool> flag{false};
+    return flag;
+  }
+};
+using Before = Held<0>;
+using After = Held<1>;
+
+class Partly : public testing::Test {
+ protected:
+  void SetUp() override {
+    Before::shut() = After::shut() = Before::inside() = false;
+    architecture.left.task().watchdog = architecture.right.task().watchdog = 1h;
+    ASSERT_TRUE(bring_up(system));
+    ASSERT_TRUE(eventually([&] { return releases("left") > 1 && releases("right") > 1; }));
+    Before::shut() = true;
+    ASSERT_TRUE(eventually([] { return Before::inside().load(); }));
+  }
+  void TearDown() override {
+    Before::shut() = After::shut() = false;
+    static_cast<void>(bring_down(system, 10s));
+  }
+
+  std::uint64_t releases(const char* name) {
+    return system.find(name)->task->counters().releases.load();
+  }
+  const std::string& core(const char* name) {
+    return system.find(name)->component->bundle()->core_type.name;
+  }
+  /// "left" hangs in a job with the core it has.
+  Result<Receipt> apply(Change change, bool probation = true) {
+    if (probation) change.probation.emplace();
+    auto prepared = prepare_change(system, change);
+    if (!prepared) return prepared.error();
+    const auto commit = begin_commit(system, *prepared, Swap::Kind::transaction, 500ms);
+    static_cast<void>(system.runner->await([&] { return commit->advance(); }, kNever));
+    return commit->result();
+  }
+  template <typename Right>
+  static Change both() {
+    return {{ramp::to_core<ramp::Down>("down", "left"), ramp::to_core<Right>("other", "right")}};
+  }
+  void look() {
+    system.advance();
+    static_cast<void>(std::exchange(system.free, {}).release());
+  }
+  bool runs_on(const char* name) {
+    const std::uint64_t before = releases(name);
+    return eventually([&] { return look(), releases(name) > before + 2; });
+  }
+
+  ramp::Two<Before> architecture;
+  System system{architecture, {.realtime = Realtime::off}};
+};
+
+TEST_F(Partly, ChangesAreTakenBackOnTheOthers) {
+  const std::string before = core("right");
+
+  const Result<Receipt> refused = apply(both<ramp::Down>());
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::timed_out);
+  EXPECT_EQ(refused.error().at, "left");
+  EXPECT_EQ(core("right"), before);
+  EXPECT_EQ(system.generation, 1u) << "there never was another";
+  EXPECT_TRUE(runs_on("right"));
+  const double low = ramp::read(architecture.right_position);
+  EXPECT_TRUE(eventually([&] { return ramp::read(architecture.right_position) > low + 3; }));
+
+  Before::shut() = false;
+  EXPECT_TRUE(runs_on("left"));
+  EXPECT_TRUE(system.outcomes.empty());
+  EXPECT_TRUE(eventually([&] { return look(), system.fading.empty(); }));
+  EXPECT_TRUE(apply(both<ramp::Down>())) << "nothing of it is left";
+}
+
+TEST_F(Partly, WhatLeftComesBackAndWhatJoinedLeaves) {
+  Change change{{ramp::to_core<ramp::Down>("down", "left")}};
+  change.remove = {"right"};
+  change.new_components.push_back(
+      {std::make_shared<ComponentBase>("third",
+                                       ComponentType{"ramp", ShellType::of<ramp::Shell>(),
+                                                     FsmType::of<ramp::Fsm>("ramp"), "up"},
+                                       CoreType::of<ramp::Up>("up")),
+       {}});
+
+  const Result<Receipt> refused = apply(std::move(change));
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::timed_out);
+  ASSERT_NE(system.find("right"), nullptr);
+  EXPECT_NE(architecture.find_component("right"), nullptr);
+  EXPECT_TRUE(runs_on("right"));
+  EXPECT_EQ(system.find("third"), nullptr);
+  EXPECT_EQ(architecture.find_component("third"), nullptr);
+}
+
+TEST_F(Partly, WhoHangsWithTheNewCoreGoesBackWhenItReturns) {
+  const std::string before = core("right");
+  After::shut() = true;
+
+  const Result<Receipt> refused = apply(both<After>());
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::partly);
+  EXPECT_EQ(system.generation, 2u);
+  const Result<Receipt> next = apply(both<ramp::Down>());
+  ASSERT_FALSE(next);
+  EXPECT_EQ(next.error().code, Errc::conflict) << "it is being rolled back";
+
+  After::shut() = false;
+  EXPECT_TRUE(eventually([&] { return look(), !system.outcomes.empty(); }));
+  ASSERT_EQ(system.outcomes.size(), 1u);
+  EXPECT_EQ(system.outcomes[0].kind, Outcome::Kind::rolled_back);
+  EXPECT_EQ(system.outcomes[0].component, "") << "no core is to blame";
+  EXPECT_EQ(system.generation, 3u);
+  EXPECT_EQ(core("right"), before);
+  EXPECT_TRUE(runs_on("right"));
+}
+
+TEST_F(Partly, ARevokedChangeLeavesTheProbationOfTheOneBefore) {
+  const std::string before = core("right");
+  ASSERT_TRUE(apply({{ramp::to_core<ramp::Down>("down", "right")}}));
+
+  const Result<Receipt> revoked = apply({{ramp::to_core<ramp::Down>("down", "left")}});
+
+  ASSERT_FALSE(revoked);
+  EXPECT_EQ(revoked.error().code, Errc::timed_out);
+  EXPECT_TRUE(system.outcomes.empty());
+  ASSERT_NE(system.probation, nullptr);
+  EXPECT_TRUE(system.probation->undo("undone"));
+  EXPECT_TRUE(eventually([&] { return look(), core("right") == before; }));
+}
+
+TEST_F(Partly, WithoutProbationTheMixtureIsToldAndWhatLeftIsGone) {
+  Change change{{ramp::to_core<ramp::Down>("down", "left")}};
+  change.remove = {"right"};
+
+  const Result<Receipt> refused = apply(std::move(change), false);
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::partly);
+  EXPECT_NE(refused.error().message.find("mixture"), std::string::npos);
+  EXPECT_EQ(system.deployed.size(), 1u) << "its thread has ended";
+  look();
+  Before::shut() = false;
+  EXPECT_TRUE(runs_on("left"));
+}
+
+}  // namespace
+}  // namespace mauve::exec
