@@ -177,6 +177,26 @@ TEST_F(Generations, AreStartedAfterACrash) {
   EXPECT_THAT(daemon.errors(), HasSubstr("the last run crashed: starting generation 3"));
 }
 
+TEST_F(Generations, OfAFaultedComponentSayThatItStarts) {
+  TrialDaemon daemon(kTrial, options());
+  const Json swap = {
+      {"component", "first"}, {"core", "trial/throwing_job"}, {"probation", "off"}};
+  ASSERT_EQ(daemon.ask("core.swap", swap)["state"], "applied");
+  ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
+  ASSERT_EQ(daemon.ask("component.stop", {{"components", {"second"}}})["state"], "applied");
+  const Json other = {{"values", {{"second.core.gain", 3.0}}}, {"probation", "off"}};
+  ASSERT_EQ(daemon.ask("param.set", other)["saved"], true);
+
+  const auto now = exported(daemon);
+  const auto saved = Json::parse(TempDir::read(file("4")), nullptr, true, true);
+  const auto difference = daemon.ask("architecture.diff", {{"text", now.dump()}});
+
+  EXPECT_FALSE(now["components"]["first"].contains("start")) << now;
+  EXPECT_EQ(now["components"]["second"]["start"], false) << "it was stopped by request";
+  EXPECT_EQ(saved["components"], now["components"]);
+  EXPECT_EQ(difference["same"], true) << difference;
+}
+
 TEST_F(Generations, AreNotStartedAfterAnOrderlyEndAndTheirNumbersGoOn) {
   TrialDaemon daemon(kTrial, options());
   const auto as_in_the_file = exported(daemon);
