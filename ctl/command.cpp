@@ -121,7 +121,7 @@ constexpr Command kCommands[] = {
      run_disconnect},
     {"confirm", "the change on probation: it stays", "mauvectl confirm", {}, true, run_confirm},
     {"undo", "the change on probation: back to before it", "mauvectl undo", {}, true, run_undo},
-    {"quarantine", "cores that were rolled back; release one",
+    {"quarantine", "new cores that failed and were rolled back; release one",
      "mauvectl quarantine release guidance/widest_gap", kQuarantine, true, run_quarantine},
     {"apply", "make the running system that of a file, all at once",
      "mauvectl apply rover.json --dry-run", kApply, true, run_apply},

@@ -96,9 +96,11 @@ void Caretaker::tell(const Outcome& outcome) {
   if (running_->keeper != nullptr) {
     save(outcome);
   }
-  const bool at_fault = outcome.kind == Outcome::Kind::rolled_back && !outcome.component.empty();
+  if (outcome.kind != Outcome::Kind::rolled_back) {
+    return;
+  }
   for (const auto& core : outcome.cores) {
-    if (at_fault && quarantine(*running_, core, outcome.reason)) {
+    if (quarantine(*running_, core, outcome.reason)) {
       running_->log.write(Event::quarantined, {{"core", core}, {"text", outcome.reason}});
     }
   }

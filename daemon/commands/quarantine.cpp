@@ -2,6 +2,7 @@
 #include "commands/quarantine.h"
 
 #include "commands/answer.h"
+#include "keeper.h"
 
 namespace mauve::daemon {
 
@@ -18,6 +19,23 @@ std::string version_of(const Running& running, const std::string& core) {
   return core + "@";
 }
 
+Json listed(const Running& running) {
+  Json cores = Json::array();
+  for (const auto& [version, reason] : running.quarantined) {
+    const auto at = version.find('@');
+    cores.push_back({{"core", version.substr(0, at)},
+                     {"build_id", version.substr(at + 1)},
+                     {"reason", reason}});
+  }
+  return cores;
+}
+
+void save(Running& running) {
+  if (running.keeper != nullptr) {
+    running.keeper->quarantine(listed(running));
+  }
+}
+
 Status check_core(const Running& running, const std::string& component, const std::string& core) {
   const auto found = running.quarantined.find(version_of(running, core));
   if (found == running.quarantined.end()) {
@@ -31,7 +49,21 @@ Status check_core(const Running& running, const std::string& component, const st
 }  // namespace
 
 bool quarantine(Running& running, const std::string& core, const std::string& reason) {
-  return running.quarantined.emplace(version_of(running, core), reason).second;
+  const bool fresh = running.quarantined.emplace(version_of(running, core), reason).second;
+  if (fresh) {
+    save(running);
+  }
+  return fresh;
+}
+
+void restore_quarantine(Running& running) {
+  if (running.keeper == nullptr) {
+    return;
+  }
+  for (const auto& entry : running.keeper->quarantined()) {
+    running.quarantined.emplace(text_or(entry, "core") + "@" + text_or(entry, "build_id"),
+                                text_or(entry, "reason"));
+  }
 }
 
 Status check_quarantine(const Running& running, const Change& change) {
@@ -54,14 +86,7 @@ Status check_quarantine(const Running& running, const Change& change) {
 }
 
 Result<Json> list_quarantine(Running& running, const Call& /*call*/) {
-  Json cores = Json::array();
-  for (const auto& [version, reason] : running.quarantined) {
-    const auto at = version.find('@');
-    cores.push_back({{"core", version.substr(0, at)},
-                     {"build_id", version.substr(at + 1)},
-                     {"reason", reason}});
-  }
-  return Json{{"cores", std::move(cores)}};
+  return Json{{"cores", listed(running)}};
 }
 
 void release_quarantine(Running& running, const CallPtr& call, Ticket /*none*/) {
@@ -77,6 +102,7 @@ void release_quarantine(Running& running, const CallPtr& call, Ticket /*none*/) 
                   refuse(Errc::unknown_name, core, "is not in quarantine",
                          "mauvectl quarantine lists what is"));
   }
+  save(running);
   answer(running, *call,
          Json{{"core", core}, {"generation", running.generation.load()}, {"changed", true}});
 }

@@ -197,6 +197,31 @@ TEST_F(Generations, OfAFaultedComponentSayThatItStarts) {
   EXPECT_EQ(difference["same"], true) << difference;
 }
 
+TEST_F(Generations, AreMadeWithoutTheCoresInQuarantineAlsoAfterARestart) {
+  TrialDaemon daemon(kTrial, options());
+  const Json swap = {{"component", "first"}, {"core", "trial/throwing_job"}};
+  ASSERT_EQ(daemon.ask("core.swap", swap)["state"], "applied");
+  ASSERT_TRUE(eventually([&] { return daemon.ask("quarantine.list")["cores"].size() == 1U; }));
+  const auto list = daemon.ask("quarantine.list");
+  ASSERT_EQ(daemon.ask("param.set", gain(2.0))["saved"], true) << "and so is what came before";
+
+  crash(daemon);
+  daemon.start();
+  EXPECT_EQ(daemon.ask("quarantine.list"), list);
+  EXPECT_THAT(daemon.ask("core.swap", swap)["message"].get<std::string>(),
+              HasSubstr("is in quarantine: it was rolled back because it threw"));
+
+  daemon.install(2);
+  end_and_start(daemon);
+  const auto other_build = daemon.ask("core.swap", swap);
+  EXPECT_EQ(other_build["state"], "applied") << "another build may be tried: " << other_build;
+
+  ASSERT_TRUE(eventually([&] { return daemon.ask("quarantine.list")["cores"].size() == 2U; }));
+  ASSERT_EQ(daemon.ask("quarantine.release", {{"core", "trial/throwing_job"}})["saved"], true);
+  end_and_start(daemon);
+  EXPECT_EQ(daemon.ask("quarantine.list")["cores"].size(), 0U);
+}
+
 TEST_F(Generations, AreNotStartedAfterAnOrderlyEndAndTheirNumbersGoOn) {
   TrialDaemon daemon(kTrial, options());
   const auto as_in_the_file = exported(daemon);

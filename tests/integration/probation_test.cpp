@@ -39,6 +39,23 @@ TEST(Probation, ABadCoreIsRolledBackAndItsBuildQuarantined) {
   EXPECT_THAT(again["message"].get<std::string>(), HasSubstr("quarantine"));
 }
 
+TEST(Probation, OnlyTheCoreThatFailedIsQuarantined) {
+  TrialDaemon daemon;
+  auto file = daemon.ask("config.get")["architecture"];
+  file["components"]["first"]["core"] = "trial/throwing_job";
+  file["components"]["second"]["core"] = "trial/other";
+  file["components"]["third"] = file["components"]["second"];
+  file["components"]["third"]["core"] = "trial/counting";
+  ASSERT_EQ(daemon.ask("architecture.apply", {{"text", file.dump()}})["state"], "applied");
+
+  ASSERT_TRUE(eventually([&] { return !daemon.ask("quarantine.list")["cores"].empty(); }));
+
+  const auto quarantine = daemon.ask("quarantine.list")["cores"];
+  ASSERT_EQ(quarantine.size(), 1U) << quarantine;
+  EXPECT_EQ(quarantine[0]["core"], "trial/throwing_job");
+  EXPECT_EQ(daemon.ask("core.swap", swap("trial/other"))["state"], "applied");
+}
+
 TEST(Probation, ToleratesAsManyLateJobsAsItIsTold) {
   TrialDaemon daemon;
 
