@@ -117,10 +117,6 @@ void Caretaker::save(const Outcome& outcome) {
     keeper.mark(began, Mark::confirmed);
     return keeper.mark(running_->earlier + outcome.generation, Mark::confirmed);
   }
-  const bool back = outcome.kind == Outcome::Kind::rolled_back;
-  if (back) {
-    keeper.mark(began, Mark::rolled_back);
-  }
   Generation about;
   about.number = running_->earlier + outcome.generation;
   about.boot = running_->boot;
@@ -128,13 +124,22 @@ void Caretaker::save(const Outcome& outcome) {
   about.uid = geteuid();
   about.command = to_string(outcome.kind);
   about.reason = (outcome.component.empty() ? "" : outcome.component + " ") + outcome.reason;
-  about.mark = back ? Mark::confirmed : Mark::unconfirmed;
+  about.mark = Mark::unconfirmed;
   Json line = {{"time", about.time},         {"method", about.command},
                {"uid", about.uid},           {"pid", getpid()},
                {"reason", about.reason},     {"before", began},
                {"generation", about.number}, {"outcome", "applied"},
                {"state", about.command}};
+  const auto now = about.number;
   keeper.keep(std::move(about), described(*running_), std::move(line), {});
+  if (outcome.kind != Outcome::Kind::rolled_back) {
+    relieved_ = now;
+    return;
+  }
+  if (relieved_ < began) {
+    keeper.confirm_like(now, began - 1);  // what nobody relieved is what it was before
+  }
+  keeper.mark(began, Mark::rolled_back);
 }
 
 bool Caretaker::refused_before(const Change& relief) const {

@@ -124,6 +124,14 @@ void Keeper::mark(std::uint64_t generation, Mark mark) {
   });
 }
 
+void Keeper::confirm_like(std::uint64_t generation, std::uint64_t earlier) {
+  disk_.post_urgent([this, generation, earlier] {
+    if (auto marked = generations_->confirm_like(generation, earlier); !marked) {
+      report(Event::generation_not_saved, marked.error());
+    }
+  });
+}
+
 void Keeper::quarantine(Json cores) {
   disk_.post_urgent([this, cores = std::move(cores)] {
     const Json list = {{"cores", cores}};

@@ -47,6 +47,8 @@ class Keeper {
   void audit(const Json& line);
   /// Marks a saved generation, after what waits for [disk]. [any but rt]
   void mark(std::uint64_t generation, Mark mark);
+  /// Confirms a saved generation if an earlier one, to which it goes back, is. [any but rt]
+  void confirm_like(std::uint64_t generation, std::uint64_t earlier);
   /// Saves the list of cores in quarantine. [any but rt]
   void quarantine(Json cores);
   /// [main] The list as the run before left it.

@@ -95,6 +95,7 @@ void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
     return answer(running, *call, begun.error());
   }
   const auto before = running.earlier + running.deployer.generation();
+  call->mark = Mark::unconfirmed;  // the caretaker knows to what it goes back
   running.control.await(
       [&running, before] {
         running.generation = running.earlier + running.deployer.generation();

@@ -121,6 +121,29 @@ TEST_F(Generations, ThatWereRolledBackAreMarkedAndTheOldOneIsSavedAgain) {
   EXPECT_EQ(exported(daemon), before);
 }
 
+TEST_F(Generations, ThatGoBackToAnUnconfirmedOneAreUnconfirmed) {
+  TrialDaemon daemon(kTrial, options());
+  const auto proved = exported(daemon);
+  ASSERT_EQ(daemon.ask("param.set", {{"values", Json{{"first.core.gain", 3.0}}}})["saved"], true);
+  ASSERT_EQ(daemon.ask("param.set", {{"values", Json{{"second.core.gain", 4.0}}}})["saved"], true);
+  const auto undone = daemon.ask("change.undo");
+  ASSERT_EQ(undone["generation"], 4) << undone;
+
+  ASSERT_TRUE(eventually([&] {
+    const auto items = daemon.ask("config.history")["items"];
+    return items.size() == 4U && items[1]["mark"] == "rolled_back";
+  }));
+  const auto items = daemon.ask("config.history")["items"];
+  EXPECT_EQ(items[0]["mark"], "unconfirmed");
+  EXPECT_EQ(items[2]["mark"], "unconfirmed") << "it was overtaken";
+  EXPECT_EQ(exported(daemon)["components"]["first"]["properties"]["core.gain"], 3.0);
+
+  crash(daemon);
+  daemon.start();
+
+  EXPECT_EQ(exported(daemon), proved);
+}
+
 TEST_F(Generations, AreListedWithWhoMadeThemAndWhy) {
   TrialDaemon daemon(kTrial, options());
 
