@@ -155,7 +155,7 @@ constexpr Command kCommands[] = {
     {"history", "saved generations: when, who, what", "mauvectl history -n 10", kHistory, false,
      run_history},
     {"rollback", "to a saved generation", "mauvectl rollback 41", kRollback, true, run_rollback},
-    {"lock", "what may not be changed: none, params or all", "mauvectl lock all --reason mission",
+    {"lock", "what may not be changed, but by stop, confirm and undo", "mauvectl lock all --reason mission",
      kLock, true, run_lock},
     {"logs", "the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},
     {"ping", "does the daemon answer", "mauvectl ping", {}, false, run_ping},
