@@ -32,6 +32,17 @@ Status read_misses(const std::string& text, Probation& probation) {
   return ok();
 }
 
+/// What a change without a probation would silently not do.
+Status nothing_else(const Json& params) {
+  for (const char* option : {"misses", "confirm_within"}) {
+    if (params.contains(option)) {
+      return refuse(Errc::invalid_value, option, "probation is off, so this would do nothing",
+                    "leave out " + std::string(option) + ", or probation off");
+    }
+  }
+  return ok();
+}
+
 }  // namespace
 
 Result<std::optional<Probation>> probation_of(const Json& params) {
@@ -39,6 +50,9 @@ Result<std::optional<Probation>> probation_of(const Json& params) {
   if (const auto given = params.find("probation"); given != params.end()) {
     const auto& text = given->get_ref<const std::string&>();
     if (text == "off") {
+      if (auto alone = nothing_else(params); !alone) {
+        return alone.error();
+      }
       return std::optional<Probation>{};
     }
     const bool digits =

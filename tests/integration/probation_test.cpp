@@ -128,6 +128,17 @@ TEST(Probation, OffMeansThatAFaultStaysAFault) {
             "invalid_value");
 }
 
+TEST(Probation, OffLeavesNothingToTolerateOrToConfirm) {
+  TrialDaemon daemon;
+  for (const auto& [option, value] : {std::pair("misses", "2/64"), {"confirm_within", "30s"}}) {
+    const auto refused =
+        daemon.ask("core.swap", swap("trial/other", {{"probation", "off"}, {option, value}}));
+    EXPECT_EQ(refused["data"]["where"], option) << refused;
+    EXPECT_EQ(refused["data"]["state"], "unchanged");
+    EXPECT_EQ(refused["data"]["hint"], "leave out " + std::string(option) + ", or probation off");
+  }
+}
+
 TEST(Probation, AStopDuringARollBackIsObeyed) {
   TrialDaemon daemon;
   auto client = daemon.client();
