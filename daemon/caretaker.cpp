@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "commands/change.h"
 #include "commands/given_up.h"
 #include "commands/model.h"
 #include "commands/quarantine.h"
@@ -23,19 +24,25 @@ constexpr std::chrono::milliseconds kEvery{20};
 
 std::int64_t number(std::uint64_t value) { return static_cast<std::int64_t>(value); }
 
-Event event_of(Outcome::Kind kind) {
-  switch (kind) {
+Event event_of(const Outcome& outcome) {
+  switch (outcome.kind) {
     case Outcome::Kind::passed:
     case Outcome::Kind::overtaken:
       return Event::probation_passed;
     case Outcome::Kind::rolled_back:
-      return Event::rolled_back;
+      return outcome.component.empty() && outcome.reason.starts_with(kUndone) ? Event::undone
+                                                                              : Event::rolled_back;
     case Outcome::Kind::fell_back:
       return Event::fell_back;
     case Outcome::Kind::restarted:
       break;
   }
   return Event::restarted;
+}
+
+/// "control threw: sensor lost"
+std::string cause_of(const Outcome& outcome) {
+  return (outcome.component.empty() ? "" : outcome.component + " ") + outcome.reason;
 }
 
 }  // namespace
@@ -88,10 +95,11 @@ void Caretaker::tell_of_factory() {
 }
 
 void Caretaker::tell(const Outcome& outcome) {
-  running_->log.write(event_of(outcome.kind),
+  running_->log.write(event_of(outcome),
                       {{"component", outcome.component},
                        {"generation", number(running_->earlier + outcome.generation)},
                        {"began", number(running_->earlier + outcome.began)},
+                       {"cause", cause_of(outcome)},
                        {"text", outcome.reason}});
   if (running_->keeper != nullptr) {
     save(outcome);
@@ -123,7 +131,7 @@ void Caretaker::save(const Outcome& outcome) {
   about.time = logging::utc(std::chrono::system_clock::now());
   about.uid = geteuid();
   about.command = to_string(outcome.kind);
-  about.reason = (outcome.component.empty() ? "" : outcome.component + " ") + outcome.reason;
+  about.reason = cause_of(outcome);
   about.mark = Mark::unconfirmed;
   Json line = {{"time", about.time},         {"method", about.command},
                {"uid", about.uid},           {"pid", getpid()},

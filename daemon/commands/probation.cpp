@@ -104,7 +104,8 @@ void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
     return answer(running, *call, met.error());
   }
   const auto reason = text_or(call->params, "reason");
-  auto begun = running.deployer.undo(reason.empty() ? "undone by request" : "undone: " + reason);
+  auto begun = running.deployer.undo(std::string(kUndone) +
+                                     (reason.empty() ? " by request" : ": " + reason));
   if (!begun) {
     return answer(running, *call, begun.error());
   }

@@ -139,6 +139,44 @@ TEST(Probation, OffLeavesNothingToTolerateOrToConfirm) {
   }
 }
 
+/// The record of the first event of this name, when it is there.
+Json record_of(TrialDaemon& daemon, const std::string& event) {
+  Json found;
+  static_cast<void>(eventually([&] {
+    const auto told = daemon.ask("log.tail", {{"n", 1000}});
+    for (const auto& record : told["records"]) {
+      if (record["event"] == event) {
+        found = record;
+      }
+    }
+    return !found.is_null();
+  }));
+  return found;
+}
+
+TEST(Probation, AnUndoIsToldAsWhatItIs) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("core.swap", swap("trial/other"))["state"], "applied");
+  ASSERT_EQ(daemon.ask("change.undo")["generation"], 3);
+
+  const auto undone = record_of(daemon, "undone");
+  EXPECT_EQ(undone["level"], "info") << undone;
+  EXPECT_EQ(undone["text"], "generation 2 was taken back, 3 is in force: undone by request");
+  const auto change = record_of(daemon, "change_applied");
+  EXPECT_EQ(change["text"],
+            "change.undo by uid " + std::to_string(geteuid()) + ": generation 3, applied");
+}
+
+TEST(Probation, ARollBackNamesWhoFailed) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("core.swap", swap("trial/throwing_job"))["state"], "applied");
+
+  const auto rolled_back = record_of(daemon, "rolled_back");
+  EXPECT_EQ(rolled_back["level"], "error") << rolled_back;
+  EXPECT_EQ(rolled_back["text"],
+            "generation 2 was rolled back, 3 is in force: first threw: division by something");
+}
+
 TEST(Probation, AStopDuringARollBackIsObeyed) {
   TrialDaemon daemon;
   auto client = daemon.client();
