@@ -12,6 +12,7 @@
 #include "commands/given_up.h"
 #include "commands/model.h"
 #include "commands/quarantine.h"
+#include "commands/unproven.h"
 #include "keeper.h"
 
 namespace mauve::daemon {
@@ -83,6 +84,7 @@ void Caretaker::look() {
   if (!free->empty()) {
     running_->control.in_factory([free] { static_cast<void>(free->release()); }, [] {});
   }
+  look_at_unproven(*running_);
   make_reliefs();
   looking_ = false;
 }

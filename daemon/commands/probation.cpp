@@ -7,6 +7,7 @@
 #include "base/duration.h"
 #include "commands/answer.h"
 #include "commands/change.h"
+#include "commands/unproven.h"
 
 namespace mauve::daemon {
 
@@ -93,7 +94,7 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
   if (auto met = check_conditions(running, *call); !met) {
     return answer(running, *call, met.error());
   }
-  if (auto done = running.deployer.confirm(); !done) {
+  if (auto done = running.deployer.confirm(); !done && !confirm_unproven(running)) {
     return answer(running, *call, done.error());
   }
   answer(running, *call, Json{{"generation", running.generation.load()}, {"changed", true}});

@@ -8,15 +8,19 @@ namespace mauve::daemon {
 
 namespace {
 
-/// "guidance/gap" -> "guidance/gap@BUILD_ID": another build is another version.
-std::string version_of(const Running& running, const std::string& core) {
+std::string build_of(const Running& running, const std::string& core) {
   const auto plugin = core.substr(0, core.find('/'));
   for (const auto* loaded : running.catalog.plugins()) {
     if (loaded->info().name == plugin) {
-      return core + "@" + loaded->info().build_id;
+      return loaded->info().build_id;
     }
   }
-  return core + "@";
+  return {};
+}
+
+/// "guidance/gap" -> "guidance/gap@BUILD_ID": another build is another version.
+std::string version_of(const std::string& core, const std::string& build_id) {
+  return core + "@" + build_id;
 }
 
 Json listed(const Running& running) {
@@ -37,19 +41,14 @@ void save(Running& running) {
 }
 
 Status check_core(const Running& running, const std::string& component, const std::string& core) {
-  const auto found = running.quarantined.find(version_of(running, core));
-  if (found == running.quarantined.end()) {
-    return ok();
-  }
-  return refuse(Errc::wrong_state, component + ".core",
-                core + " is in quarantine: it was rolled back because it " + found->second,
-                "load a corrected build, or release it: mauvectl quarantine release " + core);
+  return check_quarantine(running, component, core, build_of(running, core));
 }
 
 }  // namespace
 
 bool quarantine(Running& running, const std::string& core, const std::string& reason) {
-  const bool fresh = running.quarantined.emplace(version_of(running, core), reason).second;
+  const auto version = version_of(core, build_of(running, core));
+  const bool fresh = running.quarantined.emplace(version, reason).second;
   if (fresh) {
     save(running);
   }
@@ -61,9 +60,20 @@ void restore_quarantine(Running& running) {
     return;
   }
   for (const auto& entry : running.keeper->quarantined()) {
-    running.quarantined.emplace(text_or(entry, "core") + "@" + text_or(entry, "build_id"),
+    running.quarantined.emplace(version_of(text_or(entry, "core"), text_or(entry, "build_id")),
                                 text_or(entry, "reason"));
   }
+}
+
+Status check_quarantine(const Running& running, const std::string& component,
+                        const std::string& core, const std::string& build_id) {
+  const auto found = running.quarantined.find(version_of(core, build_id));
+  if (found == running.quarantined.end()) {
+    return ok();
+  }
+  return refuse(Errc::wrong_state, component + ".core",
+                core + " is in quarantine: it was rolled back because it " + found->second,
+                "load a corrected build, or release it: mauvectl quarantine release " + core);
 }
 
 Status check_quarantine(const Running& running, const Change& change) {

@@ -14,6 +14,10 @@ void restore_quarantine(Running& running);
 /// [control] False: it is there already.
 bool quarantine(Running& running, const std::string& core, const std::string& reason);
 
+/// [control] Refuses a core of this build while it is in quarantine.
+[[nodiscard]] Status check_quarantine(const Running& running, const std::string& component,
+                                      const std::string& core, const std::string& build_id);
+
 /// [control] Refuses a change that would put a core in force that is in quarantine.
 [[nodiscard]] Status check_quarantine(const Running& running, const Change& change);
 

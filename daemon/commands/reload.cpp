@@ -10,6 +10,8 @@
 #include "commands/answer.h"
 #include "commands/change.h"
 #include "commands/given_up.h"
+#include "commands/quarantine.h"
+#include "commands/unproven.h"
 
 namespace mauve::daemon {
 
@@ -105,6 +107,16 @@ Status may_go_on(Running& running, const Call& call, const Reload& reload) {
   }
   if (auto met = check_conditions(running, call); !met) {
     return met;
+  }
+  for (const auto& edit : reload.change.edits) {
+    auto free = ok();
+    if (edit.core) {
+      free = check_quarantine(running, edit.component, edit.core->name,
+                              (*reload.loaded)->info().build_id);
+    }
+    if (!free) {
+      return free;
+    }
   }
   return running.catalog.check_types(**reload.loaded);
 }
@@ -206,6 +218,7 @@ void put_in_force(Running& running, const CallPtr& call, ReloadPtr reload, Ticke
                   Status done = ok();
                   if (receipt) {
                     reload->receipt = *receipt;
+                    begin_unproven(running, *call, reload->change);
                     done = hand_names_over(running, *reload);
                   } else {
                     done = receipt.error();

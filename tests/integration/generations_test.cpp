@@ -144,6 +144,37 @@ TEST_F(Generations, ThatGoBackToAnUnconfirmedOneAreUnconfirmed) {
   EXPECT_EQ(exported(daemon), proved);
 }
 
+TEST_F(Generations, OfAReloadOrASwapInPlaceAreUnconfirmedUntilTheyAreConfirmed) {
+  TrialDaemon daemon(kTrial, options());
+  static_cast<void>(daemon.client());
+  daemon.install(2);
+  ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}})["saved"], true);
+  EXPECT_EQ(newest(daemon)["mark"], "unconfirmed");
+  EXPECT_EQ(daemon.ask("change.confirm")["changed"], true);
+  EXPECT_TRUE(eventually([&] { return newest(daemon)["mark"] == "confirmed"; }));
+  EXPECT_EQ(daemon.ask("change.confirm")["data"]["name"], "wrong_state") << "it is";
+
+  const auto proved = exported(daemon);
+  const Json swap = {{"component", "first"}, {"core", "trial/other"}, {"in_place", true}};
+  ASSERT_EQ(daemon.ask("core.swap", swap)["saved"], true);
+  EXPECT_EQ(newest(daemon)["mark"], "unconfirmed");
+
+  crash(daemon);
+  daemon.start();
+
+  EXPECT_EQ(exported(daemon), proved);
+}
+
+TEST_F(Generations, OfAReloadAreConfirmedWhenNothingFailed) {
+  TrialDaemon daemon(kTrial, options());
+  static_cast<void>(daemon.client());
+  daemon.install(2);
+  ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}})["saved"], true);
+
+  EXPECT_TRUE(
+      eventually([&] { return newest(daemon)["mark"] == "confirmed"; }, std::chrono::seconds(60)));
+}
+
 TEST_F(Generations, AreListedWithWhoMadeThemAndWhy) {
   TrialDaemon daemon(kTrial, options());
 
@@ -202,8 +233,7 @@ TEST_F(Generations, AreStartedAfterACrash) {
 
 TEST_F(Generations, OfAFaultedComponentSayThatItStarts) {
   TrialDaemon daemon(kTrial, options());
-  const Json swap = {
-      {"component", "first"}, {"core", "trial/throwing_job"}, {"probation", "off"}};
+  const Json swap = {{"component", "first"}, {"core", "trial/throwing_job"}, {"probation", "off"}};
   ASSERT_EQ(daemon.ask("core.swap", swap)["state"], "applied");
   ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
   ASSERT_EQ(daemon.ask("component.stop", {{"components", {"second"}}})["state"], "applied");
