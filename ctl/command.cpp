@@ -35,9 +35,11 @@ constexpr Argument kPort = one("PORT", "such as control.ports.scan", Kind::port)
 constexpr Argument kProbation =
     maybe("--probation", "so many jobs of each member before it counts as good (3000), or off",
           Kind::none);
-constexpr Argument kMisses =
-    maybe("--misses", "late jobs tolerated on probation, M of the last K such as 2/64 (0/64)",
-          Kind::none);
+constexpr Argument kMisses = maybe(
+    "--misses",
+    "late jobs tolerated on probation, M of the last K such as 2/64 (0/64); a late job counts "
+    "once, however many releases it cost",
+    Kind::none);
 constexpr Argument kConfirmWithin =
     maybe("--confirm-within", "rolled back unless confirmed in this time, such as 30s", Kind::none);
 
@@ -58,7 +60,8 @@ constexpr Argument kSwap[] = {
     one("CORE", "such as guidance/finite_time", Kind::core),
     any("--set", "KEY=VALUE of a property of the new core", Kind::none),
     maybe("--budget", "processor time that a job of it may use, such as 2ms", Kind::none),
-    flag("--in-place", "stop, swap, start: for hardware that one core only can hold"),
+    flag("--in-place",
+         "stop, swap, start: for hardware that one core only can hold; without probation"),
     kState,
     kProbation,
     kMisses,
@@ -121,7 +124,7 @@ constexpr Command kCommands[] = {
      run_disconnect},
     {"confirm", "the change on probation: it stays", "mauvectl confirm", {}, true, run_confirm},
     {"undo", "the change on probation: back to before it", "mauvectl undo", {}, true, run_undo},
-    {"quarantine", "cores that were rolled back; release one",
+    {"quarantine", "new cores that failed and were rolled back; release one",
      "mauvectl quarantine release guidance/widest_gap", kQuarantine, true, run_quarantine},
     {"apply", "make the running system that of a file, all at once",
      "mauvectl apply rover.json --dry-run", kApply, true, run_apply},
@@ -132,8 +135,8 @@ constexpr Command kCommands[] = {
     {"load", "a plugin, by name", "mauvectl load guidance_extra", kPlugin, true, run_load},
     {"unload", "a plugin that nothing uses", "mauvectl unload guidance_extra", kPlugin, true,
      run_unload},
-    {"reload", "a rebuilt plugin: move every instance to the new code", "mauvectl reload guidance",
-     kReload, true, run_reload},
+    {"reload", "a rebuilt plugin: move every instance to the new code, without probation",
+     "mauvectl reload guidance", kReload, true, run_reload},
     {"plugins", "what is loaded and what it brings", "mauvectl plugins --for control", kPlugins,
      false, run_plugins},
     {"analyze",
@@ -155,8 +158,8 @@ constexpr Command kCommands[] = {
     {"history", "saved generations: when, who, what", "mauvectl history -n 10", kHistory, false,
      run_history},
     {"rollback", "to a saved generation", "mauvectl rollback 41", kRollback, true, run_rollback},
-    {"lock", "what may not be changed: none, params or all", "mauvectl lock all --reason mission",
-     kLock, true, run_lock},
+    {"lock", "what may not be changed, but by stop, confirm and undo",
+     "mauvectl lock all --reason mission", kLock, true, run_lock},
     {"logs", "the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},
     {"ping", "does the daemon answer", "mauvectl ping", {}, false, run_ping},
     {"version", "of client and daemon", "mauvectl version", {}, false, run_version},

@@ -8,9 +8,11 @@
 #include <optional>
 #include <utility>
 
+#include "commands/change.h"
 #include "commands/given_up.h"
 #include "commands/model.h"
 #include "commands/quarantine.h"
+#include "commands/unproven.h"
 #include "keeper.h"
 
 namespace mauve::daemon {
@@ -23,19 +25,25 @@ constexpr std::chrono::milliseconds kEvery{20};
 
 std::int64_t number(std::uint64_t value) { return static_cast<std::int64_t>(value); }
 
-Event event_of(Outcome::Kind kind) {
-  switch (kind) {
+Event event_of(const Outcome& outcome) {
+  switch (outcome.kind) {
     case Outcome::Kind::passed:
     case Outcome::Kind::overtaken:
       return Event::probation_passed;
     case Outcome::Kind::rolled_back:
-      return Event::rolled_back;
+      return outcome.component.empty() && outcome.reason.starts_with(kUndone) ? Event::undone
+                                                                              : Event::rolled_back;
     case Outcome::Kind::fell_back:
       return Event::fell_back;
     case Outcome::Kind::restarted:
       break;
   }
   return Event::restarted;
+}
+
+/// "control threw: sensor lost"
+std::string cause_of(const Outcome& outcome) {
+  return (outcome.component.empty() ? "" : outcome.component + " ") + outcome.reason;
 }
 
 }  // namespace
@@ -76,6 +84,7 @@ void Caretaker::look() {
   if (!free->empty()) {
     running_->control.in_factory([free] { static_cast<void>(free->release()); }, [] {});
   }
+  look_at_unproven(*running_);
   make_reliefs();
   looking_ = false;
 }
@@ -88,17 +97,20 @@ void Caretaker::tell_of_factory() {
 }
 
 void Caretaker::tell(const Outcome& outcome) {
-  running_->log.write(event_of(outcome.kind),
+  running_->log.write(event_of(outcome),
                       {{"component", outcome.component},
                        {"generation", number(running_->earlier + outcome.generation)},
                        {"began", number(running_->earlier + outcome.began)},
+                       {"cause", cause_of(outcome)},
                        {"text", outcome.reason}});
   if (running_->keeper != nullptr) {
     save(outcome);
   }
-  const bool at_fault = outcome.kind == Outcome::Kind::rolled_back && !outcome.component.empty();
+  if (outcome.kind != Outcome::Kind::rolled_back) {
+    return;
+  }
   for (const auto& core : outcome.cores) {
-    if (at_fault && quarantine(*running_, core, outcome.reason)) {
+    if (quarantine(*running_, core, outcome.reason)) {
       running_->log.write(Event::quarantined, {{"core", core}, {"text", outcome.reason}});
     }
   }
@@ -115,24 +127,29 @@ void Caretaker::save(const Outcome& outcome) {
     keeper.mark(began, Mark::confirmed);
     return keeper.mark(running_->earlier + outcome.generation, Mark::confirmed);
   }
-  const bool back = outcome.kind == Outcome::Kind::rolled_back;
-  if (back) {
-    keeper.mark(began, Mark::rolled_back);
-  }
   Generation about;
   about.number = running_->earlier + outcome.generation;
   about.boot = running_->boot;
   about.time = logging::utc(std::chrono::system_clock::now());
   about.uid = geteuid();
   about.command = to_string(outcome.kind);
-  about.reason = (outcome.component.empty() ? "" : outcome.component + " ") + outcome.reason;
-  about.mark = back ? Mark::confirmed : Mark::unconfirmed;
+  about.reason = cause_of(outcome);
+  about.mark = Mark::unconfirmed;
   Json line = {{"time", about.time},         {"method", about.command},
                {"uid", about.uid},           {"pid", getpid()},
                {"reason", about.reason},     {"before", began},
                {"generation", about.number}, {"outcome", "applied"},
                {"state", about.command}};
+  const auto now = about.number;
   keeper.keep(std::move(about), described(*running_), std::move(line), {});
+  if (outcome.kind != Outcome::Kind::rolled_back) {
+    relieved_ = now;
+    return;
+  }
+  if (relieved_ < began) {
+    keeper.confirm_like(now, began - 1);  // what nobody relieved is what it was before
+  }
+  keeper.mark(began, Mark::rolled_back);
 }
 
 bool Caretaker::refused_before(const Change& relief) const {

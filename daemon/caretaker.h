@@ -42,6 +42,7 @@ class Caretaker {
   bool stopping_ = false;
   std::atomic<bool> looking_{false};  ///< a look is queued or under way
   bool making_ = false;               ///< [control] reliefs are being made
+  std::uint64_t relieved_ = 0;        ///< [control] the last generation that a relief made
   /// [control] The generation in which the relief of a component was refused: it is tried again in
   /// the next one, but never what hung.
   std::map<std::string, std::uint64_t> refused_;

@@ -11,6 +11,7 @@
 
 #include "arch/load.h"
 #include "commands/model.h"
+#include "commands/quarantine.h"
 #include "happenings.h"
 #include "mauve/version.h"
 #include "notify.h"
@@ -196,6 +197,7 @@ void Daemon::keep_the_first() {
     return;
   }
   running_->keeper = keeper_.get();
+  restore_quarantine(*running_);
   Generation first;
   first.number = running_->generation;
   first.boot = running_->boot;

@@ -203,6 +203,17 @@ Status Generations::mark(std::uint64_t number, Mark mark) {
   return write(read->about, read->text);
 }
 
+Status Generations::confirm_like(std::uint64_t number, std::uint64_t earlier) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = known_.find(earlier);
+    if (found == known_.end() || found->second.damaged || found->second.mark != Mark::confirmed) {
+      return ok();
+    }
+  }
+  return mark(number, Mark::confirmed);
+}
+
 void Generations::prune() {
   std::vector<std::uint64_t> old;
   {

@@ -51,6 +51,8 @@ class Generations {
 
   /// [disk] Refused: there is no such generation, or the disk failed.
   Status mark(std::uint64_t number, Mark mark);
+  /// [disk] Confirms a generation if an earlier one of the same content is; the same refusals.
+  Status confirm_like(std::uint64_t number, std::uint64_t earlier);
 
   /// [any] Newest first.
   [[nodiscard]] std::vector<Generation> list() const;

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "keeper.h"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <future>
 #include <utility>
 
+#include "arch/load.h"
 #include "arch/value_json.h"
 #include "durable.h"
 
@@ -17,6 +19,10 @@ using logging::Event;
 
 std::filesystem::path marker_in(const std::string& directory) {
   return std::filesystem::path(directory) / "running";
+}
+
+std::filesystem::path quarantine_in(const std::string& directory) {
+  return std::filesystem::path(directory) / "quarantine.json";
 }
 
 std::filesystem::path audit_in(const std::string& directory) {
@@ -42,6 +48,7 @@ Result<std::unique_ptr<Keeper>> Keeper::open(const std::string& directory, loggi
   keeper->generations_ = std::move(*generations);
   std::error_code ignored;
   keeper->crashed_ = std::filesystem::exists(marker_in(directory), ignored);
+  keeper->read_quarantine();
   return keeper;
 }
 
@@ -115,6 +122,43 @@ void Keeper::mark(std::uint64_t generation, Mark mark) {
       report(Event::generation_not_saved, marked.error());
     }
   });
+}
+
+void Keeper::confirm_like(std::uint64_t generation, std::uint64_t earlier) {
+  disk_.post_urgent([this, generation, earlier] {
+    if (auto marked = generations_->confirm_like(generation, earlier); !marked) {
+      report(Event::generation_not_saved, marked.error());
+    }
+  });
+}
+
+void Keeper::quarantine(Json cores) {
+  disk_.post_urgent([this, cores = std::move(cores)] {
+    const Json list = {{"cores", cores}};
+    if (auto written = replace_file(quarantine_in(directory_), protocol::to_line(list) + "\n");
+        !written) {
+      report(Event::generation_not_saved, written.error());
+    }
+  });
+}
+
+void Keeper::read_quarantine() {
+  const auto file = quarantine_in(directory_);
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) {
+    return;
+  }
+  const auto text = arch::read_file(file.string());
+  auto list = text ? protocol::parse_json(*text) : Result<Json>(text.error());
+  const bool whole = list && list->is_object() && list->contains("cores") &&
+                     (*list)["cores"].is_array() &&
+                     std::all_of((*list)["cores"].begin(), (*list)["cores"].end(),
+                                 [](const Json& entry) { return entry.is_object(); });
+  if (!whole) {
+    return report(Event::quarantine_lost,
+                  text ? refuse(Errc::invalid_value, file.string(), "is damaged") : text.error());
+  }
+  quarantined_ = std::move((*list)["cores"]);
 }
 
 void Keeper::flush() {

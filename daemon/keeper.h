@@ -47,6 +47,12 @@ class Keeper {
   void audit(const Json& line);
   /// Marks a saved generation, after what waits for [disk]. [any but rt]
   void mark(std::uint64_t generation, Mark mark);
+  /// Confirms a saved generation if an earlier one, to which it goes back, is. [any but rt]
+  void confirm_like(std::uint64_t generation, std::uint64_t earlier);
+  /// Saves the list of cores in quarantine. [any but rt]
+  void quarantine(Json cores);
+  /// [main] The list as the run before left it.
+  [[nodiscard]] const Json& quarantined() const { return quarantined_; }
   /// [any but rt] Waits until everything said so far is on the disk, or could not be.
   void flush();
 
@@ -59,6 +65,7 @@ class Keeper {
   Keeper(std::string directory, logging::Log& log) : directory_(std::move(directory)), log_(log) {}
 
   bool save(const Generation& about, const Value& architecture);
+  void read_quarantine();
   void write_waiting();
   void write_lines(const std::string& lines);
   void report(logging::Event event, const Error& error);
@@ -68,6 +75,7 @@ class Keeper {
   plugin::Descriptor held_;
   std::unique_ptr<Generations> generations_;
   bool crashed_ = false;
+  Json quarantined_ = Json::array();
   std::atomic<bool> saved_{true};
   bool audit_broken_ = false;  ///< [disk] one complaint each until it works again
   std::mutex mutex_;           ///< guards what follows

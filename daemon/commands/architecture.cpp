@@ -284,7 +284,7 @@ void diff_architecture(Running& running, const CallPtr& call, Ticket ticket) {
 
 arch::Parked parked_now(const Running& running) {
   return [&running](const ComponentBase& component) {
-    return running.deployer.status(component.name()).state != ComponentState::running;
+    return running.deployer.status(component.name()).state == ComponentState::stopped;
   };
 }
 

@@ -7,6 +7,7 @@
 #include "commands/answer.h"
 #include "commands/given_up.h"
 #include "commands/quarantine.h"
+#include "commands/unproven.h"
 #include "exec/prepared.h"
 #include "model/elements.h"
 #include "model/hand_over.h"
@@ -182,6 +183,9 @@ void tell(Running& running, const CallPtr& call, JourneyPtr journey, Ticket tick
 
 void end_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket,
                   const Result<Receipt>& receipt) {
+  if (receipt) {
+    begin_unproven(running, *call, journey->change);
+  }
   const auto& name = journey->change.edits[0].component;
   const bool back = !receipt && running.deployer.status(name).state == ComponentState::running;
   finish(running, *call, receipt, back ? "rolled_back" : "safe", *journey);
@@ -193,6 +197,7 @@ void resume_in_place(Running& running, const CallPtr& call, JourneyPtr journey, 
   const bool stopped = stops_of(running, journey->change) != journey->stops;
   if (stopped && journey->exchanged) {
     // The new core takes its place, but the component stays where the stop put it.
+    call->mark = Mark::unconfirmed;
     return put_in_force(running, call, std::move(journey), std::move(ticket));
   }
   if (stopped) {
@@ -315,7 +320,11 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
 void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit) {
   auto journey = std::make_shared<Journey>();
   journey->change.edits.push_back(std::move(edit));
-  if (auto free = check_barred(running, journey->change); !free) {
+  auto free = check_quarantine(running, journey->change);
+  if (free) {
+    free = check_barred(running, journey->change);
+  }
+  if (!free) {
     return answer(running, *call, free.error());
   }
   journey->stops = stops_of(running, journey->change);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "commands/command.h"
 
@@ -46,6 +47,9 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
 
 /// What a change of this component starts from.
 [[nodiscard]] Edit edit_of(std::string_view component);
+
+/// The reason of a rollback that somebody asked for begins with this.
+inline constexpr std::string_view kUndone = "undone";
 
 /// [any] `probation` (a number of jobs, or "off"), `misses` and `confirm_within`; the default where
 /// one is not given.

@@ -43,6 +43,13 @@ struct Maker {
   std::string command;
 };
 
+/// A generation in force that has no way back, after a reload or a swap in place.
+struct Unproven {
+  std::uint64_t generation = 0;
+  std::chrono::steady_clock::time_point since = {};
+  std::vector<std::string> components = {};
+};
+
 /// The running system as commands see it. Owned by Daemon, which outlives every command. The model
 /// (architecture, deployer, catalog) is used on [control] only, save where they say [factory].
 struct Running {
@@ -64,6 +71,7 @@ struct Running {
   std::map<std::string, std::string> quarantined = {};
   /// [control] Components that a thread which was left behind may still be in, and its hook.
   std::map<std::string, std::string> barred = {};
+  Unproven unproven = {};     ///< [control] see unproven.h
   std::uint64_t earlier = 0;  ///< the last generation of earlier runs: numbers go on from there
   Keeper* keeper = nullptr;   ///< null: nothing is kept
   Lock lock = Lock::none;     ///< [control], see gate.h

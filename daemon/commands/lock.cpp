@@ -25,20 +25,24 @@ Kind kind_of(const Call& call) {
   if (method == "component.stop") {
     return Kind::stop;
   }
+  if (method == "change.confirm" || method == "change.undo") {
+    return Kind::ending;
+  }
   const bool sets = method == "param.set" || method == "config.rollback" ||
                     (method == "core.swap" && call.params.contains("set"));
   return sets ? Kind::property : Kind::other;
 }
 
 Status may_change(const Running& running, Kind kind) {
-  const bool free = kind == Kind::lock || kind == Kind::stop || running.lock == Lock::none ||
-                    (running.lock == Lock::params && kind == Kind::other);
+  const bool always = kind == Kind::lock || kind == Kind::stop || kind == Kind::ending;
+  const bool free =
+      always || running.lock == Lock::none || (running.lock == Lock::params && kind == Kind::other);
   if (free) {
     return ok();
   }
   const bool all = running.lock == Lock::all;
   return refuse(Errc::conflict, "lock",
-                all ? "everything is locked: nothing may be changed but stop"
+                all ? "everything is locked: only stop, confirm and undo are free"
                     : "params are locked: no property may be changed",
                 "an administrator ends it: mauvectl lock none");
 }

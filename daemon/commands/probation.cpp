@@ -7,6 +7,7 @@
 #include "base/duration.h"
 #include "commands/answer.h"
 #include "commands/change.h"
+#include "commands/unproven.h"
 
 namespace mauve::daemon {
 
@@ -32,6 +33,17 @@ Status read_misses(const std::string& text, Probation& probation) {
   return ok();
 }
 
+/// What a change without a probation would silently not do.
+Status nothing_else(const Json& params) {
+  for (const char* option : {"misses", "confirm_within"}) {
+    if (params.contains(option)) {
+      return refuse(Errc::invalid_value, option, "probation is off, so this would do nothing",
+                    "leave out " + std::string(option) + ", or probation off");
+    }
+  }
+  return ok();
+}
+
 }  // namespace
 
 Result<std::optional<Probation>> probation_of(const Json& params) {
@@ -39,6 +51,9 @@ Result<std::optional<Probation>> probation_of(const Json& params) {
   if (const auto given = params.find("probation"); given != params.end()) {
     const auto& text = given->get_ref<const std::string&>();
     if (text == "off") {
+      if (auto alone = nothing_else(params); !alone) {
+        return alone.error();
+      }
       return std::optional<Probation>{};
     }
     const bool digits =
@@ -79,7 +94,7 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
   if (auto met = check_conditions(running, *call); !met) {
     return answer(running, *call, met.error());
   }
-  if (auto done = running.deployer.confirm(); !done) {
+  if (auto done = running.deployer.confirm(); !done && !confirm_unproven(running)) {
     return answer(running, *call, done.error());
   }
   answer(running, *call, Json{{"generation", running.generation.load()}, {"changed", true}});
@@ -90,11 +105,13 @@ void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
     return answer(running, *call, met.error());
   }
   const auto reason = text_or(call->params, "reason");
-  auto begun = running.deployer.undo(reason.empty() ? "undone by request" : "undone: " + reason);
+  auto begun = running.deployer.undo(std::string(kUndone) +
+                                     (reason.empty() ? " by request" : ": " + reason));
   if (!begun) {
     return answer(running, *call, begun.error());
   }
   const auto before = running.earlier + running.deployer.generation();
+  call->mark = Mark::unconfirmed;  // the caretaker knows to what it goes back
   running.control.await(
       [&running, before] {
         running.generation = running.earlier + running.deployer.generation();

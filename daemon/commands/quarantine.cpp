@@ -2,36 +2,78 @@
 #include "commands/quarantine.h"
 
 #include "commands/answer.h"
+#include "keeper.h"
 
 namespace mauve::daemon {
 
 namespace {
 
-/// "guidance/gap" -> "guidance/gap@BUILD_ID": another build is another version.
-std::string version_of(const Running& running, const std::string& core) {
+std::string build_of(const Running& running, const std::string& core) {
   const auto plugin = core.substr(0, core.find('/'));
   for (const auto* loaded : running.catalog.plugins()) {
     if (loaded->info().name == plugin) {
-      return core + "@" + loaded->info().build_id;
+      return loaded->info().build_id;
     }
   }
-  return core + "@";
+  return {};
+}
+
+/// "guidance/gap" -> "guidance/gap@BUILD_ID": another build is another version.
+std::string version_of(const std::string& core, const std::string& build_id) {
+  return core + "@" + build_id;
+}
+
+Json listed(const Running& running) {
+  Json cores = Json::array();
+  for (const auto& [version, reason] : running.quarantined) {
+    const auto at = version.find('@');
+    cores.push_back({{"core", version.substr(0, at)},
+                     {"build_id", version.substr(at + 1)},
+                     {"reason", reason}});
+  }
+  return cores;
+}
+
+void save(Running& running) {
+  if (running.keeper != nullptr) {
+    running.keeper->quarantine(listed(running));
+  }
 }
 
 Status check_core(const Running& running, const std::string& component, const std::string& core) {
-  const auto found = running.quarantined.find(version_of(running, core));
+  return check_quarantine(running, component, core, build_of(running, core));
+}
+
+}  // namespace
+
+bool quarantine(Running& running, const std::string& core, const std::string& reason) {
+  const auto version = version_of(core, build_of(running, core));
+  const bool fresh = running.quarantined.emplace(version, reason).second;
+  if (fresh) {
+    save(running);
+  }
+  return fresh;
+}
+
+void restore_quarantine(Running& running) {
+  if (running.keeper == nullptr) {
+    return;
+  }
+  for (const auto& entry : running.keeper->quarantined()) {
+    running.quarantined.emplace(version_of(text_or(entry, "core"), text_or(entry, "build_id")),
+                                text_or(entry, "reason"));
+  }
+}
+
+Status check_quarantine(const Running& running, const std::string& component,
+                        const std::string& core, const std::string& build_id) {
+  const auto found = running.quarantined.find(version_of(core, build_id));
   if (found == running.quarantined.end()) {
     return ok();
   }
   return refuse(Errc::wrong_state, component + ".core",
                 core + " is in quarantine: it was rolled back because it " + found->second,
                 "load a corrected build, or release it: mauvectl quarantine release " + core);
-}
-
-}  // namespace
-
-bool quarantine(Running& running, const std::string& core, const std::string& reason) {
-  return running.quarantined.emplace(version_of(running, core), reason).second;
 }
 
 Status check_quarantine(const Running& running, const Change& change) {
@@ -54,14 +96,7 @@ Status check_quarantine(const Running& running, const Change& change) {
 }
 
 Result<Json> list_quarantine(Running& running, const Call& /*call*/) {
-  Json cores = Json::array();
-  for (const auto& [version, reason] : running.quarantined) {
-    const auto at = version.find('@');
-    cores.push_back({{"core", version.substr(0, at)},
-                     {"build_id", version.substr(at + 1)},
-                     {"reason", reason}});
-  }
-  return Json{{"cores", std::move(cores)}};
+  return Json{{"cores", listed(running)}};
 }
 
 void release_quarantine(Running& running, const CallPtr& call, Ticket /*none*/) {
@@ -77,6 +112,7 @@ void release_quarantine(Running& running, const CallPtr& call, Ticket /*none*/) 
                   refuse(Errc::unknown_name, core, "is not in quarantine",
                          "mauvectl quarantine lists what is"));
   }
+  save(running);
   answer(running, *call,
          Json{{"core", core}, {"generation", running.generation.load()}, {"changed", true}});
 }

@@ -1,14 +1,22 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Quarantine: a core that was rolled back is not put in force again until somebody releases it, or
-/// its plugin is another build.
+/// Quarantine: a new core that failed and was rolled back is not put in force again until somebody
+/// releases it, or its plugin is another build. Nobody else of that change is kept out; nor is
+/// anybody when a change is undone, or not confirmed. The state directory keeps the list.
 #pragma once
 
 #include "commands/command.h"
 
 namespace mauve::daemon {
 
+/// Takes up the list of the run before. Before the first client.
+void restore_quarantine(Running& running);
+
 /// [control] False: it is there already.
 bool quarantine(Running& running, const std::string& core, const std::string& reason);
+
+/// [control] Refuses a core of this build while it is in quarantine.
+[[nodiscard]] Status check_quarantine(const Running& running, const std::string& component,
+                                      const std::string& core, const std::string& build_id);
 
 /// [control] Refuses a change that would put a core in force that is in quarantine.
 [[nodiscard]] Status check_quarantine(const Running& running, const Change& change);

@@ -10,6 +10,8 @@
 #include "commands/answer.h"
 #include "commands/change.h"
 #include "commands/given_up.h"
+#include "commands/quarantine.h"
+#include "commands/unproven.h"
 
 namespace mauve::daemon {
 
@@ -21,7 +23,8 @@ using plugin::LoadedPlugin;
 
 struct Reload {
   std::string name;
-  Change change;  ///< types are filled in by [factory]
+  Change change;  ///< types are filled in by [factory], also of the fallback cores
+  std::vector<std::pair<std::string, ComponentBase::Fallback>> fallbacks;
   std::optional<Result<LoadedPlugin>> loaded;
   std::optional<Result<PreparedChange>> prepared;
   std::optional<Retired> retired{std::in_place};
@@ -51,11 +54,26 @@ Change members(const Running& running, const std::string& plugin, StatePolicy st
     if (is_of(component->type().name, plugin)) {
       edit.type = component->type();
     }
-    if (edit.core || edit.fsm || edit.type) {
+    if (const auto& fallback = component->fallback();
+        fallback && is_of(fallback->core.name, plugin)) {
+      edit.task = bundle.task;  // it takes part, so that what stands by of the old build goes
+    }
+    if (edit.core || edit.fsm || edit.type || edit.task) {
       change.edits.push_back(std::move(edit));
     }
   }
   return change;
+}
+
+std::vector<std::pair<std::string, ComponentBase::Fallback>> fallbacks_of(
+    const Running& running, const std::string& plugin) {
+  std::vector<std::pair<std::string, ComponentBase::Fallback>> all;
+  for (const auto* component : running.architecture.components()) {
+    if (component->fallback() && is_of(component->fallback()->core.name, plugin)) {
+      all.emplace_back(component->name(), *component->fallback());
+    }
+  }
+  return all;
 }
 
 template <typename T>
@@ -74,6 +92,20 @@ Status take_new(const std::map<std::string, T, std::less<>>& offered, std::optio
   return ok();
 }
 
+Status take_new_fallbacks(const LoadedPlugin& offered, Reload& reload) {
+  for (auto& [component, fallback] : reload.fallbacks) {
+    const auto found = offered.cores.find(fallback.core.name);
+    if (found == offered.cores.end()) {
+      return refuse(
+          Errc::plugin_refused, component,
+          "falls back on " + fallback.core.name + ", which the new file does not have any more",
+          "name another fallback_core in the file and apply it first");
+    }
+    fallback.core = found->second;
+  }
+  return ok();
+}
+
 /// [factory]
 void prepare(Running& running, Reload& reload) {
   reload.loaded = running.catalog.prepare_load(reload.name);
@@ -82,6 +114,10 @@ void prepare(Running& running, Reload& reload) {
     return;
   }
   const auto& offered = **reload.loaded;
+  if (auto found = take_new_fallbacks(offered, reload); !found) {
+    reload.prepared = found.error();
+    return;
+  }
   for (auto& edit : reload.change.edits) {
     auto found = take_new(offered.cores, edit.core, edit.component);
     if (found) {
@@ -106,6 +142,16 @@ Status may_go_on(Running& running, const Call& call, const Reload& reload) {
   if (auto met = check_conditions(running, call); !met) {
     return met;
   }
+  for (const auto& edit : reload.change.edits) {
+    auto free = ok();
+    if (edit.core) {
+      free = check_quarantine(running, edit.component, edit.core->name,
+                              (*reload.loaded)->info().build_id);
+    }
+    if (!free) {
+      return free;
+    }
+  }
   return running.catalog.check_types(**reload.loaded);
 }
 
@@ -116,6 +162,11 @@ Status hand_names_over(Running& running, Reload& reload) {
     return old.error();
   }
   reload.old = *std::move(old);
+  for (auto& [name, fallback] : reload.fallbacks) {
+    if (auto* component = running.architecture.find_component(name)) {
+      component->fall_back_to(std::move(fallback));
+    }
+  }
   return ok();
 }
 
@@ -124,6 +175,7 @@ void free_old(Running& running, Reload& reload, bool in_force) {
   static_cast<void>(reload.retired->release());
   reload.prepared.reset();
   reload.change.edits.clear();  // the new types, and with them their library
+  reload.fallbacks.clear();
   reload.loaded.reset();
   if (in_force) {
     running.log.flush();
@@ -206,6 +258,7 @@ void put_in_force(Running& running, const CallPtr& call, ReloadPtr reload, Ticke
                   Status done = ok();
                   if (receipt) {
                     reload->receipt = *receipt;
+                    begin_unproven(running, *call, reload->change);
                     done = hand_names_over(running, *reload);
                   } else {
                     done = receipt.error();
@@ -229,6 +282,7 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
     return answer(running, *call, policy.error());
   }
   reload->change = members(running, reload->name, *policy);
+  reload->fallbacks = fallbacks_of(running, reload->name);
   if (auto free = check_barred(running, reload->change); !free) {
     return answer(running, *call, free.error());
   }

@@ -61,6 +61,20 @@ Result<Edit> edit_from(const Running& running, const Json& params) {
   return edit;
 }
 
+/// The old core is gone when the new one begins: there is no way back that stands ready.
+Status no_probation(const Json& params) {
+  for (const char* option : {"probation", "misses", "confirm_within"}) {
+    const auto text = text_or(params, option);
+    if (!params.contains(option) || (text == "off" && option == std::string_view("probation"))) {
+      continue;
+    }
+    return refuse(Errc::invalid_value, option,
+                  "a swap in place has no way back in readiness, so it is never on probation",
+                  "leave out " + std::string(option) + ", or in_place");
+  }
+  return ok();
+}
+
 }  // namespace
 
 void swap_core(Running& running, const CallPtr& call, Ticket ticket) {
@@ -69,6 +83,9 @@ void swap_core(Running& running, const CallPtr& call, Ticket ticket) {
     return answer(running, *call, edit.error());
   }
   if (flag(call->params, "in_place")) {
+    if (auto sound = no_probation(call->params); !sound) {
+      return answer(running, *call, sound.error());
+    }
     return apply_in_place(running, call, std::move(ticket), *std::move(edit));
   }
   apply(running, call, std::move(ticket), {{*std::move(edit)}});

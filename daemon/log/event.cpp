@@ -44,6 +44,7 @@ std::string expand(std::string_view text, const Fields& fields) {
     text.remove_prefix(close + 1);
   }
   out += text;
+  out.erase(out.find_last_not_of(' ') + 1);  // the last field may be empty
   return out;
 }
 

@@ -245,9 +245,8 @@ void OnProbation::tell(Outcome::Kind kind, const std::string& reason) {
     }
     for (const PreparedMember& member : content_->members) {
       const std::string& core = member.next->core_type.name;
-      if (member.part == Part::joins || core != member.base->core_type.name) {
-        end.cores.push_back(core);
-      }
+      const bool is_new = member.part == Part::joins || core != member.base->core_type.name;
+      if (is_new && member.component->name() == end.component) end.cores.push_back(core);
     }
   }
   system_.outcomes.push_back(std::move(end));

@@ -33,6 +33,26 @@ TEST(Freeze, RefusesEveryChangeButAStop) {
   EXPECT_EQ(daemon.ask("param.set", gain(3.0))["state"], "applied");
 }
 
+TEST(Freeze, LetsTheChangeOnProbationBeEnded) {
+  TrialDaemon daemon;
+  const auto change_and_lock = [&] {
+    Json values = gain(3.0);
+    values["confirm_within"] = "600s";
+    ASSERT_EQ(daemon.ask("param.set", values)["state"], "applied");
+    ASSERT_EQ(daemon.ask("lock.set", {{"lock", "all"}})["lock"], "all");
+  };
+
+  change_and_lock();
+  EXPECT_EQ(daemon.ask("change.undo")["state"], "applied");
+  EXPECT_EQ(daemon.value("first.core.gain"), 1.0);
+
+  ASSERT_EQ(daemon.ask("lock.set", {{"lock", "none"}})["lock"], "none");
+  change_and_lock();
+  EXPECT_EQ(daemon.ask("change.confirm")["changed"], true);
+  EXPECT_EQ(daemon.value("first.core.gain"), 3.0);
+  EXPECT_EQ(daemon.ask("status.get")["lock"], "all");
+}
+
 TEST(Freeze, OfParamsRefusesPropertiesOnly) {
   TrialDaemon daemon;
   Json swap = {{"component", "first"}, {"core", "trial/other"}};

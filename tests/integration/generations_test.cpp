@@ -121,6 +121,60 @@ TEST_F(Generations, ThatWereRolledBackAreMarkedAndTheOldOneIsSavedAgain) {
   EXPECT_EQ(exported(daemon), before);
 }
 
+TEST_F(Generations, ThatGoBackToAnUnconfirmedOneAreUnconfirmed) {
+  TrialDaemon daemon(kTrial, options());
+  const auto proved = exported(daemon);
+  ASSERT_EQ(daemon.ask("param.set", {{"values", Json{{"first.core.gain", 3.0}}}})["saved"], true);
+  ASSERT_EQ(daemon.ask("param.set", {{"values", Json{{"second.core.gain", 4.0}}}})["saved"], true);
+  const auto undone = daemon.ask("change.undo");
+  ASSERT_EQ(undone["generation"], 4) << undone;
+
+  ASSERT_TRUE(eventually([&] {
+    const auto items = daemon.ask("config.history")["items"];
+    return items.size() == 4U && items[1]["mark"] == "rolled_back";
+  }));
+  const auto items = daemon.ask("config.history")["items"];
+  EXPECT_EQ(items[0]["mark"], "unconfirmed");
+  EXPECT_EQ(items[2]["mark"], "unconfirmed") << "it was overtaken";
+  EXPECT_EQ(exported(daemon)["components"]["first"]["properties"]["core.gain"], 3.0);
+
+  crash(daemon);
+  daemon.start();
+
+  EXPECT_EQ(exported(daemon), proved);
+}
+
+TEST_F(Generations, OfAReloadOrASwapInPlaceAreUnconfirmedUntilTheyAreConfirmed) {
+  TrialDaemon daemon(kTrial, options());
+  static_cast<void>(daemon.client());
+  daemon.install(2);
+  ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}})["saved"], true);
+  EXPECT_EQ(newest(daemon)["mark"], "unconfirmed");
+  EXPECT_EQ(daemon.ask("change.confirm")["changed"], true);
+  EXPECT_TRUE(eventually([&] { return newest(daemon)["mark"] == "confirmed"; }));
+  EXPECT_EQ(daemon.ask("change.confirm")["data"]["name"], "wrong_state") << "it is";
+
+  const auto proved = exported(daemon);
+  const Json swap = {{"component", "first"}, {"core", "trial/other"}, {"in_place", true}};
+  ASSERT_EQ(daemon.ask("core.swap", swap)["saved"], true);
+  EXPECT_EQ(newest(daemon)["mark"], "unconfirmed");
+
+  crash(daemon);
+  daemon.start();
+
+  EXPECT_EQ(exported(daemon), proved);
+}
+
+TEST_F(Generations, OfAReloadAreConfirmedWhenNothingFailed) {
+  TrialDaemon daemon(kTrial, options());
+  static_cast<void>(daemon.client());
+  daemon.install(2);
+  ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}})["saved"], true);
+
+  EXPECT_TRUE(
+      eventually([&] { return newest(daemon)["mark"] == "confirmed"; }, std::chrono::seconds(60)));
+}
+
 TEST_F(Generations, AreListedWithWhoMadeThemAndWhy) {
   TrialDaemon daemon(kTrial, options());
 
@@ -175,6 +229,50 @@ TEST_F(Generations, AreStartedAfterACrash) {
   EXPECT_EQ(daemon.component("second")["state"], "stopped") << "a stop outlives a crash";
   EXPECT_EQ(newest(daemon)["command"], "recover");
   EXPECT_THAT(daemon.errors(), HasSubstr("the last run crashed: starting generation 3"));
+}
+
+TEST_F(Generations, OfAFaultedComponentSayThatItStarts) {
+  TrialDaemon daemon(kTrial, options());
+  const Json swap = {{"component", "first"}, {"core", "trial/throwing_job"}, {"probation", "off"}};
+  ASSERT_EQ(daemon.ask("core.swap", swap)["state"], "applied");
+  ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
+  ASSERT_EQ(daemon.ask("component.stop", {{"components", {"second"}}})["state"], "applied");
+  const Json other = {{"values", {{"second.core.gain", 3.0}}}, {"probation", "off"}};
+  ASSERT_EQ(daemon.ask("param.set", other)["saved"], true);
+
+  const auto now = exported(daemon);
+  const auto saved = Json::parse(TempDir::read(file("4")), nullptr, true, true);
+  const auto difference = daemon.ask("architecture.diff", {{"text", now.dump()}});
+
+  EXPECT_FALSE(now["components"]["first"].contains("start")) << now;
+  EXPECT_EQ(now["components"]["second"]["start"], false) << "it was stopped by request";
+  EXPECT_EQ(saved["components"], now["components"]);
+  EXPECT_EQ(difference["same"], true) << difference;
+}
+
+TEST_F(Generations, AreMadeWithoutTheCoresInQuarantineAlsoAfterARestart) {
+  TrialDaemon daemon(kTrial, options());
+  const Json swap = {{"component", "first"}, {"core", "trial/throwing_job"}};
+  ASSERT_EQ(daemon.ask("core.swap", swap)["state"], "applied");
+  ASSERT_TRUE(eventually([&] { return daemon.ask("quarantine.list")["cores"].size() == 1U; }));
+  const auto list = daemon.ask("quarantine.list");
+  ASSERT_EQ(daemon.ask("param.set", gain(2.0))["saved"], true) << "and so is what came before";
+
+  crash(daemon);
+  daemon.start();
+  EXPECT_EQ(daemon.ask("quarantine.list"), list);
+  EXPECT_THAT(daemon.ask("core.swap", swap)["message"].get<std::string>(),
+              HasSubstr("is in quarantine: it was rolled back because it threw"));
+
+  daemon.install(2);
+  end_and_start(daemon);
+  const auto other_build = daemon.ask("core.swap", swap);
+  EXPECT_EQ(other_build["state"], "applied") << "another build may be tried: " << other_build;
+
+  ASSERT_TRUE(eventually([&] { return daemon.ask("quarantine.list")["cores"].size() == 2U; }));
+  ASSERT_EQ(daemon.ask("quarantine.release", {{"core", "trial/throwing_job"}})["saved"], true);
+  end_and_start(daemon);
+  EXPECT_EQ(daemon.ask("quarantine.list")["cores"].size(), 0U);
 }
 
 TEST_F(Generations, AreNotStartedAfterAnOrderlyEndAndTheirNumbersGoOn) {

@@ -39,6 +39,23 @@ TEST(Probation, ABadCoreIsRolledBackAndItsBuildQuarantined) {
   EXPECT_THAT(again["message"].get<std::string>(), HasSubstr("quarantine"));
 }
 
+TEST(Probation, OnlyTheCoreThatFailedIsQuarantined) {
+  TrialDaemon daemon;
+  auto file = daemon.ask("config.get")["architecture"];
+  file["components"]["first"]["core"] = "trial/throwing_job";
+  file["components"]["second"]["core"] = "trial/other";
+  file["components"]["third"] = file["components"]["second"];
+  file["components"]["third"]["core"] = "trial/counting";
+  ASSERT_EQ(daemon.ask("architecture.apply", {{"text", file.dump()}})["state"], "applied");
+
+  ASSERT_TRUE(eventually([&] { return !daemon.ask("quarantine.list")["cores"].empty(); }));
+
+  const auto quarantine = daemon.ask("quarantine.list")["cores"];
+  ASSERT_EQ(quarantine.size(), 1U) << quarantine;
+  EXPECT_EQ(quarantine[0]["core"], "trial/throwing_job");
+  EXPECT_EQ(daemon.ask("core.swap", swap("trial/other"))["state"], "applied");
+}
+
 TEST(Probation, ToleratesAsManyLateJobsAsItIsTold) {
   TrialDaemon daemon;
 
@@ -109,6 +126,55 @@ TEST(Probation, OffMeansThatAFaultStaysAFault) {
   EXPECT_EQ(daemon.ask("status.get")["generation"], 2);
   EXPECT_EQ(daemon.ask("core.swap", swap("trial/other", {{"probation", "many"}}))["data"]["name"],
             "invalid_value");
+}
+
+TEST(Probation, OffLeavesNothingToTolerateOrToConfirm) {
+  TrialDaemon daemon;
+  for (const auto& [option, value] : {std::pair("misses", "2/64"), {"confirm_within", "30s"}}) {
+    const auto refused =
+        daemon.ask("core.swap", swap("trial/other", {{"probation", "off"}, {option, value}}));
+    EXPECT_EQ(refused["data"]["where"], option) << refused;
+    EXPECT_EQ(refused["data"]["state"], "unchanged");
+    EXPECT_EQ(refused["data"]["hint"], "leave out " + std::string(option) + ", or probation off");
+  }
+}
+
+/// The record of the first event of this name, when it is there.
+Json record_of(TrialDaemon& daemon, const std::string& event) {
+  Json found;
+  static_cast<void>(eventually([&] {
+    const auto told = daemon.ask("log.tail", {{"n", 1000}});
+    for (const auto& record : told["records"]) {
+      if (record["event"] == event) {
+        found = record;
+      }
+    }
+    return !found.is_null();
+  }));
+  return found;
+}
+
+TEST(Probation, AnUndoIsToldAsWhatItIs) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("core.swap", swap("trial/other"))["state"], "applied");
+  ASSERT_EQ(daemon.ask("change.undo")["generation"], 3);
+
+  const auto undone = record_of(daemon, "undone");
+  EXPECT_EQ(undone["level"], "info") << undone;
+  EXPECT_EQ(undone["text"], "generation 2 was taken back, 3 is in force: undone by request");
+  const auto change = record_of(daemon, "change_applied");
+  EXPECT_EQ(change["text"],
+            "change.undo by uid " + std::to_string(geteuid()) + ": generation 3, applied");
+}
+
+TEST(Probation, ARollBackNamesWhoFailed) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("core.swap", swap("trial/throwing_job"))["state"], "applied");
+
+  const auto rolled_back = record_of(daemon, "rolled_back");
+  EXPECT_EQ(rolled_back["level"], "error") << rolled_back;
+  EXPECT_EQ(rolled_back["text"],
+            "generation 2 was rolled back, 3 is in force: first threw: division by something");
 }
 
 TEST(Probation, AStopDuringARollBackIsObeyed) {

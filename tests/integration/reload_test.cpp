@@ -91,6 +91,40 @@ TEST(Reload, RefusesToLoseAStateUnlessItIsToldTo) {
   EXPECT_TRUE(daemon.becomes("first.core.number", 1));
 }
 
+/// "first" fails when there is a file "fail", and falls back on a core that makes a file "ready"
+/// when it is configured.
+std::string with_fallback(const TempDir& place) {
+  std::string text(kTrial);
+  const std::string first = R"("first":  { "type": "trial/unit", "properties": {)";
+  return text.replace(text.find(first), first.size(),
+                      R"("first": { "type": "trial/unit",
+    "core": "trial/brittle", "task": { "on_fault": "fallback" },
+    "fallback_core": { "core": "trial/slow", "properties": { "core.configure_time": "1ms",
+                       "core.marker": ")" +
+                          (place / "ready").string() + R"(" } },
+    "properties": { "core.until_there": ")" +
+                          (place / "fail").string() + R"(", )");
+}
+
+TEST(Reload, RenewsTheFallbackCores) {
+  const TempDir place;
+  TrialDaemon daemon(with_fallback(place));
+  ASSERT_TRUE(daemon.becomes("first.core.number", 1)) << daemon.errors();
+  std::filesystem::remove(place / "ready");
+  daemon.install(2);
+
+  const auto result = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+
+  EXPECT_EQ(result["unmapped"], true) << result;
+  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(place / "ready"); }));
+  // It is served when the fallback core stands by.
+  ASSERT_EQ(daemon.ask("param.set", {{"values", {{"second.core.gain", 2}}}})["state"], "applied");
+  place.write("fail", "");
+  ASSERT_TRUE(eventually([&] { return daemon.component("first")["core"] == "trial/slow"; }));
+  EXPECT_TRUE(daemon.becomes("first.core.number", 2));
+  EXPECT_EQ(daemon.errors().find("no core stands by"), std::string::npos) << daemon.errors();
+}
+
 /// What "first" logged so far: "one says 7".
 std::vector<std::string> said(TrialDaemon& daemon) {
   std::vector<std::string> texts;

@@ -153,6 +153,15 @@ class ThrowingJob final : public Steady {
   void update() override { throw std::runtime_error("division by something"); }
 };
 
+/// Throws as soon as the file is there.
+class Brittle final : public Steady {
+  mauve::Property<std::string> until_there{*this, "until_there", "", "path of the file"};
+  void update() override {
+    if (std::filesystem::exists(until_there.get())) throw std::runtime_error("the file is there");
+    Steady::update();
+  }
+};
+
 class ThrowingAnything final : public Steady {
   mauve::Status on_configure() override { throw 42; }
 };
@@ -228,6 +237,7 @@ MAUVE_PLUGIN(plugin) {
   plugin.core<trial::Stuck>("stuck");
   plugin.core<trial::StuckConstructor>("stuck_constructor");
   plugin.core<trial::StuckDestructor>("stuck_destructor");
+  plugin.core<trial::Brittle>("brittle");
   plugin.core<trial::ThrowingAnything>("throwing_anything");
   plugin.core<trial::Nagging>("nagging");
   plugin.core<trial::Refusing>("refusing");

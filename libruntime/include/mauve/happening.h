@@ -66,7 +66,7 @@ struct Outcome {
   std::string component;         ///< whose fault it was; empty: nobody's
   std::string reason;            ///< "threw: sensor lost", "confirmed", "3000 jobs without a fault"
   Duration commit{0};            ///< of a rollback, since T0
-  /// Types of the cores that were rolled back, or of the one that took over.
+  /// The core that was new and at fault in a rollback, if any; the one that took over.
   std::vector<std::string> cores;
 };
 [[nodiscard]] std::string_view to_string(Outcome::Kind kind);

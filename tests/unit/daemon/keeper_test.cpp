@@ -70,6 +70,31 @@ TEST_F(KeeperTest, KnowsACrashByAMissingEnd) {
   EXPECT_EQ(keeper->generations().newest(), 2U);
 }
 
+TEST_F(KeeperTest, KeepsTheListOfCoresInQuarantine) {
+  const Json cores = {{{"core", "guidance/gap"}, {"build_id", "12ab"}, {"reason", "threw"}}};
+  EXPECT_TRUE(keeper->quarantined().empty());
+  keeper->begin(numbered(1), named("a"));
+  keeper->quarantine(cores);
+  keeper->end();
+
+  open();
+
+  EXPECT_EQ(keeper->quarantined(), cores);
+}
+
+TEST_F(KeeperTest, SaysThatADamagedListOfCoresInQuarantineIsLost) {
+  for (const char* text : {"", "[]", "{\"cores\":[1]}", "{\"cores\":[{"}) {
+    keeper.reset();
+    dir.write("state/quarantine.json", text);
+    open();
+    EXPECT_TRUE(keeper->quarantined().empty()) << text;
+    log.flush();
+    const auto told = log.history().tail(1, {});
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_EQ(told[0].event, logging::Event::quarantine_lost) << text;
+  }
+}
+
 TEST_F(KeeperTest, AnswersWhenTheGenerationIsOnTheDisk) {
   keeper->begin(numbered(1), named("a"));
 

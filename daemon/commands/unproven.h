@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// New code without a probation, from a reload or a swap in place: nothing leads back, but its
+/// generation is started after a crash only when it ran for a while, or somebody confirmed it.
+#pragma once
+
+#include "commands/command.h"
+
+namespace mauve::daemon {
+
+/// [control] This change is in force; the generation it made is unconfirmed from now on.
+void begin_unproven(Running& running, Call& call, const Change& change);
+
+/// [control] Confirms it when none of its components failed for as long as a probation lasts. What
+/// came after it decides about itself.
+void look_at_unproven(Running& running);
+
+/// [control] By hand. False: what is in force is no such generation.
+[[nodiscard]] bool confirm_unproven(Running& running);
+
+}  // namespace mauve::daemon
