@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// What a generation is worth after a crash, and which cores stay out.
+#include "kept_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using testing::HasSubstr;
+
+TEST_F(Generations, OnProbationAreNotStartedAfterACrash) {
+  TrialDaemon daemon(kTrial, options());
+  const auto before = exported(daemon);
+  const Json change = {{"values", Json{{"first.core.gain", 3.0}}}, {"confirm_within", "600s"}};
+  ASSERT_EQ(daemon.ask("param.set", change)["saved"], true);
+  EXPECT_EQ(newest(daemon)["mark"], "unconfirmed");
+
+  crash(daemon);
+  daemon.start();
+
+  EXPECT_EQ(exported(daemon), before);
+}
+
+TEST_F(Generations, ThatWereConfirmedAreStartedAfterACrash) {
+  TrialDaemon daemon(kTrial, options());
+  const Json change = {{"values", Json{{"first.core.gain", 3.0}}}, {"confirm_within", "600s"}};
+  ASSERT_EQ(daemon.ask("param.set", change)["saved"], true);
+  ASSERT_EQ(daemon.ask("change.confirm")["changed"], true);
+  ASSERT_TRUE(eventually([&] { return newest(daemon)["mark"] == "confirmed"; }));
+
+  crash(daemon);
+  daemon.start();
+
+  EXPECT_EQ(exported(daemon)["components"]["first"]["properties"]["core.gain"], 3.0);
+}
+
+TEST_F(Generations, ThatWereRolledBackAreMarkedAndTheOldOneIsSavedAgain) {
+  TrialDaemon daemon(kTrial, options());
+  const auto before = exported(daemon);
+  ASSERT_EQ(daemon.ask("param.set", {{"values", Json{{"first.core.gain", 3.0}}}})["saved"], true);
+  ASSERT_EQ(daemon.ask("change.undo")["state"], "applied");
+
+  ASSERT_TRUE(eventually([&] {
+    const auto items = daemon.ask("config.history")["items"];
+    return items.size() == 3U && items[0]["mark"] == "confirmed" &&
+           items[1]["mark"] == "rolled_back";
+  }));
+  crash(daemon);
+  daemon.start();
+
+  EXPECT_EQ(exported(daemon), before);
+}
+
+TEST_F(Generations, ThatGoBackToAnUnconfirmedOneAreUnconfirmed) {
+  TrialDaemon daemon(kTrial, options());
+  const auto proved = exported(daemon);
+  ASSERT_EQ(daemon.ask("param.set", {{"values", Json{{"first.core.gain", 3.0}}}})["saved"], true);
+  ASSERT_EQ(daemon.ask("param.set", {{"values", Json{{"second.core.gain", 4.0}}}})["saved"], true);
+  const auto undone = daemon.ask("change.undo");
+  ASSERT_EQ(undone["generation"], 4) << undone;
+
+  ASSERT_TRUE(eventually([&] {
+    const auto items = daemon.ask("config.history")["items"];
+    return items.size() == 4U && items[1]["mark"] == "rolled_back";
+  }));
+  const auto items = daemon.ask("config.history")["items"];
+  EXPECT_EQ(items[0]["mark"], "unconfirmed");
+  EXPECT_EQ(items[2]["mark"], "unconfirmed") << "it was overtaken";
+  EXPECT_EQ(exported(daemon)["components"]["first"]["properties"]["core.gain"], 3.0);
+
+  crash(daemon);
+  daemon.start();
+
+  EXPECT_EQ(exported(daemon), proved);
+}
+
+TEST_F(Generations, OfAReloadOrASwapInPlaceAreUnconfirmedUntilTheyAreConfirmed) {
+  TrialDaemon daemon(kTrial, options());
+  static_cast<void>(daemon.client());
+  daemon.install(2);
+  ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}})["saved"], true);
+  EXPECT_EQ(newest(daemon)["mark"], "unconfirmed");
+  EXPECT_EQ(daemon.ask("change.confirm")["changed"], true);
+  EXPECT_TRUE(eventually([&] { return newest(daemon)["mark"] == "confirmed"; }));
+  EXPECT_EQ(daemon.ask("change.confirm")["data"]["name"], "wrong_state") << "it is";
+
+  const auto proved = exported(daemon);
+  const Json swap = {{"component", "first"}, {"core", "trial/other"}, {"in_place", true}};
+  ASSERT_EQ(daemon.ask("core.swap", swap)["saved"], true);
+  EXPECT_EQ(newest(daemon)["mark"], "unconfirmed");
+
+  crash(daemon);
+  daemon.start();
+
+  EXPECT_EQ(exported(daemon), proved);
+}
+
+TEST_F(Generations, OfAReloadAreConfirmedWhenNothingFailed) {
+  TrialDaemon daemon(kTrial, options());
+  static_cast<void>(daemon.client());
+  daemon.install(2);
+  ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}})["saved"], true);
+
+  EXPECT_TRUE(
+      eventually([&] { return newest(daemon)["mark"] == "confirmed"; }, std::chrono::seconds(60)));
+}
+
+TEST_F(Generations, AreMadeWithoutTheCoresInQuarantineAlsoAfterARestart) {
+  TrialDaemon daemon(kTrial, options());
+  const Json swap = {{"component", "first"}, {"core", "trial/throwing_job"}};
+  ASSERT_EQ(daemon.ask("core.swap", swap)["state"], "applied");
+  ASSERT_TRUE(eventually([&] { return daemon.ask("quarantine.list")["cores"].size() == 1U; }));
+  const auto list = daemon.ask("quarantine.list");
+  ASSERT_EQ(daemon.ask("param.set", gain(2.0))["saved"], true) << "and so is what came before";
+
+  crash(daemon);
+  daemon.start();
+  EXPECT_EQ(daemon.ask("quarantine.list"), list);
+  EXPECT_THAT(daemon.ask("core.swap", swap)["message"].get<std::string>(),
+              HasSubstr("is in quarantine: it was rolled back because it threw"));
+
+  daemon.install(2);
+  end_and_start(daemon);
+  const auto other_build = daemon.ask("core.swap", swap);
+  EXPECT_EQ(other_build["state"], "applied") << "another build may be tried: " << other_build;
+
+  ASSERT_TRUE(eventually([&] { return daemon.ask("quarantine.list")["cores"].size() == 2U; }));
+  ASSERT_EQ(daemon.ask("quarantine.release", {{"core", "trial/throwing_job"}})["saved"], true);
+  end_and_start(daemon);
+  EXPECT_EQ(daemon.ask("quarantine.list")["cores"].size(), 0U);
+}
+
+}  // namespace
+}  // namespace mauve::test
