@@ -33,7 +33,7 @@ constexpr std::string_view kExamples =
     "  mauvectl set control.core.gain=0.3\n"
     "  mauvectl swap-core control guidance/finite_time\n"
     "Exit codes: 0 done, 1 refused, 2 wrong use, 3 condition false, 4 no such object,\n"
-    "  5 permission, 6 conflict, 7 no daemon, 8 timed out, 9 done partly, safe state.\n"
+    "  5 permission, 6 conflict, 7 no daemon, 8 timed out, 9 done partly: see status.\n"
     "Texts for people may change between releases; JSON only grows.";
 
 using Values = std::map<std::string_view, std::vector<std::string>>;

@@ -37,7 +37,7 @@ enum class Exit : int {
   conflict = 6,     ///< another generation, locked, busy
   unreachable = 7,  ///< no daemon
   timed_out = 8,    ///< outcome unknown
-  partly = 9,       ///< applied partly, robot in safe state
+  partly = 9,       ///< done partly: not all obeyed in time, see status
 };
 
 /// Everything that an error says on the wire: {"code","message","data":{...}}.

@@ -201,6 +201,7 @@ Result<std::shared_ptr<Ongoing>> Deployer::begin_stop(const std::vector<std::str
 }
 
 std::shared_ptr<Ongoing> Deployer::begin_stop_all(Duration bound) {
+  if (system_->probation != nullptr) system_->probation->keep_parked();
   return std::make_shared<exec::Stop>(*system_, exec::in_order_of_safe_values(*system_),
                                       exec::patience_within(bound));
 }

@@ -128,6 +128,18 @@ void OnProbation::end(Outcome::Kind kind, const std::string& reason) {
   withdraw();
 }
 
+/// Its way back is out of the task's hands meanwhile; it is parked, so it misses nothing.
+void OnProbation::keep_parked() {
+  for (std::size_t i = 0; i < content_->members.size(); ++i) {
+    Task& task = *members_[i].deployed->task;
+    Published* const back = members_[i].back;
+    if (content_->members[i].part != Part::leaves || !task.withdraw_back(*back)) continue;
+    back->mode = Mode::park;
+    task.put_back(*back);
+    system_.runner->wake(task);
+  }
+}
+
 /// The tasks give the ways back up; each is freed when its thread has looked elsewhere.
 void OnProbation::withdraw() {
   phase_ = Phase::withdrawing;

@@ -43,6 +43,8 @@ class OnProbation {
   [[nodiscard]] const std::shared_ptr<WayBack>& way_back() const { return way_back_; }
   /// False: it is over, or being rolled back already.
   bool undo(const std::string& reason);
+  /// Everything stops: who comes back by a rollback does not start again.
+  void keep_parked();
   /// Of a change that is not even in force everywhere: it never made a generation.
   void go_quietly() { quiet_ = true; }
   /// Unless going back takes too long.

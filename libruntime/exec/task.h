@@ -102,6 +102,7 @@ class Task {
   bool stand_by(Published& relief);
   /// Takes the way back, or the relief, out again; false when the task has taken it.
   bool withdraw_back(Published& back) { return empty(back_, back); }
+  void put_back(Published& back) { back_.store(&back, std::memory_order_release); }
   bool withdraw_relief(Published& relief) { return empty(relief_, relief); }
   /// How often the task looked for changes: what was taken out before the last look is not looked
   /// at any more.

@@ -218,6 +218,26 @@ TEST_F(OnProbation, AStopThatKnowsNothingOfARollBackParksTheOldCore) {
   EXPECT_GT(ramp::read(architecture.position), 6.0) << "it counts up again";
 }
 
+TEST_F(OnProbation, AfterAStopOfEverythingWhatComesBackStaysParked) {
+  Change change;
+  change.remove = {"control"};
+  change.probation = Probation{};
+  ASSERT_TRUE(deployer.apply(change));
+  deployer.run_for(20ms);
+
+  ASSERT_TRUE(deployer.stop_all());
+  ASSERT_TRUE(deployer.undo());
+  end_after(20ms);
+
+  EXPECT_EQ(deployer.status("control").state, ComponentState::stopped);
+  const double position = ramp::read(architecture.position);
+  deployer.run_for(50ms);
+  EXPECT_EQ(ramp::read(architecture.position), position) << "the machine stands";
+  ASSERT_TRUE(deployer.start({"control"}));
+  deployer.run_for(50ms);
+  EXPECT_NE(ramp::read(architecture.position), position);
+}
+
 TEST_F(OnProbation, WhatJoinedLeavesAgainAndWhatLeftComesBack) {
   struct Other : ramp::Shell {};
   auto joining = std::make_shared<ComponentBase>(
