@@ -48,7 +48,7 @@ void Commit::enter(std::size_t index) {
   }
   schedule(system_, *deployed_[index]);
   system_.runner->look_again();
-  // Where a lost thread is inside, it is freed when that has ended: see tend().
+  // Where a lost thread is inside, it is freed when that has ended: see collect().
   const bool lost = system_.runner->has_lost(deployed_[index]->task.get());
   retire(*member.base, *member.next, lost ? system_.free : retired_);
   if (member.next != member.base) {
@@ -61,12 +61,13 @@ void Commit::enter(std::size_t index) {
 }
 
 void Commit::enter_resources() {
+  Retired& retired = system_.runner->has_lost() ? system_.free : retired_;
   for (std::size_t i = 0; i < swap_->resources().size(); ++i) {
     const ResourceFlip& flip = *swap_->resources()[i].flip;
     if (flip.state() != ResourceFlip::State::in_force) continue;
     PreparedResource& change = content_->resources[i];
     change.resource->install(change.parts.core, change.parts.bindings);
-    if (change.parts.core != nullptr) retired_.add(change.base.core);
+    if (change.parts.core != nullptr) retired.add(change.base.core);
     change.made.forget();
     receipt_.components.push_back({change.resource->name(), flip.pause(), 0, flip.bytes()});
   }

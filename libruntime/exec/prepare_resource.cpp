@@ -36,7 +36,8 @@ Result<std::shared_ptr<const Bindings>> new_bindings(const Afterwards& after, co
 /// The core anew, with other properties.
 Status make_core(const Edit& edit, ResourceBase& resource, PreparedResource& prepared) {
   std::shared_ptr<CoreBase>& core = prepared.parts.core;
-  Status done = check_state_survives(resource.core(), edit);
+  Status done = check_whole(resource, edit.state);
+  if (done) done = check_state_survives(resource.core(), edit);
   const CoreType& type = edit.core ? *edit.core : resource.type().core;
   if (done) done = make_element(resource.core().address(), type.make, core);
   if (done) done = prepare_hand_over(resource.core(), *core, edit.state);

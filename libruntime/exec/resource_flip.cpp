@@ -65,8 +65,10 @@ bool ResourceFlip::visit(Instant release) {
 void ResourceFlip::take() {
   const Instant begin = MonotonicClock().now();
   for (const auto& [port, service] : safe_writes_) write_quietly(*port, *service);
-  hand_over_.run();
-  bytes_ = hand_over_.bytes;
+  if (!resource_.gate().poisoned()) {  // else it may be half written: the new core begins anew
+    hand_over_.run();
+    bytes_ = hand_over_.bytes;
+  }
   for (const auto& [into, from] : observables_) into->continue_from(*from);
   resource_.meet(parts_.core, parts_.bindings);
   if (parts_.core != nullptr) resource_.gate().forget_holds();

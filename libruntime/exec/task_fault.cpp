@@ -98,8 +98,7 @@ bool Task::lose_thread(Instant since) {
   if (!watched_.busy_since.compare_exchange_strong(since, kLost)) return false;
   if (Job* job = job_.exchange(nullptr)) {
     job->detached.store(true);
-    const std::size_t held = job->held_count.load(std::memory_order_acquire);
-    for (std::size_t i = 0; i < held; ++i) job->held[i].load()->poison();
+    Gate::poison_and_free_all(*job);
   }
   return true;
 }

@@ -1,39 +1,51 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/gate.h>
 
+#include <sched.h>
+
+#include <memory>
+#include <utility>
+
+#include "model/left_behind.h"
 #include "rt/pi_mutex.h"
 #include "rt/preemption.h"
-
-#include <utility>
 
 #include <mauve/clock.h>
 #include <mauve/job.h>
 
 namespace mauve {
 
-struct Gate::Lock {
+/// A gate has one; a new one when a thread that never returns holds it.
+struct GateLock {
+  explicit GateLock(Gate& its_gate) : gate(its_gate) {}
+  Gate& gate;
   rt::PiMutex mutex;
-  std::atomic<std::uint64_t> timeouts{0};
-  bool timed = true;
   Instant since = 0;  // held, by a job that nothing has interrupted so far; 0: not, or not timed
-  std::atomic<std::int64_t> longest{0};
+  /// Whoever clears it ends the hold: the holder when it leaves, or the guard that gives it up.
+  std::atomic<const Job*> holder{nullptr};
+
+  [[nodiscard]] bool end_hold_of(const Job& job) {
+    const Job* expected = &job;
+    return holder.compare_exchange_strong(expected, nullptr, std::memory_order_acq_rel);
+  }
 };
 
-Gate::Gate() : lock_(std::make_unique<Lock>()) {}
-Gate::~Gate() = default;
+Gate::Gate() : lock_(new GateLock(*this)) {}
+Gate::~Gate() { delete lock_.load(); }
 
 bool Gate::enter() {
   Job& job = this_job();
   if (job.held_count.load(std::memory_order_relaxed) == Job::kMaxHeld) return false;
-  if (!lock_->mutex.try_lock()) {
+  GateLock& lock = *lock_.load(std::memory_order_acquire);
+  if (!lock.mutex.try_lock()) {
     if (poisoned()) return false;  // who holds it may never leave
     const Duration bound = job.lock_bound > Duration{0} ? job.lock_bound : Duration{1s};
-    if (!lock_->mutex.lock_until(MonotonicClock().now() + bound.count())) {
-      lock_->timeouts.fetch_add(1, std::memory_order_relaxed);
+    if (!lock.mutex.lock_until(MonotonicClock().now() + bound.count())) {
+      timeouts_.fetch_add(1, std::memory_order_relaxed);
       return false;
     }
   }
-  hold();
+  if (!hold(lock)) return enter();
   if (deferred_.load(std::memory_order_acquire) != nullptr) visit_deferred(job.release);
   if (!poisoned()) return true;
   leave();
@@ -41,40 +53,76 @@ bool Gate::enter() {
 }
 
 bool Gate::try_enter() {
+  if (this_job().held_count.load(std::memory_order_relaxed) == Job::kMaxHeld) return false;
+  GateLock& lock = *lock_.load(std::memory_order_acquire);
+  return lock.mutex.try_lock() && hold(lock);
+}
+
+/// False when this is not the lock of the gate any more: who held it was given up, and unlocked it
+/// when it came back after all. One writer of the record: a load and a store are enough.
+bool Gate::hold(GateLock& lock) {
+  if (lock_.load(std::memory_order_acquire) != &lock) {
+    lock.mutex.unlock();
+    return false;
+  }
   Job& job = this_job();
-  if (job.held_count.load(std::memory_order_relaxed) == Job::kMaxHeld) return false;
-  if (!lock_->mutex.try_lock()) return false;
-  hold();
+  lock.holder.store(&job, std::memory_order_relaxed);
+  const std::size_t count = job.held_count.load(std::memory_order_relaxed);
+  job.held[count].store(&lock, std::memory_order_relaxed);
+  job.held_count.store(count + 1, std::memory_order_release);
+  if (timed_ && !rt::preempted()) lock.since = MonotonicClock().now();
   return true;
 }
 
-/// One writer: a load and a store are enough.
-void Gate::hold() {
-  Job& job = this_job();
-  const std::size_t count = job.held_count.load(std::memory_order_relaxed);
-  job.held[count].store(this, std::memory_order_relaxed);
-  job.held_count.store(count + 1, std::memory_order_release);
-  if (lock_->timed && !rt::preempted()) lock_->since = MonotonicClock().now();
+void Gate::leave() {
+  const Job& job = this_job();  // locks nest: the innermost is left first
+  leave(*job.held[job.held_count.load(std::memory_order_relaxed) - 1]);
 }
 
-void Gate::leave() {
-  Job& job = this_job();  // locks nest: the innermost is left first
+void Gate::leave(GateLock& lock) {
+  Job& job = this_job();
   job.held_count.store(job.held_count.load(std::memory_order_relaxed) - 1,
                        std::memory_order_relaxed);
-  if (const Instant since = std::exchange(lock_->since, 0); since != 0 && !rt::preempted()) {
+  if (!lock.end_hold_of(job)) return leave_renewed(lock);
+  if (const Instant since = std::exchange(lock.since, 0); since != 0 && !rt::preempted()) {
     const std::int64_t held = MonotonicClock().now() - since;
-    if (held > lock_->longest.load(std::memory_order_relaxed)) lock_->longest.store(held);
+    if (held > longest_.load(std::memory_order_relaxed)) longest_.store(held);
   }
-  lock_->mutex.unlock();
+  lock.mutex.unlock();
+}
+
+/// This thread was given up meanwhile. Who still waits for its lock finds out; a lock whose owner
+/// ends without leaving it would end the process.
+void Gate::leave_renewed(GateLock& lock) {
+  while (lock_.load(std::memory_order_acquire) == &lock) sched_yield();  // in a moment
+  lock.mutex.unlock();
 }
 
 void Gate::poison_and_leave_all() {
-  Job& job = this_job();
+  const Job& job = this_job();
   while (const std::size_t count = job.held_count.load(std::memory_order_relaxed)) {
-    Gate& innermost = *job.held[count - 1].load(std::memory_order_relaxed);
-    innermost.poison();
-    innermost.leave();
+    GateLock& innermost = *job.held[count - 1].load(std::memory_order_relaxed);
+    const bool still_holds = innermost.holder.load(std::memory_order_relaxed) == &job;
+    if (still_holds) innermost.gate.poison();
+    innermost.gate.leave(innermost);
   }
+}
+
+void Gate::poison_and_free_all(Job& lost) {
+  const std::size_t count = lost.held_count.load(std::memory_order_acquire);
+  for (std::size_t i = 0; i < count; ++i) {
+    GateLock& lock = *lost.held[i].load(std::memory_order_relaxed);
+    if (!lock.end_hold_of(lost)) continue;  // it has left this one
+    lock.gate.poison();                     // before anybody can enter
+    lock.gate.renew_lock();
+  }
+}
+
+/// The old one is never freed: its holder may still come back to it.
+void Gate::renew_lock() {
+  auto fresh = std::make_unique<GateLock>(*this);
+  leave_behind(
+      std::shared_ptr<GateLock>(lock_.exchange(fresh.release(), std::memory_order_acq_rel)));
 }
 
 void Gate::visit_deferred(Instant release) {
@@ -82,13 +130,9 @@ void Gate::visit_deferred(Instant release) {
   if (deferred != nullptr && deferred->visit(release)) forget(*deferred);
 }
 
-Duration Gate::longest_hold() const { return Duration{lock_->longest.load()}; }
 void Gate::forget_holds() {
-  lock_->since = 0;
-  lock_->longest.store(0);
+  lock_.load()->since = 0;
+  longest_.store(0);
 }
-void Gate::hold_shortly() { lock_->timed = false; }
-
-std::uint64_t Gate::timeouts() const { return lock_->timeouts.load(std::memory_order_relaxed); }
 
 }  // namespace mauve

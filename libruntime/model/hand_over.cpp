@@ -93,4 +93,13 @@ Status prepare_hand_over(const CoreBase& from, const CoreBase& into, StatePolicy
   return hand_over_slow(from, into);
 }
 
+Status check_whole(const ResourceBase& from, StatePolicy policy) {
+  if (policy == StatePolicy::drop || !from.gate().poisoned() || from.core().stateless()) {
+    return ok();
+  }
+  return refuse(Errc::wrong_state, from.name(),
+                "is poisoned: a caller was thrown out of it, so what it holds may be half written",
+                "say --state drop to start it fresh");
+}
+
 }  // namespace mauve

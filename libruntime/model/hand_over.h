@@ -6,12 +6,14 @@
 ///   it has a converter from the old type                           converted at the boundary
 ///   the new core is stateless, or the state is to be dropped       nothing
 ///   anything else                                                  refused before anything happens
+/// A poisoned resource hands nothing over: what it holds may be half written.
 #pragma once
 
 #include <cstddef>
 
 #include <mauve/change.h>
 #include <mauve/core.h>
+#include <mauve/resource.h>
 
 namespace mauve {
 
@@ -36,5 +38,8 @@ struct HandOver {
 /// and asks whether there is a plan for the other. Errors: type_mismatch, hook_threw. [factory]
 [[nodiscard]] Status prepare_hand_over(const CoreBase& from, const CoreBase& into,
                                        StatePolicy policy);
+
+/// Before either: an error when `from` is poisoned and its state is not to be dropped. [any]
+[[nodiscard]] Status check_whole(const ResourceBase& from, StatePolicy policy);
 
 }  // namespace mauve

@@ -90,6 +90,7 @@ Result<Succession> plan_succession(const ResourceBase& from, const ResourceBase&
                                    StatePolicy policy, bool way_back) {
   Succession plan;
   if (policy == StatePolicy::drop) return plan;
+  if (Status whole = check_whole(from, policy); !whole) return whole.error();
   const CoreBase& old = from.core();
   if (const auto* held = dynamic_cast<const ValueStore*>(&old)) {
     auto* const place = dynamic_cast<ValueStore*>(&into.core());

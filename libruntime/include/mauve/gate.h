@@ -4,7 +4,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <memory>
 
 #include <mauve/data_status.h>
 #include <mauve/time.h>
@@ -20,6 +19,9 @@ class Deferred {
   /// it is over, and nobody visits it again. Bounded, no heap. [any]
   virtual bool visit(Instant release) = 0;
 };
+
+struct GateLock;
+struct Job;
 
 /// The priority-inheritance lock of a resource, with a bounded wait and a record of what the thread
 /// holds.
@@ -37,15 +39,15 @@ class Gate {
   /// Never waits, and enters a poisoned resource too. [control]
   [[nodiscard]] bool try_enter();
   void leave();
-  [[nodiscard]] std::uint64_t timeouts() const;
+  [[nodiscard]] std::uint64_t timeouts() const { return timeouts_.load(std::memory_order_relaxed); }
   /// The longest that a caller held it without being interrupted by another thread; 0: none was
   /// measured. For the analysis of response times. [any]
-  [[nodiscard]] Duration longest_hold() const;
+  [[nodiscard]] Duration longest_hold() const { return Duration{longest_.load()}; }
   /// Under the gate: its core is another one.
   void forget_holds();
   /// It is only ever held for some loads and stores: the clock would take longer. Before its first
   /// caller.
-  void hold_shortly();
+  void hold_shortly() { timed_ = false; }
 
   /// A caller was thrown out in the middle of a service (a crash, a core that did not return): what
   /// the core holds may be half written. Callers are refused until it gets a new core. [any]
@@ -56,6 +58,10 @@ class Gate {
 
   /// Runtime only: of all that this thread holds, which it was thrown out of: poisoned, then left.
   static void poison_and_leave_all();
+  /// Runtime only: of all that a thread holds that never returns: poisoned, and given a new lock in
+  /// place of the one that only that thread could unlock. Takes memory; the thread must not end
+  /// meanwhile. [guard]
+  static void poison_and_free_all(Job& lost);
 
   /// Runtime only: what the next callers visit. [control]
   void defer(Deferred& deferred) { deferred_.store(&deferred, std::memory_order_release); }
@@ -67,13 +73,18 @@ class Gate {
   }
 
  private:
-  struct Lock;
-  void hold();
+  [[nodiscard]] bool hold(GateLock& lock);
+  void leave(GateLock& lock);
+  void leave_renewed(GateLock& lock);
+  void renew_lock();
   void visit_deferred(Instant release);
 
-  std::unique_ptr<Lock> lock_;
+  std::atomic<GateLock*> lock_;
   std::atomic<Deferred*> deferred_{nullptr};
   std::atomic<bool> poisoned_{false};
+  bool timed_ = true;
+  std::atomic<std::uint64_t> timeouts_{0};
+  std::atomic<std::int64_t> longest_{0};
 };
 
 /// Holds a gate for a scope; false when it could not be entered.

@@ -14,8 +14,8 @@
 
 namespace mauve {
 
-class Gate;
 class PortBase;
+struct GateLock;
 
 /// One per thread. The stepper fills it at each release; other threads keep the defaults.
 struct Job {
@@ -29,9 +29,9 @@ struct Job {
   /// given up because its job did not return.
   std::atomic<bool> detached{false};
   const PortBase* implausible = nullptr;  ///< the first that was given a value it does not let out
-  /// Resources locked by this thread, innermost last; a guard may look.
+  /// Locks of resources that this thread holds, innermost last; the guard may look.
   std::atomic<std::size_t> held_count{0};
-  std::array<std::atomic<Gate*>, kMaxHeld> held{};
+  std::array<std::atomic<GateLock*>, kMaxHeld> held{};
 };
 
 /// The calling thread's job. [any]

@@ -32,6 +32,7 @@ class ResourceBase {
     return interface_->find_service(name);
   }
   [[nodiscard]] Gate& gate() { return gate_; }
+  [[nodiscard]] const Gate& gate() const { return gate_; }
 
   /// Shell, core, interface in this order; a failure undoes what this call had configured.
   Status configure();

@@ -13,6 +13,8 @@
 #include "support/outcomes.h"
 #include "support/ramp.h"
 
+#include <mauve/job.h>
+
 namespace mauve {
 namespace {
 
@@ -242,6 +244,17 @@ TEST_F(Guard, AShutdownLeavesBehindWhatAThreadIsStillIn) {
 // -----------------------------------------------------------------------
 
 struct SlowMeter final : Core<EmptyShell> {
+  State<ramp::Position> state{*this};
+  Property<double> scale{*this, "scale", 1.0, "any"};
+  static std::atomic<int>& configured() {
+    static std::atomic<int> cores{0};
+    return cores;
+  }
+  Status on_configure() override {
+    ++configured();
+    return ok();
+  }
+  void on_cleanup() override { --configured(); }
   void note(const double& value) {
     if (value == 4) block()->wait();
   }
@@ -262,7 +275,7 @@ struct Shared : Architecture {
   }
 };
 
-TEST_F(Guard, WhatALostThreadHoldsIsToldToItsUsersAndLeftWhenItReturns) {
+TEST_F(Guard, WhatALostThreadHoldsIsPoisonedAndFreedAtOnce) {
   Shared architecture;
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
@@ -274,14 +287,57 @@ TEST_F(Guard, WhatALostThreadHoldsIsToldToItsUsersAndLeftWhenItReturns) {
   const double value = 1;
   EXPECT_FALSE(architecture.meter.interface().write.write(&value));
   EXPECT_TRUE(runs_on(deployer, "right"));
-  EXPECT_FALSE(gate.try_enter()) << "the thread is still inside";
+  ASSERT_TRUE(gate.try_enter()) << "although the thread is still inside";
+  gate.leave();
+  block_.let_go();
+}
 
+TEST_F(Guard, AResourceThatALostThreadIsInGetsANewCoreAndServesAgain) {
+  Shared architecture;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(is_faulted(deployer, "left"));
+  Gate& gate = architecture.meter.gate();
+
+  const auto kept = deployer.set("meter.core.scale", Value(2.0));
+  ASSERT_FALSE(kept) << "its state may be half written";
+  EXPECT_EQ(kept.error().code, Errc::wrong_state);
+  ASSERT_TRUE(deployer.set("meter.core.scale", Value(2.0), StatePolicy::drop));
+  EXPECT_TRUE(runs_on(deployer, "right"));
+
+  EXPECT_FALSE(gate.poisoned());
+  const double value = 1;
+  EXPECT_TRUE(architecture.meter.interface().write.write(&value));
+  EXPECT_EQ(SlowMeter::configured(), 2) << "the old core stays: a thread is in it";
+
+  Entry entry(gate);
+  ASSERT_TRUE(entry);
   block_.let_go();
   EXPECT_TRUE(eventually([&] {
-    if (!gate.try_enter()) return false;
-    gate.leave();
-    return true;
-  }));
+    static_cast<void>(test::tend(deployer));
+    return SlowMeter::configured() == 1;
+  })) << "and goes with its thread";
+  std::thread([&] { EXPECT_FALSE(gate.try_enter()) << "held by this thread alone"; }).join();
+}
+
+TEST_F(Guard, WhoWaitsForTheLockOfALostThreadIsServedWhenThatComesBack) {
+  Shared architecture;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(eventually([&] { return block_.entered.load(); }));
+  bool served = false;
+  std::thread waiting([&] {
+    this_job().lock_bound = 30s;
+    const Entry entry(architecture.meter.gate());
+    served = static_cast<bool>(entry);
+  });
+
+  ASSERT_TRUE(is_faulted(deployer, "left"));
+  ASSERT_TRUE(deployer.set("meter.core.scale", Value(2.0), StatePolicy::drop));
+  block_.let_go();
+
+  waiting.join();
+  EXPECT_TRUE(served);
 }
 
 }  // namespace
