@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/gate.h>
 
-#include <sched.h>
-
 #include <memory>
+#include <thread>
 #include <utility>
 
 #include "model/left_behind.h"
@@ -94,7 +93,7 @@ void Gate::leave(GateLock& lock) {
 /// This thread was given up meanwhile. Who still waits for its lock finds out; a lock whose owner
 /// ends without leaving it would end the process.
 void Gate::leave_renewed(GateLock& lock) {
-  while (lock_.load(std::memory_order_acquire) == &lock) sched_yield();  // in a moment
+  while (lock_.load(std::memory_order_acquire) == &lock) std::this_thread::yield();  // in a moment
   lock.mutex.unlock();
 }
 
