@@ -85,6 +85,7 @@ void Commit::conclude() {
   }
   overtake_before();
   enter_resources();
+  if (system_.runner->has_lost()) system_.free.keep(content_);  // it may be inside of what leaves
   receipt_.state = ChangeState::applied;
   receipt_.commit = Duration{swapped.instant - system_.t0};
   receipt_.attempts = swapped.attempts;

@@ -3,6 +3,10 @@
 #include <mauve/plugin.h>
 
 #include "gnss.h"
+#include "grid.h"
+#include "imu.h"
+#include "joystick.h"
+#include "motion.h"
 #include "pose.h"
 #include "scan.h"
 #include "velocity.h"
@@ -14,4 +18,11 @@ MAUVE_PLUGIN(plugin) {
   plugin.type<rover::Velocity>();
   plugin.type<rover::LaserScan>();
   plugin.type<rover::GnssFix>();
+  plugin.type<rover::Imu>();
+  plugin.type<rover::Twist>();
+  plugin.type<rover::Pose>();
+  plugin.type<rover::MotionState>();
+  plugin.type<rover::Joystick>();
+  plugin.type<rover::OccupancyGrid>();
+  plugin.type<rover::Path>();
 }
