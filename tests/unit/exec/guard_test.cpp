@@ -320,6 +320,42 @@ TEST_F(Guard, AResourceThatALostThreadIsInGetsANewCoreAndServesAgain) {
   std::thread([&] { EXPECT_FALSE(gate.try_enter()) << "held by this thread alone"; }).join();
 }
 
+/// The resource is the architecture's own, so that it may leave.
+struct WithOwned : Architecture {
+  ResourceBase& meter = own(std::make_shared<ResourceBase>(
+      "meter", ResourceType{"meter", ShellType::of<EmptyShell>(), CoreType::of<SlowMeter>("meter"),
+                            detail::make<InterfaceBase, SlowInterface>}));
+  Component<ramp::Shell, ramp::Up, ramp::Fsm> left{*this, "left"};
+  Status on_configure() override {
+    left.task().watchdog = kBound;
+    return left.shell().out.connect(*meter.find_service("write"));
+  }
+};
+
+TEST_F(Guard, AResourceThatALostThreadIsInMayLeave) {
+  SlowMeter::configured() = 0;
+  WithOwned architecture;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(is_faulted(deployer, "left"));
+  Change change;
+  change.edits.resize(1);
+  change.edits[0].component = "left";
+  change.edits[0].disconnect = {"out"};
+  change.remove = {"meter"};
+
+  ASSERT_TRUE(deployer.apply(change));
+
+  EXPECT_EQ(architecture.find_resource("meter"), nullptr);
+  static_cast<void>(test::tend(deployer));
+  EXPECT_EQ(SlowMeter::configured(), 1) << "it stays while a thread is in it";
+  block_.let_go();
+  EXPECT_TRUE(eventually([&] {
+    static_cast<void>(test::tend(deployer));
+    return SlowMeter::configured() == 0;
+  }));
+}
+
 TEST_F(Guard, WhoWaitsForTheLockOfALostThreadIsServedWhenThatComesBack) {
   Shared architecture;
   Deployer deployer(architecture);
