@@ -18,7 +18,7 @@ struct MachineCosts {
   static constexpr Duration window = 4ms;
 };
 
-/// The largest on any of these CPUs, each measured for some 20 ms at this SCHED_FIFO priority. A
+/// The largest on any of these CPUs, each measured for some 30 ms at this SCHED_FIFO priority. A
 /// few outliers are left out: that somebody else's machine stood in the way says nothing about the
 /// next time. None when the process may not use SCHED_FIFO. [control], before components run
 [[nodiscard]] std::optional<MachineCosts> measure_machine(const std::vector<int>& cpus,

