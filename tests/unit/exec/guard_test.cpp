@@ -265,6 +265,7 @@ struct SlowInterface : Interface<SlowMeter> {
 
 /// `right` counts down, so it never hands over a 4.
 struct Shared : Architecture {
+  Shared() { SlowMeter::configured() = 0; }
   Resource<EmptyShell, SlowMeter, SlowInterface> meter{*this, "meter"};
   Component<ramp::Shell, ramp::Up, ramp::Fsm> left{*this, "left"};
   Component<ramp::Shell, ramp::Down, ramp::Fsm> right{*this, "right"};
@@ -274,6 +275,14 @@ struct Shared : Architecture {
     return right.shell().out.connect(meter.interface().write);
   }
 };
+
+/// The meter has another core, and nobody is in the old one any more.
+bool is_left(Deployer& deployer) {
+  return eventually([&] {
+    static_cast<void>(test::tend(deployer));
+    return SlowMeter::configured() == 1;
+  });
+}
 
 TEST_F(Guard, WhatALostThreadHoldsIsPoisonedAndFreedAtOnce) {
   Shared architecture;
@@ -289,7 +298,9 @@ TEST_F(Guard, WhatALostThreadHoldsIsPoisonedAndFreedAtOnce) {
   EXPECT_TRUE(runs_on(deployer, "right"));
   ASSERT_TRUE(gate.try_enter()) << "although the thread is still inside";
   gate.leave();
+  ASSERT_TRUE(deployer.set("meter.core.scale", Value(2.0), StatePolicy::drop));
   block_.let_go();
+  EXPECT_TRUE(is_left(deployer));
 }
 
 TEST_F(Guard, AResourceThatALostThreadIsInGetsANewCoreAndServesAgain) {
@@ -313,10 +324,7 @@ TEST_F(Guard, AResourceThatALostThreadIsInGetsANewCoreAndServesAgain) {
   Entry entry(gate);
   ASSERT_TRUE(entry);
   block_.let_go();
-  EXPECT_TRUE(eventually([&] {
-    static_cast<void>(test::tend(deployer));
-    return SlowMeter::configured() == 1;
-  })) << "and goes with its thread";
+  EXPECT_TRUE(is_left(deployer)) << "and goes with its thread";
   std::thread([&] { EXPECT_FALSE(gate.try_enter()) << "held by this thread alone"; }).join();
 }
 
@@ -374,6 +382,7 @@ TEST_F(Guard, WhoWaitsForTheLockOfALostThreadIsServedWhenThatComesBack) {
 
   waiting.join();
   EXPECT_TRUE(served);
+  EXPECT_TRUE(is_left(deployer));
 }
 
 }  // namespace
