@@ -141,9 +141,9 @@ std::variant<Json, Fault> Client::call(std::string_view method, const Json& para
   }
 }
 
-std::variant<Notification, Fault> Client::next() {
+std::variant<Notification, Fault> Client::next(Deadline deadline) {
   while (notifications_.empty()) {
-    auto message = read_message(Deadline::max());
+    auto message = read_message(deadline);
     if (auto* fault = std::get_if<Fault>(&message)) return std::move(*fault);
     auto& content = std::get<ServerMessage>(message);
     if (auto* notification = std::get_if<Notification>(&content)) {

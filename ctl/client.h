@@ -33,15 +33,16 @@ class Client {
   [[nodiscard]] std::variant<Json, Fault> call(std::string_view method, const Json& params,
                                                std::chrono::nanoseconds timeout);
 
-  /// The next notification; waits as long as it takes. A Fault when the daemon goes away.
-  [[nodiscard]] std::variant<Notification, Fault> next();
+  using Deadline = std::chrono::steady_clock::time_point;
+  /// The next notification; by default waits as long as it takes. A Fault when the daemon goes
+  /// away, "timed_out" when there is none before the deadline.
+  [[nodiscard]] std::variant<Notification, Fault> next(Deadline deadline = Deadline::max());
 
   /// What the daemon said of itself.
   [[nodiscard]] const Json& greeting() const { return greeting_; }
 
  private:
   struct Connection;
-  using Deadline = std::chrono::steady_clock::time_point;
 
   std::optional<Fault> accept_greeting(std::string_view line);
   std::variant<std::string, Fault> read_line(Deadline deadline);

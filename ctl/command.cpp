@@ -49,6 +49,25 @@ constexpr Argument kShow[] = {
     one("ADDRESS", "component, resource or anything in them", Kind::address)};
 constexpr Argument kGet[] = {
     some("ADDRESS", "such as control.core.gain or fix.read", Kind::address)};
+constexpr Argument kFor = maybe("--for", "how long, such as 10s; unsaid: until Ctrl-C", Kind::none);
+constexpr Argument kRecord[] = {
+    some("ADDRESS", "such as pose.read or control.missed", Kind::address), kFor,
+    maybe("-o,--output", "file for the CSV; unsaid: standard output", Kind::file)};
+constexpr Argument kPicture =
+    maybe("-o,--output", "file for the SVG; unsaid: standard output", Kind::file);
+constexpr Argument kPlot[] = {some("ADDRESS", "of numbers, such as pose.read", Kind::address), kFor,
+                              kPicture};
+constexpr Argument kMap[] = {
+    one("POSE", "where it is: something with x and y; with heading and variances drawn as well",
+        Kind::address),
+    maybe("--grid", "an occupancy grid", Kind::address),
+    maybe("--scan", "a laser scan, drawn where it was seen from", Kind::address),
+    maybe("--path", "places to pass", Kind::address),
+    maybe("--goal", "a place", Kind::address),
+    maybe("--discs", "obstacles, each with a place and a radius", Kind::address),
+    maybe("--mode", "what colours the way driven, such as control.core", Kind::address),
+    kFor,
+    kPicture};
 constexpr Argument kSet[] = {some("ADDRESS=VALUE", "JSON, or a bare text", Kind::assignment),
                              kState, kProbation, kMisses, kConfirmWithin};
 constexpr Argument kStart[] = {some("COMPONENT", "names of components", Kind::component),
@@ -112,6 +131,12 @@ constexpr Command kCommands[] = {
      run_set},
     {"watch", "every new value, one a line, until Ctrl-C", "mauvectl --json watch fix.read", kGet,
      false, run_watch},
+    {"record", "every new value as a row of CSV",
+     "mauvectl record pose.read --for 10s -o drive.csv", kRecord, false, run_record},
+    {"plot", "values over time, as an SVG picture",
+     "mauvectl plot pose.read --for 10s -o drive.svg", kPlot, false, run_plot},
+    {"map", "the way driven, as an SVG picture with what was seen on it",
+     "mauvectl map pose.read --mode control.core --for 30s -o drive.svg", kMap, false, run_map},
     {"start", "components, at the next instant of their grid", "mauvectl start gnss", kStart, true,
      run_start},
     {"stop", "components: end the job, write safe values, park", "mauvectl stop --all", kStop, true,

@@ -25,7 +25,10 @@ class Session {
 
   /// Connects at the first call. Adds if_generation and reason for commands that change something.
   [[nodiscard]] std::variant<Json, Fault> call(std::string_view method, Json params);
-  [[nodiscard]] std::variant<Notification, Fault> next() { return client_.next(); }
+  using Deadline = Client::Deadline;
+  [[nodiscard]] std::variant<Notification, Fault> next(Deadline deadline = Deadline::max()) {
+    return client_.next(deadline);
+  }
 
   /// Prints one line of JSON, or the text. Flushed, so that a pipe sees it at once.
   void print(const Json& value, std::string_view text);

@@ -87,13 +87,10 @@ Result<std::uint64_t> Watches::subscribe(const Running& running, const server::C
 
 Status Watches::add(const Running& running, const std::string& address, const Subscriber& who) {
   const auto target = find_target(running, address);
-  if (!target) {
-    return target.error();
-  }
-  if (target->service != nullptr && target->service->taps() != nullptr) {
+  if (target && target->service != nullptr && target->service->taps() != nullptr) {
     return tap(address, *target->service, who);
   }
-  auto now = sample(running, address, *target);
+  auto now = sample_at(running, address);
   if (!now) {
     return now.error();
   }
@@ -232,8 +229,7 @@ void Watches::bring_values() {
 void Watches::poll() {
   const auto time = running_->deployer.clock().now() - running_->deployer.t0();
   for (auto& one : polled_) {
-    const auto target = find_target(*running_, one.address);
-    auto now = target ? sample(*running_, one.address, *target) : Result<Json>(target.error());
+    auto now = sample_at(*running_, one.address);
     auto params = now ? *std::move(now)
                       : Json{{"address", one.address}, {"value", nullptr}, {"status", "no_data"}};
     if (same_sample(params, one.last)) {

@@ -225,21 +225,7 @@ Result<Json> show(Running& running, const Call& call) {
 }
 
 Result<Json> get(Running& running, const Call& call) {
-  const auto address = text_or(call.params, "address");
-  const auto target = find_target(running, address);
-  if (target) {
-    return sample(running, address, *target);
-  }
-  // What only conditions know: statistics, status and age, fields.
-  const auto quantity = arch::find_quantity(running.architecture, address);
-  if (!quantity) {
-    return target.error();
-  }
-  const auto value = read(running, *quantity);
-  if (!value) {
-    return value.error();
-  }
-  return Json{{"address", address}, {"value", arch::to_json(*value)}, {"status", "current"}};
+  return sample_at(running, text_or(call.params, "address"));
 }
 
 }  // namespace mauve::daemon

@@ -161,6 +161,22 @@ Result<Json> sample(const Running& running, const std::string& address, const Ta
   return out;
 }
 
+Result<Json> sample_at(const Running& running, const std::string& address) {
+  const auto target = find_target(running, address);
+  if (target) {
+    return sample(running, address, *target);
+  }
+  const auto quantity = arch::find_quantity(running.architecture, address);
+  if (!quantity) {
+    return target.error();
+  }
+  const auto value = read(running, *quantity);
+  if (!value) {
+    return value.error();
+  }
+  return answer_for(address, arch::to_json(*value), "current");
+}
+
 Result<Value> read(const Running& running, const arch::Quantity& quantity) {
   const auto& target = quantity.target;
   if (!quantity.statistic.empty()) {

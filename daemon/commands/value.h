@@ -16,6 +16,10 @@ namespace mauve::daemon {
 /// where the value is not stored.
 [[nodiscard]] Result<Value> read(const Running& running, const arch::Quantity& quantity);
 
+/// As sample(), of anything that has a value: also a statistic (control.missed, control.core), a
+/// status, an age, a field.
+[[nodiscard]] Result<Json> sample_at(const Running& running, const std::string& address);
+
 /// The service whose values an address shows: itself, or what a port is connected to; else null.
 [[nodiscard]] ServiceBase* service_of(const Target& target);
 

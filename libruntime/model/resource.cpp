@@ -66,7 +66,7 @@ Status ResourceBase::disconnect(std::string_view port) {
 void ResourceBase::meet(const std::shared_ptr<CoreBase>& core,
                         const std::shared_ptr<const Bindings>& bindings) {
   if (core != nullptr) {
-    interface_->bind(*this, core);
+    interface_->meet(core);
     gate_.heal();
   }
   if (bindings != nullptr && configured_) shell_->use(bindings.get());

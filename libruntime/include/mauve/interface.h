@@ -19,12 +19,14 @@ class InterfaceBase : public Configurable {
   [[nodiscard]] const std::vector<ServiceBase*>& services() const { return services_; }
   [[nodiscard]] ServiceBase* find_service(std::string_view name) const;
 
-  /// Runtime only. The core is exchanged under the gate of the resource.
-  /// Shared: a connection may be the last to go, and gives its slot back to the core.
+  /// Runtime only, once.
   void bind(ResourceBase& resource, std::shared_ptr<CoreBase> core) {
     resource_ = &resource;
-    core_ = std::move(core);
+    meet(std::move(core));
   }
+  /// Runtime only, under the gate of the resource: the next callers meet this core.
+  /// Shared: a connection may be the last to go, and gives its slot back to the core.
+  void meet(std::shared_ptr<CoreBase> core) { core_ = std::move(core); }
   [[nodiscard]] ResourceBase& resource() const { return *resource_; }
   [[nodiscard]] CoreBase& core() const { return *core_; }
 

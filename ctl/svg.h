@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Scalable vector graphics: as much of it as plots and maps need.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mauve::ctl {
+
+/// A place in the picture, or in what it shows.
+struct Place {
+  double x = 0.0;
+  double y = 0.0;
+};
+
+/// The colours of lines that are to be told apart, over and over.
+[[nodiscard]] std::string_view line_colour(std::size_t index);
+
+/// A picture in pixels, y downwards. Texts are escaped, attributes are taken as they are.
+class Svg {
+ public:
+  Svg(double width, double height);
+
+  void rectangle(Place corner, double width, double height, std::string_view attributes);
+  void circle(Place centre, double radius, std::string_view attributes,
+              std::string_view title = {});
+  /// Half axes in pixels, turned by `degrees`.
+  void ellipse(Place centre, Place half, double degrees, std::string_view attributes);
+  void line(Place from, Place to, std::string_view attributes);
+  /// Nothing for fewer than two places.
+  void polyline(const std::vector<Place>& places, std::string_view attributes);
+  void text(Place at, std::string_view words, std::string_view attributes = {});
+  /// What is drawn until the next open() or close() is cut off outside of the rectangle.
+  void open_clip(Place corner, double width, double height);
+  void close_clip();
+
+  /// The whole file.
+  [[nodiscard]] std::string file() const;
+
+ private:
+  std::string begin_;
+  std::string body_;
+  int clips_ = 0;
+};
+
+/// Steps of 1, 2 or 5 times a power of ten that part the range in about so many pieces.
+[[nodiscard]] double nice_step(double range, int pieces);
+
+}  // namespace mauve::ctl

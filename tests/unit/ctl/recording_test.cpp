@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// record, plot and map: what arrives becomes rows and pictures.
+#include "recording.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "unit/ctl/scene.h"
+
+namespace mauve::ctl {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+const Json kPose = Json::parse(R"({"fields": [
+  {"name": "x", "kind": "double", "unit": "m"}, {"name": "y", "kind": "double", "unit": "m"},
+  {"name": "heading", "kind": "double", "unit": "rad"}]})");
+
+/// Describes every object in the same way, shows the samples, then goes away.
+struct Shown {
+  Outcome outcome;
+
+  Shown(std::vector<std::string> words, const Json& described, const std::vector<Json>& samples) {
+    FakeServer server([&](Peer& peer) {
+      peer.say(kHello);
+      auto request = peer.hear();
+      for (; request.method != "watch.subscribe"; request = peer.hear()) {
+        peer.answer(request, described);
+      }
+      peer.answer(request, {{"sub", 5}});
+      for (const Json& sample : samples) {
+        peer.say(protocol::to_line(protocol::make_notification(
+                     sample.contains("count") ? "dropped" : "value", sample)) +
+                 "\n");
+      }
+    });
+    outcome = run(server.path(), std::move(words));
+  }
+};
+
+Json pose_at(double seconds, double x, double y) {
+  return {{"sub", 5},
+          {"address", "pose.read"},
+          {"value", {{"x", x}, {"y", y}, {"heading", 0.5}}},
+          {"status", "new_data"},
+          {"t_ns", static_cast<std::int64_t>(seconds * 1e9)}};
+}
+
+TEST(Record, WritesAColumnForEachFieldAndARowForEachValue) {
+  const Shown shown({"record", "pose.read"}, kPose, {pose_at(1.5, 1, 2), pose_at(1.6, 3, 4)});
+
+  EXPECT_EQ(shown.outcome.out,
+            "time_s,pose.read.x,pose.read.y,pose.read.heading\n"
+            "1.500000000,1.0,2.0,0.5\n"
+            "1.600000000,3.0,4.0,0.5\n");
+  EXPECT_EQ(shown.outcome.exit, 7) << "the daemon went away";
+}
+
+TEST(Record, MarksLostValuesByAnEmptyRow) {
+  const Shown shown({"record", "pose.read"}, kPose,
+                    {pose_at(1, 1, 2), {{"sub", 5}, {"address", "pose.read"}, {"count", 12}}});
+
+  EXPECT_THAT(shown.outcome.out, HasSubstr("\n0.000000000,,,\n"));
+}
+
+TEST(Record, QuotesWhatWouldBreakARow) {
+  const Json text = {{"sub", 5}, {"address", "a.b"}, {"value", "say \"a,b\""}, {"t_ns", 0}};
+  const Json list = {{"sub", 5}, {"address", "a.b"}, {"value", {1, 2}}, {"t_ns", 0}};
+  const Shown shown({"record", "a.b"}, Json::object(), {text, list});
+
+  EXPECT_EQ(shown.outcome.out,
+            "time_s,a.b\n0.000000000,\"say \"\"a,b\"\"\"\n0.000000000,\"[1,2]\"\n");
+}
+
+TEST(Record, SaysThatAFileCannotBeWritten) {
+  const Shown shown({"record", "pose.read", "-o", "/no/such/folder/x.csv"}, kPose, {});
+
+  EXPECT_EQ(shown.outcome.exit, 2);
+  EXPECT_THAT(shown.outcome.err, HasSubstr("/no/such/folder/x.csv"));
+}
+
+TEST(Record, RefusesATimeThatIsNone) {
+  const Outcome outcome = Scene({"record", "a.b", "--for", "soon"}, Json::object()).outcome;
+
+  EXPECT_EQ(outcome.exit, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("example: --for 10s"));
+}
+
+std::size_t count_of(const std::string& part, const std::string& text) {
+  std::size_t count = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST(Plot, DrawsOneLineForEachNumberAndOnePanelForEachUnit) {
+  const Shown shown({"plot", "pose.read"}, kPose,
+                    {pose_at(1, 1, 2), pose_at(2, 3, 4), pose_at(3, 5, 6)});
+
+  EXPECT_THAT(shown.outcome.out, StartsWith("<svg "));
+  EXPECT_EQ(count_of("<polyline", shown.outcome.out), 3U);
+  EXPECT_EQ(count_of("<clipPath", shown.outcome.out), 2U);
+  EXPECT_THAT(shown.outcome.out, HasSubstr("pose.read.heading [rad]"));
+}
+
+TEST(Plot, IsCutWhereValuesWereLost) {
+  const Json lost = {{"sub", 5}, {"address", "pose.read"}, {"count", 12}, {"t_ns", 2500000000}};
+  const Shown shown({"plot", "pose.read"}, kPose,
+                    {pose_at(1, 1, 2), pose_at(2, 3, 4), lost, pose_at(3, 5, 6), pose_at(4, 7, 8)});
+
+  EXPECT_EQ(count_of("<polyline", shown.outcome.out), 6U);
+}
+
+TEST(Plot, RefusesWhatIsNoNumber) {
+  const Outcome outcome = Scene({"plot", "a.b", "--for", "1ms"}, Json{{"sub", 5}}).outcome;
+
+  EXPECT_EQ(outcome.exit, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("there was no number to plot"));
+  EXPECT_THAT(outcome.err, HasSubstr("a.b"));
+}
+
+Json mode(const char* core) {
+  return {{"sub", 5}, {"address", "control.core"}, {"value", core}, {"t_ns", 0}};
+}
+
+TEST(Map, ColoursTheWayByItsMode) {
+  const Shown shown({"map", "pose.read", "--mode", "control.core"}, kPose,
+                    {mode("a/b"), pose_at(1, 0, 0), pose_at(2, 1, 0), mode("c/d"), pose_at(3, 2, 0),
+                     pose_at(4, 3, 0)});
+
+  EXPECT_EQ(count_of("<polyline", shown.outcome.out), 2U);
+  EXPECT_THAT(shown.outcome.out, HasSubstr(">a/b</text>"));
+  EXPECT_THAT(shown.outcome.out, HasSubstr(">c/d</text>"));
+}
+
+TEST(Map, DrawsWhatALaserSaw) {
+  const Json scan = Json::parse(R"({"sub": 5, "address": "scan.read", "t_ns": 0, "value":
+    {"angle_min": -1.0, "angle_increment": 1.0, "range_min": 0.1, "range_max": 8.0,
+     "ranges": [2.0, 8.0, 0.0]}})");
+  const Shown shown({"map", "pose.read", "--scan", "scan.read"}, kPose, {pose_at(1, 0, 0), scan});
+
+  EXPECT_EQ(count_of("r=\"1.2\"", shown.outcome.out), 1U) << "the others are no returns";
+}
+
+TEST(Map, NeedsAPlace) {
+  const Outcome outcome = Scene({"map", "a.b", "--for", "1ms"}, Json{{"sub", 5}}).outcome;
+
+  EXPECT_EQ(outcome.exit, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("it never had a place with x and y"));
+}
+
+}  // namespace
+}  // namespace mauve::ctl
