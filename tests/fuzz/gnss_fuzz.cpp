@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// Any bytes from a receiver: no epoch that comes out has a position that
-// cannot be, and after all of it good frames are found again.
+// Any bytes from a receiver: no epoch that comes out has a position that cannot be, and after all
+// of it good frames are found again.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

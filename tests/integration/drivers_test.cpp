@@ -3,8 +3,8 @@
 /// bytes that come as a line brings them.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -356,7 +356,8 @@ TEST(ImuDriver, CountsDamageAndValuesThatAreNoNumbers) {
 /// The simulated world at the far end: a receiver and a unit that speak to the real drivers.
 std::string world(const std::string& protocol) {
   return R"({"schema": "mauve/architecture/1", "name": "line", "plugins": ["types", "drivers"],
-    "resources": {"world": {"type": "drivers/world", "properties": {"core.imu_heading_noise": 0.01}},
+    "resources": {"world": {"type": "drivers/world",
+                            "properties": {"core.imu_heading_noise": 0.01}},
                   "fix": {"type": "shared_data", "data": "gnss_fix/1"},
                   "data": {"type": "shared_data", "data": "imu/1"}},
     "components": {
