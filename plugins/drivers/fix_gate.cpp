@@ -26,16 +26,27 @@ double distance(const GnssFix& a, const GnssFix& b) {
 /// Seconds from one time of day to another, at most half a day either way.
 double step(double from, double to) { return std::remainder(to - from, kDay); }
 
+/// Seconds between two fixes; by our clock when the receiver does not know the time.
+double between(const TimedFix& from, const TimedFix& to) {
+  if (from.fix.time == 0.0 || to.fix.time == 0.0) return to.now - from.now;
+  return step(from.fix.time, to.fix.time);
+}
+
+bool reachable(const TimedFix& from, const TimedFix& to, double limit) {
+  return distance(from.fix, to.fix) <= limit * std::abs(between(from, to)) + FixGate::kNoise;
+}
+
 }  // namespace
 
 bool FixGate::admit(const GnssFix& fix, double now, double limit) {
   if (limit <= 0.0 || fix.mode < 2) return true;
-  const Mark mark{fix, now};
-  if (!begun_ || plausible(last_, mark, limit)) {
+  const TimedFix mark{fix, now};
+  if (!begun_ || (in_step(mark) && reachable(last_, mark, limit))) {
     accept(mark);
     return true;
   }
-  rivals_ = rivals_ > 0 && plausible(rival_, mark, limit) ? rivals_ + 1 : 1;
+  // Of the clocks nothing is asked here: the line itself may have changed its pace.
+  rivals_ = rivals_ > 0 && reachable(rival_, mark, limit) ? rivals_ + 1 : 1;
   rival_ = mark;
   if (rivals_ < kPersists) return false;
   begun_ = false;
@@ -43,16 +54,13 @@ bool FixGate::admit(const GnssFix& fix, double now, double limit) {
   return true;
 }
 
-bool FixGate::plausible(const Mark& from, const Mark& to, double limit) const {
-  const double passed = to.now - from.now;
-  const bool timed = from.fix.time != 0.0 && to.fix.time != 0.0;
-  const double between = timed ? step(from.fix.time, to.fix.time) : passed;
+bool FixGate::in_step(const TimedFix& mark) const {
   // A receiver that was silent for half a day or more cannot be compared by its time of day.
-  if (live_ && std::abs(std::remainder(between - passed, kDay)) > kInStep) return false;
-  return distance(from.fix, to.fix) <= limit * std::abs(between) + kNoise;
+  return !live_ ||
+         std::abs(std::remainder(between(last_, mark) - (mark.now - last_.now), kDay)) <= kInStep;
 }
 
-void FixGate::accept(const Mark& mark) {
+void FixGate::accept(const TimedFix& mark) {
   if (!begun_) {
     anchor_ = mark;
     live_ = false;

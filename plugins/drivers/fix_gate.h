@@ -7,6 +7,12 @@
 
 namespace drivers {
 
+/// A fix and when it came.
+struct TimedFix {
+  rover::GnssFix fix;
+  double now = 0.0;
+};
+
 /// A fix is refused when the receiver would have moved faster than the limit since the last one
 /// that was let through, or when its time is out of step with ours. What is refused can be right (a
 /// wrong first fix, a long tunnel): three in a row that agree with each other are the truth from
@@ -22,17 +28,12 @@ class FixGate {
   bool admit(const rover::GnssFix& fix, double now, double limit);
 
  private:
-  struct Mark {
-    rover::GnssFix fix;
-    double now = 0.0;
-  };
+  [[nodiscard]] bool in_step(const TimedFix& mark) const;
+  void accept(const TimedFix& mark);
 
-  [[nodiscard]] bool plausible(const Mark& from, const Mark& to, double limit) const;
-  void accept(const Mark& mark);
-
-  Mark last_;    // let through
-  Mark rival_;   // refused last
-  Mark anchor_;  // where the comparison of both clocks began
+  TimedFix last_;    // let through
+  TimedFix rival_;   // refused last
+  TimedFix anchor_;  // where the comparison of both clocks began
   int rivals_ = 0;
   bool begun_ = false;
   bool live_ = false;  // our clock runs as fast as the receiver's: no recording in fast motion

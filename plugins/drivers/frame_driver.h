@@ -84,7 +84,7 @@ class FrameDriver : public CoreT {
   mauve::Property<int> frames_per_job{
       *this, "frames_per_job", 64, "keeps one job short", {.min = 1, .max = 100'000}};
   mauve::Property<mauve::Duration> half_frame{
-      *this, "half_frame", mauve::Duration{1'000'000'000},
+      *this, "half_frame", mauve::Duration{5'000'000'000},
       "silence after which the rest of a frame is not waited for"};
   mauve::Observable<std::uint64_t> good_frames{*this, "good_frames", 0, "undamaged"};
   mauve::Observable<std::uint64_t> bad_frames{*this, "bad_frames", 0, "damaged ones, skipped"};

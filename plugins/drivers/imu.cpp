@@ -51,8 +51,8 @@ namespace {
 class ImuXbus final : public FrameDriver<ImuCore, ImuLine> {
   mauve::Property<bool> compass{*this, "compass", true, "let its heading through"};
   mauve::Observable<std::uint64_t> measurements{*this, "measurements", 0, "published"};
-  mauve::Observable<std::uint64_t> not_finite{*this, "not_finite", 0,
-                                              "with a value that is no number, skipped"};
+  mauve::Observable<std::uint64_t> implausible{*this, "implausible", 0,
+                                               "with a value that no unit measures, skipped"};
 
   void use(Found) override {
     const double now = static_cast<double>(mauve::job_time()) * 1e-9;
@@ -61,8 +61,8 @@ class ImuXbus final : public FrameDriver<ImuCore, ImuLine> {
         return publish(state->reader.imu());
       case ImuReader::Event::malformed:
         return count_bad();
-      case ImuReader::Event::not_finite:
-        ++not_finite;
+      case ImuReader::Event::implausible:
+        ++implausible;
         return;
       case ImuReader::Event::ignored:
         return;

@@ -21,6 +21,11 @@ constexpr std::uint16_t kStatus = 0xe020;
 constexpr std::uint32_t kFilterValid = 0x02;
 constexpr float kDegrees = static_cast<float>(std::numbers::pi / 180.0);
 
+// Beyond the full scale of any MTi: damage that the checksum does not show.
+constexpr float kFastest = 36.0F;    // rad/s
+constexpr float kHardest = 200.0F;   // m/s^2
+constexpr float kFarthest = 360.0F;  // deg
+
 constexpr double kTick = 1e-4;      // s
 constexpr double kDrift = 100e-6;   // how much the unit's clock may be slow
 constexpr double kRestarted = 1.0;  // s from where a sample should be: another clock
@@ -56,7 +61,7 @@ double SampleClock::time(std::uint32_t ticks, double now) {
 struct ImuReader::Sample {
   rover::Imu imu;
   bool rate = false;
-  bool finite = true;
+  bool plausible = true;
   bool sizes = true;
   bool oriented = true;  // its filter says so, or says nothing
   bool timed = false;
@@ -79,8 +84,9 @@ struct ImuReader::Sample {
   }
 
   void vector_item(std::uint16_t id, float x, float y, float z) {
-    finite = finite && std::isfinite(x) && std::isfinite(y) && std::isfinite(z);
-    if (!finite) return;
+    const float most = id == kRateOfTurn ? kFastest : id == kAcceleration ? kHardest : kFarthest;
+    const auto within = [most](float value) { return std::abs(value) <= most; };  // no NaN is
+    plausible = plausible && within(x) && within(y) && within(z);
     if (id == kRateOfTurn) {
       rate = true;
       imu.yaw_rate = z;
@@ -103,7 +109,7 @@ ImuReader::Event ImuReader::read(Bytes frame, double now) {
     data = data.subspan(3U + data[2]);
   }
   if (!sample.sizes) return Event::malformed;
-  if (!sample.finite) return Event::not_finite;
+  if (!sample.plausible) return Event::implausible;
   if (!sample.rate) return Event::ignored;
   imu_ = sample.imu;
   imu_.has_heading = imu_.has_heading && sample.oriented;

@@ -30,10 +30,10 @@ class SampleClock {
 class ImuReader {
  public:
   enum class Event : std::uint8_t {
-    ignored,     ///< no rate of turn
-    imu,         ///< a measurement: see imu()
-    malformed,   ///< right checksum, but lengths that cannot be
-    not_finite,  ///< a value is no number
+    ignored,      ///< no rate of turn
+    imu,          ///< a measurement: see imu()
+    malformed,    ///< right checksum, but lengths that cannot be
+    implausible,  ///< a value is no number, or beyond what any unit measures
   };
 
   /// `now` in seconds of the monotonic clock.

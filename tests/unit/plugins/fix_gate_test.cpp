@@ -131,6 +131,19 @@ TEST(FixGate, LetsARecordingPassThatIsPlayedFasterThanLife) {
   }
 }
 
+TEST(FixGate, IsNotLockedOutWhenALineChangesItsPace) {
+  FixGate gate;
+  double now = 0.0;
+  int refused = 0;
+
+  for (int i = 0; i < 60; ++i) {
+    now += i < 20 ? 1.0 : i < 40 ? 30.0 : 0.001;  // as sent, held up, and faster than life
+    refused += gate.admit(Drive::fix(50'000.0 + i, 20.0 * i), now, kLimit) ? 0 : 1;
+  }
+
+  EXPECT_LE(refused, FixGate::kPersists - 1);
+}
+
 TEST(FixGate, ComparesByOurClockWhenTheReceiverHasNoTime) {
   FixGate gate;
 

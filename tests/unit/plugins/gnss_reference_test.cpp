@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "../../../plugins/drivers/gnss_reader.h"
+#include "../../../plugins/drivers/ubx_pvt.h"
 #include "../../../plugins/world/random.h"
 #include "support/gpsd_check.h"
 #include "support/test_data.h"
@@ -169,12 +170,26 @@ void add(const Reading& reading, const std::vector<GnssFix>& clean, Toll& toll) 
   }
 }
 
-Toll toll_of(Damage damage, const std::filesystem::path& folder) {
+/// The same epochs as a receiver says them in UBX.
+std::string in_ubx(const std::vector<GnssFix>& epochs) {
+  std::string bytes;
+  for (const GnssFix& fix : epochs) {
+    const auto frame = drivers::write_pvt(fix);
+    bytes.append(frame.begin(), frame.end());
+  }
+  return bytes;
+}
+
+Toll toll_of(Damage damage, const std::filesystem::path& folder, bool ubx = false) {
   constexpr std::uint64_t kSeeds = 50;
   Toll toll;
   for (const auto& path : logs(folder)) {
-    const std::string bytes = support::bytes_of(path);
-    const std::vector<GnssFix> clean = read(bytes, kAtOnce).fixes;
+    std::string bytes = support::bytes_of(path);
+    std::vector<GnssFix> clean = read(bytes, kAtOnce).fixes;
+    if (ubx) {
+      bytes = in_ubx(clean);
+      clean = read(bytes, kAtOnce).fixes;
+    }
     const double pace = static_cast<double>(bytes.size()) / static_cast<double>(clean.size());
     for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
       add(read(damaged(bytes, damage, seed), pace), clean, toll);
@@ -211,6 +226,21 @@ TEST(GnssDamage, OneFlippedBitInAHundredBitsLeavesFewEpochsAndHardlyAWrongOne) {
 
   EXPECT_GT(toll.used, 0U);
   EXPECT_LE(toll.wrong, toll.sent / 2000);
+}
+
+// Fletcher's sum does not see two flipped top bits an even distance apart.
+TEST(GnssDamage, UbxLeavesAsFewWrongEpochsAsNmea) {
+  const auto folder = support::test_data("nmea");
+  if (!folder) GTEST_SKIP() << support::kNoTestData;
+
+  const Toll bytes = toll_of(Damage::bytes, *folder, true);
+  const Toll bits = toll_of(Damage::bits, *folder, true);
+
+  EXPECT_GT(bytes.used, bytes.sent * 3 / 10);
+  EXPECT_GT(bytes.caught, 0U);
+  EXPECT_LE(bytes.wrong, bytes.used / 500);
+  EXPECT_LE(bytes.misplaced, bytes.used / 2000);
+  EXPECT_EQ(bits.wrong, 0U);
 }
 
 }  // namespace
