@@ -4,9 +4,11 @@
 
 MAUVE_PLUGIN(plugin) {
   drivers::declare_gnss(plugin);
+  drivers::declare_imu(plugin);
   drivers::declare_laser_replay(plugin);
   drivers::declare_world(plugin);
   drivers::declare_robot_sim(plugin);
   drivers::declare_laser_sim(plugin);
   drivers::declare_receiver_sim(plugin);
+  drivers::declare_imu_sim(plugin);
 }

@@ -78,7 +78,9 @@ std::optional<GnssFix> read_gga(const Fields& fields, int dimensions) {
   const auto hdop = number_or(fields[8], 0.0);
   const auto altitude = number_or(fields[9], 0.0);
   if (fields.size < 10 || !time || !quality || !satellites || !hdop || !altitude) return {};
-  if (*satellites < 0.0 || *satellites > 1000.0) return {};
+  if (*satellites < 0.0 || *satellites > 1000.0 || *hdop < 0.0) return {};
+  // A comma more or less shifts the rest.
+  if (!fields[10].empty() && fields[10] != "M") return {};
   GnssFix fix;
   fix.time = *time;
   fix.satellites = static_cast<std::int32_t>(*satellites);

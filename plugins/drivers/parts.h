@@ -7,10 +7,12 @@
 namespace drivers {
 
 void declare_gnss(mauve::Plugin& plugin);
+void declare_imu(mauve::Plugin& plugin);
 void declare_laser_replay(mauve::Plugin& plugin);
 void declare_world(mauve::Plugin& plugin);
 void declare_robot_sim(mauve::Plugin& plugin);
 void declare_laser_sim(mauve::Plugin& plugin);
 void declare_receiver_sim(mauve::Plugin& plugin);
+void declare_imu_sim(mauve::Plugin& plugin);
 
 }  // namespace drivers

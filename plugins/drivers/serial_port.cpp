@@ -52,11 +52,13 @@ bool set_raw(int descriptor, int baud) {
   return tcsetattr(descriptor, TCSANOW, &settings) == 0;
 }
 
+Status check_speed(int baud) {
+  if (baud == 0 || speed_of(baud) != B0) return mauve::ok();
+  return refuse(Errc::invalid_value, {}, "no such speed: " + std::to_string(baud) + " baud",
+                "common ones are 9600, 38400 and 115200; 0 leaves it alone");
+}
+
 Status make_raw(int descriptor, int baud) {
-  if (baud != 0 && speed_of(baud) == B0) {
-    return refuse(Errc::invalid_value, {}, "no such speed: " + std::to_string(baud) + " baud",
-                  "common ones are 9600, 38400 and 115200; 0 leaves it alone");
-  }
   if (!set_raw(descriptor, baud)) {
     return refuse(Errc::system, {}, "cannot set the line to raw mode: " + system_text(errno));
   }
@@ -65,6 +67,11 @@ Status make_raw(int descriptor, int baud) {
 
 int open_quietly(const std::string& path) {
   return ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+}
+
+/// Unplugged, or not plugged in yet: it may come.
+bool absent(int error) {
+  return error == ENOENT || error == ENODEV || error == ENXIO || error == EIO;
 }
 
 /// Does this process hold the device?
@@ -127,11 +134,18 @@ std::string line_path(const std::string& name) {
   return place + "/mauve-" + name.substr(kOwn.size()) + "." + std::to_string(::getpid());
 }
 
-Status SerialPort::open(const std::string& device, int baud) {
+Status SerialPort::open(const std::string& device, int baud, Missing missing) {
+  if (Status speed = check_speed(baud); !speed) return speed;
   std::string path = line_path(device);
   Descriptor opened(open_quietly(path));
+  const int why = opened.open() ? 0 : errno;
+  if (missing == Missing::accepted && absent(why)) {
+    device_ = Descriptor();
+    path_ = std::move(path);
+    baud_ = baud;
+    return mauve::ok();
+  }
   if (!opened.open()) {
-    const int why = errno;
     return refuse(Errc::system, {}, "cannot open '" + path + "': " + system_text(why),
                   why == EACCES ? "the user of mauved needs the group 'dialout'"
                                 : "is the receiver plugged in, and the path right? A relative one "

@@ -34,9 +34,12 @@ class Descriptor {
 /// The reading end. A file or a FIFO serves as well: then baud and raw mode do not apply.
 class SerialPort {
  public:
-  /// Opens `device` (see line_path) raw and non-blocking; `baud` 0 leaves the speed alone.
-  /// [factory]
-  mauve::Status open(const std::string& device, int baud);
+  /// What open() makes of a device that is not there.
+  enum class Missing : bool { refused, accepted };
+
+  /// Opens `device` (see line_path) raw and non-blocking; `baud` 0 leaves the speed alone. One that
+  /// is not there yet can be accepted: it stays closed, for reopen() to try. [factory]
+  mauve::Status open(const std::string& device, int baud, Missing missing = Missing::refused);
   void close() { device_ = Descriptor(); }
   /// The same once more, after it failed or was closed. Takes no memory. [rt]
   bool reopen();

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "../types/gnss.h"
+#include "../types/imu.h"
 #include "../world/world.h"
 #include "parts.h"
 
@@ -38,6 +39,7 @@ namespace drivers {
 namespace {
 
 using rover::GnssFix;
+using rover::Imu;
 using rover::LaserScan;
 using rover::Odometry;
 using rover::Point2D;
@@ -89,6 +91,20 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
     return fix;
   }
 
+  /// [rt] What the inertial unit measures. The simulated wheels reach their speed at once, so only
+  /// the curve is felt.
+  Imu imu() {
+    const Odometry& moves = state_->robot.odometry();
+    Imu imu;
+    imu.yaw_rate = moves.angular + imu_bias + state_->random.normal(imu_noise);
+    imu.acceleration_y = moves.linear * moves.angular;
+    imu.has_heading = imu_heading_noise > 0.0;
+    if (!imu.has_heading) return imu;
+    const double heading = state_->robot.pose().heading;
+    imu.heading = rover::wrap(heading + state_->random.normal(imu_heading_noise));
+    return imu;
+  }
+
  private:
   static constexpr double kCosLatitude = 0.72457;
 
@@ -117,6 +133,15 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
                                   9,
                                   "in sight of the antenna; under 3 there is no position",
                                   {.min = 0, .max = 32}};
+  mauve::Property<double> imu_noise{
+      *this, "imu_noise", 0.01, "standard deviation", {.unit = "rad/s", .min = 0.0, .max = 1.0}};
+  mauve::Property<double> imu_bias{
+      *this, "imu_bias", 0.002, "of the yaw rate", {.unit = "rad/s", .min = -1.0, .max = 1.0}};
+  mauve::Property<double> imu_heading_noise{*this,
+                                            "imu_heading_noise",
+                                            0.0,
+                                            "standard deviation of the compass; 0: there is none",
+                                            {.unit = "rad", .min = 0.0, .max = 1.0}};
   mauve::Observable<double> nearest{*this, "nearest", 1e9, "the robot came to an obstacle, m"};
   mauve::Observable<double> x{*this, "x", 0.0, "true position, m"};
   mauve::Observable<double> y{*this, "y", 0.0, "true position, m"};
@@ -144,6 +169,7 @@ struct WorldInterface : mauve::Interface<WorldCore> {
   mauve::CallService<Odometry(Velocity, double)> drive{*this, "drive", &WorldCore::drive};
   mauve::ReadService<LaserScan> scan{*this, "scan", &WorldCore::scan};
   mauve::ReadService<GnssFix> antenna{*this, "antenna", &WorldCore::antenna};
+  mauve::ReadService<Imu> imu{*this, "imu", &WorldCore::imu};
 };
 
 }  // namespace

@@ -37,6 +37,7 @@ std::string replay(const std::string& device, const std::string& recording) {
   json& components = architecture["components"];
   components["gnss"]["properties"]["core.device"] = device;
   components["gnss"]["properties"]["fsm.period"] = "5ms";
+  components["gnss"]["properties"]["core.speed_limit"] = 0.0;  // from one recording to the next
   components["laser"]["properties"]["core.recording"] =
       recording.empty() ? (kRoot / "etc" / "samples" / "laser.dat").string() : recording;
   components["laser"]["properties"]["fsm.period"] = "5ms";

@@ -2,70 +2,245 @@
 /// Our reading of real receivers against gpsd's reading of the same bytes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "../../../plugins/drivers/nmea_fix.h"
-#include "../../../plugins/drivers/nmea_frame.h"
+#include "../../../plugins/drivers/gnss_reader.h"
+#include "../../../plugins/drivers/ubx_pvt.h"
+#include "../../../plugins/world/random.h"
 #include "support/gpsd_check.h"
 #include "support/test_data.h"
 
 namespace {
 
-using drivers::FixReader;
-using drivers::FrameReader;
+using drivers::GnssReader;
+using drivers::GnssStream;
+using rover::GnssFix;
+
+constexpr double kSpeedLimit = 100.0;  // the default of the driver
+constexpr double kAtOnce = 1e9;        // bytes a second
 
 struct Reading {
-  std::vector<rover::GnssFix> fixes;
-  std::uint32_t bad = 0;
+  std::vector<GnssFix> fixes;
+  std::uint64_t bad = 0;
+  std::uint64_t malformed = 0;
+  std::uint64_t implausible = 0;
 };
 
-Reading read(const std::string& bytes) {
-  FrameReader frames;
-  FixReader fixes;
+/// What the driver makes of the bytes when they come at `rate` bytes a second.
+Reading read(std::string_view bytes, double rate) {
+  GnssStream stream;
+  GnssReader reader;
   Reading reading;
-  for (const char byte : bytes) {
-    if (frames.push(byte) != FrameReader::Event::frame) continue;
-    const FixReader::Event event = fixes.read(frames.frame());
-    if (event == FixReader::Event::fix) reading.fixes.push_back(fixes.fix());
-    EXPECT_NE(event, FixReader::Event::malformed) << frames.frame();
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    stream.push(bytes[i]);
+    for (auto found = stream.next(); found != GnssStream::Event::none; found = stream.next()) {
+      if (found == GnssStream::Event::bad) {
+        ++reading.bad;
+        continue;
+      }
+      const double now = static_cast<double>(i) / rate;
+      const auto event = reader.read(found, stream, now, kSpeedLimit);
+      if (event == GnssReader::Event::fix) reading.fixes.push_back(reader.fix());
+      reading.malformed += event == GnssReader::Event::malformed ? 1U : 0U;
+      reading.implausible += event == GnssReader::Event::implausible ? 1U : 0U;
+    }
   }
-  reading.bad = frames.bad();
   return reading;
 }
 
-void expect_same(const rover::GnssFix& fix, const support::GpsdReport& report) {
+std::vector<std::filesystem::path> logs(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> paths;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() == ".log") paths.push_back(entry.path());
+  }
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+void expect_same(const GnssFix& fix, const support::GpsdReport& report) {
   EXPECT_EQ(fix.mode, report.mode);
   EXPECT_NEAR(fix.latitude, report.latitude.value_or(fix.latitude), 1e-7);
   EXPECT_NEAR(fix.longitude, report.longitude.value_or(fix.longitude), 1e-7);
   EXPECT_NEAR(fix.altitude, report.altitude.value_or(fix.altitude), 1e-3);
 }
 
-TEST(GnssReference, EveryEpochOfEveryReceiverIsAsGpsdReadsIt) {
+TEST(GnssReference, EveryEpochOfEveryReceiverIsAsGpsdReadsItAtAnyPace) {
   const auto folder = support::test_data("nmea");
   if (!folder) GTEST_SKIP() << support::kNoTestData;
   std::size_t compared = 0;
 
-  for (const auto& entry : std::filesystem::directory_iterator(*folder)) {
-    if (entry.path().extension() != ".log") continue;
-    SCOPED_TRACE(entry.path().filename());
-    const Reading reading = read(support::bytes_of(entry.path()));
-    const auto epochs = support::gpsd_epochs(entry.path().string() + ".chk");
+  for (const auto& path : logs(*folder)) {
+    SCOPED_TRACE(path.filename());
+    const std::string bytes = support::bytes_of(path);
+    const auto epochs = support::gpsd_epochs(path.string() + ".chk");
+    // An epoch a second as the receiver sent them, a line slower than that, and all at once.
+    const double pace = static_cast<double>(bytes.size()) / static_cast<double>(epochs.size());
+    for (const double rate : {pace, pace / 1.2, kAtOnce}) {
+      const Reading reading = read(bytes, rate);
 
-    // This one recording ends in a truncated sentence.
-    EXPECT_EQ(reading.bad, entry.path().filename() == "ublox-8.log" ? 1U : 0U);
-    ASSERT_EQ(reading.fixes.size(), epochs.size());
-    for (std::size_t i = 0; i < epochs.size(); ++i) {
-      SCOPED_TRACE(epochs[i].gga);
-      for (const auto& report : epochs[i].reports) {
-        expect_same(reading.fixes[i], report);
-        ++compared;
+      // This one recording ends in a truncated sentence.
+      EXPECT_EQ(reading.bad, path.filename() == "ublox-8.log" ? 1U : 0U);
+      EXPECT_EQ(reading.malformed, 0U);
+      EXPECT_EQ(reading.implausible, 0U);
+      ASSERT_EQ(reading.fixes.size(), epochs.size());
+      for (std::size_t i = 0; i < epochs.size(); ++i) {
+        SCOPED_TRACE(epochs[i].gga);
+        for (const auto& report : epochs[i].reports) {
+          expect_same(reading.fixes[i], report);
+          ++compared;
+        }
       }
     }
   }
 
-  EXPECT_GT(compared, 1000U);
+  EXPECT_GT(compared, 3000U);
+}
+
+/// Flips bits of the line: each one with a chance of 1 %, or one bit in 1 % of the bytes.
+enum class Damage : std::uint8_t { bits, bytes };
+
+std::string damaged(std::string bytes, Damage damage, std::uint64_t seed) {
+  world::Random random(seed);
+  const auto flip = [](char& byte, unsigned bit) {
+    byte = static_cast<char>(static_cast<unsigned char>(byte) ^ (1U << bit));
+  };
+  for (char& byte : bytes) {
+    if (damage == Damage::bits) {
+      for (unsigned bit = 0; bit < 8; ++bit) {
+        if (random.uniform(0.0, 1.0) < 0.01) flip(byte, bit);
+      }
+    } else if (random.uniform(0.0, 1.0) < 0.01) {
+      flip(byte, static_cast<unsigned>(random.uniform(0.0, 8.0)));
+    }
+  }
+  return bytes;
+}
+
+/// What became of the epochs of damaged recordings.
+struct Toll {
+  std::size_t sent = 0;
+  std::size_t used = 0;
+  std::size_t wrong = 0;      // used, but not one of the clean epochs in every field
+  std::size_t misplaced = 0;  // of these, more than 5 m from its place
+  std::uint64_t caught = 0;   // by the gate
+  std::uint64_t malformed = 0;
+  std::uint64_t bad = 0;
+};
+
+bool same(const GnssFix& a, const GnssFix& b) {
+  return a.time == b.time && a.latitude == b.latitude && a.longitude == b.longitude &&
+         a.altitude == b.altitude && a.mode == b.mode && a.satellites == b.satellites &&
+         a.hdop == b.hdop;
+}
+
+double metres(const GnssFix& a, const GnssFix& b) {
+  constexpr double kMetresPerDegree = 111'195.0;
+  return std::hypot(a.latitude - b.latitude,
+                    (a.longitude - b.longitude) * std::cos(a.latitude / 57.296)) *
+         kMetresPerDegree;
+}
+
+/// Metres from where the receiver was at that time.
+double error(const GnssFix& fix, const std::vector<GnssFix>& clean) {
+  const auto nearest =
+      std::min_element(clean.begin(), clean.end(), [&](const GnssFix& a, const GnssFix& b) {
+        return std::abs(a.time - fix.time) < std::abs(b.time - fix.time);
+      });
+  return metres(fix, *nearest);
+}
+
+void add(const Reading& reading, const std::vector<GnssFix>& clean, Toll& toll) {
+  toll.sent += clean.size();
+  toll.used += reading.fixes.size();
+  toll.caught += reading.implausible;
+  toll.malformed += reading.malformed;
+  toll.bad += reading.bad;
+  for (const GnssFix& fix : reading.fixes) {
+    const auto equal = [&](const GnssFix& epoch) { return same(fix, epoch); };
+    if (std::any_of(clean.begin(), clean.end(), equal)) continue;
+    ++toll.wrong;
+    if (error(fix, clean) > 5.0) ++toll.misplaced;
+  }
+}
+
+/// The same epochs as a receiver says them in UBX.
+std::string in_ubx(const std::vector<GnssFix>& epochs) {
+  std::string bytes;
+  for (const GnssFix& fix : epochs) {
+    const auto frame = drivers::write_pvt(fix);
+    bytes.append(frame.begin(), frame.end());
+  }
+  return bytes;
+}
+
+Toll toll_of(Damage damage, const std::filesystem::path& folder, bool ubx = false) {
+  constexpr std::uint64_t kSeeds = 50;
+  Toll toll;
+  for (const auto& path : logs(folder)) {
+    std::string bytes = support::bytes_of(path);
+    std::vector<GnssFix> clean = read(bytes, kAtOnce).fixes;
+    if (ubx) {
+      bytes = in_ubx(clean);
+      clean = read(bytes, kAtOnce).fixes;
+    }
+    const double pace = static_cast<double>(bytes.size()) / static_cast<double>(clean.size());
+    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+      add(read(damaged(bytes, damage, seed), pace), clean, toll);
+    }
+  }
+  std::printf(
+      "epochs sent %zu, used %zu, refused by the gate %llu, malformed %llu, bad frames %llu, "
+      "used though damaged %zu, of these more than 5 m off %zu\n",
+      toll.sent, toll.used, static_cast<unsigned long long>(toll.caught),
+      static_cast<unsigned long long>(toll.malformed), static_cast<unsigned long long>(toll.bad),
+      toll.wrong, toll.misplaced);
+  return toll;
+}
+
+// A checksum of eight bits lets some damage through; of that, a jump within the speed limit cannot
+// be told from a movement. The bounds are those of the rest.
+TEST(GnssDamage, OneFlippedBitInAHundredBytesLeavesHalfOfTheEpochsAndFewWrongOnes) {
+  const auto folder = support::test_data("nmea");
+  if (!folder) GTEST_SKIP() << support::kNoTestData;
+
+  const Toll toll = toll_of(Damage::bytes, *folder);
+
+  EXPECT_GT(toll.used, toll.sent * 4 / 10);
+  EXPECT_GT(toll.caught, 0U);
+  EXPECT_LE(toll.wrong, toll.used / 500);
+  EXPECT_LE(toll.misplaced, toll.used / 2000);
+}
+
+TEST(GnssDamage, OneFlippedBitInAHundredBitsLeavesFewEpochsAndHardlyAWrongOne) {
+  const auto folder = support::test_data("nmea");
+  if (!folder) GTEST_SKIP() << support::kNoTestData;
+
+  const Toll toll = toll_of(Damage::bits, *folder);
+
+  EXPECT_GT(toll.used, 0U);
+  EXPECT_LE(toll.wrong, toll.sent / 2000);
+}
+
+// Fletcher's sum does not see two flipped top bits an even distance apart.
+TEST(GnssDamage, UbxLeavesAsFewWrongEpochsAsNmea) {
+  const auto folder = support::test_data("nmea");
+  if (!folder) GTEST_SKIP() << support::kNoTestData;
+
+  const Toll bytes = toll_of(Damage::bytes, *folder, true);
+  const Toll bits = toll_of(Damage::bits, *folder, true);
+
+  EXPECT_GT(bytes.used, bytes.sent * 3 / 10);
+  EXPECT_GT(bytes.caught, 0U);
+  EXPECT_LE(bytes.wrong, bytes.used / 500);
+  EXPECT_LE(bytes.misplaced, bytes.used / 2000);
+  EXPECT_EQ(bits.wrong, 0U);
 }
 
 }  // namespace

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Finds the frames of a binary protocol in a stream of bytes; what they look like is `Format`:
+///
+///   static constexpr std::size_t kLongest;  // of a whole frame; nothing longer is waited for
+///   static std::size_t size(Bytes begun);   // of the frame that begins here, as far as it is
+///   known:
+///                                           // 0 none does, above kLongest never trusted
+///   static bool intact(Bytes frame);        // its checksum
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace drivers {
+
+using Bytes = std::span<const std::uint8_t>;
+
+/// Keeps the bytes of the frame that has begun. One that turns out to be damaged loses only its
+/// first byte: a good frame that it seemed to contain is found. All of it is [rt].
+template <typename Format>
+class BinaryFrames {
+ public:
+  enum class Event : std::uint8_t {
+    none,   ///< all is looked at: push() the next byte
+    other,  ///< a byte of no frame: see byte()
+    frame,  ///< complete and undamaged: see frame()
+    bad,    ///< a frame turned out to be damaged
+  };
+
+  /// Only after next() said `none`.
+  void push(std::uint8_t byte) {
+    if (end_ == bytes_.size()) {
+      std::copy(bytes_.begin() + static_cast<std::ptrdiff_t>(begin_), bytes_.end(), bytes_.begin());
+      end_ -= begin_;
+      begin_ = 0;
+    }
+    bytes_[end_++] = byte;
+  }
+
+  Event next() {
+    begin_ += used_;
+    used_ = 0;
+    const Bytes begun(bytes_.data() + begin_, end_ - begin_);
+    if (begun.empty()) {
+      begin_ = end_ = 0;
+      given_up_ = false;
+      return Event::none;
+    }
+    const std::size_t size = Format::size(begun);
+    if (size != 0 && size <= Format::kLongest && size > begun.size() && !given_up_) {
+      return Event::none;
+    }
+    const bool whole = size != 0 && size <= begun.size() && size <= Format::kLongest;
+    if (whole && Format::intact(begun.first(size))) {
+      used_ = size;
+      return Event::frame;
+    }
+    used_ = 1;
+    return size == 0 ? Event::other : Event::bad;
+  }
+
+  /// Until the next call of next().
+  [[nodiscard]] std::uint8_t byte() const { return bytes_[begin_]; }
+  [[nodiscard]] Bytes frame() const { return {bytes_.data() + begin_, used_}; }
+
+  /// A frame has begun and is not complete yet.
+  [[nodiscard]] bool in_frame() const { return end_ - begin_ > used_; }
+  /// The rest of it will not come: next() looks what else its bytes are.
+  void give_up() { given_up_ = in_frame(); }
+
+ private:
+  std::array<std::uint8_t, Format::kLongest> bytes_{};
+  std::size_t begin_ = 0;
+  std::size_t end_ = 0;
+  std::size_t used_ = 0;  // of what next() told about last
+  bool given_up_ = false;
+};
+
+}  // namespace drivers

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What drivers of devices that send frames on a serial line have in common: the contract, the
+/// state machine (paper 5.2, Fig. 12), and the reading.
+#pragma once
+
+#include <mauve/plugin.h>
+
+#include <cstdint>
+#include <string>
+
+#include "line_reader.h"
+
+namespace drivers {
+
+/// Look for the beginning of a frame, read it, parse it; each step may fail.
+template <typename ShellT>
+class FrameCore : public mauve::Core<ShellT> {
+ public:
+  virtual void find_sync() = 0;   // [rt] state read_sync
+  virtual bool synced() = 0;      // a frame has begun
+  virtual void read_frame() = 0;  // [rt] state read_frame
+  virtual bool has_frame() = 0;   // a frame is complete and undamaged
+  virtual void parse() = 0;       // [rt] state parse: this frame and all that are there
+  virtual bool more() = 0;        // stopped early to keep the job short
+  virtual bool lost() = 0;        // the device is gone
+  virtual void reopen() = 0;      // [rt] state reopen
+};
+
+/// `CoreT` names its waits: kWaitFrame and kPeriod.
+template <typename CoreT>
+struct FrameFsm : mauve::Fsm<CoreT> {
+  using Exec = typename mauve::Fsm<CoreT>::Exec;
+  using Sync = typename mauve::Fsm<CoreT>::Sync;
+
+  Exec read_sync{*this, "read_sync", &CoreT::find_sync};
+  Exec read_frame{*this, "read_frame", &CoreT::read_frame};
+  Exec parse{*this, "parse", &CoreT::parse};
+  Exec reopen{*this, "reopen", &CoreT::reopen};
+  Sync wait_sync{*this, "wait_sync", mauve::Duration{1'000'000},
+                 "before looking for a frame again"};
+  Sync wait_frame{*this, "wait_frame", CoreT::kWaitFrame, "for the rest of a frame"};
+  Sync wait_device{*this, "wait_device", mauve::Duration{100'000'000},
+                   "before opening a lost device again"};
+  Sync breathe{*this, "breathe", mauve::Duration{1'000'000},
+               "between two jobs when much has piled up"};
+  Sync period{*this, "period", CoreT::kPeriod, "of the device"};
+
+  mauve::Status on_configure() override {
+    this->start_at(read_sync);
+    read_sync.when(&CoreT::lost, reopen).when(&CoreT::synced, read_frame).then(wait_sync);
+    wait_sync.then(read_sync);
+    read_frame.when(&CoreT::has_frame, parse).when(&CoreT::lost, reopen).then(wait_frame);
+    wait_frame.then(read_frame);
+    parse.when(&CoreT::more, breathe).then(period);
+    breathe.then(read_sync);
+    period.then(read_sync);
+    reopen.when(&CoreT::lost, wait_device).then(wait_sync);
+    wait_device.then(reopen);
+    return mauve::ok();
+  }
+};
+
+/// A core of the contract `CoreT`, which names its device: kDevice and kBaud. `Line` has the bytes,
+/// and the stream (GnssStream, XbusStream) in which frames are found.
+template <typename CoreT, typename Line>
+class FrameDriver : public CoreT {
+ protected:
+  using Found = typename decltype(Line::stream)::Event;
+
+  /// Uses the frame that the stream just found. [rt]
+  virtual void use(Found found) = 0;
+  void count_bad() { ++bad_frames; }
+
+  mauve::State<Line> state{*this};
+
+ private:
+  mauve::Property<std::string> device{*this, "device", CoreT::kDevice,
+                                      "serial device, or pty:NAME of a simulated one"};
+  mauve::Property<int> baud{*this,
+                            "baud",
+                            CoreT::kBaud,
+                            "speed of the line; 0 leaves it alone",
+                            {.unit = "1/s", .min = 0, .max = 921'600}};
+  mauve::Property<int> frames_per_job{
+      *this, "frames_per_job", 64, "keeps one job short", {.min = 1, .max = 100'000}};
+  mauve::Property<mauve::Duration> half_frame{
+      *this, "half_frame", mauve::Duration{5'000'000'000},
+      "silence after which the rest of a frame is not waited for"};
+  mauve::Observable<std::uint64_t> good_frames{*this, "good_frames", 0, "undamaged"};
+  mauve::Observable<std::uint64_t> bad_frames{*this, "bad_frames", 0, "damaged ones, skipped"};
+  mauve::Observable<std::uint64_t> device_errors{*this, "device_errors", 0,
+                                                 "times it was not there or went away"};
+  mauve::Observable<std::uint64_t> reopened{*this, "reopened", 0, "times it came, or came back"};
+
+  mauve::Status on_configure() override {
+    if (mauve::Status opened = line_.open(device, baud); !opened) return opened;
+    if (line_.lost()) ++device_errors;
+    return mauve::ok();
+  }
+  void on_cleanup() override { line_.close(); }
+
+  void find_sync() override {
+    do {
+      look();
+    } while (!synced() && take_byte());
+  }
+  bool synced() override { return complete_ || state->stream.in_frame(); }
+
+  void read_frame() override {
+    if (pull_frame() || line_.silence() < half_frame.get()) return;
+    state->stream.give_up();
+    look();
+  }
+  bool has_frame() override { return complete_; }
+
+  void parse() override {
+    int left = frames_per_job;
+    do {
+      complete_ = false;
+      use(found_);
+    } while (--left > 0 && pull_frame());
+    more_ = left == 0 || line_.spent();
+  }
+  bool more() override { return more_; }
+
+  bool lost() override { return line_.lost(); }
+  void reopen() override {
+    if (!line_.reopen()) return;
+    ++reopened;
+    state->stream.give_up();
+  }
+
+  /// Reads on to the end of the next undamaged frame; false when it is not there yet.
+  bool pull_frame() {
+    do {
+      look();
+    } while (!complete_ && take_byte());
+    return complete_;
+  }
+
+  /// Looks at all bytes that were read, or as far as the next undamaged frame.
+  void look() {
+    while (!complete_) {
+      found_ = state->stream.next();
+      if (found_ == Found::none) return;
+      complete_ = found_ != Found::bad;
+      if (complete_) {
+        ++good_frames;
+      } else {
+        ++bad_frames;
+      }
+    }
+  }
+
+  bool take_byte() {
+    const bool there = !line_.lost();
+    char byte = 0;
+    const bool took = line_.take(state->bytes, byte);
+    if (took) state->stream.push(byte);
+    if (there && line_.lost()) ++device_errors;
+    return took;
+  }
+
+  LineReader line_;
+  Found found_{};
+  bool complete_ = false;  // found_ is a frame that was not used yet
+  bool more_ = false;
+};
+
+}  // namespace drivers

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "gnss_reader.h"
+
+#include <optional>
+
+#include "ubx_pvt.h"
+
+namespace drivers {
+
+GnssReader::Event GnssReader::read(GnssStream::Event found, const GnssStream& stream, double now,
+                                   double speed_limit) {
+  Event event = Event::ignored;
+  if (found == GnssStream::Event::sentence) event = read_sentence(stream.sentence(), now);
+  if (found == GnssStream::Event::message) event = read_message(stream.message(), now);
+  if (event != Event::fix) return event;
+  if (!gate_.admit(next_, now, speed_limit)) return Event::implausible;
+  fix_ = next_;
+  return Event::fix;
+}
+
+GnssReader::Event GnssReader::read_sentence(std::string_view sentence, double now) {
+  const FixReader::Event event = sentences_.read(sentence);
+  if (event == FixReader::Event::malformed) return Event::malformed;
+  if (event != FixReader::Event::fix || now - last_message_ < kSilence) return Event::ignored;
+  next_ = sentences_.fix();
+  return Event::fix;
+}
+
+GnssReader::Event GnssReader::read_message(Bytes message, double now) {
+  if (!is_pvt(message)) return Event::ignored;
+  const std::optional<rover::GnssFix> fix = read_pvt(message);
+  if (!fix) return Event::malformed;
+  last_message_ = now;
+  next_ = *fix;
+  return Event::fix;
+}
+
+}  // namespace drivers

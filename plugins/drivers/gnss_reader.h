@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// From sentences and messages of one receiver to its epochs, each once and none that cannot be.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string_view>
+
+#include "fix_gate.h"
+#include "gnss_stream.h"
+#include "nmea_fix.h"
+
+namespace drivers {
+
+/// Once a NAV-PVT was understood, GGA is not heard until there was none for 2 s: a receiver that
+/// sends both tells each epoch once, by the message that has all of it in one frame. All of it is
+/// [rt].
+class GnssReader {
+ public:
+  static constexpr double kSilence = 2.0;  ///< s without NAV-PVT until GGA is heard again
+
+  enum class Event : std::uint8_t {
+    ignored,      ///< says nothing we want, or the same epoch again
+    fix,          ///< an epoch: see fix()
+    malformed,    ///< right checksum, but fields that cannot be
+    implausible,  ///< an epoch that FixGate refuses
+  };
+
+  /// What `stream` just found. `now` in seconds of a clock that never jumps; `speed_limit` as in
+  /// FixGate.
+  Event read(GnssStream::Event found, const GnssStream& stream, double now, double speed_limit);
+  /// The last epoch that came through.
+  [[nodiscard]] const rover::GnssFix& fix() const { return fix_; }
+
+ private:
+  Event read_sentence(std::string_view sentence, double now);
+  Event read_message(Bytes message, double now);
+
+  FixReader sentences_;
+  FixGate gate_;
+  rover::GnssFix next_;  // read, not through the gate yet
+  rover::GnssFix fix_;
+  double last_message_ = -std::numeric_limits<double>::infinity();
+};
+
+}  // namespace drivers

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The line of a receiver that speaks NMEA, UBX or both: sentences and messages, in the order they
+/// came.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "nmea_frame.h"
+#include "ubx_frame.h"
+
+namespace drivers {
+
+/// What is no UBX message is looked through for NMEA, so neither is found inside the other. All of
+/// it is [rt].
+class GnssStream {
+ public:
+  enum class Event : std::uint8_t {
+    none,      ///< all is looked at: push() the next byte
+    sentence,  ///< undamaged NMEA: see sentence()
+    message,   ///< undamaged UBX: see message()
+    bad,       ///< something was damaged
+  };
+
+  /// Only after next() said `none`.
+  void push(char byte) { messages_.push(static_cast<std::uint8_t>(byte)); }
+  Event next();
+
+  /// Text between `$` and `*`; until the next call of next().
+  [[nodiscard]] std::string_view sentence() const { return sentences_.frame(); }
+  /// The whole frame; until the next call of next().
+  [[nodiscard]] Bytes message() const { return messages_.frame(); }
+
+  /// Something has begun and is not complete yet.
+  [[nodiscard]] bool in_frame() const { return messages_.in_frame() || sentences_.in_frame(); }
+  /// The rest of it will not come.
+  void give_up();
+
+ private:
+  UbxFrames messages_;
+  FrameReader sentences_;
+  bool given_up_ = false;
+};
+
+}  // namespace drivers

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "ubx_frame.h"
+
+#include <utility>
+
+namespace drivers {
+namespace {
+
+constexpr std::uint8_t kFirst = 0xb5;
+constexpr std::uint8_t kSecond = 0x62;
+
+/// Fletcher's sum over class, id, length and payload.
+std::pair<std::uint8_t, std::uint8_t> sums(Bytes frame) {
+  std::uint8_t a = 0;
+  std::uint8_t b = 0;
+  for (const std::uint8_t byte : frame.subspan(2, frame.size() - 4)) {
+    a = static_cast<std::uint8_t>(a + byte);
+    b = static_cast<std::uint8_t>(b + a);
+  }
+  return {a, b};
+}
+
+}  // namespace
+
+std::size_t UbxFormat::size(Bytes begun) {
+  if (begun[0] != kFirst) return 0;
+  if (begun.size() > 1 && begun[1] != kSecond) return 0;
+  if (begun.size() < kHeader) return kAround;
+  return kAround + begun[4] + 256U * begun[5];
+}
+
+bool UbxFormat::intact(Bytes frame) {
+  const auto [a, b] = sums(frame);
+  return frame[frame.size() - 2] == a && frame.back() == b;
+}
+
+void ubx_seal(std::span<std::uint8_t> frame, std::uint8_t group, std::uint8_t id) {
+  const std::size_t length = frame.size() - UbxFormat::kAround;
+  frame[0] = kFirst;
+  frame[1] = kSecond;
+  frame[2] = group;
+  frame[3] = id;
+  frame[4] = static_cast<std::uint8_t>(length % 256U);
+  frame[5] = static_cast<std::uint8_t>(length / 256U);
+  const auto [a, b] = sums(frame);
+  frame[frame.size() - 2] = a;
+  frame[frame.size() - 1] = b;
+}
+
+}  // namespace drivers

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include "../../../plugins/drivers/fix_gate.h"
+
+namespace {
+
+using drivers::FixGate;
+using rover::GnssFix;
+
+constexpr double kLimit = 100.0;
+constexpr double kMetre = 1.0 / 111'194.9;  // in degrees of latitude
+
+/// A receiver on its way north, 20 m/s, at one fix a second of its clock and ours.
+class Drive {
+ public:
+  explicit Drive(double begin = 50'000.0) : begin_(begin) {}
+
+  static GnssFix fix(double time, double metres) {
+    GnssFix fix;
+    fix.time = time;
+    fix.latitude = 43.0 + metres * kMetre;
+    fix.longitude = 1.0;
+    fix.mode = 3;
+    fix.satellites = 8;
+    return fix;
+  }
+  bool good() {
+    ++second_;
+    return admit(fix(time(), 20.0 * second_));
+  }
+  /// Not where it is, or not when.
+  bool wrong(double metres, double seconds = 0.0) {
+    ++second_;
+    return admit(fix(time() + seconds, 20.0 * second_ + metres));
+  }
+  void silence(double seconds) { second_ += seconds; }
+  bool admit(const GnssFix& fix) { return gate_.admit(fix, 1000.0 + second_, limit_); }
+  void limit(double limit) { limit_ = limit; }
+
+ private:
+  [[nodiscard]] double time() const {
+    const double time = begin_ + second_;
+    return time < 86'400.0 ? time : time - 86'400.0;
+  }
+
+  double begin_;
+  double second_ = 0.0;
+  double limit_ = kLimit;
+  FixGate gate_;
+};
+
+TEST(FixGate, LetsARobotDriveAlsoOverMidnight) {
+  Drive drive(86'380.0);
+
+  for (int i = 0; i < 60; ++i) EXPECT_TRUE(drive.good()) << i;
+}
+
+TEST(FixGate, RefusesAJumpAndGoesOnWithTheNextGoodFix) {
+  Drive drive;
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(drive.good());
+
+  EXPECT_FALSE(drive.wrong(1000.0));
+  EXPECT_TRUE(drive.good());
+  EXPECT_FALSE(drive.wrong(-1000.0));
+  EXPECT_FALSE(drive.wrong(5000.0)) << "two that disagree";
+  EXPECT_FALSE(drive.wrong(-9000.0)) << "three that disagree";
+  EXPECT_TRUE(drive.good());
+}
+
+TEST(FixGate, RefusesAJumpInHeight) {
+  Drive drive;
+  ASSERT_TRUE(drive.good());
+  GnssFix high = Drive::fix(50'001.5, 25.0);
+  high.altitude = 400.0;
+
+  EXPECT_FALSE(drive.admit(high));
+  high.mode = 2;
+  EXPECT_TRUE(drive.admit(high)) << "in two dimensions the height means nothing";
+}
+
+TEST(FixGate, RefusesATimeThatIsOutOfStepWithOurClock) {
+  Drive drive;
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(drive.good());
+
+  EXPECT_FALSE(drive.wrong(0.0, -40.0));
+  EXPECT_FALSE(drive.wrong(0.0, 600.0));
+  EXPECT_TRUE(drive.good());
+  EXPECT_TRUE(drive.wrong(0.0, -0.7)) << "a receiver may set its clock a little";
+}
+
+TEST(FixGate, BelievesANewPlaceThatPersists) {
+  Drive drive;
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(drive.good());
+
+  EXPECT_FALSE(drive.wrong(50'000.0));
+  EXPECT_FALSE(drive.wrong(50'000.0));
+  EXPECT_TRUE(drive.wrong(50'000.0));
+  EXPECT_TRUE(drive.wrong(50'000.0));
+  EXPECT_FALSE(drive.good()) << "the old place is the jump now";
+}
+
+TEST(FixGate, IsNotLockedOutByAWrongFirstFix) {
+  Drive drive;
+  EXPECT_TRUE(drive.wrong(1'000'000.0)) << "nothing to compare with";
+
+  EXPECT_FALSE(drive.good());
+  EXPECT_FALSE(drive.good());
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(drive.good());
+}
+
+TEST(FixGate, LetsALongTunnelPass) {
+  Drive drive;
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(drive.good());
+
+  drive.silence(600.0);
+  EXPECT_TRUE(drive.good());
+  drive.silence(3.0 * 86'400.0);
+  int admitted = 0;
+  for (int i = 0; i < 3; ++i) admitted += drive.good() ? 1 : 0;
+
+  EXPECT_GE(admitted, 1);
+}
+
+TEST(FixGate, LetsARecordingPassThatIsPlayedFasterThanLife) {
+  FixGate gate;
+
+  for (int i = 0; i < 200; ++i) {
+    const double skipped = i < 100 ? 0.0 : 900.0;  // the recording itself has a hole
+    EXPECT_TRUE(gate.admit(Drive::fix(40'000.0 + i + skipped, 20.0 * i), 0.001 * i, kLimit)) << i;
+  }
+}
+
+TEST(FixGate, IsNotLockedOutWhenALineChangesItsPace) {
+  FixGate gate;
+  double now = 0.0;
+  int refused = 0;
+
+  for (int i = 0; i < 60; ++i) {
+    now += i < 20 ? 1.0 : i < 40 ? 30.0 : 0.001;  // as sent, held up, and faster than life
+    refused += gate.admit(Drive::fix(50'000.0 + i, 20.0 * i), now, kLimit) ? 0 : 1;
+  }
+
+  EXPECT_LE(refused, FixGate::kPersists - 1);
+}
+
+TEST(FixGate, ComparesByOurClockWhenTheReceiverHasNoTime) {
+  FixGate gate;
+
+  EXPECT_TRUE(gate.admit(Drive::fix(0.0, 0.0), 10.0, kLimit));
+  EXPECT_TRUE(gate.admit(Drive::fix(0.0, 90.0), 11.0, kLimit));
+  EXPECT_FALSE(gate.admit(Drive::fix(0.0, 1090.0), 12.0, kLimit));
+}
+
+TEST(FixGate, LetsEpochsWithoutPositionPassAndLearnsNothingFromThem) {
+  Drive drive;
+  ASSERT_TRUE(drive.good());
+  GnssFix none;
+
+  EXPECT_TRUE(drive.admit(none));
+  EXPECT_TRUE(drive.good());
+}
+
+TEST(FixGate, IsOpenWithoutALimit) {
+  Drive drive;
+  drive.limit(0.0);
+
+  EXPECT_TRUE(drive.good());
+  EXPECT_TRUE(drive.wrong(1'000'000.0));
+  EXPECT_TRUE(drive.good());
+}
+
+TEST(FixGate, MeasuresTheShortWayRoundTheDateLine) {
+  FixGate gate;
+  GnssFix fix = Drive::fix(100.0, 0.0);
+  fix.longitude = 179.9999;
+  ASSERT_TRUE(gate.admit(fix, 100.0, kLimit));
+  fix.time = 101.0;
+  fix.longitude = -179.9999;
+
+  EXPECT_TRUE(gate.admit(fix, 101.0, kLimit));
+}
+
+}  // namespace
