@@ -9,4 +9,6 @@ MAUVE_PLUGIN(plugin) {
   drivers::declare_robot_sim(plugin);
   drivers::declare_laser_sim(plugin);
   drivers::declare_receiver_sim(plugin);
+  drivers::declare_hokuyo(plugin);
+  drivers::declare_hokuyo_sim(plugin);
 }

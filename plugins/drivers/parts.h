@@ -12,5 +12,7 @@ void declare_world(mauve::Plugin& plugin);
 void declare_robot_sim(mauve::Plugin& plugin);
 void declare_laser_sim(mauve::Plugin& plugin);
 void declare_receiver_sim(mauve::Plugin& plugin);
+void declare_hokuyo(mauve::Plugin& plugin);
+void declare_hokuyo_sim(mauve::Plugin& plugin);
 
 }  // namespace drivers

@@ -63,9 +63,12 @@ Status make_raw(int descriptor, int baud) {
   return mauve::ok();
 }
 
-int open_quietly(const std::string& path) {
-  return ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+int open_quietly(const std::string& path, SerialPort::Use use) {
+  const int access = use == SerialPort::Use::read ? O_RDONLY : O_RDWR;
+  return ::open(path.c_str(), access | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
 }
+
+bool is_terminal(const Descriptor& opened) { return ::isatty(opened.number()) == 1; }
 
 /// Does this process hold the device?
 bool is_ours(const fs::path& device) {
@@ -127,28 +130,34 @@ std::string line_path(const std::string& name) {
   return place + "/mauve-" + name.substr(kOwn.size()) + "." + std::to_string(::getpid());
 }
 
-Status SerialPort::open(const std::string& device, int baud) {
+Status SerialPort::open(const std::string& device, int baud, Use use) {
   std::string path = line_path(device);
-  Descriptor opened(open_quietly(path));
+  Descriptor opened(open_quietly(path, use));
   if (!opened.open()) {
     const int why = errno;
     return refuse(Errc::system, {}, "cannot open '" + path + "': " + system_text(why),
                   why == EACCES ? "the user of mauved needs the group 'dialout'"
-                                : "is the receiver plugged in, and the path right? A relative one "
+                                : "is the device plugged in, and the path right? A relative one "
                                   "begins where mauved was started");
+  }
+  if (use == Use::read_write && !is_terminal(opened)) {
+    return refuse(Errc::invalid_value, {}, "'" + path + "' is no serial device",
+                  "commands would be written into it; name a device such as /dev/ttyACM0");
   }
   if (Status raw = make_raw(opened.number(), baud); !raw) return raw;
   device_ = std::move(opened);
   path_ = std::move(path);
   baud_ = baud;
-  terminal_ = ::isatty(device_.number()) == 1;
+  use_ = use;
+  terminal_ = is_terminal(device_);
   return mauve::ok();
 }
 
 bool SerialPort::reopen() {
-  Descriptor opened(open_quietly(path_));
+  Descriptor opened(open_quietly(path_, use_));
   if (!opened.open() || !set_raw(opened.number(), baud_)) return false;
-  terminal_ = ::isatty(opened.number()) == 1;
+  terminal_ = is_terminal(opened);
+  if (use_ == Use::read_write && !terminal_) return false;
   device_ = std::move(opened);
   return true;
 }
@@ -156,6 +165,12 @@ bool SerialPort::reopen() {
 std::ptrdiff_t SerialPort::read(std::span<char> into) const {
   const ssize_t count = ::read(device_.number(), into.data(), into.size());
   if (count == 0 && terminal_) return -1;  // a raw terminal has no end: it hung up
+  if (count >= 0) return count;
+  return errno == EAGAIN || errno == EINTR ? 0 : -1;
+}
+
+std::ptrdiff_t SerialPort::write(std::string_view bytes) const {
+  const ssize_t count = ::write(device_.number(), bytes.data(), bytes.size());
   if (count >= 0) return count;
   return errno == EAGAIN || errno == EINTR ? 0 : -1;
 }
@@ -199,6 +214,11 @@ void PseudoTerminal::close() {
 
 std::size_t PseudoTerminal::send_some(std::string_view bytes) const {
   const ssize_t count = ::write(master_.number(), bytes.data(), bytes.size());
+  return count > 0 ? static_cast<std::size_t>(count) : 0;
+}
+
+std::size_t PseudoTerminal::receive(std::span<char> into) const {
+  const ssize_t count = ::read(master_.number(), into.data(), into.size());
   return count > 0 ? static_cast<std::size_t>(count) : 0;
 }
 
