@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "device_line.h"
 
+#include <algorithm>
+
 #include <mauve/job.h>
 
 namespace drivers {
+
+void DeviceLine::close() {
+  port_.close();
+  rest_size_ = 0;
+}
 
 bool DeviceLine::reopen() {
   if (!port_.reopen()) return false;
@@ -25,10 +32,26 @@ bool DeviceLine::take(LineBytes& line, char& byte) {
 }
 
 bool DeviceLine::send(std::string_view bytes) {
-  if (!is_open()) return false;
+  if (!is_open() || !send_rest() || bytes.size() > kLongest) return false;
   const std::ptrdiff_t count = port_.write(bytes);
   if (count < 0) lose();
-  return count == static_cast<std::ptrdiff_t>(bytes.size());
+  if (count <= 0) return false;
+  const std::string_view rest = bytes.substr(static_cast<std::size_t>(count));
+  std::copy(rest.begin(), rest.end(), rest_.begin());
+  rest_size_ = rest.size();
+  return true;
+}
+
+bool DeviceLine::send_rest() {
+  if (rest_size_ == 0) return true;
+  const std::ptrdiff_t count = port_.write({rest_.data(), rest_size_});
+  if (count < 0) lose();
+  if (count <= 0) return false;
+  const auto sent = static_cast<std::size_t>(count);
+  std::copy(rest_.begin() + count, rest_.begin() + static_cast<std::ptrdiff_t>(rest_size_),
+            rest_.begin());
+  rest_size_ -= sent;
+  return rest_size_ == 0;
 }
 
 bool DeviceLine::may_read() {
@@ -41,7 +64,7 @@ bool DeviceLine::may_read() {
 
 void DeviceLine::lose() {
   ++errors_;
-  port_.close();
+  close();
 }
 
 }  // namespace drivers

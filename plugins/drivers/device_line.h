@@ -35,7 +35,7 @@ class DeviceLine {
   mauve::Status open(const std::string& device, int baud) {
     return port_.open(device, baud, SerialPort::Use::read_write);
   }
-  void close() { port_.close(); }
+  void close();
   [[nodiscard]] bool is_open() const { return port_.is_open(); }
   /// False: it is still away. [rt]
   bool reopen();
@@ -44,11 +44,15 @@ class DeviceLine {
   bool take(LineBytes& line, char& byte);
   /// This job has read as much as one may: the rest waits for the next. [rt]
   [[nodiscard]] bool enough() const { return blocks_left_ == 0; }
-  /// False: not all of it found room, or the device is gone. [rt]
+  /// At most kLongest bytes. What finds no room goes first next time, so that the device never
+  /// hears half a request; until then nothing else is sent. False: not sent. [rt]
   bool send(std::string_view bytes);
+
+  static constexpr std::size_t kLongest = 32;
 
  private:
   bool may_read();
+  bool send_rest();
   void lose();
 
   static constexpr int kBlocksPerJob = 16;
@@ -58,6 +62,8 @@ class DeviceLine {
   Counter& reopened_;
   mauve::Instant job_ = 0;  // begin of the job that blocks_left_ belongs to
   int blocks_left_ = kBlocksPerJob;
+  std::array<char, kLongest> rest_{};  // of what was sent in part
+  std::size_t rest_size_ = 0;
 };
 
 }  // namespace drivers

@@ -11,4 +11,7 @@ MAUVE_PLUGIN(plugin) {
   drivers::declare_receiver_sim(plugin);
   drivers::declare_hokuyo(plugin);
   drivers::declare_hokuyo_sim(plugin);
+  drivers::declare_create(plugin);
+  drivers::declare_create_brake(plugin);
+  drivers::declare_create_sim(plugin);
 }

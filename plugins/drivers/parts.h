@@ -14,5 +14,8 @@ void declare_laser_sim(mauve::Plugin& plugin);
 void declare_receiver_sim(mauve::Plugin& plugin);
 void declare_hokuyo(mauve::Plugin& plugin);
 void declare_hokuyo_sim(mauve::Plugin& plugin);
+void declare_create(mauve::Plugin& plugin);
+void declare_create_brake(mauve::Plugin& plugin);
+void declare_create_sim(mauve::Plugin& plugin);
 
 }  // namespace drivers

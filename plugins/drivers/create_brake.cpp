@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Resource kind "drivers/create_brake": tells a Create 2 to stand, whatever is written to it, on a
+/// descriptor of its own. Connect port `brake` of "drivers/create" to `write`: nothing is written
+/// while the driver works; when it is stopped or faulted, and when the process ends, the runtime
+/// writes the safe value, and the base, which would drive on, stops.
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "../types/velocity.h"
+#include "create_oi.h"
+#include "parts.h"
+#include "serial_port.h"
+
+namespace drivers {
+namespace {
+
+class CreateBrake final : public mauve::Core<mauve::EmptyShell> {
+ public:
+  /// [rt], [control]
+  void stop(const rover::Velocity&) {
+    const auto text = create::drive_text(0, 0);
+    const std::string_view bytes(text.data(), text.size());
+    const auto all = static_cast<std::ptrdiff_t>(bytes.size());
+    // The device may have gone and come back since.
+    if (port_.write(bytes) == all || (port_.reopen() && port_.write(bytes) == all)) {
+      ++stops;
+    } else {
+      ++failed;
+    }
+  }
+
+ private:
+  mauve::Stateless stateless{*this};
+  mauve::Property<std::string> device{*this, "device", "/dev/ttyUSB0", "the same as the driver's"};
+  mauve::Observable<std::uint64_t> stops{*this, "stops", 0, "sent"};
+  mauve::Observable<std::uint64_t> failed{*this, "failed", 0, "not sent: the device is gone"};
+
+  mauve::Status on_configure() override {
+    return port_.open(device, 0, SerialPort::Use::read_write);
+  }
+  void on_cleanup() override { port_.close(); }
+
+  SerialPort port_;
+};
+
+struct BrakeInterface : mauve::Interface<CreateBrake> {
+  mauve::WriteService<rover::Velocity> write{*this, "write", &CreateBrake::stop};
+};
+
+}  // namespace
+
+void declare_create_brake(mauve::Plugin& plugin) {
+  plugin.resource<mauve::EmptyShell, CreateBrake, BrakeInterface>("create_brake");
+}
+
+}  // namespace drivers
