@@ -22,7 +22,8 @@ class CreateBrake final : public mauve::Core<mauve::EmptyShell> {
     const auto text = create::drive_text(0, 0);
     const std::string_view bytes(text.data(), text.size());
     const auto all = static_cast<std::ptrdiff_t>(bytes.size());
-    // The device may have gone and come back since.
+    // At first it is not open: resources are configured before the components that make "pty:NAME".
+    // Later it may have gone and come back.
     if (port_.write(bytes) == all || (port_.reopen() && port_.write(bytes) == all)) {
       ++stops;
     } else {
@@ -37,7 +38,8 @@ class CreateBrake final : public mauve::Core<mauve::EmptyShell> {
   mauve::Observable<std::uint64_t> failed{*this, "failed", 0, "not sent: the device is gone"};
 
   mauve::Status on_configure() override {
-    return port_.open(device, 0, SerialPort::Use::read_write);
+    port_.choose(device, 0, SerialPort::Use::read_write);
+    return mauve::ok();
   }
   void on_cleanup() override { port_.close(); }
 

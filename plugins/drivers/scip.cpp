@@ -157,8 +157,9 @@ bool LineReader::push(char byte) {
 }
 
 ReplyReader::Event ReplyReader::push(char byte) {
-  if (!lines_.push(byte)) return Event::none;
-  return lines_.too_long() ? lose() : end_line(lines_.line());
+  const bool ended = lines_.push(byte);
+  if (lines_.too_long()) return lose();  // at once: such a line may never end
+  return ended ? end_line(lines_.line()) : Event::none;
 }
 
 ReplyReader::Event ReplyReader::end_line(std::string_view line) {

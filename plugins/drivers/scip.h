@@ -74,11 +74,11 @@ class LineReader {
   /// A line of data is 65 long; the names in reply to VV and PP are longer.
   static constexpr std::size_t kLongest = 128;
 
-  /// True at the end of a line: see line() and too_long(), until the next push(). [rt]
+  /// True at the end of a line: see line(), until the next push(). [rt]
   bool push(char byte);
   [[nodiscard]] std::string_view line() const { return {text_.data(), size_}; }
+  /// The line, ended or not, has more than it may have. [rt]
   [[nodiscard]] bool too_long() const { return too_long_; }
-  [[nodiscard]] std::size_t size() const { return size_; }
 
  private:
   std::array<char, kLongest> text_{};

@@ -131,7 +131,7 @@ std::string line_path(const std::string& name) {
 }
 
 Status SerialPort::open(const std::string& device, int baud, Use use) {
-  std::string path = line_path(device);
+  const std::string path = line_path(device);
   Descriptor opened(open_quietly(path, use));
   if (!opened.open()) {
     const int why = errno;
@@ -146,11 +146,15 @@ Status SerialPort::open(const std::string& device, int baud, Use use) {
   }
   if (Status raw = make_raw(opened.number(), baud); !raw) return raw;
   device_ = std::move(opened);
-  path_ = std::move(path);
-  baud_ = baud;
-  use_ = use;
+  choose(device, baud, use);
   terminal_ = is_terminal(device_);
   return mauve::ok();
+}
+
+void SerialPort::choose(const std::string& device, int baud, Use use) {
+  path_ = line_path(device);
+  baud_ = baud;
+  use_ = use;
 }
 
 bool SerialPort::reopen() {

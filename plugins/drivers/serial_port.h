@@ -40,6 +40,8 @@ class SerialPort {
   /// Opens `device` (see line_path) raw and non-blocking; `baud` 0 leaves the speed alone.
   /// [factory]
   mauve::Status open(const std::string& device, int baud, Use use = Use::read);
+  /// The same without opening: reopen() does. [factory]
+  void choose(const std::string& device, int baud, Use use);
   void close() { device_ = Descriptor(); }
   /// The same once more, after it failed or was closed. Takes no memory. [rt]
   bool reopen();
