@@ -84,8 +84,8 @@ class CreateOi final : public BaseCore {
   Counter lost_commands{*this, "lost_commands", 0, "times there was none any more"};
   Counter bad_commands{*this, "bad_commands", 0, "not a number"};
   Counter unsent{*this, "unsent", 0, "commands that found no room"};
-  Counter device_errors{*this, "device_errors", 0, "times it went away"};
-  Counter reopened{*this, "reopened", 0, "times it came back"};
+  Counter device_errors{*this, "device_errors", 0, "times it was not there or went away"};
+  Counter reopened{*this, "reopened", 0, "times it came, or came back"};
   mauve::Observable<int> mode{*this, "mode", 0, "0 off, 1 passive, 2 safe, 3 full"};
   mauve::Observable<int> contacts{*this, "contacts", 0,
                                   "1 right bumper, 2 left, 4 right wheel dropped, 8 left"};
@@ -118,7 +118,7 @@ class CreateOi final : public BaseCore {
   }
   bool silent() override { return silent_; }
 
-  bool lost() override { return !line_.is_open(); }
+  bool lost() override { return line_.lost(); }
   void reopen() override {
     if (line_.reopen()) begin();
   }
@@ -190,7 +190,7 @@ class CreateOi final : public BaseCore {
   void send_speeds(const WheelSpeeds& speeds) {
     const auto whole = [](double speed) { return static_cast<int>(std::lround(speed * 1000.0)); };
     const auto text = create::drive_text(whole(speeds.left), whole(speeds.right));
-    if (!line_.send({text.data(), text.size()}) && line_.is_open()) ++unsent;
+    if (!line_.send({text.data(), text.size()}) && !lost()) ++unsent;
   }
 
   DeviceLine line_{device_errors, reopened};

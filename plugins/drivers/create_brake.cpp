@@ -5,12 +5,11 @@
 /// writes the safe value, and the base, which would drive on, stops.
 #include <cstdint>
 #include <string>
-#include <string_view>
 
 #include "../types/velocity.h"
 #include "create_oi.h"
+#include "line_writer.h"
 #include "parts.h"
-#include "serial_port.h"
 
 namespace drivers {
 namespace {
@@ -20,11 +19,7 @@ class CreateBrake final : public mauve::Core<mauve::EmptyShell> {
   /// [rt], [control]
   void stop(const rover::Velocity&) {
     const auto text = create::drive_text(0, 0);
-    const std::string_view bytes(text.data(), text.size());
-    const auto all = static_cast<std::ptrdiff_t>(bytes.size());
-    // At first it is not open: resources are configured before the components that make "pty:NAME".
-    // Later it may have gone and come back.
-    if (port_.write(bytes) == all || (port_.reopen() && port_.write(bytes) == all)) {
+    if (line_.send({text.data(), text.size()})) {
       ++stops;
     } else {
       ++failed;
@@ -37,13 +32,14 @@ class CreateBrake final : public mauve::Core<mauve::EmptyShell> {
   mauve::Observable<std::uint64_t> stops{*this, "stops", 0, "sent"};
   mauve::Observable<std::uint64_t> failed{*this, "failed", 0, "not sent: the device is gone"};
 
+  /// Opened when it is needed: resources are configured before the components that make "pty:NAME".
   mauve::Status on_configure() override {
-    port_.choose(device, 0, SerialPort::Use::read_write);
+    line_.choose(device);
     return mauve::ok();
   }
-  void on_cleanup() override { port_.close(); }
+  void on_cleanup() override { line_.close(); }
 
-  SerialPort port_;
+  LineWriter line_;
 };
 
 struct BrakeInterface : mauve::Interface<CreateBrake> {

@@ -9,9 +9,9 @@
 /// published as well and counted in `empty_scans`: the scanner is covered, dazzled or broken.
 ///
 /// What has not answered for `answer_timeout`, or sends no scan for so long, is asked everything
-/// again (timeouts). A device that goes away is opened again as soon as it is back (device_errors,
-/// reopened; state wait_device meanwhile). The scanner is left switched on when the core goes: its
-/// successor in a change reads on.
+/// again (timeouts). A device that is not there, or goes away, is opened as soon as it is (back)
+/// there (device_errors, reopened; state wait_device meanwhile). The scanner is left switched on
+/// when the core goes: its successor in a change reads on.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -72,8 +72,9 @@ class HokuyoScip final : public LaserCore {
   mauve::Observable<std::uint64_t> bad_frames{*this, "bad_frames", 0, "damaged replies, skipped"};
   mauve::Observable<std::uint64_t> timeouts{*this, "timeouts", 0, "times it fell silent"};
   mauve::Observable<std::uint64_t> refused{*this, "refused", 0, "requests it did not grant"};
-  mauve::Observable<std::uint64_t> device_errors{*this, "device_errors", 0, "times it went away"};
-  mauve::Observable<std::uint64_t> reopened{*this, "reopened", 0, "times it came back"};
+  mauve::Observable<std::uint64_t> device_errors{*this, "device_errors", 0,
+                                                 "times it was not there or went away"};
+  mauve::Observable<std::uint64_t> reopened{*this, "reopened", 0, "times it came, or came back"};
   mauve::Observable<bool> empty{*this, "empty", false, "the last scan was one of error codes"};
 
   mauve::Status on_configure() override { return line_.open(device, baud); }
@@ -123,12 +124,12 @@ class HokuyoScip final : public LaserCore {
     do {
       show();
     } while (--left > 0 && pull_scan());
-    more_ = left == 0 || line_.enough();
+    more_ = left == 0 || line_.spent();
   }
   bool more() override { return more_; }
   bool failed() override { return failed_; }
 
-  bool lost() override { return !line_.is_open(); }
+  bool lost() override { return line_.lost(); }
   void reopen() override {
     if (line_.reopen()) state->asked = 0;
   }

@@ -98,7 +98,7 @@ class HokuyoSim final : public mauve::Core<ScannerShell> {
       65'533;  // what a UTM-30LX says when nothing is in sight
 
   PseudoTerminal line_;
-  scip::LineReader heard_;
+  scip::TextReader heard_;
   scip::ReplyWriter writer_;
   scip::Limits limits_;
   scip::Request wanted_;

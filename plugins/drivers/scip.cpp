@@ -142,7 +142,7 @@ bool blind(const Limits& limits, std::span<const std::uint32_t> values) {
                       [least](std::uint32_t value) { return value >= least && value > 0; });
 }
 
-bool LineReader::push(char byte) {
+bool TextReader::push(char byte) {
   if (ended_) {
     ended_ = too_long_ = false;
     size_ = 0;

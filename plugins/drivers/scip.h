@@ -69,7 +69,7 @@ void show(const Request& request, const Limits& limits, std::span<const std::uin
 [[nodiscard]] bool blind(const Limits& limits, std::span<const std::uint32_t> values);
 
 /// Collects a line in a bounded buffer.
-class LineReader {
+class TextReader {
  public:
   /// A line of data is 65 long; the names in reply to VV and PP are longer.
   static constexpr std::size_t kLongest = 128;
@@ -126,7 +126,7 @@ class ReplyReader {
   Event lose();
   bool take_limit(std::string_view field);
 
-  LineReader lines_;
+  TextReader lines_;
   Place place_ = Place::echo;
   bool counted_ = true;  // damage up to the next empty line is counted already, or is a beginning
   std::array<char, 16> echo_{};

@@ -10,7 +10,7 @@ namespace drivers::scip {
 
 std::string_view ReplyWriter::reply(std::string_view echo, std::string_view status) {
   size_ = 0;
-  add(echo.substr(0, LineReader::kLongest));
+  add(echo.substr(0, TextReader::kLongest));
   add("\n");
   add_summed(status);
   add("\n");

@@ -52,23 +52,27 @@ bool set_raw(int descriptor, int baud) {
   return tcsetattr(descriptor, TCSANOW, &settings) == 0;
 }
 
+Status check_speed(int baud) {
+  if (baud == 0 || speed_of(baud) != B0) return mauve::ok();
+  return refuse(Errc::invalid_value, {}, "no such speed: " + std::to_string(baud) + " baud",
+                "common ones are 9600, 38400 and 115200; 0 leaves it alone");
+}
+
 Status make_raw(int descriptor, int baud) {
-  if (baud != 0 && speed_of(baud) == B0) {
-    return refuse(Errc::invalid_value, {}, "no such speed: " + std::to_string(baud) + " baud",
-                  "common ones are 9600, 38400 and 115200; 0 leaves it alone");
-  }
   if (!set_raw(descriptor, baud)) {
     return refuse(Errc::system, {}, "cannot set the line to raw mode: " + system_text(errno));
   }
   return mauve::ok();
 }
 
-int open_quietly(const std::string& path, SerialPort::Use use) {
-  const int access = use == SerialPort::Use::read ? O_RDONLY : O_RDWR;
-  return ::open(path.c_str(), access | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+int open_quietly(const std::string& path) {
+  return ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
 }
 
-bool is_terminal(const Descriptor& opened) { return ::isatty(opened.number()) == 1; }
+/// Unplugged, or not plugged in yet: it may come.
+bool absent(int error) {
+  return error == ENOENT || error == ENODEV || error == ENXIO || error == EIO;
+}
 
 /// Does this process hold the device?
 bool is_ours(const fs::path& device) {
@@ -130,38 +134,35 @@ std::string line_path(const std::string& name) {
   return place + "/mauve-" + name.substr(kOwn.size()) + "." + std::to_string(::getpid());
 }
 
-Status SerialPort::open(const std::string& device, int baud, Use use) {
-  const std::string path = line_path(device);
-  Descriptor opened(open_quietly(path, use));
+Status SerialPort::open(const std::string& device, int baud, Missing missing) {
+  if (Status speed = check_speed(baud); !speed) return speed;
+  std::string path = line_path(device);
+  Descriptor opened(open_quietly(path));
+  const int why = opened.open() ? 0 : errno;
+  if (missing == Missing::accepted && absent(why)) {
+    device_ = Descriptor();
+    path_ = std::move(path);
+    baud_ = baud;
+    return mauve::ok();
+  }
   if (!opened.open()) {
-    const int why = errno;
     return refuse(Errc::system, {}, "cannot open '" + path + "': " + system_text(why),
                   why == EACCES ? "the user of mauved needs the group 'dialout'"
-                                : "is the device plugged in, and the path right? A relative one "
+                                : "is the receiver plugged in, and the path right? A relative one "
                                   "begins where mauved was started");
-  }
-  if (use == Use::read_write && !is_terminal(opened)) {
-    return refuse(Errc::invalid_value, {}, "'" + path + "' is no serial device",
-                  "commands would be written into it; name a device such as /dev/ttyACM0");
   }
   if (Status raw = make_raw(opened.number(), baud); !raw) return raw;
   device_ = std::move(opened);
-  choose(device, baud, use);
-  terminal_ = is_terminal(device_);
+  path_ = std::move(path);
+  baud_ = baud;
+  terminal_ = ::isatty(device_.number()) == 1;
   return mauve::ok();
 }
 
-void SerialPort::choose(const std::string& device, int baud, Use use) {
-  path_ = line_path(device);
-  baud_ = baud;
-  use_ = use;
-}
-
 bool SerialPort::reopen() {
-  Descriptor opened(open_quietly(path_, use_));
+  Descriptor opened(open_quietly(path_));
   if (!opened.open() || !set_raw(opened.number(), baud_)) return false;
-  terminal_ = is_terminal(opened);
-  if (use_ == Use::read_write && !terminal_) return false;
+  terminal_ = ::isatty(opened.number()) == 1;
   device_ = std::move(opened);
   return true;
 }
@@ -169,12 +170,6 @@ bool SerialPort::reopen() {
 std::ptrdiff_t SerialPort::read(std::span<char> into) const {
   const ssize_t count = ::read(device_.number(), into.data(), into.size());
   if (count == 0 && terminal_) return -1;  // a raw terminal has no end: it hung up
-  if (count >= 0) return count;
-  return errno == EAGAIN || errno == EINTR ? 0 : -1;
-}
-
-std::ptrdiff_t SerialPort::write(std::string_view bytes) const {
-  const ssize_t count = ::write(device_.number(), bytes.data(), bytes.size());
   if (count >= 0) return count;
   return errno == EAGAIN || errno == EINTR ? 0 : -1;
 }

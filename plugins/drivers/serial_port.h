@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A serial device used without ever waiting, and a pseudo-terminal that stands for one.
+/// A serial device read without ever waiting, and a pseudo-terminal that stands for one.
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -32,16 +31,15 @@ class Descriptor {
 /// process keeps for itself, in $RUNTIME_DIRECTORY, $XDG_RUNTIME_DIR or /tmp.
 [[nodiscard]] std::string line_path(const std::string& name);
 
-/// The host's end. A file or a FIFO serves as well: then baud and raw mode do not apply.
+/// The reading end. A file or a FIFO serves as well: then baud and raw mode do not apply.
 class SerialPort {
  public:
-  enum class Use : std::uint8_t { read, read_write };
+  /// What open() makes of a device that is not there.
+  enum class Missing : bool { refused, accepted };
 
-  /// Opens `device` (see line_path) raw and non-blocking; `baud` 0 leaves the speed alone.
-  /// [factory]
-  mauve::Status open(const std::string& device, int baud, Use use = Use::read);
-  /// The same without opening: reopen() does. [factory]
-  void choose(const std::string& device, int baud, Use use);
+  /// Opens `device` (see line_path) raw and non-blocking; `baud` 0 leaves the speed alone. One that
+  /// is not there yet can be accepted: it stays closed, for reopen() to try. [factory]
+  mauve::Status open(const std::string& device, int baud, Missing missing = Missing::refused);
   void close() { device_ = Descriptor(); }
   /// The same once more, after it failed or was closed. Takes no memory. [rt]
   bool reopen();
@@ -49,14 +47,11 @@ class SerialPort {
   /// Bytes that are there now; 0 when there are none, -1 when the device failed or hung up. Never
   /// waits. [rt]
   [[nodiscard]] std::ptrdiff_t read(std::span<char> into) const;
-  /// Bytes that found room; 0 when there is none, -1 when the device failed. Never waits. [rt]
-  [[nodiscard]] std::ptrdiff_t write(std::string_view bytes) const;
 
  private:
   Descriptor device_;
   std::string path_;
   int baud_ = 0;
-  Use use_ = Use::read;
   bool terminal_ = false;
 };
 

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <string_view>
 
 #include "../../../plugins/drivers/serial_port.h"
 
@@ -106,34 +105,6 @@ TEST(SerialPort, ReadsAPlainFileToo) {
   ASSERT_TRUE(port.open(path, 9600));
 
   EXPECT_EQ(take(port), "$GPGGA");
-  fs::remove(path);
-}
-
-TEST(SerialPort, WritesToTheOtherEnd) {
-  PseudoTerminal line;
-  SerialPort port;
-  ASSERT_TRUE(line.open(""));
-  ASSERT_TRUE(port.open(line.device(), 0, SerialPort::Use::read_write));
-  std::array<char, 16> bytes{};
-
-  EXPECT_EQ(line.receive(bytes), 0U);
-  EXPECT_EQ(port.write(std::string_view("QT\n\0\x13", 5)), 5);
-  EXPECT_EQ(line.receive(bytes), 5U);
-  EXPECT_EQ(std::string(bytes.data(), 5), std::string("QT\n\0\x13", 5));
-  line.close();
-  EXPECT_EQ(port.write("BM\n"), -1);
-}
-
-TEST(SerialPort, WritesIntoNoPlainFile) {
-  const std::string path = link_name("precious");
-  std::ofstream(path) << "a recording";
-  SerialPort port;
-
-  const auto refused = port.open(path, 0, SerialPort::Use::read_write);
-
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, mauve::Errc::invalid_value);
-  EXPECT_NE(refused.error().message.find("no serial device"), std::string::npos);
   fs::remove(path);
 }
 
