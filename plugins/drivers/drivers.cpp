@@ -8,6 +8,11 @@ MAUVE_PLUGIN(plugin) {
   drivers::declare_laser_replay(plugin);
   drivers::declare_world(plugin);
   drivers::declare_robot_sim(plugin);
+  drivers::declare_hokuyo(plugin);
+  drivers::declare_hokuyo_sim(plugin);
+  drivers::declare_create(plugin);
+  drivers::declare_create_brake(plugin);
+  drivers::declare_create_sim(plugin);
   drivers::declare_laser_sim(plugin);
   drivers::declare_receiver_sim(plugin);
   drivers::declare_imu_sim(plugin);

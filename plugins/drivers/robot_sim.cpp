@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Component kind "drivers/robot_sim": the robot driver on the simulated world, with the ports a
-/// real one has: a velocity in, odometry and pose out. It stands when no command comes, or only an
-/// old one.
+/// real one has: a velocity in, odometry, pose and twist out. It stands when no command comes, or
+/// only an old one. Times of `twist` are on the monotonic clock.
+#include <mauve/job.h>
+
+#include "../types/motion.h"
 #include "../types/pose.h"
 #include "../types/velocity.h"
 #include "parts.h"
@@ -17,6 +20,7 @@ struct RobotShell : mauve::Shell {
   mauve::ReadPort<Velocity> command{*this, "command"};
   mauve::WritePort<Odometry> odometry{*this, "odometry"};
   mauve::WritePort<Pose2D> pose{*this, "pose"};
+  mauve::WritePort<rover::Twist> twist{*this, "twist"};
   mauve::CallPort<Odometry(Velocity, double)> drive{*this, "drive"};
 };
 
@@ -31,6 +35,8 @@ class RobotSim final : public mauve::Core<RobotShell> {
     if (!moved) return;
     shell().odometry.write(*moved);
     shell().pose.write({moved->x, moved->y, moved->heading});
+    shell().twist.write(
+        {static_cast<double>(mauve::job_time()) * 1e-9, moved->linear, moved->angular});
   }
 
  private:

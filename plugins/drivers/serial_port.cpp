@@ -216,4 +216,9 @@ std::size_t PseudoTerminal::send_some(std::string_view bytes) const {
   return count > 0 ? static_cast<std::size_t>(count) : 0;
 }
 
+std::size_t PseudoTerminal::receive(std::span<char> into) const {
+  const ssize_t count = ::read(master_.number(), into.data(), into.size());
+  return count > 0 ? static_cast<std::size_t>(count) : 0;
+}
+
 }  // namespace drivers

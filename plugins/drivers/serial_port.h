@@ -75,6 +75,8 @@ class PseudoTerminal {
   /// The same; what does not fit is lost, as on a real line nobody listens to. False: lost some.
   /// [rt]
   bool send(std::string_view bytes) const { return send_some(bytes) == bytes.size(); }
+  /// What the other end wrote, as far as it fits; 0 when there is nothing. Never waits. [rt]
+  [[nodiscard]] std::size_t receive(std::span<char> into) const;
 
  private:
   Descriptor master_;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Plugin "safety". Component kind "safety/pilot": lets a command through as far as the way is
 /// free. Nearer than `slow_distance` it halves the forward speed, nearer than `stop_distance` it
-/// lets the robot only turn and reverse. Without a fresh scan, or without a command, the robot
-/// stands. Component kind "safety/cruise": a steady command, to try the pilot without a robot.
+/// lets the robot only turn and reverse, as it does without a fresh scan, or with one that says
+/// nothing (zones.h, blind). Without a command, or with one that is not a number, the robot stands.
+/// Component kind "safety/cruise": a steady command, to try the pilot without a robot.
+#include <cmath>
 #include <cstdint>
 
 #include <mauve/plugin.h>
@@ -43,11 +45,15 @@ class Pilot final : public mauve::Core<PilotShell> {
  public:
   /// [rt] state look: which zone are we in?
   void look() {
-    const mauve::DataStatus seen = shell().scan.look(
-        [this](const LaserScan& scan) { free_way = safety::free_way(scan, half_width); });
+    bool sees = false;
+    const mauve::DataStatus seen = shell().scan.look([&](const LaserScan& scan) {
+      sees = !safety::blind(scan);
+      free_way = safety::free_way(scan, half_width);
+    });
+    if (has_value(seen) && !sees) ++blind_scans;
     const bool fresh = has_value(seen) && seen != mauve::DataStatus::stale &&
                        (scan_timeout.get() == 0ms || shell().scan.age() <= scan_timeout.get());
-    if (!fresh) free_way = 0.0;
+    if (!fresh || !sees) free_way = 0.0;
     const Zone now = next_zone(Zone{state->zone}, free_way, limits_);
     state->zone = static_cast<std::uint8_t>(now);
     zone = static_cast<int>(state->zone);
@@ -85,6 +91,9 @@ class Pilot final : public mauve::Core<PilotShell> {
                                                 "an older scan counts as none; 0ms: never",
                                                 {.min = 0ms, .max = {}}};
   mauve::Observable<double> free_way{*this, "free_way", 0.0, "to the next obstacle ahead, m"};
+  mauve::Observable<std::uint64_t> blind_scans{*this, "blind_scans", 0,
+                                               "looks at a scan that says nothing"};
+  mauve::Observable<std::uint64_t> bad_commands{*this, "bad_commands", 0, "not a number"};
   mauve::Observable<int> zone{*this, "zone", 0, "0 clear, 1 slow, 2 stop"};
 
   mauve::Status on_configure() override {
@@ -99,6 +108,7 @@ class Pilot final : public mauve::Core<PilotShell> {
     const Velocity wanted = shell().command.read();
     const mauve::DataStatus status = shell().command.status();
     const bool usable = has_value(status) && status != mauve::DataStatus::stale;
+    if (usable && !(std::isfinite(wanted.linear) && std::isfinite(wanted.angular))) ++bad_commands;
     shell().safe_command.write(usable ? limited(wanted, zone_now) : Velocity{});
   }
 

@@ -18,6 +18,13 @@ double free_way(const rover::LaserScan& scan, double half_width) {
   return nearest;
 }
 
+bool blind(const rover::LaserScan& scan) {
+  if (!std::isfinite(scan.angle_min) || !std::isfinite(scan.angle_increment)) return true;
+  if (!(scan.range_max > scan.range_min)) return true;
+  return std::none_of(scan.ranges.begin(), scan.ranges.end(),
+                      [&scan](float range) { return range >= scan.range_min; });
+}
+
 Zone next_zone(Zone before, double free_way, const Limits& limits) {
   const auto within = [&](double distance, Zone zone) {
     return free_way < distance * (before >= zone ? 1.0 + limits.hysteresis : 1.0);
@@ -27,6 +34,7 @@ Zone next_zone(Zone before, double free_way, const Limits& limits) {
 }
 
 rover::Velocity limited(const rover::Velocity& command, Zone zone) {
+  if (!std::isfinite(command.linear) || !std::isfinite(command.angular)) return {};
   rover::Velocity safe = command;
   if (zone == Zone::slow && safe.linear > 0.0) safe.linear *= 0.5;
   if (zone == Zone::stop) safe.linear = std::min(safe.linear, 0.0);

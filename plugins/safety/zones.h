@@ -27,10 +27,16 @@ struct Limits {
 /// Range of the nearest return in the corridor ahead; range_max when there is none. [rt]
 [[nodiscard]] double free_way(const rover::LaserScan& scan, double half_width);
 
+/// Does the scan say nothing about the way? It is so when it has no beam that is a return, or
+/// looked as far as range_max and found nothing: an empty scan, or one of error codes only, comes
+/// from a scanner that is covered, dazzled or broken. So is one whose geometry is not a number.
+/// [rt]
+[[nodiscard]] bool blind(const rover::LaserScan& scan);
+
 /// The zone that follows `before` with that much free way. [rt]
 [[nodiscard]] Zone next_zone(Zone before, double free_way, const Limits& limits);
 
-/// The command that is safe in the zone. [rt]
+/// The command that is safe in the zone; one that is not a number stands still. [rt]
 [[nodiscard]] rover::Velocity limited(const rover::Velocity& command, Zone zone);
 
 }  // namespace safety

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "../../../plugins/drivers/recording.h"
 #include "../../../plugins/safety/zones.h"
 #include "../../../plugins/world/world.h"
@@ -26,11 +29,46 @@ TEST(SafetyPilot, SeesOnlyWhatStandsInItsCorridorAhead) {
   EXPECT_DOUBLE_EQ(safety::free_way(view_of({{-1.0, 0.0}, 0.3}), 0.35), 8.0);
 }
 
-TEST(SafetyPilot, IgnoresErrorCodes) {
+TEST(SafetyPilot, IgnoresErrorCodesAmongReturns) {
   rover::LaserScan scan = view_of({{3.0, 0.0}, 0.5});
-  for (float& range : scan.ranges) range = 0.0F;
+  for (std::size_t beam = 0; beam < scan.ranges.size(); beam += 2) scan.ranges[beam] = 0.0F;
 
-  EXPECT_DOUBLE_EQ(safety::free_way(scan, 0.35), 8.0);
+  EXPECT_NEAR(safety::free_way(scan, 0.35), 2.5, 0.01);
+  EXPECT_FALSE(safety::blind(scan));
+}
+
+TEST(SafetyPilot, TellsAnEmptyPlaceFromAScannerThatIsBlind) {
+  rover::LaserScan scan = view_of({{30.0, 0.0}, 0.5});
+  EXPECT_FALSE(safety::blind(scan)) << "it looked as far as it can and found nothing";
+  EXPECT_TRUE(safety::blind({})) << "no beam at all";
+  for (float& range : scan.ranges) range = 0.0F;
+  EXPECT_TRUE(safety::blind(scan)) << "error codes only";
+  for (float& range : scan.ranges) range = std::nanf("");
+  EXPECT_TRUE(safety::blind(scan));
+  scan.ranges[100] = std::numeric_limits<float>::infinity();
+  EXPECT_FALSE(safety::blind(scan));
+}
+
+TEST(SafetyPilot, TrustsNoScanWithoutGeometry) {
+  for (float rover::LaserScan::*number :
+       {&rover::LaserScan::angle_min, &rover::LaserScan::angle_increment,
+        &rover::LaserScan::range_min, &rover::LaserScan::range_max}) {
+    rover::LaserScan scan = view_of({{0.8, 0.0}, 0.5});
+    ASSERT_FALSE(safety::blind(scan));
+    scan.*number = std::nanf("");
+    EXPECT_TRUE(safety::blind(scan));
+  }
+}
+
+TEST(SafetyPilot, StandsWhenTheCommandIsNoNumber) {
+  for (const Zone zone : {Zone::clear, Zone::slow, Zone::stop}) {
+    for (const rover::Velocity& odd :
+         {rover::Velocity{std::nan(""), 0.1}, {0.1, std::nan("")}, {-HUGE_VAL, 0.1}}) {
+      const rover::Velocity safe = safety::limited(odd, zone);
+      EXPECT_EQ(safe.linear, 0.0);
+      EXPECT_EQ(safe.angular, 0.0);
+    }
+  }
 }
 
 TEST(SafetyPilot, HalvesInTheSlowZoneAndStopsInTheStopZone) {

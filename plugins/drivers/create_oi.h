@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The Open Interface of iRobot's Create 2: commands to the base and the stream of its sensors, a
+/// byte at a time. Source: iRobot, "Create 2 Open Interface Specification based on the Roomba 600".
+/// A frame of the stream is 19, how many bytes follow, packets (number, data), and a byte that
+/// makes the sum of them all 0 modulo 256.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace drivers::create {
+
+/// The commands used here.
+enum class Opcode : std::uint8_t {
+  start = 128,         ///< listen; the wheels stop
+  safe = 131,          ///< obey, until a wheel drops or a cliff is there
+  drive_direct = 145,  ///< right, then left wheel, mm/s, two bytes each, high one first
+  stream = 148,        ///< how many packets, then their numbers: every 15 ms
+};
+
+/// How the base takes commands.
+enum class Mode : std::uint8_t { off, passive, safe, full };
+
+/// Seconds between two frames of the stream.
+inline constexpr double kStreamPeriod = 0.015;
+
+/// What a frame of our stream says: packets 7, 35, 43 and 44.
+struct Report {
+  std::uint8_t contacts = 0;  ///< bits: bump right, bump left, wheel dropped right, left
+  Mode mode = Mode::off;
+  std::uint16_t left = 0;  ///< encoder counts; they wrap
+  std::uint16_t right = 0;
+
+  [[nodiscard]] bool bumped() const { return (contacts & 0x3U) != 0; }
+  [[nodiscard]] bool wheel_dropped() const { return (contacts & 0xcU) != 0; }
+  [[nodiscard]] bool obeys() const { return mode == Mode::safe || mode == Mode::full; }
+  friend bool operator==(const Report&, const Report&) = default;
+};
+
+/// Bytes of one such frame.
+inline constexpr std::size_t kFrame = 13;
+using Frame = std::array<char, kFrame>;
+
+/// The byte that ends a frame. [rt]
+[[nodiscard]] std::uint8_t checksum(std::span<const std::uint8_t> before);
+/// As the base sends it. [rt]
+[[nodiscard]] Frame frame_of(const Report& report);
+/// Makes the base listen, obey and stream. [rt]
+[[nodiscard]] std::string_view begin_text();
+/// Drive Direct, mm/s; the base takes -500 to 500. [rt]
+[[nodiscard]] std::array<char, 5> drive_text(int left, int right);
+
+/// Finds frames in a stream of bytes. After a damaged one it looks on at the next byte, so that a
+/// length or a 19 among the data never hides a good frame. All of it is [rt].
+class ReportReader {
+ public:
+  enum class Event : std::uint8_t {
+    none,    ///< go on
+    report,  ///< an undamaged frame: see report()
+    bad,     ///< as many bytes as a frame has were no frame, or fewer before the next good one
+  };
+
+  Event push(char byte);
+  [[nodiscard]] const Report& report() const { return report_; }
+
+ private:
+  [[nodiscard]] bool good() const;
+  bool skip();
+
+  std::array<std::uint8_t, kFrame> bytes_{};
+  std::size_t size_ = 0;
+  std::size_t skipped_ = 1;  // bytes since the last good frame; the first few are a beginning
+  Report report_;
+};
+
+/// A command as the base hears it.
+struct Command {
+  Opcode opcode = Opcode::start;
+  int left = 0;  ///< mm/s, of Drive Direct
+  int right = 0;
+};
+
+/// Finds commands in a stream of bytes, for the simulated base. Unknown opcodes are skipped. All of
+/// it is [rt].
+class CommandReader {
+ public:
+  std::optional<Command> push(char byte);
+
+ private:
+  std::array<std::uint8_t, 4> data_{};
+  std::size_t size_ = 0;
+  std::size_t left_ = 0;  // data bytes still to come
+  Opcode opcode_ = Opcode::start;
+  bool counts_ = false;  // the next byte says how many there are
+};
+
+}  // namespace drivers::create

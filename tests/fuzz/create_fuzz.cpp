@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// Any bytes as what a Create 2 streams, and as what it hears: every report that is believed stands
+// in the input as a whole frame, and the odometry stays a number.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "../../plugins/drivers/create_oi.h"
+#include "../../plugins/drivers/wheels.h"
+
+namespace {
+
+namespace create = drivers::create;
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view stream(reinterpret_cast<const char*>(data), size);
+  create::ReportReader reader;
+  create::CommandReader commands;
+  const drivers::Wheels wheels;
+  drivers::WheelOdometry odometry;
+  std::size_t reports = 0;
+  std::size_t bad = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    if (const auto command = commands.push(stream[i])) {
+      const auto text = create::drive_text(command->left, command->right);
+      require(static_cast<create::Opcode>(static_cast<std::uint8_t>(text[0])) ==
+              create::Opcode::drive_direct);
+    }
+    const auto event = reader.push(stream[i]);
+    bad += event == create::ReportReader::Event::bad ? 1 : 0;
+    if (event != create::ReportReader::Event::report) continue;
+    ++reports;
+    const create::Frame frame = create::frame_of(reader.report());
+    require(i + 1 >= create::kFrame);
+    require(stream.substr(i + 1 - create::kFrame, create::kFrame) ==
+            std::string_view(frame.data(), frame.size()));
+    odometry.advance(reader.report().left, reader.report().right,
+                     create::kStreamPeriod * static_cast<double>(1 + bad % 1000), wheels);
+    const rover::Odometry& now = odometry.odometry();
+    require(std::isfinite(now.x) && std::isfinite(now.y) && std::abs(now.heading) <= 3.15);
+    require(std::isfinite(now.linear) && std::isfinite(now.angular));
+  }
+  require(reports * create::kFrame <= size);
+  require(bad <= size / create::kFrame + reports + 1);
+  return 0;
+}

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The drivers of a Hokuyo scanner and of a Create 2 on pseudo-terminals, with the simulated
+/// devices at the other ends.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "../../plugins/types/motion.h"
+#include "../../plugins/types/pose.h"
+#include "../../plugins/types/scan.h"
+#include "robot_drivers.h"
+#include "support/temp_dir.h"
+
+namespace {
+
+using namespace robot;  // NOLINT: the architecture
+using mauve::test::TempDir;
+
+/// Everything, driving at 0.4 m/s towards a disc whose surface is 3.5 m ahead.
+std::unique_ptr<System> everything() {
+  return std::make_unique<System>(std::string(kSimulators) + kPilot + kLaser + "," + kBase,
+                                  "pty:laser", "pty:base");
+}
+
+TEST(RobotDrivers, CarryScansAndOdometryOverSerialLines) {
+  const auto robot = everything();
+  ASSERT_TRUE(robot->deployed());
+  EXPECT_TRUE(robot->reaches("world", "x", 0.5));
+
+  const auto scan = robot->read<rover::LaserScan>("scan");
+  const auto odometry = robot->read<rover::Odometry>("odometry");
+  const auto twist = robot->read<rover::Twist>("twist");
+  ASSERT_EQ(scan.ranges.size(), 541U);
+  EXPECT_NEAR(scan.ranges[270], 3.5 - robot->observe("world", "x"), 0.1);
+  EXPECT_NEAR(scan.angle(270), 0.0, 1e-4);
+  EXPECT_GE(scan.ranges[0], scan.range_max) << "nothing in sight";
+  EXPECT_NEAR(odometry.x, robot->observe("world", "x"), 0.1);
+  EXPECT_NEAR(odometry.linear, 0.4, 0.03);
+  EXPECT_NEAR(twist.linear, 0.4, 0.03);
+  EXPECT_GT(twist.time, 0.0);
+  EXPECT_EQ(robot->observe("base", "mode"), 2.0);
+  EXPECT_EQ(robot->observe("laser", "bad_frames"), 0.0);
+  EXPECT_EQ(robot->observe("base", "bad_frames"), 0.0);
+  EXPECT_EQ(robot->observe("laser", "empty_scans"), 0.0);
+  EXPECT_EQ(robot->observe("brake", "stops"), 0.0);
+}
+
+TEST(RobotDrivers, StopBeforeTheObstacleThatOnlyTheScannerSees) {
+  const auto robot = everything();
+  ASSERT_TRUE(robot->deployed());
+  ASSERT_TRUE(robot->reaches("world", "x", 1.0));
+  ASSERT_EQ(robot->observe("pilot", "zone"), 0.0);
+
+  EXPECT_TRUE(robot->run_until([&] { return robot->observe("pilot", "zone") == 2.0; }));
+  EXPECT_TRUE(robot->run_until([&] { return robot->observe("wheels", "left") == 0.0; }));
+
+  EXPECT_GT(robot->observe("world", "nearest"), 0.0);
+  EXPECT_GT(robot->observe("world", "x"), 2.5);
+}
+
+TEST(RobotDrivers, AScannerThatGoesAndComesBackIsReadAgain) {
+  const auto robot = everything();
+  ASSERT_TRUE(robot->deployed());
+  ASSERT_TRUE(robot->reaches("laser", "scans", 10));
+
+  robot->set("scanner.core.turns", Value(std::int64_t{600}));  // makes another line
+
+  EXPECT_TRUE(robot->reaches("laser", "reopened", 1));
+  EXPECT_TRUE(robot->goes_on("laser", "scans", 10));
+  EXPECT_GE(robot->observe("laser", "device_errors"), 1.0);
+}
+
+TEST(RobotDrivers, AScannerThatFallsSilentIsAskedAgainAndTheRobotStands) {
+  const auto robot = everything();
+  ASSERT_TRUE(robot->deployed());
+  ASSERT_TRUE(robot->reaches("world", "x", 0.1));
+
+  ASSERT_TRUE(robot->deployer().stop({"scanner"}));
+  EXPECT_TRUE(robot->goes_on("laser", "timeouts", 2));
+  EXPECT_EQ(robot->observe("wheels", "left"), 0.0);
+  EXPECT_EQ(robot->observe("pilot", "zone"), 2.0);
+
+  ASSERT_TRUE(robot->deployer().start({"scanner"}));
+  EXPECT_TRUE(robot->goes_on("laser", "scans", 10));
+  EXPECT_TRUE(robot->goes_on("world", "x", 0.1));
+}
+
+TEST(RobotDrivers, ACoveredScannerStopsTheRobot) {
+  const auto robot = everything();
+  ASSERT_TRUE(robot->deployed());
+  ASSERT_TRUE(robot->reaches("world", "x", 0.1));
+
+  robot->set("scanner.core.covered", Value(true));
+
+  EXPECT_TRUE(robot->reaches("laser", "empty_scans", 3));
+  EXPECT_TRUE(robot->run_until([&] { return robot->observe("pilot", "zone") == 2.0; }));
+  EXPECT_TRUE(robot->run_until([&] { return robot->observe("wheels", "left") == 0.0; }));
+  EXPECT_GT(robot->observe("pilot", "blind_scans"), 0.0);
+  EXPECT_EQ(robot->observe("laser", "empty"), 1.0);
+  EXPECT_EQ(robot->read<rover::LaserScan>("scan").ranges[270], 0.0F) << "published all the same";
+}
+
+TEST(RobotDrivers, TheBrakeStopsABaseWhoseDriverIsStopped) {
+  const auto robot = everything();
+  ASSERT_TRUE(robot->deployed());
+  ASSERT_TRUE(robot->reaches("world", "x", 0.1));
+  ASSERT_GT(robot->observe("wheels", "left"), 0.0);
+
+  ASSERT_TRUE(robot->deployer().stop({"base"}));
+
+  EXPECT_TRUE(robot->run_until([&] { return robot->observe("wheels", "left") == 0.0; }));
+  EXPECT_EQ(robot->observe("brake", "stops"), 1.0);
+  ASSERT_TRUE(robot->deployer().start({"base"}));
+  EXPECT_TRUE(robot->goes_on("world", "x", 0.1)) << "armed again";
+}
+
+TEST(RobotDrivers, ASwapDoesNotStopTheBase) {
+  const auto robot = everything();
+  ASSERT_TRUE(robot->deployed());
+  ASSERT_TRUE(robot->reaches("world", "x", 0.1));
+  const double commands = robot->observe("wheels", "commands");
+
+  robot->set("base.core.speed_max", Value(0.4));
+  robot->set("laser.core.scans_per_job", Value(std::int64_t{4}));
+  bool stood = false;
+  ASSERT_TRUE(robot->run_until([&] {
+    stood = stood || robot->observe("wheels", "left") == 0.0;
+    return robot->observe("wheels", "commands") > commands + 50;
+  }));
+
+  EXPECT_FALSE(stood);
+  EXPECT_EQ(robot->observe("base", "jumps"), 0.0);
+  EXPECT_EQ(robot->observe("laser", "device_errors"), 0.0);
+}
+
+TEST(RobotDrivers, RefuseADeviceIntoWhichTheyMustNotWrite) {
+  TempDir place;
+  const std::string precious = place.write("recording", "precious").string();
+  const System laser(kLaser, precious, "pty:base");
+  const System base(kBase, "pty:laser", precious);
+
+  for (const System* system : {&laser, &base}) {
+    ASSERT_FALSE(system->deployed());
+    EXPECT_NE(to_string(system->deployed().error()).find("is no serial device"), std::string::npos);
+  }
+  EXPECT_EQ(TempDir::read(precious), "precious");
+}
+
+}  // namespace
