@@ -56,7 +56,7 @@ inline localization::Parameters truck() {
   p.acceleration = 0.5;
   p.turn_acceleration = 0.5;
   p.slip = 0.03;
-  p.heading_slip = 0.01;
+  p.heading_slip = 0.015;
   p.twist_linear = 0.05;
   p.twist_angular = 0.02;
   p.position = 0.8;
@@ -90,9 +90,10 @@ struct Outages {
 struct Sample {
   rover::MotionState state;
   rover::Pose fix;
-  double outage = -1.0;  ///< s since it began
-  double error = 0.0;    ///< m, of the antenna
-  double nis = 0.0;      ///< of a fix the filter was given
+  double outage = -1.0;   ///< s since it began
+  double error = 0.0;     ///< m, of the antenna
+  double surprise = 0.0;  ///< the same squared, in units of what the filter admits
+  double nis = 0.0;       ///< of a fix the filter was given
   bool rejected = false;
 };
 
@@ -103,13 +104,19 @@ struct Replay {
   double seconds = 0.0;  ///< of processor time
 };
 
-/// Of the antenna, where the filter believes it to be.
-inline double error_of(const rover::MotionState& state, const rover::Pose& fix,
-                       const rover::Point2D& antenna) {
+/// How far the fix is from where the filter believes the antenna to be.
+inline void compare(const localization::Parameters& parameters, Sample& sample) {
+  const rover::MotionState& state = sample.state;
+  const rover::Point2D& antenna = parameters.antenna;
   const double cosine = std::cos(state.heading);
   const double sine = std::sin(state.heading);
-  return std::hypot(fix.x - state.x - cosine * antenna.x + sine * antenna.y,
-                    fix.y - state.y - sine * antenna.x - cosine * antenna.y);
+  const double x = sample.fix.x - state.x - cosine * antenna.x + sine * antenna.y;
+  const double y = sample.fix.y - state.y - sine * antenna.x - cosine * antenna.y;
+  const double xx = state.variance_x + parameters.position * parameters.position;
+  const double yy = state.variance_y + parameters.position * parameters.position;
+  const double xy = state.covariance_xy;
+  sample.error = std::hypot(x, y);
+  sample.surprise = (yy * x * x - 2.0 * xy * x * y + xx * y * y) / (xx * yy - xy * xy);
 }
 
 /// Plays the recording to the filter, but for the positions in outages.
@@ -139,7 +146,7 @@ inline Replay replay(const Recording& recording, const Outages& outages,
       sample.nis = memory->estimate.nis;
     }
     sample.state = motion_state(predicted(parameters, fix.time, *memory));
-    sample.error = error_of(sample.state, fix, parameters.antenna);
+    compare(parameters, sample);
     result.samples.push_back(sample);
   }
   result.last = memory->estimate;
