@@ -18,6 +18,7 @@ constexpr double kStep = 0.1;      // s of one step of a longer prediction
 constexpr int kMostSteps = 60;
 constexpr double kUnknownHeading = std::numbers::pi * std::numbers::pi;
 constexpr double kFar = 20.0;          // gates away, the filter is not turned but placed
+constexpr double kSharpest = 1e-3;     // m, of a position, whatever it says
 constexpr double kUnknownPlace = 1e8;  // m^2
 
 /// Beyond these variances nothing is known anyway, and numbers shall stay comparable.
@@ -152,7 +153,8 @@ struct Position {
   double variance;
 
   Position(const Parameters& p, const rover::Pose& pose)
-      : at(pose.x, pose.y), variance(square(pose.deviation > 0.0 ? pose.deviation : p.position)) {}
+      : at(pose.x, pose.y),
+        variance(square(pose.deviation > 0.0 ? std::max(pose.deviation, kSharpest) : p.position)) {}
 };
 
 Column<2> antenna_at(const Parameters& p, const Estimate& estimate) {

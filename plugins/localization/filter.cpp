@@ -13,6 +13,7 @@ static_assert(std::is_trivially_copyable_v<Memory>, "is handed over as bytes");
 constexpr double kFarthest = 1e8;  // m
 constexpr double kFastest = 1e3;   // m/s
 constexpr double kQuickest = 1e2;  // rad/s
+constexpr double kOldest = 60.0;   // s; beyond it the time is of another clock
 
 bool within(double value, double limit) { return std::abs(value) <= limit; }  // false for NaN
 
@@ -80,6 +81,10 @@ void add(const Parameters& p, const Measurement& measurement, double now, double
   const bool sound = std::visit([](const auto& m) { return sane(m); }, measurement);
   if (!sound || !within(time - now, kFarthest) || time > now + window) {
     ++memory.refused;
+    return;
+  }
+  if (time < now - kOldest) {
+    ++memory.too_late;
     return;
   }
   const std::size_t count = count_until(memory, time);

@@ -40,7 +40,8 @@ struct Memory {
 void start(const Estimate& estimate, Memory& memory);
 
 /// Takes a measurement; those up to `window` seconds older than the newest are replayed, those that
-/// claim to be over `window` seconds after `now` are refused. At most kCapacity steps. [rt]
+/// claim to be over `window` seconds after `now` are refused, those of a minute before are of
+/// another clock and dropped. At most kCapacity steps. [rt]
 void add(const Parameters& parameters, const Measurement& measurement, double now, double window,
          Memory& memory);
 

@@ -101,6 +101,31 @@ TEST(Filter, DropsWhatIsOlderThanItsMemory) {
   EXPECT_EQ(memory.too_late, 1u);
 }
 
+TEST(Filter, DropsTheTimeOfAnotherClockEvenAtFirst) {
+  const Parameters parameters;
+  Memory memory = started(parameters);
+
+  add(parameters, Pose{4000.0, 50.0, 50.0, 0.1}, 16'000.0, 0.5, memory);
+
+  EXPECT_EQ(memory.too_late, 1u);
+  EXPECT_FALSE(memory.estimate.begun);
+}
+
+TEST(Filter, StandsAPositionThatClaimsToBePerfect) {
+  const Parameters parameters;
+  Memory memory = filtered(parameters, circle(5.0));
+  const double now = memory.estimate.time;
+  const rover::MotionState state = motion_state(memory.estimate);
+
+  for (int i = 0; i < 100; ++i) {
+    add(parameters, Pose{now, state.x, state.y, 1e-300}, now, 0.5, memory);
+  }
+
+  const rover::MotionState after = motion_state(memory.estimate);
+  EXPECT_GT(after.variance_x, 0.0);
+  EXPECT_GT(after.variance_x * after.variance_y, after.covariance_xy * after.covariance_xy);
+}
+
 TEST(Filter, PutsALateMeasurementInBeforeAFullMemoryForgets) {
   const Parameters parameters;
   std::vector<Measurement> measurements = circle(10.0);
