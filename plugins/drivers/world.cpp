@@ -4,6 +4,7 @@
 /// `random_discs` is set.
 #include <cstdint>
 
+#include "../localization/utm.h"
 #include "../types/gnss.h"
 #include "../types/imu.h"
 #include "../world/world.h"
@@ -48,11 +49,10 @@ using rover::Velocity;
 
 using Discs = mauve::Bounded<world::Disc, world::Map::kCapacity>;
 
-/// Where the origin of the world lies on the globe.
-constexpr double kLatitude = 43.5661;
-constexpr double kLongitude = 1.4744;
+/// Where the origin of the world lies on the globe. Its axes are those of the UTM grid there.
+constexpr localization::Geographic kOrigin{43.5661, 1.4744};
+constexpr localization::Zone kZone{31, false};
 constexpr double kAltitude = 151.0;
-constexpr double kMetresPerDegree = 111'194.9;
 
 class WorldCore final : public mauve::Core<mauve::EmptyShell> {
  public:
@@ -78,12 +78,13 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
   /// [rt] What the antenna receives.
   GnssFix antenna() {
     const Pose2D& pose = state_->robot.pose();
-    const double east = pose.x + state_->random.normal(gnss_noise);
-    const double north = pose.y + state_->random.normal(gnss_noise);
+    const double east = origin_.x + pose.x + state_->random.normal(gnss_noise);
+    const double north = origin_.y + pose.y + state_->random.normal(gnss_noise);
+    const localization::Geographic there = utm_.reverse({east, north}, kZone);
     GnssFix fix;
     fix.time = state_->robot.odometry().time;
-    fix.latitude = kLatitude + north / kMetresPerDegree;
-    fix.longitude = kLongitude + east / (kMetresPerDegree * kCosLatitude);
+    fix.latitude = there.latitude;
+    fix.longitude = there.longitude;
     fix.altitude = kAltitude + state_->random.normal(2.0 * gnss_noise);
     fix.mode = satellites >= 4 ? 3 : satellites == 3 ? 2 : 1;
     fix.satellites = satellites;
@@ -106,8 +107,6 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
   }
 
  private:
-  static constexpr double kCosLatitude = 0.72457;
-
   mauve::State<Moving> state_{*this};
   mauve::Property<std::int64_t> seed{*this, "seed", 1, "of everything random", {.min = 0}};
   mauve::Property<Pose2D> start{*this, "start", {}, "where the robot stands at first"};
@@ -163,6 +162,8 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
   }
 
   world::Map map_;
+  localization::Utm utm_;
+  const Point2D origin_ = utm_.forward(kOrigin, kZone).value_or(Point2D{});
 };
 
 struct WorldInterface : mauve::Interface<WorldCore> {

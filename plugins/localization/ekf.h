@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Extended Kalman filter of a ground robot (paper 5.3): wheels, gyroscope, compass and satellites
+/// in any order and rate. Plain bytes and pure functions: no clock, no heap.
+///
+/// Where nothing is known at first, the filter counts from an arbitrary place and direction. The
+/// first position places it, the first metres turn it (`Estimate::placed`, `aligned`), by a
+/// rotation about the first position that carries the covariance along.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "../types/imu.h"
+#include "../types/motion.h"
+#include "models.h"
+
+namespace localization {
+
+/// Noises are deviations; those that grow with time or way say so in their unit.
+struct Parameters {
+  double acceleration = 1.0;       ///< m/s^2/sqrt(Hz), unknown to the filter
+  double turn_acceleration = 1.0;  ///< rad/s^2/sqrt(Hz)
+  double slip = 0.02;              ///< m/sqrt(m), of the place
+  double heading_slip = 0.005;     ///< rad/sqrt(m)
+  double gyro_bias_walk = 1e-4;    ///< rad/s/sqrt(s)
+  double scale_walk = 1e-4;        ///< 1/sqrt(s), of both scales
+  double curvature_walk = 1e-5;    ///< rad/m/sqrt(s)
+
+  double twist_linear = 0.05;   ///< m/s
+  double twist_angular = 0.05;  ///< rad/s
+  double gyroscope = 0.01;      ///< rad/s
+  double compass = 0.05;        ///< rad
+  double position = 2.5;        ///< m, of poses that do not say theirs
+  rover::Point2D antenna;       ///< m, in the robot's frame
+
+  double gyro_bias = 0.02;   ///< rad/s, at first
+  double scale = 0.02;       ///< at first; 0: the wheels are right
+  double turn_scale = 0.05;  ///< at first; 0: the wheels are right
+  double curvature = 0.003;  ///< rad/m, at first; 0: the wheels are right
+
+  double gate = 1.0;            ///< times the chi-square limits of 99 %; 0: no gate
+  int reacquire_after = 10;     ///< consistent positions outside the gate in a row; 0: never
+  double align_distance = 1.5;  ///< m, at least, from which the heading is taken
+};
+
+/// The share of positions outside the gate is looked at over so many.
+inline constexpr int kRecent = 16;
+
+/// All that the filter knows.
+struct Estimate {
+  double time = 0.0;  ///< s, of the last measurement
+  std::array<double, kStates> mean{};
+  std::array<double, kStates * kStates> covariance{};  ///< column by column
+  bool begun = false;
+  bool placed = false;    ///< x and y count from the origin of the positions
+  bool aligned = false;   ///< the heading counts from x
+  rover::Point2D anchor;  ///< the position that placed it
+
+  double pose_time = 0.0;     ///< s, of the last position accepted
+  double nis = 0.0;           ///< normalised innovation squared of the last position
+  std::uint32_t recent = 0;   ///< one bit for each of the last positions, 1: outside the gate
+  std::int32_t agreeing = 0;  ///< positions outside the gate that agree with one another
+  rover::Point2D offset;      ///< of the last of them from where the filter is
+  std::uint64_t accepted = 0;
+  std::uint64_t rejected = 0;    ///< positions outside the gate
+  std::uint64_t reacquired = 0;  ///< times the filter gave in to them
+  std::uint64_t outliers = 0;    ///< other measurements outside the gate
+
+  /// Larger eigenvalue of the covariance of the place, its root, m. [rt]
+  [[nodiscard]] double dispersion() const;
+  /// Of the last kRecent positions, outside the gate. [rt]
+  [[nodiscard]] int rejected_recently() const;
+};
+
+/// Nothing known but the noises. [rt]
+[[nodiscard]] Estimate begin(const Parameters& parameters);
+/// The robot stands at `start`. [rt]
+[[nodiscard]] Estimate begin(const Parameters& parameters, const rover::Pose2D& start,
+                             double deviation, double heading_deviation);
+
+/// Predicts to the time; earlier ones change nothing, and more than a minute counts as one. [rt]
+void advance(const Parameters& parameters, double time, Estimate& estimate);
+
+/// Advances to the time of the measurement, then corrects. The measurement is finite. [rt]
+void correct(const Parameters& parameters, const rover::Twist& twist, Estimate& estimate);
+void correct(const Parameters& parameters, const rover::Imu& imu, Estimate& estimate);
+void correct(const Parameters& parameters, const rover::Pose& pose, Estimate& estimate);
+
+/// The estimate as others want it. What is not known yet has a large variance. [rt]
+[[nodiscard]] rover::MotionState motion_state(const Estimate& estimate);
+
+}  // namespace localization

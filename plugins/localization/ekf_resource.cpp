@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "ekf_resource.h"
+
+#include <cmath>
+
+namespace localization {
+
+using rover::MotionState;
+using rover::Pose2D;
+
+mauve::Status EkfCore::on_configure() {
+  Parameters p;
+  p.acceleration = acceleration;
+  p.turn_acceleration = turn_acceleration;
+  p.slip = slip;
+  p.heading_slip = heading_slip;
+  p.twist_linear = twist_linear;
+  p.twist_angular = twist_angular;
+  p.gyroscope = gyroscope;
+  p.gyro_bias = gyro_bias;
+  p.compass = compass;
+  p.scale = scale;
+  p.turn_scale = turn_scale;
+  p.curvature = curvature;
+  p.position = position;
+  p.antenna = antenna;
+  p.gate = gate;
+  p.reacquire_after = reacquire_after;
+  p.align_distance = align_distance;
+  parameters_ = p;
+  localization::start(
+      start_known ? begin(p, start, start_deviation, start_heading_deviation) : begin(p), *memory_);
+  return mauve::ok();
+}
+
+void EkfCore::show_counts(double time) {
+  const Estimate& estimate = memory_->estimate;
+  accepted = estimate.accepted;
+  rejected = estimate.rejected;
+  rejected_recently = estimate.rejected_recently();
+  reacquired = estimate.reacquired;
+  outliers = estimate.outliers;
+  late = memory_->late;
+  too_late = memory_->too_late;
+  refused = memory_->refused;
+  innovation = estimate.nis;
+  dispersion = estimate.dispersion();
+  pose_age = estimate.begun ? time - estimate.pose_time : 0.0;
+  placed = estimate.placed;
+  aligned = estimate.aligned;
+}
+
+Estimate EkfCore::estimate_at(double time) {
+  Estimate estimate = predicted(parameters_, time, *memory_);
+  if (!estimate.begun) estimate.time = time;
+  return estimate;
+}
+
+std::optional<MotionState> EkfCore::predict() {
+  const double time = now();
+  const Estimate estimate = estimate_at(time);
+  dispersion = estimate.dispersion();
+  pose_age = estimate.begun ? time - estimate.pose_time : 0.0;
+  if (!estimate.placed) return {};
+  return motion_state(estimate);
+}
+
+MotionState EkfCore::predict_at(double time) {
+  if (!std::isfinite(time)) time = 0.0;
+  const Estimate estimate = estimate_at(time == 0.0 ? now() : time);
+  MotionState state = motion_state(estimate);
+  if (!estimate.placed) state.time = 0.0;
+  return state;
+}
+
+std::optional<Pose2D> EkfCore::pose() {
+  if (!memory_->estimate.aligned) return {};
+  if (memory_->estimate.begun && now() - memory_->estimate.time > blind_after) return {};
+  const std::optional<MotionState> state = predict();
+  if (!state) return {};
+  return Pose2D{state->x, state->y, state->heading};
+}
+
+}  // namespace localization

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Resource kind "localization/gnss_to_utm": turns what a receiver says into metres in the local
+/// frame and writes it on, under its lock, to the resource that its port is connected to.
+/// Example: connect gnss.ports.fix gnss_to_utm.fix; connect gnss_to_utm.ports.pose
+/// localization.update_pose
+///
+/// The local frame is UTM, moved to an origin: x is grid east, y grid north, which is not true
+/// north (0.9 degrees off at Toulouse). Zone and hemisphere are those of the origin for good.
+#pragma once
+
+#include <mauve/plugin.h>
+
+#include <cmath>
+#include <cstdint>
+
+#include "../types/gnss.h"
+#include "../types/motion.h"
+#include "utm.h"
+
+namespace localization {
+
+/// Where the local frame lies; survives a change.
+struct Origin {
+  bool known = false;
+  std::int32_t zone = 31;
+  bool south = false;
+  double easting = 0.0;   ///< m
+  double northing = 0.0;  ///< m
+};
+
+}  // namespace localization
+
+template <>
+struct mauve::Described<localization::Origin> {
+  static constexpr std::string_view name = "utm_origin/1";
+  static constexpr auto fields() {
+    using localization::Origin;
+    return std::tuple{field("known", &Origin::known), field("zone", &Origin::zone),
+                      field("south", &Origin::south), field("easting", &Origin::easting, "m"),
+                      field("northing", &Origin::northing, "m")};
+  }
+};
+
+namespace localization {
+
+struct GnssToUtmShell : mauve::Shell {
+  mauve::WritePort<rover::Pose> pose{*this, "pose"};
+};
+
+class GnssToUtmCore final : public mauve::Core<GnssToUtmShell> {
+ public:
+  /// [rt] Without a position nothing is written.
+  void convert(const rover::GnssFix& fix) {
+    satellites = fix.satellites;
+    mode = fix.mode;
+    hdop = std::isfinite(fix.hdop) ? fix.hdop : 0.0;
+    if (fix.mode < 2) {
+      ++without_position;
+      return;
+    }
+    const Geographic position{fix.latitude, fix.longitude};
+    if (!fixed_.known && !origin_->known) *origin_ = origin_at(position);
+    const Origin& origin = fixed_.known ? fixed_ : *origin_;
+    const std::optional<rover::Point2D> point = utm_.forward(position, {origin.zone, origin.south});
+    if (!origin.known || !point) {
+      ++refused;
+      return;
+    }
+    zone = origin.zone;
+    const double time = static_cast<double>(mauve::job_time()) * 1e-9 - latency;
+    const bool says = fix.hdop > 0.0 && fix.hdop <= kWorstHdop;
+    shell().pose.write({time, point->x - origin.easting, point->y - origin.northing,
+                        says ? fix.hdop * range_error : 0.0});
+    ++positions;
+  }
+
+ private:
+  static constexpr double kWorstHdop = 99.0;  // beyond it the receiver does not know
+
+  mauve::State<Origin> origin_{*this};
+  mauve::Property<bool> origin_at_first_fix{*this, "origin_at_first_fix", true,
+                                            "else at the two below"};
+  mauve::Property<double> origin_latitude{*this,
+                                          "origin_latitude",
+                                          0.0,
+                                          "of the local frame, north positive",
+                                          {.unit = "deg", .min = -80.0, .max = 84.0}};
+  mauve::Property<double> origin_longitude{*this,
+                                           "origin_longitude",
+                                           0.0,
+                                           "of the local frame, east positive",
+                                           {.unit = "deg", .min = -180.0, .max = 180.0}};
+  mauve::Property<double> range_error{*this,
+                                      "range_error",
+                                      3.0,
+                                      "deviation of a position at an HDOP of 1",
+                                      {.unit = "m", .min = 0.001, .max = 1000.0}};
+  mauve::Property<double> latency{*this,
+                                  "latency",
+                                  0.0,
+                                  "a fix is that old when it is written here",
+                                  {.unit = "s", .min = 0.0, .max = 10.0}};
+  mauve::Observable<std::uint64_t> positions{*this, "positions", 0, "written on"};
+  mauve::Observable<std::uint64_t> without_position{*this, "without_position", 0,
+                                                    "epochs of mode 1, dropped"};
+  mauve::Observable<std::uint64_t> refused{*this, "refused", 0,
+                                           "positions that are none, or far from the zone"};
+  mauve::Observable<int> satellites{*this, "satellites", 0, "used in the last epoch"};
+  mauve::Observable<int> mode{*this, "mode", 1, "1 none, 2 two dimensions, 3 three"};
+  mauve::Observable<double> hdop{*this, "hdop", 0.0, "of the last epoch"};
+  mauve::Observable<int> zone{*this, "zone", 0, "of UTM; 0: not yet known"};
+
+  mauve::Status on_configure() override {
+    fixed_ = {};
+    if (!origin_at_first_fix) fixed_ = origin_at({origin_latitude, origin_longitude});
+    *origin_ = {};
+    return mauve::ok();
+  }
+
+  [[nodiscard]] Origin origin_at(const Geographic& position) const {
+    const std::optional<Zone> there = Utm::zone_of(position);
+    if (!there) return {};
+    const std::optional<rover::Point2D> point = utm_.forward(position, *there);
+    if (!point) return {};
+    return {true, there->number, there->south, point->x, point->y};
+  }
+
+  Utm utm_;
+  Origin fixed_;  // by property: a change of it counts at once
+};
+
+struct GnssToUtmInterface : mauve::Interface<GnssToUtmCore> {
+  mauve::WriteService<rover::GnssFix> fix{*this, "fix", &GnssToUtmCore::convert};
+};
+
+}  // namespace localization
