@@ -21,12 +21,16 @@ using rover::Pose2D;
 /// Places in cells: cell (i, j) covers i <= x < i + 1, j <= y < j + 1.
 class Frame {
  public:
+  static constexpr int kLongestSide = 8192;
+
   Frame() = default;
-  /// Nothing when the map is none: no resolution, or cells that do not fit its size. [rt]
+  /// Nothing when the map is none: no resolution, a side too long, or cells that do not fit its
+  /// size. [rt]
   [[nodiscard]] static std::optional<Frame> of(const OccupancyGrid& grid) {
     const bool finite = std::isfinite(grid.origin.x) && std::isfinite(grid.origin.y) &&
                         std::isfinite(grid.origin.heading) && std::isfinite(grid.resolution);
     if (!finite || grid.resolution <= 0.0 || grid.width <= 0 || grid.height <= 0) return {};
+    if (grid.width > kLongestSide || grid.height > kLongestSide) return {};
     const auto cells =
         static_cast<std::uint64_t>(grid.width) * static_cast<std::uint64_t>(grid.height);
     if (cells != grid.cells.size()) return {};

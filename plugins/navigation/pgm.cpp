@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Source of the format: netpbm's pgm(5).
+#include <algorithm>
 #include <charconv>
 #include <optional>
 
+#include "grid_frame.h"
 #include "map_file.h"
 
 namespace navigation {
@@ -11,7 +13,7 @@ namespace {
 using mauve::Errc;
 using mauve::refuse;
 
-constexpr int kLongestSide = 65535;
+constexpr int kLargestNumber = 65535;
 constexpr std::string_view kBlank = " \t\r\n\v\f";
 
 bool blank(char c) { return kBlank.find(c) != std::string_view::npos; }
@@ -28,7 +30,7 @@ class Numbers {
     const char* const end = text_.data() + text_.size();
     const auto [at, error] = std::from_chars(text_.data(), end, number);
     const bool ended = at == end || blank(*at) || *at == '#';
-    if (error != std::errc() || number < 0 || number > kLongestSide || !ended) return {};
+    if (error != std::errc() || number < 0 || number > kLargestNumber || !ended) return {};
     text_.remove_prefix(static_cast<std::size_t>(at - text_.data()));
     return number;
   }
@@ -65,10 +67,10 @@ mauve::Result<MapImage> parse_pgm(std::string_view bytes, const std::string& nam
                   "after P5 or P2 stand width, height and the largest level");
   }
   const auto count = static_cast<std::size_t>(*width) * static_cast<std::size_t>(*height);
-  if (count > OccupancyGrid::kCapacity) {
+  if (count > OccupancyGrid::kCapacity || std::max(*width, *height) > Frame::kLongestSide) {
     return refuse(Errc::limit, {}, name + ": has " + cells_of(count),
-                  "a map has at most " + cells_of(OccupancyGrid::kCapacity) +
-                      ": cut it, or make its cells larger");
+                  "a map has at most " + cells_of(OccupancyGrid::kCapacity) + " and sides of " +
+                      cells_of(Frame::kLongestSide) + ": cut it, or make its cells larger");
   }
   if (*top == 0 || *top > 255) {
     return refuse(Errc::unsupported, {}, name + ": its largest level is " + std::to_string(*top),

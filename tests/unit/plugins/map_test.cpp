@@ -184,6 +184,7 @@ TEST(Pgm, IsRefusedWithItsReason) {
   }
   expect("P5 1025 1024 255\n", "1049600 cells");
   expect("P5 65535 65535 255\n", "4294836225 cells");
+  expect("P5 8193 1 255\n", "8193 cells");
   expect("P5 1 1 65535\nab", "largest level is 65535");
   expect("P5 1 1 0\na", "largest level is 0");
   expect("P5 2 2 255\nabc", "cell 3 of 4");
