@@ -252,6 +252,15 @@ bool Planner::free(const Point2D& from, const Point2D& to) const {
          all_along(a, b, [&](int x, int y) { return is_free(frame_.index(x, y)); });
 }
 
+bool Planner::obstructed(const Point2D& from, const Point2D& to) const {
+  if (!has_map_ || obstacle_count_ == 0) return false;
+  const Point2D a = frame_.cells(from);
+  const Point2D b = frame_.cells(to);
+  return frame_.inside(a) && frame_.inside(b) && !all_along(a, b, [&](int x, int y) {
+           return (blocked_[frame_.index(x, y)] & kByObstacle) == 0;
+         });
+}
+
 double Planner::clearance(const Point2D& at) const {
   const Point2D cell = frame_.cells(at);
   if (!has_map_ || !frame_.inside(cell)) return 0.0;

@@ -54,6 +54,8 @@ class Planner {
   Answer plan(const Point2D& start, const Point2D& goal, Path& path);
   /// Is the straight line on the map, and away from everything?
   [[nodiscard]] bool free(const Point2D& from, const Point2D& to) const;
+  /// Is an obstacle too near to the straight line? Not off the map.
+  [[nodiscard]] bool obstructed(const Point2D& from, const Point2D& to) const;
   /// To the centre of the next occupied cell of the map, m; obstacles do not count. 0 outside.
   [[nodiscard]] double clearance(const Point2D& at) const;
 

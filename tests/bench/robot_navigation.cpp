@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The planner of plugins/navigation on a million cells: the building of etc/maps drawn with 1000 x
-/// 1000, random places to go, and the worst there is: a goal behind walls, for which all is searched.
+/// 1000, random places to go, and the worst there is: a goal behind walls, for which all is
+/// searched.
 #include <chrono>
 #include <cmath>
 #include <memory>
