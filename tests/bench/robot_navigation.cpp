@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The planner of plugins/navigation on a million cells: the building of etc/maps drawn with 1000 x
 /// 1000, random places to go, and the worst there is: a goal behind walls, for which all is
-/// searched.
+/// searched. And what the walls of the simulated world cost its laser.
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -11,6 +11,8 @@
 #include "../../plugins/navigation/map_file.h"
 #include "../../plugins/navigation/planner.h"
 #include "../../plugins/world/random.h"
+#include "../../plugins/world/walls.h"
+#include "../../plugins/world/world.h"
 #include "bench/support/checked.h"
 #include "bench/support/report.h"
 
@@ -67,6 +69,14 @@ Point2D anywhere(world::Random& random) {
   return {random.uniform(0.0, kSide * kResolution), random.uniform(0.0, kSide * kResolution)};
 }
 
+/// One turn of the laser in the building, us.
+double turn(const world::Walls& walls, const Point2D& at, world::Random& random) {
+  rover::LaserScan scan;
+  return 1000.0 * milliseconds([&] {
+           world::cast({}, {at.x, at.y, 0.0}, {0.02, 8.0, 0.0}, random, scan, &walls);
+         });
+}
+
 double length(const Point2D& start, const rover::Path& path) {
   double sum = 0.0;
   Point2D at = start;
@@ -86,11 +96,14 @@ void run(const Options& options) {
   Figure& high = report.figure("a plan, p90", "ms", at_most(50));
   Figure& most = report.figure("a plan, longest", "ms");
   Figure& none = report.figure("no way, everything searched", "ms");
+  Figure& laser = report.figure("541 beams among walls, p90", "us", at_most(1000));
   Figure& detour = report.figure("length of the way over the straight line, p50", "");
   const auto small = std::make_unique<OccupancyGrid>();
   must(navigation::load_map("etc/maps/building.yaml", *small));
   const auto large = drawn_large(*small);
   const auto keep = with_a_keep();
+  const auto walls = std::make_unique<world::Walls>();
+  must_hold(walls->set(*small), "no walls");
   const auto planner = std::make_unique<Planner>();
   const auto path = std::make_unique<rover::Path>();
   world::Random random(1);
@@ -111,6 +124,12 @@ void run(const Options& options) {
     high.add(percentile(times, 90));
     most.add(percentile(times, 100));
     detour.add(median(ratios));
+    std::vector<double> turns;
+    for (int i = 0; i < options.choose(1000, 10); ++i) {
+      const Point2D at{random.uniform(-4.0, 20.0), random.uniform(-5.0, 11.0)};
+      turns.push_back(turn(*walls, at, random));
+    }
+    laser.add(percentile(turns, 90));
     must_hold(planner->set_map(*keep, kLimits), "no map");
     none.add(milliseconds([&] {
       must_hold(planner->plan({1.0, 1.0}, {12.0, 12.0}, *path) == Answer::no_way, "a way");
