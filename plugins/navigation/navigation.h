@@ -129,7 +129,7 @@ struct NavigationFsm : mauve::Fsm<Navigation> {
   Exec stand{*this, "stand", &Navigation::stand};
   Exec at_goal{*this, "at_goal", &Navigation::finish};
   Sync idle{*this, "idle", 200ms, "between two looks for a goal"};
-  Sync pace{*this, "pace", 100ms, "between two looks at the way"};
+  Sync pace{*this, "pace", 200ms, "between two looks at the way"};
   Sync retry{*this, "retry", 1s, "standing, when there is no way"};
   Sync settle{*this, "settle", 200ms, "standing at the goal"};
 
