@@ -38,7 +38,7 @@ enum class Answer : std::uint8_t {
 
 [[nodiscard]] std::string_view to_string(Answer answer);
 
-/// Takes 27 MB; make it where memory may be asked for. Everything else is [rt].
+/// Takes 24 MB; make it where memory may be asked for. Everything else is [rt].
 class Planner {
  public:
   static constexpr std::size_t kObstacles = 512;

@@ -250,6 +250,35 @@ TEST(Planner, LeavesAPlaceThatIsTooNearToAWall) {
   EXPECT_TRUE(path.points.empty());
 }
 
+TEST(Planner, LeavesWhatHasComeTooNear) {
+  const auto planner = std::make_unique<Planner>();
+  ASSERT_TRUE(planner->set_map(*empty_grid(100, 100, 0.1), {0.5, false}));
+  planner->block({5.3, 5.0}, 10.0);
+  Path path;
+
+  ASSERT_EQ(planner->plan({5.0, 5.0}, {8.0, 5.0}, path), Answer::found);
+
+  ASSERT_GT(path.points.size(), 2U);
+  EXPECT_GT(std::hypot(path.points[0].x - 5.3, path.points[0].y - 5.0), 0.5);
+  EXPECT_FALSE(planner->obstructed(path.points[0], path.points[1]));
+}
+
+TEST(Planner, KnowsMapsThatLieAskew) {
+  const auto grid = building();
+  grid->origin.heading = 0.7;
+  const Reference reference(*grid, 0.45);
+  const auto planner = std::make_unique<Planner>();
+  ASSERT_TRUE(planner->set_map(*grid, {0.45, false}));
+  const Point2D start = reference.frame().world({80.5, 100.5});
+  const Point2D goal = reference.frame().world({400.5, 250.5});
+  Path path;
+
+  ASSERT_EQ(planner->plan(start, goal, path), Answer::found);
+
+  EXPECT_FALSE(touches(reference, start, path));
+  EXPECT_GT(path.points.size(), 2U);
+}
+
 TEST(Planner, SaysNoWayWhenThereIsNone) {
   const auto grid = empty_grid(200, 100, 0.1);
   fill(*grid, 100, 0, 101, 100, 100);
