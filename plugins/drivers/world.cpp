@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Resource kind "drivers/world": the simulated world that the simulated drivers share. The same
 /// seed gives the same run. Obstacles are listed in `obstacles`, or thrown at random when
-/// `random_discs` is set.
+/// `random_discs` is set; walls are the occupied cells of `map`.
+#include <algorithm>
 #include <cstdint>
+#include <memory>
+#include <string>
 
 #include "../localization/utm.h"
+#include "../navigation/map_file.h"
 #include "../types/gnss.h"
 #include "../types/imu.h"
+#include "../world/walls.h"
 #include "../world/world.h"
 #include "parts.h"
 
@@ -60,8 +65,8 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
   Odometry drive(Velocity command, double seconds) {
     state_->robot.drive(command, {speed_disturbance, turn_disturbance}, seconds);
     const Pose2D& pose = state_->robot.pose();
-    const double clearance = map_.clearance({pose.x, pose.y}) - robot_radius;
-    if (clearance < nearest) nearest = clearance;
+    const double left = clearance({pose.x, pose.y}) - robot_radius;
+    if (left < nearest) nearest = left;
     x = pose.x;
     y = pose.y;
     return state_->robot.odometry();
@@ -71,7 +76,8 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
   LaserScan scan() {
     LaserScan scan;
     scan.time = state_->robot.odometry().time;
-    world::cast(map_, state_->robot.pose(), {0.02, laser_range, laser_noise}, state_->random, scan);
+    world::cast(map_, state_->robot.pose(), {0.02, laser_range, laser_noise}, state_->random, scan,
+                walls_.get());
     return scan;
   }
 
@@ -111,6 +117,7 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
   mauve::Property<std::int64_t> seed{*this, "seed", 1, "of everything random", {.min = 0}};
   mauve::Property<Pose2D> start{*this, "start", {}, "where the robot stands at first"};
   mauve::Property<Discs> obstacles{*this, "obstacles", {}, "discs in the way"};
+  mauve::Property<std::string> map{*this, "map", "", "path of a map's YAML file; none: no walls"};
   mauve::Property<int> random_discs{
       *this, "random_discs", 0, "more of them, at random", {.min = 0, .max = 32}};
   mauve::Property<Point2D> random_goal{
@@ -154,16 +161,31 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
                                {from.x, from.y}, random_goal);
     }
     for (const world::Disc& disc : obstacles.get()) map_.add(disc);
-    if (map_.clearance({from.x, from.y}) < robot_radius) {
+    if (mauve::Status done = build_walls(); !done) return done;
+    if (clearance({from.x, from.y}) < robot_radius) {
       return mauve::invalid(start, "is inside an obstacle");
     }
     *state_ = {world::Robot(number, from), world::Random(number + 1)};
     return mauve::ok();
   }
 
+  mauve::Status build_walls() {
+    walls_.reset();
+    if (map.get().empty()) return mauve::ok();
+    const auto grid = std::make_unique<rover::OccupancyGrid>();
+    if (mauve::Status done = navigation::load_map(map, *grid); !done) return done;
+    walls_ = std::make_unique<world::Walls>();
+    return walls_->set(*grid) ? mauve::ok() : mauve::invalid(map, "is no map");
+  }
+  double clearance(const Point2D& at) const {
+    const double discs = map_.clearance(at);
+    return walls_ == nullptr ? discs : std::min(discs, walls_->clearance(at));
+  }
+
   world::Map map_;
   localization::Utm utm_;
   const Point2D origin_ = utm_.forward(kOrigin, kZone).value_or(Point2D{});
+  std::unique_ptr<world::Walls> walls_;
 };
 
 struct WorldInterface : mauve::Interface<WorldCore> {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "walls.h"
+
 namespace world {
 namespace {
 
@@ -70,7 +72,8 @@ Map random_map(std::uint64_t seed, std::size_t count, double gap, const Point2D&
   return map;
 }
 
-void cast(const Map& map, const Pose2D& pose, const Laser& laser, Random& random, LaserScan& scan) {
+void cast(const Map& map, const Pose2D& pose, const Laser& laser, Random& random, LaserScan& scan,
+          const Walls* walls) {
   scan.angle_min = static_cast<float>(-kField / 2.0);
   scan.angle_increment = static_cast<float>(kStep);
   scan.range_min = static_cast<float>(laser.range_min);
@@ -84,6 +87,7 @@ void cast(const Map& map, const Pose2D& pose, const Laser& laser, Random& random
     const double dy = disc.at.y - pose.y;
     cast_disc(cosine * dx + sine * dy, cosine * dy - sine * dx, disc.radius, scan);
   }
+  if (walls != nullptr) walls->cast(pose, scan);
   if (laser.noise <= 0.0) return;
   for (std::size_t beam = 0; beam < Laser::kBeams; ++beam) {
     if (scan.valid(beam)) scan.ranges[beam] += static_cast<float>(random.normal(laser.noise));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The simulated world: a differential-drive robot with disturbed inputs among discs. No clock, no
-/// heap.
+/// The simulated world: a differential-drive robot with disturbed inputs among discs and walls. No
+/// clock, no heap.
 #pragma once
 
 #include <array>
@@ -54,8 +54,11 @@ struct Laser {
   double noise = 0.0;  ///< standard deviation of a range, m
 };
 
-/// Fills `scan` with what a laser at `pose` sees. [rt]
-void cast(const Map& map, const Pose2D& pose, const Laser& laser, Random& random, LaserScan& scan);
+class Walls;
+
+/// Fills `scan` with what a laser at `pose` sees; `walls` may be null. [rt]
+void cast(const Map& map, const Pose2D& pose, const Laser& laser, Random& random, LaserScan& scan,
+          const Walls* walls = nullptr);
 
 /// How much the robot's inputs are disturbed; redrawn every 0.2 s.
 struct Disturbance {

@@ -21,6 +21,7 @@ if(MAUVE_CCACHE)
 endif()
 find_package(Threads REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
+find_package(yaml-cpp REQUIRED)
 
 add_library(mauve_warnings INTERFACE)
 target_compile_options(mauve_warnings INTERFACE

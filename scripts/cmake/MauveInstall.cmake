@@ -64,9 +64,11 @@ install(FILES "${PROJECT_BINARY_DIR}/package/mauve.pc" DESTINATION "${CMAKE_INST
 # Example architectures and the schema. The service's own file is never overwritten.
 file(GLOB mauve_examples CONFIGURE_DEPENDS "${mauve_sources}/etc/*.json")
 install(FILES ${mauve_examples} DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve")
-if(EXISTS "${mauve_sources}/etc/samples")
-  install(DIRECTORY "${mauve_sources}/etc/samples" DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve")
-endif()
+foreach(folder maps samples)
+  if(EXISTS "${mauve_sources}/etc/${folder}")
+    install(DIRECTORY "${mauve_sources}/etc/${folder}" DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve")
+  endif()
+endforeach()
 if(EXISTS "${mauve_sources}/etc/minimal.json")
   install(CODE "
     set(folder \"\${CMAKE_INSTALL_PREFIX}/etc/mauve\")
