@@ -4,13 +4,16 @@
 #include <ros/callback_queue.h>
 #include <ros/console.h>
 #include <ros/ros.h>
+#include <sys/prctl.h>
 
 #include <algorithm>
 #include <cctype>
 #include <chrono>
 #include <condition_variable>
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
+#include <exception>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -47,12 +50,26 @@ bool is_master(std::string_view uri) {
          std::all_of(port.begin(), port.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-/// Signals are for the threads of mauved; the threads of roscpp are made by this one and inherit.
-void block_signals() {
+/// The threads of roscpp are made by this one and inherit both: the name, and that signals are for
+/// the threads of mauved.
+void introduce() {
+  prctl(PR_SET_NAME, "mauve-ros");
   sigset_t all;
   sigfillset(&all);
   for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) sigdelset(&all, own);
   pthread_sigmask(SIG_BLOCK, &all, nullptr);
+}
+
+/// What roscpp throws costs that one step: this is a thread of its own, where it would end the
+/// process. False: it threw.
+template <typename F>
+bool guarded(F&& f) {
+  try {
+    f();
+    return true;
+  } catch (const std::exception&) {
+    return false;
+  }
 }
 
 /// What the master is to us.
@@ -93,20 +110,24 @@ class Hub {
   };
 
   void run() {
-    block_signals();
+    introduce();
     connected_ = false;
     next_look_ = {};
     while (take_members()) {
-      watch_master();
-      if (node_handle_) {
-        queue_.callAvailable(ros::WallDuration(kPumpSeconds));
-      } else {
-        std::this_thread::sleep_for(std::chrono::duration<double>(kPumpSeconds));
-      }
+      guarded([this] { watch_master(); });
+      guarded([this] { wait_for_messages(); });
       for (const Member& member : serving_) {
-        member.channel->pump();
+        guarded([&] { member.channel->pump(); });
         member.channel->report(connected_ && member.open);
       }
+    }
+  }
+
+  void wait_for_messages() {
+    if (node_handle_) {
+      queue_.callAvailable(ros::WallDuration(kPumpSeconds));
+    } else {
+      std::this_thread::sleep_for(std::chrono::duration<double>(kPumpSeconds));
     }
   }
 
@@ -121,7 +142,7 @@ class Hub {
     if (!joining.empty()) next_look_ = {};
     std::erase_if(serving_, [](const Member& member) {
       if (member.channel->wanted()) return false;
-      if (member.open) member.channel->close();
+      if (member.open) guarded([&] { member.channel->close(); });
       return true;
     });
     const std::lock_guard lock(mutex_);
@@ -146,17 +167,8 @@ class Hub {
       }
     }
     for (Member& member : serving_) {
-      if (!member.open) member.open = opened(*member.channel);
-    }
-  }
-
-  /// False when roscpp refuses, such as a topic that has another type here already: tried again.
-  bool opened(Channel& channel) {
-    try {
-      channel.open(*node_handle_);
-      return true;
-    } catch (const std::exception&) {
-      return false;
+      // Refused is a topic that has another type in this process: tried again.
+      if (!member.open) member.open = guarded([&] { member.channel->open(*node_handle_); });
     }
   }
 
@@ -190,6 +202,7 @@ class Hub {
     ros::console::notifyLoggerLevelsChanged();
     ros::init(ros::M_string{{"__master", node.master}}, node.name,
               ros::init_options::NoSigintHandler | ros::init_options::NoRosout);
+    ros::Time::init();  // messages are stamped before there is a master, too
     ros::master::setRetryTimeout(ros::WallDuration(1.0));
   }
 

@@ -35,8 +35,8 @@ class Outbox {
   bool take(F&& visit) {
     const std::size_t at = tail_.load(std::memory_order_relaxed);
     if (at == head_.load(std::memory_order_acquire)) return false;
+    const Dropped dropped{tail_, (at + 1) % items_.size()};
     visit(items_[at].stamp, static_cast<const T&>(items_[at].value));
-    tail_.store((at + 1) % items_.size(), std::memory_order_release);
     return true;
   }
 
@@ -45,6 +45,13 @@ class Outbox {
     mauve::Instant stamp = 0;
     T value{};
   };
+  /// Also when the visitor throws: else that item would be the last one.
+  struct Dropped {
+    std::atomic<std::size_t>& tail;
+    std::size_t next;
+    ~Dropped() { tail.store(next, std::memory_order_release); }
+  };
+
   std::vector<Item> items_;
   alignas(64) std::atomic<std::size_t> head_{0};
   alignas(64) std::atomic<std::size_t> tail_{0};

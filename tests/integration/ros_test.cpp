@@ -5,19 +5,24 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 
+#include <array>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "support/daemon_process.h"
+#include "support/input_events.h"
 
 namespace {
 
 using mauve::test::DaemonProcess;
 using mauve::test::eventually;
+using mauve::test::InputEvents;
 using mauve::test::Process;
 using mauve::test::TempDir;
 
@@ -44,6 +49,41 @@ constexpr const char* kArchitecture = R"({
                "ports": { "from": "pose_in.read", "to": "pose.write" } }
   }
 })";
+
+constexpr const char* kJoystick = R"({
+  "schema": "mauve/architecture/1",
+  "name": "joystick",
+  "plugins": ["types", "teleop", "ros"],
+  "resources": {
+    "joy_out":  { "type": "ros/publish_joy", "properties": { "shell.topic": "/joy" } },
+    "joy":      { "type": "ros/subscribe_joy", "properties": { "shell.topic": "/joy" } },
+    "priority": { "type": "teleop/priority" },
+    "teleop":   { "type": "teleop/teleop", "ports": { "velocity": "priority.teleop" } }
+  },
+  "components": {
+    "joystick": { "type": "teleop/joystick", "properties": { "core.device": "DEVICE" },
+                  "ports": { "joystick": "joy_out.write" } },
+    "relay":    { "type": "ros/relay_joy",
+                  "ports": { "from": "joy.read", "to": "teleop.joystick" } }
+  }
+})";
+
+constexpr std::array kTypes{"joy", "goal", "velocity", "scan", "odometry", "pose", "imu", "map"};
+
+/// A publisher and a subscriber of each type, on one topic.
+std::string one_of_each() {
+  nlohmann::json file{{"schema", "mauve/architecture/1"},
+                      {"name", "types"},
+                      {"plugins", {"types", "ros"}},
+                      {"components", nlohmann::json::object()}};
+  for (const std::string type : kTypes) {
+    for (const std::string way : {"publish_", "subscribe_"}) {
+      file["resources"][way + type] = {{"type", "ros/" + way + type},
+                                       {"properties", {{"shell.topic", "/all/" + type}}}};
+    }
+  }
+  return file.dump();
+}
 
 int free_port() {
   const int probe = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -76,8 +116,8 @@ class Ros : public testing::Test {
   void start_master() {
     master_ = std::make_unique<Process>(std::vector<std::string>{kMaster, "--core", "-p", port_});
   }
-  void start_daemon() {
-    daemon_ = std::make_unique<DaemonProcess>(place_.write("ros.json", kArchitecture));
+  void start_daemon(const std::string& architecture = kArchitecture) {
+    daemon_ = std::make_unique<DaemonProcess>(place_.write("ros.json", architecture));
     ASSERT_TRUE(daemon_->up()) << daemon_->errors();
   }
   void start_both() {
@@ -151,6 +191,36 @@ TEST_F(Ros, ShowsThePoseOfTheRobot) {
   EXPECT_NE(shown.find("z: 1.0\n"), std::string::npos) << shown;  // half a turn
   EXPECT_EQ(shown.find("secs: 0\n"), std::string::npos) << shown;
   EXPECT_TRUE(eventually([&] { return value("pose.core.subscribers") == 0; }, kLong));
+}
+
+TEST_F(Ros, ConnectsAPublisherAndASubscriberOfEachType) {
+  start_master();
+  start_daemon(one_of_each());
+  for (const std::string type : kTypes) {
+    EXPECT_TRUE(
+        eventually([&] { return value("subscribe_" + type + ".core.publishers") == 1; }, kLong))
+        << type;
+    EXPECT_EQ(value("publish_" + type + ".core.connected"), true) << type;
+  }
+}
+
+TEST_F(Ros, LetsAJoystickOnATopicSteer) {
+  const std::string device = (place_ / "joystick").string();
+  ASSERT_EQ(mkfifo(device.c_str(), 0600), 0);
+  std::string text = kJoystick;
+  text.replace(text.find("DEVICE"), 6, device);
+  start_daemon(text);  // the first values are written while there is no master
+  start_master();
+  ASSERT_TRUE(eventually([&] { return value("joy.core.received") > 0; }, kLong));
+  EXPECT_EQ(value("teleop.core.steering"), false);
+
+  std::ofstream stick(device, std::ios::binary);
+  stick << InputEvents().key(BTN_TRIGGER, 1).axis(ABS_Y, -32767).report().bytes() << std::flush;
+
+  EXPECT_TRUE(eventually([&] { return value("teleop.core.steering") == true; }, kLong));
+  EXPECT_TRUE(eventually([&] { return value("priority.core.selected") == 2; }, kLong));
+  stick.close();
+  EXPECT_TRUE(eventually([&] { return value("teleop.core.steering") == false; }, kLong));
 }
 
 TEST_F(Ros, RunsWithoutAMasterAndFindsOneThatComes) {

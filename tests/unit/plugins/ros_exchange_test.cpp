@@ -47,6 +47,15 @@ TEST(Outbox, TakesNothingMoreWhenItIsFull) {
   EXPECT_TRUE(box.put(0, [](int& value) { value = 2; }));
 }
 
+TEST(Outbox, DropsAnItemWhoseVisitorThrows) {
+  Outbox<int> box(2);
+  EXPECT_TRUE(box.put(0, [](int& value) { value = 1; }));
+  EXPECT_TRUE(box.put(0, [](int& value) { value = 2; }));
+
+  EXPECT_THROW(box.take([](mauve::Instant, int) { throw 1; }), int);
+  EXPECT_TRUE(box.take([](mauve::Instant, int value) { EXPECT_EQ(value, 2); }));
+}
+
 TEST(Outbox, LosesAndTearsNothingBetweenTwoThreads) {
   constexpr std::uint64_t kCount = 20'000;
   Outbox<Words> box(8);
