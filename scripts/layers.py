@@ -44,6 +44,8 @@ ROOMS = {
     "Eigen/": "plugins/",
     "GeographicLib/": "plugins/",
     "yaml-cpp/": "plugins/",
+    **{f"{room}/": "plugins/ros/" for room in
+       ("ros", "geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs")},
     "dlfcn.h": "libruntime/plugin/",
     "link.h": "libruntime/plugin/ libruntime/rt/rescue",
     "csetjmp": "libruntime/rt/rescue",

@@ -10,6 +10,9 @@ add_custom_target(layers ALL
 # header_check: every header compiles alone. Built by the clang stage of scripts/test, not by default.
 file(GLOB_RECURSE mauve_headers CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}"
   libruntime/*.h daemon/*.h ctl/*.h plugins/*.h)
+if(NOT TARGET ros)
+  list(REMOVE_ITEM mauve_headers plugins/ros/conversions.h)  # needs ROS 1
+endif()
 set(mauve_header_units)
 foreach(header ${mauve_headers})
   set(unit "${PROJECT_BINARY_DIR}/header_check/${header}.cpp")
@@ -20,7 +23,8 @@ if(mauve_header_units)
   find_package(Eigen3 QUIET NO_MODULE)
   add_library(header_check OBJECT EXCLUDE_FROM_ALL ${mauve_header_units})
   target_link_libraries(header_check PRIVATE mauve::internal mauve_warnings
-    nlohmann_json::nlohmann_json $<TARGET_NAME_IF_EXISTS:Eigen3::Eigen>)
+    nlohmann_json::nlohmann_json $<TARGET_NAME_IF_EXISTS:Eigen3::Eigen>
+    $<TARGET_NAME_IF_EXISTS:mauve_ros_headers>)
   target_include_directories(header_check PRIVATE daemon ctl plugins)
   target_compile_definitions(header_check PRIVATE
     MAUVE_PLUGIN_NAME="header_check" MAUVE_PLUGIN_VERSION="0.0.0")

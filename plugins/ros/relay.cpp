@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Component kinds "ros/relay_TYPE": each new message of a subscriber triggers another resource:
+/// read from port `from`, written to port `to`, on this component's own real-time thread, so that
+/// neither ROS nor its thread ever calls into the robot. Example: "joy": { "type": "ros/relay_joy",
+/// "ports": { "from": "joy_topic.read", "to": "teleop.joystick" } }
+#include <cstdint>
+#include <type_traits>
+
+#include "parts.h"
+#include "types/imu.h"
+#include "types/joystick.h"
+#include "types/pose.h"
+#include "types/scan.h"
+#include "types/velocity.h"
+
+namespace ros_bridge {
+namespace {
+
+/// What moves the robot stands still when the relay stops; of nothing else a default is safe.
+template <typename T>
+mauve::WritePort<T> port_to(mauve::Shell& shell) {
+  if constexpr (std::is_same_v<T, rover::Velocity> || std::is_same_v<T, rover::Joystick>) {
+    return {shell, "to", mauve::Safe{T{}}};
+  } else {
+    return {shell, "to"};
+  }
+}
+
+template <typename T>
+struct RelayShell : mauve::Shell {
+  mauve::ReadPort<T> from{*this, "from"};
+  mauve::WritePort<T> to = port_to<T>(*this);
+};
+
+template <typename T>
+class Relay final : public mauve::Core<RelayShell<T>> {
+ public:
+  void update() {
+    if (this->shell().from.read(value_) != mauve::DataStatus::new_data) return;
+    if (this->shell().to.write(value_)) ++relayed;
+  }
+
+ private:
+  mauve::Stateless stateless{*this};
+  mauve::Observable<std::uint64_t> relayed{*this, "relayed", 0, "values handed on"};
+
+  T value_{};
+};
+
+template <typename T>
+void declare(mauve::Plugin& plugin, std::string_view name) {
+  plugin.component<RelayShell<T>, Relay<T>, mauve::PeriodicFsm<Relay<T>>>(name);
+}
+
+}  // namespace
+
+void declare_relays(mauve::Plugin& plugin) {
+  declare<rover::Joystick>(plugin, "relay_joy");
+  declare<rover::Point2D>(plugin, "relay_goal");
+  declare<rover::Velocity>(plugin, "relay_velocity");
+  declare<rover::LaserScan>(plugin, "relay_scan");
+  declare<rover::Odometry>(plugin, "relay_odometry");
+  declare<rover::Pose2D>(plugin, "relay_pose");
+  declare<rover::Imu>(plugin, "relay_imu");
+}
+
+}  // namespace ros_bridge

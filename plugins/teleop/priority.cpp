@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Resource kind "teleop/priority": hands on the velocity of the most urgent source that still
+/// speaks: `teleop`, else `command`. One that wrote nothing for its time-out is silent. When all
+/// are, service `read` answers no_data, and a reading port gets its default: stand still.
+/// Example: mauvectl get priority.core.selected
+#include <cstdint>
+#include <optional>
+
+#include <mauve/job.h>
+
+#include "parts.h"
+#include "selection.h"
+
+/// What survives a change: who said what and when. Opaque to tools; raise the revision when
+/// anything in it changes.
+template <>
+struct mauve::Described<teleop::Sources> {
+  static constexpr std::string_view name = "teleop_sources/1";
+  static constexpr auto fields() { return std::tuple{}; }
+};
+
+namespace teleop {
+namespace {
+
+using rover::Velocity;
+using namespace std::chrono_literals;  // NOLINT: durations of properties
+
+struct PriorityShell : mauve::Shell {};
+
+class Priority final : public mauve::Core<PriorityShell> {
+ public:
+  void teleop(const Velocity& velocity) { take(state->teleop, velocity); }
+  void command(const Velocity& velocity) { take(state->command, velocity); }
+  std::optional<Velocity> read() { return said_by(look(), *state); }
+
+ private:
+  mauve::State<Sources> state{*this};
+  mauve::Property<mauve::Duration> teleop_timeout{
+      *this, "teleop_timeout", 200ms, "then `teleop` counts as silent", {.min = 1ms, .max = 10s}};
+  mauve::Property<mauve::Duration> command_timeout{
+      *this, "command_timeout", 200ms, "then `command` counts as silent", {.min = 1ms, .max = 10s}};
+  mauve::Observable<int> selected{*this, "selected", 0, "0 none, 1 command, 2 teleop"};
+  mauve::Observable<std::uint64_t> take_overs{*this, "take_overs", 0, "times `teleop` took over"};
+  mauve::Observable<std::uint64_t> refused{*this, "refused", 0, "velocities that were no numbers"};
+
+  mauve::Status on_configure() override {
+    timeouts_ = {teleop_timeout, command_timeout};
+    return mauve::ok();
+  }
+
+  void take(Said& source, const Velocity& velocity) {
+    if (!hear(source, velocity, mauve::job_time())) ++refused;
+    look();
+  }
+
+  Source look() {
+    const Source now = choose(*state, timeouts_, mauve::job_time());
+    if (now == Source::teleop && selected != static_cast<int>(now)) ++take_overs;
+    selected = static_cast<int>(now);
+    return now;
+  }
+
+  Timeouts timeouts_;
+};
+
+struct PriorityInterface : mauve::Interface<Priority> {
+  mauve::WriteService<Velocity> teleop{*this, "teleop", &Priority::teleop};
+  mauve::WriteService<Velocity> command{*this, "command", &Priority::command};
+  mauve::ReadService<Velocity> read{*this, "read", &Priority::read};
+};
+
+}  // namespace
+
+void declare_priority(mauve::Plugin& plugin) {
+  plugin.resource<PriorityShell, Priority, PriorityInterface>("priority");
+}
+
+}  // namespace teleop

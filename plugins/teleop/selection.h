@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Who drives: the most urgent source that still speaks.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include <mauve/time.h>
+
+#include "../types/velocity.h"
+
+namespace teleop {
+
+/// The more urgent, the greater.
+enum class Source : std::uint8_t { none, command, teleop };
+
+/// What one source said last.
+struct Said {
+  rover::Velocity velocity;
+  mauve::Instant at = 0;
+  bool ever = false;
+};
+
+/// After this long without a word a source counts as silent.
+struct Timeouts {
+  mauve::Duration teleop{200'000'000};
+  mauve::Duration command{200'000'000};
+};
+
+/// All sources; what the priority resource hands over in a change.
+struct Sources {
+  Said teleop;
+  Said command;
+};
+
+/// False, and nothing happens: it is not a number. [rt]
+bool hear(Said& source, const rover::Velocity& velocity, mauve::Instant now);
+
+/// Who drives now. [rt]
+[[nodiscard]] Source choose(const Sources& sources, const Timeouts& timeouts, mauve::Instant now);
+
+/// What that source said; empty for none. [rt]
+[[nodiscard]] std::optional<rover::Velocity> said_by(Source source, const Sources& sources);
+
+}  // namespace teleop
