@@ -29,6 +29,7 @@ struct Shown {
       peer.say(kHello);
       auto request = peer.hear();
       for (; request.method != "watch.subscribe"; request = peer.hear()) {
+        if (request.id.is_null()) return;  // it went away
         peer.answer(request, described);
       }
       peer.answer(request, {{"sub", 5}});
