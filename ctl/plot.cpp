@@ -27,8 +27,7 @@ void hold_to_the_end(std::vector<Series>& all, double end) {
 
 Fault no_numbers(const Session& session) {
   return protocol::fault_of(protocol::kUsage, "there was no number to plot",
-                            session.asked({}).substr(session.command.name.size() + 1),
-                            "mauvectl get shows what it is");
+                            session.arguments.one("ADDRESS"), "mauvectl get shows what it is");
 }
 
 }  // namespace

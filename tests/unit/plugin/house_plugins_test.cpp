@@ -20,6 +20,9 @@ std::vector<std::string> house_plugins() {
   return names;
 }
 
+/// ROS has threads and exit handlers of its own: that plugin says that it stays mapped.
+bool stays(const std::string& name) { return name == "ros"; }
+
 void make_everything_once(const LoadedPlugin& plugin) {
   for (const auto& [name, core] : plugin.cores) EXPECT_NE(core.make(), nullptr) << name;
   for (const auto& [name, fsm] : plugin.fsms) EXPECT_NE(fsm.make(), nullptr) << name;
@@ -40,14 +43,15 @@ TEST(HousePlugins, LoadTogetherAndLeaveNothingBehind) {
   for (const std::string& name : names) {
     const Status loaded = catalog.load(name);
     ASSERT_TRUE(loaded) << to_string(loaded.error());
-    EXPECT_THAT(catalog.find(name)->info().warnings, ::testing::IsEmpty()) << name;
+    const std::size_t expected = stays(name) ? 1 : 0;
+    EXPECT_THAT(catalog.find(name)->info().warnings, ::testing::SizeIs(expected)) << name;
   }
   for (const std::string& name : names) make_everything_once(*catalog.find(name));
 
   for (const std::string& name : names) {
     const Result<Unmapped> unloaded = catalog.unload(name);
     ASSERT_TRUE(unloaded) << to_string(unloaded.error());
-    EXPECT_TRUE(unloaded->unmapped) << name << ": " << unloaded->reason;
+    EXPECT_EQ(unloaded->unmapped, !stays(name)) << name << ": " << unloaded->reason;
   }
 }
 
