@@ -42,7 +42,7 @@ class Drawing {
     if (sample.address == scan_) see(sample.value);
     if (sample.address == path_) follow_path(sample.value);
     if (sample.address == goal_) picture.goal = place_of(sample.value);
-    if (sample.address == mode_) now_ = compact(sample.value);
+    if (sample.address == mode_) set_mode(compact(sample.value));
   }
 
   MapPicture picture;
@@ -53,6 +53,13 @@ class Drawing {
     if (!at) return;
     picture.way.push_back({*at, number(pose, "heading"), now_, number(pose, "variance_x"),
                            number(pose, "variance_y"), number(pose, "covariance_xy")});
+  }
+  /// The first one that is told was in force before as well.
+  void set_mode(const std::string& mode) {
+    if (now_.empty()) {
+      for (MapPicture::Step& step : picture.way) step.mode = mode;
+    }
+    now_ = mode;
   }
   void see(const Json& scan) {
     if (picture.way.empty()) return;

@@ -138,7 +138,8 @@ void draw_ellipse(Svg& svg, const Frame& frame, const MapPicture::Step& step) {
   const double mean = (step.variance_x + step.variance_y) / 2.0;
   const double half = (step.variance_x - step.variance_y) / 2.0;
   const double spread = std::hypot(half, step.covariance);
-  if (!(mean + spread > 0.0)) return;
+  const double longest = kDeviations * std::sqrt(std::max(0.0, mean + spread));
+  if (!(longest > 0.0 && longest < (frame.right - frame.left) / 2)) return;  // else it hides all
   const double angle = 0.5 * std::atan2(step.covariance, half);
   const double pixels = kDeviations * frame.scale;
   svg.ellipse(frame.at(step.at),

@@ -94,6 +94,7 @@ std::string cut(std::string_view text, std::size_t width) {
 }
 
 std::string nanoseconds_in_words(double nanoseconds) {
+  if (nanoseconds < 0) return "-" + nanoseconds_in_words(-nanoseconds);
   if (nanoseconds < 1e3) return std::to_string(static_cast<long>(nanoseconds)) + " ns";
   if (nanoseconds < 1e6) return one_decimal(nanoseconds / 1e3, "us");
   if (nanoseconds < 1e9) return one_decimal(nanoseconds / 1e6, "ms");

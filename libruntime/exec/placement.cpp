@@ -21,8 +21,8 @@ void collect_locks(const Bindings& bindings, std::set<ResourceBase*>& locks) {
 }
 
 /// The first resource in both; null: none.
-const ResourceBase* common(const std::set<ResourceBase*>& a, const std::set<ResourceBase*>& b) {
-  for (const ResourceBase* lock : a) {
+ResourceBase* common(const std::set<ResourceBase*>& a, const std::set<ResourceBase*>& b) {
+  for (ResourceBase* lock : a) {
     const bool shared =
         std::any_of(b.begin(), b.end(), [&](const ResourceBase* other) { return other == lock; });
     if (shared) return lock;
@@ -47,10 +47,22 @@ Status check_cpus(const TaskAttributes& task, const std::string& component) {
 
 Placement::Placement(const System& system) {
   for (const Deployed& one : system.deployed) {
+    auto locks = locks_of(*one.component->bundle()->bindings);
+    all_.push_back(locks);
     if (one.cpus.empty()) continue;
-    const auto bundle = one.component->bundle();
-    placed_.push_back({one.component->name(), locks_of(*bundle->bindings), one.cpus});
+    placed_.push_back({one.component->name(), std::move(locks), one.cpus});
   }
+}
+
+/// These, and those of everybody who shares one of them, and so on.
+std::set<ResourceBase*> Placement::linked_by(std::set<ResourceBase*> locks) const {
+  for (std::size_t before = 0; before != locks.size();) {
+    before = locks.size();
+    for (const auto& others : all_) {
+      if (common(locks, others) != nullptr) locks.insert(others.begin(), others.end());
+    }
+  }
+  return locks;
 }
 
 int Placement::least_used() const {
@@ -68,11 +80,14 @@ Placement::Seat Placement::seat(const std::string& name, const Bundle& bundle) {
   Placed mine{name, locks_of(*bundle.bindings), bundle.task.cpus};
   Seat seat{mine.cpus, ""};
   if (seat.cpus.empty()) seat.why = "its task names no cpus";
+  const auto linked = linked_by(mine.locks);
   for (const Placed& other : placed_) {
-    const ResourceBase* lock = common(mine.locks, other.locks);
+    ResourceBase* const lock = common(linked, other.locks);
     if (!seat.cpus.empty() || lock == nullptr || other.cpus.size() != 1) continue;
     seat.cpus = other.cpus;
-    seat.why += ", and it shares the lock of " + lock->name() + " with " + other.name;
+    const bool itself = mine.locks.contains(lock);
+    seat.why += itself ? ", and it shares the lock of " + lock->name() + " with " + other.name
+                       : ", and locks link it with " + other.name;
   }
   if (seat.cpus.empty()) seat.cpus = {least_used()};
   mine.cpus = seat.cpus;

@@ -27,8 +27,9 @@ class Placement {
     std::vector<int> cpus;
     std::string why;  ///< empty: the task names them
   };
-  /// Where the task says; else where those are with whom it shares a lock, since priority
-  /// inheritance holds on one CPU; else where the fewest are so far. It is there from now on.
+  /// Where the task says; else where those are with whom it shares a lock, also by way of others,
+  /// since priority inheritance holds on one CPU; else where the fewest are so far. It is there
+  /// from now on.
   Seat seat(const std::string& name, const Bundle& bundle);
 
  private:
@@ -38,8 +39,10 @@ class Placement {
     std::vector<int> cpus;
   };
   [[nodiscard]] int least_used() const;
+  [[nodiscard]] std::set<ResourceBase*> linked_by(std::set<ResourceBase*> locks) const;
 
   std::vector<Placed> placed_;
+  std::vector<std::set<ResourceBase*>> all_;  ///< locks of each, placed or not
 };
 
 /// Chooses the CPU of one that is not among the deployed yet, or has none so far.

@@ -87,6 +87,49 @@ TEST(Placement, RunsWhoSharesALockOnOneCpuAlsoWhenItJoins) {
   EXPECT_EQ(deployer.status("third").cpus, cpus);
 }
 
+struct BetweenShell : UserShell {
+  WritePort<double> extra{*this, "extra"};
+};
+struct Between : Core<BetweenShell> {
+  Stateless stateless{*this};
+  void update() { shell().out.write(1.0); }
+};
+
+/// `between`, listed last, links the two others, which share nothing.
+struct Linked : Architecture {
+  Resource<EmptyShell, TableCore, TableInterface> table{*this, "table"};
+  Resource<EmptyShell, TableCore, TableInterface> desk{*this, "desk"};
+  mauve::Component<UserShell, User, UserFsm> first{*this, "first"};
+  mauve::Component<UserShell, User, UserFsm> second{*this, "second"};
+  mauve::Component<BetweenShell, Between, PeriodicFsm<Between>> between{*this, "between"};
+
+  Linked() {
+    for (ComponentBase* one : components()) one->task() = budgeted();
+  }
+  Status on_configure() override {
+    first.fsm().period = 50ms;
+    second.fsm().period = 50ms;
+    between.fsm().period = 50ms;
+    for (Status done : {first.shell().out.connect(table.interface().write),
+                        second.shell().out.connect(desk.interface().write),
+                        between.shell().out.connect(table.interface().write)}) {
+      if (!done) return done;
+    }
+    return between.shell().extra.connect(desk.interface().write);
+  }
+};
+
+TEST(Placement, RunsWhoIsLinkedByTheLocksOfOthersOnOneCpu) {
+  Linked architecture;
+  Deployer deployer(architecture, kStrict);
+
+  ASSERT_TRUE(deployer.deploy());
+
+  const std::vector<int> cpus = deployer.status("first").cpus;
+  EXPECT_EQ(deployer.status("second").cpus, cpus);
+  EXPECT_EQ(deployer.status("between").cpus, cpus);
+}
+
 TEST(Placement, TakesTheCpuWithTheFewestOtherwise) {
   if (rt::usable_cpus().size() < 2) GTEST_SKIP() << "NOT TESTED: one CPU only";
   Sharing architecture;
