@@ -23,6 +23,7 @@ using test::eventually;
 using test::is_faulted;
 using test::runs_on;
 constexpr Duration kBound = 500ms;
+constexpr double kValue = 1;
 
 /// A call into the system that does not return until it is let go.
 class Block {
@@ -303,8 +304,7 @@ TEST_F(Guard, WhatALostThreadHoldsIsPoisonedAndFreedAtOnce) {
 
   Gate& gate = architecture.meter.gate();
   EXPECT_TRUE(gate.poisoned());
-  const double value = 1;
-  EXPECT_FALSE(architecture.meter.interface().write.write(&value));
+  EXPECT_FALSE(architecture.meter.interface().write.write(&kValue));
   EXPECT_TRUE(runs_on(deployer, "right"));
   ASSERT_TRUE(gate.try_enter()) << "although the thread is still inside";
   gate.leave();
@@ -328,8 +328,7 @@ TEST_F(Guard, AResourceThatALostThreadIsInGetsANewCoreAndServesAgain) {
   EXPECT_TRUE(runs_on(deployer, "right"));
 
   EXPECT_FALSE(gate.poisoned());
-  const double value = 1;
-  EXPECT_TRUE(architecture.meter.interface().write.write(&value));
+  EXPECT_TRUE(architecture.meter.interface().write.write(&kValue));
   EXPECT_EQ(SlowMeter::configured(), 2) << "the old core stays: a thread is in it";
 
   Entry entry(gate);
