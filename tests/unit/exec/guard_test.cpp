@@ -243,7 +243,6 @@ TEST_F(Guard, AShutdownLeavesBehindWhatAThreadIsStillIn) {
 }
 
 // --- a resource that is held
-// -----------------------------------------------------------------------
 
 struct SlowMeter final : Core<EmptyShell> {
   State<ramp::Position> state{*this};
