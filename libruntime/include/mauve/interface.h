@@ -2,6 +2,7 @@
 /// Interface: the services of a resource (paper 3.5).
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string_view>
 #include <utility>
@@ -25,17 +26,23 @@ class InterfaceBase : public Configurable {
     meet(std::move(core));
   }
   /// Runtime only, under the gate of the resource: the next callers meet this core.
-  /// Shared: a connection may be the last to go, and gives its slot back to the core.
-  void meet(std::shared_ptr<CoreBase> core) { core_ = std::move(core); }
+  void meet(std::shared_ptr<CoreBase> core) {
+    core_.store(core.get(), std::memory_order_release);
+    kept_ = std::move(core);
+  }
   [[nodiscard]] ResourceBase& resource() const { return *resource_; }
-  [[nodiscard]] CoreBase& core() const { return *core_; }
+  [[nodiscard]] CoreBase& core() const { return *core_.load(std::memory_order_acquire); }
 
  private:
   friend class ServiceBase;
 
   std::vector<ServiceBase*> services_;
   ResourceBase* resource_ = nullptr;
-  std::shared_ptr<CoreBase> core_;
+  /// Atomic: a thread that was given up in a service read it under a lock that the gate has no
+  /// more.
+  std::atomic<CoreBase*> core_{nullptr};
+  /// Shared: a connection may be the last to go, and gives its slot back to the core.
+  std::shared_ptr<CoreBase> kept_;
 };
 
 /// Derive from Interface<YourCore> and declare services as members.

@@ -3,56 +3,24 @@
 /// it on a loaded machine.
 #include <gtest/gtest.h>
 
-#include <array>
 #include <thread>
-
-#include <unistd.h>
 
 #include "rt/rescue.h"
 #include "rt/thread.h"
+#include "support/block.h"
 #include "support/outcomes.h"
 #include "support/ramp.h"
-
-#include <mauve/job.h>
 
 namespace mauve {
 namespace {
 
 using test::await_outcomes;
+using test::Block;
+using test::block;
 using test::eventually;
 using test::is_faulted;
 using test::runs_on;
 constexpr Duration kBound = 500ms;
-constexpr double kValue = 1;
-
-/// A call into the system that does not return until it is let go.
-class Block {
- public:
-  Block() {
-    if (pipe(ends_.data()) != 0) std::abort();
-  }
-  ~Block() {
-    for (const int end : ends_) close(end);
-  }
-  void wait() {
-    entered.store(true);
-    char byte = 0;
-    if (read(ends_[0], &byte, 1) < 0) return;
-  }
-  void let_go() const {
-    if (write(ends_[1], "", 1) < 0) std::abort();
-  }
-  std::atomic<bool> entered{false};
-
- private:
-  std::array<int, 2> ends_{};
-};
-
-/// Of the test that runs.
-Block*& block() {
-  static Block* one = nullptr;
-  return one;
-}
 
 struct Endless final : ramp::Up {
   volatile bool forever = true;
@@ -240,160 +208,6 @@ TEST_F(Guard, AShutdownLeavesBehindWhatAThreadIsStillIn) {
   deployer.reset();
   forever->let_go();
   EXPECT_TRUE(eventually([] { return Blocked::late_write() == 0; }));
-}
-
-// --- a resource that is held
-
-struct SlowMeter final : Core<EmptyShell> {
-  State<ramp::Position> state{*this};
-  Property<double> scale{*this, "scale", 1.0, "any"};
-  static std::atomic<int>& configured() {
-    static std::atomic<int> cores{0};
-    return cores;
-  }
-  Status on_configure() override {
-    ++configured();
-    return ok();
-  }
-  void on_cleanup() override { --configured(); }
-  void note(const double& value) {
-    if (value == 4) block()->wait();
-  }
-};
-struct SlowInterface : Interface<SlowMeter> {
-  WriteService<double> write{*this, "write", &SlowMeter::note};
-};
-
-/// `right` counts down, so it never hands over a 4.
-struct Shared : Architecture {
-  Shared() { SlowMeter::configured() = 0; }
-  Resource<EmptyShell, SlowMeter, SlowInterface> meter{*this, "meter"};
-  Component<ramp::Shell, ramp::Up, ramp::Fsm> left{*this, "left"};
-  Component<ramp::Shell, ramp::Down, ramp::Fsm> right{*this, "right"};
-  Status on_configure() override {
-    left.task().watchdog = kBound;
-    if (auto done = left.shell().out.connect(meter.interface().write); !done) return done;
-    return right.shell().out.connect(meter.interface().write);
-  }
-};
-
-#if defined(__SANITIZE_THREAD__)
-constexpr bool kWatchesRaces = true;
-#else
-constexpr bool kWatchesRaces = false;
-#endif
-/// A thread that never returns has told nobody that it read which core to run.
-constexpr const char* kNoOrder =
-    "NOT TESTED: to the thread sanitizer a lost thread and who takes its place are in no order";
-
-/// The meter has another core, and nobody is in the old one any more.
-bool is_left(Deployer& deployer) {
-  return eventually([&] {
-    static_cast<void>(test::tend(deployer));
-    return SlowMeter::configured() == 1;
-  });
-}
-
-TEST_F(Guard, WhatALostThreadHoldsIsPoisonedAndFreedAtOnce) {
-  if (kWatchesRaces) GTEST_SKIP() << kNoOrder;
-  Shared architecture;
-  Deployer deployer(architecture);
-  ASSERT_TRUE(deployer.deploy());
-
-  ASSERT_TRUE(is_faulted(deployer, "left"));
-
-  Gate& gate = architecture.meter.gate();
-  EXPECT_TRUE(gate.poisoned());
-  EXPECT_FALSE(architecture.meter.interface().write.write(&kValue));
-  EXPECT_TRUE(runs_on(deployer, "right"));
-  ASSERT_TRUE(gate.try_enter()) << "although the thread is still inside";
-  gate.leave();
-  ASSERT_TRUE(deployer.set("meter.core.scale", Value(2.0), StatePolicy::drop));
-  block_.let_go();
-  EXPECT_TRUE(is_left(deployer));
-}
-
-TEST_F(Guard, AResourceThatALostThreadIsInGetsANewCoreAndServesAgain) {
-  if (kWatchesRaces) GTEST_SKIP() << kNoOrder;
-  Shared architecture;
-  Deployer deployer(architecture);
-  ASSERT_TRUE(deployer.deploy());
-  ASSERT_TRUE(is_faulted(deployer, "left"));
-  Gate& gate = architecture.meter.gate();
-
-  const auto kept = deployer.set("meter.core.scale", Value(2.0));
-  ASSERT_FALSE(kept) << "its state may be half written";
-  EXPECT_EQ(kept.error().code, Errc::wrong_state);
-  ASSERT_TRUE(deployer.set("meter.core.scale", Value(2.0), StatePolicy::drop));
-  EXPECT_TRUE(runs_on(deployer, "right"));
-
-  EXPECT_FALSE(gate.poisoned());
-  EXPECT_TRUE(architecture.meter.interface().write.write(&kValue));
-  EXPECT_EQ(SlowMeter::configured(), 2) << "the old core stays: a thread is in it";
-
-  Entry entry(gate);
-  ASSERT_TRUE(entry);
-  block_.let_go();
-  EXPECT_TRUE(is_left(deployer)) << "and goes with its thread";
-  std::thread([&] { EXPECT_FALSE(gate.try_enter()) << "held by this thread alone"; }).join();
-}
-
-/// The resource is the architecture's own, so that it may leave.
-struct WithOwned : Architecture {
-  ResourceBase& meter = own(std::make_shared<ResourceBase>(
-      "meter", ResourceType{"meter", ShellType::of<EmptyShell>(), CoreType::of<SlowMeter>("meter"),
-                            detail::make<InterfaceBase, SlowInterface>}));
-  Component<ramp::Shell, ramp::Up, ramp::Fsm> left{*this, "left"};
-  Status on_configure() override {
-    left.task().watchdog = kBound;
-    return left.shell().out.connect(*meter.find_service("write"));
-  }
-};
-
-TEST_F(Guard, AResourceThatALostThreadIsInMayLeave) {
-  SlowMeter::configured() = 0;
-  WithOwned architecture;
-  Deployer deployer(architecture);
-  ASSERT_TRUE(deployer.deploy());
-  ASSERT_TRUE(is_faulted(deployer, "left"));
-  Change change;
-  change.edits.resize(1);
-  change.edits[0].component = "left";
-  change.edits[0].disconnect = {"out"};
-  change.remove = {"meter"};
-
-  ASSERT_TRUE(deployer.apply(change));
-
-  EXPECT_EQ(architecture.find_resource("meter"), nullptr);
-  static_cast<void>(test::tend(deployer));
-  EXPECT_EQ(SlowMeter::configured(), 1) << "it stays while a thread is in it";
-  block_.let_go();
-  EXPECT_TRUE(eventually([&] {
-    static_cast<void>(test::tend(deployer));
-    return SlowMeter::configured() == 0;
-  }));
-}
-
-TEST_F(Guard, WhoWaitsForTheLockOfALostThreadIsServedWhenThatComesBack) {
-  if (kWatchesRaces) GTEST_SKIP() << kNoOrder;
-  Shared architecture;
-  Deployer deployer(architecture);
-  ASSERT_TRUE(deployer.deploy());
-  ASSERT_TRUE(eventually([&] { return block_.entered.load(); }));
-  bool served = false;
-  std::thread waiting([&] {
-    this_job().lock_bound = 30s;
-    const Entry entry(architecture.meter.gate());
-    served = static_cast<bool>(entry);
-  });
-
-  ASSERT_TRUE(is_faulted(deployer, "left"));
-  ASSERT_TRUE(deployer.set("meter.core.scale", Value(2.0), StatePolicy::drop));
-  block_.let_go();
-
-  waiting.join();
-  EXPECT_TRUE(served);
-  EXPECT_TRUE(is_left(deployer));
 }
 
 }  // namespace

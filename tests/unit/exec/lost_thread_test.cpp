@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// A thread that never returns from a resource: what becomes of the lock it holds, and of the
+/// resource.
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "support/block.h"
+#include "support/outcomes.h"
+#include "support/ramp.h"
+
+#include <mauve/job.h>
+
+namespace mauve {
+namespace {
+
+using test::Block;
+using test::block;
+using test::eventually;
+using test::is_faulted;
+using test::runs_on;
+
+struct SlowMeter final : Core<EmptyShell> {
+  State<ramp::Position> state{*this};
+  Property<double> scale{*this, "scale", 1.0, "any"};
+  /// Cores configured and not cleaned up.
+  static std::atomic<int>& configured() {
+    static std::atomic<int> cores{0};
+    return cores;
+  }
+  Status on_configure() override {
+    ++configured();
+    return ok();
+  }
+  void on_cleanup() override { --configured(); }
+  void note(const double& value) {
+    if (value == 4) block()->wait();
+  }
+};
+struct SlowInterface : Interface<SlowMeter> {
+  WriteService<double> write{*this, "write", &SlowMeter::note};
+};
+
+/// The meter is the architecture's own, so that it may leave. `left` gets lost in it; `right`
+/// counts down, so it never hands over a 4.
+struct Sharing : Architecture {
+  ResourceBase& meter = own(std::make_shared<ResourceBase>(
+      "meter", ResourceType{"meter", ShellType::of<EmptyShell>(), CoreType::of<SlowMeter>("meter"),
+                            detail::make<InterfaceBase, SlowInterface>}));
+  Component<ramp::Shell, ramp::Up, ramp::Fsm> left{*this, "left"};
+  Component<ramp::Shell, ramp::Down, ramp::Fsm> right{*this, "right"};
+
+  Status on_configure() override {
+    left.task().watchdog = 500ms;
+    ServiceBase& write = *meter.find_service("write");
+    if (Status done = left.shell().out.connect(write); !done) return done;
+    return right.shell().out.connect(write);
+  }
+};
+
+class LostThread : public testing::Test {
+ protected:
+  void SetUp() override {
+    block() = &block_;
+    SlowMeter::configured() = 0;
+    ASSERT_TRUE(deployer_.deploy());
+    ASSERT_TRUE(eventually([&] { return block_.entered.load(); }));
+  }
+  /// Nobody tells what is no longer used while a thread may be in it.
+  [[nodiscard]] int configured() {
+    static_cast<void>(test::tend(deployer_));
+    return SlowMeter::configured();
+  }
+  [[nodiscard]] bool becomes(int cores) {
+    return eventually([&] { return configured() == cores; });
+  }
+  void exchange_core() {
+    ASSERT_TRUE(deployer_.set("meter.core.scale", Value(2.0), StatePolicy::drop));
+  }
+  [[nodiscard]] bool serves() {
+    const double value = 1;
+    return architecture_.meter.find_service("write")->write(&value);
+  }
+
+  Block block_;
+  Sharing architecture_;
+  Deployer deployer_{architecture_};
+  Gate& gate_ = architecture_.meter.gate();
+};
+
+TEST_F(LostThread, LeavesWhatItHeldPoisonedAndFree) {
+  ASSERT_TRUE(is_faulted(deployer_, "left"));
+
+  EXPECT_TRUE(gate_.poisoned());
+  EXPECT_FALSE(serves());
+  EXPECT_TRUE(runs_on(deployer_, "right"));
+  ASSERT_TRUE(gate_.try_enter()) << "although the thread is still inside";
+  gate_.leave();
+
+  exchange_core();
+  block_.let_go();
+  EXPECT_TRUE(becomes(1));
+}
+
+TEST_F(LostThread, IsInAResourceThatGetsANewCoreAndServesAgain) {
+  ASSERT_TRUE(is_faulted(deployer_, "left"));
+
+  const auto kept = deployer_.set("meter.core.scale", Value(2.0));
+  ASSERT_FALSE(kept) << "its state may be half written";
+  EXPECT_EQ(kept.error().code, Errc::wrong_state);
+  exchange_core();
+
+  EXPECT_FALSE(gate_.poisoned());
+  EXPECT_TRUE(runs_on(deployer_, "right"));
+  EXPECT_TRUE(serves());
+  EXPECT_EQ(configured(), 2) << "the old core stays: a thread is in it";
+  const Entry entry(gate_);
+  ASSERT_TRUE(entry);
+  block_.let_go();
+  EXPECT_TRUE(becomes(1)) << "and goes with its thread";
+  std::thread([&] { EXPECT_FALSE(gate_.try_enter()) << "held by this thread alone"; }).join();
+}
+
+TEST_F(LostThread, IsInAResourceThatMayLeave) {
+  ASSERT_TRUE(is_faulted(deployer_, "left"));
+  Change change;
+  for (const char* component : {"left", "right"}) {
+    change.edits.emplace_back().component = component;
+    change.edits.back().disconnect = {"out"};
+  }
+  change.remove = {"meter"};
+
+  ASSERT_TRUE(deployer_.apply(change));
+
+  EXPECT_EQ(architecture_.find_resource("meter"), nullptr);
+  EXPECT_EQ(configured(), 1) << "it stays while a thread is in it";
+  block_.let_go();
+  EXPECT_TRUE(becomes(0));
+}
+
+TEST_F(LostThread, ServesWhoWaitedForItsLockWhenItComesBack) {
+  bool served = false;
+  {
+    const std::jthread waiting([&] {
+      this_job().lock_bound = 30s;
+      served = static_cast<bool>(Entry(gate_));
+    });
+    EXPECT_TRUE(is_faulted(deployer_, "left"));
+    exchange_core();
+    block_.let_go();
+  }
+  EXPECT_TRUE(served);
+  EXPECT_TRUE(becomes(1));
+}
+
+}  // namespace
+}  // namespace mauve
