@@ -128,6 +128,9 @@ Status Daemon::load() {
     return origin.error();
   }
   origin_ = *std::move(origin);
+  if (auto entered = enter_folder(); !entered) {
+    return entered;
+  }
   arch::Problems problems;
   rules::Supervision supervision;
   architecture_ = arch::load(origin_.text, catalog_, problems, &supervision);
@@ -146,6 +149,18 @@ Status Daemon::load() {
                                       {"version", loaded->info().version},
                                       {"file", loaded->info().file},
                                       {"build_id", loaded->info().build_id}});
+  }
+  return ok();
+}
+
+/// So that a path in the architecture begins at the architecture, wherever mauved was started.
+Status Daemon::enter_folder() {
+  const auto folder = std::filesystem::absolute(options_.architecture).parent_path();
+  std::error_code failed;
+  std::filesystem::current_path(folder, failed);
+  if (failed) {
+    return refuse(Errc::system, folder.string(), "cannot be entered: " + failed.message(),
+                  "paths in the architecture begin there");
   }
   return ok();
 }

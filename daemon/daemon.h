@@ -39,6 +39,7 @@ class Daemon {
   Status open_keeper();
   Status start();
   Status load();
+  Status enter_folder();
   Status deploy();
   Status serve();
   void keep_the_first();

@@ -2,6 +2,7 @@
 #include "options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
@@ -119,6 +120,19 @@ Leave leave(const CLI::App& app, const CLI::ParseError& error) {
   return {0, version != nullptr ? std::string(error.what()) + "\n" : app.help()};
 }
 
+void make_absolute(Options& options) {
+  const auto absolute = [](std::string& path) {
+    std::error_code failed;
+    if (auto whole = std::filesystem::absolute(path, failed); !path.empty() && !failed) {
+      path = whole.lexically_normal().string();
+    }
+  };
+  absolute(options.socket);
+  absolute(options.log_file);
+  absolute(options.state_dir);
+  std::ranges::for_each(options.plugin_dirs, absolute);
+}
+
 }  // namespace
 
 std::variant<Options, Leave> parse_options(int argc, const char* const* argv) {
@@ -139,6 +153,7 @@ std::variant<Options, Leave> parse_options(int argc, const char* const* argv) {
   if (options.state_dir.empty()) {
     options.state_dir = default_state_dir();
   }
+  make_absolute(options);
   return options;
 }
 

@@ -14,7 +14,7 @@
 namespace mauve::daemon {
 
 struct Options {
-  std::string architecture;              ///< the file
+  std::string architecture;              ///< the file, as it was given: messages name it so
   std::string socket;                    ///< never empty
   std::vector<std::string> plugin_dirs;  ///< where plugins may come from, and nowhere else
   Realtime realtime = Realtime::prefer;
@@ -33,8 +33,9 @@ struct Leave {
   std::string text;  ///< for stdout when exit is 0, else for stderr
 };
 
-/// [main] Never throws. Without --plugin-dir the only directory is lib/mauve/plugins beside the
-/// program's own, or the installed one.
+/// [main] All paths but the architecture's are absolute: mauved goes to its folder, so that the
+/// paths in it begin there. Never throws. Without --plugin-dir the only directory is
+/// lib/mauve/plugins beside the program's own, or the installed one.
 [[nodiscard]] std::variant<Options, Leave> parse_options(int argc, const char* const* argv);
 
 }  // namespace mauve::daemon

@@ -43,6 +43,7 @@ class GnssSerial final : public FrameDriver<GnssCore, GnssLine> {
   mauve::Observable<std::uint64_t> implausible{*this, "implausible", 0,
                                                "epochs that cannot be, skipped"};
   mauve::Observable<int> satellites{*this, "satellites", 0, "used in the last epoch"};
+  mauve::Observable<double> hdop{*this, "hdop", 0.0, "dilution of precision, of the last epoch"};
   mauve::Observable<int> mode{*this, "mode", 1, "1 none, 2 two dimensions, 3 three"};
 
   void use(Found found) override {
@@ -64,6 +65,7 @@ class GnssSerial final : public FrameDriver<GnssCore, GnssLine> {
     shell().fix.write(fix);
     ++fixes;
     satellites = fix.satellites;
+    hdop = fix.hdop;
     mode = fix.mode;
   }
 };

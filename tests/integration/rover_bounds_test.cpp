@@ -35,7 +35,7 @@ class Window {
   /// `declared` false: without its budgets, so that execution times are measured.
   explicit Window(bool declared) {
     mauve::arch::Problems problems;
-    rover_ = mauve::arch::load(support::bytes_of(std::string(MAUVE_SOURCE_DIR) + "/etc/rover.json"),
+    rover_ = mauve::arch::load(support::bytes_of(std::string(MAUVE_SOURCE_DIR) + "/etc/yard.json"),
                                catalog_, problems);
     for (mauve::ComponentBase* component : rover_->components()) {
       if (!declared) component->task().budget = Duration{0};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// etc/rover.json with its real plugins on a simulated clock: every job of every component, in
+/// etc/yard.json with its real plugins on a simulated clock: every job of every component, in
 /// order.
 #include <gtest/gtest.h>
 
@@ -36,9 +36,9 @@ class Simulated {
                      mauve::Admission admission = mauve::Admission::warn)
       : catalog_({MAUVE_PLUGIN_DIR}) {
     std::string text = support::bytes_of(kRoot / "etc" / name);
-    if (!sample.empty()) replace(text, "etc/samples/gnss.nmea", sample);
-    // The paths of the examples are relative to the root of the project.
-    replace(text, "\"etc/samples/", "\"" + (kRoot / "etc/samples/").string());
+    if (!sample.empty()) replace(text, "samples/gnss.nmea", sample);
+    // Paths in an architecture begin at its file.
+    replace(text, "\"samples/", "\"" + (kRoot / "etc/samples/").string());
     mauve::arch::Problems problems;
     architecture_ = mauve::arch::load(text, catalog_, problems);
     EXPECT_TRUE(architecture_ != nullptr) << name;
@@ -121,7 +121,7 @@ class Simulated {
 };
 
 TEST(RoverSimulated, ReachesItsGoalWithoutTouching) {
-  Simulated rover("rover.json");
+  Simulated rover("yard.json");
 
   EXPECT_TRUE(rover.drive_to_the_goal());
 
@@ -130,7 +130,7 @@ TEST(RoverSimulated, ReachesItsGoalWithoutTouching) {
 }
 
 TEST(RoverSimulated, ReachesItsGoalThroughSwapsToCoresKnownAndNew) {
-  Simulated rover("rover.json");
+  Simulated rover("yard.json");
   ASSERT_TRUE(rover.drive_until_left(8.0));
   rover.swap("control", "guidance/finite_time");
   ASSERT_TRUE(rover.drive_until_left(4.0));
@@ -147,7 +147,7 @@ TEST(RoverSimulated, ReachesItsGoalThroughSwapsToCoresKnownAndNew) {
 }
 
 TEST(RoverSimulated, KeepsItsCommandWhenAPropertyChangesOnTheWay) {
-  Simulated rover("rover.json");
+  Simulated rover("yard.json");
   ASSERT_TRUE(rover.drive_until_left(10.0));
   rover.deployer().run_for(20ms);
   const double x = rover.observe("world", "x");
@@ -161,7 +161,7 @@ TEST(RoverSimulated, KeepsItsCommandWhenAPropertyChangesOnTheWay) {
 
 TEST(RoverSimulated, StandsWhenTheControlOrThePilotIsStopped) {
   for (const std::string name : {"control", "safety"}) {
-    Simulated rover("rover.json");
+    Simulated rover("yard.json");
     ASSERT_TRUE(rover.drive_until_left(11.0));
 
     ASSERT_TRUE(rover.deployer().stop({name}));
@@ -174,7 +174,7 @@ TEST(RoverSimulated, StandsWhenTheControlOrThePilotIsStopped) {
 }
 
 TEST(RoverSimulated, StandsWhenTheLaserFallsSilent) {
-  Simulated rover("rover.json");
+  Simulated rover("yard.json");
   ASSERT_TRUE(rover.drive_until_left(11.0));
 
   ASSERT_TRUE(rover.deployer().stop({"laser"}));
@@ -186,7 +186,7 @@ TEST(RoverSimulated, StandsWhenTheLaserFallsSilent) {
 }
 
 TEST(RoverSimulated, HearsItsReceiverThroughTheSerialLine) {
-  Simulated rover("rover.json");
+  Simulated rover("yard.json");
 
   EXPECT_TRUE(eventually([&] {
     rover.deployer().run_for(100ms);
@@ -198,7 +198,7 @@ TEST(RoverSimulated, HearsItsReceiverThroughTheSerialLine) {
 }
 
 TEST(RoverSimulated, IsProvedToMeetItsDeadlinesAndRefusesACoreThatWouldNot) {
-  Simulated rover("rover.json", {}, mauve::Admission::strict);
+  Simulated rover("yard.json", {}, mauve::Admission::strict);
   const mauve::Timing timing = rover.deployer().analyze();
   EXPECT_TRUE(timing.problems.empty()) << timing.problems.front();
   EXPECT_GT(timing.factor.value_or(0), 1.0);
@@ -219,7 +219,7 @@ TEST(RoverSimulated, IsProvedToMeetItsDeadlinesAndRefusesACoreThatWouldNot) {
 }
 
 TEST(RoverSimulated, RunsWhoUsesItsWorldOnOneCpu) {
-  Simulated rover("rover.json");
+  Simulated rover("yard.json");
 
   const auto cpus = [&](const char* name) { return rover.deployer().status(name).cpus; };
 

@@ -262,13 +262,13 @@ TEST(RoverRules, DisconnectTheReceiverWhileItSeesTooFewSatellites) {
     return rover.ask({"rules", rule})["items"][0]["fired"].get<int>();
   };
   ASSERT_TRUE(eventually([&] { return fired("gnss_back") > 0; }));
-  EXPECT_EQ(service(), "fix.write");
+  EXPECT_EQ(service(), "gnss_to_utm.fix");
 
   ASSERT_EQ(rover.ask({"set", "world.core.satellites=3"})["state"], "applied");
   EXPECT_TRUE(eventually([&] { return service() == nullptr; })) << rover.ask({"rules"});
 
   ASSERT_EQ(rover.ask({"set", "world.core.satellites=9"})["state"], "applied");
-  EXPECT_TRUE(eventually([&] { return service() == "fix.write"; })) << rover.ask({"rules"});
+  EXPECT_TRUE(eventually([&] { return service() == "gnss_to_utm.fix"; })) << rover.ask({"rules"});
   EXPECT_GE(fired("gnss_lost"), 1);
 }
 

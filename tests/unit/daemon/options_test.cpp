@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <filesystem>
 
 namespace mauve::daemon {
 namespace {
@@ -43,23 +44,24 @@ TEST(Options, HaveDefaultsForAllButTheFile) {
 }
 
 TEST(Options, TakeEverythingFromTheCommandLine) {
-  const auto options = accepted({"rover.json", "--socket", "s", "--plugin-dir", "a", "--plugin-dir",
-                                 "b", "--realtime", "require", "--log-file", "l", "--log-level",
-                                 "debug", "--admission", "strict", "--prepare-within", "1.5min"});
+  const auto options =
+      accepted({"rover.json", "--socket", "/s", "--plugin-dir", "/a", "--plugin-dir", "/b",
+                "--realtime", "require", "--log-file", "/l", "--log-level", "debug", "--admission",
+                "strict", "--prepare-within", "1.5min"});
 
-  EXPECT_EQ(options.socket, "s");
-  EXPECT_EQ(options.plugin_dirs, (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(options.socket, "/s");
+  EXPECT_EQ(options.plugin_dirs, (std::vector<std::string>{"/a", "/b"}));
   EXPECT_EQ(options.realtime, Realtime::require);
   EXPECT_EQ(options.admission, Admission::strict);
   EXPECT_EQ(options.prepare_within, 90s);
-  EXPECT_EQ(options.log_file, "l");
+  EXPECT_EQ(options.log_file, "/l");
   EXPECT_EQ(options.log_level, logging::Level::debug);
 }
 
 TEST(Options, TakeTheStateDirectoryFromTheServiceManagerUnlessOneIsGiven) {
   setenv("STATE_DIRECTORY", "/var/lib/mauve:/var/lib/other", 1);
   EXPECT_EQ(accepted({"rover.json"}).state_dir, "/var/lib/mauve");
-  EXPECT_EQ(accepted({"rover.json", "--state-dir", "here"}).state_dir, "here");
+  EXPECT_EQ(accepted({"rover.json", "--state-dir", "/here"}).state_dir, "/here");
   unsetenv("STATE_DIRECTORY");
   EXPECT_EQ(accepted({"rover.json"}).state_dir, "");
 }
@@ -70,10 +72,22 @@ TEST(Options, TakeTheFileBehindTheCheckFlagOrBeforeIt) {
 }
 
 TEST(Options, TakeTheFileBehindAPluginDirectory) {
-  const auto options = accepted({"--plugin-dir", "a", "rover.json"});
+  const auto options = accepted({"--plugin-dir", "/a", "rover.json"});
 
   EXPECT_EQ(options.architecture, "rover.json");
-  EXPECT_EQ(options.plugin_dirs, std::vector<std::string>{"a"});
+  EXPECT_EQ(options.plugin_dirs, std::vector<std::string>{"/a"});
+}
+
+TEST(Options, MakeEveryPathAbsoluteBecauseMauvedLeavesItsFolderForTheArchitectures) {
+  const auto here = std::filesystem::current_path();
+  const auto options = accepted({"etc/a.json", "--socket", "s", "--plugin-dir", "../b",
+                                 "--log-file", "l", "--state-dir", "."});
+
+  EXPECT_EQ(options.architecture, "etc/a.json") << "messages name it as it was given";
+  EXPECT_EQ(options.socket, here / "s");
+  EXPECT_EQ(options.plugin_dirs, std::vector<std::string>{(here.parent_path() / "b").string()});
+  EXPECT_EQ(options.log_file, here / "l");
+  EXPECT_EQ(options.state_dir, (here / "").string());
 }
 
 TEST(Options, RefuseWrongUseWithTwo) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The rover of etc/rover.json, without mauve around it: does it arrive, whatever core drives it?
+/// The rover of etc/yard.json, without mauve around it: does it arrive, whatever core drives it?
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -30,7 +30,7 @@ struct Rover {
 };
 
 Rover rover_of_the_example() {
-  std::ifstream file(std::filesystem::path(MAUVE_SOURCE_DIR) / "etc" / "rover.json");
+  std::ifstream file(std::filesystem::path(MAUVE_SOURCE_DIR) / "etc" / "yard.json");
   const auto json = nlohmann::json::parse(file, nullptr, true, true);
   Rover rover;
   for (const auto& disc : json["resources"]["world"]["properties"]["core.obstacles"]) {

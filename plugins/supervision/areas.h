@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// In which of some rectangles is the robot?
+#pragma once
+
+#include <span>
+
+#include "../types/pose.h"
+
+namespace supervision {
+
+/// A rectangle along the axes, its corners included. Metres.
+struct Area {
+  rover::Point2D low;
+  rover::Point2D high;
+};
+
+constexpr int kNowhere = -1;  ///< nobody knows where the robot is
+constexpr int kOutside = 0;   ///< in none of the areas
+
+/// The number of the first area that holds the pose, from 1. The area `before` is left only when
+/// the pose is `margin` metres outside of it, so that a robot on a border does not change its area
+/// all the time. kNowhere for a pose that is not a number. [rt]
+[[nodiscard]] int area_of(const rover::Pose2D& pose, std::span<const Area> areas, int before,
+                          double margin);
+
+}  // namespace supervision
