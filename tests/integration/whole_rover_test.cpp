@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// etc/rover.json as it is, in a real daemon: the whole robot drives through the building, on
+/// threads, with every device at the other end of a pseudo-terminal.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "../../plugins/drivers/serial_port.h"
+#include "support/daemon_process.h"
+#include "support/input_events.h"
+
+namespace {
+
+using mauve::test::DaemonProcess;
+using mauve::test::eventually;
+using mauve::test::InputEvents;
+using mauve::test::TempDir;
+
+constexpr std::chrono::seconds kDrive{150};  // it takes 40 when nothing else runs
+
+class WholeRover : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(rover_.up()) << rover_.errors(); }
+
+  static bool within(const std::function<bool()>& condition) {
+    return eventually(
+        [&] {
+          std::this_thread::sleep_for(std::chrono::milliseconds(50));  // a robot is in no hurry
+          return condition();
+        },
+        kDrive);
+  }
+  double number(const std::string& address) {
+    const auto value = rover_.value(address);
+    return value.is_number() ? value.get<double>() : 0.0;
+  }
+  std::string core() { return rover_.ask({"show", "control"})["core"]; }
+  bool gnss_is_used() { return rover_.ask({"show", "gnss.ports.fix"})["service"] != nullptr; }
+  void set(const std::string& assignment) {
+    ASSERT_EQ(rover_.ask({"set", assignment})["state"], "applied") << assignment;
+  }
+  /// Shows where it stands when something did not happen.
+  std::string where() {
+    return rover_.ask({"get", "localization.predict"}).dump() + "\n" +
+           rover_.ask({"rules"}).dump() + "\n" + rover_.errors();
+  }
+
+  DaemonProcess rover_{std::filesystem::path(MAUVE_SOURCE_DIR) / "etc" / "rover.json", {}};
+};
+
+TEST_F(WholeRover, DrivesFromTheYardIntoTheBuildingAndChangesItsCoreOnTheWay) {
+  set(R"(mission.core.goal={"x":10.0,"y":5.0})");
+  EXPECT_EQ(core(), "guidance/finite_time");
+
+  EXPECT_TRUE(within([&] { return core() == "guidance/potential_field"; })) << where();
+  EXPECT_EQ(number("supervisor.core.area"), 0);
+  EXPECT_EQ(number("control.core.speed"), 0.45) << "the values come with the core";
+  EXPECT_TRUE(within([&] { return number("navigation.core.goals_reached") == 1; })) << where();
+
+  EXPECT_NEAR(number("world.core.x"), 10.0, 1.0);
+  EXPECT_NEAR(number("world.core.y"), 5.0, 1.0);
+  EXPECT_GT(number("world.core.nearest"), 0.0) << "from hull to wall, all the way";
+}
+
+TEST_F(WholeRover, GoesOnWithoutSatellitesAndTakesThemBack) {
+  set(R"(mission.core.goal={"x":5.0,"y":-1.0})");
+  ASSERT_TRUE(within([&] { return gnss_is_used() && number("world.core.x") > 0.5; })) << where();
+
+  set("world.core.satellites=3");
+  EXPECT_TRUE(within([&] { return !gnss_is_used(); })) << where();
+  EXPECT_TRUE(within([&] { return number("navigation.core.goals_reached") == 1; })) << where();
+  EXPECT_FALSE(gnss_is_used());
+  EXPECT_NEAR(number("world.core.x"), 5.0, 1.0) << "wheels and gyroscope know the way";
+  EXPECT_NEAR(number("world.core.y"), -1.0, 1.0);
+
+  set("world.core.satellites=9");
+  EXPECT_TRUE(within([&] { return gnss_is_used(); })) << where();
+}
+
+TEST_F(WholeRover, ObeysAJoystickAtOnceAndStandsWhenThatIsPulledOut) {
+  TempDir place;
+  const std::string device = (place / "joystick").string();
+  ASSERT_EQ(mkfifo(device.c_str(), 0600), 0);
+  set("joystick.core.device=" + device);
+  ASSERT_TRUE(within([&] { return number("world.core.x") > 0.5; })) << where();
+  drivers::Descriptor human;
+  const auto plug = [&] {
+    human = drivers::Descriptor(open(device.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC));
+    return human.open();
+  };
+  ASSERT_TRUE(eventually(plug));
+  const std::string turn = InputEvents().key(BTN_TRIGGER, 1).axis(ABS_X, -32767).report().bytes();
+
+  ASSERT_EQ(write(human.number(), turn.data(), turn.size()), static_cast<ssize_t>(turn.size()));
+  EXPECT_TRUE(within([&] { return number("priority.core.selected") == 2; })) << where();
+  EXPECT_TRUE(within([&] { return number("safe_command.read.angular") == 1.0; })) << where();
+
+  human = drivers::Descriptor();
+  EXPECT_TRUE(within([&] { return number("priority.core.selected") == 1; })) << where();
+  EXPECT_EQ(number("priority.core.take_overs"), 1);
+}
+
+}  // namespace
