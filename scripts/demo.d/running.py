@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import signal
 import subprocess
 import threading
 import time
@@ -15,8 +16,19 @@ class Failed(Exception):
     """Something did not work; the text says what."""
 
 
+def until(what, condition, seconds=10.0):
+    """Waits for what the system does by itself."""
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        if condition():
+            print(f"  {what}: yes", flush=True)
+            return
+        time.sleep(0.05)
+    raise Failed(f"{what}: NO, not within {seconds:.0f} s")
+
+
 class Robot:
-    """Starts the daemon in its own place, records the path driven, ends everything again."""
+    """Starts the daemon in its own place, records the way driven, ends everything again."""
 
     def __init__(self, programs, plugins, architecture, place, out):
         self.ctl = [str(programs / "mauvectl")]
@@ -24,28 +36,26 @@ class Robot:
         self.command = [str(programs / "mauved"), str(architecture), "--socket",
                         str(place / "mauved.sock"), "--plugin-dir", str(plugins),
                         "--admission", "strict"]
+        self.place = place
+        self.picture = out / "path.svg"
         self.log = open(out / "mauved.log", "w", encoding="utf-8")
         self.receipts = []
         self.path = []  # (x, y, name of the core that drove)
-        self.core = "?"
-        self.daemon = self.recorder = self.tail = None
+        self.driving = ""
+        self.goal = (0.0, 0.0)
+        self.processes = []
 
     def __enter__(self):
-        self.daemon = subprocess.Popen(self.command, stdout=self.log, stderr=subprocess.STDOUT)
+        daemon = self.start(self.command, stdout=self.log, stderr=subprocess.STDOUT)
         try:
-            self.wait_until_it_answers()
-            self.core = self.core_of_control()
-            world = self.ask("get", "world.core.obstacles")["value"]
-            self.obstacles = [(disc["at"]["x"], disc["at"]["y"], disc["radius"]) for disc in world]
-            goal = self.ask("get", "mission.core.goal")["value"]
-            self.goal = (goal["x"], goal["y"])
-            self.recorder = subprocess.Popen(
-                [*self.ctl, "--json", "watch", "pose.read"], env=self.environment,
-                stdout=subprocess.PIPE, stderr=self.log, text=True)
-            self.tail = subprocess.Popen([*self.ctl, "logs", "-f", "-n", "0"], env=self.environment,
-                                         stdout=subprocess.PIPE, stderr=self.log, text=True)
-            for work in (self.record, self.show_log):
-                threading.Thread(target=work, daemon=True).start()
+            self.wait_until_it_answers(daemon)
+            self.driving = self.core()
+            self.goal_is(self.get("mission.core.goal"))
+            self.start([*self.ctl, "map", "localization.predict", "--grid", "map.read", "--scan",
+                        "scan.read", "--path", "path.read", "--goal", "goal.read", "--mode",
+                        "control.core", "-o", str(self.picture)], stderr=self.log)
+            self.follow(self.record, "--json", "watch", "localization.predict", "control.core")
+            self.follow(self.show_log, "logs", "-f", "-n", "0")
         except BaseException:
             self.end()
             raise
@@ -54,23 +64,31 @@ class Robot:
     def __exit__(self, *_):
         self.end()
 
+    def start(self, command, **streams):
+        process = subprocess.Popen(command, env=self.environment, **streams)
+        self.processes.append(process)
+        return process
+
+    def follow(self, work, *words):
+        process = self.start([*self.ctl, *words], stdout=subprocess.PIPE, stderr=self.log, text=True)
+        threading.Thread(target=work, args=(process.stdout,), daemon=True).start()
+
     def end(self):
-        for process in (self.recorder, self.tail, self.daemon):
-            if process is None or process.poll() is not None:
-                continue
-            process.terminate()
-            try:
-                process.wait(STOP_SECONDS)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
+        """The last one started ends first: the picture is drawn before the daemon goes."""
+        while self.processes:
+            process = self.processes.pop()
+            if process.poll() is None:
+                process.send_signal(signal.SIGINT)
+                try:
+                    process.wait(STOP_SECONDS)
+                except subprocess.TimeoutExpired:
+                    process.kill()
+                    process.wait()
         self.log.close()
 
-    def wait_until_it_answers(self):
+    def wait_until_it_answers(self, daemon):
         deadline = time.monotonic() + READY_SECONDS
-        while time.monotonic() < deadline:
-            if self.daemon.poll() is not None:
-                break
+        while time.monotonic() < deadline and daemon.poll() is None:
             if self.run("ping").returncode == 0:
                 return
             time.sleep(0.05)
@@ -93,36 +111,47 @@ class Robot:
             raise Failed(f"mauvectl {' '.join(words)}: {done.stdout}{done.stderr}".strip())
         return json.loads(done.stdout)
 
+    def get(self, address):
+        return self.ask("get", address)["value"]
+
     def change(self, *words):
+        """Does it, and shows command and receipt."""
+        print(f"\n$ mauvectl {' '.join(words)}", flush=True)
         receipt = self.ask(*words)
         self.receipts.append(receipt)
-        self.core = self.core_of_control()
         pauses = ", ".join(f"{one['name']} paused {one['pause_ns']} ns, missed {one['missed']}"
                            for one in receipt["components"])
-        print(f"  generation {receipt['generation']}, {receipt['state']}: {pauses}", flush=True)
+        print(f"  generation {receipt['generation']}, {receipt['state']}: {pauses or 'no component paused'}",
+              flush=True)
         return receipt
 
-    def core_of_control(self):
-        components = self.ask("status")["components"]
-        return next(one["core"] for one in components if one["name"] == "control")
+    def core(self):
+        return self.get("control.core")
 
-    def record(self):
-        for line in self.recorder.stdout:
+    def fired(self, rule):
+        return next(one["fired"] for one in self.ask("rules")["items"] if one["name"] == rule)
+
+    def goal_is(self, goal):
+        self.goal = (goal["x"], goal["y"])
+
+    def record(self, lines):
+        for line in lines:
             try:
                 value = json.loads(line).get("value")
             except ValueError:
                 continue  # cut off at the end
-            if isinstance(value, dict):
-                self.path.append((value["x"], value["y"], self.core))
+            if isinstance(value, str):
+                self.driving = value
+            elif isinstance(value, dict):
+                self.path.append((value["x"], value["y"], self.driving))
 
-    def show_log(self):
-        for line in self.tail.stdout:
+    def show_log(self, lines):
+        for line in lines:
             print(f"  log | {line.rstrip()}", flush=True)
 
     def progress(self):
         """Share of the straight way to the goal that is done."""
         if not self.path:
             return 0.0
-        x, y, _ = self.path[-1]
-        left = math.dist((x, y), self.goal)
+        left = math.dist(self.path[-1][:2], self.goal)
         return 1.0 - left / math.dist(self.path[0][:2], self.goal)

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Plugin ros in a real daemon, with a real master and the tools of ROS at the other end. Skipped,
 /// and says so, where ROS 1 is not installed.
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 #include <sys/stat.h>
 
 #include <array>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <string>
@@ -17,18 +12,17 @@
 
 #include "support/daemon_process.h"
 #include "support/input_events.h"
+#include "support/ros_tools.h"
 
 namespace {
 
 using mauve::test::DaemonProcess;
 using mauve::test::eventually;
 using mauve::test::InputEvents;
+using mauve::test::kLong;
+using mauve::test::kTopic;
 using mauve::test::Process;
-using mauve::test::TempDir;
-
-constexpr std::chrono::seconds kLong{60};  // a ROS tool takes seconds to start on a busy machine
-constexpr const char* kMaster = "/usr/bin/rosmaster";
-constexpr const char* kTopic = "/usr/bin/rostopic";
+using mauve::test::RosTools;
 
 // Ten jobs a second: a job that waited for ROS would miss some.
 constexpr const char* kArchitecture = R"({
@@ -85,37 +79,8 @@ std::string one_of_each() {
   return file.dump();
 }
 
-int free_port() {
-  const int probe = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  EXPECT_EQ(bind(probe, reinterpret_cast<sockaddr*>(&address), size), 0);
-  EXPECT_EQ(getsockname(probe, reinterpret_cast<sockaddr*>(&address), &size), 0);
-  ::close(probe);
-  return ntohs(address.sin_port);
-}
-
-class Ros : public testing::Test {
+class Ros : public RosTools {
  protected:
-  void SetUp() override {
-    for (const std::string& needed :
-         {std::string(kMaster), std::string(kTopic), std::string(MAUVE_PLUGIN_DIR) + "/ros.so"}) {
-      if (!std::filesystem::exists(needed)) {
-        GTEST_SKIP() << "no " << needed << ": scripts/setup installs ROS 1, then build again";
-      }
-    }
-    port_ = std::to_string(free_port());
-    setenv("ROS_MASTER_URI", ("http://127.0.0.1:" + port_).c_str(), 1);
-    setenv("ROS_IP", "127.0.0.1", 1);
-    setenv("ROS_HOME", place_.path().c_str(), 1);
-    setenv("PYTHONUNBUFFERED", "1", 1);
-  }
-
-  void start_master() {
-    master_ = std::make_unique<Process>(std::vector<std::string>{kMaster, "--core", "-p", port_});
-  }
   void start_daemon(const std::string& architecture = kArchitecture) {
     daemon_ = std::make_unique<DaemonProcess>(place_.write("ros.json", architecture));
     ASSERT_TRUE(daemon_->up()) << daemon_->errors();
@@ -137,22 +102,6 @@ class Ros : public testing::Test {
   }
   [[nodiscard]] nlohmann::json value(const std::string& address) { return daemon_->value(address); }
 
-  static std::string stamped(double x, double y) {
-    return "{pose: {position: {x: " + std::to_string(x) + ", y: " + std::to_string(y) +
-           "}, orientation: {w: 0.0, z: 1.0}}}";
-  }
-  /// `rostopic pub`, until it is dropped.
-  static std::unique_ptr<Process> publish(const std::string& topic, double x, double y) {
-    return std::make_unique<Process>(std::vector<std::string>{
-        kTopic, "pub", "-r", "10", topic, "geometry_msgs/PoseStamped", stamped(x, y)});
-  }
-  /// The first message that `rostopic echo` shows, as lines.
-  static std::string echo(const std::string& topic) {
-    Process tool({kTopic, "echo", "-n", "1", topic});
-    (void)eventually([&] { return !tool.running(); }, kLong);
-    return tool.all_output();
-  }
-
   std::uint64_t releases() { return value("goals.releases").get<std::uint64_t>(); }
   void expect_runs_on() {
     const std::uint64_t before = releases();
@@ -164,9 +113,6 @@ class Ros : public testing::Test {
     }
   }
 
-  TempDir place_;
-  std::string port_;
-  std::unique_ptr<Process> master_;
   std::unique_ptr<DaemonProcess> daemon_;
 };
 

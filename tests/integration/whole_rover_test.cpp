@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// etc/rover.json as it is, in a real daemon: the whole robot drives through the building, on
 /// threads, with every device at the other end of a pseudo-terminal.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -12,32 +13,41 @@
 #include "../../plugins/drivers/serial_port.h"
 #include "support/daemon_process.h"
 #include "support/input_events.h"
+#include "support/ros_tools.h"
 
 namespace {
 
 using mauve::test::DaemonProcess;
 using mauve::test::eventually;
 using mauve::test::InputEvents;
+using mauve::test::RosTools;
 using mauve::test::TempDir;
+using nlohmann::json;
 
 constexpr std::chrono::seconds kDrive{150};  // it takes 40 when nothing else runs
+
+const std::filesystem::path kArchitecture =
+    std::filesystem::path(MAUVE_SOURCE_DIR) / "etc" / "rover.json";
+
+bool within(const std::function<bool()>& condition) {
+  return eventually(
+      [&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));  // a robot is in no hurry
+        return condition();
+      },
+      kDrive);
+}
+
+double number_of(const DaemonProcess& rover, const std::string& address) {
+  const auto value = rover.value(address);
+  return value.is_number() ? value.get<double>() : 0.0;
+}
 
 class WholeRover : public testing::Test {
  protected:
   void SetUp() override { ASSERT_TRUE(rover_.up()) << rover_.errors(); }
 
-  static bool within(const std::function<bool()>& condition) {
-    return eventually(
-        [&] {
-          std::this_thread::sleep_for(std::chrono::milliseconds(50));  // a robot is in no hurry
-          return condition();
-        },
-        kDrive);
-  }
-  double number(const std::string& address) {
-    const auto value = rover_.value(address);
-    return value.is_number() ? value.get<double>() : 0.0;
-  }
+  double number(const std::string& address) { return number_of(rover_, address); }
   std::string core() { return rover_.ask({"show", "control"})["core"]; }
   bool gnss_is_used() { return rover_.ask({"show", "gnss.ports.fix"})["service"] != nullptr; }
   void set(const std::string& assignment) {
@@ -49,7 +59,7 @@ class WholeRover : public testing::Test {
            rover_.ask({"rules"}).dump() + "\n" + rover_.errors();
   }
 
-  DaemonProcess rover_{std::filesystem::path(MAUVE_SOURCE_DIR) / "etc" / "rover.json", {}};
+  DaemonProcess rover_{kArchitecture, {}};
 };
 
 TEST_F(WholeRover, DrivesFromTheYardIntoTheBuildingAndChangesItsCoreOnTheWay) {
@@ -102,6 +112,48 @@ TEST_F(WholeRover, ObeysAJoystickAtOnceAndStandsWhenThatIsPulledOut) {
   human = drivers::Descriptor();
   EXPECT_TRUE(within([&] { return number("priority.core.selected") == 1; })) << where();
   EXPECT_EQ(number("priority.core.take_overs"), 1);
+}
+
+/// What ROS adds to the rover; `mission` leaves, rostopic says where to go.
+json with_ros(json system) {
+  system["resources"].update(json::parse(R"({
+    "ros_goal": { "type": "ros/subscribe_goal", "properties": { "shell.topic": "/goal" } },
+    "ros_pose": { "type": "ros/publish_pose", "properties": { "shell.topic": "/pose" } }
+  })"));
+  system["components"].erase("mission");
+  system["components"].update(json::parse(R"({
+    "goal_relay": { "type": "ros/relay_goal", "properties": { "fsm.period": "100ms" },
+                    "ports": { "from": "ros_goal.read", "to": "goal.write" } },
+    "pose_relay": { "type": "ros/relay_pose", "properties": { "fsm.period": "100ms" },
+                    "ports": { "from": "localization.pose", "to": "ros_pose.write" } }
+  })"));
+  return system;
+}
+
+using WholeRoverWithRos = RosTools;
+
+TEST_F(WholeRoverWithRos, DrivesToAGoalFromRostopicAndGoesOnWhenTheMasterDies) {
+  start_master();
+  DaemonProcess rover(kArchitecture, {});
+  ASSERT_TRUE(rover.up()) << rover.errors();
+  ASSERT_TRUE(rover.ask({"load", "ros"}).contains("generation")) << rover.errors();
+  const auto file = place_.write("with_ros.json", with_ros(rover.ask({"export"})).dump());
+  const json applied = rover.ask({"apply", file.string()});
+  ASSERT_EQ(applied.value("state", ""), "applied") << applied;
+
+  {
+    const auto tool = publish("/goal", 5.0, -1.0);
+    ASSERT_TRUE(within([&] { return number_of(rover, "goal.read.x") == 5.0; }));
+  }
+  ASSERT_TRUE(within([&] { return number_of(rover, "world.core.x") > 1.0; })) << rover.errors();
+  master_.reset();
+  EXPECT_TRUE(within([&] { return rover.value("ros_pose.core.connected") == false; }));
+  EXPECT_TRUE(within([&] { return number_of(rover, "navigation.core.goals_reached") == 1; }))
+      << rover.errors();
+
+  start_master();
+  ASSERT_TRUE(within([&] { return rover.value("ros_pose.core.connected") == true; }));
+  EXPECT_THAT(echo("/pose"), testing::ContainsRegex("position: \n    x: [45]\\."));
 }
 
 }  // namespace

@@ -4,37 +4,44 @@
 import pathlib
 import sys
 import unittest
-import xml.dom.minidom
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts" / "demo.d"))
 import picture  # noqa: E402
 
-PATH = [(0.0, 0.0, "a/one"), (1.0, 0.5, "a/one"), (2.0, 1.0, "a/two"), (3.0, 1.0, "a/two")]
-OBSTACLES = [(1.5, -1.0, 0.5)]
-GOAL = (3.0, 1.0)
+# Four metres square, a wall along the upper edge.
+GRID = {"resolution": 0.1, "width": 40, "height": 40, "origin": {"x": -1.0, "y": -2.0},
+        "cells": [0] * (40 * 38) + [100] * 80}
+PATH = [(0.0, 0.0, "a/one"), (1.0, 0.5, "a/one"), (2.0, 1.0, "a/two"), (2.5, 1.0, "a/two")]
+GOAL = (2.5, 1.0)
+
+
+def drawn(path):
+    *rows, legend = picture.text(GRID, path, GOAL, 20).split("\n")
+    return rows, legend
 
 
 class Picture(unittest.TestCase):
-    def test_a_line_for_each_core_that_begins_where_the_last_one_ended(self):
-        self.assertEqual(picture.pieces(PATH),
-                         [("a/one", [(0.0, 0.0), (1.0, 0.5)]),
-                          ("a/two", [(1.0, 0.5), (2.0, 1.0), (3.0, 1.0)])])
-
-    def test_the_svg_is_well_formed_and_has_everything(self):
-        root = xml.dom.minidom.parseString(picture.svg(PATH, OBSTACLES, GOAL))
-        self.assertEqual(len(root.getElementsByTagName("polyline")), 2)
-        self.assertEqual(len(root.getElementsByTagName("circle")), 3)
-
-    def test_the_text_shows_start_goal_obstacle_and_both_cores(self):
-        text = picture.text(PATH, OBSTACLES, GOAL)
+    def test_shows_start_goal_wall_and_both_cores(self):
+        rows, legend = drawn(PATH)
         for mark in "SG#12":
-            self.assertIn(mark, text.rsplit("\n", 1)[0])
-        self.assertIn("2 a/two", text)
+            self.assertIn(mark, "".join(rows))
+        self.assertIn("2 a/two", legend)
 
-    def test_a_robot_that_never_moved_has_a_picture_too(self):
-        self.assertIn("G", picture.text([], OBSTACLES, GOAL))
-        xml.dom.minidom.parseString(picture.svg([], OBSTACLES, GOAL))
+    def test_has_its_upper_edge_on_top_and_x_to_the_right(self):
+        rows, _ = drawn(PATH)
+        self.assertEqual(rows[0], "#" * 20)
+        self.assertEqual(rows[4].index("S"), 5)
+        self.assertEqual(rows[2].index("G"), 17)
+
+    def test_of_a_robot_that_never_moved_has_its_goal(self):
+        rows, _ = drawn([])
+        self.assertIn("G", "".join(rows))
+
+    def test_a_way_off_the_map_stays_at_its_edge(self):
+        rows, _ = drawn([(-9.0, 9.0, "a/one"), (9.0, -9.0, "a/one")])
+        self.assertEqual(rows[0][0], "S")
+        self.assertEqual(rows[-1][-1], "1")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What happens to the rover on its way; each act ends when the system has answered as it should."""
+import pathlib
+import sys
+
+from running import Failed, until
+
+JOYSTICK = pathlib.Path(__file__).parent / "joystick.py"
+FIELD = ["--set", "speed=0.45", "--set", "obstacle_distance=0.55", "--set", "safety_distance=0.4"]
+
+
+def swap(robot, core, *more):
+    return robot.change("swap-core", "control", core, *more)
+
+
+def load(robot, plugin):
+    print(f"\n$ mauvectl load {plugin}      # it was not there at the start", flush=True)
+    print(f"  generation {robot.ask('load', plugin)['generation']}", flush=True)
+
+
+def sky(robot, satellites, rule, what):
+    before = robot.fired(rule)
+    robot.change("set", f"world.core.satellites={satellites}")
+    until(what, lambda: robot.fired(rule) > before)
+
+
+def lose_satellites(robot):
+    sky(robot, 3, "gnss_lost", "too few satellites: the rule gnss_lost disconnects the GNSS")
+
+
+def regain_satellites(robot):
+    sky(robot, 9, "gnss_back", "the sky is clear: the rule gnss_back connects it again")
+
+
+def take_over(robot):
+    """A human at a joystick, a FIFO here."""
+    fifo = robot.place / "joystick"
+    robot.change("set", f"joystick.core.device={fifo}")
+    print("\n$ scripts/demo.d/joystick.py      # recorded input events", flush=True)
+    human = robot.start([sys.executable, str(JOYSTICK), str(fifo)])
+    until("a human takes over", lambda: robot.get("priority.core.selected") == 2)
+    until("lets go, and the guidance drives on",
+          lambda: robot.get("priority.core.selected") == 1 and human.poll() is not None)
+
+
+def new_core(robot):
+    load(robot, "guidance_extra")
+    swap(robot, "guidance_extra/widest_gap")
+
+
+def known_core(robot):
+    swap(robot, "guidance/finite_time", "--set", "speed=0.6")
+
+
+def wait_for_the_building(robot):
+    until("out of the yard: the rule in_the_building chooses the core for clutter",
+          lambda: robot.core() == "guidance/potential_field", 60.0)
+
+
+def throwing_core(robot):
+    load(robot, "guidance_faulty")
+    swap(robot, "guidance_faulty/throwing")
+    until("it throws, and guidance/potential_field is back by itself",
+          lambda: robot.core() == "guidance/potential_field")
+    until("its build is in quarantine", lambda: robot.ask("quarantine")["cores"])
+
+
+def slow_core(robot):
+    words = ["swap-core", "control", "guidance_faulty/slow", "--budget", "12ms"]
+    print(f"\n$ mauvectl {' '.join(words)}", flush=True)
+    refused = robot.run(*words)
+    print(f"{refused.stdout}{refused.stderr}".rstrip(), flush=True)
+    if refused.returncode == 0:
+        raise Failed("a core over its deadline was admitted")
+    swap(robot, "guidance_faulty/slow")
+    until("it hid what it uses, and guidance/potential_field is back by itself",
+          lambda: robot.core() == "guidance/potential_field")
+
+
+def endless_core(robot):
+    swap(robot, "guidance_faulty/endless", "--probation", "off")
+    until("it never returns, and the fallback core takes over",
+          lambda: robot.core() == "guidance/stop")
+    swap(robot, "guidance/potential_field", *FIELD)
+
+
+# Share of the way that is done, and what happens then.
+PLAN = [
+    (0.03, lose_satellites),
+    (0.12, take_over),
+    (0.22, regain_satellites),
+    (0.28, new_core),
+    (0.36, known_core),
+    (0.42, wait_for_the_building),
+    (0.52, throwing_core),
+    (0.60, slow_core),
+    (0.68, endless_core),
+]

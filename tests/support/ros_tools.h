@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// A ROS master of our own and the tools of ROS, for tests. Skipped, and says so, where ROS 1 is
+/// not installed. MAUVE_PLUGIN_DIR is defined by the CMakeLists.txt of the test.
+#pragma once
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "support/daemon_process.h"
+
+namespace mauve::test {
+
+inline constexpr std::chrono::seconds kLong{
+    60};  // a ROS tool takes seconds to start on a busy machine
+inline constexpr const char* kMaster = "/usr/bin/rosmaster";
+inline constexpr const char* kTopic = "/usr/bin/rostopic";
+
+inline int free_port() {
+  const int probe = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  EXPECT_EQ(bind(probe, reinterpret_cast<sockaddr*>(&address), size), 0);
+  EXPECT_EQ(getsockname(probe, reinterpret_cast<sockaddr*>(&address), &size), 0);
+  ::close(probe);
+  return ntohs(address.sin_port);
+}
+
+class RosTools : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (const std::string& needed :
+         {std::string(kMaster), std::string(kTopic), std::string(MAUVE_PLUGIN_DIR) + "/ros.so"}) {
+      if (!std::filesystem::exists(needed)) {
+        GTEST_SKIP() << "no " << needed << ": scripts/setup installs ROS 1, then build again";
+      }
+    }
+    port_ = std::to_string(free_port());
+    setenv("ROS_MASTER_URI", ("http://127.0.0.1:" + port_).c_str(), 1);
+    setenv("ROS_IP", "127.0.0.1", 1);
+    setenv("ROS_HOME", place_.path().c_str(), 1);
+    setenv("PYTHONUNBUFFERED", "1", 1);
+  }
+
+  void start_master() {
+    master_ = std::make_unique<Process>(std::vector<std::string>{kMaster, "--core", "-p", port_});
+  }
+  static std::string stamped(double x, double y) {
+    return "{pose: {position: {x: " + std::to_string(x) + ", y: " + std::to_string(y) +
+           "}, orientation: {w: 0.0, z: 1.0}}}";
+  }
+  /// `rostopic pub`, until it is dropped.
+  static std::unique_ptr<Process> publish(const std::string& topic, double x, double y) {
+    return std::make_unique<Process>(std::vector<std::string>{
+        kTopic, "pub", "-r", "10", topic, "geometry_msgs/PoseStamped", stamped(x, y)});
+  }
+  /// The first message that `rostopic echo` shows, as lines.
+  static std::string echo(const std::string& topic) {
+    Process tool({kTopic, "echo", "-n", "1", topic});
+    (void)eventually([&] { return !tool.running(); }, kLong);
+    return tool.all_output();
+  }
+
+  TempDir place_;
+  std::string port_;
+  std::unique_ptr<Process> master_;
+};
+
+}  // namespace mauve::test
