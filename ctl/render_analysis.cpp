@@ -45,6 +45,19 @@ std::string verdict_of(const Json& result) {
   return late || list_in(result, "problems").empty() ? text : "not proved: see the warnings";
 }
 
+/// How long resources with a lock are held; where nobody knows, whole jobs count.
+std::string locks_of(const Json& locks, Look look) {
+  if (locks.empty()) return {};
+  Table table({{"LOCK"}, {"HOLD", true}, {"SOURCE"}});
+  for (const Json& lock : locks) {
+    const bool unknown = word(lock, "source") == "unknown";
+    table.add({{word(lock, "resource")},
+               {time_of(lock, "hold_ns")},
+               {word(lock, "source"), unknown ? Paint::yellow : Paint::plain}});
+  }
+  return table.text(look.width, look.colour);
+}
+
 }  // namespace
 
 std::string render_analysis(const Json& result, Look look) {
@@ -73,6 +86,7 @@ std::string render_analysis(const Json& result, Look look) {
                {time_of(row, "slack_ns"), late ? Paint::red : Paint::plain}});
   }
   std::string text = table.text(look.width, look.colour);
+  text += locks_of(list_in(result, "locks"), look);
   text += wrapped(verdict_of(result) + "; " + loads_of(list_in(result, "cpus")), look.width, 2);
   text += "\n";
   for (const Json& problem : list_in(result, "problems")) {

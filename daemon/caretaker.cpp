@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/duration.h"
 #include "commands/change.h"
 #include "commands/given_up.h"
 #include "commands/model.h"
@@ -75,6 +76,7 @@ void Caretaker::run() {
 /// [control]
 void Caretaker::look() {
   tell_of_factory();
+  tell_of_holds();
   auto free = std::make_shared<Retired>();
   const auto outcomes = running_->deployer.tend(*free);
   running_->generation = running_->earlier + running_->deployer.generation();
@@ -93,6 +95,26 @@ void Caretaker::tell_of_factory() {
   for (const auto& left : running_->control.look_after_factory()) {
     running_->log.write(Event::hook_left_behind,
                         {{"hook", left.hook.empty() ? std::string("user code") : left.hook}});
+  }
+}
+
+/// A resource under the same name may be another one, which begins to count anew.
+void Caretaker::tell_of_holds() {
+  for (const auto* resource : running_->architecture.resources()) {
+    const auto& gate = resource->gate();
+    const auto count = gate.over_hold();
+    auto& told = over_hold_[resource->name()];
+    if (count < told) {
+      told = 0;
+    }
+    if (count == 0 || count < 10 * told) {
+      continue;
+    }
+    told = count;
+    running_->log.write(Event::hold_exceeded, {{"resource", resource->name()},
+                                               {"held", format_duration(gate.longest_hold())},
+                                               {"hold", format_duration(gate.declared_hold())},
+                                               {"count", number(count)}});
   }
 }
 

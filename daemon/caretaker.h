@@ -32,6 +32,7 @@ class Caretaker {
   void tell(const Outcome& outcome);
   void save(const Outcome& outcome);
   void tell_of_factory();
+  void tell_of_holds();
   void make_reliefs();
   [[nodiscard]] bool refused_before(const Change& relief) const;
   void refuse_relief(const Change& relief, const Error& error, bool for_ever);
@@ -46,6 +47,8 @@ class Caretaker {
   /// [control] The generation in which the relief of a component was refused: it is tried again in
   /// the next one, but never what hung.
   std::map<std::string, std::uint64_t> refused_;
+  /// [control] By resource: how many calls of it were longer than declared when it was told last.
+  std::map<std::string, std::uint64_t> over_hold_;
   std::thread thread_;
 };
 

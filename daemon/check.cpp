@@ -58,6 +58,10 @@ void print(const Timing& timing) {
                 in_words(one.blocking), in_words(one.response), in_words(one.deadline),
                 in_words(one.slack)});
   }
+  for (const auto& lock : timing.locks) {
+    std::cout << lock.resource << " is held for " << in_words(lock.hold) << " at most ("
+              << lock.source << ")\n";
+  }
   std::cout << verdict(timing) << "\n";
   for (const auto& problem : timing.problems) {
     std::cout << "warning: " << problem << "\n";

@@ -34,11 +34,15 @@ Result<Json> analyze(Running& running, const Call& /*call*/) {
   for (const auto& one : timing.cpus) {
     cpus.push_back({{"cpu", one.cpu}, {"load", one.load}, {"overloaded", one.overloaded}});
   }
-  return Json{{"components", std::move(rows)},
-              {"cpus", std::move(cpus)},
-              {"factor", timing.factor ? Json(*timing.factor) : Json()},
-              {"problems", timing.problems},
-              {"notes", timing.notes}};
+  Json locks = Json::array();
+  for (const auto& one : timing.locks) {
+    locks.push_back(
+        {{"resource", one.resource}, {"hold_ns", optional_ns(one.hold)}, {"source", one.source}});
+  }
+  return Json{
+      {"components", std::move(rows)}, {"locks", std::move(locks)},
+      {"cpus", std::move(cpus)},       {"factor", timing.factor ? Json(*timing.factor) : Json()},
+      {"problems", timing.problems},   {"notes", timing.notes}};
 }
 
 }  // namespace mauve::daemon

@@ -172,6 +172,9 @@ Json show_resource(const Running& running, ResourceBase& resource) {
                  {"type", resource.type().name},
                  {"services", std::move(services)},
                  {"users", users_of(running, resource)},
+                 {"hold", format_duration(resource.gate().declared_hold())},
+                 {"hold_max_ns", resource.gate().longest_hold().count()},
+                 {"over_hold", resource.gate().over_hold()},
                  {"lock_timeouts", resource.gate().timeouts()},
                  {"poisoned", resource.gate().poisoned()}};
   add_parts(object, running, {nullptr, &resource});

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "analysis/rbf.h"
@@ -29,6 +30,7 @@ struct Demand {
   Cover jobs;                             ///< of their number
   Steps steps;                            ///< of the work, jitter included
   std::int64_t blocking = 0;
+  std::vector<std::string> guessed;  ///< as in TaskReport
 };
 
 /// Interrupts of timers and ticks of the kernel on one processor.

@@ -66,6 +66,24 @@ void Processor::find_blocking() {
   if (uses.empty()) return;
   const std::vector<std::int64_t> times = blocking(level, uses);
   for (std::size_t i = 0; i < demands_.size(); ++i) demands_[i].blocking = times[i];
+  for (const auto& [name, resource] : resources) name_guessed(name, level);
+}
+
+/// A resource delays whoever is not below all its users, and not among the lowest of them.
+void Processor::name_guessed(std::string_view resource, const std::vector<std::size_t>& level) {
+  constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
+  std::size_t highest = kNobody;
+  std::size_t lowest = 0;  // of those that may hold it for nobody knows how long
+  for (std::size_t i = 0; i < demands_.size(); ++i) {
+    for (const Section& section : demands_[i].task->sections) {
+      if (section.resource != resource) continue;
+      highest = std::min(highest, level[i]);
+      if (section.source == Source::unknown) lowest = level[i];
+    }
+  }
+  for (std::size_t i = 0; i < demands_.size(); ++i) {
+    if (highest <= level[i] && level[i] < lowest) demands_[i].guessed.emplace_back(resource);
+  }
 }
 
 Cover Processor::whole_line() const {
@@ -162,13 +180,10 @@ bool Processor::passes() {
 
 TaskReport Processor::report(const Demand& demand, const Interference& others) const {
   const Task& task = *demand.task;
-  TaskReport report{task.name,
-                    task.cpu,
-                    task.priority,
-                    task.presence,
-                    Source::declared,
-                    Duration(demand.blocking),
-                    {}};
+  TaskReport report{task.name,        task.cpu,
+                    task.priority,    task.presence,
+                    Source::declared, Duration(demand.blocking),
+                    demand.guessed,   {}};
   for (std::size_t i = 0; i < demand.costs.size(); ++i) {
     const Vertex& vertex = task.graph.vertices[i];
     report.source = std::max(report.source, vertex.source);

@@ -9,6 +9,7 @@
 /// inside the window, like blocking: while it lasts, others are released.
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include "analysis/demand.h"
@@ -38,6 +39,7 @@ class Processor {
  private:
   [[nodiscard]] Cover whole_line() const;
   void find_blocking();
+  void name_guessed(std::string_view resource, const std::vector<std::size_t>& level);
   void unroll();
   [[nodiscard]] std::int64_t response(const Demand& demand, std::size_t vertex,
                                       const Interference& others) const;

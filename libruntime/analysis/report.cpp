@@ -26,6 +26,19 @@ std::string above(Duration value) {
 /// `value` or a little less.
 std::string below(Duration value) { return format_duration(value - value % third_digit(value)); }
 
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+/// Empty: it is known how long all resources are held.
+std::string what_to_declare(const std::vector<std::string>& resources) {
+  if (resources.empty()) return "";
+  return "; whole jobs count as blocking, declare \"hold\" for " +
+         (resources.size() == 1 ? "resource " : std::string("resources ")) + joined(resources);
+}
+
 std::string what_would_pass(const JobReport& job) {
   std::string text;
   if (job.needed_deadline() > Duration{0}) {
@@ -46,7 +59,7 @@ Problem late(const TaskReport& task, const JobReport& job) {
   return {Problem::Kind::late,
           refuse(Errc::limit, task.name,
                  "job " + name(job.job) + " " + end + ", its deadline is " + below(job.deadline),
-                 what_would_pass(job))};
+                 what_would_pass(job) + what_to_declare(task.guessed))};
 }
 
 void find(const TaskReport& task, std::vector<Problem>& found) {
@@ -62,12 +75,6 @@ void find(const TaskReport& task, std::vector<Problem>& found) {
                             "pin it to one CPU")});
   }
   if (task.late()) found.push_back(late(task, *task.tightest()));
-}
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
 }
 
 }  // namespace

@@ -43,6 +43,8 @@ struct TaskReport {
   Presence presence = Presence::always;
   Source source = Source::declared;  ///< the weakest of its jobs
   Duration blocking{0};              ///< by lower tasks that hold a resource, at most
+  /// Resources of which it is not known how long they are held, and which may add to that.
+  std::vector<std::string> guessed;
   std::vector<JobReport> jobs;
 
   [[nodiscard]] bool late() const;

@@ -30,6 +30,7 @@ struct Overheads {
 struct Section {
   std::string resource;
   Duration length{0};
+  Source source = Source::declared;  ///< unknown: the whole job counts
 
   bool operator==(const Section&) const = default;
 };

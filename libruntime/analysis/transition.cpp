@@ -98,6 +98,7 @@ std::vector<Section> joined(std::vector<Section> sections, const std::vector<Sec
       sections.push_back(other);
     } else {
       same->length = std::max(same->length, other.length);
+      same->source = std::max(same->source, other.source);
     }
   }
   return sections;

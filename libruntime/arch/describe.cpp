@@ -87,6 +87,8 @@ Value describe(const ResourceBase& resource) {
   Value::Object ports = connections(resource.shell(), resource.bindings());
   add_unless_empty(object, "properties", std::move(properties));
   add_unless_empty(object, "ports", std::move(ports));
+  Value hold = describe_hold(resource);
+  add_if(object, !hold.is_null(), "hold", std::move(hold));
   return object;
 }
 
@@ -137,6 +139,10 @@ std::vector<std::pair<std::string_view, Value>> describe_task(const TaskAttribut
           {"overrun_limit", overrun_limit(attributes)},
           {"on_fault", fault_policy(attributes.on_fault)},
           {"watchdog", unless_zero(attributes.watchdog)}};
+}
+
+Value describe_hold(const ResourceBase& resource) {
+  return unless_zero(resource.gate().declared_hold());
 }
 
 Value describe_connection(const Binding* binding) {

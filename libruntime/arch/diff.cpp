@@ -70,8 +70,8 @@ Edit edit_of(const std::string& name) {
 }
 
 bool says_nothing(const Edit& edit) {
-  return !edit.core && !edit.fsm && !edit.task && edit.properties.empty() && edit.connect.empty() &&
-         edit.disconnect.empty() && edit.mode == Mode::keep;
+  return !edit.core && !edit.fsm && !edit.task && !edit.hold && edit.properties.empty() &&
+         edit.connect.empty() && edit.disconnect.empty() && edit.mode == Mode::keep;
 }
 
 /// One comparison of two architectures.
@@ -154,7 +154,14 @@ class Comparison {
   void change(const ResourceBase& now, const ResourceBase& then) {
     Edit edit = edit_of(now.name());
     properties_and_ports(now, then, true, edit);
+    hold(now, then, edit);
     if (!says_nothing(edit)) difference_.change.edits.push_back(std::move(edit));
+  }
+
+  void hold(const ResourceBase& now, const ResourceBase& then, Edit& edit) {
+    if (now.gate().declared_hold() == then.gate().declared_hold()) return;
+    edit.hold = then.gate().declared_hold();
+    say("hold", now.name() + ".hold", describe_hold(now), describe_hold(then));
   }
 
   void change(const ComponentBase& now, const ComponentBase& then) {

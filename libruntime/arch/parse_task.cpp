@@ -27,13 +27,6 @@ void read_cpus(const Source& source, Placed<std::vector<int>>& cpus) {
   }
 }
 
-std::optional<Duration> read_positive(const Source& source) {
-  auto duration = read_duration(source);
-  if (duration != Duration{0}) return duration;
-  source.refuse("must be over 0");
-  return std::nullopt;
-}
-
 // Does it count overruns? Also when it is refused: one mistake, one problem.
 bool read_on_overrun(const Source& source, TaskSpec& task) {
   // In the order of OnOverrun.

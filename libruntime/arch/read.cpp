@@ -136,6 +136,13 @@ std::optional<Duration> read_duration(const Source& source) {
   return std::nullopt;
 }
 
+std::optional<Duration> read_positive(const Source& source) {
+  auto duration = read_duration(source);
+  if (duration != Duration{0}) return duration;
+  source.refuse("must be over 0");
+  return std::nullopt;
+}
+
 std::optional<std::size_t> read_size(const Source& source, std::size_t low, std::size_t high) {
   const auto* text = source.node.get_if<std::string>();
   if (text == nullptr) {

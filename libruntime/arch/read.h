@@ -56,6 +56,8 @@ void read_items(const Source& source, const std::function<void(const Source&)>& 
 [[nodiscard]] std::optional<std::int64_t> read_integer(const Source& source, std::int64_t low,
                                                        std::int64_t high);
 [[nodiscard]] std::optional<Duration> read_duration(const Source& source);
+/// A duration over 0.
+[[nodiscard]] std::optional<Duration> read_positive(const Source& source);
 /// "64KiB", "1MiB", "65536B".
 [[nodiscard]] std::optional<std::size_t> read_size(const Source& source, std::size_t low,
                                                    std::size_t high);

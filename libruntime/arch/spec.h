@@ -63,7 +63,8 @@ struct ElementSpec {
 
 struct ResourceSpec : ElementSpec {
   std::optional<PlacedText> data;  ///< "laser_scan/1", for resources made for any data type
-  bool cross_core = false;         ///< reserved: read, and used by nobody yet
+  std::optional<Placed<Duration>> hold;
+  bool cross_core = false;  ///< reserved: read, and used by nobody yet
 };
 
 /// `"fallback_core": "guidance/stop"` or `{ "core": "...", "properties": { "core.gain": 0.1 } }`

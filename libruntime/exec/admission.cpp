@@ -66,8 +66,16 @@ bool runs_after(const PreparedMember& member, bool ran) {
   return member.mode == Mode::run || (ran && member.mode == Mode::keep);
 }
 
+Holds holds_after(const PreparedChange::Content& change) {
+  Holds holds;
+  for (const PreparedResource& resource : change.resources) {
+    if (resource.hold) holds.emplace(resource.resource, *resource.hold);
+  }
+  return holds;
+}
+
 TimingModel model_after(System& system, const PreparedChange::Content& change) {
-  TimingModel model(system.overheads);
+  TimingModel model(system.overheads, holds_after(change));
   const std::lock_guard lock(system.members);
   for (const Deployed& deployed : system.deployed) {
     const bool ran = runs(system, deployed);
@@ -173,6 +181,7 @@ Timing timing_of(const System& system, const TimingModel& model) {
     return problem.kind == Problem::Kind::unknown || problem.kind == Problem::Kind::floating;
   });
   if (known && !report.tasks.empty()) timing.factor = analysis::largest_factor(model.set());
+  timing.locks = model.locks();
   timing.problems = sentences(problems);
   timing.notes = model.notes();
   timing.notes.push_back(overheads_of(system));

@@ -67,6 +67,7 @@ void Commit::enter_resources() {
     if (flip.state() != ResourceFlip::State::in_force) continue;
     PreparedResource& change = content_->resources[i];
     change.resource->install(change.parts.core, change.parts.bindings);
+    if (change.hold) change.resource->gate().declare_hold(*change.hold);
     if (change.parts.core != nullptr) retired.add(change.base.core);
     change.made.forget();
     receipt_.components.push_back({change.resource->name(), flip.pause(), 0, flip.bytes()});

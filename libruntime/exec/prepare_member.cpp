@@ -55,6 +55,10 @@ class MemberBuilder {
 
  private:
   Status check() {
+    if (edit_.hold) {
+      return refuse(Errc::unsupported, component_.name() + ".hold",
+                    "is a component: only a resource is held", "a job of it has a budget");
+    }
     if (Status paths = check_paths(edit_, {"shell", "core", "fsm"}); !paths) return paths;
     if (!remake_core_) return ok();
     return check_state_survives(*base_.core, edit_);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The change of one resource, made beside the running one.
+#include "base/duration.h"
 #include "exec/edit_properties.h"
 #include "exec/prepare.h"
 #include "model/connection.h"
@@ -50,6 +51,19 @@ Status make_core(const Edit& edit, ResourceBase& resource, PreparedResource& pre
   return core->configure();
 }
 
+Status check_hold(const ResourceBase& resource, Duration hold) {
+  const std::string at = resource.name() + ".hold";
+  if (hold < Duration{0} || hold > kLongestHold) {
+    return refuse(Errc::invalid_value, at, "must be between 0 and " + format_duration(kLongestHold),
+                  "0 takes the declaration back");
+  }
+  if (!resource.gate().timed()) {
+    return refuse(Errc::unsupported, at,
+                  "has no meaning here: it is held for some stores only, and not counted");
+  }
+  return ok();
+}
+
 }  // namespace
 
 Result<PreparedResource> prepare_resource(const Afterwards& after, const Edit& edit,
@@ -59,11 +73,17 @@ Result<PreparedResource> prepare_resource(const Afterwards& after, const Edit& e
                   "is a resource: it has no thread to start or stop, and its core is replaced by "
                   "changing its properties only");
   }
-  if (Status paths = check_paths(edit, {"core"}); !paths) return paths.error();
+  if (Status paths = check_paths(edit, {"core"}); !paths)
+    return paths.error();
   PreparedResource prepared;
   prepared.resource = &resource;
   prepared.base = {resource.shared_core(), resource.shared_bindings()};
+  prepared.base_hold = resource.gate().declared_hold();
+  prepared.hold = edit.hold;
   prepared.state = edit.state;
+  if (edit.hold) {
+    if (Status sound = check_hold(resource, *edit.hold); !sound) return sound.error();
+  }
   if (!edit.connect.empty() || !edit.disconnect.empty()) {
     auto bindings = new_bindings(after, edit, resource);
     if (!bindings) return bindings.error();

@@ -32,11 +32,14 @@ struct PreparedMember {
   Retired made;         ///< its new elements, cleaned up and freed unless they get in force
 };
 
-/// The change of one resource: another core, or other connections of its own ports.
+/// The change of one resource: another core, other connections of its own ports, or another
+/// declared hold.
 struct PreparedResource {
   ResourceBase* resource = nullptr;
   ResourceParts base;   ///< what it was prepared against
   ResourceParts parts;  ///< null: stays
+  Duration base_hold{0};
+  std::optional<Duration> hold;  ///< none: stays
   StatePolicy state = StatePolicy::keep;
   Retired made;
 };

@@ -220,6 +220,7 @@ void OnProbation::install_old() {
   for (const PreparedResource& change : content_->resources) {
     if (!in_force(change)) continue;
     change.resource->install(change.base.core, change.base.bindings);
+    if (change.hold) change.resource->gate().declare_hold(change.base_hold);
     if (change.parts.core != nullptr) free_.add(change.parts.core);
   }
   for (const auto& resource : content_->new_resources) {

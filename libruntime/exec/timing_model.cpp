@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "analysis/machine.h"
+#include "base/duration.h"
 #include "exec/placement.h"
 
 #include <mauve/fsm.h>
@@ -64,27 +65,61 @@ void TimingModel::add(const TimedComponent& component) {
   set_.tasks.push_back(std::move(task));
 }
 
-/// No longer than the whole job, which is what counts until it was measured.
+/// No longer than the whole job, which is what counts while nothing is known.
 std::vector<analysis::Section> TimingModel::sections_of(const TimedComponent& component) {
   const Duration declared = component.bundle->task.budget;
   const Duration job = declared > Duration{0} ? declared : with_margin(component.measured);
   std::vector<analysis::Section> sections;
   for (ResourceBase* resource : locks_of(*component.bundle->bindings)) {
-    const Duration longest = with_margin(resource->gate().longest_hold());
-    if (longest == Duration{0}) whole_jobs_.insert(resource->name());
-    sections.push_back({resource->name(), longest == Duration{0} ? job : std::min(longest, job)});
+    const LockTiming& lock = lock_of(*resource);
+    sections.push_back({resource->name(), std::min(lock.hold.value_or(job), job),
+                        lock.hold ? analysis::Source::declared : analysis::Source::unknown});
   }
   return sections;
+}
+
+/// Looked at once: it may be held while this is worked out.
+const LockTiming& TimingModel::lock_of(const ResourceBase& resource) {
+  const auto [found, is_new] = locks_.try_emplace(resource.name());
+  LockTiming& lock = found->second;
+  if (!is_new) return lock;
+  lock.resource = resource.name();
+  const auto changed = holds_.find(&resource);
+  const Duration declared =
+      changed != holds_.end() ? changed->second : resource.gate().declared_hold();
+  const Duration longest = resource.gate().longest_hold();
+  if (declared > Duration{0}) {
+    lock.hold = declared;
+    lock.source = analysis::to_string(analysis::Source::declared);
+  } else if (longest > Duration{0}) {
+    lock.hold = with_margin(longest);
+    lock.source = analysis::to_string(analysis::Source::measured);
+  } else {
+    lock.source = analysis::to_string(analysis::Source::unknown);
+  }
+  if (declared > Duration{0} && longest > declared) {
+    notes_.push_back(lock.resource + " was held for " + format_duration(longest) +
+                     ", longer than its declared hold of " + format_duration(declared));
+  }
+  return lock;
+}
+
+std::vector<LockTiming> TimingModel::locks() const {
+  std::vector<LockTiming> locks;
+  for (const auto& [name, lock] : locks_) locks.push_back(lock);
+  return locks;
 }
 
 std::vector<std::string> TimingModel::notes() const {
   std::vector<std::string> notes = notes_;
   std::string names;
-  for (const std::string& name : whole_jobs_) names += (names.empty() ? "" : ", ") + name;
+  for (const auto& [name, lock] : locks_) {
+    if (!lock.hold) names += (names.empty() ? "" : ", ") + name;
+  }
   if (!names.empty()) {
     notes.push_back(
-        "how long a job holds a resource was not measured yet, so it counts as long "
-        "as the whole job: " +
+        "how long a job holds a resource is neither declared (\"hold\") nor measured yet, so it "
+        "counts as long as the whole job: " +
         names);
   }
   return notes;

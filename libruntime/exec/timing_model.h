@@ -2,13 +2,16 @@
 /// TimingModel: components as the analysis of response times wants them.
 #pragma once
 
-#include <set>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "analysis/task_set.h"
 
 #include <mauve/component.h>
+#include <mauve/resource.h>
+#include <mauve/timing.h>
 
 namespace mauve::exec {
 
@@ -22,23 +25,34 @@ struct TimedComponent {
   std::uint64_t version = 0;  ///< another number: another core or state machine
 };
 
+/// Declared holds that a change brings.
+using Holds = std::map<const ResourceBase*, Duration>;
+
 class TimingModel {
  public:
-  explicit TimingModel(const analysis::Overheads& overheads) { set_.overheads = overheads; }
+  explicit TimingModel(const analysis::Overheads& overheads, Holds holds = {})
+      : holds_(std::move(holds)) {
+    set_.overheads = overheads;
+  }
 
   /// A declared budget counts before what was measured; that counts with a margin of a fifth.
   void add(const TimedComponent& component);
 
   [[nodiscard]] const analysis::TaskSet& set() const { return set_; }
+  /// How long their resources are held: declared, or measured with that margin.
+  [[nodiscard]] std::vector<LockTiming> locks() const;
   /// What is not in the set, or was measured rather than declared.
   [[nodiscard]] std::vector<std::string> notes() const;
 
  private:
   std::vector<analysis::Section> sections_of(const TimedComponent& component);
 
+  const LockTiming& lock_of(const ResourceBase& resource);
+
   analysis::TaskSet set_;
+  const Holds holds_;
+  std::map<std::string, LockTiming> locks_;
   std::vector<std::string> notes_;
-  std::set<std::string> whole_jobs_;  ///< resources that count as held for whole jobs
 };
 
 }  // namespace mauve::exec

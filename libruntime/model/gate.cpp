@@ -38,7 +38,7 @@ bool Gate::enter() {
   GateLock& lock = *lock_.load(std::memory_order_acquire);
   if (!lock.mutex.try_lock()) {
     if (poisoned()) return false;  // who holds it may never leave
-    const Duration bound = job.lock_bound > Duration{0} ? job.lock_bound : Duration{1s};
+    const Duration bound = job.lock_bound > Duration{0} ? job.lock_bound : kLongestHold;
     if (!lock.mutex.lock_until(MonotonicClock().now() + bound.count())) {
       timeouts_.fetch_add(1, std::memory_order_relaxed);
       return false;
@@ -84,10 +84,17 @@ void Gate::leave(GateLock& lock) {
                        std::memory_order_relaxed);
   if (!lock.end_hold_of(job)) return leave_renewed(lock);
   if (const Instant since = std::exchange(lock.since, 0); since != 0 && !rt::preempted()) {
-    const std::int64_t held = MonotonicClock().now() - since;
-    if (held > longest_.load(std::memory_order_relaxed)) longest_.store(held);
+    count_hold(MonotonicClock().now() - since);
   }
   lock.mutex.unlock();
+}
+
+/// Under the gate: one writer at a time.
+void Gate::count_hold(std::int64_t held) {
+  if (held > longest_.load(std::memory_order_relaxed)) longest_.store(held);
+  const std::int64_t declared = declared_.load(std::memory_order_relaxed);
+  if (declared == 0 || held <= declared) return;
+  over_hold_.store(over_hold_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
 }
 
 /// This thread was given up meanwhile. Who still waits for its lock finds out; a lock whose owner

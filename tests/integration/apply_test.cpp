@@ -130,6 +130,31 @@ TEST_F(Apply, GoesBackToTheFirstFile) {
   EXPECT_EQ(ctl("diff", kTrial).exit, 0);
 }
 
+/// With a resource that has a lock, and says how long it is held.
+std::string with_meter(const std::string& hold) {
+  const std::string count = R"("count": { "type": "shared_data", "data": "int64" })";
+  return with(count, count + R"(, "meter": { "type": "trial/meter")" + hold + " }");
+}
+
+TEST_F(Apply, ChangesHowLongAResourceIsHeld) {
+  ASSERT_EQ(ctl("apply", with_meter(R"(, "hold": "50us")")).exit, 0) << client_errors();
+  ASSERT_EQ(daemon_.ask("object.get", {{"address", "meter"}})["hold"], "50us");
+
+  const auto diff = ctl("diff", with_meter(R"(, "hold": "1.5ms")"));
+  const auto applied = ctl("apply", with_meter(R"(, "hold": "1.5ms")"), {"--json"});
+
+  EXPECT_EQ(diff.exit, 1);
+  EXPECT_THAT(diff.out, HasSubstr("~ meter.hold: 50us -> 1.5ms\n"));
+  ASSERT_EQ(applied.exit, 0) << applied.out << client_errors();
+  const auto receipt = Json::parse(applied.out);
+  ASSERT_EQ(receipt["components"].size(), 1U) << "no thread takes part: " << receipt;
+  EXPECT_EQ(receipt["components"][0]["name"], "meter");
+  EXPECT_EQ(daemon_.ask("object.get", {{"address", "meter"}})["hold"], "1.5ms");
+  EXPECT_EQ(ctl("diff", with_meter(R"(, "hold": "1.5ms")")).exit, 0) << "what runs says so";
+  ASSERT_EQ(ctl("apply", with_meter("")).exit, 0);
+  EXPECT_EQ(daemon_.ask("object.get", {{"address", "meter"}})["hold"], "0ns");
+}
+
 TEST_F(Apply, DoesNoPartOfItWhenAnotherCannotBePrepared) {
   const auto text = with(R"("type": "trial/unit", "properties": { "fsm.period": "5ms")",
                          R"("type": "trial/unit", "core": "trial/refusing", "properties": )"

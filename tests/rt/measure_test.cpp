@@ -63,6 +63,30 @@ TEST(Gate, KnowsHowLongAnUninterruptedJobHeldIt) {
   EXPECT_EQ(shortly.longest_hold(), Duration{0}) << "the clock would take longer";
 }
 
+TEST(Gate, CountsWhatWasHeldLongerThanDeclared) {
+  if (!rt::preemption_is_told()) GTEST_SKIP() << "NOT TESTED: this kernel or libc does not tell";
+  Gate longer;
+  Gate shorter;
+  longer.declare_hold(kHeld / 2);
+  shorter.declare_hold(1h);
+
+  EXPECT_TRUE(test::eventually([&] {
+    rt::watch_for_preemption();
+    {
+      const Entry one(longer);
+      const Entry other(shorter);
+      busy_for(kHeld);
+    }
+    return longer.longest_hold() > Duration{0} && shorter.longest_hold() > Duration{0};
+  }));
+  rt::end_preemption_watch();
+
+  EXPECT_GE(longer.over_hold(), 1U);
+  EXPECT_EQ(shorter.over_hold(), 0U);
+  longer.forget_holds();
+  EXPECT_EQ(longer.declared_hold(), kHeld / 2) << "another core is held as long, by declaration";
+}
+
 TEST(Gate, DoesNotMeasureOutsideJobs) {
   Gate gate;
   {

@@ -44,9 +44,9 @@ struct NewConnection {
   Duration max_age{0};  ///< values older than this are `stale`; zero: no limit
 };
 
-/// The change of one component. Everything not said stays as it is.
+/// The change of one component or resource. Everything not said stays as it is.
 struct Edit {
-  std::string component;
+  std::string component;         ///< or resource
   std::optional<CoreType> core;  ///< replaces the core; also the core in force again, freshly made
   std::optional<FsmType> fsm;    ///< replaces the state machine
   /// The component's own type from a newer build of its plugin: its shell is made anew, connections
@@ -57,6 +57,8 @@ struct Edit {
   std::vector<NewConnection> connect;
   std::vector<std::string> disconnect;  ///< names of ports
   std::optional<TaskAttributes> task;   ///< all of them; `start` is not looked at, see `mode`
+  /// Of a resource: the longest that one call keeps its lock; zero takes the declaration back.
+  std::optional<Duration> hold = {};
   Mode mode = Mode::keep;
   StatePolicy state = StatePolicy::keep;
 };

@@ -23,6 +23,9 @@ class Deferred {
 struct GateLock;
 struct Job;
 
+/// Callers outside of a job wait so long for a resource: none may be declared to be held longer.
+inline constexpr Duration kLongestHold{1s};
+
 /// The priority-inheritance lock of a resource, with a bounded wait and a record of what the thread
 /// holds.
 class Gate {
@@ -45,9 +48,22 @@ class Gate {
   [[nodiscard]] Duration longest_hold() const { return Duration{longest_.load()}; }
   /// Under the gate: its core is another one.
   void forget_holds();
+  /// The longest that any one call keeps it, as declared; zero: nobody said. Like the budget of a
+  /// task, it counts before what was measured. [control]
+  void declare_hold(Duration longest) {
+    declared_.store(longest.count(), std::memory_order_relaxed);
+  }
+  [[nodiscard]] Duration declared_hold() const {
+    return Duration{declared_.load(std::memory_order_relaxed)};
+  }
+  /// Calls that were measured longer than declared. [any]
+  [[nodiscard]] std::uint64_t over_hold() const {
+    return over_hold_.load(std::memory_order_relaxed);
+  }
   /// It is only ever held for some loads and stores: the clock would take longer. Before its first
   /// caller.
   void hold_shortly() { timed_ = false; }
+  [[nodiscard]] bool timed() const { return timed_; }
 
   /// A caller was thrown out in the middle of a service (a crash, a core that did not return): what
   /// the core holds may be half written. Callers are refused until it gets a new core. [any]
@@ -76,6 +92,7 @@ class Gate {
   [[nodiscard]] bool hold(GateLock& lock);
   void leave(GateLock& lock);
   void leave_renewed(GateLock& lock);
+  void count_hold(std::int64_t held);
   void renew_lock();
   void visit_deferred(Instant release);
 
@@ -85,6 +102,8 @@ class Gate {
   bool timed_ = true;
   std::atomic<std::uint64_t> timeouts_{0};
   std::atomic<std::int64_t> longest_{0};
+  std::atomic<std::int64_t> declared_{0};
+  std::atomic<std::uint64_t> over_hold_{0};
 };
 
 /// Holds a gate for a scope; false when it could not be entered.

@@ -24,6 +24,13 @@ struct ComponentTiming {
   std::string problem;               ///< with what would help; empty: it meets its deadline
 };
 
+/// How long one call keeps the lock of a resource.
+struct LockTiming {
+  std::string resource;
+  std::optional<Duration> hold;  ///< none: not known, so the whole job of a user counts
+  std::string source;            ///< "declared", "measured" or "unknown"
+};
+
 struct CpuTiming {
   int cpu = 0;
   double load = 0;  ///< long-term share that its components and its kernel may ask for
@@ -33,6 +40,7 @@ struct CpuTiming {
 struct Timing {
   std::vector<ComponentTiming> components;  ///< by CPU, then highest priority first
   std::vector<CpuTiming> cpus;
+  std::vector<LockTiming> locks;  ///< by name, of resources that are used
   /// The largest factor on all execution times with which every deadline is still met; 0: not even
   /// as they are. None: an execution time is not known.
   std::optional<double> factor;

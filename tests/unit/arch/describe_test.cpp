@@ -41,6 +41,7 @@ TEST_F(Describe, WritesTheFormOfTheFileAndLeavesDefaultsOut) {
   EXPECT_EQ(*value.find("schema"), Value("mauve/architecture/1"));
   EXPECT_EQ(*value.find("resources")->find("pose"),
             Value(Value::Object{{"type", "shared_data"}, {"data", "pose/1"}}));
+  EXPECT_EQ(*value.find("resources")->find("relay")->find("hold"), Value("50us"));
   EXPECT_EQ(*value.find("components")->find("right"),
             Value(Value::Object{{"type", "sample/bare"},
                                 {"core", "sample/repel"},

@@ -224,6 +224,17 @@ TEST_F(Diff, FindsFallbackCoresAndTheirProperties) {
   EXPECT_FALSE(goes.fallbacks[0].second);
 }
 
+TEST_F(Diff, FindsHowLongAResourceIsHeld) {
+  const Difference longer = to_with("\"hold\": \"50us\"", "\"hold\": \"1.5ms\"");
+  EXPECT_THAT(said(longer.lines), ElementsAre("~ hold relay.hold: \"50us\" -> \"1.5ms\""));
+  EXPECT_EQ(only_edit(longer).component, "relay");
+  EXPECT_EQ(only_edit(longer).hold, 1500us);
+
+  const Difference withdrawn = to_with(", \"hold\": \"50us\"", "");
+  EXPECT_THAT(said(withdrawn.lines), ElementsAre("- hold relay.hold: \"50us\""));
+  EXPECT_EQ(only_edit(withdrawn).hold, 0us);
+}
+
 TEST_F(Diff, ShowsAnotherNameOfTheArchitectureAndChangesNothingForIt) {
   const Difference difference = to_with("\"name\": \"sample\"", "\"name\": \"simple\"");
 

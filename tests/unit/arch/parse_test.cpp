@@ -70,6 +70,14 @@ TEST(Parse, ReadsAWholeArchitecture) {
   EXPECT_EQ(spec.resources[2].connections[0].service, "scan.read");
 }
 
+TEST(Parse, ReadsHowLongAResourceIsHeld) {
+  const Spec spec = accepted(R"({"schema": "mauve/architecture/1", "name": "held",
+    "resources": {"pose": {"type": "a/b", "hold": "50us"}, "log": {"type": "a/b"}}})");
+
+  EXPECT_EQ(spec.resources.at(0).hold->value, 50us);
+  EXPECT_FALSE(spec.resources.at(1).hold);
+}
+
 TEST(Parse, ReadsAllOfAComponent) {
   const ComponentSpec control = accepted(kRover).components.at(1);
 
@@ -219,7 +227,19 @@ const Wrong kWrongs[] = {
      "", 23},
     {"\"data\": \"laser_scan/1\" }", "\"data\": \"laser scan\" }", "scan.data",
      "\"laser scan\" is not a valid name here", "write name and revision, such as \"velocity/1\"",
-     7}};
+     7},
+    {"\"cross_core\": true", "\"hold\": \"0us\"", "log.hold", "must be over 0", "", 8},
+    {"\"cross_core\": true", "\"hold\": \"-1us\"", "log.hold", "\"-1us\" is negative",
+     "write a number and a unit, such as \"10ms\" (ns, us, ms, s, min, h)", 8},
+    {"\"cross_core\": true", "\"hold\": \"50\"", "log.hold", "\"50\" has no unit",
+     "write a number and a unit, such as \"10ms\" (ns, us, ms, s, min, h)", 8},
+    {"\"cross_core\": true", "\"hold\": 50", "log.hold", "expected a duration, got an integer",
+     "write a number and a unit as text, such as \"10ms\"", 8},
+    {"\"cross_core\": true", "\"hold\": \"1001ms\"", "log.hold",
+     "is longer than callers wait for a resource",
+     "declare the longest time that one call takes, at most 1s", 8},
+    {"\"data\": \"laser_scan/1\" }", "\"data\": \"laser_scan/1\", \"hold\": \"1us\" }", "scan.hold",
+     "has no meaning here: shared_data is held for some stores only", "remove this key", 7}};
 
 TEST(Parse, RefusesEachMistakeWithItsPlaceAddressAndHint) {
   for (const Wrong& wrong : kWrongs) {

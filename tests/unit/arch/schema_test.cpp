@@ -14,6 +14,7 @@
 #include "arch/json.h"
 #include "arch/parse.h"
 #include "base/duration.h"
+#include "mauve/gate.h"
 #include "mauve/value.h"
 
 namespace mauve::arch {
@@ -160,6 +161,12 @@ TEST(Schema, ExplainsEveryKey) {
       EXPECT_TRUE(refers || (key == "task") || member.find("description") != nullptr) << key;
     }
   }
+}
+
+TEST(Schema, SaysHowLongAResourceMayBeDeclaredToBeHeld) {
+  const Value& key = part(schema(), {"definitions", "resource", "properties", "hold"});
+  const std::string limit = "at most " + format_duration(kLongestHold);
+  EXPECT_NE(part(key, {"description"}).get_if<std::string>()->find(limit), std::string::npos);
 }
 
 TEST(Schema, CallsCrossCoreReservedUntilItHasAnEffect) {

@@ -14,6 +14,8 @@ Json analysis() {
      "blocking_ns": 0, "deadline_ns": 10000000, "response_ns": 773800, "slack_ns": 9226200},
     {"name": "laser", "cpu": 0, "priority": 60, "execution_ns": 0, "source": "unknown",
      "blocking_ns": 0, "deadline_ns": 25000000, "response_ns": null, "slack_ns": null}],
+    "locks": [{"resource": "pose", "hold_ns": 50000, "source": "declared"},
+              {"resource": "world", "hold_ns": null, "source": "unknown"}],
     "cpus": [{"cpu": 0, "load": 0.134, "overloaded": false}], "factor": 3.456,
     "problems": [], "notes": ["the machine takes 60us"]})");
 }
@@ -23,6 +25,9 @@ TEST(RenderAnalysis, IsATableWithAVerdict) {
             "NAME   CPU  PRIO  EXECUTION  SOURCE    BLOCKED  RESPONSE  DEADLINE   SLACK\n"
             "robot    0    70     500 us  declared     0 ns    774 us   10.0 ms  9.2 ms\n"
             "laser    0    60          -  unknown      0 ns         -   25.0 ms       -\n"
+            "LOCK      HOLD  SOURCE\n"
+            "pose   50.0 us  declared\n"
+            "world        -  unknown\n"
             "proved: deadlines are met up to 3.46 times the execution times; CPU 0: 13 %\n"
             "note: the machine takes 60us\n");
 }
