@@ -53,7 +53,7 @@ ROOMS = {
     "elf.h": "libruntime/plugin/ libruntime/include/mauve/plugin.h",
     "libelf.h": "libruntime/plugin/",
     "gelf.h": "libruntime/plugin/",
-    "pthread.h": "libruntime/rt/",
+    "pthread.h": "libruntime/rt/ plugins/drivers/line_thread",
     "sched.h": "libruntime/rt/",
     "linux/futex.h": "libruntime/rt/",
     "sys/mman.h": "libruntime/rt/ libruntime/plugin/",

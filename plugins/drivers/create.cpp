@@ -42,7 +42,7 @@ struct BaseLine {
 /// Opaque to tools; raise the revision when anything in it changes.
 template <>
 struct mauve::Described<drivers::BaseLine> {
-  static constexpr std::string_view name = "base_line/1";
+  static constexpr std::string_view name = "base_line/2";
   static constexpr auto fields() { return std::tuple{}; }
 };
 
@@ -86,18 +86,19 @@ class CreateOi final : public BaseCore {
   Counter unsent{*this, "unsent", 0, "commands that found no room"};
   Counter device_errors{*this, "device_errors", 0, "times it was not there or went away"};
   Counter reopened{*this, "reopened", 0, "times it came, or came back"};
+  Counter received{*this, "received", 0, "bytes"};
   mauve::Observable<int> mode{*this, "mode", 0, "0 off, 1 passive, 2 safe, 3 full"};
   mauve::Observable<int> contacts{*this, "contacts", 0,
                                   "1 right bumper, 2 left, 4 right wheel dropped, 8 left"};
 
   mauve::Status on_configure() override {
     wheels_ = {wheel_diameter, wheel_base, counts, speed_max};
-    return line_.open(device, baud);
+    return line_.open(device, baud, SerialPort::Use::both);
   }
   /// Who has handed its state over to a successor does not stop the base under it.
   void on_cleanup() override {
     if (state->begun) send_speeds({});
-    line_.close();
+    line_.close(state->bytes);
   }
 
   void begin() override {
@@ -193,7 +194,7 @@ class CreateOi final : public BaseCore {
     if (!line_.send({text.data(), text.size()}) && !lost()) ++unsent;
   }
 
-  DeviceLine line_{device_errors, reopened};
+  DeviceLine line_{device_errors, reopened, received};
   Wheels wheels_;
   mauve::Instant heard_ = 0;  // begin of the job that read the last report
   int damaged_ = 0;           // frames since that report

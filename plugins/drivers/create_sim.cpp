@@ -14,7 +14,7 @@
 #include "../types/velocity.h"
 #include "create_oi.h"
 #include "parts.h"
-#include "serial_port.h"
+#include "simulated_line.h"
 #include "wheels.h"
 
 namespace drivers {
@@ -109,7 +109,7 @@ class CreateSim final : public mauve::Core<WheelsShell> {
     return static_cast<std::uint16_t>(std::llround(counts) & 0xffff);
   }
 
-  PseudoTerminal line_;
+  SimulatedLine line_;
   create::CommandReader heard_;
   create::Mode mode_ = create::Mode::off;
   bool streaming_ = false;

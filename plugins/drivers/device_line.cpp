@@ -2,37 +2,65 @@
 #include "device_line.h"
 
 namespace drivers {
+namespace {
 
-mauve::Status DeviceLine::open(const std::string& device, int baud) {
-  if (mauve::Status opened = reader_.open(device, baud); !opened) return opened;
-  writer_.choose(device);
-  if (lost()) {
-    ++errors_;
-  } else if (!writer_.open()) {
-    close();
-    return mauve::refuse(mauve::Errc::invalid_value, {}, "'" + device + "' is no serial device",
-                         "requests would be written into it; name one such as /dev/ttyACM0");
+/// Some fifty commands, a second of them: a device that hung shall not hear older ones later.
+constexpr std::size_t kMostWaiting = 256;
+
+}  // namespace
+
+mauve::Status DeviceLine::open(const std::string& device, int baud, SerialPort::Use use) {
+  heard_ = mauve::job_time();
+  if (mauve::Status opened = port_.open(device, baud, SerialPort::Missing::accepted, use);
+      !opened) {
+    return opened;
   }
-  return mauve::ok();
+  lost_ = !port_.is_open();
+  if (lost_) ++errors_;
+  thread_.when_received([this](std::size_t count) { received_ += count; });
+  return thread_.start(port_, kMostWaiting);
 }
 
-void DeviceLine::close() {
-  reader_.close();
-  writer_.close();
+void DeviceLine::close(LineBytes& line) {
+  thread_.stop();
+  port_.close();
+  LineThread::empty_handed(line);
 }
 
 bool DeviceLine::reopen() {
-  writer_.close();
-  if (!reader_.reopen()) return false;
+  heard_ = mauve::job_time();
+  lost_ = !thread_.reopen();
+  if (lost_) return false;
   ++reopened_;
   return true;
 }
 
 bool DeviceLine::take(LineBytes& line, char& byte) {
-  const bool there = !lost();
-  const bool took = reader_.take(line, byte);
-  if (there && lost()) ++errors_;
-  return took;
+  begin_job(line);
+  if (lost_ || bytes_left_ == 0) return false;
+  const bool open = thread_.open();
+  const std::span<const char> there = line.ring.there();
+  if (there.empty()) {
+    lost_ = !open;
+    if (lost_) ++errors_;
+    return false;
+  }
+  byte = there.front();
+  line.ring.drop(1);
+  --bytes_left_;
+  heard_ = job_;
+  return true;
+}
+
+mauve::Duration DeviceLine::silence() const { return mauve::Duration{mauve::job_time() - heard_}; }
+
+/// A device that never runs dry must not hold up the job: so many bytes, then the rest waits.
+void DeviceLine::begin_job(LineBytes& line) {
+  if (const mauve::Instant now = mauve::job_time(); now != job_) {
+    job_ = now;
+    bytes_left_ = kBytesPerJob;
+    thread_.fill(line);
+  }
 }
 
 }  // namespace drivers

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <string>
 
-#include "line_reader.h"
+#include "device_line.h"
 
 namespace drivers {
 
@@ -91,13 +91,12 @@ class FrameDriver : public CoreT {
   mauve::Observable<std::uint64_t> device_errors{*this, "device_errors", 0,
                                                  "times it was not there or went away"};
   mauve::Observable<std::uint64_t> reopened{*this, "reopened", 0, "times it came, or came back"};
+  mauve::Observable<std::uint64_t> received{*this, "received", 0, "bytes"};
 
   mauve::Status on_configure() override {
-    if (mauve::Status opened = line_.open(device, baud); !opened) return opened;
-    if (line_.lost()) ++device_errors;
-    return mauve::ok();
+    return line_.open(device, baud, SerialPort::Use::reading);
   }
-  void on_cleanup() override { line_.close(); }
+  void on_cleanup() override { line_.close(state->bytes); }
 
   void find_sync() override {
     do {
@@ -125,9 +124,7 @@ class FrameDriver : public CoreT {
 
   bool lost() override { return line_.lost(); }
   void reopen() override {
-    if (!line_.reopen()) return;
-    ++reopened;
-    state->stream.give_up();
+    if (line_.reopen()) state->stream.give_up();
   }
 
   /// Reads on to the end of the next undamaged frame; false when it is not there yet.
@@ -153,15 +150,13 @@ class FrameDriver : public CoreT {
   }
 
   bool take_byte() {
-    const bool there = !line_.lost();
     char byte = 0;
     const bool took = line_.take(state->bytes, byte);
     if (took) state->stream.push(byte);
-    if (there && line_.lost()) ++device_errors;
     return took;
   }
 
-  LineReader line_;
+  DeviceLine line_{device_errors, reopened, received};
   Found found_{};
   bool complete_ = false;  // found_ is a frame that was not used yet
   bool more_ = false;

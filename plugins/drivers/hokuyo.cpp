@@ -40,7 +40,7 @@ struct ScannerLine {
 /// Opaque to tools; raise the revision when anything in it changes.
 template <>
 struct mauve::Described<drivers::ScannerLine> {
-  static constexpr std::string_view name = "scanner_line/1";
+  static constexpr std::string_view name = "scanner_line/2";
   static constexpr auto fields() { return std::tuple{}; }
 };
 
@@ -75,10 +75,11 @@ class HokuyoScip final : public LaserCore {
   mauve::Observable<std::uint64_t> device_errors{*this, "device_errors", 0,
                                                  "times it was not there or went away"};
   mauve::Observable<std::uint64_t> reopened{*this, "reopened", 0, "times it came, or came back"};
+  mauve::Observable<std::uint64_t> received{*this, "received", 0, "bytes"};
   mauve::Observable<bool> empty{*this, "empty", false, "the last scan was one of error codes"};
 
-  mauve::Status on_configure() override { return line_.open(device, baud); }
-  void on_cleanup() override { line_.close(); }
+  mauve::Status on_configure() override { return line_.open(device, baud, SerialPort::Use::both); }
+  void on_cleanup() override { line_.close(state->bytes); }
 
   void ask() override {
     const mauve::Instant now = mauve::job_time();
@@ -205,7 +206,7 @@ class HokuyoScip final : public LaserCore {
     return now - waiting_since_ >= answer_timeout.get().count();
   }
 
-  DeviceLine line_{device_errors, reopened};
+  DeviceLine line_{device_errors, reopened, received};
   Event event_ = Event::none;
   mauve::Instant waiting_since_ = 0;
   bool answered_ = false;

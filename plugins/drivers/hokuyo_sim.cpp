@@ -14,7 +14,7 @@
 
 #include "parts.h"
 #include "scip_write.h"
-#include "serial_port.h"
+#include "simulated_line.h"
 
 namespace drivers {
 namespace {
@@ -97,7 +97,7 @@ class HokuyoSim final : public mauve::Core<ScannerShell> {
   static constexpr std::uint32_t kNothing =
       65'533;  // what a UTM-30LX says when nothing is in sight
 
-  PseudoTerminal line_;
+  SimulatedLine line_;
   scip::TextReader heard_;
   scip::ReplyWriter writer_;
   scip::Limits limits_;

@@ -41,7 +41,7 @@ struct ImuLine {
 /// Opaque to tools; raise the revision when anything in it changes.
 template <>
 struct mauve::Described<drivers::ImuLine> {
-  static constexpr std::string_view name = "imu_line/1";
+  static constexpr std::string_view name = "imu_line/2";
   static constexpr auto fields() { return std::tuple{}; }
 };
 

@@ -8,7 +8,7 @@
 
 #include "../types/imu.h"
 #include "parts.h"
-#include "serial_port.h"
+#include "simulated_line.h"
 #include "xbus_imu.h"
 
 namespace drivers {
@@ -42,7 +42,7 @@ class ImuSim final : public mauve::Core<ImuSimShell> {
   mauve::Status on_configure() override { return line_.open(line); }
   void on_cleanup() override { line_.close(); }
 
-  PseudoTerminal line_;
+  SimulatedLine line_;
   ImuWriter writer_;
 };
 

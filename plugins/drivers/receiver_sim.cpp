@@ -9,7 +9,7 @@
 #include "../types/gnss.h"
 #include "nmea_write.h"
 #include "parts.h"
-#include "serial_port.h"
+#include "simulated_line.h"
 #include "ubx_pvt.h"
 
 namespace drivers {
@@ -55,7 +55,7 @@ class ReceiverSim final : public mauve::Core<ReceiverShell> {
     return line_.send({reinterpret_cast<const char*>(frame.data()), frame.size()});
   }
 
-  PseudoTerminal line_;
+  SimulatedLine line_;
   bool ubx_ = false;
   NmeaWriter writer_;
 };

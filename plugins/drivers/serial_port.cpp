@@ -65,8 +65,15 @@ Status make_raw(int descriptor, int baud) {
   return mauve::ok();
 }
 
-int open_quietly(const std::string& path) {
-  return ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+int open_quietly(const std::string& path, SerialPort::Use use) {
+  const int way = use == SerialPort::Use::both ? O_RDWR : O_RDONLY;
+  return ::open(path.c_str(), way | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+}
+
+std::ptrdiff_t write_some(int descriptor, std::string_view bytes) {
+  const ssize_t count = ::write(descriptor, bytes.data(), bytes.size());
+  if (count >= 0) return count;
+  return errno == EAGAIN || errno == EINTR ? 0 : -1;
 }
 
 /// Unplugged, or not plugged in yet: it may come.
@@ -134,15 +141,20 @@ std::string line_path(const std::string& name) {
   return place + "/mauve-" + name.substr(kOwn.size()) + "." + std::to_string(::getpid());
 }
 
-Status SerialPort::open(const std::string& device, int baud, Missing missing) {
+void SerialPort::choose(const std::string& device, int baud, Use use) {
+  close();
+  path_ = line_path(device);
+  baud_ = baud;
+  use_ = use;
+}
+
+Status SerialPort::open(const std::string& device, int baud, Missing missing, Use use) {
   if (Status speed = check_speed(baud); !speed) return speed;
-  std::string path = line_path(device);
-  Descriptor opened(open_quietly(path));
+  const std::string path = line_path(device);
+  Descriptor opened(open_quietly(path, use));
   const int why = opened.open() ? 0 : errno;
   if (missing == Missing::accepted && absent(why)) {
-    device_ = Descriptor();
-    path_ = std::move(path);
-    baud_ = baud;
+    choose(device, baud, use);
     return mauve::ok();
   }
   if (!opened.open()) {
@@ -151,18 +163,24 @@ Status SerialPort::open(const std::string& device, int baud, Missing missing) {
                                 : "is the receiver plugged in, and the path right? A relative one "
                                   "begins where mauved was started");
   }
+  const bool terminal = ::isatty(opened.number()) == 1;
+  if (use == Use::both && !terminal) {
+    return refuse(Errc::invalid_value, {}, "'" + device + "' is no serial device",
+                  "requests would be written into it; name one such as /dev/ttyACM0");
+  }
   if (Status raw = make_raw(opened.number(), baud); !raw) return raw;
+  choose(device, baud, use);
   device_ = std::move(opened);
-  path_ = std::move(path);
-  baud_ = baud;
-  terminal_ = ::isatty(device_.number()) == 1;
+  terminal_ = terminal;
   return mauve::ok();
 }
 
 bool SerialPort::reopen() {
-  Descriptor opened(open_quietly(path_));
+  Descriptor opened(open_quietly(path_, use_));
   if (!opened.open() || !set_raw(opened.number(), baud_)) return false;
-  terminal_ = ::isatty(opened.number()) == 1;
+  const bool terminal = ::isatty(opened.number()) == 1;
+  if (use_ == Use::both && !terminal) return false;
+  terminal_ = terminal;
   device_ = std::move(opened);
   return true;
 }
@@ -172,6 +190,10 @@ std::ptrdiff_t SerialPort::read(std::span<char> into) const {
   if (count == 0 && terminal_) return -1;  // a raw terminal has no end: it hung up
   if (count >= 0) return count;
   return errno == EAGAIN || errno == EINTR ? 0 : -1;
+}
+
+std::ptrdiff_t SerialPort::write(std::string_view bytes) const {
+  return write_some(device_.number(), bytes);
 }
 
 Status PseudoTerminal::open(const std::string& name) {
@@ -191,7 +213,7 @@ Status PseudoTerminal::open(const std::string& name) {
   if (!link.empty()) {
     if (Status linked = replace_link(path.data(), link); !linked) return linked;
   }
-  close();
+  shut();
   master_ = std::move(master);
   slave_ = std::move(slave);
   path_ = path.data();
@@ -199,7 +221,7 @@ Status PseudoTerminal::open(const std::string& name) {
   return mauve::ok();
 }
 
-void PseudoTerminal::close() {
+void PseudoTerminal::shut() {
   std::error_code ignored;
   // Only our own link: a successor may have put its own there meanwhile.
   if (!link_.empty() && fs::read_symlink(link_, ignored) == path_) {
@@ -209,6 +231,15 @@ void PseudoTerminal::close() {
   path_.clear();
   master_ = Descriptor();
   slave_ = Descriptor();
+}
+
+/// We hold the device ourselves: it never fails.
+std::ptrdiff_t PseudoTerminal::read(std::span<char> into) const {
+  return static_cast<std::ptrdiff_t>(receive(into));
+}
+
+std::ptrdiff_t PseudoTerminal::write(std::string_view bytes) const {
+  return static_cast<std::ptrdiff_t>(send_some(bytes));
 }
 
 std::size_t PseudoTerminal::send_some(std::string_view bytes) const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A serial device read without ever waiting, and a pseudo-terminal that stands for one.
+/// A serial device, read and written as far as it goes now, and a pseudo-terminal that stands for
+/// one.
 #pragma once
 
 #include <cstddef>
@@ -31,35 +32,58 @@ class Descriptor {
 /// process keeps for itself, in $RUNTIME_DIRECTORY, $XDG_RUNTIME_DIR or /tmp.
 [[nodiscard]] std::string line_path(const std::string& name);
 
-/// The reading end. A file or a FIFO serves as well: then baud and raw mode do not apply.
-class SerialPort {
+/// One end of a line. Nothing here waits for bytes, but the kernel may make anybody wait for one of
+/// its own threads: real-time threads leave it to a LineThread.
+class LineEnd {
+ public:
+  virtual ~LineEnd() = default;
+
+  /// The descriptor; -1: it is closed.
+  [[nodiscard]] virtual int number() const = 0;
+  /// Bytes that are there now; 0 when there are none, -1 when the device failed or hung up.
+  [[nodiscard]] virtual std::ptrdiff_t read(std::span<char> into) const = 0;
+  /// Bytes that found room; -1 when the device failed.
+  [[nodiscard]] virtual std::ptrdiff_t write(std::string_view bytes) const = 0;
+  virtual void close() = 0;
+  /// The same once more, after it failed or was closed. Takes no memory.
+  virtual bool reopen() = 0;
+};
+
+/// The device's end. For reading alone a file or a FIFO serves as well: then baud and raw mode do
+/// not apply.
+class SerialPort final : public LineEnd {
  public:
   /// What open() makes of a device that is not there.
   enum class Missing : bool { refused, accepted };
+  /// What is no terminal is never written to: a request would damage a recording.
+  enum class Use : bool { reading, both };
 
   /// Opens `device` (see line_path) raw and non-blocking; `baud` 0 leaves the speed alone. One that
   /// is not there yet can be accepted: it stays closed, for reopen() to try. [factory]
-  mauve::Status open(const std::string& device, int baud, Missing missing = Missing::refused);
-  void close() { device_ = Descriptor(); }
-  /// The same once more, after it failed or was closed. Takes no memory. [rt]
-  bool reopen();
+  mauve::Status open(const std::string& device, int baud, Missing missing = Missing::refused,
+                     Use use = Use::reading);
+  /// For reopen() to open it. [factory]
+  void choose(const std::string& device, int baud, Use use);
+  void close() override { device_ = Descriptor(); }
+  bool reopen() override;
   [[nodiscard]] bool is_open() const { return device_.open(); }
-  /// Bytes that are there now; 0 when there are none, -1 when the device failed or hung up. Never
-  /// waits. [rt]
-  [[nodiscard]] std::ptrdiff_t read(std::span<char> into) const;
+  [[nodiscard]] int number() const override { return device_.number(); }
+  [[nodiscard]] std::ptrdiff_t read(std::span<char> into) const override;
+  [[nodiscard]] std::ptrdiff_t write(std::string_view bytes) const override;
 
  private:
   Descriptor device_;
   std::string path_;
   int baud_ = 0;
+  Use use_ = Use::reading;
   bool terminal_ = false;
 };
 
 /// A pseudo-terminal whose other end can be opened as a serial device under a name of our choice.
-class PseudoTerminal {
+class PseudoTerminal final : public LineEnd {
  public:
   PseudoTerminal() = default;
-  ~PseudoTerminal() { close(); }
+  ~PseudoTerminal() override { shut(); }
   PseudoTerminal(const PseudoTerminal&) = delete;
   PseudoTerminal& operator=(const PseudoTerminal&) = delete;
 
@@ -67,18 +91,24 @@ class PseudoTerminal {
   /// line_path(). A link that leads nowhere, or to a line of this process, is replaced; anything
   /// else there is refused. [factory]
   mauve::Status open(const std::string& name);
-  void close();
+  void close() override { shut(); }
+  /// Nobody else could find the same one: false.
+  bool reopen() override { return false; }
   /// Path of the device.
   [[nodiscard]] const std::string& device() const { return path_; }
-  /// Sends what fits and tells how many bytes that was. Never waits. [rt]
+  [[nodiscard]] int number() const override { return master_.number(); }
+  [[nodiscard]] std::ptrdiff_t read(std::span<char> into) const override;
+  [[nodiscard]] std::ptrdiff_t write(std::string_view bytes) const override;
+  /// Sends what fits and tells how many bytes that was.
   [[nodiscard]] std::size_t send_some(std::string_view bytes) const;
   /// The same; what does not fit is lost, as on a real line nobody listens to. False: lost some.
-  /// [rt]
   bool send(std::string_view bytes) const { return send_some(bytes) == bytes.size(); }
-  /// What the other end wrote, as far as it fits; 0 when there is nothing. Never waits. [rt]
+  /// What the other end wrote, as far as it fits; 0 when there is nothing.
   [[nodiscard]] std::size_t receive(std::span<char> into) const;
 
  private:
+  void shut();
+
   Descriptor master_;
   Descriptor slave_;  // kept open: else the pair hangs up whenever the reader closes
   std::string path_;

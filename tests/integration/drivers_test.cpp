@@ -1,95 +1,28 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The drivers of serial devices on a simulated clock: real plugins, a real pseudo-terminal, and
+/// The receiver's driver on a simulated clock: real plugins, a real pseudo-terminal, and
 /// bytes that come as a line brings them.
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
-
 #include "../../plugins/drivers/nmea_write.h"
 #include "../../plugins/drivers/serial_port.h"
 #include "../../plugins/drivers/ubx_pvt.h"
-#include "../../plugins/drivers/xbus_imu.h"
 #include "../../plugins/world/random.h"
-#include "arch/load.h"
-#include "plugin/catalog.h"
+#include "serial_drivers.h"
 #include "support/gpsd_check.h"
 #include "support/temp_dir.h"
 #include "support/test_data.h"
 
 namespace {
 
-using namespace std::chrono_literals;  // NOLINT: durations
-using drivers::PseudoTerminal;
-using mauve::Value;
+using namespace serial;  // NOLINT: the driver
 using mauve::test::TempDir;
 using rover::GnssFix;
-using rover::Imu;
-
-/// A driver "driver" of `kind`, whose output goes to the resource "data".
-std::string driver(const std::string& kind, const std::string& type, const std::string& port,
-                   const std::string& device, const std::string& more = {}) {
-  return R"({"schema": "mauve/architecture/1", "name": "line", "plugins": ["types", "drivers"],
-    "resources": {"data": {"type": "shared_data", "data": ")" +
-         type + R"("}}, "components": {"driver": {"type": ")" + kind +
-         R"(", "properties": {"core.device": ")" + device + "\"" + more + R"(}, "ports": {")" +
-         port + R"(": "data.write"}}}})";
-}
-
-std::string gnss(const std::string& device, const std::string& more = {}) {
-  return driver("drivers/gnss", "gnss_fix/1", "fix", device, more);
-}
-
-std::string imu(const std::string& device) { return driver("drivers/imu", "imu/1", "imu", device); }
-
-/// An architecture deployed without threads.
-class Simulated {
- public:
-  explicit Simulated(const std::string& text) : catalog_({MAUVE_PLUGIN_DIR}) {
-    mauve::arch::Problems problems;
-    architecture_ = mauve::arch::load(text, catalog_, problems);
-    if (architecture_ == nullptr) {
-      ADD_FAILURE() << "does not load: " << text;
-      return;
-    }
-    deployer_ = std::make_unique<mauve::Deployer>(
-        *architecture_, mauve::DeployOptions{mauve::Realtime::off, true, mauve::Admission::warn});
-    up_ = deployer_->deploy();
-  }
-
-  [[nodiscard]] const mauve::Status& up() const { return up_; }
-  void run(mauve::Duration duration) { deployer_->run_for(duration); }
-  [[nodiscard]] std::string state() const { return deployer_->status("driver").fsm_state; }
-
-  [[nodiscard]] std::int64_t observe(const std::string& name,
-                                     const std::string& owner = "driver") const {
-    const Value value = architecture_->find_component(owner)->core().find_observable(name)->value();
-    return *value.get_if<std::int64_t>();
-  }
-
-  /// The value of resource "data" now.
-  template <typename T>
-  [[nodiscard]] T data() const {
-    T value;
-    mauve::Cursor cursor;
-    (void)architecture_->find_resource("data")->find_service("read")->read(&value, cursor);
-    return value;
-  }
-
- private:
-  mauve::plugin::Catalog catalog_;
-  std::unique_ptr<mauve::Architecture> architecture_;
-  std::unique_ptr<mauve::Deployer> deployer_;
-  mauve::Status up_ = mauve::ok();
-};
 
 /// One frame a job, so that no published value is missed by who looks each millisecond.
 const char* const kOneByOne = R"(, "core.frames_per_job": 1, "fsm.period": "1ms",
@@ -102,10 +35,11 @@ class Player {
     EXPECT_TRUE(line_.open(""));
     driver_ = std::make_unique<Simulated>(gnss(line_.device(), kOneByOne));
     EXPECT_TRUE(driver_->up());
+    driver_->run(1ms);  // from its first job on it listens
   }
 
   void send(std::string_view piece, mauve::Duration wait) {
-    ASSERT_TRUE(line_.send(piece));
+    driver_->take(line_, piece);
     for (mauve::Duration passed{0}; passed < wait; passed += 1ms) step();
   }
   /// Until nothing is left to read.
@@ -200,12 +134,6 @@ std::string ubx(const GnssFix& fix) {
   return {frame.begin(), frame.end()};
 }
 
-std::string xbus(const Imu& imu, std::uint32_t ticks) {
-  drivers::ImuWriter writer;
-  const auto frame = writer.compose(imu, ticks);
-  return {frame.begin(), frame.end()};
-}
-
 TEST(GnssDriver, StartsWithoutItsDeviceAndWaitsForIt) {
   const TempDir place;
   const std::string device = (place / "receiver").string();
@@ -217,8 +145,8 @@ TEST(GnssDriver, StartsWithoutItsDeviceAndWaitsForIt) {
   EXPECT_EQ(driver.observe("device_errors"), 1);
   PseudoTerminal line;
   ASSERT_TRUE(line.open(device));
-  driver.run(200ms);
-  ASSERT_TRUE(line.send(nmea(somewhere(1.0))));
+  ASSERT_TRUE(driver.reaches("reopened", 1));
+  driver.take(line, nmea(somewhere(1.0)));
   driver.run(200ms);
 
   EXPECT_EQ(driver.observe("reopened"), 1);
@@ -234,13 +162,14 @@ TEST(GnssDriver, GoesOnWhenItsDeviceIsPluggedInAgain) {
   ASSERT_TRUE(driver.up());
 
   for (int time = 1; time <= 3; ++time) {
-    ASSERT_TRUE(line.send(nmea(somewhere(time)) + "$GPGGA,12"));
+    driver.run(1ms);
+    driver.take(line, nmea(somewhere(time)) + "$GPGGA,12");
     driver.run(500ms);
     line.close();
-    driver.run(500ms);
+    ASSERT_TRUE(driver.reaches("device_errors", time));
     EXPECT_EQ(driver.state(), "wait_device");
     ASSERT_TRUE(line.open(device));
-    driver.run(500ms);
+    ASSERT_TRUE(driver.reaches("reopened", time));
   }
 
   EXPECT_EQ(driver.observe("device_errors"), 3);
@@ -308,92 +237,6 @@ TEST(GnssDriver, PublishesEpochsWithoutFixAsSuch) {
   for (const GnssFix& fix : player.fixes()) EXPECT_EQ(fix.mode, 1);
   EXPECT_EQ(player.driver().observe("mode"), 1);
   EXPECT_EQ(player.driver().observe("satellites"), 0);
-}
-
-TEST(ImuDriver, PublishesEachMeasurementInGarbageAndWithoutItsDevice) {
-  const TempDir place;
-  const std::string device = (place / "imu").string();
-  Simulated driver(imu(device));
-  ASSERT_TRUE(driver.up());
-  driver.run(300ms);
-  EXPECT_EQ(driver.state(), "wait_device");
-  PseudoTerminal line;
-  ASSERT_TRUE(line.open(device));
-  driver.run(300ms);
-
-  for (unsigned i = 0; i < 100; ++i) {
-    ASSERT_TRUE(line.send("garbage\xfa" + xbus({0.0, 0.01 * i, 0.0, 0.0, 0.5, true}, 100 * i)));
-    driver.run(10ms);
-  }
-  driver.run(100ms);
-
-  EXPECT_EQ(driver.observe("measurements"), 100);
-  EXPECT_EQ(driver.observe("reopened"), 1);
-  EXPECT_EQ(driver.observe("bad_frames"), 0);
-  EXPECT_NEAR(driver.data<Imu>().yaw_rate, 0.99, 1e-6);
-  EXPECT_NEAR(driver.data<Imu>().heading, 0.5, 1e-6);
-}
-
-TEST(ImuDriver, CountsDamageAndValuesThatAreNoNumbers) {
-  PseudoTerminal line;
-  ASSERT_TRUE(line.open(""));
-  Simulated driver(imu(line.device()));
-  ASSERT_TRUE(driver.up());
-  std::string damaged = xbus({}, 1);
-  damaged[20] = static_cast<char>(damaged[20] ^ 0x10);
-
-  ASSERT_TRUE(line.send(damaged + xbus({0.0, NAN, 0.0, 0.0, 0.0, false}, 2)));
-  ASSERT_TRUE(line.send(xbus({}, 3) + xbus({}, 4).substr(0, 20)));
-  driver.run(500ms);
-  EXPECT_EQ(driver.observe("bad_frames"), 1);
-  EXPECT_EQ(driver.observe("implausible"), 1);
-  EXPECT_EQ(driver.observe("measurements"), 1);
-  driver.run(6s);
-
-  EXPECT_EQ(driver.observe("bad_frames"), 2) << "the half frame";
-}
-
-/// The simulated world at the far end: a receiver and a unit that speak to the real drivers.
-std::string world(const std::string& protocol) {
-  return R"({"schema": "mauve/architecture/1", "name": "line", "plugins": ["types", "drivers"],
-    "resources": {"world": {"type": "drivers/world",
-                            "properties": {"core.imu_heading_noise": 0.01}},
-                  "fix": {"type": "shared_data", "data": "gnss_fix/1"},
-                  "data": {"type": "shared_data", "data": "imu/1"}},
-    "components": {
-      "gnss": {"type": "drivers/gnss", "properties": {"core.device": "pty:gnss"},
-               "ports": {"fix": "fix.write"}},
-      "driver": {"type": "drivers/imu", "properties": {"core.device": "pty:imu"},
-                 "ports": {"imu": "data.write"}},
-      "receiver": {"type": "drivers/receiver_sim", "ports": {"antenna": "world.antenna"},
-                   "properties": {"fsm.period": "100ms", "core.protocol": ")" +
-         protocol + R"("}},
-      "unit": {"type": "drivers/imu_sim", "ports": {"world": "world.imu"}}}})";
-}
-
-TEST(SimulatedDevices, SpeakToTheRealDriversListedBeforeThem) {
-  for (const char* protocol : {"nmea", "ubx"}) {
-    SCOPED_TRACE(protocol);
-    Simulated line(world(protocol));
-    ASSERT_TRUE(line.up());
-
-    line.run(5s);
-
-    EXPECT_GE(line.observe("fixes", "gnss"), 40);
-    EXPECT_EQ(line.observe("bad_frames", "gnss"), 0);
-    EXPECT_EQ(line.observe("satellites", "gnss"), 9);
-    EXPECT_GE(line.observe("measurements"), 450);
-    EXPECT_EQ(line.observe("bad_frames"), 0);
-    EXPECT_TRUE(line.data<Imu>().has_heading);
-    EXPECT_LT(std::abs(line.data<Imu>().yaw_rate), 0.1);
-  }
-}
-
-TEST(SimulatedDevices, RefuseAProtocolThatDoesNotExist) {
-  Simulated line(world("morse"));
-
-  ASSERT_FALSE(line.up());
-  EXPECT_NE(line.up().error().message.find("nmea or ubx"), std::string::npos);
 }
 
 }  // namespace

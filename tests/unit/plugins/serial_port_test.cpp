@@ -108,6 +108,21 @@ TEST(SerialPort, ReadsAPlainFileToo) {
   fs::remove(path);
 }
 
+TEST(SerialPort, IsNotWrittenToWhenItIsNoTerminal) {
+  const std::string path = link_name("precious");
+  std::ofstream(path) << "a recording";
+  SerialPort port;
+
+  const auto refused = port.open(path, 0, SerialPort::Missing::accepted, SerialPort::Use::both);
+  port.choose(path, 0, SerialPort::Use::both);
+
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("is no serial device"), std::string::npos);
+  EXPECT_FALSE(port.reopen());
+  EXPECT_EQ(fs::file_size(path), 11U);
+  fs::remove(path);
+}
+
 TEST(PseudoTerminal, LosesWhatDoesNotFitInsteadOfWaiting) {
   PseudoTerminal line;
   ASSERT_TRUE(line.open(""));

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Bytes from one thread to one other, wait-free.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace drivers {
+
+/// One writer, one reader. Plain data, so that it can be part of a core's state.
+template <std::size_t kSize>
+class ByteRing {
+  static_assert(kSize > 0 && (kSize & (kSize - 1)) == 0, "a power of two");
+
+ public:
+  static constexpr std::size_t kCapacity = kSize;
+
+  /// Bytes that wait; for either side. [rt]
+  [[nodiscard]] std::size_t size() {
+    // The tail first: a head that is read later is never behind it.
+    const std::uint32_t tail = look(tail_);
+    return look(head_) - tail;
+  }
+
+  /// The writer: room in one piece; what was written there counts after filled(). [rt]
+  [[nodiscard]] std::span<char> room() {
+    const std::size_t free = kSize - size();
+    const std::size_t at = head_ % kSize;
+    return std::span(bytes_).subspan(at, std::min(free, kSize - at));
+  }
+  void filled(std::size_t count) { store(head_, head_ + static_cast<std::uint32_t>(count)); }
+  /// All of it, or false and nothing. [rt]
+  [[nodiscard]] bool put(std::span<const char> bytes) {
+    if (bytes.size() > kSize - size()) return false;
+    const std::size_t count = bytes.size();
+    for (std::size_t i = 0; i < count; ++i) bytes_[(head_ + i) % kSize] = bytes[i];
+    filled(count);
+    return true;
+  }
+
+  /// The reader: what waits, in one piece; it is gone after drop(). [rt]
+  [[nodiscard]] std::span<const char> there() {
+    const std::size_t at = tail_ % kSize;
+    return std::span<const char>(bytes_).subspan(at, std::min(size(), kSize - at));
+  }
+  void drop(std::size_t count) { store(tail_, tail_ + static_cast<std::uint32_t>(count)); }
+
+ private:
+  static std::uint32_t look(std::uint32_t& word) {
+    return std::atomic_ref(word).load(std::memory_order_acquire);
+  }
+  static void store(std::uint32_t& word, std::uint32_t value) {
+    std::atomic_ref(word).store(value, std::memory_order_release);
+  }
+
+  std::array<char, kSize> bytes_{};
+  std::uint32_t head_ = 0;  // the writer's; both only grow, and wrap
+  std::uint32_t tail_ = 0;  // the reader's
+};
+
+}  // namespace drivers

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "line_thread.h"
+
+#include <poll.h>
+#include <pthread.h>
+#include <sys/eventfd.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+namespace drivers {
+namespace {
+
+using namespace std::chrono_literals;
+using mauve::Errc;
+using mauve::refuse;
+using mauve::Status;
+
+constexpr int kGlance = 100;  // ms: does another line want the bytes?
+constexpr int kPause = 10;    // ms: nothing wakes us when there is room again, or a file grows
+constexpr std::chrono::milliseconds kFarewell{200};
+constexpr std::size_t kStack = 256 * 1024;  // memory is locked: the usual 8 MB would be real
+
+/// Signals are for the threads of mauved, except those that this thread causes itself.
+void introduce() {
+  prctl(PR_SET_NAME, "mauve-line");
+  sigset_t all;
+  sigfillset(&all);
+  for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) sigdelset(&all, own);
+  pthread_sigmask(SIG_BLOCK, &all, nullptr);
+}
+
+std::uint64_t look(std::uint64_t& word) {
+  return std::atomic_ref(word).load(std::memory_order_acquire);
+}
+void store(std::uint64_t& word, std::uint64_t value) {
+  std::atomic_ref(word).store(value, std::memory_order_release);
+}
+
+}  // namespace
+
+Status LineThread::start(LineEnd& end, std::size_t most_waiting, Lost lost) {
+  stop();
+  Descriptor bell(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
+  if (!bell.open()) return refuse(Errc::system, {}, "cannot create an eventfd for a serial line");
+  bell_ = std::move(bell);
+  end_ = &end;
+  most_waiting_ = most_waiting;
+  lost_ = lost;
+  stopping_ = asked_ = false;
+  open_ = end.number() >= 0;
+  waiting_.drop(waiting_.size());
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes);
+  pthread_attr_setstacksize(&attributes, kStack);
+  // Ordinary, whoever makes it.
+  pthread_attr_setinheritsched(&attributes, PTHREAD_EXPLICIT_SCHED);
+  const int error = pthread_create(&thread_, &attributes, &LineThread::enter, this);
+  pthread_attr_destroy(&attributes);
+  if (error != 0) {
+    return refuse(
+        Errc::system, {},
+        "cannot start the thread of a serial line: " + std::generic_category().message(error),
+        "is RLIMIT_MEMLOCK or the number of tasks too small?");
+  }
+  running_ = true;
+  return mauve::ok();
+}
+
+void LineThread::stop() {
+  if (!running_) return;
+  stopping_ = true;
+  kick();
+  pthread_join(thread_, nullptr);
+  running_ = open_ = false;
+}
+
+void LineThread::empty_handed(LineBytes& bytes) {
+  store(bytes.wanted, 0);
+  if (bytes.home != reinterpret_cast<std::uintptr_t>(&bytes)) return;
+  while (look(bytes.filler) != 0) std::this_thread::sleep_for(1ms);
+}
+
+void LineThread::fill(LineBytes& bytes) {
+  if (const auto here = reinterpret_cast<std::uintptr_t>(&bytes); bytes.home != here) {
+    bytes.home = here;
+    store(bytes.filler, 0);
+  }
+  store(bytes.wanted, id());
+  if (look(bytes.filler) != 0) return;  // ours, or it will let go
+  store(bytes.filler, id());
+  target_.store(&bytes, std::memory_order_release);
+  kick();
+}
+
+bool LineThread::send(std::string_view bytes) {
+  if (waiting_.size() + bytes.size() > most_waiting_ || !waiting_.put(bytes)) return false;
+  kick();
+  return true;
+}
+
+bool LineThread::reopen() {
+  if (open()) return true;
+  asked_.store(true, std::memory_order_release);
+  kick();
+  return false;
+}
+
+/// Bounded: no write to an eventfd waits for its reader.
+void LineThread::kick() const {
+  const std::uint64_t one = 1;
+  static_cast<void>(::write(bell_.number(), &one, sizeof one));
+}
+
+void* LineThread::enter(void* self) {
+  introduce();
+  static_cast<LineThread*>(self)->run();
+  return nullptr;
+}
+
+void LineThread::run() {
+  while (!stopping_.load(std::memory_order_acquire)) {
+    choose_bytes();
+    if (asked_.exchange(false)) open_again();
+    write_out();
+    read_in();
+    wait();
+  }
+  send_rest();
+  let_go();
+  // Given to us and not looked at yet.
+  if (LineBytes* const bytes = target_.exchange(nullptr)) store(bytes->filler, 0);
+}
+
+/// Takes those it was given; leaves those that another line wants.
+void LineThread::choose_bytes() {
+  LineBytes* target = target_.load(std::memory_order_acquire);
+  if (filled_ != nullptr && (filled_ != target || look(filled_->wanted) != id())) {
+    target = filled_;
+    if (target_.compare_exchange_strong(target, nullptr)) target = nullptr;
+    let_go();
+  }
+  filled_ = target;
+}
+
+/// The last that this line does to them.
+void LineThread::let_go() {
+  LineBytes* const bytes = std::exchange(filled_, nullptr);
+  if (bytes != nullptr) store(bytes->filler, 0);
+}
+
+/// What waited was for the device that is gone.
+void LineThread::open_again() {
+  if (open()) return;
+  drop_waiting();
+  const bool opened = end_->reopen();
+  error_ = opened ? 0 : errno;
+  idle_ = false;
+  open_.store(opened, std::memory_order_release);
+}
+
+void LineThread::read_in() {
+  while (open() && filled_ != nullptr) {
+    const std::span<char> room = filled_->ring.room();
+    if (room.empty()) return;
+    const std::ptrdiff_t count = end_->read(room);
+    if (count < 0) return lose();
+    if (count == 0) return;
+    idle_ = false;
+    filled_->ring.filled(static_cast<std::size_t>(count));
+    if (tell_received_) tell_received_(static_cast<std::size_t>(count));
+  }
+}
+
+void LineThread::write_out() {
+  bool tried = false;
+  while (waiting_.size() > 0) {
+    if (!open() && lost_ == Lost::opened_to_send && !std::exchange(tried, true)) {
+      error_ = end_->reopen() ? 0 : errno;
+      open_ = end_->number() >= 0;
+    }
+    if (!open()) return drop_waiting();
+    const std::span<const char> bytes = waiting_.there();
+    const std::ptrdiff_t count = end_->write({bytes.data(), bytes.size()});
+    if (count == 0) return;
+    if (count < 0) {
+      lose();
+    } else {
+      waiting_.drop(static_cast<std::size_t>(count));
+    }
+  }
+}
+
+void LineThread::lose() {
+  error_ = errno;
+  end_->close();
+  open_.store(false, std::memory_order_release);
+}
+
+void LineThread::drop_waiting() {
+  const std::size_t size = waiting_.size();
+  if (size == 0) return;
+  waiting_.drop(size);
+  if (tell_unsent_) tell_unsent_();
+}
+
+void LineThread::wait() {
+  const bool filling = filled_ != nullptr && open();
+  const bool full = filling && filled_->ring.room().empty();
+  pollfd bell{bell_.number(), POLLIN, 0};
+  pollfd line{-1, 0, 0};
+  if (filling && !full && !idle_) line.events = POLLIN;
+  if (open() && waiting_.size() > 0) line.events |= POLLOUT;
+  if (line.events != 0) line.fd = end_->number();
+  std::array<pollfd, 2> both{bell, line};
+  const int longest = full || idle_ ? kPause : filled_ != nullptr ? kGlance : -1;
+  ::poll(both.data(), both.size(), longest);
+  idle_ = false;
+  if ((both[0].revents & POLLIN) != 0) {
+    std::uint64_t rings = 0;
+    static_cast<void>(::read(bell_.number(), &rings, sizeof rings));
+  } else if (both[1].revents != 0 && (both[1].revents & POLLOUT) == 0) {
+    idle_ = true;  // unless it has something to read
+  }
+}
+
+void LineThread::send_rest() {
+  const auto until = std::chrono::steady_clock::now() + kFarewell;
+  for (write_out(); waiting_.size() > 0 && std::chrono::steady_clock::now() < until; write_out()) {
+    pollfd line{end_->number(), POLLOUT, 0};
+    ::poll(&line, 1, kPause);
+  }
+}
+
+}  // namespace drivers

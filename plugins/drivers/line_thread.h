@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The thread that reads and writes a serial line, so that no real-time thread has to: in the
+/// kernel a read of a terminal can wait for a worker of ordinary priority, and a write for whoever
+/// writes to the same one.
+#pragma once
+
+#include <pthread.h>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string_view>
+#include <utility>
+
+#include <mauve/result.h>
+
+#include "byte_ring.h"
+#include "serial_port.h"
+
+namespace drivers {
+
+/// What came from a device and was not used yet. Part of a core's state, so that it survives a
+/// change: the successor reads on here, and its own line goes on filling it once the line of its
+/// predecessor has let go.
+struct LineBytes {
+  ByteRing<16'384> ring;
+  std::uint64_t filler = 0;  // the line that writes into it
+  std::uint64_t wanted = 0;  // the line that shall
+  std::uint64_t home = 0;    // where this is: a copy has no filler
+};
+
+/// Serves one end of a line from start() to stop(). A line reads only into bytes that it fills, and
+/// no more than find room there: what is beyond that waits in the kernel, and a core that does not
+/// run takes nothing from the one that does.
+class LineThread {
+ public:
+  /// What becomes of an end that failed: it waits for reopen(), or is opened when something is
+  /// sent.
+  enum class Lost : bool { waits, opened_to_send };
+
+  LineThread() = default;
+  ~LineThread() { stop(); }
+  LineThread(const LineThread&) = delete;
+  LineThread& operator=(const LineThread&) = delete;
+
+  /// `end` belongs to the thread until stop(). At most `most_waiting` bytes wait to be sent: what a
+  /// device that hung hears later should not be too old. [factory]
+  mauve::Status start(LineEnd& end, std::size_t most_waiting, Lost lost = Lost::waits);
+  /// Called on the thread when what send() took found no device, and with how many bytes came.
+  /// Before start(). [factory]
+  void when_unsent(std::function<void()> tell) { tell_unsent_ = std::move(tell); }
+  void when_received(std::function<void(std::size_t)> tell) { tell_received_ = std::move(tell); }
+  /// Sends what waits, for 200 ms at most, and joins the thread. [factory]
+  void stop();
+  /// Until no line fills it any more, so that it can go. After stop(). [factory]
+  static void empty_handed(LineBytes& bytes);
+
+  /// The line fills this from now on; to be said again in each job. [rt]
+  void fill(LineBytes& bytes);
+  /// All of it is sent later, or nothing and false: too much waits already. [rt]
+  bool send(std::string_view bytes);
+  /// Read it before looking for bytes: those that came before it failed are there then. [rt]
+  [[nodiscard]] bool open() const { return open_.load(std::memory_order_acquire); }
+  /// Why it is not open: an errno. [rt]
+  [[nodiscard]] int error() const { return error_.load(std::memory_order_relaxed); }
+  /// Asks for another try and tells whether an earlier one did it. [rt]
+  bool reopen();
+
+ private:
+  static void* enter(void* self);
+  void run();
+  void choose_bytes();
+  void let_go();
+  void open_again();
+  void read_in();
+  void write_out();
+  void lose();
+  void drop_waiting();
+  void wait();
+  void send_rest();
+  void kick() const;
+  [[nodiscard]] std::uint64_t id() const { return reinterpret_cast<std::uintptr_t>(this); }
+
+  LineEnd* end_ = nullptr;
+  std::size_t most_waiting_ = 0;
+  Lost lost_ = Lost::waits;
+  std::function<void()> tell_unsent_;
+  std::function<void(std::size_t)> tell_received_;
+  Descriptor bell_;
+  pthread_t thread_{};
+  bool running_ = false;
+  std::atomic<bool> stopping_{false};
+  std::atomic<bool> asked_{false};
+  std::atomic<bool> open_{false};
+  std::atomic<int> error_{0};
+  std::atomic<LineBytes*> target_{nullptr};
+  ByteRing<16'384> waiting_;
+
+  // The thread's own.
+  LineBytes* filled_ = nullptr;
+  bool idle_ = false;  // it is always ready, and has nothing: the end of a file
+};
+
+}  // namespace drivers

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The far end of a line as a simulated device uses it: a pseudo-terminal, read and written by a
+/// thread of its own.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "line_thread.h"
+#include "serial_port.h"
+
+namespace drivers {
+
+class SimulatedLine {
+ public:
+  /// See PseudoTerminal. [factory]
+  mauve::Status open(const std::string& name) {
+    if (mauve::Status opened = terminal_.open(name); !opened) return opened;
+    return thread_.start(terminal_, decltype(bytes_.ring)::kCapacity);
+  }
+  void close() {
+    thread_.stop();
+    terminal_.close();
+  }
+
+  /// All of it, or nothing and false: nobody reads the line, and much waits already. [rt]
+  bool send(std::string_view bytes) { return thread_.send(bytes); }
+  /// What the other end wrote, as far as it fits. [rt]
+  [[nodiscard]] std::size_t receive(std::span<char> into) {
+    thread_.fill(bytes_);
+    const std::span<const char> there = bytes_.ring.there();
+    const std::size_t count = std::min(there.size(), into.size());
+    std::copy_n(there.begin(), count, into.begin());
+    bytes_.ring.drop(count);
+    return count;
+  }
+
+ private:
+  PseudoTerminal terminal_;
+  LineBytes bytes_;
+  LineThread thread_;  // ends before both
+};
+
+}  // namespace drivers
