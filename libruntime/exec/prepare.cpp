@@ -7,6 +7,7 @@
 #include "base/name.h"
 #include "exec/admission.h"
 #include "exec/barrier.h"
+#include "exec/renew.h"
 
 #include <mauve/job.h>
 
@@ -210,10 +211,13 @@ Result<PreparedChange> prepare_change(System& system, const Change& change, bool
                   "before deployment change the elements themselves");
   }
   if (Status sound = check_worth(change); !sound) return sound.error();
-  Preparation preparation(system, change);  // what is dropped with it runs user code, without lock
+  // What is dropped with these runs user code, without lock.
+  Change whole = change;
+  Preparation preparation(system, whole);
   const ModelLock::Hold hold(system.model);
   if (!hold) return refuse(Errc::timed_out, "deployer", "the change was given up before it began");
   if (Status sound = check_names(system, change); !sound) return sound.error();
+  if (Status made = put_as_heirs(system.architecture, whole); !made) return made.error();
   return preparation.run(configure);
 }
 
