@@ -111,8 +111,9 @@ void Caretaker::tell_of_holds() {
       continue;
     }
     told = count;
+    const auto held = std::chrono::ceil<std::chrono::microseconds>(gate.longest_hold());
     running_->log.write(Event::hold_exceeded, {{"resource", resource->name()},
-                                               {"held", format_duration(gate.longest_hold())},
+                                               {"held", format_duration(held)},
                                                {"hold", format_duration(gate.declared_hold())},
                                                {"count", number(count)}});
   }

@@ -59,8 +59,10 @@ void print(const Timing& timing) {
                 in_words(one.slack)});
   }
   for (const auto& lock : timing.locks) {
-    std::cout << lock.resource << " is held for " << in_words(lock.hold) << " at most ("
-              << lock.source << ")\n";
+    if (lock.hold) {
+      std::cout << lock.resource << " is held for at most " << in_words(lock.hold) << " ("
+                << lock.source << ")\n";
+    }
   }
   std::cout << verdict(timing) << "\n";
   for (const auto& problem : timing.problems) {

@@ -53,14 +53,8 @@ void free_in_factory(Running& running, JourneyPtr journey, Ticket ticket) {
       [ticket = std::move(ticket)] {});
 }
 
-void say_sync(const Change& change, Json& result) {
-  if (change.sync == Sync::barrier) {
-    result["sync"] = "barrier";
-  }
-}
-
 void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
-            const std::string& state, const Journey& journey) {
+            const std::string& state, Journey& journey) {
   Companion* const companion = journey.companion.get();
   const bool in_force = receipt || receipt.error().code == Errc::partly;
   if (companion != nullptr && in_force) {
@@ -70,7 +64,7 @@ void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
     return answer(running, call, receipt.error(), state);
   }
   auto result = to_json(*receipt);
-  say_sync(journey.change, result);
+  say_sync(journey.prepared, result);
   if (journey.change.probation) {
     result["probation"] = to_json(*journey.change.probation);
   }
@@ -173,7 +167,7 @@ void tell(Running& running, const CallPtr& call, JourneyPtr journey, Ticket tick
   }
   receipt.warnings = content.warnings;
   auto result = to_json(receipt);
-  say_sync(journey->change, result);
+  say_sync(journey->prepared, result);
   journey->companion->complete(result);
   answer(running, *call, std::move(result));
   free_in_factory(running, std::move(journey), std::move(ticket));
@@ -282,6 +276,12 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
                           running.generation = running.earlier + running.deployer.generation();
                           then(*ongoing);
                         });
+}
+
+void say_sync(std::optional<Result<PreparedChange>>& prepared, Json& result) {
+  if (prepared && *prepared && (*prepared)->content().barrier) {
+    result["sync"] = "barrier";
+  }
 }
 
 std::string state_after(const Error& error) {

@@ -45,7 +45,10 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
 /// What the system is in after a change that was refused with this.
 [[nodiscard]] std::string state_after(const Error& error);
 
-/// What a change of this component starts from.
+/// [any] Whether all members wait for each other, as it was prepared.
+void say_sync(std::optional<Result<PreparedChange>>& prepared, Json& result);
+
+/// What a change of this component or resource starts from.
 [[nodiscard]] Edit edit_of(std::string_view component);
 
 /// The reason of a rollback that somebody asked for begins with this.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// plugin.reload: everything that components run moves to the new code in one transaction, then
-/// the old code is unmapped, or it is said why not.
+/// plugin.reload: everything that components run, and all resources, move to the new code in one
+/// transaction, then the old code is unmapped, or it is said why not.
 ///
 ///   [factory] map the new file, make and configure the new elements
-///   [control] the names change hands, all members swap at one instant
+///   [control] the names change hands, all members swap at one instant; with resources at a barrier
 ///   [factory] the old elements are cleaned up and freed, the old code unmapped
 #include <optional>
 
@@ -38,7 +38,8 @@ bool is_of(const std::string& type, const std::string& plugin) {
   return type.starts_with(plugin + "/");
 }
 
-/// Which components run code of the plugin. The types in force stand for those to come.
+/// Which components run code of the plugin, and which resources are of it. The types in force stand
+/// for those to come.
 Change members(const Running& running, const std::string& plugin, StatePolicy state) {
   Change change;
   for (const auto* component : running.architecture.components()) {
@@ -61,6 +62,15 @@ Change members(const Running& running, const std::string& plugin, StatePolicy st
     if (edit.core || edit.fsm || edit.type || edit.task) {
       change.edits.push_back(std::move(edit));
     }
+  }
+  for (const auto* resource : running.architecture.resources()) {
+    if (!is_of(resource->type().name, plugin)) {
+      continue;
+    }
+    auto edit = edit_of(resource->name());
+    edit.state = state;
+    edit.resource = resource->type();
+    change.edits.push_back(std::move(edit));
   }
   return change;
 }
@@ -126,6 +136,9 @@ void prepare(Running& running, Reload& reload) {
     if (found) {
       found = take_new(offered.components, edit.type, edit.component);
     }
+    if (found) {
+      found = take_new(offered.resources, edit.resource, edit.component);
+    }
     if (!found) {
       reload.prepared = found.error();
       return;
@@ -184,8 +197,9 @@ void free_old(Running& running, Reload& reload, bool in_force) {
 }
 
 /// What is said of a reload that is in force, but for what became of the old code.
-Json result_of(const Reload& reload) {
+Json result_of(Reload& reload) {
   auto result = reload.receipt ? to_json(*reload.receipt) : to_json(Receipt{});
+  say_sync(reload.prepared, result);
   result["changed"] = true;
   result["state"] = "applied";
   result["plugin"] = reload.name;

@@ -25,6 +25,17 @@ bool is_free(ResourceBase& resource) {
   return true;
 }
 
+/// Counters and the like of a resource of the same type.
+void go_on_counting(const ResourceBase& from, const ResourceBase& into) {
+  if (from.type().name != into.type().name) return;
+  for (ObservableBase* observable : into.core().observables()) {
+    const ObservableBase* same = from.core().find_observable(observable->name());
+    if (same != nullptr && same_type(same->type(), observable->type())) {
+      observable->continue_from(*same);
+    }
+  }
+}
+
 }  // namespace
 
 Status Barrier::check(const PreparedChange::Content& content) {
@@ -36,7 +47,7 @@ Status Barrier::check(const PreparedChange::Content& content) {
     }
     auto plan = plan_succession(*heir.from, *heir.into, heir.state, content.probation.has_value());
     if (!plan) return plan.error();
-    heirs_.push_back({heir.from, heir.into->name(), *plan});
+    heirs_.push_back({heir.from, heir.into, *plan});
   }
   for (const ComponentBase* component : bystanders_of(system_, content)) {
     Deployed* const deployed = system_.find(component->name());
@@ -120,7 +131,7 @@ void Barrier::part() {
 bool Barrier::hand_over(const std::vector<PreparedResource>& changed) {
   std::string held;
   for (const Heir& heir : heirs_) {
-    if (!is_free(*heir.from)) held = heir.name;
+    if (!is_free(*heir.from)) held = heir.from->name();
   }
   for (const PreparedResource& one : changed) {
     if (!is_free(*one.resource)) held = one.resource->name();
@@ -133,7 +144,10 @@ bool Barrier::hand_over(const std::vector<PreparedResource>& changed) {
     return false;
   }
   MAUVE_FAIL_POINT("barrier.before_hand_over");
-  for (Heir& heir : heirs_) heir.bytes = heir.plan.run();
+  for (Heir& heir : heirs_) {
+    heir.bytes = heir.plan.run();
+    go_on_counting(*heir.from, *heir.into);
+  }
   MAUVE_FAIL_POINT("barrier.after_hand_over");
   return true;
 }
@@ -158,7 +172,7 @@ void Barrier::tell(Receipt& receipt) const {
         {one.deployed->component->name(), Duration{0}, missed - one.missed_before, 0});
   }
   for (const Heir& heir : heirs_) {
-    receipt.components.push_back({heir.name, Duration{0}, 0, heir.bytes});
+    receipt.components.push_back({heir.into->name(), Duration{0}, 0, heir.bytes});
   }
 }
 

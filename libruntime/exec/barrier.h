@@ -60,7 +60,7 @@ class Barrier {
   enum class Phase : std::uint8_t { gathering, waiting, parting, over };
   struct Heir {
     ResourceBase* from;
-    const std::string& name;
+    ResourceBase* into;
     Succession plan;
     std::size_t bytes = 0;
   };

@@ -7,6 +7,8 @@
 #include "base/name.h"
 #include "exec/admission.h"
 #include "exec/barrier.h"
+#include "exec/renew.h"
+#include "model/elements.h"
 
 #include <mauve/job.h>
 
@@ -179,6 +181,16 @@ class Preparation {
   std::unique_ptr<PreparedChange::Content> content_;
 };
 
+/// `whole` becomes what the change comes to.
+Result<PreparedChange> prepare_locked(System& system, const Change& change, Change& whole,
+                                      Preparation& preparation, bool configure) {
+  const ModelLock::Hold hold(system.model);
+  if (!hold) return refuse(Errc::timed_out, "deployer", "the change was given up before it began");
+  if (Status sound = check_names(system, change); !sound) return sound.error();
+  if (Status made = put_as_heirs(system.architecture, whole); !made) return made.error();
+  return preparation.run(configure);
+}
+
 }  // namespace
 
 Result<ServiceBase*> Afterwards::find_service(std::string_view address) const {
@@ -210,11 +222,16 @@ Result<PreparedChange> prepare_change(System& system, const Change& change, bool
                   "before deployment change the elements themselves");
   }
   if (Status sound = check_worth(change); !sound) return sound.error();
-  Preparation preparation(system, change);  // what is dropped with it runs user code, without lock
-  const ModelLock::Hold hold(system.model);
-  if (!hold) return refuse(Errc::timed_out, "deployer", "the change was given up before it began");
-  if (Status sound = check_names(system, change); !sound) return sound.error();
-  return preparation.run(configure);
+  Change whole = change;
+  auto preparation = std::make_unique<Preparation>(system, whole);
+  auto prepared = prepare_locked(system, change, whole, *preparation, configure);
+  if (prepared) return prepared;
+  // What is dropped runs user code, without lock.
+  static_cast<void>(drop_elements(system.architecture.name(), [&] {
+    preparation.reset();
+    whole = {};
+  }));
+  return prepared;
 }
 
 }  // namespace mauve::exec

@@ -73,7 +73,7 @@ Result<PreparedResource> prepare_resource(const Afterwards& after, const Edit& e
                   "is a resource: it has no thread to start or stop, and its core is replaced by "
                   "changing its properties only");
   }
-  if (Status paths = check_paths(edit, {"core"}); !paths)
+  if (Status paths = check_paths(edit, {"shell", "core", "interface"}); !paths)
     return paths.error();
   PreparedResource prepared;
   prepared.resource = &resource;

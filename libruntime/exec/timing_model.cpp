@@ -98,7 +98,8 @@ const LockTiming& TimingModel::lock_of(const ResourceBase& resource) {
     lock.source = analysis::to_string(analysis::Source::unknown);
   }
   if (declared > Duration{0} && longest > declared) {
-    notes_.push_back(lock.resource + " was held for " + format_duration(longest) +
+    notes_.push_back(lock.resource + " was held for " +
+                     format_duration(std::chrono::ceil<std::chrono::microseconds>(longest)) +
                      ", longer than its declared hold of " + format_duration(declared));
   }
   return lock;

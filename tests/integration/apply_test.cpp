@@ -152,7 +152,7 @@ TEST_F(Apply, ChangesHowLongAResourceIsHeld) {
   EXPECT_EQ(daemon_.ask("object.get", {{"address", "meter"}})["hold"], "1.5ms");
   EXPECT_EQ(ctl("diff", with_meter(R"(, "hold": "1.5ms")")).exit, 0) << "what runs says so";
   ASSERT_EQ(ctl("apply", with_meter("")).exit, 0);
-  EXPECT_EQ(daemon_.ask("object.get", {{"address", "meter"}})["hold"], "0ns");
+  EXPECT_EQ(daemon_.ask("object.get", {{"address", "meter"}})["hold"], "0s");
 }
 
 TEST_F(Apply, DoesNoPartOfItWhenAnotherCannotBePrepared) {

@@ -125,6 +125,77 @@ TEST(Reload, RenewsTheFallbackCores) {
   EXPECT_EQ(daemon.errors().find("no core stands by"), std::string::npos) << daemon.errors();
 }
 
+/// "first" writes into a resource of the plugin, "second" reads shared data as before.
+std::string with_tally() {
+  std::string text(kTrial);
+  const std::string resources = R"("resources": {)";
+  text.insert(text.find(resources) + resources.size(), R"(
+    "tally": { "type": "trial/tally", "hold": "1ms", "properties": { "core.gain": 3.5 } },)");
+  const std::string output = R"("output": "signal.write")";
+  return text.replace(text.find(output), output.size(), R"("output": "tally.note")");
+}
+
+class ReloadOfResources : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(daemon.becomes("tally.core.number", 1)) << daemon.errors();
+    ASSERT_TRUE(eventually([&] { return daemon.value("tally.core.count") > 50; }));
+  }
+
+  TrialDaemon daemon{with_tally()};
+};
+
+TEST_F(ReloadOfResources, RunsTheNewCodeWithTheOldStateAndUnmapsTheOldCode) {
+  daemon.install(2);
+
+  const auto result = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+
+  EXPECT_EQ(result["state"], "applied") << result;
+  EXPECT_EQ(result["unmapped"], true) << result;
+  EXPECT_EQ(result["sync"], "barrier");
+  EXPECT_EQ(result["components"].size(), 3U) << result;
+  EXPECT_TRUE(daemon.becomes("tally.core.number", 2));
+  EXPECT_TRUE(daemon.becomes("first.core.number", 2));
+  EXPECT_GT(daemon.value("tally.core.count"), 50);
+  EXPECT_EQ(daemon.value("tally.core.gain"), 3.5);
+  EXPECT_EQ(daemon.ask("object.get", {{"address", "tally"}})["hold"], "1ms");
+  EXPECT_EQ(daemon.ask("status.get")["generation"], 2);
+}
+
+TEST_F(ReloadOfResources, ConvertsTheirStateOrRefusesToLoseIt) {
+  daemon.install(3);
+  ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}})["state"], "applied");
+  EXPECT_TRUE(daemon.becomes("tally.core.number", 3));
+  EXPECT_GT(daemon.value("tally.core.count"), 50);
+  daemon.install(1);
+
+  const auto error = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+
+  EXPECT_EQ(error["data"]["name"], "type_mismatch") << error;
+  EXPECT_EQ(daemon.value("tally.core.number"), 3);
+  EXPECT_EQ(daemon.component("first")["state"], "running");
+}
+
+TEST_F(ReloadOfResources, CanBeDoneOverAndOver) {
+  for (int round = 0; round < 6; ++round) {
+    const int build = round % 2 == 0 ? 2 : 1;
+    daemon.install(build);
+    const auto result = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+    ASSERT_EQ(result["unmapped"], true) << result;
+    ASSERT_TRUE(daemon.becomes("tally.core.number", build));
+  }
+}
+
+TEST_F(ReloadOfResources, TheirShellPropertiesCanBeSet) {
+  const auto result = daemon.ask("param.set", {{"values", {{"tally.shell.size", 8}}}});
+
+  EXPECT_EQ(result["state"], "applied") << result;
+  EXPECT_EQ(result["sync"], "barrier");
+  EXPECT_TRUE(daemon.becomes("tally.core.size", 8));
+  EXPECT_GT(daemon.value("tally.core.count"), 50);
+  EXPECT_EQ(daemon.value("tally.core.gain"), 3.5);
+}
+
 /// What "first" logged so far: "one says 7".
 std::vector<std::string> said(TrialDaemon& daemon) {
   std::vector<std::string> texts;

@@ -217,6 +217,33 @@ struct MeterInterface : mauve::Interface<MeterCore> {
   mauve::WriteService<double> write{*this, "write", &MeterCore::note};
 };
 
+/// A resource that counts what it is given, and shows which build it is of.
+struct TallyShell : mauve::Shell {
+  mauve::Property<std::int64_t> size{*this, "size", 7, "of the shell"};
+};
+class TallyCore final : public mauve::Core<TallyShell> {
+ public:
+  void note(const double& /*value*/) {
+    count = ++state->count;
+    number = NUMBER;
+    size = shell().size;
+  }
+
+ private:
+  mauve::State<Memory> state{*this};
+#if NUMBER == 3
+  mauve::Converts<MemoryV1, Memory> from_v1{
+      state, [](const MemoryV1& old, Memory& now) noexcept { now.count = old.count; }};
+#endif
+  mauve::Property<double> gain{*this, "gain", 1.0, "kept"};
+  mauve::Observable<std::int64_t> count{*this, "count", 0, "calls so far"};
+  mauve::Observable<std::int64_t> number{*this, "number", 0, "of the build"};
+  mauve::Observable<std::int64_t> size{*this, "size", 0, "of the shell, as met"};
+};
+struct TallyInterface : mauve::Interface<TallyCore> {
+  mauve::WriteService<double> note{*this, "note", &TallyCore::note};
+};
+
 struct AnotherShell : mauve::Shell {};
 class AnotherCore : public mauve::Core<AnotherShell> {
  public:
@@ -249,4 +276,5 @@ MAUVE_PLUGIN(plugin) {
   plugin.core<trial::AnotherCore>("another");
   plugin.component<trial::TrialShell, mauve::PeriodicFsm<trial::TrialCore>>("unit", "steady");
   plugin.resource<mauve::EmptyShell, trial::MeterCore, trial::MeterInterface>("meter");
+  plugin.resource<trial::TallyShell, trial::TallyCore, trial::TallyInterface>("tally");
 }

@@ -52,6 +52,10 @@ struct Edit {
   /// The component's own type from a newer build of its plugin: its shell is made anew, connections
   /// are kept by name of the port.
   std::optional<ComponentType> type;
+  /// Of a resource: its own type from a newer build of its plugin. Like one of which a property of
+  /// the shell or interface changes it is made anew, and takes over at a barrier: all that use it
+  /// wait for each other.
+  std::optional<ResourceType> resource = {};
   /// "core.gain", "fsm.pace", "shell.device" -> value.
   std::vector<std::pair<std::string, Value>> properties;
   std::vector<NewConnection> connect;

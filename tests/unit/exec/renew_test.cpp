@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Resources that are made anew under their names, while others use them.
+#include <gtest/gtest.h>
+
+#include <mauve/architecture.h>
+#include <mauve/deployer.h>
+
+namespace mauve {
+namespace {
+
+struct Sum {
+  std::int64_t value = 0;
+};
+
+}  // namespace
+
+template <>
+struct Described<Sum> {
+  static constexpr std::string_view name = "renew_sum/1";
+  static constexpr auto fields() { return std::tuple{field("value", &Sum::value)}; }
+};
+
+namespace {
+
+/// Adds what it is given, in steps of a shell that cannot change while it runs.
+struct AdderShell : Shell {
+  Property<std::int64_t> step{*this, "step", 1, "each time"};
+};
+struct AdderCore : Core<AdderShell> {
+  State<Sum> sum{*this};
+  Property<std::int64_t> factor{*this, "factor", 1, "of the step"};
+  Observable<std::int64_t> calls{*this, "calls", 0, "so far"};
+  void add(const double& /*value*/) {
+    sum->value += shell().step * factor;
+    ++calls;
+  }
+};
+struct AdderInterface : Interface<AdderCore> {
+  WriteService<double> add{*this, "add", &AdderCore::add};
+};
+
+struct OutShell : Shell {
+  WritePort<double> out{*this, "out"};
+};
+struct RelayCore : Core<OutShell> {
+  Stateless stateless{*this};
+  void pass(const double& value) { shell().out.write(value); }
+};
+struct RelayInterface : Interface<RelayCore> {
+  WriteService<double> pass{*this, "pass", &RelayCore::pass};
+};
+
+/// Says nothing about its state.
+struct VagueCore : Core<AdderShell> {
+  void add(const double& /*value*/) {}
+};
+struct VagueInterface : Interface<VagueCore> {
+  WriteService<double> add{*this, "add", &VagueCore::add};
+};
+
+struct Writer : Core<OutShell> {
+  Stateless stateless{*this};
+  void update() { shell().out.write(1.0); }
+};
+
+/// `near` adds at the adder, `far` through the relay.
+struct Adding : Architecture {
+  Resource<AdderShell, AdderCore, AdderInterface> adder{*this, "adder"};
+  Resource<OutShell, RelayCore, RelayInterface> relay{*this, "relay"};
+  Resource<AdderShell, VagueCore, VagueInterface> vague{*this, "vague"};
+  SharedData<double> shared{*this, "shared"};
+  mauve::Component<OutShell, Writer, PeriodicFsm<Writer>> near{*this, "near"};
+  mauve::Component<OutShell, Writer, PeriodicFsm<Writer>> far{*this, "far"};
+
+  Status on_configure() override {
+    near.fsm().period = 10ms;
+    far.fsm().period = 20ms;
+    for (Status done : {near.shell().out.connect(adder.interface().add),
+                        far.shell().out.connect(relay.interface().pass)}) {
+      if (!done) return done;
+    }
+    return relay.shell().out.connect(adder.interface().add);
+  }
+};
+
+class Renew : public testing::Test {
+ protected:
+  void SetUp() override {
+    architecture.adder.core().factor = 10;
+    architecture.adder.gate().declare_hold(1ms);
+    ASSERT_TRUE(deployer.deploy());
+    deployer.run_for(100ms);
+  }
+  [[nodiscard]] ResourceBase& adder() const { return *architecture.find_resource("adder"); }
+  [[nodiscard]] const AdderCore& core() const {
+    return static_cast<const AdderCore&>(adder().core());
+  }
+  [[nodiscard]] const AdderShell& shell() const {
+    return static_cast<const AdderShell&>(adder().shell());
+  }
+
+  Adding architecture;
+  Deployer deployer{architecture, {.simulated = true}};
+};
+
+TEST_F(Renew, AShellPropertyChangesAndStateValuesAndUsersGoOn) {
+  const std::int64_t calls = core().calls;
+  ASSERT_GT(calls, 5);
+
+  const Result<Receipt> done = deployer.set("adder.shell.step", 3);
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_NE(&adder(), &architecture.adder);
+  EXPECT_EQ(shell().step, 3);
+  EXPECT_EQ(core().factor, 10);
+  EXPECT_EQ(adder().gate().declared_hold(), 1ms);
+  const std::int64_t before = core().calls;
+  EXPECT_EQ(core().sum->value, 10 * calls + 30 * (before - calls)) << "nothing was lost";
+  deployer.run_for(100ms);
+  const auto added = static_cast<double>(core().calls - before);
+  EXPECT_NEAR(added, 15, 1) << "ten of the near one, five through the relay";
+  EXPECT_EQ(core().sum->value - 10 * calls, 30 * (core().calls - calls));
+}
+
+TEST_F(Renew, TheTypeOfANewerBuildTakesOver) {
+  struct Newer : AdderCore {};
+  Edit edit;
+  edit.component = "adder";
+  edit.resource = architecture.adder.type();
+  edit.resource->core.make = detail::make<CoreBase, Newer>;
+  const std::int64_t calls = core().calls;
+
+  const Result<Receipt> done = deployer.apply({{edit}});
+  deployer.run_for(20ms);
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_NE(dynamic_cast<const Newer*>(&adder().core()), nullptr);
+  EXPECT_EQ(core().sum->value, 10 * core().calls);
+  EXPECT_GT(core().calls, calls);
+}
+
+TEST_F(Renew, TheOldOneComesBackWhenTheChangeIsTakenBack) {
+  Edit edit;
+  edit.component = "adder";
+  edit.properties.emplace_back("shell.step", 3);
+  Change change{{edit}};
+  change.probation.emplace();
+  ASSERT_TRUE(deployer.apply(change));
+  ASSERT_NE(&adder(), &architecture.adder);
+
+  ASSERT_TRUE(deployer.undo());
+  deployer.run_for(50ms);
+  Retired free;
+  static_cast<void>(deployer.tend(free));
+  const std::int64_t calls = core().calls;
+  deployer.run_for(100ms);
+
+  EXPECT_EQ(&adder(), &architecture.adder);
+  EXPECT_EQ(shell().step, 1);
+  EXPECT_EQ(core().calls - calls, 15);
+}
+
+TEST_F(Renew, IsRefusedWhereAStateWouldVanishOrNoPropertyIs) {
+  const Result<Receipt> vanishing = deployer.set("vague.shell.step", 3);
+  const Result<Receipt> unknown = deployer.set("adder.shell.stepp", 3);
+  const Result<Receipt> built_in = deployer.set("shared.shell.step", 3);
+
+  ASSERT_FALSE(vanishing);
+  EXPECT_EQ(vanishing.error().code, Errc::unsupported);
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().hint, "did you mean adder.shell.step?");
+  ASSERT_FALSE(built_in);
+  EXPECT_EQ(built_in.error().code, Errc::unknown_name);
+  EXPECT_EQ(&adder(), &architecture.adder);
+  EXPECT_TRUE(deployer.set("vague.shell.step", 3, StatePolicy::drop));
+}
+
+}  // namespace
+}  // namespace mauve
