@@ -35,7 +35,7 @@ constexpr std::string_view kRover = R"({
   }
 })";
 
-Spec accepted(std::string_view text) {
+Spec spec_of(std::string_view text) {
   Problems problems;
   auto spec = parse(text, problems);
   for (const Problem& problem : problems.sorted()) ADD_FAILURE() << to_string(problem, "text");
@@ -57,7 +57,7 @@ std::string rover_with(std::string_view what, std::string_view by) {
 }
 
 TEST(Parse, ReadsAWholeArchitecture) {
-  const Spec spec = accepted(kRover);
+  const Spec spec = spec_of(kRover);
 
   EXPECT_EQ(spec.name, "rover");
   ASSERT_EQ(spec.plugins.size(), 3U);
@@ -71,7 +71,7 @@ TEST(Parse, ReadsAWholeArchitecture) {
 }
 
 TEST(Parse, ReadsAllOfAComponent) {
-  const ComponentSpec control = accepted(kRover).components.at(1);
+  const ComponentSpec control = spec_of(kRover).components.at(1);
 
   EXPECT_EQ(control.name, "control");
   EXPECT_EQ(control.where, (Position{15, 5}));
@@ -88,7 +88,7 @@ TEST(Parse, ReadsAllOfAComponent) {
 }
 
 TEST(Parse, ReadsAllTaskAttributes) {
-  const TaskSpec task = accepted(kRover).components.at(1).task;
+  const TaskSpec task = spec_of(kRover).components.at(1).task;
 
   EXPECT_EQ(task.priority->value, 40);
   EXPECT_EQ(task.cpus.value, (std::vector<int>{1, 2}));
@@ -101,7 +101,7 @@ TEST(Parse, ReadsAllTaskAttributes) {
 }
 
 TEST(Parse, ReadsWhatIsDoneWhenACoreFails) {
-  const Spec spec = accepted(R"({"schema": "mauve/architecture/1", "name": "careful",
+  const Spec spec = spec_of(R"({"schema": "mauve/architecture/1", "name": "careful",
     "components": {
       "plain": { "type": "a/b", "fallback_core": "a/stop", "task": { "on_fault": "fallback",
                  "on_overrun": "fallback", "overrun_limit": 2, "watchdog": "50ms" } },
@@ -123,7 +123,7 @@ TEST(Parse, ReadsWhatIsDoneWhenACoreFails) {
 }
 
 TEST(Parse, LeavesOutWhatTheFileLeavesOut) {
-  const Spec spec = accepted(R"({"schema": "mauve/architecture/1", "name": "empty",
+  const Spec spec = spec_of(R"({"schema": "mauve/architecture/1", "name": "empty",
                                  "components": {"idle": {"type": "a/b"}}})");
 
   const ComponentSpec& idle = spec.components.at(0);
@@ -133,12 +133,12 @@ TEST(Parse, LeavesOutWhatTheFileLeavesOut) {
   EXPECT_TRUE(idle.start);
 }
 
-struct Wrong {
+struct WrongText {
   std::string what, by, at, message, hint;
   std::uint32_t line;
 };
 
-const Wrong kWrongs[] = {
+const WrongText kWrongTexts[] = {
     {"\"plugins\"", "\"plugin\"", "", "unknown key \"plugin\"", "did you mean \"plugins\"?", 5},
     {"\"priority\": 60", "\"prioritty\": 60", "laser.task", "unknown key \"prioritty\"",
      "did you mean \"priority\"?", 14},
@@ -222,7 +222,7 @@ const Wrong kWrongs[] = {
      7}};
 
 TEST(Parse, RefusesEachMistakeWithItsPlaceAddressAndHint) {
-  for (const Wrong& wrong : kWrongs) {
+  for (const WrongText& wrong : kWrongTexts) {
     const auto problems = problems_of(rover_with(wrong.what, wrong.by));
     ASSERT_EQ(problems.size(), 1U) << wrong.by;
     EXPECT_EQ(problems[0].error.at, wrong.at) << wrong.by;

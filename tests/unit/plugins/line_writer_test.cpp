@@ -17,7 +17,7 @@ using drivers::SerialPort;
 
 namespace fs = std::filesystem;
 
-std::string link_name(const char* name) {
+std::string writer_link(const char* name) {
   return (fs::path(testing::TempDir()) / (std::string("mauve_writer_") + name)).string();
 }
 
@@ -28,9 +28,9 @@ std::string heard(const PseudoTerminal& line) {
 
 TEST(LineWriter, SendsBytesUnchanged) {
   PseudoTerminal line;
-  ASSERT_TRUE(line.open(link_name("unchanged")));
+  ASSERT_TRUE(line.open(writer_link("unchanged")));
   LineWriter writer;
-  writer.choose(link_name("unchanged"));
+  writer.choose(writer_link("unchanged"));
 
   EXPECT_EQ(heard(line), "");
   EXPECT_TRUE(writer.send(std::string_view("QT\n\0\x13\x91", 6)));
@@ -38,7 +38,7 @@ TEST(LineWriter, SendsBytesUnchanged) {
 }
 
 TEST(LineWriter, FindsADeviceThatCameAnew) {
-  const std::string link = link_name("anew");
+  const std::string link = writer_link("anew");
   LineWriter writer;
   writer.choose(link);
   EXPECT_FALSE(writer.send("early"));
@@ -54,7 +54,7 @@ TEST(LineWriter, FindsADeviceThatCameAnew) {
 }
 
 TEST(LineWriter, WritesIntoNoPlainFile) {
-  const std::string path = link_name("precious");
+  const std::string path = writer_link("precious");
   std::ofstream(path) << "a recording";
   LineWriter writer;
   writer.choose(path);
