@@ -12,9 +12,9 @@ namespace mauve::ctl {
 namespace {
 
 using protocol::fault_of;
-using Render = std::string (*)(const Json&, Look);
+using RenderAnswer = std::string (*)(const Json&, Look);
 
-int ask(Session& session, std::string_view method, const Json& params, Render render) {
+int ask(Session& session, std::string_view method, const Json& params, RenderAnswer render) {
   const auto answer = session.call(method, params);
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
   const auto& result = std::get<Json>(answer);

@@ -11,10 +11,10 @@ namespace {
 
 using protocol::Exit;
 using protocol::fault_of;
-using Render = std::string (*)(std::string_view, const Json&, Look);
+using RenderReceipt = std::string (*)(std::string_view, const Json&, Look);
 
 int change(Session& session, std::string_view method, Json params, std::string_view done,
-           Render render = render_receipt) {
+           RenderReceipt render = render_receipt) {
   const auto answer = session.call(method, std::move(params));
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
   const auto& receipt = std::get<Json>(answer);

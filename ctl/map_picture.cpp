@@ -11,9 +11,9 @@
 namespace mauve::ctl {
 namespace {
 
-constexpr double kLongest = 1000.0;  // pixels of the longer side
-constexpr double kLegend = 22.0;     // pixels a line of it is high
-constexpr double kAir = 0.7;         // m around everything
+constexpr double kLongerSide = 1000.0;  // pixels
+constexpr double kLegend = 22.0;        // pixels a line of it is high
+constexpr double kAir = 0.7;            // m around everything
 /// Two deviations along each axis: 86 % lie inside.
 constexpr double kDeviations = 2.0;
 
@@ -37,7 +37,7 @@ struct Frame {
     bottom -= kAir;
     right += kAir;
     top += kAir;
-    scale = kLongest / std::max(right - left, top - bottom);
+    scale = kLongerSide / std::max(right - left, top - bottom);
   }
   [[nodiscard]] double width() const { return (right - left) * scale; }
   [[nodiscard]] double height() const { return (top - bottom) * scale; }

@@ -18,7 +18,7 @@ const Json& member(const Json& object, std::string_view key) {
   return found == object.end() ? kNothing : *found;
 }
 
-Paint paint_of(const std::string& state) {
+Paint paint_of_state(const std::string& state) {
   if (state == "running") return Paint::green;
   if (state == "faulted") return Paint::red;
   return state == "stopped" || state == "stale" ? Paint::yellow : Paint::plain;
@@ -94,7 +94,7 @@ std::string table_of(const Json& items, Look look) {
     for (const auto& key : keys) {
       std::string text = item.contains(key) ? content_of(item, key) : std::string{};
       const bool state = key == "state" || key == "status";
-      const Paint paint = state ? paint_of(text) : Paint::plain;
+      const Paint paint = state ? paint_of_state(text) : Paint::plain;
       row.push_back({std::move(text), paint});
     }
     table.add(std::move(row));
@@ -190,7 +190,7 @@ std::string render_status(const Json& status, Look look) {
   for (const Json& one : components) {
     const std::string state = word(one, "state");
     table.add({{word(one, "name")},
-               {state, paint_of(state)},
+               {state, paint_of_state(state)},
                {word(one, "fsm_state")},
                {word(one, "core")},
                {word(one, "priority")},

@@ -15,7 +15,7 @@ std::string time_in_words(std::string time) {
   return time;
 }
 
-Paint paint_of(const std::string& mark) {
+Paint paint_of_mark(const std::string& mark) {
   if (mark == "confirmed") return Paint::plain;
   return mark == "damaged" ? Paint::red : Paint::yellow;
 }
@@ -35,7 +35,7 @@ std::string render_history(const Json& result, Look look) {
                {time_in_words(word(one, "time"))},
                {word(one, "uid")},
                {word(one, "command")},
-               {mark, paint_of(mark)},
+               {mark, paint_of_mark(mark)},
                {harmless(word(one, "reason"))}});
   }
   return table.text(look.width, look.colour);

@@ -8,7 +8,7 @@
 namespace mauve::ctl {
 namespace {
 
-Paint paint_of(const std::string& state) {
+Paint paint_of_rule(const std::string& state) {
   if (state == "fired" || state == "holding") return Paint::yellow;
   return state == "disabled" || state == "limited" ? Paint::red : Paint::plain;
 }
@@ -39,7 +39,7 @@ std::string render_rules(const Json& result, Look look) {
     const std::string answer = word(rule, "answer");
     const bool bad = answer.starts_with("refused") || answer.starts_with("unsafe");
     table.add({{word(rule, "name")},
-               {state, paint_of(state)},
+               {state, paint_of_rule(state)},
                {condition_of(rule)},
                {word(rule, "fired")},
                {last_of(rule)},

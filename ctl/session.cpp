@@ -16,13 +16,13 @@ using namespace std::chrono_literals;
 constexpr std::chrono::nanoseconds kQuestion = 5s;
 // A change is prepared, proved and committed before its answer: constructing a core may take long.
 constexpr std::chrono::nanoseconds kChange = 30s;
-constexpr std::chrono::nanoseconds kLongest = 24h;
+constexpr std::chrono::nanoseconds kLongestWait = 24h;
 
 }  // namespace
 
 std::optional<std::chrono::nanoseconds> timeout_of(std::string_view text) {
   const auto parsed = parse_duration(text);
-  if (!parsed || *parsed <= 0ns || *parsed > kLongest) return std::nullopt;
+  if (!parsed || *parsed <= 0ns || *parsed > kLongestWait) return std::nullopt;
   return *parsed;
 }
 

@@ -7,7 +7,7 @@
 namespace mauve::ctl {
 namespace {
 
-constexpr std::size_t kGap = 2;
+constexpr std::size_t kColumnGap = 2;
 constexpr std::size_t kNarrowest = 8;
 
 bool starts_code_point(char byte) { return (static_cast<unsigned char>(byte) & 0xC0) != 0x80; }
@@ -73,7 +73,7 @@ std::vector<std::size_t> Table::widths(std::size_t width) const {
     result.push_back(widest);
   }
   if (width == 0 || result.empty()) return result;
-  auto total = std::accumulate(result.begin(), result.end(), kGap * (result.size() - 1));
+  auto total = std::accumulate(result.begin(), result.end(), kColumnGap * (result.size() - 1));
   while (total > width) {
     std::size_t widest = columns_.size();
     for (std::size_t i = 0; i < columns_.size(); ++i) {
@@ -93,7 +93,7 @@ std::string Table::text(std::size_t width, bool colour) const {
   const auto add_line = [&](auto&& cell) {
     std::string line;
     for (std::size_t i = 0; i < columns_.size(); ++i) {
-      if (i > 0) line.append(kGap, ' ');
+      if (i > 0) line.append(kColumnGap, ' ');
       const auto [text, paint] = cell(i);
       const std::string fitting = padded(shortened(text, fitted[i]), fitted[i], columns_[i].number);
       line += painted(fitting, paint, colour);

@@ -17,7 +17,7 @@ constexpr std::array<std::string_view, 27> kFirst{
     "max",     "range",  "unit",     "text",   "version",  "fsm_state", "priority",
     "cpus",    "period", "releases", "missed", "overruns", "service"};
 
-std::size_t rank(const std::string& key) {
+std::size_t place_of(const std::string& key) {
   const auto found = std::find(kFirst.begin(), kFirst.end(), key);
   return static_cast<std::size_t>(found - kFirst.begin());
 }
@@ -144,8 +144,9 @@ std::vector<std::string> keys_in_order(const Json& value) {
   }
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  std::stable_sort(keys.begin(), keys.end(),
-                   [](const std::string& a, const std::string& b) { return rank(a) < rank(b); });
+  std::stable_sort(keys.begin(), keys.end(), [](const std::string& a, const std::string& b) {
+    return place_of(a) < place_of(b);
+  });
   return keys;
 }
 

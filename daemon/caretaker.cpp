@@ -24,7 +24,7 @@ using logging::Event;
 
 constexpr std::chrono::milliseconds kEvery{20};
 
-std::int64_t number(std::uint64_t value) { return static_cast<std::int64_t>(value); }
+std::int64_t to_signed(std::uint64_t value) { return static_cast<std::int64_t>(value); }
 
 Event event_of(const Outcome& outcome) {
   switch (outcome.kind) {
@@ -122,8 +122,8 @@ void Caretaker::tell_of_holds() {
 void Caretaker::tell(const Outcome& outcome) {
   running_->log.write(event_of(outcome),
                       {{"component", outcome.component},
-                       {"generation", number(running_->earlier + outcome.generation)},
-                       {"began", number(running_->earlier + outcome.began)},
+                       {"generation", to_signed(running_->earlier + outcome.generation)},
+                       {"began", to_signed(running_->earlier + outcome.began)},
                        {"cause", cause_of(outcome)},
                        {"text", outcome.reason}});
   if (running_->keeper != nullptr) {

@@ -18,7 +18,7 @@ namespace {
 
 using logging::Event;
 
-constexpr std::chrono::milliseconds kPeriod{10};
+constexpr std::chrono::milliseconds kLookEvery{10};
 constexpr const char* kOwnSteps = "its own steps";
 
 /// Nobody's call: what is audited is that the daemon itself did it.
@@ -70,7 +70,7 @@ void Supervisor::stop() {
 /// [rules] A look that still waits is not queued twice.
 void Supervisor::run() {
   std::unique_lock lock(mutex_);
-  while (!wake_.wait_for(lock, kPeriod, [this] { return stopping_; })) {
+  while (!wake_.wait_for(lock, kLookEvery, [this] { return stopping_; })) {
     if (!look_pending_.exchange(true)) {
       control_.read([this] { look(); });
     }

@@ -2,18 +2,38 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Reads what ctest --output-junit wrote: counts, and by name what failed and what was skipped and why.
 
-Usage: results.py STAGE FILE COUNTS   appends "passed failed skipped" to COUNTS; fails when no test ran
-       results.py --sum COUNTS        prints the closing line of scripts/test
+Usage: results.py STAGE FILE COUNTS [AGAIN]
+           appends "passed failed skipped unsteady" to COUNTS; fails when a test did, or none ran.
+           AGAIN is the report of a second run: who failed but passed there is unsteady
+       results.py --may-run-again FILE LOG
+           fails when one of those that failed must not be excused; LOG is what ctest printed
+       results.py --sum COUNTS
+           prints the closing line of scripts/test
 """
 import pathlib
 import re
 import sys
 import xml.etree.ElementTree
 
+MOST_UNSTEADY = 5  # of one stage; with more it is not the tests that are unsteady
+# In ctest's words; what it calls otherwise is a crash, or was not run at all.
+EXCUSABLE = ("Failed", "Timeout")
+# Of an output that was cut nobody can say that it has no report.
+REPORT = re.compile(r"ERROR: \w+Sanitizer|WARNING: ThreadSanitizer|runtime error:|LeakSanitizer"
+                    r"|part of the test output was removed")
+
+
+def cases_of(junit):
+    return xml.etree.ElementTree.parse(junit).getroot().findall("testcase")
+
+
+def output_of(case):
+    return case.findtext("system-out") or ""
+
 
 def reason(case):
     """Why a test was skipped: the first words it printed after GoogleTest's own line."""
-    output = case.findtext("system-out") or ""
+    output = output_of(case)
     found = re.search(r"Skipped\n(.+)", output) or re.search(r"(?i)^skip\w*[: ]+(.+)", output, re.M)
     if found:
         return found.group(1).strip()
@@ -21,37 +41,66 @@ def reason(case):
     return skipped.get("message", "no reason given") if skipped is not None else "no reason given"
 
 
-def stage_report(stage, junit, counts):
+def may_run_again(junit, log):
+    """ctest's report does not tell a crash from a failure, but the list at the end of its log does."""
+    text = pathlib.Path(log).read_text(encoding="utf-8", errors="replace")
+    ends = re.findall(r"^\t *\d+ - (.+?) +\(([^)]+)\)", text.rpartition("The following tests FAILED:")[2],
+                      re.M)
+    why_not = [f"{name}: {end}" for name, end in ends if end not in EXCUSABLE]
+    if pathlib.Path(junit).exists():
+        why_not += [f"{case.get('name')}: a sanitizer's report, or too much output"
+                    for case in cases_of(junit)
+                    if case.get("status") == "fail" and REPORT.search(output_of(case))]
+    if not 0 < len(ends) <= MOST_UNSTEADY:
+        why_not.append(f"{len(ends)} tests failed; from 1 to {MOST_UNSTEADY} may run again")
+    for line in why_not:
+        print(f"not run again: {line}")
+    return 1 if why_not else 0
+
+
+def stage_report(stage, junit, counts, again=None):
     if not pathlib.Path(junit).exists():
         print(f"{stage}: NO RESULTS: ctest wrote no report")
         return 1
-    cases = xml.etree.ElementTree.parse(junit).getroot().findall("testcase")
-    failed = [case.get("name") for case in cases if case.get("status") == "fail"]
+    cases = cases_of(junit)
+    steady = {case.get("name") for case in cases_of(again) if case.get("status") == "run"} \
+        if again and pathlib.Path(again).exists() else set()
+    fallen = [case for case in cases if case.get("status") == "fail"]
+    unsteady = [case for case in fallen if case.get("name") in steady]
+    failed = [case.get("name") for case in fallen if case.get("name") not in steady]
     skipped = [(case.get("name"), reason(case)) for case in cases
                if case.get("status") in ("notrun", "disabled")]
-    passed = len(cases) - len(failed) - len(skipped)
+    passed = len(cases) - len(fallen) - len(skipped)
     with open(counts, "a", encoding="utf-8") as file:
-        file.write(f"{passed} {len(failed)} {len(skipped)}\n")
+        file.write(f"{passed} {len(failed)} {len(skipped)} {len(unsteady)}\n")
     for name in failed:
         print(f"FAILED  {stage}: {name}")
+    for case in unsteady:
+        print(f"UNSTEADY {stage}: {case.get('name')} failed, then passed three times alone. It had said:")
+        print("\n".join(f"    {line}" for line in output_of(case).splitlines()[-20:]))
     for name, why in skipped:
         print(f"SKIPPED {stage}: {name}: {why}")
-    print(f"{stage}: {passed} passed, {len(failed)} failed, {len(skipped)} skipped")
-    if passed + len(failed) == 0:
+    print(f"{stage}: {in_words(passed, len(failed), len(skipped), len(unsteady))}")
+    if passed + len(fallen) == 0:
         print(f"{stage}: NO TEST WAS EXECUTED")
         return 1
     return 1 if failed else 0
 
 
+def in_words(passed, failed, skipped, unsteady):
+    text = f"{passed} passed, {failed} failed, {skipped} skipped"
+    return f"{text}, {unsteady} unsteady" if unsteady else text
+
+
 def closing_line(counts):
     path = pathlib.Path(counts)
     rows = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-    passed, failed, skipped = (sum(int(row.split()[i]) for row in rows) for i in range(3))
-    print(f"{passed} passed, {failed} failed, {skipped} skipped")
+    print(in_words(*(sum(int(row.split()[i]) for row in rows) for i in range(4))))
+    return 0
 
 
 if __name__ == "__main__":
-    if sys.argv[1] == "--sum":
-        closing_line(sys.argv[2])
-        sys.exit(0)
-    sys.exit(stage_report(*sys.argv[1:4]))
+    COMMANDS = {"--sum": closing_line, "--may-run-again": may_run_again}
+    if sys.argv[1] in COMMANDS:
+        sys.exit(COMMANDS[sys.argv[1]](*sys.argv[2:]))
+    sys.exit(stage_report(*sys.argv[1:]))

@@ -234,17 +234,18 @@ void go_on(Running& running, const CallPtr& call, ApplicationPtr application, Ti
 }
 
 /// [control] The lines are the answer.
-void tell(Running& running, const CallPtr& call, ApplicationPtr application, Ticket ticket) {
+void tell_difference(Running& running, const CallPtr& call, ApplicationPtr application,
+                     Ticket ticket) {
   Json result = {{"generation", running.generation.load()}, {"same", application->same()}};
   application->complete(result);
   answer(running, *call, std::move(result));
   free_in_factory(running, std::move(application), std::move(ticket));
 }
 
-using Step = void (*)(Running&, const CallPtr&, ApplicationPtr, Ticket);
+using ApplicationStep = void (*)(Running&, const CallPtr&, ApplicationPtr, Ticket);
 
 void load_then(Running& running, const CallPtr& call, ApplicationPtr application, Ticket ticket,
-               Step next) {
+               ApplicationStep next) {
   auto work = [application] { application->load(); };
   auto then = [&running, call, application = std::move(application), ticket = std::move(ticket),
                next]() mutable {
@@ -279,7 +280,7 @@ void apply_file(Running& running, const CallPtr& call, Ticket ticket) {
 
 void diff_architecture(Running& running, const CallPtr& call, Ticket ticket) {
   auto application = std::make_shared<Application>(running, text_or(call->params, "text"), false);
-  load_then(running, call, std::move(application), std::move(ticket), tell);
+  load_then(running, call, std::move(application), std::move(ticket), tell_difference);
 }
 
 arch::Parked parked_now(const Running& running) {

@@ -240,7 +240,7 @@ void park_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ti
                 });
 }
 
-using Step = void (*)(Running&, const CallPtr&, JourneyPtr, Ticket);
+using JourneyStep = void (*)(Running&, const CallPtr&, JourneyPtr, Ticket);
 
 std::vector<std::string> components_of(const Change& change) {
   std::vector<std::string> names;
@@ -252,7 +252,7 @@ std::vector<std::string> components_of(const Change& change) {
 
 /// Prepares on [factory]; goes on with `next` unless there is a reason not to.
 void prepare_then(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket,
-                  std::function<Result<PreparedChange>()> prepare, Step next) {
+                  std::function<Result<PreparedChange>()> prepare, JourneyStep next) {
   running.control.in_factory(
       [journey, prepare = std::move(prepare)] { journey->prepared = prepare(); },
       [&running, call, journey, next, ticket = std::move(ticket)]() mutable {

@@ -256,7 +256,7 @@ void end_when_settled(Running& running, const CallPtr& call, ReloadPtr reload, T
 }
 
 /// [control]
-void put_in_force(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket) {
+void put_reload_in_force(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket) {
   if (auto good = may_go_on(running, *call, *reload); !good) {
     return end(running, call, std::move(reload), std::move(ticket), good);
   }
@@ -302,7 +302,8 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
   }
   running.control.in_factory([&running, reload] { prepare(running, *reload); },
                              [&running, call, reload, ticket = std::move(ticket)]() mutable {
-                               put_in_force(running, call, std::move(reload), std::move(ticket));
+                               put_reload_in_force(running, call, std::move(reload),
+                                                   std::move(ticket));
                              },
                              [&running, call, name = reload->name](const std::string& hook) {
                                answer(running, *call, given_up(running, hook, name));

@@ -75,9 +75,9 @@ bool says_nothing(const Edit& edit) {
 }
 
 /// One comparison of two architectures.
-class Comparison {
+class Differ {
  public:
-  Comparison(const Architecture& running, Architecture& wanted, const Parked& parked)
+  Differ(const Architecture& running, Architecture& wanted, const Parked& parked)
       : running_(running), wanted_(wanted), parked_(parked) {}
 
   Difference run() {
@@ -290,7 +290,7 @@ Line make_line(std::string kind, std::string address, Value before, Value after)
 }
 
 Difference compare(const Architecture& running, Architecture& wanted, const Parked& parked) {
-  return Comparison(running, wanted, parked).run();
+  return Differ(running, wanted, parked).run();
 }
 
 bool same_value(const Value& a, const Value& b) {

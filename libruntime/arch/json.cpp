@@ -11,8 +11,6 @@
 namespace mauve::arch {
 namespace {
 
-using nlohmann::json;
-
 // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while parsing
 // value - unexpected ']'; last read: '[]'" becomes "syntax error while parsing value - unexpected
 // ']'". What was read may hold any bytes and is shown by the place already.
@@ -41,14 +39,14 @@ class TreeBuilder {
 
   bool null() { return put(std::monostate{}); }
   bool boolean(bool value) { return put(value); }
-  bool number_integer(json::number_integer_t value) { return put(std::int64_t{value}); }
-  bool number_unsigned(json::number_unsigned_t value) {
+  bool number_integer(nlohmann::json::number_integer_t value) { return put(std::int64_t{value}); }
+  bool number_unsigned(nlohmann::json::number_unsigned_t value) {
     if (std::in_range<std::int64_t>(value)) return put(static_cast<std::int64_t>(value));
     return stop(places_.next(), Errc::limit, "an integer beyond 64 bits signed");
   }
-  bool number_float(json::number_float_t value, const std::string&) { return put(value); }
+  bool number_float(nlohmann::json::number_float_t value, const std::string&) { return put(value); }
   bool string(std::string& value) { return put(std::move(value)); }
-  bool binary(json::binary_t&) { return false; }
+  bool binary(nlohmann::json::binary_t&) { return false; }
 
   bool start_object(std::size_t) { return open(Node::Object{}); }
   bool start_array(std::size_t) { return open(Node::Array{}); }
@@ -64,7 +62,7 @@ class TreeBuilder {
     return true;
   }
 
-  bool parse_error(std::size_t offset, const std::string&, const json::exception& error) {
+  bool parse_error(std::size_t offset, const std::string&, const nlohmann::json::exception& error) {
     return stop(TokenPlaces::place_of(text_, offset == 0 ? 0 : offset - 1), Errc::invalid_value,
                 plain_message(error.what()));
   }
@@ -161,8 +159,9 @@ std::optional<Node> parse_json(std::string_view text, Problems& problems,
   TreeBuilder builder(text, problems, limits);
   constexpr bool kWholeText = true;
   constexpr bool kIgnoreComments = true;
-  const bool accepted = json::sax_parse(text.begin(), text.end(), &builder,
-                                        json::input_format_t::json, kWholeText, kIgnoreComments);
+  const bool accepted =
+      nlohmann::json::sax_parse(text.begin(), text.end(), &builder,
+                                nlohmann::json::input_format_t::json, kWholeText, kIgnoreComments);
   if (!accepted || builder.refused()) return std::nullopt;
   return builder.take();
 }

@@ -12,7 +12,7 @@ namespace mauve::arch {
 namespace {
 
 // A key or word of the file in a message; it may be long or hold anything.
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   constexpr std::size_t kLongest = 64;
   if (text.size() <= kLongest) return '"' + std::string(text) + '"';
   std::size_t end = kLongest;
@@ -70,7 +70,7 @@ const Node::Object* read_object(const Source& source, std::initializer_list<Fiel
       field->read(source.inner(member.value, member.key));
     } else {
       source.problems.add(member.where, Errc::unknown_name, source.at,
-                          "unknown key " + quoted(member.key), nearest_hint(member.key, known));
+                          "unknown key " + in_quotes(member.key), nearest_hint(member.key, known));
     }
   }
   return members;
@@ -155,7 +155,8 @@ std::optional<std::size_t> read_size(const Source& source, std::size_t low, std:
     return std::nullopt;
   }
   if (*size < low || *size > high) {
-    source.refuse(quoted(*text) + " is not from " + format_size(low) + " to " + format_size(high));
+    source.refuse(in_quotes(*text) + " is not from " + format_size(low) + " to " +
+                  format_size(high));
     return std::nullopt;
   }
   return *size;
@@ -166,7 +167,7 @@ std::optional<std::size_t> read_word(const Source& source, const std::vector<std
   if (!text) return std::nullopt;
   const auto found = std::find(words.begin(), words.end(), *text);
   if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
-  source.refuse(quoted(*text) + " is not one of " + joined(words), nearest_hint(*text, words));
+  source.refuse(in_quotes(*text) + " is not one of " + joined(words), nearest_hint(*text, words));
   return std::nullopt;
 }
 

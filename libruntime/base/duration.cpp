@@ -15,21 +15,19 @@ struct Unit {
   std::string_view name;
   std::uint64_t nanoseconds;
 };
-constexpr std::array<Unit, 6> kUnits{{{"h", 3'600'000'000'000},
-                                      {"min", 60'000'000'000},
-                                      {"s", 1'000'000'000},
-                                      {"ms", 1'000'000},
-                                      {"us", 1'000},
-                                      {"ns", 1}}};
-constexpr std::uint64_t kLongest = std::numeric_limits<std::int64_t>::max();
+constexpr std::array<Unit, 6> kTimeUnits{{{"h", 3'600'000'000'000},
+                                          {"min", 60'000'000'000},
+                                          {"s", 1'000'000'000},
+                                          {"ms", 1'000'000},
+                                          {"us", 1'000},
+                                          {"ns", 1}}};
+constexpr std::uint64_t kLongestTime = std::numeric_limits<std::int64_t>::max();
 constexpr std::string_view kHint =
     "write a number and a unit, such as \"10ms\" (ns, us, ms, s, min, h)";
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
 std::string_view take_digits(std::string_view& rest) {
   std::size_t count = 0;
-  while (count < rest.size() && is_digit(rest[count])) ++count;
+  while (count < rest.size() && rest[count] >= '0' && rest[count] <= '9') ++count;
   const std::string_view digits = rest.substr(0, count);
   rest.remove_prefix(count);
   return digits;
@@ -39,10 +37,10 @@ std::string_view take_digits(std::string_view& rest) {
 std::optional<std::uint64_t> scaled(std::string_view digits, std::uint64_t scale) {
   std::uint64_t value = 0;
   for (const char c : digits) {
-    if (value > kLongest / 10) return std::nullopt;
+    if (value > kLongestTime / 10) return std::nullopt;
     value = value * 10 + static_cast<std::uint64_t>(c - '0');
   }
-  if (value > kLongest / scale) return std::nullopt;
+  if (value > kLongestTime / scale) return std::nullopt;
   return value * scale;
 }
 
@@ -62,14 +60,14 @@ std::optional<std::uint64_t> fraction(std::string_view digits, std::uint64_t sca
   return value / divisor * (scale / common);
 }
 
-Error refused(std::string_view text, std::string_view why) {
+Error no_duration(std::string_view text, std::string_view why) {
   std::string message = "\"";
   message.append(text.substr(0, 40)).append("\" ").append(why);
   return refuse(Errc::invalid_value, "", std::move(message), std::string(kHint));
 }
 
 const Unit* find_unit(std::string_view name) {
-  for (const Unit& unit : kUnits) {
+  for (const Unit& unit : kTimeUnits) {
     if (unit.name == name) return &unit;
   }
   return nullptr;
@@ -97,7 +95,7 @@ std::string in_unit(std::uint64_t value, const Unit& unit) {
 
 Result<std::chrono::nanoseconds> parse_duration(std::string_view text) {
   std::string_view rest = text;
-  if (rest.starts_with('-')) return refused(text, "is negative");
+  if (rest.starts_with('-')) return no_duration(text, "is negative");
   const std::string_view whole = take_digits(rest);
   std::string_view decimals;
   bool complete = !whole.empty();
@@ -106,16 +104,16 @@ Result<std::chrono::nanoseconds> parse_duration(std::string_view text) {
     decimals = take_digits(rest);
     complete = complete && !decimals.empty();
   }
-  if (!complete) return refused(text, "is not a duration");
-  if (rest.empty()) return refused(text, "has no unit");
+  if (!complete) return no_duration(text, "is not a duration");
+  if (rest.empty()) return no_duration(text, "has no unit");
   const Unit* unit = find_unit(rest);
-  if (unit == nullptr) return refused(text, "has an unknown unit");
+  if (unit == nullptr) return no_duration(text, "has an unknown unit");
 
   const auto high = scaled(whole, unit->nanoseconds);
-  if (!high) return refused(text, "is too long");
+  if (!high) return no_duration(text, "is too long");
   const auto low = fraction(decimals, unit->nanoseconds);
-  if (!low) return refused(text, "is not a whole number of nanoseconds");
-  if (*low > kLongest - *high) return refused(text, "is too long");
+  if (!low) return no_duration(text, "is not a whole number of nanoseconds");
+  if (*low > kLongestTime - *high) return no_duration(text, "is too long");
   return std::chrono::nanoseconds(static_cast<std::int64_t>(*high + *low));
 }
 
@@ -125,7 +123,7 @@ std::string format_duration(std::chrono::nanoseconds value) {
   const auto bits = static_cast<std::uint64_t>(value.count());
   const std::uint64_t size = negative ? 0 - bits : bits;
   std::string best;
-  for (const Unit& unit : kUnits) {
+  for (const Unit& unit : kTimeUnits) {
     std::string text = in_unit(size, unit);
     if (!text.empty() && (best.empty() || text.size() < best.size())) best = std::move(text);
   }

@@ -9,11 +9,11 @@ namespace mauve {
 namespace {
 
 // Nobody mistypes more than this; it also bounds the work for hostile input.
-constexpr std::size_t kLongest = 128;
+constexpr std::size_t kLongestWord = 128;
 
-using Row = std::array<std::size_t, kLongest + 1>;
+using Row = std::array<std::size_t, kLongestWord + 1>;
 
-/// Optimal string alignment distance of two texts of at most kLongest characters.
+/// Optimal string alignment distance of two texts of at most kLongestWord characters.
 std::size_t distance(std::string_view a, std::string_view b) {
   Row before_last{};
   Row last{};
@@ -36,12 +36,12 @@ std::size_t distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string nearest_name(std::string_view wanted, const std::vector<std::string>& known) {
-  if (wanted.empty() || wanted.size() > kLongest) return {};
+  if (wanted.empty() || wanted.size() > kLongestWord) return {};
   std::size_t best = std::max<std::size_t>(1, wanted.size() / 3) + 1;
   const std::string* nearest = nullptr;
   const std::string* begun = nullptr;
   for (const std::string& name : known) {
-    if (name.size() > kLongest) continue;
+    if (name.size() > kLongestWord) continue;
     if (begun == nullptr && wanted.size() >= 3 && name.starts_with(wanted)) begun = &name;
     const std::size_t length_gap =
         std::max(name.size(), wanted.size()) - std::min(name.size(), wanted.size());

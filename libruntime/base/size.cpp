@@ -9,10 +9,10 @@
 namespace mauve {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, std::uint64_t>, 4> kUnits{
+constexpr std::array<std::pair<std::string_view, std::uint64_t>, 4> kSizeUnits{
     {{"GiB", 1U << 30U}, {"MiB", 1U << 20U}, {"KiB", 1U << 10U}, {"B", 1}}};
 
-Error refused(std::string_view text, std::string_view why) {
+Error no_size(std::string_view text, std::string_view why) {
   std::string message = "\"";
   message.append(text.substr(0, 40)).append("\" ").append(why);
   return refuse(Errc::invalid_value, "", std::move(message),
@@ -25,22 +25,22 @@ Result<std::uint64_t> parse_size(std::string_view text) {
   std::uint64_t number = 0;
   const char* const end = text.data() + text.size();
   const auto [stop, status] = std::from_chars(text.data(), end, number);
-  if (status == std::errc::result_out_of_range) return refused(text, "is too large");
-  if (status != std::errc()) return refused(text, "is not a size");
-  if (stop == end) return refused(text, "has no unit");
+  if (status == std::errc::result_out_of_range) return no_size(text, "is too large");
+  if (status != std::errc()) return no_size(text, "is not a size");
+  if (stop == end) return no_size(text, "has no unit");
   const std::string_view rest(stop, static_cast<std::size_t>(end - stop));
-  for (const auto& [name, factor] : kUnits) {
+  for (const auto& [name, factor] : kSizeUnits) {
     if (name != rest) continue;
     if (number > std::numeric_limits<std::uint64_t>::max() / factor) {
-      return refused(text, "is too large");
+      return no_size(text, "is too large");
     }
     return number * factor;
   }
-  return refused(text, "has an unknown unit");
+  return no_size(text, "has an unknown unit");
 }
 
 std::string format_size(std::uint64_t bytes) {
-  for (const auto& [name, factor] : kUnits) {
+  for (const auto& [name, factor] : kSizeUnits) {
     if (bytes >= factor && bytes % factor == 0) {
       return std::to_string(bytes / factor).append(name);
     }

@@ -18,7 +18,7 @@ namespace mauve::plugin {
 namespace {
 
 template <std::size_t N>
-std::string text_of(const char (&field)[N]) {
+std::string field_text(const char (&field)[N]) {
   return {field, strnlen(field, N)};
 }
 
@@ -63,8 +63,8 @@ Result<std::shared_ptr<Library>> Library::open(const PluginFile& file) {
   const std::shared_ptr<Library> library(new Library);
   PluginInfo& info = library->info_;
   info = {file.name,
-          text_of(facts->manifest.version),
-          text_of(facts->manifest.compiler),
+          field_text(facts->manifest.version),
+          field_text(facts->manifest.compiler),
           facts->build_id,
           file.path,
           0,

@@ -15,7 +15,7 @@ constexpr int kPriority = 96;  // above every component and the guard
 
 std::atomic<std::uint32_t> bell{0};  // rung when the process dies, and when a speaker shall end
 std::atomic<bool> dying{false};
-std::atomic<bool> told{false};  // `death` can be read
+std::atomic<bool> death_told{false};  // `death` can be read
 std::atomic<std::uint32_t> speakers{0};
 std::atomic<std::uint32_t> silent{0};  // have spoken
 Death death;
@@ -47,10 +47,10 @@ Status LastWords::start(std::function<void(const Death&)> speak) {
 
 void LastWords::wait() {
   const FaultStack stack;
-  while (!told.load()) {
+  while (!death_told.load()) {
     const std::uint32_t seen = bell.load();
     if (quit_.load()) return;
-    if (!told.load()) futex_wait_until(bell, seen, kForever);
+    if (!death_told.load()) futex_wait_until(bell, seen, kForever);
   }
   i_speak() = true;
   const Boost urgent(kPriority);
@@ -64,7 +64,7 @@ void speak_last_words(const Fault& fault) {
   if (!dying.exchange(true)) {
     death.fault = fault;
     prctl(PR_GET_NAME, death.thread.data());
-    told.store(true);
+    death_told.store(true);
     futex_bump(bell);
   }
   while (MonotonicClock().now() < until) {

@@ -45,29 +45,29 @@ bool finds_out() {
   set(nowhere());
   const timespec moment{0, 1000};
   nanosleep(&moment, nullptr);
-  const bool told = current_sequence().load(std::memory_order_relaxed) == 0;
+  const bool found = current_sequence().load(std::memory_order_relaxed) == 0;
   set(0);
-  return told;
+  return found;
 }
 
-const bool told = finds_out();
+const bool preemption_told = finds_out();
 
 }  // namespace
 
-bool preemption_is_told() { return told; }
+bool preemption_is_told() { return preemption_told; }
 
 void watch_for_preemption() {
-  if (told) set(nowhere());
+  if (preemption_told) set(nowhere());
 }
 
 bool preempted() {
-  if (!told) return true;
+  if (!preemption_told) return true;
   std::atomic_signal_fence(std::memory_order_seq_cst);
   return current_sequence().load(std::memory_order_relaxed) != nowhere();
 }
 
 void end_preemption_watch() {
-  if (told) set(0);
+  if (preemption_told) set(0);
 }
 
 }  // namespace mauve::rt

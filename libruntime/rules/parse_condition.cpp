@@ -24,18 +24,6 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
-/// A piece of the text. Empty at its end.
-struct Token {
-  std::string_view text;
-  std::size_t place = 1;
-
-  [[nodiscard]] bool is_end() const { return text.empty(); }
-  [[nodiscard]] bool is_word() const { return !is_end() && is_letter(text[0]); }
-  [[nodiscard]] bool is_number() const {
-    return !is_end() && (is_digit(text[0]) || (text.size() > 1 && text[0] == '-'));
-  }
-};
-
 /// Other languages' words for what is wanted.
 std::string_view meant_by(std::string_view text) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kMeant{
@@ -66,6 +54,18 @@ std::optional<T> all_of(std::string_view text) {
 }
 
 }  // namespace
+
+/// A piece of the text. Empty at its end.
+struct Token {
+  std::string_view text;
+  std::size_t place = 1;
+
+  [[nodiscard]] bool is_end() const { return text.empty(); }
+  [[nodiscard]] bool is_word() const { return !is_end() && is_letter(text[0]); }
+  [[nodiscard]] bool is_number() const {
+    return !is_end() && (is_digit(text[0]) || (text.size() > 1 && text[0] == '-'));
+  }
+};
 
 /// Reads one condition; stops at the first error.
 class Parser {

@@ -9,7 +9,7 @@ namespace {
 
 using rover::GnssFix;
 
-constexpr double kDay = 86'400.0;
+constexpr double kDayLength = 86'400.0;
 constexpr double kRadius = 6'371'000.0;  // m, of the earth
 constexpr double kRadians = std::numbers::pi / 180.0;
 constexpr double kCompare = 5.0;  // s until both clocks are compared
@@ -24,7 +24,7 @@ double distance(const GnssFix& a, const GnssFix& b) {
 }
 
 /// Seconds from one time of day to another, at most half a day either way.
-double step(double from, double to) { return std::remainder(to - from, kDay); }
+double step(double from, double to) { return std::remainder(to - from, kDayLength); }
 
 /// Seconds between two fixes; by our clock when the receiver does not know the time.
 double between(const TimedFix& from, const TimedFix& to) {
@@ -56,8 +56,8 @@ bool FixGate::admit(const GnssFix& fix, double now, double limit) {
 
 bool FixGate::in_step(const TimedFix& mark) const {
   // A receiver that was silent for half a day or more cannot be compared by its time of day.
-  return !live_ ||
-         std::abs(std::remainder(between(last_, mark) - (mark.now - last_.now), kDay)) <= kInStep;
+  return !live_ || std::abs(std::remainder(between(last_, mark) - (mark.now - last_.now),
+                                           kDayLength)) <= kInStep;
 }
 
 void FixGate::accept(const TimedFix& mark) {

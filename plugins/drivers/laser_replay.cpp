@@ -31,11 +31,11 @@ namespace {
 
 using rover::LaserScan;
 
-struct LaserShell : mauve::Shell {
+struct LaserReplayShell : mauve::Shell {
   mauve::WritePort<LaserScan> scan{*this, "scan"};
 };
 
-class LaserReplay final : public mauve::Core<LaserShell> {
+class LaserReplay final : public mauve::Core<LaserReplayShell> {
  public:
   void update() {
     if (state->next >= recording_->size() && repeat) state->next = 0;
@@ -68,7 +68,7 @@ class LaserReplay final : public mauve::Core<LaserShell> {
 }  // namespace
 
 void declare_laser_replay(mauve::Plugin& plugin) {
-  plugin.component<LaserShell, LaserReplay, mauve::PeriodicFsm<LaserReplay>>("laser_replay");
+  plugin.component<LaserReplayShell, LaserReplay, mauve::PeriodicFsm<LaserReplay>>("laser_replay");
 }
 
 }  // namespace drivers

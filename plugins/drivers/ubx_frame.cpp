@@ -6,8 +6,8 @@
 namespace drivers {
 namespace {
 
-constexpr std::uint8_t kFirst = 0xb5;
-constexpr std::uint8_t kSecond = 0x62;
+constexpr std::uint8_t kFirstSync = 0xb5;
+constexpr std::uint8_t kSecondSync = 0x62;
 
 /// Fletcher's sum over class, id, length and payload.
 std::pair<std::uint8_t, std::uint8_t> sums(Bytes frame) {
@@ -23,8 +23,8 @@ std::pair<std::uint8_t, std::uint8_t> sums(Bytes frame) {
 }  // namespace
 
 std::size_t UbxFormat::size(Bytes begun) {
-  if (begun[0] != kFirst) return 0;
-  if (begun.size() > 1 && begun[1] != kSecond) return 0;
+  if (begun[0] != kFirstSync) return 0;
+  if (begun.size() > 1 && begun[1] != kSecondSync) return 0;
   if (begun.size() < kHeader) return kAround;
   return kAround + begun[4] + 256U * begun[5];
 }
@@ -36,8 +36,8 @@ bool UbxFormat::intact(Bytes frame) {
 
 void ubx_seal(std::span<std::uint8_t> frame, std::uint8_t group, std::uint8_t id) {
   const std::size_t length = frame.size() - UbxFormat::kAround;
-  frame[0] = kFirst;
-  frame[1] = kSecond;
+  frame[0] = kFirstSync;
+  frame[1] = kSecondSync;
   frame[2] = group;
   frame[3] = id;
   frame[4] = static_cast<std::uint8_t>(length % 256U);

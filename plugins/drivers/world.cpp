@@ -57,7 +57,7 @@ using Discs = mauve::Bounded<world::Disc, world::Map::kCapacity>;
 /// Where the origin of the world lies on the globe. Its axes are those of the UTM grid there.
 constexpr localization::Geographic kOrigin{43.5661, 1.4744};
 constexpr localization::Zone kZone{31, false};
-constexpr double kAltitude = 151.0;
+constexpr double kGroundAltitude = 151.0;
 
 class WorldCore final : public mauve::Core<mauve::EmptyShell> {
  public:
@@ -91,7 +91,7 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
     fix.time = state_->robot.odometry().time;
     fix.latitude = there.latitude;
     fix.longitude = there.longitude;
-    fix.altitude = kAltitude + state_->random.normal(2.0 * gnss_noise);
+    fix.altitude = kGroundAltitude + state_->random.normal(2.0 * gnss_noise);
     fix.mode = satellites >= 4 ? 3 : satellites == 3 ? 2 : 1;
     fix.satellites = satellites;
     fix.hdop = 0.9;

@@ -11,7 +11,7 @@ constexpr double kFlattening = 1.0 / 298.257223563;
 constexpr double kCentralScale = 0.9996;
 constexpr double kFalseEasting = 500'000.0;
 constexpr double kFalseNorthing = 10'000'000.0;
-constexpr double kFarthest = 15.0;  // deg
+constexpr double kFarthestMeridian = 15.0;  // deg
 
 double middle_of(Zone zone) { return 6.0 * zone.number - 183.0; }
 double north_of(Zone zone) { return zone.south ? kFalseNorthing : 0.0; }
@@ -41,7 +41,8 @@ std::optional<Zone> Utm::zone_of(const Geographic& position) {
 
 std::optional<rover::Point2D> Utm::forward(const Geographic& position, Zone zone) const {
   if (!covered(position)) return {};
-  if (std::abs(std::remainder(position.longitude - middle_of(zone), 360.0)) > kFarthest) return {};
+  if (std::abs(std::remainder(position.longitude - middle_of(zone), 360.0)) > kFarthestMeridian)
+    return {};
   rover::Point2D point;
   projection_.Forward(middle_of(zone), position.latitude, position.longitude, point.x, point.y);
   return rover::Point2D{point.x + kFalseEasting, point.y + north_of(zone)};

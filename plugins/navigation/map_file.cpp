@@ -25,9 +25,9 @@ using mauve::Status;
 
 constexpr std::size_t kLongestDescription = 64UL * 1024UL;
 constexpr std::size_t kLongestImage = 8UL * 1024UL * 1024UL;
-constexpr std::uint8_t kFree = 254;
-constexpr std::uint8_t kUnknown = 205;
-constexpr std::uint8_t kOccupied = 0;
+constexpr std::uint8_t kFreeLevel = 254;
+constexpr std::uint8_t kUnknownLevel = 205;
+constexpr std::uint8_t kOccupiedLevel = 0;
 
 /// One YAML file with its values; every refusal names the line.
 class Reader {
@@ -238,7 +238,9 @@ Status save_map(const OccupancyGrid& grid, const std::string& file) {
     for (std::size_t column = 0; column < width; ++column) {
       const int cell = grid.cells[row * width + column];
       const bool known = cell >= 0 && (cell < 20 || cell > 65);
-      levels.push_back(static_cast<char>(!known ? kUnknown : cell < 20 ? kFree : kOccupied));
+      levels.push_back(static_cast<char>(!known      ? kUnknownLevel
+                                         : cell < 20 ? kFreeLevel
+                                                     : kOccupiedLevel));
     }
   }
   if (Status done = written((path.parent_path() / image).string(), levels); !done) return done;

@@ -157,21 +157,21 @@ struct PublisherInterface : mauve::Interface<PublisherCore<T>> {
 };
 
 template <typename T>
-void declare(mauve::Plugin& plugin, std::string_view name) {
+void declare_publisher(mauve::Plugin& plugin, std::string_view name) {
   plugin.resource<PublisherShell, PublisherCore<T>, PublisherInterface<T>>(name);
 }
 
 }  // namespace
 
 void declare_publishers(mauve::Plugin& plugin) {
-  declare<rover::Joystick>(plugin, "publish_joy");
-  declare<rover::Point2D>(plugin, "publish_goal");
-  declare<rover::Velocity>(plugin, "publish_velocity");
-  declare<rover::LaserScan>(plugin, "publish_scan");
-  declare<rover::Odometry>(plugin, "publish_odometry");
-  declare<rover::Pose2D>(plugin, "publish_pose");
-  declare<rover::Imu>(plugin, "publish_imu");
-  declare<rover::OccupancyGrid>(plugin, "publish_map");
+  declare_publisher<rover::Joystick>(plugin, "publish_joy");
+  declare_publisher<rover::Point2D>(plugin, "publish_goal");
+  declare_publisher<rover::Velocity>(plugin, "publish_velocity");
+  declare_publisher<rover::LaserScan>(plugin, "publish_scan");
+  declare_publisher<rover::Odometry>(plugin, "publish_odometry");
+  declare_publisher<rover::Pose2D>(plugin, "publish_pose");
+  declare_publisher<rover::Imu>(plugin, "publish_imu");
+  declare_publisher<rover::OccupancyGrid>(plugin, "publish_map");
 }
 
 }  // namespace ros_bridge

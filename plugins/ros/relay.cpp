@@ -48,20 +48,20 @@ class Relay final : public mauve::Core<RelayShell<T>> {
 };
 
 template <typename T>
-void declare(mauve::Plugin& plugin, std::string_view name) {
+void declare_relay(mauve::Plugin& plugin, std::string_view name) {
   plugin.component<RelayShell<T>, Relay<T>, mauve::PeriodicFsm<Relay<T>>>(name);
 }
 
 }  // namespace
 
 void declare_relays(mauve::Plugin& plugin) {
-  declare<rover::Joystick>(plugin, "relay_joy");
-  declare<rover::Point2D>(plugin, "relay_goal");
-  declare<rover::Velocity>(plugin, "relay_velocity");
-  declare<rover::LaserScan>(plugin, "relay_scan");
-  declare<rover::Odometry>(plugin, "relay_odometry");
-  declare<rover::Pose2D>(plugin, "relay_pose");
-  declare<rover::Imu>(plugin, "relay_imu");
+  declare_relay<rover::Joystick>(plugin, "relay_joy");
+  declare_relay<rover::Point2D>(plugin, "relay_goal");
+  declare_relay<rover::Velocity>(plugin, "relay_velocity");
+  declare_relay<rover::LaserScan>(plugin, "relay_scan");
+  declare_relay<rover::Odometry>(plugin, "relay_odometry");
+  declare_relay<rover::Pose2D>(plugin, "relay_pose");
+  declare_relay<rover::Imu>(plugin, "relay_imu");
 }
 
 }  // namespace ros_bridge

@@ -164,21 +164,21 @@ struct SubscriberInterface : mauve::Interface<SubscriberCore<T>> {
 };
 
 template <typename T>
-void declare(mauve::Plugin& plugin, std::string_view name) {
+void declare_subscriber(mauve::Plugin& plugin, std::string_view name) {
   plugin.resource<SubscriberShell, SubscriberCore<T>, SubscriberInterface<T>>(name);
 }
 
 }  // namespace
 
 void declare_subscribers(mauve::Plugin& plugin) {
-  declare<rover::Joystick>(plugin, "subscribe_joy");
-  declare<rover::Point2D>(plugin, "subscribe_goal");
-  declare<rover::Velocity>(plugin, "subscribe_velocity");
-  declare<rover::LaserScan>(plugin, "subscribe_scan");
-  declare<rover::Odometry>(plugin, "subscribe_odometry");
-  declare<rover::Pose2D>(plugin, "subscribe_pose");
-  declare<rover::Imu>(plugin, "subscribe_imu");
-  declare<rover::OccupancyGrid>(plugin, "subscribe_map");
+  declare_subscriber<rover::Joystick>(plugin, "subscribe_joy");
+  declare_subscriber<rover::Point2D>(plugin, "subscribe_goal");
+  declare_subscriber<rover::Velocity>(plugin, "subscribe_velocity");
+  declare_subscriber<rover::LaserScan>(plugin, "subscribe_scan");
+  declare_subscriber<rover::Odometry>(plugin, "subscribe_odometry");
+  declare_subscriber<rover::Pose2D>(plugin, "subscribe_pose");
+  declare_subscriber<rover::Imu>(plugin, "subscribe_imu");
+  declare_subscriber<rover::OccupancyGrid>(plugin, "subscribe_map");
 }
 
 }  // namespace ros_bridge

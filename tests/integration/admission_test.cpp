@@ -23,7 +23,7 @@ std::string budgeted(const std::string& budget) {
   return text;
 }
 
-Json swap(const std::string& budget) {
+Json swap_with_budget(const std::string& budget) {
   return {{"component", "first"}, {"core", "trial/other"}, {"budget", budget}};
 }
 
@@ -48,24 +48,24 @@ TEST(Analyze, TellsTheBoundOfEveryComponentAndWhatTheMachineTakes) {
 TEST(Swap, DeclaresTheBudgetOfTheNewCore) {
   TrialDaemon daemon;
 
-  const Json receipt = daemon.ask("core.swap", swap("2ms"));
+  const Json receipt = daemon.ask("core.swap", swap_with_budget("2ms"));
 
   EXPECT_EQ(receipt["state"], "applied") << receipt;
   EXPECT_EQ(daemon.ask("object.get", {{"address", "first"}})["task"]["budget"], "2ms");
-  EXPECT_EQ(daemon.ask("core.swap", swap("2"))["data"]["where"], "budget");
+  EXPECT_EQ(daemon.ask("core.swap", swap_with_budget("2"))["data"]["where"], "budget");
 }
 
 TEST(StrictAdmission, RefusesACoreWhoseBudgetIsOverItsDeadlineAndSaysWhatWouldPass) {
   TrialDaemon daemon(budgeted("200us"), kStrict);
 
-  const Json error = daemon.ask("core.swap", swap("3ms"));
+  const Json error = daemon.ask("core.swap", swap_with_budget("3ms"));
 
   EXPECT_EQ(error["data"]["where"], "first") << error;
   EXPECT_EQ(error["data"]["state"], "unchanged");
   EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("its deadline is 2ms"));
   EXPECT_THAT(error["data"]["hint"].get<std::string>(), HasSubstr("an execution time of 1."));
   EXPECT_EQ(daemon.component("first")["core"], "trial/steady");
-  EXPECT_EQ(daemon.ask("core.swap", swap("1ms"))["state"], "applied");
+  EXPECT_EQ(daemon.ask("core.swap", swap_with_budget("1ms"))["state"], "applied");
 }
 
 TEST(StrictAdmission, DoesNotStartWhatIsNotProved) {
@@ -80,7 +80,7 @@ TEST(StrictAdmission, DoesNotStartWhatIsNotProved) {
 TEST(WarningAdmission, AppliesTheSameSwapAndSaysSoInTheAnswer) {
   TrialDaemon daemon(budgeted("200us"));
 
-  const Json receipt = daemon.ask("core.swap", swap("3ms"));
+  const Json receipt = daemon.ask("core.swap", swap_with_budget("3ms"));
 
   EXPECT_EQ(receipt["state"], "applied") << receipt;
   EXPECT_THAT(receipt["warnings"].dump(), HasSubstr("first: job"));

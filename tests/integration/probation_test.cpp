@@ -8,7 +8,7 @@ namespace {
 using testing::HasSubstr;
 using Json = protocol::Json;
 
-Json swap(const std::string& core, Json more = Json::object()) {
+Json swap_to(const std::string& core, Json more = Json::object()) {
   Json params = {{"component", "first"}, {"core", core}};
   params.update(more);
   return params;
@@ -23,7 +23,7 @@ bool runs(TrialDaemon& daemon, const std::string& core) {
 
 TEST(Probation, ABadCoreIsRolledBackAndItsBuildQuarantined) {
   TrialDaemon daemon;
-  const auto receipt = daemon.ask("core.swap", swap("trial/throwing_job"));
+  const auto receipt = daemon.ask("core.swap", swap_to("trial/throwing_job"));
   ASSERT_EQ(receipt["state"], "applied") << receipt;
   EXPECT_EQ(receipt["probation"]["activations"], 3000);
 
@@ -34,7 +34,7 @@ TEST(Probation, ABadCoreIsRolledBackAndItsBuildQuarantined) {
   const auto quarantine = daemon.ask("quarantine.list");
   EXPECT_EQ(quarantine["cores"][0]["core"], "trial/throwing_job");
   EXPECT_EQ(quarantine["cores"][0]["reason"], "threw: division by something");
-  const auto again = daemon.ask("core.swap", swap("trial/throwing_job"));
+  const auto again = daemon.ask("core.swap", swap_to("trial/throwing_job"));
   EXPECT_EQ(again["data"]["name"], "wrong_state") << again;
   EXPECT_THAT(again["message"].get<std::string>(), HasSubstr("quarantine"));
 }
@@ -53,16 +53,17 @@ TEST(Probation, OnlyTheCoreThatFailedIsQuarantined) {
   const auto quarantine = daemon.ask("quarantine.list")["cores"];
   ASSERT_EQ(quarantine.size(), 1U) << quarantine;
   EXPECT_EQ(quarantine[0]["core"], "trial/throwing_job");
-  EXPECT_EQ(daemon.ask("core.swap", swap("trial/other"))["state"], "applied");
+  EXPECT_EQ(daemon.ask("core.swap", swap_to("trial/other"))["state"], "applied");
 }
 
 TEST(Probation, ToleratesAsManyLateJobsAsItIsTold) {
   TrialDaemon daemon;
 
-  EXPECT_EQ(daemon.ask("core.swap", swap("trial/other", {{"misses", "2/64"}}))["state"], "applied");
+  EXPECT_EQ(daemon.ask("core.swap", swap_to("trial/other", {{"misses", "2/64"}}))["state"],
+            "applied");
 
   for (const char* wrong : {"2", "2/", "/64", "3/65", "4/4", "-1/8", "2/64x", ""}) {
-    const auto refused = daemon.ask("core.swap", swap("trial/steady", {{"misses", wrong}}));
+    const auto refused = daemon.ask("core.swap", swap_to("trial/steady", {{"misses", wrong}}));
     EXPECT_EQ(refused["data"]["where"], "misses") << wrong << refused;
     EXPECT_EQ(refused["data"]["state"], "unchanged");
   }
@@ -70,21 +71,21 @@ TEST(Probation, ToleratesAsManyLateJobsAsItIsTold) {
 
 TEST(Probation, AReleasedCoreMayBeTriedAgain) {
   TrialDaemon daemon;
-  ASSERT_EQ(daemon.ask("core.swap", swap("trial/throwing_job"))["state"], "applied");
+  ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/throwing_job"))["state"], "applied");
   ASSERT_TRUE(eventually([&] { return daemon.ask("quarantine.list")["cores"].size() == 1U; }));
 
   EXPECT_EQ(daemon.ask("quarantine.release", {{"core", "trial/other"}})["data"]["name"],
             "unknown_name");
   EXPECT_EQ(daemon.ask("quarantine.release", {{"core", "trial/throwing_job"}})["changed"], true);
 
-  EXPECT_EQ(daemon.ask("core.swap", swap("trial/throwing_job"))["state"], "applied");
+  EXPECT_EQ(daemon.ask("core.swap", swap_to("trial/throwing_job"))["state"], "applied");
   EXPECT_TRUE(eventually([&] { return daemon.ask("status.get")["generation"] == 5; }));
   EXPECT_TRUE(runs(daemon, "trial/steady"));
 }
 
 TEST(Probation, UndoAnswersWhenEverythingIsBack) {
   TrialDaemon daemon;
-  ASSERT_EQ(daemon.ask("core.swap", swap("trial/other"))["state"], "applied");
+  ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/other"))["state"], "applied");
 
   const auto undone = daemon.ask("change.undo");
 
@@ -96,7 +97,7 @@ TEST(Probation, UndoAnswersWhenEverythingIsBack) {
 
 TEST(Probation, WhatNobodyConfirmsIsRolledBack) {
   TrialDaemon daemon;
-  ASSERT_EQ(daemon.ask("core.swap", swap("trial/other", {{"confirm_within", "100ms"}}))["state"],
+  ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/other", {{"confirm_within", "100ms"}}))["state"],
             "applied");
 
   EXPECT_TRUE(eventually([&] { return daemon.ask("status.get")["generation"] == 3; }));
@@ -105,7 +106,7 @@ TEST(Probation, WhatNobodyConfirmsIsRolledBack) {
 
 TEST(Probation, UntilItIsConfirmedNothingElseChanges) {
   TrialDaemon daemon;
-  ASSERT_EQ(daemon.ask("core.swap", swap("trial/other", {{"confirm_within", "600s"}}))["state"],
+  ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/other", {{"confirm_within", "600s"}}))["state"],
             "applied");
   const auto refused = daemon.ask("param.set", {{"values", {{"second.core.gain", 2.0}}}});
 
@@ -119,20 +120,21 @@ TEST(Probation, UntilItIsConfirmedNothingElseChanges) {
 
 TEST(Probation, OffMeansThatAFaultStaysAFault) {
   TrialDaemon daemon;
-  ASSERT_EQ(daemon.ask("core.swap", swap("trial/throwing_job", {{"probation", "off"}}))["state"],
+  ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/throwing_job", {{"probation", "off"}}))["state"],
             "applied");
 
   EXPECT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
   EXPECT_EQ(daemon.ask("status.get")["generation"], 2);
-  EXPECT_EQ(daemon.ask("core.swap", swap("trial/other", {{"probation", "many"}}))["data"]["name"],
-            "invalid_value");
+  EXPECT_EQ(
+      daemon.ask("core.swap", swap_to("trial/other", {{"probation", "many"}}))["data"]["name"],
+      "invalid_value");
 }
 
 TEST(Probation, OffLeavesNothingToTolerateOrToConfirm) {
   TrialDaemon daemon;
   for (const auto& [option, value] : {std::pair("misses", "2/64"), {"confirm_within", "30s"}}) {
     const auto refused =
-        daemon.ask("core.swap", swap("trial/other", {{"probation", "off"}, {option, value}}));
+        daemon.ask("core.swap", swap_to("trial/other", {{"probation", "off"}, {option, value}}));
     EXPECT_EQ(refused["data"]["where"], option) << refused;
     EXPECT_EQ(refused["data"]["state"], "unchanged");
     EXPECT_EQ(refused["data"]["hint"], "leave out " + std::string(option) + ", or probation off");
@@ -156,7 +158,7 @@ Json record_of(TrialDaemon& daemon, const std::string& event) {
 
 TEST(Probation, AnUndoIsToldAsWhatItIs) {
   TrialDaemon daemon;
-  ASSERT_EQ(daemon.ask("core.swap", swap("trial/other"))["state"], "applied");
+  ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/other"))["state"], "applied");
   ASSERT_EQ(daemon.ask("change.undo")["generation"], 3);
 
   const auto undone = record_of(daemon, "undone");
@@ -169,7 +171,7 @@ TEST(Probation, AnUndoIsToldAsWhatItIs) {
 
 TEST(Probation, ARollBackNamesWhoFailed) {
   TrialDaemon daemon;
-  ASSERT_EQ(daemon.ask("core.swap", swap("trial/throwing_job"))["state"], "applied");
+  ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/throwing_job"))["state"], "applied");
 
   const auto rolled_back = record_of(daemon, "rolled_back");
   EXPECT_EQ(rolled_back["level"], "error") << rolled_back;
@@ -184,7 +186,7 @@ TEST(Probation, AStopDuringARollBackIsObeyed) {
     // It may go into quarantine a moment after it was rolled back.
     ASSERT_TRUE(eventually([&] {
       static_cast<void>(client.ask("quarantine.release", {{"core", "trial/throwing_job"}}));
-      return client.ask("core.swap", swap("trial/throwing_job")).contains("result");
+      return client.ask("core.swap", swap_to("trial/throwing_job")).contains("result");
     }));
     EXPECT_TRUE(client.ask("component.stop", {{"components", {"first"}}}).contains("result"));
     ASSERT_TRUE(eventually([&] {

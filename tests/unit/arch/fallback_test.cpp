@@ -39,12 +39,12 @@ TEST_F(FallbackCore, IsKeptWithWhatItIsGiven) {
   EXPECT_FALSE(architecture->find_component("right")->fallback());
 }
 
-struct Wrong {
+struct WrongFallback {
   std::string fallback_core, at, message, hint;
   Errc code;
 };
 
-const Wrong kWrongs[] = {
+const WrongFallback kWrongFallbacks[] = {
     {"\"sample/repell\"", "right.fallback_core", "repell", "sample/repel", Errc::unknown_name},
     {"\"other/repel\"", "right.fallback_core", "plugin \"other\" is not loaded",
      "add \"other\" to \"plugins\"", Errc::unknown_name},
@@ -60,7 +60,7 @@ const Wrong kWrongs[] = {
 };
 
 TEST_F(FallbackCore, IsCheckedLikeEveryCore) {
-  for (const Wrong& wrong : kWrongs) {
+  for (const WrongFallback& wrong : kWrongFallbacks) {
     Problems problems;
     const auto text = with("\"start\": false", "\"fallback_core\": " + wrong.fallback_core);
     EXPECT_EQ(load(text, catalog_, problems), nullptr) << wrong.fallback_core;

@@ -35,7 +35,7 @@ constexpr std::string_view kRover = R"({
   }
 })";
 
-Spec accepted(std::string_view text) {
+Spec spec_of(std::string_view text) {
   Problems problems;
   auto spec = parse(text, problems);
   for (const Problem& problem : problems.sorted()) ADD_FAILURE() << to_string(problem, "text");
@@ -57,7 +57,7 @@ std::string rover_with(std::string_view what, std::string_view by) {
 }
 
 TEST(Parse, ReadsAWholeArchitecture) {
-  const Spec spec = accepted(kRover);
+  const Spec spec = spec_of(kRover);
 
   EXPECT_EQ(spec.name, "rover");
   ASSERT_EQ(spec.plugins.size(), 3U);
@@ -79,7 +79,7 @@ TEST(Parse, ReadsHowLongAResourceIsHeld) {
 }
 
 TEST(Parse, ReadsAllOfAComponent) {
-  const ComponentSpec control = accepted(kRover).components.at(1);
+  const ComponentSpec control = spec_of(kRover).components.at(1);
 
   EXPECT_EQ(control.name, "control");
   EXPECT_EQ(control.where, (Position{15, 5}));
@@ -96,7 +96,7 @@ TEST(Parse, ReadsAllOfAComponent) {
 }
 
 TEST(Parse, ReadsAllTaskAttributes) {
-  const TaskSpec task = accepted(kRover).components.at(1).task;
+  const TaskSpec task = spec_of(kRover).components.at(1).task;
 
   EXPECT_EQ(task.priority->value, 40);
   EXPECT_EQ(task.cpus.value, (std::vector<int>{1, 2}));
@@ -109,7 +109,7 @@ TEST(Parse, ReadsAllTaskAttributes) {
 }
 
 TEST(Parse, ReadsWhatIsDoneWhenACoreFails) {
-  const Spec spec = accepted(R"({"schema": "mauve/architecture/1", "name": "careful",
+  const Spec spec = spec_of(R"({"schema": "mauve/architecture/1", "name": "careful",
     "components": {
       "plain": { "type": "a/b", "fallback_core": "a/stop", "task": { "on_fault": "fallback",
                  "on_overrun": "fallback", "overrun_limit": 2, "watchdog": "50ms" } },
@@ -131,7 +131,7 @@ TEST(Parse, ReadsWhatIsDoneWhenACoreFails) {
 }
 
 TEST(Parse, LeavesOutWhatTheFileLeavesOut) {
-  const Spec spec = accepted(R"({"schema": "mauve/architecture/1", "name": "empty",
+  const Spec spec = spec_of(R"({"schema": "mauve/architecture/1", "name": "empty",
                                  "components": {"idle": {"type": "a/b"}}})");
 
   const ComponentSpec& idle = spec.components.at(0);
@@ -141,12 +141,12 @@ TEST(Parse, LeavesOutWhatTheFileLeavesOut) {
   EXPECT_TRUE(idle.start);
 }
 
-struct Wrong {
+struct WrongText {
   std::string what, by, at, message, hint;
   std::uint32_t line;
 };
 
-const Wrong kWrongs[] = {
+const WrongText kWrongTexts[] = {
     {"\"plugins\"", "\"plugin\"", "", "unknown key \"plugin\"", "did you mean \"plugins\"?", 5},
     {"\"priority\": 60", "\"prioritty\": 60", "laser.task", "unknown key \"prioritty\"",
      "did you mean \"priority\"?", 14},
@@ -242,7 +242,7 @@ const Wrong kWrongs[] = {
      "has no meaning here: shared_data is held for some stores only", "remove this key", 7}};
 
 TEST(Parse, RefusesEachMistakeWithItsPlaceAddressAndHint) {
-  for (const Wrong& wrong : kWrongs) {
+  for (const WrongText& wrong : kWrongTexts) {
     const auto problems = problems_of(rover_with(wrong.what, wrong.by));
     ASSERT_EQ(problems.size(), 1U) << wrong.by;
     EXPECT_EQ(problems[0].error.at, wrong.at) << wrong.by;

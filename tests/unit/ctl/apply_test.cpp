@@ -157,7 +157,7 @@ TEST(Diff, WantsAFileThatCanBeRead) {
 }
 
 /// A command whose file is refused.
-Outcome refused(std::vector<std::string> words) {
+Outcome refused_file(std::vector<std::string> words) {
   FakeServer server([](Peer& peer) {
     peer.say(kHello);
     auto fault = protocol::fault_of(refuse(Errc::invalid_value, "f.json", "the file has 1 error"));
@@ -170,7 +170,7 @@ Outcome refused(std::vector<std::string> words) {
 }
 
 TEST(Apply, PrintsAllErrorsOfTheFileAboveTheRefusal) {
-  const Outcome outcome = refused({"apply", kFile});
+  const Outcome outcome = refused_file({"apply", kFile});
 
   EXPECT_EQ(outcome.exit, 1);
   EXPECT_TRUE(outcome.out.empty());
@@ -181,14 +181,14 @@ TEST(Apply, PrintsAllErrorsOfTheFileAboveTheRefusal) {
 }
 
 TEST(Apply, GivesAllErrorsToScripts) {
-  const Json error = Json::parse(refused({"--json", "apply", kFile}).out)["error"];
+  const Json error = Json::parse(refused_file({"--json", "apply", kFile}).out)["error"];
 
   EXPECT_EQ(error["exit"], 1);
   ASSERT_EQ(error["errors"].size(), 1U);
   EXPECT_EQ(error["errors"][0]["line"], 3);
 }
 
-TEST(Diff, DoesNotSayThatABadFileDiffers) { EXPECT_EQ(refused({"diff", kFile}).exit, 2); }
+TEST(Diff, DoesNotSayThatABadFileDiffers) { EXPECT_EQ(refused_file({"diff", kFile}).exit, 2); }
 
 }  // namespace
 }  // namespace mauve::ctl

@@ -13,7 +13,7 @@
 namespace mauve::ctl {
 namespace {
 
-const Json kReceipt = Json::parse(R"({"generation": 42, "changed": true, "state": "applied",
+const Json kSwapReceipt = Json::parse(R"({"generation": 42, "changed": true, "state": "applied",
   "commit": 7, "attempts": 1, "components":
   [{"name": "control", "pause_ns": 38, "missed": 0, "bytes": 0}]})");
 
@@ -21,7 +21,7 @@ TEST(SwapCore, AsksWithEverythingThatWasSaid) {
   const Scene scene({"swap-core", "control", "guidance/finite_time", "--set", "gain=0.3", "--set",
                      "mode=fast", "--in-place", "--state", "drop", "--if-generation", "41",
                      "--reason", "test", "--timeout", "20s"},
-                    kReceipt);
+                    kSwapReceipt);
 
   ASSERT_EQ(scene.asked.size(), 1U);
   EXPECT_EQ(scene.asked[0].method, "core.swap");
@@ -33,15 +33,15 @@ TEST(SwapCore, AsksWithEverythingThatWasSaid) {
 }
 
 TEST(SwapCore, PrintsTheReceiptAsOneLineOfJson) {
-  const Scene scene({"--json", "swap-core", "control", "guidance/finite_time"}, kReceipt);
+  const Scene scene({"--json", "swap-core", "control", "guidance/finite_time"}, kSwapReceipt);
 
-  EXPECT_EQ(Json::parse(scene.outcome.out), kReceipt);
+  EXPECT_EQ(Json::parse(scene.outcome.out), kSwapReceipt);
   EXPECT_EQ(scene.outcome.out.find('\n'), scene.outcome.out.size() - 1);
   EXPECT_EQ(scene.asked[0].params.size(), 2U);
 }
 
 TEST(SwapCore, EndsWith9WhenTheRobotIsInItsSafeState) {
-  Json receipt = kReceipt;
+  Json receipt = kSwapReceipt;
   receipt["state"] = "safe";
   EXPECT_EQ(Scene({"swap-core", "control", "b/c"}, receipt).outcome.exit, 9);
   receipt["state"] = "rolled_back";
@@ -50,7 +50,7 @@ TEST(SwapCore, EndsWith9WhenTheRobotIsInItsSafeState) {
 
 TEST(Set, SendsJsonWhereItIsAndTextElse) {
   const Scene scene({"set", "a.x=1", "a.y=true", "a.z=10ms", "a.s=\"1\"", "a.v=[1,2]", "a.e="},
-                    kReceipt);
+                    kSwapReceipt);
 
   EXPECT_EQ(scene.asked[0].params["values"],
             Json::parse(R"({"a.x":1,"a.y":true,"a.z":"10ms","a.s":"1","a.v":[1,2],"a.e":""})"));
@@ -66,8 +66,8 @@ TEST(Set, RefusesWhatIsNoAssignmentWithoutAsking) {
 TEST(Stop, WantsNamesOrAll) {
   EXPECT_EQ(run("/nowhere", {"stop"}).exit, 2);
   EXPECT_EQ(run("/nowhere", {"stop", "a", "--all"}).exit, 2);
-  EXPECT_EQ(Scene({"stop", "--all"}, kReceipt).asked[0].params, (Json{{"all", true}}));
-  EXPECT_EQ(Scene({"stop", "a", "b"}, kReceipt).asked[0].params,
+  EXPECT_EQ(Scene({"stop", "--all"}, kSwapReceipt).asked[0].params, (Json{{"all", true}}));
+  EXPECT_EQ(Scene({"stop", "a", "b"}, kSwapReceipt).asked[0].params,
             (Json{{"components", {"a", "b"}}}));
 }
 
@@ -151,10 +151,10 @@ TEST(Plugins, MayBeAskedForOneComponent) {
   EXPECT_EQ(Scene({"plugins", "--for", "arm"}, none).asked[0].params, (Json{{"for", "arm"}}));
 }
 
-constexpr const char* kFile = MAUVE_ETC_DIR "/minimal.json";
+constexpr const char* kCheckedFile = MAUVE_ETC_DIR "/minimal.json";
 
 TEST(Check, SaysHowToDoItWithoutTheDaemon) {
-  const Outcome outcome = run("/nowhere", {"check", kFile});
+  const Outcome outcome = run("/nowhere", {"check", kCheckedFile});
 
   EXPECT_EQ(outcome.exit, 7);
   EXPECT_NE(outcome.err.find("mauved --check"), std::string::npos);
@@ -164,12 +164,12 @@ TEST(Check, EndsWith1WhenThereAreErrors) {
   const Json errors =
       Json::parse(R"({"errors":[{"line":1,"column":2,"at":"","message":"no","hint":""}]})");
 
-  const Scene bad({"check", kFile}, errors);
-  const Scene good({"check", kFile}, {{"errors", Json::array()}});
+  const Scene bad({"check", kCheckedFile}, errors);
+  const Scene good({"check", kCheckedFile}, {{"errors", Json::array()}});
 
   EXPECT_EQ(bad.outcome.exit, 1);
   EXPECT_EQ(good.outcome.exit, 0);
-  EXPECT_EQ(bad.asked[0].params["file"], kFile);
+  EXPECT_EQ(bad.asked[0].params["file"], kCheckedFile);
 }
 
 TEST(Check, RefusesAFileThatCannotBeRead) {
@@ -206,7 +206,7 @@ TEST(History, AsksForAsManyAsWanted) {
 }
 
 TEST(Rollback, NamesAGeneration) {
-  const Scene scene({"rollback", "41", "--reason", "it shook"}, kReceipt);
+  const Scene scene({"rollback", "41", "--reason", "it shook"}, kSwapReceipt);
 
   EXPECT_EQ(scene.asked.at(0).method, "config.rollback");
   EXPECT_EQ(scene.asked.at(0).params, Json({{"generation", 41}, {"reason", "it shook"}}));

@@ -15,7 +15,7 @@ namespace {
 using protocol::Json;
 using test::TempDir;
 
-Generation numbered(std::uint64_t number, Mark mark = Mark::confirmed) {
+Generation with_number(std::uint64_t number, Mark mark = Mark::confirmed) {
   return {number, "b007", "2026-01-31T12:00:00.000000Z", 1000, "param.set", "why", mark};
 }
 
@@ -58,11 +58,11 @@ class KeeperTest : public testing::Test {
 
 TEST_F(KeeperTest, KnowsACrashByAMissingEnd) {
   EXPECT_FALSE(keeper->crashed());
-  keeper->begin(numbered(1), named("a"));
+  keeper->begin(with_number(1), named("a"));
   keeper->end();
   open();
   EXPECT_FALSE(keeper->crashed());
-  keeper->begin(numbered(2), named("a"));
+  keeper->begin(with_number(2), named("a"));
 
   open();  // without an end
 
@@ -73,7 +73,7 @@ TEST_F(KeeperTest, KnowsACrashByAMissingEnd) {
 TEST_F(KeeperTest, KeepsTheListOfCoresInQuarantine) {
   const Json cores = {{{"core", "guidance/gap"}, {"build_id", "12ab"}, {"reason", "threw"}}};
   EXPECT_TRUE(keeper->quarantined().empty());
-  keeper->begin(numbered(1), named("a"));
+  keeper->begin(with_number(1), named("a"));
   keeper->quarantine(cores);
   keeper->end();
 
@@ -96,9 +96,9 @@ TEST_F(KeeperTest, SaysThatADamagedListOfCoresInQuarantineIsLost) {
 }
 
 TEST_F(KeeperTest, AnswersWhenTheGenerationIsOnTheDisk) {
-  keeper->begin(numbered(1), named("a"));
+  keeper->begin(with_number(1), named("a"));
 
-  ASSERT_TRUE(keep(numbered(2), "b"));
+  ASSERT_TRUE(keep(with_number(2), "b"));
 
   EXPECT_THAT(keeper->generations().text(2).value(), testing::HasSubstr("\"name\": \"b\""));
   EXPECT_THAT(audit(), testing::HasSubstr("\"saved\":true"));
@@ -106,8 +106,8 @@ TEST_F(KeeperTest, AnswersWhenTheGenerationIsOnTheDisk) {
 }
 
 TEST_F(KeeperTest, MarksWhatWasSavedBefore) {
-  keeper->begin(numbered(1), named("a"));
-  ASSERT_TRUE(keep(numbered(2, Mark::unconfirmed), "b"));
+  keeper->begin(with_number(1), named("a"));
+  ASSERT_TRUE(keep(with_number(2, Mark::unconfirmed), "b"));
 
   keeper->mark(2, Mark::confirmed);
   keeper->flush();
@@ -116,15 +116,15 @@ TEST_F(KeeperTest, MarksWhatWasSavedBefore) {
 }
 
 TEST_F(KeeperTest, SaysThatNothingWasSavedAndGoesOn) {
-  keeper->begin(numbered(1), named("a"));
+  keeper->begin(with_number(1), named("a"));
   std::filesystem::rename(dir / "state", dir / "away");
 
-  EXPECT_FALSE(keep(numbered(2), "b"));
+  EXPECT_FALSE(keep(with_number(2), "b"));
   EXPECT_FALSE(keeper->saved());
   keeper->audit({{"method", "param.set"}});
   keeper->flush();
   std::filesystem::rename(dir / "away", dir / "state");
-  EXPECT_TRUE(keep(numbered(3), "c"));
+  EXPECT_TRUE(keep(with_number(3), "c"));
 
   EXPECT_TRUE(keeper->saved());
   log.flush();
@@ -143,7 +143,7 @@ TEST_F(KeeperTest, CountsAuditLinesThatTheDiskIsTooSlowFor) {
     keeper->audit({{"method", "param.set"}, {"time", "now"}});
   }
 
-  keeper->begin(numbered(1), named("a"));
+  keeper->begin(with_number(1), named("a"));
   keeper->flush();
 
   EXPECT_EQ(lines(), Keeper::kWaiting + 1);
@@ -151,7 +151,7 @@ TEST_F(KeeperTest, CountsAuditLinesThatTheDiskIsTooSlowFor) {
 }
 
 TEST_F(KeeperTest, WritesWhatWaitsBeforeItEnds) {
-  keeper->begin(numbered(1), named("a"));
+  keeper->begin(with_number(1), named("a"));
   for (int i = 0; i < 20; ++i) {
     keeper->audit({{"method", "param.set"}});
   }

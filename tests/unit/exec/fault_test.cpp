@@ -6,10 +6,10 @@
 namespace mauve {
 namespace {
 
-using Two = ramp::Two<ramp::ThrowingInJob>;
+using TwoThrowing = ramp::Two<ramp::ThrowingInJob>;
 
 TEST(Fault, ThrowingCoreFaultsOnlyItsComponentAndWritesSafeValues) {
-  Two architecture;
+  TwoThrowing architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
 
@@ -23,7 +23,7 @@ TEST(Fault, ThrowingCoreFaultsOnlyItsComponentAndWritesSafeValues) {
 }
 
 TEST(Fault, IsToldWithItsText) {
-  Two architecture;
+  TwoThrowing architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
   deployer.run_for(100ms);
@@ -36,7 +36,7 @@ TEST(Fault, IsToldWithItsText) {
 }
 
 TEST(Fault, FaultedComponentStartsAgainWithAnotherCore) {
-  Two architecture;
+  TwoThrowing architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
   deployer.run_for(100ms);

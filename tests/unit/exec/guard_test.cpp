@@ -67,8 +67,8 @@ struct Displaced final : ramp::Up {
 
 /// `left` does not return.
 template <typename Core>
-struct Two : ramp::FallingBack<Core, ramp::Down> {
-  explicit Two(FaultPolicy::Action action = FaultPolicy::Action::fallback)
+struct TwoWatched : ramp::FallingBack<Core, ramp::Down> {
+  explicit TwoWatched(FaultPolicy::Action action = FaultPolicy::Action::fallback)
       : ramp::FallingBack<Core, ramp::Down>(action) {
     this->left.task().watchdog = kBound;
   }
@@ -91,7 +91,7 @@ TEST_F(Guard, DoesNotBlameAJobThatAMoreUrgentThreadKeepsFromItsProcessor) {
   const int cpu = rt::usable_cpus().front();
   Displaced::waits() = false;
   Displaced::displaced() = false;
-  Two<Displaced> architecture;
+  TwoWatched<Displaced> architecture;
   architecture.left.task().watchdog = kShort;
   architecture.left.task().cpus = {cpu};
   Deployer deployer(architecture, {.realtime = Realtime::require});
@@ -117,7 +117,7 @@ TEST_F(Guard, DoesNotBlameAJobThatAMoreUrgentThreadKeepsFromItsProcessor) {
 
 TEST_F(Guard, EndsAnEndlessLoopAndTheFallbackCoreTakesOver) {
   if (!rt::kCanRescue) GTEST_SKIP() << "under a sanitizer a loop cannot be ended";
-  Two<Endless> architecture;
+  TwoWatched<Endless> architecture;
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
 
@@ -132,7 +132,7 @@ TEST_F(Guard, EndsAnEndlessLoopAndTheFallbackCoreTakesOver) {
 }
 
 TEST_F(Guard, GivesUpAThreadThatIsInTheSystemAndAFreshOneGoesOn) {
-  Two<Blocked> architecture;
+  TwoWatched<Blocked> architecture;
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
 
@@ -159,7 +159,7 @@ TEST_F(Guard, GivesUpAThreadThatIsInTheSystemAndAFreshOneGoesOn) {
 }
 
 TEST_F(Guard, ParksAComponentWithoutAFallbackCoreAndItStartsAgain) {
-  Two<Blocked> architecture(FaultPolicy::Action::stop);
+  TwoWatched<Blocked> architecture(FaultPolicy::Action::stop);
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
 
@@ -176,7 +176,7 @@ TEST_F(Guard, ParksAComponentWithoutAFallbackCoreAndItStartsAgain) {
 }
 
 TEST_F(Guard, AChangeOfAComponentThatHangsEndsWithIt) {
-  Two<Blocked> architecture(FaultPolicy::Action::stop);
+  TwoWatched<Blocked> architecture(FaultPolicy::Action::stop);
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
   ASSERT_TRUE(eventually([&] { return block_.entered.load(); }));
@@ -197,8 +197,8 @@ TEST_F(Guard, AChangeOfAComponentThatHangsEndsWithIt) {
 
 TEST_F(Guard, AShutdownLeavesBehindWhatAThreadIsStillIn) {
   // Never freed: a thread stays in them.
-  static auto* const kept = new std::vector<std::pair<Two<Blocked>*, Block*>>;
-  const auto [architecture, forever] = kept->emplace_back(new Two<Blocked>, new Block);
+  static auto* const kept = new std::vector<std::pair<TwoWatched<Blocked>*, Block*>>;
+  const auto [architecture, forever] = kept->emplace_back(new TwoWatched<Blocked>, new Block);
   block() = forever;
   auto deployer = std::make_unique<Deployer>(*architecture);
   ASSERT_TRUE(deployer->deploy());

@@ -40,12 +40,12 @@ TaskAttributes budgeted() {
 }
 
 /// Two that share a lock, and one that does not, in this order: alone, first.
-struct Sharing : Architecture {
+struct SharedGrid : Architecture {
   Resource<EmptyShell, TableCore, TableInterface> table{*this, "table"};
   mauve::Component<UserShell, User, UserFsm> alone{*this, "alone"};
   mauve::Component<UserShell, User, UserFsm> first{*this, "first"};
 
-  Sharing() {
+  SharedGrid() {
     alone.task() = budgeted();
     first.task() = budgeted();
   }
@@ -71,7 +71,7 @@ constexpr DeployOptions kStrict{
     .realtime = Realtime::off, .simulated = true, .admission = Admission::strict};
 
 TEST(Placement, RunsWhoSharesALockOnOneCpuAlsoWhenItJoins) {
-  Sharing architecture;
+  SharedGrid architecture;
   Deployer deployer(architecture, kStrict);
   ASSERT_TRUE(deployer.deploy());
   Change change{{}};
@@ -132,7 +132,7 @@ TEST(Placement, RunsWhoIsLinkedByTheLocksOfOthersOnOneCpu) {
 
 TEST(Placement, TakesTheCpuWithTheFewestOtherwise) {
   if (rt::usable_cpus().size() < 2) GTEST_SKIP() << "NOT TESTED: one CPU only";
-  Sharing architecture;
+  SharedGrid architecture;
   Deployer deployer(architecture, kStrict);
   ASSERT_TRUE(deployer.deploy());
 
@@ -140,7 +140,7 @@ TEST(Placement, TakesTheCpuWithTheFewestOtherwise) {
 }
 
 TEST(Placement, CountsAHoldThatWasNotMeasuredAsAWholeJob) {
-  Sharing architecture;
+  SharedGrid architecture;
   Deployer deployer(architecture, kStrict);
   ASSERT_TRUE(deployer.deploy());
   TaskAttributes urgent = budgeted();

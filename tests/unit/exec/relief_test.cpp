@@ -126,8 +126,8 @@ TEST(Relief, AChangeMakesItAnew) {
   EXPECT_EQ(deployer.status("control").core, "ramp/down");
 }
 
-struct OnProbation : FallingBack {
-  OnProbation() {
+struct FallingBackOnProbation : FallingBack {
+  FallingBackOnProbation() {
     EXPECT_TRUE(deployer.deploy());
     Change change{{ramp::to_core<ramp::Up>("other")}};
     change.probation.emplace();
@@ -137,7 +137,7 @@ struct OnProbation : FallingBack {
 };
 
 TEST(Relief, OfAChangeThatWasLedBackMeanwhileDoesNotStandBy) {
-  OnProbation system;
+  FallingBackOnProbation system;
   const std::vector<Change> wanted = system.deployer.wanted_reliefs();
   ASSERT_EQ(wanted.size(), 1u);
   auto prepared = system.deployer.prepare(wanted[0]);
@@ -157,7 +157,7 @@ TEST(Relief, OfAChangeThatWasLedBackMeanwhileDoesNotStandBy) {
 }
 
 TEST(Relief, IsNotWantedWhileAChangeIsLedBack) {
-  OnProbation system;
+  FallingBackOnProbation system;
   system.deployer.run_for(10900us);
   ASSERT_TRUE(system.deployer.undo());  // one more job comes before its instant
 

@@ -8,13 +8,13 @@ namespace {
 using drivers::FixGate;
 using rover::GnssFix;
 
-constexpr double kLimit = 100.0;
+constexpr double kGateLimit = 100.0;
 constexpr double kMetre = 1.0 / 111'194.9;  // in degrees of latitude
 
 /// A receiver on its way north, 20 m/s, at one fix a second of its clock and ours.
-class Drive {
+class Track {
  public:
-  explicit Drive(double begin = 50'000.0) : begin_(begin) {}
+  explicit Track(double begin = 50'000.0) : begin_(begin) {}
 
   static GnssFix fix(double time, double metres) {
     GnssFix fix;
@@ -46,18 +46,18 @@ class Drive {
 
   double begin_;
   double second_ = 0.0;
-  double limit_ = kLimit;
+  double limit_ = kGateLimit;
   FixGate gate_;
 };
 
 TEST(FixGate, LetsARobotDriveAlsoOverMidnight) {
-  Drive drive(86'380.0);
+  Track drive(86'380.0);
 
   for (int i = 0; i < 60; ++i) EXPECT_TRUE(drive.good()) << i;
 }
 
 TEST(FixGate, RefusesAJumpAndGoesOnWithTheNextGoodFix) {
-  Drive drive;
+  Track drive;
   for (int i = 0; i < 10; ++i) ASSERT_TRUE(drive.good());
 
   EXPECT_FALSE(drive.wrong(1000.0));
@@ -69,9 +69,9 @@ TEST(FixGate, RefusesAJumpAndGoesOnWithTheNextGoodFix) {
 }
 
 TEST(FixGate, RefusesAJumpInHeight) {
-  Drive drive;
+  Track drive;
   ASSERT_TRUE(drive.good());
-  GnssFix high = Drive::fix(50'001.5, 25.0);
+  GnssFix high = Track::fix(50'001.5, 25.0);
   high.altitude = 400.0;
 
   EXPECT_FALSE(drive.admit(high));
@@ -80,7 +80,7 @@ TEST(FixGate, RefusesAJumpInHeight) {
 }
 
 TEST(FixGate, RefusesATimeThatIsOutOfStepWithOurClock) {
-  Drive drive;
+  Track drive;
   for (int i = 0; i < 10; ++i) ASSERT_TRUE(drive.good());
 
   EXPECT_FALSE(drive.wrong(0.0, -40.0));
@@ -90,7 +90,7 @@ TEST(FixGate, RefusesATimeThatIsOutOfStepWithOurClock) {
 }
 
 TEST(FixGate, BelievesANewPlaceThatPersists) {
-  Drive drive;
+  Track drive;
   for (int i = 0; i < 10; ++i) ASSERT_TRUE(drive.good());
 
   EXPECT_FALSE(drive.wrong(50'000.0));
@@ -101,7 +101,7 @@ TEST(FixGate, BelievesANewPlaceThatPersists) {
 }
 
 TEST(FixGate, IsNotLockedOutByAWrongFirstFix) {
-  Drive drive;
+  Track drive;
   EXPECT_TRUE(drive.wrong(1'000'000.0)) << "nothing to compare with";
 
   EXPECT_FALSE(drive.good());
@@ -110,7 +110,7 @@ TEST(FixGate, IsNotLockedOutByAWrongFirstFix) {
 }
 
 TEST(FixGate, LetsALongTunnelPass) {
-  Drive drive;
+  Track drive;
   for (int i = 0; i < 10; ++i) ASSERT_TRUE(drive.good());
 
   drive.silence(600.0);
@@ -127,7 +127,8 @@ TEST(FixGate, LetsARecordingPassThatIsPlayedFasterThanLife) {
 
   for (int i = 0; i < 200; ++i) {
     const double skipped = i < 100 ? 0.0 : 900.0;  // the recording itself has a hole
-    EXPECT_TRUE(gate.admit(Drive::fix(40'000.0 + i + skipped, 20.0 * i), 0.001 * i, kLimit)) << i;
+    EXPECT_TRUE(gate.admit(Track::fix(40'000.0 + i + skipped, 20.0 * i), 0.001 * i, kGateLimit))
+        << i;
   }
 }
 
@@ -138,7 +139,7 @@ TEST(FixGate, IsNotLockedOutWhenALineChangesItsPace) {
 
   for (int i = 0; i < 60; ++i) {
     now += i < 20 ? 1.0 : i < 40 ? 30.0 : 0.001;  // as sent, held up, and faster than life
-    refused += gate.admit(Drive::fix(50'000.0 + i, 20.0 * i), now, kLimit) ? 0 : 1;
+    refused += gate.admit(Track::fix(50'000.0 + i, 20.0 * i), now, kGateLimit) ? 0 : 1;
   }
 
   EXPECT_LE(refused, FixGate::kPersists - 1);
@@ -147,13 +148,13 @@ TEST(FixGate, IsNotLockedOutWhenALineChangesItsPace) {
 TEST(FixGate, ComparesByOurClockWhenTheReceiverHasNoTime) {
   FixGate gate;
 
-  EXPECT_TRUE(gate.admit(Drive::fix(0.0, 0.0), 10.0, kLimit));
-  EXPECT_TRUE(gate.admit(Drive::fix(0.0, 90.0), 11.0, kLimit));
-  EXPECT_FALSE(gate.admit(Drive::fix(0.0, 1090.0), 12.0, kLimit));
+  EXPECT_TRUE(gate.admit(Track::fix(0.0, 0.0), 10.0, kGateLimit));
+  EXPECT_TRUE(gate.admit(Track::fix(0.0, 90.0), 11.0, kGateLimit));
+  EXPECT_FALSE(gate.admit(Track::fix(0.0, 1090.0), 12.0, kGateLimit));
 }
 
 TEST(FixGate, LetsEpochsWithoutPositionPassAndLearnsNothingFromThem) {
-  Drive drive;
+  Track drive;
   ASSERT_TRUE(drive.good());
   GnssFix none;
 
@@ -162,7 +163,7 @@ TEST(FixGate, LetsEpochsWithoutPositionPassAndLearnsNothingFromThem) {
 }
 
 TEST(FixGate, IsOpenWithoutALimit) {
-  Drive drive;
+  Track drive;
   drive.limit(0.0);
 
   EXPECT_TRUE(drive.good());
@@ -172,13 +173,13 @@ TEST(FixGate, IsOpenWithoutALimit) {
 
 TEST(FixGate, MeasuresTheShortWayRoundTheDateLine) {
   FixGate gate;
-  GnssFix fix = Drive::fix(100.0, 0.0);
+  GnssFix fix = Track::fix(100.0, 0.0);
   fix.longitude = 179.9999;
-  ASSERT_TRUE(gate.admit(fix, 100.0, kLimit));
+  ASSERT_TRUE(gate.admit(fix, 100.0, kGateLimit));
   fix.time = 101.0;
   fix.longitude = -179.9999;
 
-  EXPECT_TRUE(gate.admit(fix, 101.0, kLimit));
+  EXPECT_TRUE(gate.admit(fix, 101.0, kGateLimit));
 }
 
 }  // namespace

@@ -18,8 +18,8 @@ using rover::Imu;
 using rover::Pose;
 using rover::Twist;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+constexpr double kEndless = std::numeric_limits<double>::infinity();
 
 double time_of(const Measurement& measurement) {
   return std::visit([](const auto& m) { return m.time; }, measurement);
@@ -177,12 +177,20 @@ TEST(Filter, RefusesWhatIsNoMeasurementAndCountsIt) {
   Memory memory = filtered(parameters, circle(5.0));
   const Estimate before = memory.estimate;
   const double now = before.time;
-  const std::vector<Measurement> nonsense{
-      Twist{now, kNaN, 0.0},        Twist{now, 0.0, kInfinity},      Twist{kNaN, 0.0, 0.0},
-      Twist{kInfinity, 0.0, 0.0},   Twist{now, 1e30, 0.0},           Twist{now + 10.0, 0.0, 0.0},
-      Imu{now, -kInfinity},         Imu{now, 0.0, 0, 0, kNaN, true}, Pose{now, kNaN, 0.0, 1.0},
-      Pose{now, 0.0, kNaN, 1.0},    Pose{now, 0.0, 0.0, kNaN},       Pose{now, 0.0, 0.0, -1.0},
-      Pose{now, 1e300, 0.0, 1e300}, Pose{-kInfinity, 0.0, 0.0, 1.0}};
+  const std::vector<Measurement> nonsense{Twist{now, kNoNumber, 0.0},
+                                          Twist{now, 0.0, kEndless},
+                                          Twist{kNoNumber, 0.0, 0.0},
+                                          Twist{kEndless, 0.0, 0.0},
+                                          Twist{now, 1e30, 0.0},
+                                          Twist{now + 10.0, 0.0, 0.0},
+                                          Imu{now, -kEndless},
+                                          Imu{now, 0.0, 0, 0, kNoNumber, true},
+                                          Pose{now, kNoNumber, 0.0, 1.0},
+                                          Pose{now, 0.0, kNoNumber, 1.0},
+                                          Pose{now, 0.0, 0.0, kNoNumber},
+                                          Pose{now, 0.0, 0.0, -1.0},
+                                          Pose{now, 1e300, 0.0, 1e300},
+                                          Pose{-kEndless, 0.0, 0.0, 1.0}};
 
   for (const Measurement& measurement : nonsense) add(parameters, measurement, now, 0.5, memory);
 
@@ -195,7 +203,8 @@ TEST(Filter, TakesAnAccelerometerThatIsBrokenForWhatItIs) {
   const Parameters parameters;
   Memory memory = started(parameters);
 
-  add(parameters, Imu{1.0, 0.1, kNaN, kNaN, kNaN, false}, 1.0, 0.5, memory);  // not looked at
+  add(parameters, Imu{1.0, 0.1, kNoNumber, kNoNumber, kNoNumber, false}, 1.0, 0.5,
+      memory);  // not looked at
 
   EXPECT_EQ(memory.refused, 0u);
   EXPECT_TRUE(std::isfinite(memory.estimate.mean[kTurn]));

@@ -22,16 +22,16 @@ constexpr std::string_view kGga =
 constexpr std::string_view kRmc =
     "$GPRMC,123519,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W*6A\r\n";
 
-struct Reading {
+struct NmeaReading {
   std::vector<GnssFix> fixes;
   std::uint32_t good = 0;
   std::uint32_t bad = 0;
 };
 
-Reading read(std::string_view bytes) {
+NmeaReading read(std::string_view bytes) {
   FrameReader frames;
   FixReader fixes;
-  Reading reading;
+  NmeaReading reading;
   for (const char byte : bytes) {
     if (frames.push(byte) != FrameReader::Event::frame) continue;
     if (fixes.read(frames.frame()) == FixReader::Event::fix) reading.fixes.push_back(fixes.fix());
@@ -50,7 +50,7 @@ std::string sentence(std::string_view text) {
 }
 
 TEST(NmeaFrame, ReadsThePublishedSentences) {
-  const Reading reading = read(std::string(kGga) + std::string(kRmc));
+  const NmeaReading reading = read(std::string(kGga) + std::string(kRmc));
 
   EXPECT_EQ(reading.good, 2U);
   EXPECT_EQ(reading.bad, 0U);
@@ -64,7 +64,7 @@ TEST(NmeaFrame, ReadsThePublishedSentences) {
 }
 
 TEST(NmeaFrame, RefusesTheWebCopyThatDroppedAnEmptyField) {
-  const Reading reading =
+  const NmeaReading reading =
       read("$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,*47\r\n");
 
   EXPECT_EQ(reading.good, 0U);
@@ -78,7 +78,7 @@ TEST(NmeaFrame, CountsEverySingleFlippedBitOnceAndReadsTheNextSentence) {
       char& byte = bytes[kRmc.size() + place];
       byte = static_cast<char>(static_cast<unsigned char>(byte) ^ (1U << bit));
 
-      const Reading reading = read(bytes + std::string(kRmc) + std::string(kGga));
+      const NmeaReading reading = read(bytes + std::string(kRmc) + std::string(kGga));
 
       EXPECT_EQ(reading.good, 3U) << "byte " << place << " bit " << bit;
       EXPECT_EQ(reading.bad, 1U) << "byte " << place << " bit " << bit;
@@ -92,7 +92,7 @@ TEST(NmeaFrame, CountsEveryTruncationOnceWhetherTheLineEndIsLeftOrNot) {
     const std::string cut(kGga.substr(0, length));
 
     for (const std::string& bytes : {cut + std::string(kGga), cut + "\r\n" + std::string(kGga)}) {
-      const Reading reading = read(bytes);
+      const NmeaReading reading = read(bytes);
 
       EXPECT_EQ(reading.good, 1U) << bytes;
       EXPECT_EQ(reading.bad, 1U) << bytes;
@@ -105,7 +105,7 @@ TEST(NmeaFrame, CountsEveryMissingByteOnce) {
     std::string bytes = std::string(kRmc) + std::string(kGga);
     bytes.erase(kRmc.size() + place, 1);
 
-    const Reading reading = read(bytes + std::string(kGga));
+    const NmeaReading reading = read(bytes + std::string(kGga));
 
     EXPECT_EQ(reading.good, 2U) << place;
     EXPECT_EQ(reading.bad, 1U) << place;
@@ -117,7 +117,7 @@ TEST(NmeaFrame, SkipsCommentsAndBinaryWithoutCountingThem) {
       "# Notes: $GLGSV  for GLONASS sats, and $GPGSV for GNSS\r\n\xb5\x62\x01" +
       std::string(3, '\0') + "\xff\r\n" + std::string(kGga);
 
-  const Reading reading = read(bytes);
+  const NmeaReading reading = read(bytes);
 
   EXPECT_EQ(reading.good, 1U);
   EXPECT_EQ(reading.bad, 0U);
@@ -151,7 +151,7 @@ TEST(NmeaFrame, SurvivesAMegabyteOfNoise) {
 }
 
 TEST(NmeaFix, TakesEmptyFieldsAsNoFix) {
-  const Reading reading = read("$GPGGA,,,,,,0,,,,M,,M,,*66\r\n");
+  const NmeaReading reading = read("$GPGGA,,,,,,0,,,,M,,M,,*66\r\n");
 
   ASSERT_EQ(reading.fixes.size(), 1U);
   EXPECT_EQ(reading.fixes[0].mode, 1);
@@ -163,7 +163,7 @@ TEST(NmeaFix, KnowsTwoAndThreeDimensions) {
   const std::string solid = sentence("GPGGA,1,4807.038,N,01131.000,E,1,04,0.9,10,M,,M,,");
   const std::string two = sentence("GPGSA,A,2,01,02,03,,,,,,,,,,1,1,1");
 
-  const Reading reading = read(flat + solid + two + solid);
+  const NmeaReading reading = read(flat + solid + two + solid);
 
   ASSERT_EQ(reading.fixes.size(), 3U);
   EXPECT_EQ(reading.fixes[0].mode, 2);
@@ -196,7 +196,7 @@ TEST(NmeaWriter, WritesWhatTheReaderReads) {
 
   for (const double latitude : {43.5661, -33.9, 59.999999999, 0.00001}) {
     GnssFix fix{3661.25, latitude, -1.4744, 151.37, 0.9, 3, 9};
-    const Reading reading = read(writer.compose(fix, 0.6, 271.5));
+    const NmeaReading reading = read(writer.compose(fix, 0.6, 271.5));
 
     EXPECT_EQ(reading.good, 3U);
     EXPECT_EQ(reading.bad, 0U);

@@ -60,7 +60,7 @@ Frame composed(const Imu& imu, std::uint32_t ticks = 1) {
   return {frame.begin(), frame.end()};
 }
 
-struct Line {
+struct XbusLine {
   XbusStream stream;
   ImuReader reader;
   std::vector<Imu> imus;
@@ -89,7 +89,7 @@ struct Line {
 };
 
 TEST(XbusFrame, ReadsThePublishedMessages) {
-  Line line;
+  XbusLine line;
 
   line.send(hex("FA FF 30 00 D1"));
   line.send(hex("FA FF 31 00 D0"));
@@ -108,7 +108,7 @@ TEST(XbusFrame, UsesNoFrameWithAFlippedBitAndReadsTheNext) {
     for (unsigned bit = 0; bit < 8; ++bit) {
       Frame damaged = frame;
       damaged[place] = static_cast<std::uint8_t>(damaged[place] ^ (1U << bit));
-      Line line;
+      XbusLine line;
 
       line.send(damaged + frame + Frame(300));
 
@@ -119,7 +119,7 @@ TEST(XbusFrame, UsesNoFrameWithAFlippedBitAndReadsTheNext) {
 }
 
 TEST(XbusFrame, FindsAFrameInsideADamagedOne) {
-  Line line;
+  XbusLine line;
 
   line.send(hex("FA FF 36 80 10 20") + composed({}) + composed({}) + composed({}) + Frame(10));
 
@@ -128,7 +128,7 @@ TEST(XbusFrame, FindsAFrameInsideADamagedOne) {
 }
 
 TEST(XbusFrame, DoesNotWaitForAMessageOfExtendedLength) {
-  Line line;
+  XbusLine line;
 
   line.send(hex("FA FF 36 FF 07 FF") + composed({}));
 
@@ -137,7 +137,7 @@ TEST(XbusFrame, DoesNotWaitForAMessageOfExtendedLength) {
 }
 
 TEST(XbusFrame, GivesUpAHalfFrame) {
-  Line line;
+  XbusLine line;
   line.send(hex("FA FF 36 40 10"));
   EXPECT_TRUE(line.stream.in_frame());
 
@@ -150,7 +150,7 @@ TEST(XbusFrame, GivesUpAHalfFrame) {
 
 TEST(XbusFrame, SurvivesAMegabyteOfNoiseInWhichFramesBeginAllTheTime) {
   world::Random random(3);
-  Line line;
+  XbusLine line;
 
   for (int i = 0; i < 1'000'000; ++i) {
     const double what = random.uniform(0.0, 4.0);
@@ -165,7 +165,7 @@ TEST(XbusFrame, SurvivesAMegabyteOfNoiseInWhichFramesBeginAllTheTime) {
 }
 
 TEST(XbusImu, ReadsWhatARealUnitSent) {
-  Line line;
+  XbusLine line;
 
   line.send(message(0x36, hex(kRecorded)));
 
@@ -181,7 +181,7 @@ TEST(XbusImu, ReadsEulerAnglesInDegreesAnticlockwiseFromEast) {
   // Rate of turn (0, 0, 0.5), then roll 0, pitch 0, yaw 90.
   const Frame data = hex(
       "80 20 0C 00 00 00 00 00 00 00 00 3F 00 00 00 20 30 0C 00 00 00 00 00 00 00 00 42 B4 00 00");
-  Line line;
+  XbusLine line;
 
   line.send(message(0x36, data));
   line.send(message(0x36, data + hex("E0 20 04 00 00 00 01")));
@@ -195,7 +195,7 @@ TEST(XbusImu, ReadsEulerAnglesInDegreesAnticlockwiseFromEast) {
 
 TEST(XbusImu, SaysWhatTheWriterWrote) {
   for (const double heading : {-3.0, 0.0, 0.5, 3.1}) {
-    Line line;
+    XbusLine line;
 
     line.send(composed({0.0, -0.25, 0.1, -0.2, heading, true}));
     line.send(composed({0.0, -0.25, 0.1, -0.2, heading, false}));
@@ -211,7 +211,7 @@ TEST(XbusImu, SaysWhatTheWriterWrote) {
 }
 
 TEST(XbusImu, RefusesValuesThatNoUnitMeasures) {
-  Line line;
+  XbusLine line;
 
   for (const double wrong : {std::numeric_limits<double>::quiet_NaN(),
                              std::numeric_limits<double>::infinity(), 1e300, -500.0}) {
@@ -226,7 +226,7 @@ TEST(XbusImu, RefusesValuesThatNoUnitMeasures) {
 }
 
 TEST(XbusImu, CallsLengthsThatCannotBeMalformed) {
-  Line line;
+  XbusLine line;
 
   line.send(message(0x36, hex("80 20 0C 00 00")));
   line.send(message(0x36, hex("80 20")));
@@ -237,7 +237,7 @@ TEST(XbusImu, CallsLengthsThatCannotBeMalformed) {
 }
 
 TEST(XbusImu, IgnoresMessagesWithoutARateOfTurn) {
-  Line line;
+  XbusLine line;
 
   line.send(message(0x36, {}));
   line.send(message(0x36, hex("80 23 18") + Frame(24)));  // in double precision

@@ -1,0 +1,89 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Who may run again after a failure, and what is said of who then passed."""
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+RESULTS = pathlib.Path(__file__).resolve().parent.parent.parent / "scripts" / "results.py"
+
+
+def junit(cases):
+    """ctest's report: name, status and output of each test."""
+    return "<testsuite>" + "".join(
+        f'<testcase name="{name}" status="{status}"><system-out>{output}</system-out></testcase>'
+        for name, status, output in cases) + "</testsuite>"
+
+
+class Results(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def results(self, *words):
+        done = subprocess.run([sys.executable, RESULTS, *words], cwd=self.folder, capture_output=True,
+                              text=True, check=False)
+        return done.returncode, done.stdout + done.stderr
+
+    def write(self, name, text):
+        (self.folder / name).write_text(text, encoding="utf-8")
+
+    def may_run_again(self, ends, output="expected 1, got 2"):
+        self.write("first.xml", junit([(name, "fail", output) for name, _ in ends]))
+        self.write("log", "The following tests FAILED:\n\t  1 - Inner.Test (SEGFAULT)\n"  # of an inner ctest
+                   "The following tests FAILED:\n"
+                   + "".join(f"\t {i:2} - {name} ({end})\n" for i, (name, end) in enumerate(ends))
+                   + "Errors while running CTest\n")
+        return self.results("--may-run-again", "first.xml", "log")
+
+    def refused(self, words, *arguments):
+        code, output = self.may_run_again(*arguments)
+        self.assertEqual(code, 1, output)
+        self.assertIn(words, output)
+
+    def test_lets_failures_and_timeouts_run_again(self):
+        self.assertEqual(self.may_run_again([("A.B", "Failed"), ("C.D/0", "Timeout")]), (0, ""))
+
+    def test_excuses_no_crash_and_nothing_that_did_not_run(self):
+        for end in ("SEGFAULT", "Subprocess aborted", "Not Run"):
+            self.refused(f"A.B: {end}", [("A.B", end), ("C.D", "Failed")])
+
+    def test_excuses_no_report_of_a_sanitizer(self):
+        for report in ("==7==ERROR: AddressSanitizer: heap", "WARNING: ThreadSanitizer: data race",
+                       "a.cpp:1:2: runtime error: shift", "==7==ERROR: LeakSanitizer: detected",
+                       "[This part of the test output was removed since it exceeds 307200 bytes.]"):
+            self.refused("A.B: a sanitizer's report", [("A.B", "Failed")], f"before\n{report}\nafter")
+
+    def test_excuses_at_most_five_and_never_an_unknown_failure(self):
+        many = [(f"A.B{i}", "Failed") for i in range(6)]
+        self.assertEqual(self.may_run_again(many[:5])[0], 0)
+        self.refused("6 tests failed", many)
+        self.refused("0 tests failed", [])
+
+    def test_names_and_counts_who_is_unsteady(self):
+        self.write("first.xml", junit([("A.B", "fail", "expected 1"), ("C.D", "run", "")]))
+        self.write("again.xml", junit([("A.B", "run", "")]))
+        code, output = self.results("asan", "first.xml", "counts", "again.xml")
+        self.assertEqual(code, 0, output)
+        self.assertIn("UNSTEADY asan: A.B", output)
+        self.assertIn("expected 1", output)
+        self.assertEqual(self.results("--sum", "counts"), (0, "1 passed, 0 failed, 0 skipped, 1 unsteady\n"))
+
+    def test_fails_with_who_fails_again_or_is_skipped_then(self):
+        self.write("first.xml", junit([("A.B", "fail", ""), ("C.D", "fail", "")]))
+        self.write("again.xml", junit([("A.B", "fail", ""), ("C.D", "notrun", "")]))
+        code, output = self.results("asan", "first.xml", "counts", "again.xml")
+        self.assertEqual(code, 1, output)
+        self.assertIn("FAILED  asan: A.B\nFAILED  asan: C.D\n", output)
+        self.assertEqual(self.results("--sum", "counts"), (0, "0 passed, 2 failed, 0 skipped\n"))
+
+    def test_fails_when_nobody_ran_again(self):
+        self.write("first.xml", junit([("A.B", "fail", "")]))
+        self.assertEqual(self.results("asan", "first.xml", "counts", "again.xml")[0], 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
