@@ -115,7 +115,7 @@ void Caretaker::tell_of_holds() {
     running_->log.write(Event::hold_exceeded, {{"resource", resource->name()},
                                                {"held", format_duration(held)},
                                                {"hold", format_duration(gate.declared_hold())},
-                                               {"count", number(count)}});
+                                               {"count", to_signed(count)}});
   }
 }
 

@@ -71,7 +71,7 @@ TEST(Parse, ReadsAWholeArchitecture) {
 }
 
 TEST(Parse, ReadsHowLongAResourceIsHeld) {
-  const Spec spec = accepted(R"({"schema": "mauve/architecture/1", "name": "held",
+  const Spec spec = spec_of(R"({"schema": "mauve/architecture/1", "name": "held",
     "resources": {"pose": {"type": "a/b", "hold": "50us"}, "log": {"type": "a/b"}}})");
 
   EXPECT_EQ(spec.resources.at(0).hold->value, 50us);
