@@ -33,12 +33,13 @@ struct Guidance {
   double dwell = 0.0;             ///< s since the supervisor last decided
 };
 
-/// Another goal, while driving: the way round an obstacle is chosen anew. A goal that only moves a
-/// little is the same one. [rt]
+/// Another goal, while driving: whoever is going round an obstacle decides anew. A goal that only
+/// moves a little is the same one. [rt]
 inline void aim_at(const Point2D& goal, Guidance& state) {
   constexpr double kSame = 0.2;     // m
   constexpr double kLongAgo = 1e3;  // s
-  if (std::hypot(goal.x - state.goal.x, goal.y - state.goal.y) > kSame) {
+  const bool other = std::hypot(goal.x - state.goal.x, goal.y - state.goal.y) > kSame;
+  if (other && state.avoiding == 1) {
     state.side = 0;
     state.avoiding = 0;
     state.dwell = kLongAgo;

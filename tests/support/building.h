@@ -17,6 +17,7 @@
 #include "../../plugins/navigation/navigation.h"
 #include "../../plugins/world/random.h"
 #include "support/drive.h"
+#include "support/grid_reference.h"
 
 namespace support::building {
 
@@ -27,23 +28,24 @@ using navigation::OccupancyGrid;
 constexpr double kDoorObstacle = 0.55;  // m, obstacle_distance
 constexpr double kDoorSafety = 0.4;     // m, safety_distance
 constexpr double kSpeed = 0.45;         // m/s
-inline double kKeepAway = 0.45;         // m, of the planner
+constexpr double kKeepAway = 0.55;      // m, of the planner
 constexpr safety::Limits kPilot{0.4, 0.8, 0.3, 0.1};
-constexpr double kRadius = 0.18;  // m, of the robot: nearer is a collision
+/// Noise and disturbance as in drivers/world, whose defaults the building uses.
+inline drive::Conditions conditions() { return {{0.05, 0.25}, 0.01, &kPilot, 240.0, false}; }
 
-inline guidance::FieldParameters door_field() {
+inline drive::Law field() {
   guidance::FieldParameters p;
   p.obstacle_distance = kDoorObstacle;
   p.safety_distance = kDoorSafety;
   p.speed_max = kSpeed;
-  return p;
+  return drive::field(p);
 }
-inline guidance::AvoidanceParameters door_finite_time() {
+inline drive::Law finite_time() {
   guidance::AvoidanceParameters p;
   p.obstacle_distance = kDoorObstacle;
   p.safety_distance = kDoorSafety;
   p.speed_max = kSpeed;
-  return p;
+  return drive::finite_time(p);
 }
 
 /// From one place to another.
@@ -53,16 +55,6 @@ struct Errand {
   double heading;
   double length;  ///< m, of the way planned
 };
-
-inline double length(const Point2D& start, const rover::Path& path) {
-  double sum = 0.0;
-  Point2D at = start;
-  for (const Point2D& point : path.points) {
-    sum += std::hypot(point.x - at.x, point.y - at.y);
-    at = point;
-  }
-  return sum;
-}
 
 class Building {
  public:
@@ -91,7 +83,6 @@ class Building {
     }
   }
 
-  /// As long as it takes, but at most `limit` of the conditions.
   [[nodiscard]] drive::Outcome drive(const drive::Driver& driver, const Errand& errand,
                                      std::uint64_t seed, drive::Conditions conditions) const;
 
