@@ -100,7 +100,7 @@ void report_swaps(const Options& options) {
                        "first 12 s the runtime puts the other core in its place. Pilot as above.");
   mauve::plugin::Catalog catalog({MAUVE_PLUGIN_DIR});
   const std::vector<Core> all = cores();
-  for (const std::size_t first : {0, 1}) {
+  for (const std::size_t first : {std::size_t{0}, std::size_t{1}}) {
     for (const drive::Worlds& worlds : kWorlds) {
       result.add(row(std::string(all[first].name) + " to " + all[1 - first].name, worlds.name,
                      swapped(catalog, all[first], all[1 - first], worlds, options.choose(300, 3))));
