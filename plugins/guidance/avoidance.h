@@ -4,6 +4,12 @@
 /// A reconstruction from what is known of Guerra, Efimov, Zheng, Perruquetti (Autonomous Robots 41,
 /// 2017): a unicycle with disturbed inputs, a supervisor over two controls, every law regulating
 /// the heading in finite time.
+///
+///   GO      straight to the goal, until something nearer than d_obs would be passed within d_safe
+///   AVOID   along it at d_safe, one side chosen; past what stands beside it too, as close as
+///           squeeze * d_safe where there is no other way on (a door). Until the way to the goal is
+///           free again and the robot nearer to it than at the start; the other way round when
+///           this one leads away.
 #pragma once
 
 #include "guidance.h"
@@ -14,6 +20,7 @@ namespace guidance {
 struct AvoidanceParameters {
   double obstacle_distance = 1.2;  ///< d_obs, avoiding starts inside it, m
   double safety_distance = 0.7;    ///< d_safe, kept while going round, m
+  double squeeze = 0.7;            ///< share of d_safe kept where there is no other way
   double speed_max = 0.8;          ///< m/s
   double avoid_speed = 0.7;        ///< share of the speed while avoiding
   double dwell = 0.5;              ///< s between two decisions of the supervisor

@@ -54,7 +54,7 @@ class GuidanceCore : public mauve::Core<ControlShell> {
   /// [rt] state reach_goal, every 10 ms: one step of the law.
   void advance() {
     const Pose2D pose = shell().pose.read();
-    state->goal = shell().goal.read();
+    aim_at(shell().goal.read(), *state);
     distance_to_goal = distance(pose, state->goal);
     const mauve::DataStatus seen = shell().scan.look(
         [&](const LaserScan& scan) { nearest_points(scan, pose, kHorizon, obstacles_); });

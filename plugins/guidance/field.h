@@ -16,8 +16,8 @@ namespace guidance {
 struct FieldParameters {
   double nu = 0.2;                 ///< inside this distance to the goal the pull fades linearly
   double psi = 1.0;                ///< beyond it the pull is one
-  double obstacle_distance = 1.0;  ///< d, an obstacle pushes inside it
-  double safety_distance = 0.7;    ///< r_s, nearest approach of the robot's centre
+  double obstacle_distance = 0.8;  ///< d, an obstacle pushes inside it
+  double safety_distance = 0.6;    ///< r_s, nearest approach of the robot's centre
   double gain = 1.0;               ///< scales the pull
   double escape = 0.6;             ///< strength of the input that leaves saddles
   double speed_max = 0.6;          ///< m/s

@@ -33,6 +33,20 @@ struct Guidance {
   double dwell = 0.0;             ///< s since the supervisor last decided
 };
 
+/// Another goal, while driving: whoever is going round an obstacle decides anew. A goal that only
+/// moves a little is the same one. [rt]
+inline void aim_at(const Point2D& goal, Guidance& state) {
+  constexpr double kSame = 0.2;     // m
+  constexpr double kLongAgo = 1e3;  // s
+  const bool other = std::hypot(goal.x - state.goal.x, goal.y - state.goal.y) > kSame;
+  if (other && state.avoiding == 1) {
+    state.side = 0;
+    state.avoiding = 0;
+    state.dwell = kLongAgo;
+  }
+  state.goal = goal;
+}
+
 /// Turns the heading error into a turn rate that reaches zero error in finite time.
 struct HeadingLaw {
   double gain = 2.0;      ///< k, reaches the layer within 2 sqrt(|e0|) / k

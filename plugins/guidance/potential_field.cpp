@@ -19,11 +19,11 @@ class PotentialField final : public GuidanceCore {
       *this, "psi", 1.0, "beyond it the pull is full", {.unit = "m", .min = 0.0}};
   mauve::Property<double> obstacle_distance{*this,
                                             "obstacle_distance",
-                                            1.0,
+                                            0.8,
                                             "the push starts here",
                                             {.unit = "m", .min = 0.1, .max = 10.0}};
   mauve::Property<double> safety_distance{
-      *this, "safety_distance", 0.7, "nearest approach", {.unit = "m", .min = 0.1, .max = 10.0}};
+      *this, "safety_distance", 0.6, "nearest approach", {.unit = "m", .min = 0.1, .max = 10.0}};
   mauve::Property<double> escape{
       *this, "escape", 0.6, "sideways input that leaves a dead end", {.min = 0.0, .max = 1.0}};
   mauve::Property<double> speed{

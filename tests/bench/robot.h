@@ -11,4 +11,11 @@ namespace bench {
 /// build/bench/victoria_park.svg.
 void report_localization(const Options& options);
 
+/// The planner on a million cells, and on them the length of its ways.
+void report_navigation(const Options& options);
+
+/// The guidance in random worlds, through swaps, and in the building. Draws
+/// build/bench/control.svg.
+void report_control(const Options& options);
+
 }  // namespace bench

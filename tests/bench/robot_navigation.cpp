@@ -2,6 +2,7 @@
 /// The planner of plugins/navigation on a million cells: the building of etc/maps drawn with 1000 x
 /// 1000, random places to go, and the worst there is: a goal behind walls, for which all is
 /// searched. And what the walls of the simulated world cost its laser.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -13,8 +14,9 @@
 #include "../../plugins/world/random.h"
 #include "../../plugins/world/walls.h"
 #include "../../plugins/world/world.h"
+#include "bench/robot.h"
 #include "bench/support/checked.h"
-#include "bench/support/report.h"
+#include "support/grid_reference.h"
 
 namespace bench {
 namespace {
@@ -77,18 +79,31 @@ double turn(const world::Walls& walls, const Point2D& at, world::Random& random)
          });
 }
 
-double length(const Point2D& start, const rover::Path& path) {
-  double sum = 0.0;
-  Point2D at = start;
-  for (const Point2D& point : path.points) {
-    sum += std::hypot(point.x - at.x, point.y - at.y);
-    at = point;
+/// The longest of 100 ways, over the optimum of the same grid.
+double longest(const OccupancyGrid& grid, Planner& planner, int sources) {
+  const support::GridReference reference(grid, kLimits.keep_away);
+  world::Random random(7);
+  rover::Path path;
+  double worst = 0.0;
+  for (int source = 0; source < sources; ++source) {
+    const Point2D start = reference.random_free(random);
+    const auto best = reference.distances_from(start);
+    for (int goals = 0; goals < 10;) {
+      const Point2D goal = reference.random_free(random);
+      const double least = best[reference.frame().index(reference.frame().cells(goal))];
+      if (least == 0.0 || least == support::kFarAway) continue;
+      must_hold(planner.plan(start, goal, path) == Answer::found, "no way");
+      worst = std::max(worst, support::length(start, path) / least);
+      ++goals;
+    }
   }
-  return sum;
+  return worst;
 }
 
-void run(const Options& options) {
-  Report report("robot_navigation",
+}  // namespace
+
+void report_navigation(const Options& options) {
+  Report report("robot: navigation",
                 "A way through 1000 x 1000 cells: A*, and the way points that are left of it.",
                 options);
   Figure& take = report.figure("taking over a map", "ms", at_most(50));
@@ -98,8 +113,10 @@ void run(const Options& options) {
   Figure& none = report.figure("no way, everything searched", "ms");
   Figure& laser = report.figure("541 beams among walls, p90", "us", at_most(1000));
   Figure& detour = report.figure("length of the way over the straight line, p50", "");
+  Figure& best =
+      report.figure("length of the longest of 100 ways over the grid's optimum", "", at_most(1.05));
   const auto small = std::make_unique<OccupancyGrid>();
-  must(navigation::load_map("etc/maps/building.yaml", *small));
+  must(navigation::load_map(MAUVE_SOURCE_DIR "/etc/maps/building.yaml", *small));
   const auto large = drawn_large(*small);
   const auto keep = with_a_keep();
   const auto walls = std::make_unique<world::Walls>();
@@ -118,7 +135,8 @@ void run(const Options& options) {
       const double time = milliseconds([&] { answer = planner->plan(start, goal, *path); });
       if (answer != Answer::found) continue;
       times.push_back(time);
-      ratios.push_back(length(start, *path) / std::hypot(goal.x - start.x, goal.y - start.y));
+      ratios.push_back(support::length(start, *path) /
+                       std::hypot(goal.x - start.x, goal.y - start.y));
     }
     middle.add(median(times));
     high.add(percentile(times, 90));
@@ -130,6 +148,7 @@ void run(const Options& options) {
       turns.push_back(turn(*walls, at, random));
     }
     laser.add(percentile(turns, 90));
+    if (round == 0) best.add(longest(*large, *planner, options.choose(10, 1)));
     must_hold(planner->set_map(*keep, kLimits), "no map");
     none.add(milliseconds([&] {
       must_hold(planner->plan({1.0, 1.0}, {12.0, 12.0}, *path) == Answer::no_way, "a way");
@@ -138,7 +157,4 @@ void run(const Options& options) {
   report.print();
 }
 
-}  // namespace
 }  // namespace bench
-
-int main(int argc, char** argv) { bench::run(bench::parse(argc, argv)); }

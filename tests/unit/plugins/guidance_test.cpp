@@ -3,12 +3,12 @@
 
 #include <cmath>
 #include <cstdint>
-#include <functional>
 
 #include "../../../plugins/guidance/avoidance.h"
 #include "../../../plugins/guidance/field.h"
 #include "../../../plugins/guidance/gap.h"
 #include "../../../plugins/world/world.h"
+#include "support/drive.h"
 
 namespace {
 
@@ -17,100 +17,27 @@ using guidance::FieldParameters;
 using guidance::Guidance;
 using guidance::Obstacles;
 using rover::LaserScan;
-using rover::Point2D;
 using rover::Pose2D;
 using rover::Velocity;
+using support::drive::drive_worlds;
+using support::drive::driven_by;
+using support::drive::field;
+using support::drive::finite_time;
+using support::drive::kStep;
+using support::drive::Law;
+using support::drive::Outcome;
+using support::drive::Summary;
 
-constexpr double kStep = 0.01;      // s, the pace of the control loop
-constexpr double kArrived = 0.15;   // m
-constexpr double kTouching = 0.35;  // m from the robot's centre to a surface
-constexpr double kLimit = 120.0;    // s, then a run counts as failed
-
-using Law = std::function<Velocity(const Pose2D&, const Obstacles&, Guidance&)>;
-
-struct Drive {
-  bool reached = false;
-  double seconds = 0.0;
-  double length = 0.0;
-  double clearance = 1e9;
-  bool slewed = true;  // every command within the limits of its predecessor
-};
-
-/// Drives one robot from the origin: scans at 40 Hz, control at 100 Hz, as in the rover.
-Drive drive(const Law& law, const world::Map& map, const Point2D& goal, std::uint64_t seed,
-            const world::Disturbance& disturbance) {
-  world::Robot robot(seed);
-  world::Random random(seed);
-  Guidance state;
-  state.goal = goal;
-  state.dwell = 10.0;
-  LaserScan scan;
-  Obstacles obstacles;
-  Drive run;
-  const guidance::SlewLimits limits;
-  for (int step = 0; run.seconds < kLimit; ++step, run.seconds += kStep) {
-    const Pose2D pose = robot.pose();
-    if (rover::distance(pose, goal) < kArrived) {
-      run.reached = true;
-      break;
-    }
-    if (step * 2 / 5 != (step - 1) * 2 / 5 || step == 0) {
-      world::cast(map, pose, {}, random, scan);
-    }
-    guidance::nearest_points(scan, pose, 3.0, obstacles);
-    const Velocity command =
-        guidance::slewed(state.command, law(pose, obstacles, state), limits, kStep);
-    run.slewed = run.slewed &&
-                 std::abs(command.linear - state.command.linear) <= limits.slow_down * kStep + 1e-9;
-    state.command = command;
-    robot.drive(command, disturbance, kStep);
-    run.length += std::abs(command.linear) * kStep;
-    run.clearance = std::min(run.clearance, map.clearance({robot.pose().x, robot.pose().y}));
-  }
-  return run;
-}
-
-Law field(const FieldParameters& parameters) {
-  return [p = guidance::repaired(parameters)](const Pose2D& pose, const Obstacles& obstacles,
-                                              Guidance& state) {
-    return guidance::follow_field(p, pose, obstacles, state);
-  };
-}
-
-Law finite_time(const AvoidanceParameters& parameters = {}) {
-  return [parameters](const Pose2D& pose, const Obstacles& obstacles, Guidance& state) {
-    return guidance::avoid(parameters, pose, obstacles, kStep, state);
-  };
-}
-
-struct Summary {
-  int reached = 0;
-  double least_clearance = 1e9;
-  double mean_seconds = 0.0;
-  bool slewed = true;
-};
-
-Summary drive_worlds(const Law& law, int worlds, std::size_t discs, double gap, double length) {
-  Summary sum;
-  const Point2D goal{length, 0.0};
-  for (int i = 0; i < worlds; ++i) {
-    const auto seed = static_cast<std::uint64_t>(i + 1);
-    const std::size_t count = discs > 6 ? discs : seed % (discs + 1);
-    const world::Map map = world::random_map(seed, count, gap, {}, goal);
-    const Drive run = drive(law, map, goal, seed, {0.1, 0.5});
-    sum.reached += run.reached ? 1 : 0;
-    sum.least_clearance = std::min(sum.least_clearance, run.clearance);
-    sum.mean_seconds += run.seconds / worlds;
-    sum.slewed = sum.slewed && run.slewed;
-  }
-  testing::Test::RecordProperty("mean_seconds", std::to_string(sum.mean_seconds));
-  return sum;
+Outcome drive_to(const Law& law, const world::Map& map, const world::Disturbance& disturbance) {
+  support::drive::Conditions conditions;
+  conditions.disturbance = disturbance;
+  return support::drive::drive(driven_by(law), {map, nullptr}, {10.0, 0.0}, 1, conditions);
 }
 
 void expect_all_reached(const Summary& sum, int worlds) {
   EXPECT_EQ(sum.reached, worlds);
-  EXPECT_GT(sum.least_clearance, kTouching);
-  EXPECT_TRUE(sum.slewed);
+  EXPECT_EQ(sum.touched, 0) << "least clearance " << sum.least_clearance();
+  EXPECT_LE(sum.jump, 1.0 + 1e-9) << "of what the slew limits allow";
 }
 
 /// The defaults of the paper's listing: an empty blending band, and a barrier of no width.
@@ -201,64 +128,120 @@ TEST(PotentialField, PushEqualsThePullAtTheSafetyDistance) {
 TEST(PotentialField, StandsBeforeADiscOnTheLineWithoutTheEscapeInput) {
   FieldParameters p;
   p.escape = 0.0;
-  const Drive run = drive(field(p), disc_on_the_line(), {10.0, 0.0}, 1, {});
+  const Outcome run = drive_to(field(p), disc_on_the_line(), {});
 
   EXPECT_FALSE(run.reached);
   EXPECT_NEAR(run.clearance, p.safety_distance, 0.02);
 }
 
 TEST(PotentialField, PassesADiscOnTheLineWithTheEscapeInput) {
-  const Drive run = drive(field({}), disc_on_the_line(), {10.0, 0.0}, 1, {});
+  const Outcome run = drive_to(field(), disc_on_the_line(), {});
 
   EXPECT_TRUE(run.reached);
   EXPECT_LT(run.seconds, 25.0);
 }
 
-TEST(PotentialField, ReachesTheGoalInThreeHundredOpenWorldsWithoutTouching) {
-  expect_all_reached(drive_worlds(field({}), 300, 6, 2.1, 10.0), 300);
+TEST(PotentialField, ReachesTheGoalInRandomWorldsWithoutTouching) {
+  expect_all_reached(drive_worlds(driven_by(field()), support::drive::kOpen, 100), 100);
+  expect_all_reached(drive_worlds(driven_by(field()), support::drive::kDense, 60), 60);
+  expect_all_reached(drive_worlds(driven_by(field()), support::drive::kDenser, 60), 60);
 }
 
 TEST(PotentialField, ReachesTheGoalInOpenWorldsWithThePublishedDefaultsRepaired) {
-  expect_all_reached(drive_worlds(field(published()), 100, 6, 2.1, 10.0), 100);
+  expect_all_reached(drive_worlds(driven_by(field(published())), support::drive::kOpen, 50), 50);
 }
 
-TEST(PotentialField, NeverTouchesInDenseWorlds) {
-  const Summary sum = drive_worlds(field({}), 50, 14, 1.6, 7.0);
-
-  EXPECT_GT(sum.least_clearance, kTouching);
-}
-
-TEST(FiniteTime, ReachesTheGoalInThreeHundredOpenWorldsWithoutTouching) {
-  expect_all_reached(drive_worlds(finite_time(), 300, 6, 2.1, 10.0), 300);
-}
-
-TEST(FiniteTime, ReachesTheGoalInDenseWorldsWithoutTouching) {
-  expect_all_reached(drive_worlds(finite_time(), 50, 14, 1.6, 7.0), 50);
-}
-
-TEST(WidestGap, ReachesTheGoalInOpenWorldsWithoutTouching) {
-  world::Random random(1);
-  LaserScan scan;
-  const world::Map* map = nullptr;
-  const Law law = [&](const Pose2D& pose, const Obstacles&, Guidance& state) {
-    world::cast(*map, pose, {}, random, scan);
-    return guidance::follow_gap({}, pose, scan, state);
-  };
-  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
-    const world::Map discs = world::random_map(seed, seed % 7, 2.1, {}, {10.0, 0.0});
-    map = &discs;
-    const Drive run = drive(law, discs, {10.0, 0.0}, seed, {0.1, 0.5});
-
-    EXPECT_TRUE(run.reached) << "world " << seed;
-    EXPECT_GT(run.clearance, kTouching) << "world " << seed;
-  }
+TEST(FiniteTime, ReachesTheGoalInRandomWorldsWithoutTouching) {
+  expect_all_reached(drive_worlds(driven_by(finite_time()), support::drive::kOpen, 100), 100);
+  expect_all_reached(drive_worlds(driven_by(finite_time()), support::drive::kDense, 60), 60);
+  expect_all_reached(drive_worlds(driven_by(finite_time()), support::drive::kDenser, 60), 60);
 }
 
 TEST(FiniteTime, IsQuickerThanTheFieldInOpenWorlds) {
-  const Summary quick = drive_worlds(finite_time(), 30, 6, 2.1, 10.0);
-  const Summary field_like = drive_worlds(field({}), 30, 6, 2.1, 10.0);
+  const Summary quick = drive_worlds(driven_by(finite_time()), support::drive::kOpen, 30);
+  const Summary other = drive_worlds(driven_by(field()), support::drive::kOpen, 30);
 
-  EXPECT_LT(quick.mean_seconds, field_like.mean_seconds);
+  EXPECT_LT(support::drive::mean(quick.seconds), support::drive::mean(other.seconds));
+}
+
+TEST(WidestGap, ReachesTheGoalInOpenWorldsWithoutTouching) {
+  const Law law = support::drive::widest_gap();
+
+  expect_all_reached(drive_worlds(driven_by(law), support::drive::kOpen, 15), 15);
+}
+
+/// At these ranges and bearings, seen from the origin.
+Obstacles at(std::initializer_list<std::pair<double, double>> places) {
+  Obstacles obstacles;
+  for (const auto& [range, bearing] : places) {
+    obstacles.found[obstacles.size++] = {
+        {range * std::cos(bearing), range * std::sin(bearing)}, range, bearing};
+  }
+  return obstacles;
+}
+
+Guidance bound_for(double x) {
+  Guidance state;
+  state.goal = {x, 0.0};
+  state.dwell = 10.0;
+  return state;
+}
+
+TEST(FiniteTime, DoesNotAvoidWhatStandsBesideTheWay) {
+  Guidance state = bound_for(5.0);
+
+  const Velocity command =
+      guidance::avoid({}, {}, at({{0.9, 1.0}, {0.8, -1.2}, {0.5, 2.0}}), kStep, state);
+
+  EXPECT_EQ(state.avoiding, 0);
+  EXPECT_DOUBLE_EQ(command.linear, AvoidanceParameters{}.speed_max);
+  EXPECT_DOUBLE_EQ(command.angular, 0.0);
+}
+
+TEST(FiniteTime, GoesOnBetweenTwoThatAreNearerThanItsSafetyDistance) {
+  for (const double half : {0.65, 0.55}) {
+    for (const double x : {-0.4, -0.2, 0.0, 0.2}) {
+      Guidance state = bound_for(5.0);
+      const double range = std::hypot(x, half);
+      const double bearing = std::atan2(half, -x);
+      const Obstacles posts = at({{range, bearing}, {range, -bearing}});
+
+      const Velocity command = guidance::avoid({}, {}, posts, kStep, state);
+
+      EXPECT_GT(command.linear, 0.3) << x << ", " << half;
+    }
+  }
+}
+
+TEST(FiniteTime, TurnsBackWhenItsWayRoundLeadsAway) {
+  Guidance state = bound_for(5.0);
+  (void)guidance::avoid({}, {}, at({{1.0, 0.1}}), kStep, state);
+  ASSERT_EQ(state.avoiding, 1);
+  const int side = state.side;
+  state.dwell = 10.0;
+
+  (void)guidance::avoid({}, {-1.1, 0.0, 0.0}, at({{1.0, 0.1}}), kStep, state);
+  EXPECT_EQ(state.side, side) << "by less than obstacle_distance";
+  (void)guidance::avoid({}, {-1.3, 0.0, 0.0}, at({{1.0, 0.1}}), kStep, state);
+
+  EXPECT_EQ(state.avoiding, 1);
+  EXPECT_EQ(state.side, -side);
+  EXPECT_DOUBLE_EQ(state.hit_range, 6.3);
+}
+
+TEST(Aim, ChoosesTheWayRoundAnewForAnotherGoalOnly) {
+  Guidance state = bound_for(5.0);
+  state.avoiding = state.side = 1;
+  state.dwell = 0.0;
+
+  guidance::aim_at({5.1, 0.0}, state);
+  EXPECT_EQ(state.avoiding, 1);
+  EXPECT_DOUBLE_EQ(state.goal.x, 5.1);
+  guidance::aim_at({5.1, 1.0}, state);
+
+  EXPECT_EQ(state.avoiding, 0);
+  EXPECT_EQ(state.side, 0);
+  EXPECT_GT(state.dwell, AvoidanceParameters{}.dwell);
 }
 
 TEST(FiniteTime, WaitsTheDwellTimeBeforeItDecidesAgain) {
@@ -280,16 +263,18 @@ TEST(FiniteTime, WaitsTheDwellTimeBeforeItDecidesAgain) {
 }
 
 TEST(Swap, HalfWayKeepsGoalAndCommandAndStillArrives) {
-  const Law first = field({});
+  const Law first = field();
   const Law second = finite_time();
-  const Law swapped = [&](const Pose2D& pose, const Obstacles& obstacles, Guidance& state) {
-    return pose.x < 4.5 ? first(pose, obstacles, state) : second(pose, obstacles, state);
+  const Law swapped = [&](const Pose2D& pose, const LaserScan& scan, const Obstacles& obstacles,
+                          Guidance& state) {
+    return pose.x < 4.5 ? first(pose, scan, obstacles, state)
+                        : second(pose, scan, obstacles, state);
   };
-  const Drive run = drive(swapped, disc_on_the_line(), {10.0, 0.0}, 1, {0.1, 0.5});
+  const Outcome run = drive_to(swapped, disc_on_the_line(), {0.1, 0.5});
 
   EXPECT_TRUE(run.reached);
-  EXPECT_TRUE(run.slewed);
-  EXPECT_GT(run.clearance, kTouching);
+  EXPECT_LE(run.jump, 1.0 + 1e-9);
+  EXPECT_GT(run.clearance, support::drive::kTouching);
 }
 
 TEST(Obstacles, OnePointForEachThingInSight) {
