@@ -29,7 +29,7 @@ struct Core {
   const char* name;
   const char* type;
   drive::Law law;
-  drive::Law doors;  ///< with the properties of etc/building.json
+  drive::Law doors;  ///< with the properties of etc/rover.json
 };
 
 std::vector<Core> cores() {
@@ -142,7 +142,7 @@ void draw_world() {
 void report_building(const Options& options) {
   Table result("robot: from room to room",
                "Errands through the building of etc/maps behind doors of 1.3 m, with the way "
-               "points of navigation, the pilot and the properties of etc/building.json.",
+               "points of navigation, the pilot and the properties of etc/rover.json.",
                {"core", "reached", "least clearance (m)", "time (s)", "planned (m)", "driven (m)",
                 "time / (planned at 0.45 m/s)", "worst"});
   building::Building rooms;

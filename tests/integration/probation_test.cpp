@@ -46,7 +46,10 @@ TEST(Probation, OnlyTheCoreThatFailedIsQuarantined) {
   file["components"]["second"]["core"] = "trial/other";
   file["components"]["third"] = file["components"]["second"];
   file["components"]["third"]["core"] = "trial/counting";
-  ASSERT_EQ(daemon.ask("architecture.apply", {{"text", file.dump()}})["state"], "applied");
+  // A busy machine may make the others late; that shall not count here.
+  const auto applied =
+      daemon.ask("architecture.apply", {{"text", file.dump()}, {"misses", "63/64"}});
+  ASSERT_EQ(applied["state"], "applied") << applied;
 
   ASSERT_TRUE(eventually([&] { return !daemon.ask("quarantine.list")["cores"].empty(); }));
 

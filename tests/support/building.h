@@ -24,7 +24,7 @@ namespace support::building {
 using drive::Point2D;
 using navigation::OccupancyGrid;
 
-/// Of etc/building.json.
+/// Of etc/rover.json.
 constexpr double kDoorObstacle = 0.55;  // m, obstacle_distance
 constexpr double kDoorSafety = 0.4;     // m, safety_distance
 constexpr double kSpeed = 0.45;         // m/s
