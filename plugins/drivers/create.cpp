@@ -134,7 +134,7 @@ class CreateOi final : public BaseCore {
           any = take_report(now) || any;
           break;
         case create::ReportReader::Event::bad:
-          ++bad_frames;
+          DeviceLine::count_damaged(bad_frames);
           ++damaged_;
           break;
         case create::ReportReader::Event::none:
@@ -181,7 +181,9 @@ class CreateOi final : public BaseCore {
     followed_ = fresh;
     if (!fresh) return {};
     if (!std::isfinite(command.linear) || !std::isfinite(command.angular)) {
-      ++bad_commands;
+      if (rover::worth_telling(++bad_commands)) {
+        mauve::log(mauve::LogLevel::warning, "{} commands that are no numbers", bad_commands.get());
+      }
       return {};
     }
     if (state->reports.report().bumped()) command.linear = std::min(command.linear, 0.0);

@@ -30,6 +30,7 @@ void DeviceLine::close(LineBytes& line) {
 bool DeviceLine::reopen() {
   heard_ = mauve::job_time();
   lost_ = !thread_.reopen();
+  tell();
   if (lost_) return false;
   ++reopened_;
   return true;
@@ -43,6 +44,7 @@ bool DeviceLine::take(LineBytes& line, char& byte) {
   if (there.empty()) {
     lost_ = !open;
     if (lost_) ++errors_;
+    tell();
     return false;
   }
   byte = there.front();
@@ -50,6 +52,21 @@ bool DeviceLine::take(LineBytes& line, char& byte) {
   --bytes_left_;
   heard_ = job_;
   return true;
+}
+
+void DeviceLine::tell() {
+  if (!told_lost_.changed(lost_)) return;
+  if (lost_) {
+    mauve::log(mauve::LogLevel::warning, "its device is not there (time {})", errors_.get());
+  } else {
+    mauve::log(mauve::LogLevel::info, "its device is back");
+  }
+}
+
+void DeviceLine::count_damaged(Counter& bad_frames) {
+  if (rover::worth_telling(++bad_frames)) {
+    mauve::log(mauve::LogLevel::warning, "{} damaged frames so far", bad_frames.get());
+  }
 }
 
 mauve::Duration DeviceLine::silence() const { return mauve::Duration{mauve::job_time() - heard_}; }

@@ -11,6 +11,7 @@
 #include <mauve/job.h>
 #include <mauve/observable.h>
 
+#include "../types/telling.h"
 #include "line_thread.h"
 #include "serial_port.h"
 
@@ -42,6 +43,8 @@ class DeviceLine {
   [[nodiscard]] bool spent() const { return bytes_left_ == 0; }
   /// How long nothing came.
   [[nodiscard]] mauve::Duration silence() const;
+  /// Counts a damaged frame, and tells of it. [rt]
+  static void count_damaged(Counter& bad_frames);
 
   /// All of it goes out, or nothing: the device never hears half a request. False: it is lost, or
   /// does not take what was sent before. [rt]
@@ -49,6 +52,7 @@ class DeviceLine {
 
  private:
   void begin_job(LineBytes& line);
+  void tell();
 
   SerialPort port_;
   LineThread thread_;  // ends before the port does
@@ -59,6 +63,7 @@ class DeviceLine {
   mauve::Instant heard_ = 0;  // when the last bytes came
   std::size_t bytes_left_ = 0;
   bool lost_ = true;
+  rover::Condition told_lost_{false};
 };
 
 }  // namespace drivers

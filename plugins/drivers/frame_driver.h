@@ -69,7 +69,7 @@ class FrameDriver : public CoreT {
 
   /// Uses the frame that the stream just found. [rt]
   virtual void use(Found found) = 0;
-  void count_bad() { ++bad_frames; }
+  void count_bad() { DeviceLine::count_damaged(bad_frames); }
 
   mauve::State<Line> state{*this};
 
@@ -144,7 +144,7 @@ class FrameDriver : public CoreT {
       if (complete_) {
         ++good_frames;
       } else {
-        ++bad_frames;
+        count_bad();
       }
     }
   }

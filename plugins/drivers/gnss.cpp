@@ -46,6 +46,8 @@ class GnssSerial final : public FrameDriver<GnssCore, GnssLine> {
   mauve::Observable<double> hdop{*this, "hdop", 0.0, "dilution of precision, of the last epoch"};
   mauve::Observable<int> mode{*this, "mode", 1, "1 none, 2 two dimensions, 3 three"};
 
+  rover::Condition told_fix_{false};
+
   void use(Found found) override {
     const double now = static_cast<double>(mauve::job_time()) * 1e-9;
     switch (state->reader.read(found, state->stream, now, speed_limit)) {
@@ -54,7 +56,9 @@ class GnssSerial final : public FrameDriver<GnssCore, GnssLine> {
       case GnssReader::Event::malformed:
         return count_bad();
       case GnssReader::Event::implausible:
-        ++implausible;
+        if (rover::worth_telling(++implausible)) {
+          mauve::log(mauve::LogLevel::warning, "{} fixes that cannot be", implausible.get());
+        }
         return;
       case GnssReader::Event::ignored:
         return;
@@ -67,6 +71,12 @@ class GnssSerial final : public FrameDriver<GnssCore, GnssLine> {
     satellites = fix.satellites;
     hdop = fix.hdop;
     mode = fix.mode;
+    if (!told_fix_.changed(fix.mode > 1)) return;
+    if (fix.mode > 1) {
+      mauve::log(mauve::LogLevel::info, "a fix from {} satellites", fix.satellites);
+    } else {
+      mauve::log(mauve::LogLevel::warning, "no fix, {} satellites", fix.satellites);
+    }
   }
 };
 

@@ -142,7 +142,7 @@ class HokuyoScip final : public LaserCore {
     char byte = 0;
     while (line_.take(state->bytes, byte)) {
       event_ = state->replies.push(byte);
-      if (event_ == Event::bad) ++bad_frames;
+      if (event_ == Event::bad) DeviceLine::count_damaged(bad_frames);
       if (event_ != Event::none) return event_;
     }
     return event_ = Event::none;
@@ -186,6 +186,13 @@ class HokuyoScip final : public LaserCore {
     const scip::ReplyReader& replies = state->replies;
     empty = scip::blind(state->limits, replies.values());
     if (empty) ++empty_scans;
+    if (told_empty_.changed(empty)) {
+      if (empty) {
+        mauve::log(mauve::LogLevel::warning, "its scanner sees nothing but error codes");
+      } else {
+        mauve::log(mauve::LogLevel::info, "its scanner sees again");
+      }
+    }
     shell().scan.fill([&](rover::LaserScan& scan) {
       scan.time = static_cast<double>(mauve::job_time()) * 1e-9;
       scip::show(replies.request(), state->limits, replies.values(), scan);
@@ -207,6 +214,7 @@ class HokuyoScip final : public LaserCore {
   }
 
   DeviceLine line_{device_errors, reopened, received};
+  rover::Condition told_empty_{false};
   Event event_ = Event::none;
   mauve::Instant waiting_since_ = 0;
   bool answered_ = false;

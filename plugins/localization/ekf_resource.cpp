@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "../types/telling.h"
+
 namespace localization {
 
 using rover::MotionState;
@@ -42,6 +44,9 @@ void EkfCore::show_counts(double time) {
   outliers = estimate.outliers;
   late = memory_->late;
   too_late = memory_->too_late;
+  if (memory_->refused != refused && rover::worth_telling(memory_->refused)) {
+    mauve::log(mauve::LogLevel::warning, "{} measurements that are no numbers", memory_->refused);
+  }
   refused = memory_->refused;
   innovation = estimate.nis;
   dispersion = estimate.dispersion();

@@ -19,6 +19,7 @@
 #include "outbox.h"
 #include "parts.h"
 #include "stamps.h"
+#include "tells_of_master.h"
 
 namespace ros_bridge {
 namespace {
@@ -98,6 +99,7 @@ class PublisherCore final : public mauve::Core<PublisherShell> {
   /// Lets `fill(T&)` write the next value where it will be published from. [rt]
   template <typename F>
   void publish(F&& fill) {
+    master_.look(connected);
     if (!channel_->outbox.put(mauve::job_time(), fill)) ++dropped;
   }
 
@@ -125,6 +127,7 @@ class PublisherCore final : public mauve::Core<PublisherShell> {
   void on_cleanup() override { leave(std::exchange(channel_, nullptr)); }
 
   std::shared_ptr<OutChannel<T>> channel_;
+  TellsOfMaster master_;
 };
 
 /// A write service that lets a large value be written in place.

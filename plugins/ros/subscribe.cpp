@@ -20,6 +20,7 @@
 #include "inbox.h"
 #include "parts.h"
 #include "stamps.h"
+#include "tells_of_master.h"
 
 namespace ros_bridge {
 namespace {
@@ -99,7 +100,10 @@ template <typename T>
 class SubscriberCore final : public mauve::Core<SubscriberShell> {
  public:
   /// [rt]
-  const T* newest(mauve::Instant& stamp) { return channel_->inbox.newest(stamp); }
+  const T* newest(mauve::Instant& stamp) {
+    master_.look(connected);
+    return channel_->inbox.newest(stamp);
+  }
 
  private:
   mauve::Stateless stateless{*this};
@@ -126,6 +130,7 @@ class SubscriberCore final : public mauve::Core<SubscriberShell> {
   void on_cleanup() override { leave(std::exchange(channel_, nullptr)); }
 
   std::shared_ptr<InChannel<T>> channel_;
+  TellsOfMaster master_;
 };
 
 /// A read service with the time the message came, and in place for large values.

@@ -10,6 +10,7 @@
 #include <mauve/plugin.h>
 
 #include "../types/scan.h"
+#include "../types/telling.h"
 #include "../types/velocity.h"
 #include "zones.h"
 
@@ -51,6 +52,7 @@ class Pilot final : public mauve::Core<PilotShell> {
       free_way = safety::free_way(scan, half_width);
     });
     if (has_value(seen) && !sees) ++blind_scans;
+    tell(has_value(seen) && !sees);
     const bool fresh = has_value(seen) && seen != mauve::DataStatus::stale &&
                        (scan_timeout.get() == 0ms || shell().scan.age() <= scan_timeout.get());
     if (!fresh || !sees) free_way = 0.0;
@@ -104,15 +106,29 @@ class Pilot final : public mauve::Core<PilotShell> {
     return mauve::ok();
   }
 
+  void tell(bool blind) {
+    if (!told_blind_.changed(blind)) return;
+    if (blind) {
+      mauve::log(mauve::LogLevel::warning, "the scan says nothing: no way ahead is safe");
+    } else {
+      mauve::log(mauve::LogLevel::info, "the scan says something again");
+    }
+  }
+
   void hand_on(Zone zone_now) {
     const Velocity wanted = shell().command.read();
     const mauve::DataStatus status = shell().command.status();
     const bool usable = has_value(status) && status != mauve::DataStatus::stale;
-    if (usable && !(std::isfinite(wanted.linear) && std::isfinite(wanted.angular))) ++bad_commands;
+    if (usable && !(std::isfinite(wanted.linear) && std::isfinite(wanted.angular))) {
+      if (rover::worth_telling(++bad_commands)) {
+        mauve::log(mauve::LogLevel::warning, "{} commands that are no numbers", bad_commands.get());
+      }
+    }
     shell().safe_command.write(usable ? limited(wanted, zone_now) : Velocity{});
   }
 
   Limits limits_;
+  rover::Condition told_blind_{false};
 };
 
 /// Each zone is a state, so that `mauvectl status` and traces show it.

@@ -11,6 +11,7 @@
 #include <string>
 
 #include <mauve/job.h>
+#include <mauve/log.h>
 
 #include "event_reader.h"
 #include "input_device.h"
@@ -122,12 +123,14 @@ class JoystickDriver final : public mauve::Core<JoystickShell> {
     connected_ = true;
     if (had_one_) ++reopened;
     had_one_ = true;
+    mauve::log(mauve::LogLevel::info, "its joystick is there");
   }
 
   void gone() {
     if (!connected_) return;
     connected_ = false;
     ++device_errors;
+    mauve::log(mauve::LogLevel::warning, "its joystick is gone");
     begin();
     next_look_ = mauve::job_time() + retry->count();
   }

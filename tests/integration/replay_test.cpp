@@ -2,6 +2,7 @@
 /// etc/replay.json in a real daemon: recordings of real receivers through a pseudo-terminal,
 /// compared with gpsd's reading of the same bytes, and a real laser recording through the safety
 /// pilot.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -26,6 +27,7 @@ using mauve::test::eventually;
 using mauve::test::Process;
 using mauve::test::TempDir;
 using nlohmann::json;
+using testing::HasSubstr;
 
 const std::filesystem::path kRoot = MAUVE_SOURCE_DIR;
 
@@ -161,6 +163,7 @@ TEST_F(Replay, CountsAndSkipsDamagedSentencesAndUsesTheNextGoodOne) {
     EXPECT_NEAR(seen[i]["latitude"], 40.0 + 0.02 * static_cast<double>(i), 1e-7);
   }
   EXPECT_EQ(bad_frames(), 20U);
+  EXPECT_THAT(daemon_->errors(), HasSubstr("gnss: 10 damaged frames so far"));
 }
 
 TEST_F(Replay, PublishesNothingWhileDisconnectedAndGoesOnAfterwards) {
@@ -200,11 +203,13 @@ TEST(ReplayGnss, OpensItsDeviceAgainWhenItComesBack) {
     return daemon.ask({"show", "gnss"})["fsm_state"] == "wait_device";
   }));
   EXPECT_EQ(daemon.value("gnss.core.reopened"), 0);
+  EXPECT_THAT(daemon.errors(), HasSubstr("gnss: its device is not there (time 1)"));
 
   ASSERT_TRUE(line.open(device));
   EXPECT_TRUE(heard(2.0));
   EXPECT_EQ(daemon.value("gnss.core.reopened"), 1);
   EXPECT_EQ(daemon.value("gnss.core.device_errors"), 1);
+  EXPECT_THAT(daemon.errors(), HasSubstr("gnss: its device is back"));
 }
 
 TEST(Rover, TwoOnOneMachineHearTheirOwnReceivers) {

@@ -84,6 +84,7 @@ TEST_F(WholeRover, GoesOnWithoutSatellitesAndTakesThemBack) {
   EXPECT_TRUE(within([&] { return !gnss_is_used(); })) << where();
   EXPECT_TRUE(within([&] { return number("navigation.core.goals_reached") == 1; })) << where();
   EXPECT_FALSE(gnss_is_used());
+  EXPECT_THAT(rover_.errors(), testing::HasSubstr("rule gnss_lost fires drop_gnss"));
   EXPECT_NEAR(number("world.core.x"), 5.0, 1.0) << "wheels and gyroscope know the way";
   EXPECT_NEAR(number("world.core.y"), -1.0, 1.0);
 
@@ -112,6 +113,7 @@ TEST_F(WholeRover, ObeysAJoystickAtOnceAndStandsWhenThatIsPulledOut) {
   human = drivers::Descriptor();
   EXPECT_TRUE(within([&] { return number("priority.core.selected") == 1; })) << where();
   EXPECT_EQ(number("priority.core.take_overs"), 1);
+  EXPECT_THAT(rover_.errors(), testing::HasSubstr("joystick: its joystick is gone"));
 }
 
 /// What ROS adds to the rover; `mission` leaves, rostopic says where to go.

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "../../../plugins/types/telling.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <limits>
+
+namespace rover {
+namespace {
+
+TEST(Telling, IsSeldomWhenSomethingHappensAgainAndAgain) {
+  int told = 0;
+  for (std::uint64_t count = 1; count <= 100'000; ++count) told += worth_telling(count) ? 1 : 0;
+
+  EXPECT_EQ(told, 6) << "the 1st, 10th, 100th, 1,000th, 10,000th and 100,000th";
+  EXPECT_FALSE(worth_telling(0));
+  EXPECT_FALSE(worth_telling(20));
+  EXPECT_FALSE(worth_telling(std::numeric_limits<std::uint64_t>::max()));
+}
+
+TEST(Telling, IsForChanges) {
+  Condition lost(false);
+  EXPECT_FALSE(lost.changed(false));
+  EXPECT_TRUE(lost.changed(true));
+  EXPECT_FALSE(lost.changed(true));
+  EXPECT_TRUE(lost.changed(false));
+}
+
+}  // namespace
+}  // namespace rover
