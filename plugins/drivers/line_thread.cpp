@@ -54,13 +54,13 @@ Status LineThread::start(LineEnd& end, std::size_t most_waiting, Lost lost) {
   end_ = &end;
   most_waiting_ = most_waiting;
   lost_ = lost;
-  stopping_ = asked_ = false;
+  stopping_ = asked_ = hurried_ = followed_ = false;
   open_ = end.number() >= 0;
   waiting_.drop(waiting_.size());
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
   pthread_attr_setstacksize(&attributes, kStack);
-  // Ordinary, whoever makes it.
+  // Ordinary, whoever makes it, until a real-time thread uses it.
   pthread_attr_setinheritsched(&attributes, PTHREAD_EXPLICIT_SCHED);
   const int error = pthread_create(&thread_, &attributes, &LineThread::enter, this);
   pthread_attr_destroy(&attributes);
@@ -97,11 +97,13 @@ void LineThread::fill(LineBytes& bytes) {
   if (look(bytes.filler) != 0) return;  // ours, or it will let go
   store(bytes.filler, id());
   target_.store(&bytes, std::memory_order_release);
+  follow_the_component();
   kick();
 }
 
 bool LineThread::send(std::string_view bytes) {
   if (waiting_.size() + bytes.size() > most_waiting_ || !waiting_.put(bytes)) return false;
+  follow_the_component();
   kick();
   return true;
 }
@@ -111,6 +113,18 @@ bool LineThread::reopen() {
   asked_.store(true, std::memory_order_release);
   kick();
   return false;
+}
+
+/// Once: is who uses the line a real-time thread?
+void LineThread::follow_the_component() {
+  if (std::exchange(followed_, true)) return;
+  hurried_ = sched_getscheduler(0) == SCHED_FIFO;
+}
+
+/// Then the line comes before ordinary work, and after every component.
+void LineThread::hurry() {
+  const sched_param lowest{sched_get_priority_min(SCHED_FIFO)};
+  static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &lowest));
 }
 
 /// Bounded: no write to an eventfd waits for its reader.
@@ -127,6 +141,7 @@ void* LineThread::enter(void* self) {
 
 void LineThread::run() {
   while (!stopping_.load(std::memory_order_acquire)) {
+    if (hurried_.exchange(false)) hurry();
     choose_bytes();
     if (asked_.exchange(false)) open_again();
     write_out();

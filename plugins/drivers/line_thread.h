@@ -70,6 +70,8 @@ class LineThread {
  private:
   static void* enter(void* self);
   void run();
+  void follow_the_component();
+  void hurry();
   void choose_bytes();
   void let_go();
   void open_again();
@@ -91,6 +93,8 @@ class LineThread {
   pthread_t thread_{};
   bool running_ = false;
   std::atomic<bool> stopping_{false};
+  bool followed_ = false;  // the component's own
+  std::atomic<bool> hurried_{false};
   std::atomic<bool> asked_{false};
   std::atomic<bool> open_{false};
   std::atomic<int> error_{0};

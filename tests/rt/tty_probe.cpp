@@ -13,14 +13,14 @@
 
 namespace {
 
-std::atomic<std::size_t> total{0};
-[[gnu::tls_model("initial-exec")]] thread_local bool watched = false;
+std::atomic<std::size_t> touches{0};
+[[gnu::tls_model("initial-exec")]] thread_local bool watching = false;
 
 void count(int descriptor) {
-  if (!watched) return;
+  if (!watching) return;
   const int before = errno;
   termios settings{};
-  if (syscall(SYS_ioctl, descriptor, TCGETS, &settings) == 0) ++total;
+  if (syscall(SYS_ioctl, descriptor, TCGETS, &settings) == 0) ++touches;
   errno = before;
 }
 
@@ -37,7 +37,7 @@ ssize_t write(int descriptor, const void* from, std::size_t size) {
   return syscall(SYS_write, descriptor, from, size);
 }
 int open(const char* path, int flags, ...) {
-  if (watched) ++total;
+  if (watching) ++touches;
   va_list more;
   va_start(more, flags);
   const auto mode = va_arg(more, mode_t);
@@ -48,7 +48,7 @@ int open(const char* path, int flags, ...) {
 
 namespace tty {
 
-std::size_t calls() { return total.load(); }
-void watch_this_thread(bool on) { watched = on; }
+std::size_t calls() { return touches.load(); }
+void watch_this_thread(bool on) { watching = on; }
 
 }  // namespace tty

@@ -43,7 +43,7 @@ struct SlowInterface : Interface<SlowMeter> {
 
 /// The meter is the architecture's own, so that it may leave. `left` gets lost in it; `right`
 /// counts down, so it never hands over a 4.
-struct Sharing : Architecture {
+struct Metering : Architecture {
   ResourceBase& meter = own(std::make_shared<ResourceBase>(
       "meter", ResourceType{"meter", ShellType::of<EmptyShell>(), CoreType::of<SlowMeter>("meter"),
                             detail::make<InterfaceBase, SlowInterface>}));
@@ -83,7 +83,7 @@ class LostThread : public testing::Test {
   }
 
   Block block_;
-  Sharing architecture_;
+  Metering architecture_;
   Deployer deployer_{architecture_};
   Gate& gate_ = architecture_.meter.gate();
 };
