@@ -3,6 +3,8 @@
 
 #include <sys/prctl.h>
 
+#include <algorithm>
+
 #include "arch/transaction.h"
 #include "arch/value_json.h"
 #include "base/duration.h"
@@ -27,6 +29,13 @@ constexpr protocol::Method kMethod{"supervision", "", {}, true};
 std::string said(const Fault& fault) {
   return (fault.where.empty() ? "" : fault.where + ": ") + fault.message +
          (fault.hint.empty() ? "" : " (" + fault.hint + ")");
+}
+
+/// Else there is nothing to prove: a late job shall not bring back what a rule took away.
+bool brings_something_new(const rules::Steps& steps) {
+  return std::ranges::any_of(steps, [](const rules::Step& step) {
+    return step.action == rules::Action::swap || step.action == rules::Action::set;
+  });
 }
 
 }  // namespace
@@ -157,6 +166,9 @@ void Supervisor::carry_out(Order order) {
   call->params = {{"transaction", order.transaction}, {"reason", order.by}};
   call->received = std::chrono::steady_clock::now();
   auto steps = order.steps;
+  if (!brings_something_new(steps)) {
+    call->params["probation"] = "off";
+  }
   call->reply = [this, order = std::move(order)](const server::Outcome& outcome) {
     // Whoever answers: the books are kept on [control].
     control_.read([this, order, outcome] { conclude(order, outcome); });

@@ -28,20 +28,26 @@ bool same_sample(const Json& a, const Json& b) {
 
 }  // namespace
 
-Watches::Tapped::Tapped(std::string at, ServiceBase& service)
+Watches::Tapped::Tapped(std::string at, ServiceBase& tapped, const Architecture& lives_in)
     : address(std::move(at)),
-      keep(service.resource().keep_alive()),
-      list(service.taps()),
-      gate(service.resource().gate()),
-      tap(std::make_shared<Tap>(*service.signature().data,
-                                capacity_for(*service.signature().data))) {
+      keep(tapped.resource().keep_alive()),
+      service(tapped.address()),
+      architecture(lives_in),
+      list(tapped.taps()),
+      gate(tapped.resource().gate()),
+      tap(std::make_shared<Tap>(*tapped.signature().data, capacity_for(*tapped.signature().data))) {
   attached = list->attach(tap, gate);
 }
 
 Watches::Tapped::~Tapped() {
-  if (attached) {
+  if (attached && is_there()) {
     list->detach(*tap, gate);
   }
+}
+
+bool Watches::Tapped::is_there() const {
+  const auto now = architecture.find_service(service);
+  return now && (*now)->taps() == list;
 }
 
 void Watches::start(Running& running) {
@@ -118,7 +124,7 @@ Status Watches::tap(const std::string& address, ServiceBase& service, const Subs
   const auto same = [&](const Tapped& one) { return one.address == address; };
   auto found = std::find_if(tapped_.begin(), tapped_.end(), same);
   if (found == tapped_.end()) {
-    found = tapped_.emplace(found, address, service);
+    found = tapped_.emplace(found, address, service, running_->architecture);
     if (auto attached = found->attached; !attached) {
       tapped_.erase(found);
       attached.error().at = address;

@@ -56,11 +56,15 @@ class Watches {
     std::shared_ptr<server::Outbox> outbox;
   };
   struct Tapped {
-    Tapped(std::string at, ServiceBase& service);
+    Tapped(std::string at, ServiceBase& tapped, const Architecture& lives_in);
     ~Tapped();
+    /// The resource may have left, and its gate with it, or another one has its name.
+    [[nodiscard]] bool is_there() const;
 
     std::string address;
     std::shared_ptr<void> keep;  ///< the resource's elements and their library
+    std::string service;         ///< its own address
+    const Architecture& architecture;
     TapList* list;
     Gate& gate;
     std::shared_ptr<Tap> tap;

@@ -144,12 +144,14 @@ void prepare(Running& running, Reload& reload) {
       return;
     }
   }
-  reload.prepared = running.deployer.prepare(reload.change);
+  if (!reload.change.edits.empty()) {
+    reload.prepared = running.deployer.prepare(reload.change);
+  }
 }
 
 /// [control] What could refuse the new code is asked before anything moves.
 Status may_go_on(Running& running, const Call& call, const Reload& reload) {
-  if (!*reload.prepared) {
+  if (reload.prepared && !*reload.prepared) {
     return reload.prepared->error();
   }
   if (auto met = check_conditions(running, call); !met) {

@@ -143,6 +143,15 @@ bool Barrier::hand_over(const std::vector<PreparedResource>& changed) {
                     "look at `status`: a core that never returns holds what it is inside"));
     return false;
   }
+  for (const Heir& heir : heirs_) {
+    const bool takes = heir.plan.hand_over.from != nullptr || heir.plan.from != nullptr;
+    if (!takes) continue;
+    // Since the plan was made somebody may have been thrown out of it.
+    if (Status whole = check_whole(*heir.from, StatePolicy::keep); !whole) {
+      call_off(whole.error());
+      return false;
+    }
+  }
   MAUVE_FAIL_POINT("barrier.before_hand_over");
   for (Heir& heir : heirs_) {
     heir.bytes = heir.plan.run();

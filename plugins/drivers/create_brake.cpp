@@ -4,9 +4,9 @@
 /// while the driver works; when it is stopped or faulted, and when the process ends, the runtime
 /// writes the safe value, and the base, which would drive on, stops.
 ///
-/// The thread of a component leaves the line to a thread of the brake's own. Whoever else writes is
-/// there because that component hangs or the process dies, and does it itself: nothing else may be
-/// alive afterwards.
+/// A component that runs a job leaves the line to a thread of the brake's own. Whoever else writes
+/// is there because the component ends, hangs or the process dies, and does it itself: nothing else
+/// may be alive afterwards.
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -32,8 +32,7 @@ class CreateBrake final : public mauve::Core<mauve::EmptyShell> {
   void stop(const rover::Velocity&) {
     const auto text = create::drive_text(0, 0);
     const std::string_view bytes(text.data(), text.size());
-    // Only threads of components have such a bound.
-    const bool component = mauve::this_job().lock_bound != mauve::Duration{0};
+    const bool component = mauve::this_job().running;
     ++stops;
     if (!(component ? thread_.send(bytes) : write_now(bytes))) count_failed();
   }

@@ -63,7 +63,8 @@ TEST(ImuDriver, UsesTheNextGoodFrameAfterTheLineOverflowed) {
     lost += line.send(xbus({}, ++ticks)) ? 0 : 1;
     return lost == 20;
   }));
-  ASSERT_TRUE(driver.reaches("measurements", ticks - lost - 1)) << "one is cut at most";
+  ASSERT_TRUE(driver.reaches("measurements", static_cast<std::int64_t>(ticks - lost) - 1))
+      << "one is cut at most";
   const std::int64_t before = driver.observe("measurements");
   for (unsigned i = 1; i <= 10; ++i) {
     driver.take(line, xbus({}, ++ticks));

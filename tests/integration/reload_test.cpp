@@ -238,6 +238,33 @@ TEST(Load, BringsAPluginThatWasNotThereAtTheStart) {
   EXPECT_EQ(daemon.ask("plugin.list")["items"][0]["name"], "trial");
 }
 
+TEST(Reload, OfAPluginThatNothingUsesTakesTheNewFile) {
+  TrialDaemon daemon(
+      R"({ "schema": "mauve/architecture/1", "name": "idle", "plugins": ["trial"] })");
+  daemon.install(2);
+
+  const auto reloaded = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+
+  EXPECT_EQ(reloaded["state"], "applied") << reloaded;
+  EXPECT_EQ(reloaded["unmapped"], true) << reloaded;
+}
+
+TEST(Watch, OutlivesTheResourceItLooksAt) {
+  TrialDaemon daemon;
+  auto file = daemon.ask("config.get")["architecture"];
+  auto watcher = daemon.client();
+  const auto watched = watcher.ask("watch.subscribe", {{"addresses", {"count.read"}}})["result"];
+  ASSERT_TRUE(watched.contains("sub")) << watched;
+
+  file["resources"].erase("count");
+  const auto applied =
+      daemon.ask("architecture.apply", {{"text", file.dump()}, {"probation", "off"}});
+  ASSERT_EQ(applied["state"], "applied") << applied;
+  EXPECT_TRUE(watcher.ask("watch.unsubscribe", {{"sub", watched["sub"]}}).contains("result"));
+
+  EXPECT_EQ(daemon.component("first")["state"], "running");
+}
+
 TEST(Unload, UnmapsAPluginThatNothingUses) {
   TrialDaemon daemon(R"({ "schema": "mauve/architecture/1", "name": "empty", "components": {} })");
   ASSERT_EQ(daemon.ask("plugin.load", {{"plugin", "trial"}})["loaded"], true);

@@ -92,6 +92,23 @@ TEST(Rules, DisconnectAndAreArmedAgain) {
   EXPECT_TRUE(daemon.fired("loud", 2)) << daemon.rule("loud");
 }
 
+TEST(Rules, AreOnProbationOnlyWhenTheyBringSomethingThatMustProveItself) {
+  RulesDaemon daemon(supervised(
+      R"({ "name": "loud", "when": "second.core.input > 5", "do": "deaf", "cool_down": "1ms" },
+         { "name": "quiet", "when": "first.core.gain == 3", "do": "calm", "cool_down": "1ms" })"));
+
+  daemon.set("first.core.gain", 6.0);
+  ASSERT_TRUE(daemon.fired("loud", 1)) << daemon.rule("loud");
+  const auto refused = daemon.ask("change.undo");
+  EXPECT_EQ(refused["data"]["name"], "wrong_state") << refused;
+
+  daemon.ask("port.connect", {{"port", "second.ports.input"}, {"service", "signal.read"}});
+  daemon.set("first.core.gain", 3.0);
+  ASSERT_TRUE(daemon.fired("quiet", 1)) << daemon.rule("quiet");
+  const auto undone = daemon.ask("change.undo");
+  EXPECT_TRUE(undone.contains("generation")) << undone;
+}
+
 TEST(Rules, ThatAreRefusedChangeNothingAndHaveFired) {
   RulesDaemon daemon(supervised(R"({ "name": "loud", "when": "second.core.input > 5",
                                      "do": "worse", "cool_down": "1h" })"));

@@ -51,7 +51,9 @@ class WholeRover : public testing::Test {
   std::string core() { return rover_.ask({"show", "control"})["core"]; }
   bool gnss_is_used() { return rover_.ask({"show", "gnss.ports.fix"})["service"] != nullptr; }
   void set(const std::string& assignment) {
-    ASSERT_EQ(rover_.ask({"set", assignment})["state"], "applied") << assignment;
+    // A host that stands still makes jobs late, and a change on probation would be taken back.
+    const json answer = rover_.ask({"set", assignment, "--probation", "off"});
+    ASSERT_EQ(answer.value("state", ""), "applied") << answer;
   }
   /// Shows where it stands when something did not happen.
   std::string where() {
@@ -84,7 +86,7 @@ TEST_F(WholeRover, GoesOnWithoutSatellitesAndTakesThemBack) {
   EXPECT_TRUE(within([&] { return !gnss_is_used(); })) << where();
   EXPECT_TRUE(within([&] { return number("navigation.core.goals_reached") == 1; })) << where();
   EXPECT_FALSE(gnss_is_used());
-  EXPECT_THAT(rover_.errors(), testing::HasSubstr("rule gnss_lost fires drop_gnss"));
+  EXPECT_TRUE(rover_.says("rule gnss_lost fires drop_gnss")) << rover_.errors();
   EXPECT_NEAR(number("world.core.x"), 5.0, 1.0) << "wheels and gyroscope know the way";
   EXPECT_NEAR(number("world.core.y"), -1.0, 1.0);
 
@@ -113,7 +115,7 @@ TEST_F(WholeRover, ObeysAJoystickAtOnceAndStandsWhenThatIsPulledOut) {
   human = drivers::Descriptor();
   EXPECT_TRUE(within([&] { return number("priority.core.selected") == 1; })) << where();
   EXPECT_EQ(number("priority.core.take_overs"), 1);
-  EXPECT_THAT(rover_.errors(), testing::HasSubstr("joystick: its joystick is gone"));
+  EXPECT_TRUE(rover_.says("joystick: its joystick is gone")) << rover_.errors();
 }
 
 /// What ROS adds to the rover; `mission` leaves, rostopic says where to go.

@@ -115,6 +115,10 @@ class DaemonProcess {
   [[nodiscard]] Process& process() { return daemon_; }
   /// What it said on standard error so far.
   [[nodiscard]] std::string errors() const { return TempDir::read(errors_); }
+  /// Waits until it has said this; the log is written a little later than things happen.
+  [[nodiscard]] bool says(const std::string& text) const {
+    return eventually([&] { return errors().find(text) != std::string::npos; });
+  }
 
   /// The command line of `mauvectl --json WORDS...`.
   [[nodiscard]] std::vector<std::string> client_words(const std::vector<std::string>& words) const {
