@@ -46,6 +46,7 @@ class Simulated {
     architecture_ = mauve::arch::load(text, catalog_, problems);
     if (architecture_ == nullptr) {
       ADD_FAILURE() << "does not load: " << text;
+      for (const auto& problem : problems.sorted()) ADD_FAILURE() << to_string(problem, "");
       return;
     }
     deployer_ = std::make_unique<mauve::Deployer>(
@@ -54,7 +55,9 @@ class Simulated {
   }
 
   [[nodiscard]] const mauve::Status& up() const { return up_; }
-  void run(mauve::Duration duration) { deployer_->run_for(duration); }
+  void run(mauve::Duration duration) {
+    if (deployer_ != nullptr) deployer_->run_for(duration);
+  }
   [[nodiscard]] std::string state() const { return deployer_->status("driver").fsm_state; }
 
   [[nodiscard]] std::int64_t observe(const std::string& name,
