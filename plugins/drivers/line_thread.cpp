@@ -209,6 +209,7 @@ void LineThread::write_out() {
       lose();
     } else {
       waiting_.drop(static_cast<std::size_t>(count));
+      tried = false;  // what is sent meanwhile may meet another loss
     }
   }
 }
