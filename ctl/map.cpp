@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Turns what the system shows into a MapPicture.
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "actions.h"
@@ -95,6 +96,17 @@ class Drawing {
   std::optional<Place> seen_from_;
 };
 
+/// "4.2 m of way": a robot that stood is not seen in a picture.
+std::string driven(const std::vector<MapPicture::Step>& way) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    length += std::hypot(way[i].at.x - way[i - 1].at.x, way[i].at.y - way[i - 1].at.y);
+  }
+  char text[40];
+  std::snprintf(text, sizeof text, "%.1f m of way", length);
+  return text;
+}
+
 /// The value behind an option, null when it is not given.
 std::variant<Json, Fault> value_of(Session& session, std::string_view option) {
   if (!session.arguments.has(option)) return Json();
@@ -124,6 +136,10 @@ int run_map(Session& session) {
                            session.arguments.one("POSE"), "example: mauvectl map pose.read")));
   }
   const int written = write_output(session, draw_map(drawing.picture));
+  if (written == 0) {
+    session.screen.err << "drew " << counted(drawing.picture.way.size(), "place") << ", "
+                       << driven(drawing.picture.way) << "\n";
+  }
   return fault ? session.fail(*fault) : written;  // what came before the daemon went is drawn
 }
 

@@ -58,7 +58,10 @@ int run_plot(Session& session) {
   });
   if (all.empty()) return session.fail(fault.value_or(no_numbers(session)));
   hold_to_the_end(all, end);
+  std::uint64_t values = 0;
+  for (const Series& series : all) values += series.points.size();
   const int written = write_output(session, draw_series(all));
+  if (written == 0) session.screen.err << "drew " << counted(values, "value") << "\n";
   return fault ? session.fail(*fault) : written;  // what came before the daemon went is drawn
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Copy this folder, rename it, write your law. Core "my_core/straight": turns to the goal, drives.
-/// Try it on a running rover:
+/// Copy this folder, rename it, write your law. Core "my_core/straight": drives straight to the
+/// goal, and along what is in the way. Try it on a running rover:
 ///   mauvectl load my_core
 ///   mauvectl swap-core control my_core/straight --set speed=0.4
 #include <mauve/plugin.h>
@@ -16,10 +16,15 @@ class Straight final : public guidance::GuidanceCore {
   // [rt] Every 10 ms on the way to a goal: no heap, no lock, no file, no print here.
   guidance::Velocity steer(const guidance::Pose2D& pose, const guidance::Obstacles& obstacles,
                            double /*dt*/) override {
-    const double error = rover::wrap(pose.heading - rover::bearing(pose, state->goal));
+    double heading = rover::bearing(pose, state->goal);
     const guidance::Obstacle* obstacle = obstacles.nearest();
-    const bool blocked = obstacle != nullptr && obstacle->range < 0.6;
-    const double forward = blocked ? 0.0 : speed * std::max(0.0, std::cos(error));
+    if (obstacle != nullptr && obstacle->range < 0.9) {
+      constexpr double kSideways = 1.8;  // rad, and a little away from it
+      const double side = rover::wrap(heading - obstacle->bearing);
+      if (std::abs(side) < kSideways) heading = obstacle->bearing + std::copysign(kSideways, side);
+    }
+    const double error = rover::wrap(pose.heading - heading);
+    const double forward = speed * std::max(0.0, std::cos(error));
     return {forward, guidance::turn_rate(error, guidance::HeadingLaw{})};
   }
 };
