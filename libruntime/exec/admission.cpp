@@ -251,7 +251,7 @@ Timing analyze(Architecture& architecture) {
     Deployed deployed;
     deployed.component = component;
     deployed.cpus = component->bundle()->task.cpus;
-    deployed.task = std::make_shared<Task>(component->name(), system.runner->clock());
+    deployed.task = new_task(system, *component);
     system.deployed.push_back(std::move(deployed));
   }
   for (Deployed& deployed : system.deployed) place(system, deployed);

@@ -10,11 +10,12 @@
 namespace mauve::exec {
 namespace {
 
-Member member_at(Deployed& deployed, Published::Barrier step) {
+Member member_at(Deployed& deployed, Published::Barrier step, std::uint64_t number) {
   Member member;
   member.task = deployed.task.get();
   member.next = std::make_unique<Published>();
   member.next->barrier = step;
+  member.next->number = number;
   return member;
 }
 
@@ -60,7 +61,8 @@ Status Barrier::check(const PreparedChange::Content& content) {
   return ok();
 }
 
-void Barrier::begin(const std::vector<Deployed*>& members) {
+void Barrier::begin(const std::vector<Deployed*>& members, std::uint64_t number) {
+  number_ = number;
   gathered_ = members;
   for (const Bystander& one : bystanders_) {
     one.deployed->changing = true;
@@ -69,7 +71,8 @@ void Barrier::begin(const std::vector<Deployed*>& members) {
   std::erase_if(gathered_,
                 [](const Deployed* one) { return one->state() != ComponentState::running; });
   std::vector<Member> waiting;
-  for (Deployed* one : gathered_) waiting.push_back(member_at(*one, Published::Barrier::wait));
+  for (Deployed* one : gathered_)
+    waiting.push_back(member_at(*one, Published::Barrier::wait, number_));
   gathering_ = std::make_unique<Swap>(std::move(waiting), std::vector<ResourceMember>{},
                                       *system_.runner, kLongestWait, Swap::Kind::transaction);
 }
@@ -121,7 +124,7 @@ void Barrier::part() {
   std::vector<Member> leaving;
   for (std::size_t i = 0; i < gathered_.size(); ++i) {
     if (!gathering_->members()[i].in_force) continue;
-    leaving.push_back(member_at(*gathered_[i], Published::Barrier::go_on));
+    leaving.push_back(member_at(*gathered_[i], Published::Barrier::go_on, number_));
   }
   parting_ = std::make_unique<Swap>(std::move(leaving), std::vector<ResourceMember>{},
                                     *system_.runner, kLongestWait, Swap::Kind::order);
@@ -164,7 +167,7 @@ bool Barrier::hand_over(const std::vector<PreparedResource>& changed) {
 std::vector<Member> Barrier::go_on() const {
   std::vector<Member> members;
   for (const Bystander& one : bystanders_) {
-    members.push_back(member_at(*one.deployed, Published::Barrier::go_on));
+    members.push_back(member_at(*one.deployed, Published::Barrier::go_on, number_));
   }
   return members;
 }

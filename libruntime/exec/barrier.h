@@ -35,7 +35,8 @@ class Barrier {
   /// Is everything as it was prepared? Nothing has happened, and nothing does here.
   Status check(const PreparedChange::Content& content);
   /// Lets all of these wait that run, and the bystanders.
-  void begin(const std::vector<Deployed*>& members);
+  /// `number`: of the change.
+  void begin(const std::vector<Deployed*>& members, std::uint64_t number);
   /// True when all wait, or nobody does any more.
   bool advance();
   [[nodiscard]] bool all_wait() const { return phase_ == Phase::waiting; }
@@ -74,6 +75,7 @@ class Barrier {
 
   System& system_;
   Phase phase_ = Phase::gathering;
+  std::uint64_t number_ = 0;
   std::vector<Heir> heirs_;
   std::vector<Bystander> bystanders_;
   std::vector<Deployed*> gathered_;  // by member of the swaps

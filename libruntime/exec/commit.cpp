@@ -46,12 +46,16 @@ Commit::Commit(System& system, Content content, Swap::Kind kind, Duration longes
     refuse_all(std::move(sound.error()));
     return;
   }
-  if (content_->probation) way_back_ = std::make_shared<WayBack>();
+  number_ = ++system_.changes;
+  if (content_->probation) {
+    way_back_ = std::make_shared<WayBack>();
+    back_number_ = ++system_.changes;
+  }
   hold_members();
   if (barrier_ == nullptr) {
     publish(kind, longest_job);
   } else {
-    barrier_->begin(deployed_);
+    barrier_->begin(deployed_, number_);
   }
 }
 
@@ -137,11 +141,13 @@ Member Commit::forth(std::size_t index, Deployed& deployed) {
   Member member;
   member.task = deployed.task.get();
   member.next = make_published(change);
+  member.next->number = number_;
   if (way_back_ == nullptr) return member;
   const bool was_running = deployed.state() == ComponentState::running;
   member.next->back = make_way_back(change, was_running);
   member.next->back->transaction = &way_back_->transaction();
   member.next->back->way_back = way_back_.get();
+  member.next->back->number = back_number_;
   member.next->tolerated = content_->probation->misses;
   const unsigned window = std::min(content_->probation->window, 64U);
   member.next->window = window == 64 ? ~0ULL : (1ULL << window) - 1;
@@ -174,6 +180,7 @@ void Commit::publish(Swap::Kind kind, Duration longest_job) {
   }
   swap_ = std::make_unique<Swap>(std::move(members), resource_members(), *system_.runner,
                                  longest_job, kind, before_);
+  tell_attempt();
 }
 
 bool Commit::advance() {
@@ -187,6 +194,7 @@ bool Commit::advance() {
 /// True when no member is left to wait for.
 bool Commit::all_changed() {
   const bool settled = swap_->advance();
+  tell_attempt();
   for (std::size_t i = 0; i < deployed_.size(); ++i) {
     if (swap_->members()[i].settled && !entered_[i]) enter(i);
   }

@@ -56,6 +56,8 @@ class Commit final : public Ongoing {
   void hold_members();
   [[nodiscard]] bool pass_barrier();
   void publish(Swap::Kind kind, Duration longest_job);
+  void tell_attempt();
+  void tell_end();
   [[nodiscard]] Member forth(std::size_t index, Deployed& deployed);
   [[nodiscard]] std::vector<ResourceMember> resource_members() const;
   void enter(std::size_t index);
@@ -79,6 +81,9 @@ class Commit final : public Ongoing {
   std::shared_ptr<WayBack> way_back_;  // null: no probation
   std::shared_ptr<WayBack> before_;    // of the change before, which is on probation; or null
   std::vector<WayBackOfMember> ways_back_;
+  std::uint64_t number_ = 0;       // of the change, in a trace
+  std::uint64_t back_number_ = 0;  // of the way back; 0: no probation
+  unsigned attempts_told_ = 0;
   Instant back_by_ = 0;  // some member hangs, the others are led back; zero: nobody is
   Receipt receipt_;
   Retired retired_;
@@ -91,6 +96,8 @@ std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change,
                                      Swap::Kind kind = Swap::Kind::transaction,
                                      Duration longest_job = kLongestJob);
 
+/// The components that take part, in a trace.
+void tell_members(System& system, const PreparedChange::Content& content, std::uint64_t number);
 [[nodiscard]] Error being_rolled_back(std::uint64_t generation);
 /// Makes what a committed bundle says of the thread true: priority and CPUs. [control]
 void schedule(System& system, Deployed& deployed);

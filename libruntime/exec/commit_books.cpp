@@ -74,7 +74,29 @@ void Commit::enter_resources() {
   }
 }
 
+/// Each attempt, once it is decided.
+void Commit::tell_attempt() {
+  const SwapResult& swapped = swap_->result();
+  if (swapped.attempts == attempts_told_) return;
+  attempts_told_ = swapped.attempts;
+  const bool committed = swap_->decision() == Transaction::State::committed;
+  tell_control(system_, committed ? TraceKind::commit : TraceKind::abort, content_->what,
+               swapped.instant, number_);
+  if (!committed) return;
+  tell_members(system_, *content_, number_);
+  for (const std::string& address : content_->sets) {
+    tell_control(system_, TraceKind::set, address, 0, number_);
+  }
+}
+
+/// One that was committed is taken back: nobody came in time.
+void Commit::tell_end() {
+  if (swap_->result().state != SwapResult::State::revoked) return;
+  tell_control(system_, TraceKind::abort, content_->what, swap_->result().instant, number_);
+}
+
 void Commit::conclude() {
+  tell_end();
   const SwapResult& swapped = swap_->result();
   const bool nothing_happened = swapped.state == SwapResult::State::missed ||
                                 swapped.state == SwapResult::State::revoked ||
@@ -180,7 +202,7 @@ void Commit::change_membership() {
 
 void Commit::begin_probation() {
   system_.probation = std::make_unique<OnProbation>(system_, content_, std::move(ways_back_),
-                                                    way_back_, std::move(retired_));
+                                                    way_back_, std::move(retired_), back_number_);
 }
 
 Error Commit::not_applied() const {

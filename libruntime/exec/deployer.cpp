@@ -90,7 +90,11 @@ Timing Deployer::analyze() const {
 }
 
 Result<PreparedChange> Deployer::prepare(const Change& change) {
-  return exec::prepare_change(*system_, change);
+  Result<PreparedChange> prepared = exec::prepare_change(*system_, change);
+  if (prepared) {
+    exec::tell_control(*system_, TraceKind::prepare, prepared->content().what, 0, 0);
+  }
+  return prepared;
 }
 
 std::shared_ptr<Ongoing> Deployer::begin(PreparedChange& change) {
@@ -253,6 +257,15 @@ Result<Receipt> Deployer::disconnect(std::string_view port) {
 
 std::size_t Deployer::drain(const std::function<void(const Happening&)>& visit) {
   return exec::drain_events(*system_, visit);
+}
+
+std::size_t Deployer::drain_trace(const std::function<void(const TraceRecord&)>& visit) {
+  return exec::drain_trace(*system_, visit);
+}
+
+TracedSystem Deployer::traced() const {
+  system_->advance();
+  return exec::traced(*system_);
 }
 
 void Deployer::run_for(Duration duration) {

@@ -23,6 +23,8 @@ std::shared_ptr<Ongoing> begin_mode(exec::System& system, ComponentBase& compone
   auto content = std::make_unique<PreparedChange::Content>();
   content->members.push_back(exec::member_of(component, mode));
   content->members.front().count_gap = count_gap;
+  content->what =
+      exec::what_of(mode == Mode::park ? "component.stop" : "component.start", {component.name()});
   PreparedChange change(std::move(content));
   return exec::begin_commit(system, change);
 }

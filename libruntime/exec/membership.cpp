@@ -22,7 +22,7 @@ Result<Deployed*> let_in(System& system, ComponentBase& component) {
   Deployed joining;
   joining.component = &component;
   joining.hidden = true;
-  joining.task = std::make_shared<Task>(component.name(), system.runner->clock());
+  joining.task = new_task(system, component);
   joining.task->begin(first_bundle(component, Mode::park), system.t0);
   place(system, joining);
   if (Status started = start_thread(system, joining); !started) return started.error();
@@ -42,6 +42,7 @@ bool let_go(System& system, Deployed& deployed) {
     leave_behind(system.runner);
   }
   keep_last_events(system, deployed);
+  keep_last_trace(system, deployed);
   system.free.keep(std::exchange(deployed.relief, {}).content);
   deployed.component = nullptr;
   const std::lock_guard lock(system.members);

@@ -80,6 +80,8 @@ class Preparation {
         content_(std::make_unique<PreparedChange::Content>()) {}
 
   Result<PreparedChange> run(bool configure) {
+    content_->what = what_of(change_);
+    content_->sets = set_by(change_);
     content_->probation = change_.probation;
     if (change_.sync == Sync::barrier) content_->barrier.emplace();
     for (const auto step : {&Preparation::let_leave, &Preparation::let_resources_join,

@@ -77,6 +77,8 @@ class PreparedChange::Content {
   std::vector<std::shared_ptr<ResourceBase>> left_resources;
   std::vector<exec::PreparedMember> members;
   std::vector<exec::PreparedResource> resources;
+  std::string what;               ///< in the words of the wire
+  std::vector<std::string> sets;  ///< addresses of properties that it sets
   std::optional<Probation> probation;
   std::optional<exec::PreparedBarrier> barrier;  ///< none: the cut
   std::vector<std::string> warnings;             ///< for the receipt

@@ -28,7 +28,7 @@ void put_back(Architecture& architecture, Element& element, std::shared_ptr<Elem
 }  // namespace
 
 OnProbation::OnProbation(System& system, Content content, std::vector<WayBackOfMember> members,
-                         std::shared_ptr<WayBack> way_back, Retired replaced)
+                         std::shared_ptr<WayBack> way_back, Retired replaced, std::uint64_t number)
     : system_(system),
       departed_(system.departed),
       content_(std::move(content)),
@@ -36,6 +36,7 @@ OnProbation::OnProbation(System& system, Content content, std::vector<WayBackOfM
       way_back_(std::move(way_back)),
       replaced_(std::move(replaced)),
       generation_(system.generation),
+      number_(number),
       began_(system.runner->now()) {
   for (const PreparedResource& change : content_->resources) {
     if (!in_force(change)) continue;
@@ -78,6 +79,9 @@ bool OnProbation::advance() {
 void OnProbation::watch() {
   if (way_back_->told()) {
     phase_ = Phase::going_back;
+    tell_control(system_, TraceKind::rollback, content_->what, way_back_->transaction().instant(),
+                 number_);
+    tell_members(system_, *content_, number_);
     for (const WayBackOfMember& member : members_) system_.runner->wake(*member.deployed->task);
     return;
   }

@@ -31,7 +31,7 @@ class OnProbation {
 
   /// Of a change that is committed: its content, and the elements it replaced.
   OnProbation(System& system, Content content, std::vector<WayBackOfMember> members,
-              std::shared_ptr<WayBack> way_back, Retired replaced);
+              std::shared_ptr<WayBack> way_back, Retired replaced, std::uint64_t number);
   ~OnProbation();
 
   /// Looks whether it is over. The end is told in System::outcomes; false: nothing of it is left.
@@ -84,6 +84,7 @@ class OnProbation {
   Phase phase_ = Phase::watching;
   bool quiet_ = false;
   std::uint64_t generation_;
+  const std::uint64_t number_;  // of the way back, in a trace
   Instant began_;
 };
 

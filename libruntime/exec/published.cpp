@@ -100,7 +100,9 @@ std::unique_ptr<Published> make_way_back(const PreparedMember& member, bool was_
   const bool runs_after = member.mode == Mode::run || (was_running && member.mode == Mode::keep);
   if (runs_after != was_running) reversed.mode = was_running ? Mode::run : Mode::park;
   reversed.restart = reversed.mode == Mode::run;
-  return make_published(reversed);
+  auto back = make_published(reversed);
+  back->taken_as = TakenAs::back;
+  return back;
 }
 
 }  // namespace mauve::exec

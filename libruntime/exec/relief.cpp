@@ -121,6 +121,7 @@ void put_in_readiness(System& system, PreparedChange& prepared) {
     member.restart = member.state == StatePolicy::drop;
     forget_old_restarts(*deployed, policy, system.runner->now());
     auto published = make_published(member);
+    published->taken_as = TakenAs::relief;
     published->transaction = &standing_decision();
     if (member.restart) published->back_off = back_off(policy, deployed->restarts.size());
     deployed->relief = {content, &member, published->answer};

@@ -114,6 +114,7 @@ void Stop::begin_stage() {
 /// soon, or given up.
 void Stop::park_free() {
   auto content = std::make_unique<PreparedChange::Content>();
+  std::vector<std::string> names;
   std::erase_if(waiting_, [&](Deployed* deployed) {
     if (deployed->component == nullptr) return true;  // it left
     if (deployed->changing) {
@@ -121,12 +122,14 @@ void Stop::park_free() {
       return false;
     }
     if (deployed->state() == ComponentState::running) {
+      names.push_back(deployed->component->name());
       content->members.push_back(member_of(*deployed->component, Mode::park));
       deployed->parking = true;
     }
     return true;
   });
   if (content->members.empty()) return;
+  content->what = what_of("component.stop", names);
   PreparedChange change(std::move(content));
   commits_.push_back(begin_commit(system_, change, Swap::Kind::order, patience_));
 }

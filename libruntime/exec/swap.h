@@ -85,6 +85,8 @@ class Swap {
     if (result_.state == SwapResult::State::under_way) give_up();
   }
   [[nodiscard]] const SwapResult& result() const { return result_; }
+  /// Of the newest attempt.
+  [[nodiscard]] Transaction::State decision() const { return transactions_.back()->state(); }
   [[nodiscard]] const std::vector<Member>& members() const { return members_; }
   [[nodiscard]] const std::vector<ResourceMember>& resources() const { return resources_; }
 

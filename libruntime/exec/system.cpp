@@ -69,6 +69,10 @@ std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mod
   return first;
 }
 
+std::shared_ptr<Task> new_task(const System& system, const ComponentBase& component) {
+  return std::make_shared<Task>(component.name(), system.runner->clock(), system.options.simulated);
+}
+
 Status start_thread(System& system, Deployed& deployed) {
   const TaskAttributes& task = deployed.component->bundle()->task;
   const int priority = system.realtime ? task.priority : 0;
@@ -127,7 +131,7 @@ Status bring_up(System& system) {
     Deployed deployed;
     deployed.component = component;
     deployed.cpus = task.cpus;  // who is pinned counts for who is placed
-    deployed.task = std::make_shared<Task>(component->name(), system.runner->clock());
+    deployed.task = new_task(system, *component);
     system.deployed.push_back(std::move(deployed));
   }
   for (Deployed& deployed : system.deployed) place(system, deployed);

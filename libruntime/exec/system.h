@@ -14,6 +14,7 @@
 #include "exec/prepared.h"
 #include "exec/runner.h"
 #include "exec/task.h"
+#include "exec/trace.h"
 #include "rt/last_words.h"
 
 #include <mauve/deployer.h>
@@ -72,6 +73,9 @@ class System {
   Retired free;                                      ///< of changes that are over
   std::vector<Outcome> outcomes;                     ///< not yet told
   std::uint64_t generation = 0;
+  std::uint64_t changes = 0;  ///< numbers that changes got since deployment, see Published::number
+  ControlTrace control_trace;
+  std::vector<TraceRecord> last_trace;  ///< of components that left; under `members`
   Instant t0 = 0;
   bool up = false;
   bool realtime = false;
@@ -102,6 +106,7 @@ std::vector<std::string> bring_down(System& system, Duration bound);
 /// A job that runs longer never returns.
 [[nodiscard]] Duration bound_of(const Bundle& bundle);
 [[nodiscard]] std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mode);
+[[nodiscard]] std::shared_ptr<Task> new_task(const System& system, const ComponentBase& component);
 Status start_thread(System& system, Deployed& deployed);
 /// Its thread has ended: what it still had to say is told with the next drain_events().
 void keep_last_events(System& system, Deployed& deployed);

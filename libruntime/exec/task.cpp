@@ -31,9 +31,15 @@ void fetch(const Published& next, const FsmState* state) {
 
 }  // namespace
 
-Task::Task(std::string name, const Clock& clock) : name_(std::move(name)), clock_(clock) {}
+Task::Task(std::string name, const Clock& clock, bool simulated)
+    : name_(std::move(name)),
+      trace_name_(trace_name_id(name_)),
+      clock_(clock),
+      simulated_(simulated ? &clock : nullptr),
+      trace_(new Trace{rt::TraceRing(simulated_), nullptr}) {}
 
 Task::~Task() {
+  delete trace_.load();
   delete current_;
   delete back_.load();
   delete relief_.load();
@@ -49,6 +55,7 @@ void Task::begin(std::unique_ptr<Published> first, Instant t0) {
   running_ = attributes.start && current_->mode != Mode::park;
   counters_.next_release.store(attributes.offset.count());
   counters_.state.store(running_ ? ComponentState::running : ComponentState::stopped);
+  if (running_) tell(TraceKind::started, clock_.now(), release_ - t0_);
 }
 
 bool Task::empty(std::atomic<Published*>& slot, Published& content) {
@@ -129,7 +136,7 @@ void Task::drop_missed(Instant now) {
   const std::int64_t dropped = (now - release_) / wait_.count();
   release_ += dropped * wait_.count();
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
-  add(counters_.missed, static_cast<std::uint64_t>(dropped));
+  miss(static_cast<std::uint64_t>(dropped), now);
   note(rt::EventKind::missed, LogLevel::warning, dropped,
        static_cast<std::int64_t>(counters_.missed.load(std::memory_order_relaxed)));
 }
@@ -161,6 +168,7 @@ Published* Task::take_over() {
 
 void Task::take(Published& next, Instant begin) {
   acknowledge();  // of a change that is overtaken at the same boundary
+  tell_taken(next, begin);
   if (next.barrier != Published::Barrier::none) return wait_or_go_on(next);
   if (next.mode_only) keep_bundle(next);
   const bool waited = std::exchange(waiting_, false);
@@ -207,7 +215,7 @@ Duration Task::skip_gap(Instant until) {
   const Duration grid = current_->grid;
   if (!running_ || armed >= until || grid <= Duration{0}) return Duration{0};
   release_ = next_on_grid(armed, grid, until);
-  add(counters_.missed, static_cast<std::uint64_t>((release_ - armed) / grid.count()));
+  miss(static_cast<std::uint64_t>((release_ - armed) / grid.count()), clock_.now(), true);
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
   return Duration{release_ - armed};
 }
@@ -265,12 +273,14 @@ void Task::rearm(const Published& next, bool was_running) {
   const Instant earliest = std::max(next.transaction->instant(), clock_.now());
   release_ = next_on_grid(base, next.grid, earliest);
   if (next.count_gap && next.grid > Duration{0} && release_ > armed) {
-    add(counters_.missed, static_cast<std::uint64_t>((release_ - armed) / next.grid.count()));
+    const auto passed = static_cast<std::uint64_t>((release_ - armed) / next.grid.count());
+    miss(passed, clock_.now(), true);
   }
   wait_ = Duration{0};
   running_ = true;
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
   counters_.state.store(ComponentState::running, std::memory_order_release);
+  tell(TraceKind::started, clock_.now(), release_ - t0_);
   note(rt::EventKind::started, LogLevel::info, release_ - t0_);
 }
 
@@ -283,6 +293,7 @@ void Task::keep_phase(const Published& next) {
 
 void Task::give_back(Published& next) {
   if (!claim(next)) return;
+  tell(TraceKind::given_back, clock_.now(), 0, next.number);
   note(rt::EventKind::aborted, LogLevel::debug);
   next.answer->progress.store(Published::Progress::given_back, std::memory_order_release);
 }
@@ -299,7 +310,8 @@ void Task::park(ComponentState state) {
   parked_at_ = clock_.now();
   counters_.state.store(state, std::memory_order_release);
   if (state == ComponentState::stopped) {
-    note(rt::EventKind::stopped, LogLevel::info, clock_.now() - t0_);
+    tell(TraceKind::stopped, parked_at_, parked_at_ - t0_);
+    note(rt::EventKind::stopped, LogLevel::info, parked_at_ - t0_);
   }
 }
 

@@ -16,6 +16,7 @@
 #include "rt/event_ring.h"
 #include "rt/request_ring.h"
 #include "rt/rescue.h"
+#include "rt/trace_ring.h"
 
 #include <mauve/change.h>
 #include <mauve/clock.h>
@@ -24,6 +25,9 @@
 #include <mauve/job.h>
 
 namespace mauve::exec {
+
+/// What a task takes, as a trace tells it.
+enum class TakenAs : std::uint8_t { change, back, relief, barrier };
 
 /// What a change hands to one task: the new bundle, and everything worked out beforehand so that
 /// taking it is a few pointer stores. Immutable after publication but for the answer.
@@ -35,6 +39,8 @@ struct Published {
   std::shared_ptr<const Bundle> bundle;  ///< null: of a barrier
   Transaction* transaction = nullptr;
   Barrier barrier = Barrier::none;
+  TakenAs taken_as = TakenAs::change;
+  std::uint64_t number = 0;  ///< of the change, see System::changes; 0: it is none of [control]
   Mode mode = Mode::keep;
   bool mode_only = false;  ///< whatever the task runs with stays: it may be back at an older bundle
   bool restart = false;    ///< begin at the initial state, on the next instant of the grid
@@ -77,7 +83,8 @@ struct Published {
 
 class Task {
  public:
-  Task(std::string name, const Clock& clock);
+  /// `simulated`: the clock is not that of the machine.
+  Task(std::string name, const Clock& clock, bool simulated = false);
   ~Task();
   Task(const Task&) = delete;
   Task& operator=(const Task&) = delete;
@@ -86,6 +93,13 @@ class Task {
   [[nodiscard]] const Counters& counters() const { return counters_; }
   [[nodiscard]] rt::EventRing& events() { return events_; }
   [[nodiscard]] rt::RequestRing& requests() { return requests_; }
+  /// The ring of its thread, then those of threads that it lost, by `older`. [any]
+  struct Trace {
+    rt::TraceRing ring;
+    const std::unique_ptr<Trace> older;
+  };
+  [[nodiscard]] Trace& trace() { return *trace_.load(std::memory_order_acquire); }
+  [[nodiscard]] std::uint32_t trace_name() const { return trace_name_; }
   /// What was thrown; valid while the state is faulted.
   [[nodiscard]] const char* fault() const { return fault_.data(); }
 
@@ -181,13 +195,20 @@ class Task {
   [[nodiscard]] bool leads_back() const;
   void write_safe_values();
   void note(rt::EventKind kind, LogLevel level, std::int64_t a = 0, std::int64_t b = 0);
+  void tell(TraceKind kind, Instant time, std::int64_t value, std::uint64_t small = 0,
+            std::uint32_t name = 0);
+  void tell_taken(const Published& next, Instant time);
+  void miss(std::uint64_t releases, Instant time, bool planned = false);
 
   std::string name_;
+  const std::uint32_t trace_name_;
   const Clock& clock_;
+  const Clock* const simulated_;  // null: the time is that of the machine
   rt::EventRing events_;
   rt::RequestRing requests_;
   Counters counters_;
   std::array<char, 128> fault_{};
+  std::atomic<Trace*> trace_;
   rt::Watched watched_;
   std::atomic<Job*> job_{nullptr};  // of its thread
   std::atomic<std::int64_t> bound_{0};
@@ -208,6 +229,7 @@ class Task {
   Instant release_ = 0;  // logical: t0 + offset + clock of the component
   Duration wait_{0};     // that ended, or ends, at release_
   Instant parked_at_ = 0;
+  std::uint64_t number_ = 0;   // of the last change it took
   Instant relief_from_ = 0;    // not before
   std::uint64_t overran_ = 0;  // a bit for each of the last jobs
   Duration cpu_before_{0};     // of this thread, when the job began; zero: was not asked for

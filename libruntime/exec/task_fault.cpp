@@ -61,7 +61,7 @@ void Task::skip_job() {
   if (!leads_back() && relief_.load(std::memory_order_acquire) == nullptr) {
     return park(ComponentState::faulted);
   }
-  add<std::uint64_t>(counters_.missed, 1);
+  miss(1, clock_.now());
   release_ += current_->grid.count();
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
 }
@@ -69,7 +69,9 @@ void Task::skip_job() {
 /// `fault_` says what it was; the safe values are written.
 void Task::on_fault(Cause cause) {
   add<std::uint64_t>(counters_.faults, 1);
-  rt::Event event{clock_.now(), rt::EventKind::faulted, LogLevel::error, nullptr, {}, {}, {}};
+  const Instant now = clock_.now();
+  tell(TraceKind::fault, now, 0, 0, static_cast<std::uint32_t>(cause));
+  rt::Event event{now, rt::EventKind::faulted, LogLevel::error, nullptr, {}, {}, {}};
   event.a = LogArgument(static_cast<std::int64_t>(cause));
   std::string_view(fault_.data()).copy(event.text.data(), event.text.size() - 1);
   events_.push(event);
@@ -96,6 +98,8 @@ void Task::hung() {
 
 bool Task::lose_thread(Instant since) {
   if (!watched_.busy_since.compare_exchange_strong(since, kLost)) return false;
+  // The next thread tells into a ring of its own: the lost one may be about to write.
+  trace_ = new Trace{rt::TraceRing(simulated_), std::unique_ptr<Trace>(trace_.load())};
   if (Job* job = job_.exchange(nullptr)) {
     job->detached.store(true);
     Gate::poison_and_free_all(*job);

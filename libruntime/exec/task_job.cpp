@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "exec/task.h"
+#include "model/traced.h"
 #include "rt/cpu_time.h"
 #include "rt/preemption.h"
 
@@ -20,6 +21,14 @@ namespace {
 Task*& this_task() {
   [[gnu::tls_model("initial-exec")]] static thread_local Task* task = nullptr;
   return task;
+}
+
+/// Into the ring of the thread: its task may have lost it meanwhile.
+void tell_state(TraceKind kind, const FsmState& state) {
+  rt::TraceRing* const ring = ring_of(this_job(), TraceMode::jobs);
+  if (ring == nullptr) return;
+  const bool preempted = kind == TraceKind::end && !ring->simulated() && rt::preempted();
+  ring->push(kind, ring->now(), state.trace_name(), preempted ? 1 : 0, 0);
 }
 
 }  // namespace
@@ -61,6 +70,7 @@ bool Task::run_job(Instant now) {
   Job& job = this_job();
   rt::end_preemption_watch();
   this_task() = nullptr;
+  job.trace = nullptr;
   job.start = 0;
   job.release = 0;
   job.running = false;
@@ -75,6 +85,8 @@ void Task::begin_job(Instant now) {
   job.implausible = nullptr;
   job.lock_bound = current_->shortest_wait;
   this_task() = this;
+  job.trace = &trace().ring;
+  tell(TraceKind::release, now, release_ - t0_, number_);
   const Instant lateness = now - release_;
   counters_.lateness_last.store(lateness, std::memory_order_relaxed);
   raise(counters_.lateness_max, lateness);
@@ -124,8 +136,10 @@ FsmState* Task::run_states() {
   while (state->kind() == FsmState::Kind::execution) {
     counters_.fsm_state.store(static_cast<std::uint32_t>(state->index()),
                               std::memory_order_relaxed);
+    tell_state(TraceKind::begin, *state);
     state->run(core);
     if (this_job().detached.load(std::memory_order_relaxed)) break;  // given up meanwhile
+    tell_state(TraceKind::end, *state);
     state = &state->next(core);
   }
   return state;
@@ -151,8 +165,11 @@ void Task::account(Instant start, Instant end) {
   counters_.execution_last.store(end - start, std::memory_order_relaxed);
   raise(counters_.execution_max, end - start);
   measure(start, end);
+  tell(TraceKind::wait, end, release_ - t0_, preempted_ && simulated_ == nullptr,
+       state_->trace_name());
   if (task.budget > Duration{0} && end - start > task.budget.count()) {
     add<std::uint64_t>(counters_.over_budget, 1);
+    tell(TraceKind::budget, end, end - start, static_cast<std::uint64_t>(task.budget.count()));
   }
   const Instant deadline =
       task.deadline > Duration{0} ? std::min(release_, released + task.deadline.count()) : release_;
@@ -165,6 +182,7 @@ void Task::account(Instant start, Instant end) {
 void Task::count_overrun(const TaskAttributes& task, Instant by) {
   add<std::uint64_t>(counters_.overruns, 1);
   const std::uint64_t overruns = counters_.overruns.load(std::memory_order_relaxed);
+  tell(TraceKind::overrun, clock_.now(), by, overruns);
   note(rt::EventKind::overrun, LogLevel::warning, by, static_cast<std::int64_t>(overruns));
   if (overruns < task.overrun_limit) return;
   if (task.on_overrun == OnOverrun::stop) {

@@ -32,6 +32,12 @@ std::string_view to_string(Cause cause) {
   return "unknown";
 }
 
+std::string_view word_of(Cause cause) {
+  constexpr std::array<std::string_view, 7> kWords{
+      "threw", "implausible", "over_budget", "overruns", "crashed", "hung", "asked"};
+  return kWords.at(static_cast<std::size_t>(cause));
+}
+
 bool WayBack::set_off(const Clock& clock, Cause cause, const void* member, const char* text) {
   if (!transaction_.claim(kBeingSetOff)) return false;
   Transaction* const newer = newer_.load();

@@ -83,6 +83,8 @@ enum class Cause : std::uint8_t { threw, implausible, over_budget, overruns, cra
 
 /// "threw", "wrote an implausible value", ...
 [[nodiscard]] std::string_view to_string(Cause cause);
+/// "threw", "implausible", ...
+[[nodiscard]] std::string_view word_of(Cause cause);
 
 /// The way back from a change on probation: a transaction that waits for its instant. The first
 /// member that fails, or [control], sets it off for all:

@@ -22,6 +22,14 @@ Status check_contract(const std::string& at, const CoreType& core, const FsmType
   return ok();
 }
 
+void name_ports_in_trace(const Shell& shell) {
+  const std::string& address = shell.address();
+  const std::string owner = address.substr(0, address.find('.'));
+  for (PortBase* port : shell.ports()) {
+    port->name_in_trace(owner + "." + std::string(port->name()));
+  }
+}
+
 Status configure_in_order(std::span<Configurable* const> elements) {
   std::vector<Configurable*> configured;
   for (Configurable* element : elements) {

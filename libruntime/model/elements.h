@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <type_traits>
 
 #include "model/guard.h"
 
@@ -12,12 +13,18 @@
 
 namespace mauve {
 
+/// In a trace a port is called by its component and its own name: "control.scan".
+void name_ports_in_trace(const Shell& shell);
+
 /// Runs a maker behind the door for exceptions, and gives the element its address.
 template <typename Base>
 Status make_element(const std::string& address, const detail::Make<Base>& make,
                     std::shared_ptr<Base>& into) {
   Status done = call_hook(address, "constructor", [&] { return into = make(), ok(); });
   if (done) into->adopt(address);
+  if constexpr (std::is_same_v<Base, Shell>) {
+    if (done) name_ports_in_trace(*into);
+  }
   return done;
 }
 

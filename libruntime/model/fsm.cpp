@@ -42,7 +42,7 @@ std::string find_cycle(const FsmState& state, std::vector<const FsmState*>& path
 }  // namespace
 
 FsmState::FsmState(FsmBase& fsm, std::string_view name, Kind kind)
-    : name_(name), kind_(kind), index_(fsm.states_.size()) {
+    : name_(name), kind_(kind), index_(fsm.states_.size()), trace_name_(trace_name_id(name)) {
   fsm.states_.push_back(this);
 }
 

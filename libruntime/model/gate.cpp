@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/gate.h>
 
+#include <algorithm>
 #include <memory>
 #include <thread>
 #include <utility>
 
 #include "model/left_behind.h"
+#include "model/traced.h"
 #include "rt/pi_mutex.h"
 #include "rt/preemption.h"
 
@@ -20,6 +22,7 @@ struct GateLock {
   Gate& gate;
   rt::PiMutex mutex;
   Instant since = 0;  // held, by a job that nothing has interrupted so far; 0: not, or not timed
+  Instant told = 0;   // when the trace said that it is held; 0: it did not
   /// Whoever clears it ends the hold: the holder when it leaves, or the guard that gives it up.
   std::atomic<const Job*> holder{nullptr};
 
@@ -36,30 +39,39 @@ bool Gate::enter() {
   Job& job = this_job();
   if (job.held_count.load(std::memory_order_relaxed) == Job::kMaxHeld) return false;
   GateLock& lock = *lock_.load(std::memory_order_acquire);
-  if (!lock.mutex.try_lock()) {
-    if (poisoned()) return false;  // who holds it may never leave
-    const Duration bound = job.lock_bound > Duration{0} ? job.lock_bound : kLongestHold;
-    if (!lock.mutex.lock_until(MonotonicClock().now() + bound.count())) {
-      timeouts_.fetch_add(1, std::memory_order_relaxed);
-      return false;
-    }
-  }
-  if (!hold(lock)) return enter();
+  Instant waited = 0;
+  if (!lock.mutex.try_lock() && !wait_for(lock, waited)) return false;
+  if (!hold(lock, waited)) return enter();
   if (deferred_.load(std::memory_order_acquire) != nullptr) visit_deferred(job.release);
   if (!poisoned()) return true;
   leave();
   return false;
 }
 
+bool Gate::wait_for(GateLock& lock, Instant& waited) {
+  if (poisoned()) return false;  // who holds it may never leave
+  const Job& job = this_job();
+  const Duration bound = job.lock_bound > Duration{0} ? job.lock_bound : kLongestHold;
+  const Instant begin = MonotonicClock().now();
+  const bool got = lock.mutex.lock_until(begin + bound.count());
+  if (!got) timeouts_.fetch_add(1, std::memory_order_relaxed);
+  rt::TraceRing* const ring = ring_of(job, TraceMode::jobs);
+  if (ring == nullptr) return got;
+  const Instant now = ring->now();
+  waited = std::max<Instant>(now - begin, 0);  // nothing on a clock that stands still
+  if (!got) ring->push(TraceKind::timeout, now, trace_name_, 0, waited);
+  return got;
+}
+
 bool Gate::try_enter() {
   if (this_job().held_count.load(std::memory_order_relaxed) == Job::kMaxHeld) return false;
   GateLock& lock = *lock_.load(std::memory_order_acquire);
-  return lock.mutex.try_lock() && hold(lock);
+  return lock.mutex.try_lock() && hold(lock, 0);
 }
 
 /// False when this is not the lock of the gate any more: who held it was given up, and unlocked it
 /// when it came back after all. One writer of the record: a load and a store are enough.
-bool Gate::hold(GateLock& lock) {
+bool Gate::hold(GateLock& lock, Instant waited) {
   if (lock_.load(std::memory_order_acquire) != &lock) {
     lock.mutex.unlock();
     return false;
@@ -70,7 +82,26 @@ bool Gate::hold(GateLock& lock) {
   job.held[count].store(&lock, std::memory_order_relaxed);
   job.held_count.store(count + 1, std::memory_order_release);
   if (timed_ && !rt::preempted()) lock.since = MonotonicClock().now();
+  trace_hold(lock, waited);
   return true;
+}
+
+/// One that is only held for some stores is told of when somebody had to wait for it.
+void Gate::trace_hold(GateLock& lock, Instant waited) const {
+  const bool worth = timed_ || waited > 0;
+  rt::TraceRing* const ring = ring_of(this_job(), worth ? TraceMode::jobs : TraceMode::detail);
+  lock.told = 0;
+  if (ring == nullptr) return;
+  lock.told = ring->now(lock.since);
+  ring->push(TraceKind::lock, lock.told, trace_name_, 0, waited);
+}
+
+void Gate::trace_leave(GateLock& lock, Instant now) const {
+  if (lock.told == 0) return;
+  rt::TraceRing* const ring = ring_of(this_job(), TraceMode::jobs);
+  if (ring == nullptr) return;
+  const Instant left = ring->now(now);
+  ring->push(TraceKind::unlock, left, trace_name_, 0, std::max<Instant>(left - lock.told, 0));
 }
 
 void Gate::leave() {
@@ -83,9 +114,12 @@ void Gate::leave(GateLock& lock) {
   job.held_count.store(job.held_count.load(std::memory_order_relaxed) - 1,
                        std::memory_order_relaxed);
   if (!lock.end_hold_of(job)) return leave_renewed(lock);
+  Instant now = 0;
   if (const Instant since = std::exchange(lock.since, 0); since != 0 && !rt::preempted()) {
-    count_hold(MonotonicClock().now() - since);
+    now = MonotonicClock().now();
+    count_hold(now - since);
   }
+  trace_leave(lock, now);
   lock.mutex.unlock();
 }
 

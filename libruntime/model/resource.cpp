@@ -10,6 +10,7 @@ namespace mauve {
 
 ResourceBase::ResourceBase(std::string name, ResourceType type)
     : name_(std::move(name)), type_(std::move(type)) {
+  gate_.name_in_trace(trace_name_id(name_));
   auto table = std::make_shared<Bindings>();
   made_ = make_element(name_ + ".shell", type_.shell.make, shell_);
   if (made_) made_ = make_element(name_ + ".core", type_.core.make, core_);

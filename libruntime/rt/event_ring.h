@@ -38,7 +38,7 @@ struct Event {
 /// One producer (the component's thread), one consumer ([log]).
 class EventRing {
  public:
-  static constexpr std::size_t kCapacity = 256;
+  static constexpr std::size_t kCapacity = 128;
 
   /// [rt]
   void push(const Event& event) {

@@ -10,6 +10,7 @@
 #include <mauve/shell.h>
 #include <mauve/slow_state.h>
 #include <mauve/state.h>
+#include <mauve/trace.h>
 
 namespace mauve {
 

@@ -22,6 +22,7 @@
 #include <mauve/deploy_options.h>
 #include <mauve/happening.h>
 #include <mauve/timing.h>
+#include <mauve/trace.h>
 
 namespace mauve {
 
@@ -146,6 +147,12 @@ class Deployer {
 
   /// [log] Takes what happened since the last call. One caller.
   std::size_t drain(const std::function<void(const Happening&)>& visit);
+  /// [trace] What was traced since the last call, of each thread in its order; see mauve/trace.h.
+  /// One caller, some times a second: rings overwrite what nobody collects, and the loss is a
+  /// record.
+  std::size_t drain_trace(const std::function<void(const TraceRecord&)>& visit);
+  /// What these records are about, as it is now; takes some milliseconds.
+  [[nodiscard]] TracedSystem traced() const;
 
   /// Simulated deployments: runs all jobs due in this time.
   void run_for(Duration duration);

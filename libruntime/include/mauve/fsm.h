@@ -47,6 +47,7 @@ class FsmState {
   [[nodiscard]] std::string_view name() const { return name_; }
   [[nodiscard]] Kind kind() const { return kind_; }
   [[nodiscard]] std::size_t index() const { return index_; }
+  [[nodiscard]] std::uint32_t trace_name() const { return trace_name_; }
   [[nodiscard]] const std::vector<Transition>& transitions() const { return transitions_; }
   [[nodiscard]] FsmState* successor() const { return successor_; }
 
@@ -78,6 +79,7 @@ class FsmState {
   std::string_view name_;
   Kind kind_;
   std::size_t index_;
+  std::uint32_t trace_name_;
   std::vector<Transition> transitions_;
   FsmState* successor_ = nullptr;
 };

@@ -63,6 +63,8 @@ class Gate {
   /// It is only ever held for some loads and stores: the clock would take longer. Before its first
   /// caller.
   void hold_shortly() { timed_ = false; }
+  /// What its resource is called in a trace.
+  void name_in_trace(std::uint32_t name) { trace_name_ = name; }
   [[nodiscard]] bool timed() const { return timed_; }
 
   /// A caller was thrown out in the middle of a service (a crash, a core that did not return): what
@@ -89,7 +91,10 @@ class Gate {
   }
 
  private:
-  [[nodiscard]] bool hold(GateLock& lock);
+  [[nodiscard]] bool wait_for(GateLock& lock, Instant& waited);
+  [[nodiscard]] bool hold(GateLock& lock, Instant waited);
+  void trace_hold(GateLock& lock, Instant waited) const;
+  void trace_leave(GateLock& lock, Instant now) const;
   void leave(GateLock& lock);
   void leave_renewed(GateLock& lock);
   void count_hold(std::int64_t held);
@@ -100,6 +105,7 @@ class Gate {
   std::atomic<Deferred*> deferred_{nullptr};
   std::atomic<bool> poisoned_{false};
   bool timed_ = true;
+  std::uint32_t trace_name_ = 0;
   std::atomic<std::uint64_t> timeouts_{0};
   std::atomic<std::int64_t> longest_{0};
   std::atomic<std::int64_t> declared_{0};

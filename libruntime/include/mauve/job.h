@@ -16,6 +16,9 @@ namespace mauve {
 
 class PortBase;
 struct GateLock;
+namespace rt {
+class TraceRing;
+}
 
 /// One per thread. The stepper fills it at each release; other threads keep the defaults.
 struct Job {
@@ -28,6 +31,7 @@ struct Job {
   /// Every port behaves as if it were not connected: while preparing, and for a thread that was
   /// given up because its job did not return.
   std::atomic<bool> detached{false};
+  rt::TraceRing* trace = nullptr;         ///< where this thread tells what it does; null: nowhere
   const PortBase* implausible = nullptr;  ///< the first that was given a value it does not let out
   /// Locks of resources that this thread holds, innermost last; the guard may look.
   std::atomic<std::size_t> held_count{0};

@@ -5,45 +5,18 @@
 
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
+#include <mauve/binding.h>
 #include <mauve/data_status.h>
 #include <mauve/service.h>
+#include <mauve/trace.h>
 
 namespace mauve {
 
 class Shell;
-
-/// One connection of one port. Immutable; owns the reader slot and keeps the service's plugin
-/// loaded. Made and destroyed off the real-time threads.
-class Binding {
- public:
-  Binding(ServiceBase& service, std::shared_ptr<void> keep_alive, Duration max_age);
-  ~Binding();
-  Binding(const Binding&) = delete;
-  Binding& operator=(const Binding&) = delete;
-
-  [[nodiscard]] ServiceBase& service() const { return service_; }
-  /// Never used twice, so that a port notices that it was connected anew.
-  [[nodiscard]] std::uint64_t id() const { return id_; }
-  [[nodiscard]] unsigned slot() const { return slot_; }
-  [[nodiscard]] Duration max_age() const { return max_age_; }
-
- private:
-  std::shared_ptr<void> keep_alive_;
-  ServiceBase& service_;
-  std::uint64_t id_;
-  unsigned slot_;
-  Duration max_age_;  // zero: no limit
-};
-
-/// The connections of all ports of a shell, by port index; null where not connected. A change
-/// makes a new table; the component's own thread exchanges the pointer at a boundary.
-using Bindings = std::vector<std::shared_ptr<const Binding>>;
 
 /// What the runtime sees of a port. Use is [rt] by the component's own thread.
 class PortBase {
@@ -68,11 +41,14 @@ class PortBase {
   [[nodiscard]] virtual bool has_safe_value() const { return false; }
   /// Accesses that found no connection, or a resource busy beyond the bound.
   [[nodiscard]] std::uint64_t failures() const { return failures_; }
+  /// Runtime only: what it is called in a trace, "control.scan". Off the real-time threads.
+  void name_in_trace(std::string_view name) { trace_name_ = trace_name_id(name); }
 
  protected:
   /// The connection in force, or null. Forgets the cursor when it changed. [rt]
   [[nodiscard]] const Binding* binding();
   void count_failure() { ++failures_; }
+  [[nodiscard]] TracedCall call_begins() const { return TracedCall(trace_name_); }
   Cursor cursor_;
 
  private:
@@ -82,6 +58,7 @@ class PortBase {
   std::size_t index_;
   std::uint64_t seen_ = 0;  // id of the binding that the cursor belongs to
   std::uint64_t failures_ = 0;
+  std::uint32_t trace_name_ = 0;
 };
 
 /// Reads the value of a connected service. `read()` by value up to 4 kB; larger data is read into
@@ -103,19 +80,22 @@ class ReadPort final : public PortBase {
   }
   /// `into` gets the value, or the default when there is none.
   DataStatus read(T& into) {
+    const TracedCall call = call_begins();
     const Binding* connection = binding();
     status_ = connection == nullptr ? DataStatus::no_data
                                     : aged(*connection, connection->service().read(&into, cursor_));
     if (!has_value(status_)) into = default_;
-    return status_;
+    return call.ended(status_);
   }
   /// Calls f(const T&) on the value in place; not at all when there is none.
   template <typename F>
   DataStatus look(F&& f) {
+    const TracedCall call = call_begins();
     const Binding* connection = binding();
-    if (connection == nullptr) return status_ = DataStatus::no_data;
+    if (connection == nullptr) return call.ended(status_ = DataStatus::no_data);
     auto show = [&f](const void* data) { f(*static_cast<const T*>(data)); };
-    return status_ = aged(*connection, connection->service().look(Visitor(show), cursor_));
+    status_ = aged(*connection, connection->service().look(Visitor(show), cursor_));
+    return call.ended(status_);
   }
 
   /// Of the last read.
@@ -164,16 +144,18 @@ class WritePort final : public PortBase {
 
   /// False: nobody got the value.
   bool write(const T& value) {
+    const TracedCall call = call_begins();
     const Binding* connection = binding();
-    if (connection == nullptr || !lets_out(value)) return counted(false);
-    return counted(connection->service().write(&value));
+    const bool may = connection != nullptr && lets_out(value);
+    return call.ended(counted(may && connection->service().write(&value)));
   }
   /// Calls f(T&) on the storage of the exchange, some older value, then publishes it unchecked.
   template <typename F>
   bool fill(F&& f) {
+    const TracedCall call = call_begins();
     const Binding* connection = binding();
     auto into = [&f](void* data) { f(*static_cast<T*>(data)); };
-    return counted(connection != nullptr && connection->service().fill(Filler(into)));
+    return call.ended(counted(connection != nullptr && connection->service().fill(Filler(into))));
   }
 
   void write_safe(ServiceBase& service) const override {
@@ -215,17 +197,19 @@ class CallPort<R(P...)> final : public PortBase {
 
   auto operator()(std::remove_cvref_t<P>... arguments) {
     void* pointers[sizeof...(P) + 1] = {&arguments..., nullptr};
+    const TracedCall call = call_begins();
     const Binding* connection = binding();
     if constexpr (std::is_void_v<R>) {
       const bool done = connection != nullptr && connection->service().invoke(nullptr, pointers);
       if (!done) count_failure();
-      return done;
+      return call.ended(done);
     } else {
       std::optional<R> result{std::in_place};
       if (connection == nullptr || !connection->service().invoke(&*result, pointers)) {
         count_failure();
         result.reset();
       }
+      call.ended(result.has_value());
       return result;
     }
   }
@@ -240,10 +224,11 @@ class EventPort final : public PortBase {
 
   bool operator()(std::remove_cvref_t<P>... arguments) {
     void* pointers[sizeof...(P) + 1] = {&arguments..., nullptr};
+    const TracedCall call = call_begins();
     const Binding* connection = binding();
     const bool done = connection != nullptr && connection->service().invoke(nullptr, pointers);
     if (!done) count_failure();
-    return done;
+    return call.ended(done);
   }
 };
 

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Bindings: which service each port of a shell is connected to.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <mauve/service.h>
+
+namespace mauve {
+
+/// One connection of one port. Immutable; owns the reader slot and keeps the service's plugin
+/// loaded. Made and destroyed off the real-time threads.
+class Binding {
+ public:
+  Binding(ServiceBase& service, std::shared_ptr<void> keep_alive, Duration max_age);
+  ~Binding();
+  Binding(const Binding&) = delete;
+  Binding& operator=(const Binding&) = delete;
+
+  [[nodiscard]] ServiceBase& service() const { return service_; }
+  /// Never used twice, so that a port notices that it was connected anew.
+  [[nodiscard]] std::uint64_t id() const { return id_; }
+  [[nodiscard]] unsigned slot() const { return slot_; }
+  [[nodiscard]] Duration max_age() const { return max_age_; }
+
+ private:
+  std::shared_ptr<void> keep_alive_;
+  ServiceBase& service_;
+  std::uint64_t id_;
+  unsigned slot_;
+  Duration max_age_;  // zero: no limit
+};
+
+/// The connections of all ports of a shell, by port index; null where not connected. A change
+/// makes a new table; the component's own thread exchanges the pointer at a boundary.
+using Bindings = std::vector<std::shared_ptr<const Binding>>;
+
+}  // namespace mauve

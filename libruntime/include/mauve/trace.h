@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Tracing: what every real-time thread did when. Each writes into a ring of its own, wait-free;
+/// what is not collected in time is overwritten and counted. A core adds events of its own:
+///
+///   mauve::TraceEvent gain{*this, "gain"};
+///   ... gain(3.5);
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <mauve/data_status.h>
+#include <mauve/time.h>
+
+namespace mauve {
+
+class Configurable;
+
+/// How much is traced, in this process.
+enum class TraceMode : std::uint8_t {
+  off,
+  jobs,    ///< jobs, states, locks, faults, changes, user events
+  detail,  ///< also every use of a port, and locks that are only held for some stores
+};
+
+/// From the next event on. [any]
+void set_trace_mode(TraceMode mode);
+[[nodiscard]] TraceMode trace_mode();
+
+/// What happened; what the name and the numbers of a record mean stands in
+/// daemon/protocol/README.md.
+enum class TraceKind : std::uint8_t {
+  release,
+  begin,
+  end,
+  wait,
+  lock,
+  unlock,
+  timeout,
+  call,
+  user,
+  overrun,
+  budget,
+  missed,
+  fault,
+  started,
+  stopped,
+  taken,
+  given_back,
+  prepare,
+  commit,
+  abort,
+  rollback,
+  member,
+  set,
+  disturbed,
+  lost,
+};
+[[nodiscard]] std::string_view to_string(TraceKind kind);
+
+/// One record, as it is collected. Names are numbers, see trace_name().
+struct TraceRecord {
+  Instant time = 0;  ///< since T0
+  TraceKind kind = TraceKind::lost;
+  std::uint32_t thread = 0;
+  std::uint32_t name = 0;  ///< 0: none
+  std::int64_t a = 0;
+  std::int64_t b = 0;  ///< of `user` the bits of a double
+};
+
+/// The number of a name, the same for equal names, for the life of the process; 0 when there are
+/// too many. Takes a lock and memory: never on a real-time thread.
+[[nodiscard]] std::uint32_t trace_name_id(std::string_view name);
+/// Empty for 0 and what is no number of a name. Stays valid. [any but rt]
+[[nodiscard]] std::string_view trace_name(std::uint32_t id);
+
+/// What a trace is about: one component as it is now.
+struct TracedComponent {
+  struct State {
+    std::string name;
+    bool waits = false;  ///< a synchronization state
+    Duration wait{0};
+  };
+  std::string name;
+  std::string type;
+  std::string core;
+  int priority = 0;
+  std::vector<int> cpus;
+  bool realtime = false;
+  Duration period{0};  ///< of its grid
+  Duration offset{0};
+  Duration deadline{0};
+  Duration budget{0};
+  Duration bound{0};  ///< on its response times; zero: none was found
+  std::vector<State> states;
+  std::string initial;
+};
+struct TracedSystem {
+  std::string architecture;
+  Instant t0 = 0;
+  std::vector<TracedComponent> components;
+  std::vector<std::string> resources;
+};
+
+namespace detail {
+
+extern std::atomic<TraceMode> trace_mode;
+[[nodiscard]] inline bool traces(TraceMode mode) {
+  return trace_mode.load(std::memory_order_relaxed) >= mode;
+}
+void trace_user(std::uint32_t name, double value);
+[[nodiscard]] Instant trace_time();
+void trace_call(std::uint32_t port, Instant began, DataStatus status);
+
+}  // namespace detail
+
+/// An event of a core's own, with a number. Outside a job it does nothing.
+class TraceEvent {
+ public:
+  TraceEvent(Configurable& /*owner*/, std::string_view name) : name_(trace_name_id(name)) {}
+  TraceEvent(const TraceEvent&) = delete;
+  TraceEvent& operator=(const TraceEvent&) = delete;
+
+  /// [rt] Wait-free.
+  void operator()(double value = 0) const {
+    if (detail::traces(TraceMode::jobs)) detail::trace_user(name_, value);
+  }
+
+ private:
+  std::uint32_t name_;
+};
+
+/// Runtime only: one use of a port.
+class TracedCall {
+ public:
+  explicit TracedCall(std::uint32_t port)
+      : port_(port), began_(detail::traces(TraceMode::detail) ? detail::trace_time() : 0) {}
+  /// At its end.
+  DataStatus ended(DataStatus status) const {
+    if (began_ != 0) detail::trace_call(port_, began_, status);
+    return status;
+  }
+  bool ended(bool done) const {
+    ended(done ? DataStatus::new_data : DataStatus::no_data);
+    return done;
+  }
+
+ private:
+  std::uint32_t port_;
+  Instant began_;
+};
+
+}  // namespace mauve
