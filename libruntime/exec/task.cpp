@@ -23,6 +23,7 @@ void fetch(const Published& next, const FsmState* state) {
   rt::touch(&next, sizeof next);
   rt::touch(next.answer.get(), sizeof *next.answer);
   rt::touch(next.bundle.get(), sizeof *next.bundle);
+  rt::touch(next.bundle->measured.get(), sizeof *next.bundle->measured);
   rt::touch(next.state_map.data(), next.state_map.size() * sizeof next.state_map[0]);
   if (state != nullptr) rt::touch(state, sizeof *state);
   next.hand_over.fetch();
@@ -129,9 +130,14 @@ void Task::drop_missed(Instant now) {
   const std::int64_t dropped = (now - release_) / wait_.count();
   release_ += dropped * wait_.count();
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
-  add(counters_.missed, static_cast<std::uint64_t>(dropped));
+  count_missed(dropped);
   note(rt::EventKind::missed, LogLevel::warning, dropped,
        static_cast<std::int64_t>(counters_.missed.load(std::memory_order_relaxed)));
+}
+
+void Task::count_missed(std::int64_t releases) {
+  add(counters_.missed, static_cast<std::uint64_t>(releases));
+  add(current_->bundle->measured->here().missed, static_cast<std::uint64_t>(releases));
 }
 
 /// The one place where a running component changes. Before it everything is old, after it new.
@@ -207,7 +213,7 @@ Duration Task::skip_gap(Instant until) {
   const Duration grid = current_->grid;
   if (!running_ || armed >= until || grid <= Duration{0}) return Duration{0};
   release_ = next_on_grid(armed, grid, until);
-  add(counters_.missed, static_cast<std::uint64_t>((release_ - armed) / grid.count()));
+  count_missed((release_ - armed) / grid.count());
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
   return Duration{release_ - armed};
 }
@@ -265,7 +271,7 @@ void Task::rearm(const Published& next, bool was_running) {
   const Instant earliest = std::max(next.transaction->instant(), clock_.now());
   release_ = next_on_grid(base, next.grid, earliest);
   if (next.count_gap && next.grid > Duration{0} && release_ > armed) {
-    add(counters_.missed, static_cast<std::uint64_t>((release_ - armed) / next.grid.count()));
+    count_missed((release_ - armed) / next.grid.count());
   }
   wait_ = Duration{0};
   running_ = true;

@@ -61,7 +61,7 @@ void Task::skip_job() {
   if (!leads_back() && relief_.load(std::memory_order_acquire) == nullptr) {
     return park(ComponentState::faulted);
   }
-  add<std::uint64_t>(counters_.missed, 1);
+  count_missed(1);
   release_ += current_->grid.count();
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/gate.h>
 
+#include <algorithm>
 #include <memory>
 #include <thread>
 #include <utility>
@@ -29,6 +30,17 @@ struct GateLock {
   }
 };
 
+namespace {
+
+void count_wait(Job& job, Instant began) {
+  const Duration waited{MonotonicClock().now() - began};
+  job.lock_waits.count += 1;
+  job.lock_waits.sum += waited;
+  job.lock_waits.longest = std::max(job.lock_waits.longest, waited);
+}
+
+}  // namespace
+
 Gate::Gate() : lock_(new GateLock(*this)) {}
 Gate::~Gate() { delete lock_.load(); }
 
@@ -39,7 +51,10 @@ bool Gate::enter() {
   if (!lock.mutex.try_lock()) {
     if (poisoned()) return false;  // who holds it may never leave
     const Duration bound = job.lock_bound > Duration{0} ? job.lock_bound : kLongestHold;
-    if (!lock.mutex.lock_until(MonotonicClock().now() + bound.count())) {
+    const Instant began = MonotonicClock().now();
+    const bool locked = lock.mutex.lock_until(began + bound.count());
+    count_wait(job, began);
+    if (!locked) {
       timeouts_.fetch_add(1, std::memory_order_relaxed);
       return false;
     }
