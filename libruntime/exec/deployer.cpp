@@ -4,7 +4,9 @@
 #include "exec/admission.h"
 #include "exec/commit.h"
 #include "exec/relief.h"
+#include "exec/statistics.h"
 #include "exec/stop.h"
+#include "rt/measured.h"
 
 #include <mauve/job.h>
 
@@ -82,6 +84,34 @@ ComponentStatus Deployer::status(std::string_view component) const {
   const exec::Deployed* deployed = system_->find(component);
   return deployed == nullptr || deployed->task == nullptr ? ComponentStatus{}
                                                           : exec::look_at(*system_, *deployed);
+}
+
+std::vector<ComponentStatistics> Deployer::statistics() const {
+  system_->advance();
+  std::vector<ComponentStatistics> all;
+  for (const exec::Deployed& deployed : system_->deployed) {
+    if (!deployed.hidden) all.push_back(exec::statistics_of(*system_, deployed));
+  }
+  return all;
+}
+
+ComponentStatistics Deployer::statistics(std::string_view component) const {
+  system_->advance();
+  const exec::Deployed* deployed = system_->find(component);
+  return deployed == nullptr ? ComponentStatistics{} : exec::statistics_of(*system_, *deployed);
+}
+
+Status Deployer::reset_statistics(std::string_view component) {
+  system_->advance();
+  if (!component.empty()) {
+    const Result<ComponentBase*> known = system_->component(component);
+    if (!known) return known.error();
+  }
+  for (exec::Deployed& deployed : system_->deployed) {
+    const ComponentBase* one = deployed.component;
+    if (component.empty() || one->name() == component) one->bundle()->measured->reset();
+  }
+  return ok();
 }
 
 Timing Deployer::analyze() const {

@@ -8,6 +8,7 @@
 #include "model/connection.h"
 #include "model/elements.h"
 #include "model/hand_over.h"
+#include "rt/measured.h"
 
 #include <mauve/job.h>
 
@@ -37,6 +38,9 @@ class MemberBuilder {
           &MemberBuilder::configure}) {
       if (Status done = (this->*step)(); !done) return done.error();
     }
+    const bool other_code =
+        is_other_code(*base_.core, *next_->core) || is_other_code(*base_.fsm, *next_->fsm);
+    if (other_code) next_->measured = std::make_shared<rt::Measured>(next_->fsm->states().size());
     PreparedMember member;
     member.component = &component_;
     member.base = component_.bundle();

@@ -63,7 +63,7 @@ struct PreparedBarrier {
 
 /// Other code, not just another object: another class, or the same one of another build. What was
 /// measured of the one says nothing about the other.
-[[nodiscard]] bool is_other_code(const CoreBase& before, const CoreBase& after);
+[[nodiscard]] bool is_other_code(const Configurable& before, const Configurable& after);
 
 }  // namespace mauve::exec
 

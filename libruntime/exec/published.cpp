@@ -58,7 +58,7 @@ bool goes_on_at_heir(const Binding& before, const Binding* after) {
 }
 
 /// Builds are loaded apart, so each has a type_info of its own; their names are equal.
-bool is_other_code(const CoreBase& before, const CoreBase& after) {
+bool is_other_code(const Configurable& before, const Configurable& after) {
   return &typeid(before) != &typeid(after);
 }
 

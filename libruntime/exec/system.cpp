@@ -12,6 +12,7 @@
 #include "exec/placement.h"
 #include "exec/probation.h"
 #include "exec/relief.h"
+#include "rt/measured.h"
 #include "rt/memory.h"
 
 namespace mauve::exec {
@@ -130,7 +131,8 @@ Status bring_up(System& system) {
     highest = std::max(highest, task.priority);
     Deployed deployed;
     deployed.component = component;
-    deployed.cpus = task.cpus;  // who is pinned counts for who is placed
+    component->bundle()->measured->reset();  // it may have been deployed before
+    deployed.cpus = task.cpus;               // who is pinned counts for who is placed
     deployed.task = new_task(system, *component);
     system.deployed.push_back(std::move(deployed));
   }
@@ -178,6 +180,7 @@ ComponentStatus look_at(const System& system, const Deployed& deployed) {
   status.lateness_last = Duration{counters.lateness_last.load(std::memory_order_relaxed)};
   status.execution_max = Duration{counters.execution_max.load(std::memory_order_relaxed)};
   status.execution_last = Duration{counters.execution_last.load(std::memory_order_relaxed)};
+  status.period = bundle.fsm->grid();
   status.next_release = Duration{counters.next_release.load(std::memory_order_relaxed)};
   if (status.state == ComponentState::running) {
     status.late = lateness_of(bundle, status.next_release, system.runner->now() - system.t0);

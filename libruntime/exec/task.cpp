@@ -23,6 +23,7 @@ void fetch(const Published& next, const FsmState* state) {
   rt::touch(&next, sizeof next);
   rt::touch(next.answer.get(), sizeof *next.answer);
   rt::touch(next.bundle.get(), sizeof *next.bundle);
+  rt::touch(next.bundle->measured.get(), sizeof *next.bundle->measured);
   rt::touch(next.state_map.data(), next.state_map.size() * sizeof next.state_map[0]);
   if (state != nullptr) rt::touch(state, sizeof *state);
   next.hand_over.fetch();

@@ -14,6 +14,7 @@
 #include "exec/transaction.h"
 #include "model/hand_over.h"
 #include "rt/event_ring.h"
+#include "rt/measured.h"
 #include "rt/request_ring.h"
 #include "rt/rescue.h"
 #include "rt/trace_ring.h"
@@ -183,9 +184,13 @@ class Task {
   void conclude(Instant start, const JobEnd& end, const rt::Fault& fault);
   void hung();
   void skip_job();
-  [[nodiscard]] FsmState* run_states();
-  void account(Instant start, Instant end);
-  void measure(Instant start, Instant end);
+  [[nodiscard]] FsmState* run_states(JobEnd& job);
+  /// When a state ends, read once for each of them.
+  [[nodiscard]] Instant state_time() const {
+    return simulated_ == nullptr ? rt::fast_now() : simulated_->now();
+  }
+  void account(Instant start, const JobEnd& job);
+  void measure(Instant start, const JobEnd& job);
   void park(ComponentState state);
   void count_overrun(const TaskAttributes& task, Instant by);
   void watch_over(const TaskAttributes& task, Instant start, Instant end, bool late);
@@ -222,6 +227,7 @@ class Task {
 
   // Owned by the task's thread.
   Published* current_ = nullptr;
+  rt::JobTimes* times_ = nullptr;        // where this job counts
   Published* unacknowledged_ = nullptr;  // taken, its first job not yet done
   const CoreBase* lost_ = nullptr;       // a thread that was given up may still be inside
   FsmState* state_ = nullptr;            // the wait the task is in; null: before the initial state

@@ -24,11 +24,10 @@ Task*& this_task() {
 }
 
 /// Into the ring of the thread: its task may have lost it meanwhile.
-void tell_state(TraceKind kind, const FsmState& state) {
+void tell_state(TraceKind kind, const FsmState& state, Instant time, bool preempted = false) {
   rt::TraceRing* const ring = ring_of(this_job(), TraceMode::jobs);
   if (ring == nullptr) return;
-  const bool preempted = kind == TraceKind::end && !ring->simulated() && rt::preempted();
-  ring->push(kind, ring->now(), state.trace_name(), preempted ? 1 : 0, 0);
+  ring->push(kind, time, state.trace_name(), preempted && !ring->simulated() ? 1 : 0, 0);
 }
 
 }  // namespace
@@ -36,7 +35,9 @@ void tell_state(TraceKind kind, const FsmState& state) {
 /// What user code leaves; on the stack of the job, since the task may go on without it.
 struct Task::JobEnd {
   Task& task;
+  Instant at = 0;             ///< start of the job; then when its last state ended
   FsmState* state = nullptr;  ///< the wait it ended in; null: it did not
+  bool preempted = false;     ///< something came between
   bool threw = false;
   std::array<char, 128> text{};
 
@@ -47,7 +48,7 @@ struct Task::JobEnd {
   static void run(void* self) {
     auto& end = *static_cast<JobEnd*>(self);
     try {
-      end.state = end.task.run_states();
+      end.state = end.task.run_states(end);
     } catch (const std::exception& error) {
       end.keep(error.what());
     } catch (...) {
@@ -60,7 +61,7 @@ bool Task::run_job(Instant now) {
   begin_job(now);
   // Invariant: whatever user code does to end its job ends here. Only this component is affected;
   // its outputs get their safe values; every resource it held was left.
-  JobEnd end{*this};
+  JobEnd end{*this, now};
   watched_.busy_since.store(now, std::memory_order_release);
   const rt::Fault fault = rt::rescued(&JobEnd::run, &end, watched_);
   if (fault.signal != 0) Gate::poison_and_leave_all();
@@ -82,6 +83,7 @@ void Task::begin_job(Instant now) {
   job.start = now;
   job.release = release_;
   job.running = true;
+  job.lock_waits = {};
   job.implausible = nullptr;
   job.lock_bound = current_->shortest_wait;
   this_task() = this;
@@ -91,6 +93,11 @@ void Task::begin_job(Instant now) {
   counters_.lateness_last.store(lateness, std::memory_order_relaxed);
   raise(counters_.lateness_max, lateness);
   add<std::uint64_t>(counters_.releases, 1);
+  times_ = &current_->bundle->measured->here();
+  if (times_->since.load(std::memory_order_relaxed) == 0) {
+    times_->since.store(now, std::memory_order_relaxed);
+  }
+  times_->lateness.add(lateness);
   const bool watched = back_.load(std::memory_order_relaxed) != nullptr;
   const bool has_budget = current_->bundle->task.budget > Duration{0};
   // A system call, so only where the next best guess is that it will be needed.
@@ -113,7 +120,7 @@ void Task::conclude(Instant start, const JobEnd& end, const rt::Fault& fault) {
     state_ = end.state;
     counters_.fsm_state.store(static_cast<std::uint32_t>(state_->index()),
                               std::memory_order_relaxed);
-    account(start, clock_.now());
+    account(start, end);
   }
 }
 
@@ -129,46 +136,68 @@ void Task::go_on() {
   add<std::uint64_t>(looks_, 1);
 }
 
-/// Execution states up to the next synchronization state, which arms the next release.
-FsmState* Task::run_states() {
+/// Execution states up to the next synchronization state, which arms the next release. The first
+/// begins with the job, each other one where the one before ended: one reading of the clock each.
+FsmState* Task::run_states(JobEnd& job) {
   CoreBase& core = *current_->bundle->core;
+  std::vector<rt::StateTimes>& all = times_->states;
+  const Instant start = job.at;
   FsmState* state = state_ != nullptr ? &state_->next(core) : current_->bundle->fsm->initial();
   while (state->kind() == FsmState::Kind::execution) {
-    counters_.fsm_state.store(static_cast<std::uint32_t>(state->index()),
-                              std::memory_order_relaxed);
-    tell_state(TraceKind::begin, *state);
+    const std::size_t index = state->index();
+    counters_.fsm_state.store(static_cast<std::uint32_t>(index), std::memory_order_relaxed);
+    const FsmState& ran = *state;
+    tell_state(TraceKind::begin, ran, job.at);
     state->run(core);
     if (this_job().detached.load(std::memory_order_relaxed)) break;  // given up meanwhile
-    tell_state(TraceKind::end, *state);
     state = &state->next(core);
+    const Instant ended = state_time();
+    const bool preempted = rt::preempted();
+    if (index < all.size()) all[index].add(ended - job.at, preempted);
+    if (preempted) rt::watch_for_preemption();  // of the next state
+    job.preempted = job.preempted || preempted;
+    job.at = ended;
+    tell_state(TraceKind::end, ran, ended, job.preempted);
+  }
+  if (job.at == start) {  // no state ran, only guards did
+    job.at = state_time();
+    job.preempted = job.preempted || rt::preempted();
   }
   return state;
 }
 
 /// What the job itself used of the processor, as far as it can be told.
-void Task::measure(Instant start, Instant end) {
-  preempted_ = rt::preempted();
+void Task::measure(Instant start, const JobEnd& job) {
+  const Instant took = job.at - start;
+  preempted_ = job.preempted;
+  (preempted_ ? times_->preempted : times_->clean).add(took);
+  times_->response.add(job.at - release_);
+  if (const Job::LockWaits& waits = this_job().lock_waits; waits.count != 0) {
+    times_->lock_waits.add({waits.count, waits.sum, waits.longest});
+  }
   if (!preempted_) {
-    raise(counters_.used_max, end - start);
+    raise(counters_.used_max, took);
   } else if (cpu_before_ > Duration{0}) {
     raise(counters_.used_max, (rt::cpu_time() - cpu_before_).count());
   }
 }
 
 /// Advances the component's clock by the wait, and counts a job that ended too late.
-void Task::account(Instant start, Instant end) {
+void Task::account(Instant start, const JobEnd& job) {
   const TaskAttributes& task = current_->bundle->task;
   const Instant released = release_;
+  const Instant end = job.at;
+  measure(start, job);
   wait_ = state_->duration();
   release_ = released + wait_.count();
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
   counters_.execution_last.store(end - start, std::memory_order_relaxed);
   raise(counters_.execution_max, end - start);
-  measure(start, end);
   tell(TraceKind::wait, end, release_ - t0_, preempted_ && simulated_ == nullptr,
        state_->trace_name());
   if (task.budget > Duration{0} && end - start > task.budget.count()) {
     add<std::uint64_t>(counters_.over_budget, 1);
+    add<std::uint64_t>(times_->over_budget, 1);
     tell(TraceKind::budget, end, end - start, static_cast<std::uint64_t>(task.budget.count()));
   }
   const Instant deadline =
@@ -181,6 +210,7 @@ void Task::account(Instant start, Instant end) {
 
 void Task::count_overrun(const TaskAttributes& task, Instant by) {
   add<std::uint64_t>(counters_.overruns, 1);
+  add<std::uint64_t>(times_->overruns, 1);
   const std::uint64_t overruns = counters_.overruns.load(std::memory_order_relaxed);
   tell(TraceKind::overrun, clock_.now(), by, overruns);
   note(rt::EventKind::overrun, LogLevel::warning, by, static_cast<std::int64_t>(overruns));

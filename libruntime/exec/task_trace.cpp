@@ -23,6 +23,7 @@ void Task::tell_taken(const Published& next, Instant time) {
 /// `planned`: a change lets them pass, nobody was late.
 void Task::miss(std::uint64_t releases, Instant time, bool planned) {
   add(counters_.missed, releases);
+  add(current_->bundle->measured->here().missed, releases);
   tell(TraceKind::missed, time, static_cast<std::int64_t>(releases),
        counters_.missed.load(std::memory_order_relaxed), planned ? 1 : 0);
 }

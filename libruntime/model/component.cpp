@@ -4,6 +4,7 @@
 #include "model/connection.h"
 #include "model/elements.h"
 #include "model/left_behind.h"
+#include "rt/measured.h"
 
 namespace mauve {
 std::string_view to_string(OnOverrun value) {
@@ -48,6 +49,8 @@ ComponentBase::ComponentBase(std::string name, ComponentType type, CoreType core
   bundle->bindings = std::move(table);
   bundle->core_type = std::move(core);
   bundle->fsm_type = type_.fsm;
+  const std::size_t states = bundle->fsm == nullptr ? 0 : bundle->fsm->states().size();
+  bundle->measured = std::make_shared<rt::Measured>(states);
   bundle_ = std::move(bundle);
 }
 
@@ -101,6 +104,7 @@ Status ComponentBase::replace_core(const CoreType& core) {
   bundle->core->bind(*bundle->shell);
   bundle->fsm->bind(*bundle->core);
   bundle->core_type = core;
+  bundle->measured = std::make_shared<rt::Measured>(bundle->fsm->states().size());
   bundle_ = std::move(bundle);
   return ok();
 }

@@ -32,6 +32,17 @@ struct GateLock {
   }
 };
 
+namespace {
+
+void count_wait(Job& job, Instant began) {
+  const Duration waited{MonotonicClock().now() - began};
+  job.lock_waits.count += 1;
+  job.lock_waits.sum += waited;
+  job.lock_waits.longest = std::max(job.lock_waits.longest, waited);
+}
+
+}  // namespace
+
 Gate::Gate() : lock_(new GateLock(*this)) {}
 Gate::~Gate() { delete lock_.load(); }
 
@@ -50,10 +61,11 @@ bool Gate::enter() {
 
 bool Gate::wait_for(GateLock& lock, Instant& waited) {
   if (poisoned()) return false;  // who holds it may never leave
-  const Job& job = this_job();
+  Job& job = this_job();
   const Duration bound = job.lock_bound > Duration{0} ? job.lock_bound : kLongestHold;
   const Instant begin = MonotonicClock().now();
   const bool got = lock.mutex.lock_until(begin + bound.count());
+  count_wait(job, begin);
   if (!got) timeouts_.fetch_add(1, std::memory_order_relaxed);
   rt::TraceRing* const ring = ring_of(job, TraceMode::jobs);
   if (ring == nullptr) return got;

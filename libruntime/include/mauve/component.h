@@ -17,6 +17,9 @@
 namespace mauve {
 
 class Architecture;
+namespace rt {
+class Measured;
+}
 
 /// What happens to releases that a component could not serve in time.
 enum class OnOverrun : std::uint8_t {
@@ -71,6 +74,8 @@ struct Bundle {
   TaskAttributes task;
   CoreType core_type;  ///< how the core was made; keeps its library loaded
   FsmType fsm_type;
+  /// What its jobs took; bundles with the same code share it.
+  std::shared_ptr<rt::Measured> measured;
 };
 
 /// What the runtime sees of a component. Owned by an Architecture; touched by [control] only.

@@ -21,6 +21,7 @@
 #include <mauve/clock.h>
 #include <mauve/deploy_options.h>
 #include <mauve/happening.h>
+#include <mauve/statistics.h>
 #include <mauve/timing.h>
 #include <mauve/trace.h>
 
@@ -74,6 +75,12 @@ class Deployer {
   /// Response times of what runs now; takes some milliseconds. Of what was not admitted by
   /// Admission::warn at deployment, `warnings()` tell.
   [[nodiscard]] Timing analyze() const;
+
+  /// What jobs took; with an empty name when there is no such component.
+  [[nodiscard]] std::vector<ComponentStatistics> statistics() const;
+  [[nodiscard]] ComponentStatistics statistics(std::string_view component) const;
+  /// Counts anew from the next job on; without a name of all components.
+  Status reset_statistics(std::string_view component = {});
 
   /// Step 1 of a change: checks everything, makes, configures and warms the new elements beside
   /// the running system. Runs user code. [factory] or [control]; an error changes nothing.

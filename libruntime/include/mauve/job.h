@@ -31,7 +31,14 @@ struct Job {
   /// Every port behaves as if it were not connected: while preparing, and for a thread that was
   /// given up because its job did not return.
   std::atomic<bool> detached{false};
-  rt::TraceRing* trace = nullptr;         ///< where this thread tells what it does; null: nowhere
+  rt::TraceRing* trace = nullptr;  ///< where this thread tells what it does; null: nowhere
+  /// What this job waited for resources that others held.
+  struct LockWaits {
+    std::uint32_t count = 0;
+    Duration sum{0};
+    Duration longest{0};
+  };
+  LockWaits lock_waits;
   const PortBase* implausible = nullptr;  ///< the first that was given a value it does not let out
   /// Locks of resources that this thread holds, innermost last; the guard may look.
   std::atomic<std::size_t> held_count{0};

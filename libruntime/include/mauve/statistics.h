@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Statistics: what the jobs of a component took, counted all the time by its own thread. They are
+/// about the code that runs now: another core, or another state machine, begins anew; a property
+/// does not.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <mauve/time.h>
+
+namespace mauve {
+
+/// Many times of one kind. `count`, `sum`, `min` and `max` are exact.
+struct Distribution {
+  /// Times of `from` and more, below `to`.
+  struct Bucket {
+    Duration from{0};
+    Duration to{0};
+    std::uint64_t count = 0;
+  };
+  std::uint64_t count = 0;
+  Duration sum{0};
+  Duration min{0};
+  Duration max{0};
+  std::vector<Bucket> buckets;  ///< ascending, without empty ones; the last has no end
+
+  [[nodiscard]] Duration mean() const;
+  /// At most so many of a hundred are longer: at 99.9 one of a thousand. The middle of a bucket, so
+  /// up to 3.2 % (below 64 ns: 2 ns) beside the exact one; 100 is exact.
+  [[nodiscard]] Duration percentile(double percent) const;
+};
+
+/// Times of which only this much is known.
+struct TimeTotal {
+  std::uint64_t count = 0;
+  Duration sum{0};
+  Duration longest{0};
+};
+
+/// An execution state. Its time goes on until the next state is chosen.
+struct StateStatistics {
+  std::string name;
+  Distribution execution;  ///< when nothing came between
+  TimeTotal preempted;     ///< when something did, which counts as well
+};
+
+/// Numbers may be some jobs apart.
+struct ComponentStatistics {
+  std::string name;
+  std::string core;
+  Duration since{0};  ///< T0 to the first job that is counted; zero: none yet
+  Duration budget{0};
+  std::uint64_t missed = 0;       ///< releases that never ran
+  std::uint64_t overruns = 0;     ///< jobs that ended after their wait or deadline
+  std::uint64_t over_budget = 0;  ///< jobs longer than the budget, on the wall clock
+  Distribution lateness;          ///< from a release to the start of its job: of all jobs
+  Distribution execution;         ///< of jobs that nothing came between
+  Distribution preempted;         ///< of the others: what came between counts as well
+  Distribution response;          ///< from a release to the end of its job
+  TimeTotal lock_waits;           ///< for resources that others held
+  std::vector<StateStatistics> states;
+};
+
+}  // namespace mauve
