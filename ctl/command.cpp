@@ -120,6 +120,9 @@ constexpr Argument kLogs[] = {
     maybe("-n,--lines", "how many of the last records", Kind::none),
     maybe("--level", "debug, info, warn or error, and worse", Kind::level)};
 
+constexpr Argument kDoctor[] = {
+    maybe("--wake", "also measure wake-up latencies for so long, such as 10s", Kind::none)};
+
 constexpr Command kCommands[] = {
     {"status", "generation and one line a component", "mauvectl status", {}, false, run_status},
     {"list", "components, resources, cores, ports, plugins or clients", "mauvectl list ports",
@@ -186,6 +189,8 @@ constexpr Command kCommands[] = {
     {"lock", "what may not be changed, but by stop, confirm and undo",
      "mauvectl lock all --reason mission", kLock, true, run_lock},
     {"logs", "the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},
+    {"doctor", "is the machine fit for real time; what was found, and the remedy",
+     "mauvectl doctor --wake 10s", kDoctor, false, run_doctor},
     {"ping", "does the daemon answer", "mauvectl ping", {}, false, run_ping},
     {"version", "of client and daemon", "mauvectl version", {}, false, run_version},
 };

@@ -24,7 +24,7 @@ MAY_USE = {
     "protocol": "public base",
     "log": "public base rt",
     "daemon": RUNTIME + " protocol log",
-    "ctl": "public base protocol",
+    "ctl": "public base rt protocol",
     "plugins": "public",
     "tests": RUNTIME + " protocol log daemon ctl plugins",
 }
