@@ -23,7 +23,7 @@ constexpr Argument kGlobals[] = {
     {"--timeout", "how long to wait for an answer, such as 5s", Kind::none},
     {"--if-generation", "change only if this generation is running", Kind::none},
     {"--reason", "why you change it, for the log", Kind::none},
-    {"--color", "auto, always or never", Kind::none},
+    {"--color", "auto, always or never", Kind::choice, false, false, false, "auto always never"},
 };
 
 constexpr std::string_view kExamples =
