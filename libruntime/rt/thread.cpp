@@ -76,13 +76,12 @@ Status Thread::start(const ThreadAttributes& attributes, std::function<void()> b
   pthread_attr_t attr;
   pthread_attr_init(&attr);
   pthread_attr_setstacksize(&attr, std::max(attributes.stack * kStackFactor, smallest + 4096));
-  if (attributes.priority > 0) {
-    sched_param parameter{};
-    parameter.sched_priority = attributes.priority;
-    pthread_attr_setinheritsched(&attr, PTHREAD_EXPLICIT_SCHED);
-    pthread_attr_setschedpolicy(&attr, SCHED_FIFO);
-    pthread_attr_setschedparam(&attr, &parameter);
-  }
+  // Said in any case: who starts it may be real-time for a moment (Boost).
+  sched_param parameter{};
+  parameter.sched_priority = attributes.priority;
+  pthread_attr_setinheritsched(&attr, PTHREAD_EXPLICIT_SCHED);
+  pthread_attr_setschedpolicy(&attr, attributes.priority > 0 ? SCHED_FIFO : SCHED_OTHER);
+  pthread_attr_setschedparam(&attr, &parameter);
   if (!attributes.cpus.empty()) {
     const cpu_set_t set = to_set(attributes.cpus);
     pthread_attr_setaffinity_np(&attr, sizeof set, &set);
