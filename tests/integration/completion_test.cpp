@@ -20,7 +20,7 @@ bool is_installed(const std::string& shell) {
 }
 
 class CompletionIn : public testing::Test {
- protected:
+ public:
   /// The lines that a shell prints for a program that has the script in "$script".
   Words lines(const std::string& shell, const Words& options, const std::string& program) {
     const std::string path = std::string("PATH=" MAUVE_BIN_DIR ":/usr/bin:/bin");
@@ -39,6 +39,17 @@ class CompletionIn : public testing::Test {
     for (std::string line; std::getline(stream, line);) result.push_back(line);
     EXPECT_EQ(TempDir::read(home_ / "errors"), "");
     return result;
+  }
+  /// Asks again while nothing is offered: completion waits half a second for the daemon, and a busy
+  /// machine may take longer.
+  template <typename Shell>
+  Words offered(Shell shell, const std::string& line) {
+    Words words;
+    EXPECT_TRUE(eventually([&] {
+      words = (this->*shell)(line);
+      return !words.empty() && words.front() != "";
+    })) << line;
+    return words;
   }
   /// What bash offers for a command line; the word that is completed is the last one.
   Words bash(const std::string& line) {
@@ -60,6 +71,7 @@ class CompletionIn : public testing::Test {
     return lines("fish", {"--no-config"}, "source $script; complete --do-complete '" + line + "'");
   }
 
+ protected:
   TrialDaemon daemon_;
   TempDir home_;
 };
@@ -67,13 +79,17 @@ class CompletionIn : public testing::Test {
 TEST_F(CompletionIn, BashOffersCommandsOptionsAndLiveNames) {
   ASSERT_FALSE(daemon_.ask("status.get").is_null());
 
-  EXPECT_THAT(bash("mauvectl sta"), ElementsAre("start", "status"));
-  EXPECT_THAT(bash("mauvectl swap-core --in"), ElementsAre("--in-place"));
-  EXPECT_THAT(bash("mauvectl start "), ElementsAre("first", "second"));
-  EXPECT_THAT(bash("mauvectl swap-core first trial/"), Contains("trial/counting"));
-  EXPECT_THAT(bash("mauvectl set first.core."), Contains("first.core.gain="));
-  EXPECT_THAT(bash("mauvectl connect second.ports.input s"), Contains("signal.read"));
-  EXPECT_THAT(bash("mauvectl apply x --sync "), ElementsAre("barrier", "cut"));
+  EXPECT_THAT(offered(&CompletionIn::bash, "mauvectl sta"), ElementsAre("start", "status"));
+  EXPECT_THAT(offered(&CompletionIn::bash, "mauvectl swap-core --in"), ElementsAre("--in-place"));
+  EXPECT_THAT(offered(&CompletionIn::bash, "mauvectl start "), ElementsAre("first", "second"));
+  EXPECT_THAT(offered(&CompletionIn::bash, "mauvectl swap-core first trial/"),
+              Contains("trial/counting"));
+  EXPECT_THAT(offered(&CompletionIn::bash, "mauvectl set first.core."),
+              Contains("first.core.gain="));
+  EXPECT_THAT(offered(&CompletionIn::bash, "mauvectl connect second.ports.input s"),
+              Contains("signal.read"));
+  EXPECT_THAT(offered(&CompletionIn::bash, "mauvectl apply x --sync "),
+              ElementsAre("barrier", "cut"));
 }
 
 TEST_F(CompletionIn, BashOffersFilesWhereAFileIsMeant) {
@@ -97,11 +113,13 @@ TEST_F(CompletionIn, ZshOffersCommandsOptionsAndLiveNames) {
   if (!is_installed("zsh")) GTEST_SKIP() << "SKIPPED: zsh is not installed (scripts/setup)";
   ASSERT_FALSE(daemon_.ask("status.get").is_null());
 
-  EXPECT_THAT(zsh("mauvectl sta"), Contains("status:generation and one line a component"));
-  EXPECT_THAT(zsh("mauvectl start "), ElementsAre("first", "second"));
-  EXPECT_THAT(zsh("mauvectl set first.core.g"), ElementsAre("first.core.gain="));
-  EXPECT_THAT(zsh("mauvectl logs --level w"), ElementsAre("warn"));
-  EXPECT_THAT(zsh("mauvectl apply "), ElementsAre("FILES"));
+  EXPECT_THAT(offered(&CompletionIn::zsh, "mauvectl sta"),
+              Contains("status:generation and one line a component"));
+  EXPECT_THAT(offered(&CompletionIn::zsh, "mauvectl start "), ElementsAre("first", "second"));
+  EXPECT_THAT(offered(&CompletionIn::zsh, "mauvectl set first.core.g"),
+              ElementsAre("first.core.gain="));
+  EXPECT_THAT(offered(&CompletionIn::zsh, "mauvectl logs --level w"), ElementsAre("warn"));
+  EXPECT_THAT(offered(&CompletionIn::zsh, "mauvectl apply "), ElementsAre("FILES"));
 }
 
 TEST_F(CompletionIn, ZshKnowsWhichCommandItIsFor) {
@@ -118,12 +136,16 @@ TEST_F(CompletionIn, FishOffersCommandsOptionsAndLiveNames) {
   if (!is_installed("fish")) GTEST_SKIP() << "SKIPPED: fish is not installed (scripts/setup)";
   ASSERT_FALSE(daemon_.ask("status.get").is_null());
 
-  EXPECT_THAT(fish("mauvectl sta"), Contains("status\tgeneration and one line a component"));
-  EXPECT_THAT(fish("mauvectl start "), IsSupersetOf({"first", "second"}));
-  EXPECT_THAT(fish("mauvectl start f"), ElementsAre("first"));
-  EXPECT_THAT(fish("mauvectl set first.core.g"), ElementsAre("first.core.gain="));
-  EXPECT_THAT(fish("mauvectl swap-core first x --st"), Not(testing::IsEmpty()));
-  EXPECT_THAT(fish("mauvectl apply x --sync "), ElementsAre("barrier", "cut"));
+  EXPECT_THAT(offered(&CompletionIn::fish, "mauvectl sta"),
+              Contains("status\tgeneration and one line a component"));
+  EXPECT_THAT(offered(&CompletionIn::fish, "mauvectl start "), IsSupersetOf({"first", "second"}));
+  EXPECT_THAT(offered(&CompletionIn::fish, "mauvectl start f"), ElementsAre("first"));
+  EXPECT_THAT(offered(&CompletionIn::fish, "mauvectl set first.core.g"),
+              ElementsAre("first.core.gain="));
+  EXPECT_THAT(offered(&CompletionIn::fish, "mauvectl swap-core first x --st"),
+              Not(testing::IsEmpty()));
+  EXPECT_THAT(offered(&CompletionIn::fish, "mauvectl apply x --sync "),
+              ElementsAre("barrier", "cut"));
 }
 
 }  // namespace
