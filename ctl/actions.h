@@ -28,6 +28,8 @@ int run_export(Session& session);
 int run_history(Session& session);
 int run_logs(Session& session);
 int run_ping(Session& session);
+int run_doctor(Session& session);
+int run_completion(Session& session);
 int run_version(Session& session);
 
 int run_set(Session& session);

@@ -24,17 +24,21 @@ constexpr Argument flag(std::string_view name, std::string_view text) {
   return {name, text, Kind::none, false, false, true};
 }
 
-constexpr Argument kState = maybe("--state", "\"drop\": begin with a fresh state", Kind::none);
+/// An option or argument that takes one of a few words, among others perhaps.
+constexpr Argument choice(std::string_view name, std::string_view text, std::string_view choices) {
+  return {name, text, Kind::choice, false, false, false, choices};
+}
+
+constexpr Argument kState = choice("--state", "\"drop\": begin with a fresh state", "drop");
 constexpr Argument kSync =
-    maybe("--sync",
-          "\"cut\", or \"barrier\": members wait for each other; unsaid: where a contract changes",
-          Kind::none);
+    choice("--sync",
+           "\"cut\", or \"barrier\": members wait for each other; unsaid: where a contract changes",
+           "cut barrier");
 constexpr Argument kComponent = one("COMPONENT", "name of a component", Kind::component);
 constexpr Argument kPort = one("PORT", "such as control.ports.scan", Kind::port);
 
-constexpr Argument kProbation =
-    maybe("--probation", "so many jobs of each member before it counts as good (3000), or off",
-          Kind::none);
+constexpr Argument kProbation = choice(
+    "--probation", "so many jobs of each member before it counts as good (3000), or off", "off");
 constexpr Argument kMisses = maybe(
     "--misses",
     "late jobs tolerated on probation, M of the last K such as 2/64 (0/64); a late job counts "
@@ -93,7 +97,7 @@ constexpr Argument kConnect[] = {
     kMisses,
     kConfirmWithin};
 constexpr Argument kDisconnect[] = {kPort, kProbation, kMisses, kConfirmWithin};
-constexpr Argument kQuarantine[] = {maybe("ACTION", "\"release\", or nothing to list", Kind::none),
+constexpr Argument kQuarantine[] = {choice("ACTION", "\"release\", or nothing to list", "release"),
                                     maybe("CORE", "the core to release", Kind::core)};
 constexpr Argument kPlugin[] = {one("PLUGIN", "name of a plugin, not a path", Kind::plugin)};
 constexpr Argument kReload[] = {kPlugin[0], kState};
@@ -119,6 +123,11 @@ constexpr Argument kLogs[] = {
     flag("-f,--follow", "go on with what comes"),
     maybe("-n,--lines", "how many of the last records", Kind::none),
     maybe("--level", "debug, info, warn or error, and worse", Kind::level)};
+
+constexpr Argument kCompletion[] = {
+    {"SHELL", "bash, zsh or fish", Kind::choice, true, false, false, "bash zsh fish"}};
+constexpr Argument kDoctor[] = {
+    maybe("--wake", "also measure wake-up latencies for so long, such as 10s", Kind::none)};
 
 constexpr Command kCommands[] = {
     {"status", "generation and one line a component", "mauvectl status", {}, false, run_status},
@@ -186,6 +195,11 @@ constexpr Command kCommands[] = {
     {"lock", "what may not be changed, but by stop, confirm and undo",
      "mauvectl lock all --reason mission", kLock, true, run_lock},
     {"logs", "the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},
+    {"doctor", "is the machine fit for real time; what was found, and the remedy",
+     "mauvectl doctor --wake 10s", kDoctor, false, run_doctor},
+    {"completion", "the script that makes a shell complete command lines of mauvectl",
+     "mauvectl completion bash > ~/.local/share/bash-completion/completions/mauvectl", kCompletion,
+     false, run_completion},
     {"ping", "does the daemon answer", "mauvectl ping", {}, false, run_ping},
     {"version", "of client and daemon", "mauvectl version", {}, false, run_version},
 };

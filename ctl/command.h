@@ -29,7 +29,8 @@ enum class Kind {
   file,
   category,
   level,
-  lock
+  lock,
+  choice  ///< one of `choices`
 };
 
 struct Argument {
@@ -38,7 +39,8 @@ struct Argument {
   Kind kind = Kind::none;
   bool required = false;
   bool many = false;
-  bool flag = false;  ///< an option without value
+  bool flag = false;              ///< an option without value
+  std::string_view choices = {};  ///< of Kind::choice, a blank between them
 
   [[nodiscard]] bool is_option() const { return name.starts_with('-'); }
 };

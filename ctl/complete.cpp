@@ -8,6 +8,7 @@
 #include "client.h"
 #include "options.h"
 #include "protocol/socket_path.h"
+#include "table.h"
 #include "words.h"
 
 namespace mauve::ctl {
@@ -55,8 +56,14 @@ Typed understand(const Words& words) {
       if (typed.waiting->name == "--socket") typed.socket = words[i];
       typed.waiting = nullptr;
     } else if (words[i].starts_with('-')) {
-      const Argument* option = option_called(typed.command, words[i]);
-      if (option != nullptr && !option->flag) typed.waiting = option;
+      const auto equals = words[i].find('=');
+      const Argument* option = option_called(typed.command, words[i].substr(0, equals));
+      if (option == nullptr || option->flag) continue;
+      if (equals == std::string::npos) {
+        typed.waiting = option;
+      } else if (option->name == "--socket") {
+        typed.socket = words[i].substr(equals + 1);
+      }
     } else if (typed.command == nullptr) {
       typed.command = find_command(words[i]);
     } else {
@@ -66,10 +73,13 @@ Typed understand(const Words& words) {
   return typed;
 }
 
-Words options_of(const Command* command) {
-  Words names{"--help"};
+using Candidates = std::vector<Candidate>;
+
+Candidates options_of(const Command* command) {
+  Candidates names{{"--help", "what can be said"}};
   const auto add = [&](const Argument& one) {
-    if (one.is_option()) names.emplace_back(one.name.substr(one.name.rfind(',') + 1));
+    if (!one.is_option()) return;
+    names.push_back({std::string(one.name.substr(one.name.rfind(',') + 1)), std::string(one.text)});
   };
   if (command != nullptr) {
     std::for_each(command->arguments.begin(), command->arguments.end(), add);
@@ -113,6 +123,13 @@ class Live {
     return result;
   }
 
+  /// That fit the component named before; all when none is.
+  Words cores(const Words& positionals) {
+    Json params = Json::object();
+    if (!positionals.empty()) params["for"] = positionals.front();
+    return names("core.list", params);
+  }
+
   Words services() {
     Words result;
     for (const Json& resource : items(ask("resource.list", Json::object()), "items")) {
@@ -154,24 +171,45 @@ class Live {
   bool connected_;
 };
 
-Words candidates(const Typed& typed, Kind kind, const std::string& begun) {
-  switch (kind) {
+Words split(std::string_view text) {
+  Words words;
+  while (!text.empty()) {
+    const auto word = text.substr(0, text.find(' '));
+    text.remove_prefix(std::min(text.size(), word.size() + 1));
+    words.emplace_back(word);
+  }
+  return words;
+}
+
+Words assignable(const Typed& typed, const std::string& begun) {
+  Words words = Live(typed).addresses(begun, "properties");
+  for (std::string& word : words) word += begun.find('.') == std::string::npos ? "." : "=";
+  return words;
+}
+
+Words category_names() {
+  Words names;
+  for (const Category& one : categories()) names.emplace_back(one.name);
+  return names;
+}
+
+Words values_of(const Typed& typed, const Argument& argument, const std::string& begun) {
+  switch (argument.kind) {
     case Kind::none:
     case Kind::file:
       return {};
+    case Kind::choice:
+      return split(argument.choices);
     case Kind::level:
       return {std::begin(kLevels), std::end(kLevels)};
     case Kind::lock:
       return {"none", "params", "all"};
-    case Kind::category: {
-      Words names;
-      for (const Category& one : categories()) names.emplace_back(one.name);
-      return names;
-    }
+    case Kind::category:
+      return category_names();
     case Kind::component:
       return Live(typed).names("component.list");
     case Kind::core:
-      return Live(typed).names("core.list", {{"for", typed.positionals.front()}});
+      return Live(typed).cores(typed.positionals);
     case Kind::port:
       return Live(typed).names("port.list");
     case Kind::plugin:
@@ -183,33 +221,64 @@ Words candidates(const Typed& typed, Kind kind, const std::string& begun) {
     case Kind::address:
       return Live(typed).addresses(begun);
     case Kind::assignment:
-      return Live(typed).addresses(begun, "properties");
+      return assignable(typed, begun);
   }
   return {};
 }
 
-Words all_candidates(const Typed& typed, const std::string& begun) {
-  if (typed.waiting != nullptr) return candidates(typed, typed.waiting->kind, begun);
-  if (begun.starts_with('-')) return options_of(typed.command);
-  if (typed.command == nullptr) {
-    Words names;
-    for (const Command& one : commands()) names.emplace_back(one.name);
-    return names;
+/// `before` is what the word has in front of the value: "--level=".
+Completion value_completion(const Typed& typed, const Argument& argument, const std::string& begun,
+                            const std::string& before) {
+  Completion result;
+  result.files = argument.kind == Kind::file && before.empty();
+  for (const std::string& value : values_of(typed, argument, begun)) {
+    result.candidates.push_back({before + value, {}});
   }
+  return result;
+}
+
+Completion command_names() {
+  Completion names;
+  for (const Command& one : commands()) {
+    names.candidates.push_back({std::string(one.name), std::string(one.text)});
+  }
+  return names;
+}
+
+Completion all_completions(const Typed& typed, const std::string& begun) {
+  if (typed.waiting != nullptr) return value_completion(typed, *typed.waiting, begun, {});
+  if (const auto equals = begun.find('='); begun.starts_with("--") && equals != std::string::npos) {
+    const Argument* option = option_called(typed.command, begun.substr(0, equals));
+    if (option == nullptr || option->flag) return {};
+    return value_completion(typed, *option, begun.substr(equals + 1), begun.substr(0, equals + 1));
+  }
+  if (begun.starts_with('-')) return {options_of(typed.command)};
+  if (typed.command == nullptr) return command_names();
   const Argument* argument = next_positional(typed);
-  return argument == nullptr ? Words{} : candidates(typed, argument->kind, begun);
+  return argument == nullptr ? Completion{} : value_completion(typed, *argument, begun, {});
 }
 
 }  // namespace
 
-std::vector<std::string> completions(const std::vector<std::string>& words) {
+Completion complete(const std::vector<std::string>& words) {
   if (words.empty()) return {};
   const std::string& begun = words.back();
-  Words result = all_candidates(understand(words), begun);
-  std::erase_if(result, [&](const std::string& one) { return !one.starts_with(begun); });
-  std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
+  Completion result = all_completions(understand(words), begun);
+  Candidates& all = result.candidates;
+  std::erase_if(all, [&](const Candidate& one) { return !one.word.starts_with(begun); });
+  std::sort(all.begin(), all.end(),
+            [](const Candidate& a, const Candidate& b) { return a.word < b.word; });
+  const auto same = [](const Candidate& a, const Candidate& b) { return a.word == b.word; };
+  all.erase(std::unique(all.begin(), all.end(), same), all.end());
   return result;
+}
+
+std::string completion_lines(const Completion& completion) {
+  std::string lines;
+  for (const auto& [word, text] : completion.candidates) {
+    lines += harmless(word) + (text.empty() ? "" : "\t" + harmless(text)) + "\n";
+  }
+  return completion.files ? lines + ":files\n" : lines;
 }
 
 }  // namespace mauve::ctl

@@ -46,7 +46,7 @@ int refuse_use(const Misuse& misuse) {
 
 int run(const std::vector<std::string>& words) {
   if (!words.empty() && words.front() == "__complete") {
-    for (const auto& one : completions({words.begin() + 1, words.end()})) std::cout << one << '\n';
+    std::cout << completion_lines(complete({words.begin() + 1, words.end()}));
     return 0;
   }
   auto parsed = parse_options(words);

@@ -23,7 +23,7 @@ constexpr Argument kGlobals[] = {
     {"--timeout", "how long to wait for an answer, such as 5s", Kind::none},
     {"--if-generation", "change only if this generation is running", Kind::none},
     {"--reason", "why you change it, for the log", Kind::none},
-    {"--color", "auto, always or never", Kind::none},
+    {"--color", "auto, always or never", Kind::choice, false, false, false, "auto always never"},
 };
 
 constexpr std::string_view kExamples =
@@ -32,9 +32,31 @@ constexpr std::string_view kExamples =
     "  mauvectl watch fix.read\n"
     "  mauvectl set control.core.gain=0.3\n"
     "  mauvectl swap-core control guidance/finite_time\n"
-    "Exit codes: 0 done, 1 refused, 2 wrong use, 3 condition false, 4 no such object,\n"
-    "  5 permission, 6 conflict, 7 no daemon, 8 timed out, 9 done partly: see status.\n"
     "Texts for people may change between releases; JSON only grows.";
+
+constexpr ExitCode kExitCodes[] = {
+    {0, "done", "Done."},
+    {1, "refused",
+     "Refused, nothing changed. Of diff: something differs. Of check: the file has errors. Of "
+     "doctor: something fails."},
+    {2, "wrong use", "Wrong use."},
+    {3, "condition false", "The condition asked for is false."},
+    {4, "no such object", "No such object."},
+    {5, "permission", "Not permitted."},
+    {6, "conflict", "Conflict: another generation, locked, busy."},
+    {7, "no daemon", "No daemon, or it went away."},
+    {8, "timed out", "Timed out, outcome unknown."},
+    {9, "done partly", "Done partly: mauvectl status shows who did not obey."},
+};
+
+std::string footer() {
+  std::string codes = "Exit codes:";
+  for (const ExitCode& one : kExitCodes) {
+    const char* before = one.code == 0 ? " " : one.code % 5 == 0 ? ",\n  " : ", ";
+    codes += before + std::to_string(one.code) + " " + std::string(one.word);
+  }
+  return std::string(kExamples) + "\n" + codes + ".";
+}
 
 using Values = std::map<std::string_view, std::vector<std::string>>;
 
@@ -103,7 +125,7 @@ struct Parser {
   std::map<std::string_view, Values> values;
 
   Parser() {
-    app.footer(std::string(kExamples));
+    app.footer(footer());
     app.get_formatter()->column_width(24);
     app.allow_extras();
     app.require_subcommand(0, 1);
@@ -204,5 +226,7 @@ std::variant<Invocation, Text, Misuse> parse_options(const std::vector<std::stri
 }
 
 std::span<const Argument> global_options() { return kGlobals; }
+
+std::span<const ExitCode> exit_codes() { return kExitCodes; }
 
 }  // namespace mauve::ctl

@@ -35,4 +35,12 @@ struct Misuse {
 /// Options before or after any command, with a text each; completion offers them as well.
 [[nodiscard]] std::span<const Argument> global_options();
 
+/// What the exit codes mean, for help and manual.
+struct ExitCode {
+  int code = 0;
+  std::string_view word;  ///< "refused"
+  std::string_view text;  ///< one sentence
+};
+[[nodiscard]] std::span<const ExitCode> exit_codes();
+
 }  // namespace mauve::ctl

@@ -185,6 +185,7 @@ Status Daemon::serve() {
   running_.reset(new Running{*architecture_, *deployer_, catalog_, control_, log_, watches_,
                              supervisor_, [this] { return server_->clients(); }, random_id(),
                              std::chrono::steady_clock::now()});
+  running_->realtime = options_.realtime;
   keep_the_first();
   table_ = std::make_unique<CommandTable>(*running_);
   server_ = std::make_unique<server::Server>(server::ServerOptions{{}, server::machine_rules()},

@@ -135,6 +135,22 @@ void make_absolute(Options& options) {
 
 }  // namespace
 
+std::vector<OptionText> option_texts() {
+  CLI::App app;
+  Options options;
+  declare(app, options);
+  std::vector<OptionText> texts;
+  for (const CLI::Option* option : app.get_options()) {
+    // CLI11 adds what it checks after a colon.
+    const std::string type = option->get_type_name();
+    const bool takes_value = option->get_items_expected_max() > 0;
+    texts.push_back({option->get_name(false, true),
+                     takes_value ? type.substr(0, type.find(':')) : "", option->get_description(),
+                     option->get_default_str()});
+  }
+  return texts;
+}
+
 std::variant<Options, Leave> parse_options(int argc, const char* const* argv) {
   CLI::App app{"Runs an architecture on real-time threads and lets mauvectl change it."};
   Options options;

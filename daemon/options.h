@@ -38,4 +38,13 @@ struct Leave {
 /// lib/mauve/plugins beside the program's own, or the installed one.
 [[nodiscard]] std::variant<Options, Leave> parse_options(int argc, const char* const* argv);
 
+/// An option as the help tells it, for the manual.
+struct OptionText {
+  std::string name;       ///< "--socket", or that of an argument
+  std::string value;      ///< "PATH"; empty: takes none
+  std::string text;       ///< one sentence
+  std::string otherwise;  ///< the default; empty: said in the text
+};
+[[nodiscard]] std::vector<OptionText> option_texts();
+
 }  // namespace mauve::daemon

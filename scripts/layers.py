@@ -24,13 +24,14 @@ MAY_USE = {
     "protocol": "public base",
     "log": "public base rt",
     "daemon": RUNTIME + " protocol log",
-    "ctl": "public base protocol",
+    "ctl": "public base rt protocol",
     "plugins": "public",
-    "tests": RUNTIME + " protocol log daemon ctl plugins",
+    "man": RUNTIME + " protocol log daemon ctl",
+    "tests": RUNTIME + " protocol log daemon ctl plugins man",
 }
 # Folder: its layer. The longest match counts; a folder below libruntime that is not here is an error.
 FOLDERS = {"libruntime/include": "public", "daemon/protocol": "protocol", "daemon/log": "log",
-           "daemon": "daemon", "ctl": "ctl", "plugins": "plugins", "tests": "tests", "scripts": "tests",
+           "daemon": "daemon", "ctl": "ctl", "man": "man", "plugins": "plugins", "tests": "tests", "scripts": "tests",
            **{f"libruntime/{name}": name for name in RUNTIME.split()[1:]}}
 # Third-party or system header (a prefix of what is included): the rooms it may be in. tests/ may use all.
 ROOMS = {
@@ -65,7 +66,7 @@ ROOMS = {
     "gmock/": "",
     "benchmark/": "",
 }
-INCLUDE_ROOTS = ("libruntime/include", "libruntime", "daemon", "ctl", "plugins", "tests", "")
+INCLUDE_ROOTS = ("libruntime/include", "libruntime", "daemon", "ctl", "man", "plugins", "tests", "")
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^">]+)[">]', re.MULTILINE)
 MEMBER = re.compile(r'\b(\w+?)_?\s*\{\s*\*this\s*,\s*"([^"]*)"')
 SUFFIXES = (".h", ".cpp")
@@ -125,7 +126,7 @@ def check_file(root, path):
 
 
 def sources(root):
-    for top in ("libruntime", "daemon", "ctl", "plugins", "tests", "scripts"):
+    for top in ("libruntime", "daemon", "ctl", "man", "plugins", "tests", "scripts"):
         for path in sorted((root / top).rglob("*")):
             if path.suffix in SUFFIXES and path.is_file():
                 yield path.relative_to(root).as_posix()

@@ -18,6 +18,7 @@
 #include "generations.h"
 #include "log/log.h"
 #include "mauve/architecture.h"
+#include "mauve/deploy_options.h"
 #include "mauve/deployer.h"
 #include "plugin/catalog.h"
 #include "server/dispatcher.h"
@@ -76,6 +77,7 @@ struct Running {
   Keeper* keeper = nullptr;   ///< null: nothing is kept
   Lock lock = Lock::none;     ///< [control], see gate.h
   Maker maker = {};           ///< [control]
+  Realtime realtime = Realtime::prefer;  ///< what mauved was started with
 };
 
 /// One request under way. Dropped unanswered only when the daemon ends.
@@ -135,6 +137,7 @@ Result<Json> get(Running&, const Call&);
 Result<Json> export_architecture(Running&, const Call&);
 Result<Json> check_architecture(Running&, const Call&);
 Result<Json> history(Running&, const Call&);
+Result<Json> doctor(Running&, const Call&);
 Result<Json> watch(Running&, const Call&);
 Result<Json> unwatch(Running&, const Call&);
 Result<Json> tail_log(Running&, const Call&);

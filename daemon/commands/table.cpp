@@ -37,6 +37,7 @@ constexpr Command kCommands[] = {
     {"config.check", Role::viewer, Lane::factory, check_architecture, nullptr},
     {"architecture.diff", Role::viewer, Lane::change, nullptr, diff_architecture},
     {"config.history", Role::viewer, Lane::any, history, nullptr},
+    {"daemon.doctor", Role::viewer, Lane::factory, doctor, nullptr},
     {"watch.subscribe", Role::viewer, Lane::read, watch, nullptr},
     {"watch.unsubscribe", Role::viewer, Lane::read, unwatch, nullptr},
     {"log.tail", Role::viewer, Lane::read, tail_log, nullptr},

@@ -66,6 +66,7 @@ constexpr Method kMethods[] = {
     {"command.list", "this table", {}},
     {"system.analyze", "response times, slack and what is not proved", {}},
     {"rules.list", "state, last firing and why not, of all rules or one", kRule},
+    {"daemon.doctor", "rights of the daemon's process, its threads and directories", {}},
     {"object.get", "everything about one object", kAddress},
     {"param.get", "value and status of one address", kAddress},
     {"param.set", "sets properties in one change", kSet, true},

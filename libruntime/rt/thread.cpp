@@ -49,6 +49,13 @@ cpu_set_t to_set(const std::vector<int>& cpus) {
   return set;
 }
 
+int caller_policy() {
+  sched_param parameter{};
+  int policy = SCHED_OTHER;
+  pthread_getschedparam(pthread_self(), &policy, &parameter);
+  return policy;
+}
+
 Error no_fifo(int priority, int error) {
   if (error == EPERM) return fifo_refusal(fifo_facts(priority));
   return refuse(Errc::system, "realtime",
@@ -76,11 +83,13 @@ Status Thread::start(const ThreadAttributes& attributes, std::function<void()> b
   pthread_attr_t attr;
   pthread_attr_init(&attr);
   pthread_attr_setstacksize(&attr, std::max(attributes.stack * kStackFactor, smallest + 4096));
-  if (attributes.priority > 0) {
+  // An ordinary thread says so only where it would inherit something else (Boost): a sandbox may
+  // refuse every call for a policy.
+  if (attributes.priority > 0 || caller_policy() != SCHED_OTHER) {
     sched_param parameter{};
     parameter.sched_priority = attributes.priority;
     pthread_attr_setinheritsched(&attr, PTHREAD_EXPLICIT_SCHED);
-    pthread_attr_setschedpolicy(&attr, SCHED_FIFO);
+    pthread_attr_setschedpolicy(&attr, attributes.priority > 0 ? SCHED_FIFO : SCHED_OTHER);
     pthread_attr_setschedparam(&attr, &parameter);
   }
   if (!attributes.cpus.empty()) {

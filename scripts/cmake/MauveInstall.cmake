@@ -120,8 +120,11 @@ if(mauve_drop_ins)
 endif()
 
 # Completion, licence.
-if(EXISTS "${mauve_sources}/ctl/completion.bash")
-  install(FILES "${mauve_sources}/ctl/completion.bash"
-    DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" RENAME mauvectl)
-endif()
+set(scripts "${mauve_sources}/ctl/completion")
+install(FILES "${scripts}/mauvectl.bash"
+  DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" RENAME mauvectl)
+install(FILES "${scripts}/mauvectl.zsh"
+  DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/site-functions" RENAME _mauvectl)
+install(FILES "${scripts}/mauvectl.fish"
+  DESTINATION "${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d")
 install(FILES "${mauve_sources}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")

@@ -6,12 +6,19 @@
 
 #include <gtest/gtest.h>
 
-#include "unit/ctl/fake_server.h"
+#include "unit/ctl/scene.h"
 
 namespace mauve::ctl {
 namespace {
 
 using Words = std::vector<std::string>;
+
+/// The words alone, as every shell inserts them.
+Words completed(const Words& words) {
+  Words result;
+  for (const auto& one : complete(words).candidates) result.push_back(one.word);
+  return result;
+}
 
 void serve_names(Peer& peer) {
   peer.say(kHello);
@@ -39,45 +46,82 @@ void serve_names(Peer& peer) {
 }
 
 TEST(Completion, OffersCommands) {
-  EXPECT_EQ(completions({"st"}), (Words{"start", "status", "stop"}));
-  EXPECT_GT(completions({""}).size(), 15U);
+  EXPECT_EQ(completed({"st"}), (Words{"start", "status", "stop"}));
+  EXPECT_GT(completed({""}).size(), 15U);
 }
 
 TEST(Completion, OffersTheOptionsOfTheCommandAndTheGlobalOnes) {
-  const Words words = completions({"swap-core", "--"});
+  const Words words = completed({"swap-core", "--"});
 
   EXPECT_NE(std::find(words.begin(), words.end(), "--in-place"), words.end());
   EXPECT_NE(std::find(words.begin(), words.end(), "--socket"), words.end());
-  EXPECT_EQ(completions({"status", "--in"}), Words{});
-  EXPECT_EQ(completions({"connect", "--max"}), Words{"--max-age"});
+  EXPECT_EQ(completed({"status", "--in"}), Words{});
+  EXPECT_EQ(completed({"connect", "--max"}), Words{"--max-age"});
 }
 
 TEST(Completion, OffersKindsAndLevels) {
-  EXPECT_EQ(completions({"list", "p"}), (Words{"plugins", "ports"}));
-  EXPECT_EQ(completions({"logs", "--level", ""}), (Words{"debug", "error", "info", "warn"}));
+  EXPECT_EQ(completed({"list", "p"}), (Words{"plugins", "ports"}));
+  EXPECT_EQ(completed({"logs", "--level", ""}), (Words{"debug", "error", "info", "warn"}));
 }
 
 TEST(Completion, AsksTheDaemonForNames) {
-  FakeServer server(serve_names, 8);
+  FakeServer server(serve_names, 10);
 
-  EXPECT_EQ(completions({"--socket", server.path(), "start", "l"}), Words{"laser"});
-  EXPECT_EQ(completions({"--socket", server.path(), "swap-core", "arm", ""}), Words{"for_arm"});
-  EXPECT_EQ(completions({"--socket", server.path(), "get", ""}),
-            (Words{"control", "laser", "scan"}));
-  EXPECT_EQ(completions({"--socket", server.path(), "get", "control.c"}),
+  EXPECT_EQ(completed({"--socket", server.path(), "start", "l"}), Words{"laser"});
+  EXPECT_EQ(completed({"--socket", server.path(), "swap-core", "arm", ""}), Words{"for_arm"});
+  EXPECT_EQ(completed({"--socket", server.path(), "get", ""}), (Words{"control", "laser", "scan"}));
+  EXPECT_EQ(completed({"--socket", server.path(), "get", "control.c"}),
             (Words{"control.core.gain", "control.core.goals"}));
-  EXPECT_EQ(completions({"--socket", server.path(), "set", "control."}),
-            (Words{"control.core.gain", "control.fsm.pace"}));
-  EXPECT_EQ(completions({"--socket", server.path(), "get", "control.p"}),
+  EXPECT_EQ(completed({"--socket", server.path(), "set", "control."}),
+            (Words{"control.core.gain=", "control.fsm.pace="}));
+  EXPECT_EQ(completed({"--socket", server.path(), "set", "c"}), Words{"control."});
+  EXPECT_EQ(completed({"--socket=" + server.path(), "stop", "la"}), Words{"laser"});
+  EXPECT_EQ(completed({"--socket", server.path(), "get", "control.p"}),
             Words{"control.ports.scan"});
-  EXPECT_EQ(completions({"--socket", server.path(), "connect", "control.ports.scan", "s"}),
+  EXPECT_EQ(completed({"--socket", server.path(), "connect", "control.ports.scan", "s"}),
             (Words{"scan.read", "scan.write"}));
-  EXPECT_EQ(completions({"--socket", server.path(), "rules", "g"}), Words{"gnss_lost"});
+  EXPECT_EQ(completed({"--socket", server.path(), "rules", "g"}), Words{"gnss_lost"});
+}
+
+TEST(Completion, OffersTheWordsThatAnOptionTakes) {
+  EXPECT_EQ(completed({"apply", "rover.json", "--sync", ""}), (Words{"barrier", "cut"}));
+  EXPECT_EQ(completed({"--color", "a"}), (Words{"always", "auto"}));
+  EXPECT_EQ(completed({"reload", "a", "--state", ""}), Words{"drop"});
+  EXPECT_EQ(completed({"logs", "--level=w"}), Words{"--level=warn"});
+  EXPECT_EQ(completed({"completion", ""}), (Words{"bash", "fish", "zsh"}));
+  EXPECT_EQ(completed({"status", "--json="}), Words{});
+}
+
+TEST(Completion, LeavesFilesToTheShell) {
+  EXPECT_TRUE(complete({"apply", ""}).files);
+  EXPECT_TRUE(complete({"record", "a.read", "-o", ""}).files);
+  EXPECT_TRUE(complete({"--socket", ""}).files);
+  EXPECT_FALSE(complete({"apply", "rover.json", ""}).files);
+  EXPECT_FALSE(complete({"start", ""}).files);
+}
+
+TEST(Completion, PrintsALineForEachCandidate) {
+  EXPECT_EQ(completion_lines({{{"a", "what it is"}, {"b", ""}}, false}), "a\twhat it is\nb\n");
+  EXPECT_EQ(completion_lines({{}, true}), ":files\n");
+  EXPECT_EQ(completion_lines({{{"a\nb", "\x1b[31m"}}, false}), "a?b\t?[31m\n");
+}
+
+TEST(CompletionScripts, AreThereForThreeShells) {
+  for (const char* shell : {"bash", "zsh", "fish"}) {
+    const auto outcome = run("/nowhere", {"completion", shell});
+    EXPECT_EQ(outcome.exit, 0);
+    EXPECT_NE(outcome.out.find("mauvectl __complete"), std::string::npos) << shell;
+    const auto json = protocol::Json::parse(run("/nowhere", {"--json", "completion", shell}).out);
+    EXPECT_EQ(json["script"], outcome.out);
+  }
+  const auto other = run("/nowhere", {"completion", "csh"});
+  EXPECT_EQ(other.exit, 2);
+  EXPECT_NE(other.err.find("bash, zsh or fish"), std::string::npos);
 }
 
 TEST(Completion, IsSilentWithoutDaemon) {
-  EXPECT_EQ(completions({"--socket", "/nowhere", "start", ""}), Words{});
-  EXPECT_EQ(completions({}), Words{});
+  EXPECT_EQ(completed({"--socket", "/nowhere", "start", ""}), Words{});
+  EXPECT_EQ(completed({}), Words{});
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <future>
 #include <set>
@@ -208,6 +209,16 @@ TEST_F(TableTest, ListsNoGenerationsWhenNoneAreKept) {
 
   EXPECT_EQ(std::get<Json>(outcome)["state_dir"], nullptr);
   EXPECT_EQ(refused(Role::admin, "config.rollback", {{"generation", 1}}).name, "unsupported");
+}
+
+TEST_F(TableTest, TellsAViewerWhatItsProcessWasGranted) {
+  const auto outcome = ask(Role::viewer, "daemon.doctor");
+
+  ASSERT_TRUE(std::holds_alternative<Json>(outcome));
+  const auto& told = std::get<Json>(outcome);
+  EXPECT_EQ(told["pid"], getpid());
+  EXPECT_EQ(told["state_dir"], nullptr);
+  EXPECT_FALSE(told["threads"].empty());
 }
 
 TEST_F(TableTest, CountsGenerationsOnFromEarlierRuns) {

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What is in force in mauved: versions, policy, guard, locked memory.
+#include <algorithm>
+
+#include "doctor/checks.h"
+#include "mauve/version.h"
+#include "words.h"
+
+namespace mauve::ctl::doctor {
+namespace {
+
+const std::string kRequire = "start it with --realtime require, which says at once what is missing";
+
+Finding off() {
+  return doubt("mauved was started with --realtime off", "start it with --realtime prefer");
+}
+
+std::string machine_versions(const Facts& facts) {
+  const std::string kernel = facts.kernel();
+  return "kernel " + (kernel.empty() ? "unknown" : kernel) + ", glibc " + facts.glibc;
+}
+
+bool speaks(const Json& version) {
+  const Json& spoken = list_in(version, "protocol");
+  return std::find(spoken.begin(), spoken.end(), protocol::kVersion) != spoken.end();
+}
+
+}  // namespace
+
+Finding check_daemon(const Facts& facts) {
+  if (facts.status.is_null()) {
+    return doubt("no daemon: " + facts.no_daemon,
+                 facts.hint.empty() ? "mauved FILE, or systemctl start mauved" : facts.hint);
+  }
+  if (facts.daemon.is_null()) {
+    return doubt("it does not say what it was granted: " + facts.no_daemon, facts.hint);
+  }
+  return good("answers on " + facts.socket + ", generation " + word(facts.status, "generation") +
+              ", up " + seconds_in_words(number(facts.status, "uptime_s")));
+}
+
+Finding check_versions(const Facts& facts) {
+  const std::string mine = "mauvectl " + facts.client + ", protocol " +
+                           std::to_string(protocol::kVersion) + ", plugin ABI " +
+                           std::to_string(kAbi) + ", " + machine_versions(facts);
+  if (facts.version.is_null()) return good(mine);
+  const std::string install = "install mauved and mauvectl of one version, then restart mauved";
+  if (!speaks(facts.version) || whole_number(facts.version, "abi") != kAbi) {
+    return bad("mauved " + word(facts.version, "version") + " has protocol " +
+                   word(facts.version, "protocol") + " and plugin ABI " +
+                   word(facts.version, "abi") + ", not those of " + mine,
+               install);
+  }
+  if (word(facts.version, "version") != facts.client) {
+    return doubt("mauved " + word(facts.version, "version") + ", but " + mine, install);
+  }
+  if (const auto glibc = word(facts.daemon, "glibc"); !glibc.empty() && glibc != facts.glibc) {
+    return doubt("mauved runs with glibc " + glibc + ", but " + mine,
+                 "restart mauved, which still has the library of before the upgrade");
+  }
+  return good("mauved and " + mine);
+}
+
+Finding check_policy(const Facts& facts) {
+  if (facts.status.is_null()) return no_daemon();
+  if (facts.asked_realtime() == "off") return off();
+  std::string ordinary;
+  for (const Json& row : facts.components()) {
+    if (word(row, "realtime") == "true") continue;
+    ordinary += (ordinary.empty() ? "" : ", ") + word(row, "name");
+  }
+  if (!ordinary.empty()) return bad("without SCHED_FIFO: " + ordinary, kRequire);
+  return good("SCHED_FIFO: " + counted(facts.components().size(), "component"));
+}
+
+Finding check_guard(const Facts& facts) {
+  if (facts.daemon.is_null()) return no_daemon();
+  if (facts.asked_realtime() == "off") return off();
+  for (const Json& thread : list_in(facts.daemon, "threads")) {
+    if (word(thread, "name") != "mauve-guard") continue;
+    const std::string found = word(thread, "policy") + " " + word(thread, "priority");
+    if (word(thread, "policy") == "SCHED_FIFO") return good(found);
+    if (facts.components().empty()) return good(found + ", no component asks for more");
+    return bad(found + ": a looping component keeps it from the processor", kRequire);
+  }
+  if (facts.components().empty()) return good("no component, no guard");
+  return bad("mauved has no thread mauve-guard: no job is given up", "restart mauved");
+}
+
+Finding check_locked(const Facts& facts) {
+  if (facts.daemon.is_null()) return no_daemon();
+  if (facts.asked_realtime() == "off") return off();
+  const auto locked = whole_number(facts.daemon, "locked_kib");
+  if (locked > 0) return good(std::to_string(locked / 1024) + " MiB of mauved are locked");
+  return bad("nothing of mauved is locked: page faults stop components", kRequire);
+}
+
+}  // namespace mauve::ctl::doctor

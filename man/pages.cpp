@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "pages.h"
+
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <sstream>
+#include <vector>
+
+#include "ctl/command.h"
+#include "ctl/options.h"
+#include "daemon/options.h"
+#include "protocol/methods.h"
+#include "roff.h"
+#include "schema.h"
+
+namespace mauve::man {
+namespace {
+
+std::string argument_synopsis(const ctl::Argument& argument) {
+  std::string text = bold(argument.name);
+  if (argument.is_option()) {
+    const auto comma = argument.name.find(',');
+    if (comma != std::string_view::npos) {
+      text = bold(argument.name.substr(0, comma)) + ", " + bold(argument.name.substr(comma + 1));
+    }
+    if (!argument.flag) text += " " + italic("VALUE");
+    return text;
+  }
+  text = italic(argument.name) + (argument.many ? "..." : "");
+  return argument.required ? text : "[" + text + "]";
+}
+
+std::string options_of(std::span<const ctl::Argument> arguments) {
+  std::string text;
+  for (const ctl::Argument& argument : arguments) {
+    text += item(argument_synopsis(argument), plain(argument.text));
+  }
+  return text;
+}
+
+/// "core.swap" and what the text beside the table says that it answers.
+std::map<std::string, std::string> results_in(std::string_view readme) {
+  std::map<std::string, std::string> results;
+  std::istringstream lines(section(readme, "Methods"));
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("| `")) continue;
+    const auto cells = cells_of(line);
+    if (cells.size() < 3) continue;
+    // One row may be about several methods.
+    std::istringstream names(cells.front());
+    for (std::string name; names >> name;) {
+      if (name.starts_with('`')) results[name.substr(1, name.find('`', 1) - 1)] = cells[2];
+    }
+  }
+  return results;
+}
+
+std::string type_name(protocol::JsonType type) {
+  switch (type) {
+    case protocol::JsonType::string:
+      return "string";
+    case protocol::JsonType::boolean:
+      return "boolean";
+    case protocol::JsonType::integer:
+      return "integer";
+    case protocol::JsonType::object:
+      return "object";
+    case protocol::JsonType::strings:
+      break;
+  }
+  return "array of strings";
+}
+
+std::string arguments_of(const protocol::Method& method) {
+  std::string text;
+  for (const protocol::Param& param : method.params) {
+    text += (text.empty() ? "" : ", ") + bold(param.name) + " (" + type_name(param.type) +
+            (param.required ? "" : ", may be absent") + ")";
+  }
+  return text;
+}
+
+std::optional<std::string> text_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream.is_open()) return std::nullopt;
+  return std::string{std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// The part that a line of a template stands for; "" is none.
+std::string part(const std::string& name, const std::string& argument, const std::string& text) {
+  if (name == "commands") return commands();
+  if (name == "global-options") return global_options();
+  if (name == "exit-codes") return exit_codes();
+  if (name == "examples") return examples();
+  if (name == "daemon-options") return daemon_options();
+  if (name == "methods") return methods(text);
+  if (name == "keys") return keys(text);
+  if (name == "file") return verbatim(text);
+  return name == "section" ? roff(section(text, argument)) : "";
+}
+
+Error refused(const std::string& line, const std::string& why) {
+  return refuse(Errc::invalid_value, line, why, "man/README.md lists what may stand here");
+}
+
+}  // namespace
+
+std::string commands() {
+  std::string text;
+  for (const ctl::Command& command : ctl::commands()) {
+    std::string synopsis = bold(command.name);
+    for (const ctl::Argument& argument : command.arguments) {
+      if (!argument.is_option()) synopsis += " " + argument_synopsis(argument);
+    }
+    text += ".SS " + synopsis + "\n" + plain(command.text) + ".\n";
+    text += options_of(command.arguments);
+    if (command.changes)
+      text +=
+          ".PP\nChanges the system, so it takes \\fB\\-\\-if\\-generation\\fP and "
+          "\\fB\\-\\-reason\\fP.\n";
+    text += ".PP\nExample: " + bold(command.example) + "\n";
+  }
+  return text;
+}
+
+std::string global_options() { return options_of(ctl::global_options()); }
+
+std::string exit_codes() {
+  std::string text;
+  for (const ctl::ExitCode& code : ctl::exit_codes()) {
+    text += item(bold(std::to_string(code.code)), plain(code.text));
+  }
+  return text;
+}
+
+std::string examples() {
+  std::string text;
+  for (const ctl::Command& command : ctl::commands()) {
+    text += item(bold(command.example), plain(command.text));
+  }
+  return text;
+}
+
+std::string daemon_options() {
+  std::string text;
+  for (const daemon::OptionText& option : daemon::option_texts()) {
+    const bool argument = !option.name.starts_with('-');
+    std::string tag = argument ? "" : bold(option.name) + " ";
+    if (!option.value.empty()) tag += italic(option.value);
+    std::string about = plain(option.text) + ".";
+    if (!option.otherwise.empty()) about += " Default: " + bold(option.otherwise) + ".";
+    text += item(tag, about);
+  }
+  return text;
+}
+
+std::string methods(std::string_view readme) {
+  const auto results = results_in(readme);
+  std::string text;
+  for (const protocol::Method& method : protocol::methods()) {
+    text += ".SS " + bold(method.name) + "\n" + plain(method.text) + ".\n";
+    if (method.mutation) text += "A mutation.\n";
+    if (method.out_of_band) text += "Served even while a long change is prepared.\n";
+    if (!method.params.empty()) text += ".br\nArguments: " + arguments_of(method) + ".\n";
+    const auto result = results.find(std::string(method.name));
+    if (result != results.end()) text += ".br\nResult: " + inline_roff(result->second) + "\n";
+  }
+  return text;
+}
+
+std::string keys(std::string_view schema) { return schema_keys(schema); }
+
+Result<std::string> page(std::string_view text, const std::filesystem::path& sources) {
+  std::istringstream lines{std::string(text)};
+  std::string result;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with('@')) {
+      result += line + "\n";
+      continue;
+    }
+    std::istringstream words(line.substr(1));
+    std::string name;
+    std::string file;
+    words >> name >> file;
+    std::string argument{std::istreambuf_iterator<char>(words >> std::ws), {}};
+    const auto content = file.empty() ? std::string{} : text_of(sources / file);
+    if (!content) return refused(line, "the file cannot be read");
+    const std::string its = part(name, argument, *content);
+    if (its.empty()) return refused(line, "stands for nothing");
+    result += its;
+  }
+  return result;
+}
+
+}  // namespace mauve::man
