@@ -2,6 +2,7 @@
 #include "gnss_reader.h"
 
 #include <optional>
+#include <utility>
 
 #include "ubx_pvt.h"
 
@@ -10,10 +11,14 @@ namespace drivers {
 GnssReader::Event GnssReader::read(GnssStream::Event found, const GnssStream& stream, double now,
                                    double speed_limit) {
   Event event = Event::ignored;
+  if (mending_ > 0) --mending_;
+  if (std::exchange(bad_, stream.bad()) != stream.bad()) mending_ = kMending;
   if (found == GnssStream::Event::sentence) event = read_sentence(stream.sentence(), now);
   if (found == GnssStream::Event::message) event = read_message(stream.message(), now);
+  if (event == Event::malformed) mending_ = kMending;
   if (event != Event::fix) return event;
-  if (!gate_.admit(next_, now, speed_limit)) return Event::implausible;
+  context_.damage = mending_ > 0;
+  if (!gate_.admit(next_, now, speed_limit, context_)) return Event::implausible;
   fix_ = next_;
   return Event::fix;
 }
@@ -23,6 +28,7 @@ GnssReader::Event GnssReader::read_sentence(std::string_view sentence, double no
   if (event == FixReader::Event::malformed) return Event::malformed;
   if (event != FixReader::Event::fix || now - last_message_ < kSilence) return Event::ignored;
   next_ = sentences_.fix();
+  context_ = sentences_.context();
   return Event::fix;
 }
 
@@ -32,6 +38,8 @@ GnssReader::Event GnssReader::read_message(Bytes message, double now) {
   if (!fix) return Event::malformed;
   last_message_ = now;
   next_ = *fix;
+  context_ = {};
+  context_.separation = pvt_separation(message);
   return Event::fix;
 }
 

@@ -18,6 +18,7 @@ namespace drivers {
 class GnssReader {
  public:
   static constexpr double kSilence = 2.0;  ///< s without NAV-PVT until GGA is heard again
+  static constexpr int kMending = 24;  ///< undamaged frames in a row, until a line counts as good
 
   enum class Event : std::uint8_t {
     ignored,      ///< says nothing we want, or the same epoch again
@@ -38,7 +39,10 @@ class GnssReader {
 
   FixReader sentences_;
   FixGate gate_;
-  rover::GnssFix next_;  // read, not through the gate yet
+  rover::GnssFix next_;    // read, not through the gate yet
+  FixContext context_;     // of that
+  std::uint32_t bad_ = 0;  // of the stream, when it was looked at last
+  int mending_ = 0;        // undamaged frames left until the line counts as good
   rover::GnssFix fix_;
   double last_message_ = -std::numeric_limits<double>::infinity();
 };
