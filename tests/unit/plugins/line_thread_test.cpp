@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/eventfd.h>
+#include <termios.h>
 
 #include <array>
 #include <atomic>
 #include <filesystem>
+#include <fstream>
 #include <memory>
+#include <set>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -27,8 +34,8 @@ std::string link_name(const char* name) {
 
 /// A core's side: a line, and what a job does with it.
 struct Core {
-  explicit Core(const std::string& device) {
-    EXPECT_TRUE(port.open(device, 0, SerialPort::Missing::accepted, SerialPort::Use::both));
+  explicit Core(const std::string& device, int baud = 0) {
+    EXPECT_TRUE(port.open(device, baud, SerialPort::Missing::accepted, SerialPort::Use::both));
     EXPECT_TRUE(line.start(port, 64));
   }
   ~Core() { line.stop(); }
@@ -176,8 +183,69 @@ TEST_F(Line, ASuccessorReadsOnWhereItsPredecessorStopped) {
   // The one that holds the bytes goes first, though the other may be filling them.
   static_cast<void>(first->job(*bytes));
   second->line.stop();
-  LineThread::empty_handed(*bytes);
+  first->line.empty_handed(*bytes);
   bytes.reset();
+}
+
+TEST_F(Line, TheCoreThatRanLastIsTheOnlyOneThatReads) {
+  // Each with bytes of its own: what was before them is dropped, lost, or restarted.
+  Core first(far_.device());
+  Core second(far_.device());
+  LineBytes of_first;
+  LineBytes of_second;
+  for (int change = 0; change < 50; ++change) {
+    Core& core = change % 2 == 0 ? first : second;
+    LineBytes& bytes = change % 2 == 0 ? of_first : of_second;
+    EXPECT_EQ(core.job(bytes), "") << change;
+    const std::string text = "number " + std::to_string(1000 + change);
+    ASSERT_TRUE(far_.send(text));
+    ASSERT_EQ(core.jobs(bytes, text.size()), text) << change;
+  }
+}
+
+speed_t speed_of(const std::string& device) {
+  const drivers::Descriptor opened(::open(device.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
+  termios settings{};
+  EXPECT_EQ(tcgetattr(opened.number(), &settings), 0);
+  return cfgetospeed(&settings);
+}
+
+TEST_F(Line, HasTheSpeedOfTheCoreThatRanLast) {
+  LineBytes bytes;
+  Core first(far_.device(), 9600);
+  ASSERT_TRUE(far_.send("one"));
+  EXPECT_EQ(first.jobs(bytes, 3), "one");
+  EXPECT_EQ(speed_of(far_.device()), B9600);
+  {
+    Core refused(far_.device(), 115'200);
+    EXPECT_EQ(speed_of(far_.device()), B9600) << "it never ran";
+  }
+  Core second(far_.device(), 57'600);
+  EXPECT_EQ(first.job(bytes), "");
+  EXPECT_EQ(speed_of(far_.device()), B9600);
+
+  const auto becomes = [&](Core& core, speed_t speed) {
+    return eventually([&] { return core.job(bytes).empty() && speed_of(far_.device()) == speed; });
+  };
+  EXPECT_TRUE(becomes(second, B57600));
+  EXPECT_TRUE(becomes(first, B9600)) << "and back";
+  first.line.stop();
+  second.line.stop();
+  first.line.empty_handed(bytes);
+}
+
+TEST_F(Line, ReadsAlthoughAJobWasThrownOutWhileItSaidWhatToFill) {
+  Core core(far_.device());
+  LineBytes bytes;
+  bytes.home = reinterpret_cast<std::uintptr_t>(&bytes);
+  bytes.wanted = bytes.filler = reinterpret_cast<std::uintptr_t>(&core.line);
+  ASSERT_TRUE(far_.send("heard"));
+
+  EXPECT_EQ(core.jobs(bytes, 5), "heard");
+  core.line.stop();
+  bytes.filler = reinterpret_cast<std::uintptr_t>(&core.line);
+  core.line.empty_handed(bytes);
+  EXPECT_EQ(bytes.filler, 0U);
 }
 
 TEST_F(Line, FillsACopyOfTheBytesAnew) {
@@ -189,7 +257,7 @@ TEST_F(Line, FillsACopyOfTheBytesAnew) {
   after = before;
 
   EXPECT_EQ(core.job(after), "");
-  LineThread::empty_handed(before);  // it has let go of them
+  core.line.empty_handed(before);  // it has let go of them
   ASSERT_TRUE(far_.send("two"));
 
   EXPECT_EQ(core.jobs(after, 3), "two");
@@ -249,6 +317,48 @@ TEST(LineLost, IsOpenedWhenSomethingIsSentWhereThatIsWanted) {
   line.stop();
 }
 
+/// A device that fails in the middle of the first request, and comes back.
+class HalfHearing final : public drivers::LineEnd {
+ public:
+  [[nodiscard]] int number() const override { return open_ ? always_.number() : -1; }
+  [[nodiscard]] std::ptrdiff_t read(std::span<char>) override { return 0; }
+  [[nodiscard]] std::ptrdiff_t write(std::string_view bytes) const override {
+    if (failing_ && !heard_.empty()) return -1;
+    const std::string_view some = bytes.substr(0, failing_ ? 2 : bytes.size());
+    heard_ += some;
+    return static_cast<std::ptrdiff_t>(some.size());
+  }
+  void close() override { open_ = false; }
+  bool reopen() override {
+    failing_ = false;
+    heard_.clear();
+    return open_ = true;
+  }
+  [[nodiscard]] const std::string& heard() const { return heard_; }
+
+ private:
+  drivers::Descriptor always_{::eventfd(0, EFD_CLOEXEC)};
+  mutable std::string heard_;
+  bool failing_ = true;
+  bool open_ = true;
+};
+
+TEST(LineLost, NeverGoesOnInTheMiddleOfARequest) {
+  for (const auto lost : {LineThread::Lost::opened_to_send, LineThread::Lost::waits}) {
+    HalfHearing device;
+    LineThread line;
+    ASSERT_TRUE(line.start(device, 64, lost));
+    ASSERT_TRUE(line.send("stand!"));
+    if (lost == LineThread::Lost::waits) {
+      ASSERT_TRUE(eventually([&] { return !line.open(); }));
+      ASSERT_TRUE(eventually([&] { return line.reopen(); }));
+      ASSERT_TRUE(line.send("anew!!"));
+    }
+    line.stop();  // all is sent by then
+    EXPECT_EQ(device.heard(), lost == LineThread::Lost::waits ? "anew!!" : "stand!");
+  }
+}
+
 TEST_F(Line, SendsWhatWaitsBeforeItEnds) {
   for (int i = 0; i < 50; ++i) {
     Core core(far_.device());
@@ -276,6 +386,37 @@ TEST_F(Line, LeavesNoThreadBehind) {
     EXPECT_EQ(bytes.filler, 0U);
   }
   EXPECT_TRUE(eventually([&] { return threads() == before; }));
+}
+
+/// How the threads of lines in this process are scheduled.
+std::multiset<int> policies_of_lines() {
+  std::multiset<int> policies;
+  for (const auto& task : fs::directory_iterator("/proc/self/task")) {
+    std::string name;
+    std::getline(std::ifstream(task.path() / "comm"), name);
+    if (name != "mauve-line") continue;
+    policies.insert(sched_getscheduler(std::stoi(task.path().filename())));
+  }
+  return policies;
+}
+
+TEST_F(Line, OpenedToSendIsARealTimeThreadBeforeItsFirstRequest) {
+  const sched_param lowest{sched_get_priority_min(SCHED_FIFO)};
+  if (sched_setscheduler(0, SCHED_FIFO, &lowest) != 0) {
+    GTEST_SKIP() << "SKIPPED: no right to real-time priorities";
+  }
+  const sched_param none{0};
+  ASSERT_EQ(sched_setscheduler(0, SCHED_OTHER, &none), 0);
+  SerialPort port;
+  port.choose(far_.device(), 0, SerialPort::Use::both);
+  Core ordinary(far_.device());
+  LineThread brake;
+  ASSERT_TRUE(brake.start(port, 64, LineThread::Lost::opened_to_send));
+
+  EXPECT_TRUE(eventually([] {
+    return policies_of_lines() == std::multiset<int>{SCHED_OTHER, SCHED_FIFO};
+  }));
+  brake.stop();
 }
 
 }  // namespace
