@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "gnss_reader.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -12,15 +13,20 @@ GnssReader::Event GnssReader::read(GnssStream::Event found, const GnssStream& st
                                    double speed_limit) {
   Event event = Event::ignored;
   if (mending_ > 0) --mending_;
-  if (std::exchange(bad_, stream.bad()) != stream.bad()) mending_ = kMending;
+  const std::uint32_t damaged = stream.bad() - std::exchange(bad_, stream.bad());
+  suspect(static_cast<int>(std::min<std::uint32_t>(damaged, 4)));
   if (found == GnssStream::Event::sentence) event = read_sentence(stream.sentence(), now);
   if (found == GnssStream::Event::message) event = read_message(stream.message(), now);
-  if (event == Event::malformed) mending_ = kMending;
+  if (event == Event::malformed) suspect(1);
   if (event != Event::fix) return event;
-  context_.damage = mending_ > 0;
+  context_.damage = mending_ > kBad;
   if (!gate_.admit(next_, now, speed_limit, context_)) return Event::implausible;
   fix_ = next_;
   return Event::fix;
+}
+
+void GnssReader::suspect(int damaged) {
+  mending_ = std::min(mending_ + damaged * kMending, 2 * kBad);
 }
 
 GnssReader::Event GnssReader::read_sentence(std::string_view sentence, double now) {

@@ -103,6 +103,29 @@ TEST(GnssReference, EveryEpochOfEveryReceiverIsAsGpsdReadsItAtAnyPace) {
   EXPECT_GT(compared, 3000U);
 }
 
+TEST(GnssReference, ALineThatDamagesLittleLosesNothingElse) {
+  const auto folder = support::test_data("nmea");
+  if (!folder) GTEST_SKIP() << support::kNoTestData;
+
+  for (const auto& path : logs(*folder)) {
+    SCOPED_TRACE(path.filename());
+    std::string bytes = support::bytes_of(path);
+    const Reading clean = read(bytes, kAtOnce);
+    // Two sentences of an epoch in the middle that are no GGA, and we begin within a sentence.
+    bytes.erase(0, bytes.find('$') + 10);
+    std::size_t at = bytes.find("GGA", bytes.size() / 2);
+    for (int i = 0; i < 2; ++i) {
+      at = bytes.find('$', at + 1);
+      if (at != std::string::npos && bytes.substr(at + 3, 3) != "GGA") bytes[at + 8] ^= 1;
+    }
+    const Reading reading = read(bytes, kAtOnce);
+
+    EXPECT_GT(reading.bad, 0U);
+    EXPECT_EQ(reading.implausible, 0U);
+    EXPECT_GE(reading.fixes.size() + 1, clean.fixes.size()) << "the first may have been cut";
+  }
+}
+
 /// Flips bits of the line: each one with a chance of 1 %, or one bit in 1 % of the bytes.
 enum class Damage : std::uint8_t { bits, bytes };
 
