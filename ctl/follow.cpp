@@ -14,11 +14,11 @@ bool is_about(const Json& params, const Json& subscription) {
 }
 
 /// The form that scripts read: the same members for every line.
-Json sample_line(Json params, bool dropped) {
+Json sample_line(Json params, const std::string& method) {
   params.erase("sub");
-  if (!dropped) return params;
+  if (method == "value") return params;
   params["value"] = nullptr;
-  params["status"] = "dropped";
+  params["status"] = method;
   return params;
 }
 
@@ -26,16 +26,17 @@ Json subscription_of(const Json& result) {
   return result.is_object() ? result.value("sub", Json()) : Json();
 }
 
-/// Prints what arrives until the daemon goes away; Ctrl-C ends the process.
+/// Prints what arrives until the daemon goes away; Ctrl-C ends the process. Beside what was asked
+/// for that is what was `dropped`, or `replaced`.
 template <typename Print>
 int follow(Session& session, const Json& subscription, std::string_view method, Print print) {
   while (true) {
     auto arrived = session.next();
     if (const auto* fault = std::get_if<Fault>(&arrived)) return session.fail(*fault);
     auto& notification = std::get<Notification>(arrived);
-    const bool dropped = notification.method == "dropped";
-    if (notification.method != method && !dropped) continue;
-    if (is_about(notification.params, subscription)) print(std::move(notification.params), dropped);
+    const std::string& told = notification.method;
+    if (told != method && told != "dropped" && told != "replaced") continue;
+    if (is_about(notification.params, subscription)) print(std::move(notification.params), told);
   }
 }
 
@@ -46,9 +47,10 @@ int run_watch(Session& session) {
       session.call("watch.subscribe", {{"addresses", session.arguments.all("ADDRESS")}});
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
   return follow(session, subscription_of(std::get<Json>(answer)), "value",
-                [&](Json params, bool dropped) {
+                [&](Json params, const std::string& method) {
+                  params = sample_line(std::move(params), method);
                   const std::string text = render_sample(params, session.look());
-                  session.print(sample_line(std::move(params), dropped), text);
+                  session.print(params, text);
                 });
 }
 
@@ -70,11 +72,12 @@ int run_logs(Session& session) {
   const Json records = result.is_object() ? result.value("records", Json::array()) : Json::array();
   for (const Json& record : records) session.print(record, render_record(record, session.look()));
   if (!given.has("-f,--follow")) return 0;
-  return follow(session, subscription_of(result), "log", [&](Json record, bool dropped) {
-    record.erase("sub");
-    if (dropped) record["event"] = "dropped";
-    session.print(record, render_record(record, session.look()));
-  });
+  return follow(session, subscription_of(result), "log",
+                [&](Json record, const std::string& method) {
+                  record.erase("sub");
+                  if (method == "dropped") record["event"] = method;
+                  session.print(record, render_record(record, session.look()));
+                });
 }
 
 }  // namespace mauve::ctl

@@ -64,6 +64,12 @@ std::string render_sample(const Json& params, Look look) {
                    Paint::yellow, look.colour) +
            "\n";
   }
+  if (word(params, "status") == "replaced") {
+    return text +
+           painted("replaced: what follows is of the resource that has its name now", Paint::yellow,
+                   look.colour) +
+           "\n";
+  }
   text += wide(word(params, "status"), 8) + "  " + word(params, "value");
   if (word(params, "status") == "stale") {
     text += " (" + nanoseconds_in_words(number(params, "age_ns")) + " old)";

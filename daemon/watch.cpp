@@ -13,6 +13,7 @@ namespace mauve::daemon {
 namespace {
 
 constexpr std::chrono::milliseconds kPeriod{10};
+constexpr unsigned kLooks = 10;  // periods between two looks whether what is tapped is still there
 constexpr std::size_t kTapBytes = 4 * 1024 * 1024;
 
 /// A second's worth of a fast small value, a few of a large one.
@@ -181,6 +182,7 @@ void Watches::remove(const Leaves& leaves) {
     return unwatched;
   };
   clean(polled_);
+  clean(lost_);
   std::erase_if(followers_, [&](const LogFollower& one) {
     const bool gone = leaves(one.client, one.sub);
     if (gone) {
@@ -190,7 +192,7 @@ void Watches::remove(const Leaves& leaves) {
   });
   std::list<Tapped> detached;  // without mutex_: the gate of a resource may be held for long
   const std::lock_guard lock(mutex_);
-  has_polled_ = !polled_.empty();
+  has_polled_ = !polled_.empty() || !lost_.empty();
   detached = clean(tapped_);
 }
 
@@ -202,7 +204,8 @@ void Watches::run() {
       continue;
     }
     bring_values();
-    if (has_polled_ && !std::exchange(poll_pending_, true)) {
+    const bool due = ++rounds_ % kLooks == 0;
+    if ((has_polled_ || due) && !std::exchange(poll_pending_, true)) {
       running_->control.read([this] { poll(); });
     }
     wake_.wait_for(lock, kPeriod, [this] { return stopping_; });
@@ -231,8 +234,57 @@ void Watches::bring_values() {
   }
 }
 
-/// An address that stopped having a value (a core without that observable) is told as null once.
 void Watches::poll() {
+  poll_values();
+  leave_replaced();
+  find_replacements();
+  const std::lock_guard lock(mutex_);
+  has_polled_ = !polled_.empty() || !lost_.empty();
+  poll_pending_ = false;
+}
+
+/// Its last values are brought first. [control]
+void Watches::leave_replaced() {
+  std::list<Tapped> left;  // goes without mutex_, as in remove()
+  const std::lock_guard lock(mutex_);
+  for (auto one = tapped_.begin(); one != tapped_.end();) {
+    const auto here = one++;
+    if (here->is_there()) {
+      continue;
+    }
+    bring_values();
+    lost_.push_back({here->address, std::move(here->subscribers)});
+    left.splice(left.end(), tapped_, here);
+  }
+}
+
+void Watches::find_replacements() {
+  const auto found = [this](Lost& one) {
+    const auto target = find_target(*running_, one.address);
+    if (!target || target->service == nullptr || target->service->taps() == nullptr) {
+      return false;
+    }
+    for (const auto& who : one.subscribers) {
+      if (tap(one.address, *target->service, who)) {
+        who.outbox->push(who.sub, one.address, "replaced", {{"address", one.address}});
+      }
+    }
+    return true;
+  };
+  std::erase_if(lost_, found);
+  for (auto& one : lost_) {
+    if (std::exchange(one.told, true)) {
+      continue;
+    }
+    for (const auto& who : one.subscribers) {
+      who.outbox->push(who.sub, one.address, "value",
+                       {{"address", one.address}, {"value", nullptr}, {"status", "no_data"}});
+    }
+  }
+}
+
+/// An address that stopped having a value (a core without that observable) is told as null once.
+void Watches::poll_values() {
   const auto time = running_->deployer.clock().now() - running_->deployer.t0();
   for (auto& one : polled_) {
     auto now = sample_at(*running_, one.address);
@@ -247,8 +299,6 @@ void Watches::poll() {
       who.outbox->push(who.sub, one.address, "value", params);
     }
   }
-  const std::lock_guard lock(mutex_);
-  poll_pending_ = false;
 }
 
 }  // namespace mauve::daemon

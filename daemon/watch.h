@@ -21,7 +21,8 @@ namespace mauve::daemon {
 
 /// Values written to shared data or a queue are all seen, through a bounded tap that its writer
 /// never waits for. Everything else (properties, observables, ports, services that compute their
-/// value) is looked at 50 times a second and told when it differs.
+/// value) is looked at 50 times a second and told when it differs. Who watches a resource that is
+/// replaced is told, and goes on at the one that has its name; when none has it, one value is null.
 class Watches {
  public:
   explicit Watches(logging::Log& log) : log_(log) {}
@@ -76,6 +77,12 @@ class Watches {
     Json last;
     std::vector<Subscriber> subscribers;
   };
+  /// Tapped a resource that left.
+  struct Lost {
+    std::string address;
+    std::vector<Subscriber> subscribers;
+    bool told = false;
+  };
   struct LogFollower {
     std::uint64_t client;
     std::uint64_t sub;
@@ -86,6 +93,9 @@ class Watches {
   Status add(const Running& running, const std::string& address, const Subscriber& who);
   Status tap(const std::string& address, ServiceBase& service, const Subscriber& who);
   void poll();
+  void poll_values();
+  void leave_replaced();
+  void find_replacements();
   void run();
   void bring_values();
   void remove(const Leaves& leaves);
@@ -93,6 +103,7 @@ class Watches {
   logging::Log& log_;
   Running* running_ = nullptr;
   std::list<Polled> polled_;            ///< [control]
+  std::list<Lost> lost_;                ///< [control]
   std::vector<LogFollower> followers_;  ///< [control]
 
   std::mutex mutex_;  ///< guards what follows
@@ -100,6 +111,7 @@ class Watches {
   std::list<Tapped> tapped_;
   bool has_polled_ = false;
   bool poll_pending_ = false;
+  unsigned rounds_ = 0;
   bool stopping_ = false;
   std::thread thread_;
 };

@@ -25,6 +25,9 @@ class Afterwards {
   const Change& change_;
 };
 
+/// Can this be the longest time that the resource is held?
+Status check_hold(const ResourceBase& resource, Duration hold);
+
 Result<PreparedMember> prepare_member(const Afterwards& after, const Edit& edit,
                                       ComponentBase& component, bool configure);
 /// Connects and configures what joins; nobody uses it yet.

@@ -51,6 +51,8 @@ Status make_core(const Edit& edit, ResourceBase& resource, PreparedResource& pre
   return core->configure();
 }
 
+}  // namespace
+
 Status check_hold(const ResourceBase& resource, Duration hold) {
   const std::string at = resource.name() + ".hold";
   if (hold < Duration{0} || hold > kLongestHold) {
@@ -63,8 +65,6 @@ Status check_hold(const ResourceBase& resource, Duration hold) {
   }
   return ok();
 }
-
-}  // namespace
 
 Result<PreparedResource> prepare_resource(const Afterwards& after, const Edit& edit,
                                           ResourceBase& resource) {

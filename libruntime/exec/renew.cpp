@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "exec/edit_properties.h"
+#include "exec/prepare.h"
 
 namespace mauve::exec {
 namespace {
@@ -67,6 +68,9 @@ Status make_heir(const ResourceBase& resource, const Edit& edit, Change& change)
   auto heir = std::make_shared<ResourceBase>(resource.name(),
                                              edit.resource ? *edit.resource : resource.type());
   if (!heir->made()) return heir->made();
+  if (edit.hold) {
+    if (Status sound = check_hold(*heir, *edit.hold); !sound) return sound;
+  }
   change.new_resources.push_back({heir, connections_after(resource, edit), edit.state});
   change.remove.push_back(resource.name());
   heir->gate().declare_hold(edit.hold.value_or(resource.gate().declared_hold()));

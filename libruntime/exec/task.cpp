@@ -241,7 +241,7 @@ void Task::put_in_place(Published& next) {
     counters_.used_max.store(0, std::memory_order_relaxed);
   }
   if (same_bundle && next.back == nullptr) return;
-  overran_ = 0;
+  overran_ = held_up_ = 0;
   if (Published* before = back_.exchange(next.back.release(), std::memory_order_acq_rel)) {
     pile_up(*before);
   }

@@ -238,6 +238,7 @@ class Task {
   std::uint64_t number_ = 0;   // of the last change it took
   Instant relief_from_ = 0;    // not before
   std::uint64_t overran_ = 0;  // a bit for each of the last jobs
+  std::uint64_t held_up_ = 0;  // the same, of those that only began too late
   Duration cpu_before_{0};     // of this thread, when the job began; zero: was not asked for
   bool preempted_ = false;     // the last job was
   bool running_ = false;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// What a task does about a core that fails, or does not prove itself.
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdio>
@@ -17,6 +18,15 @@ namespace {
 /// In place of when a job began: nobody runs the task.
 constexpr Instant kLost = -1;
 
+/// One in so many jobs may be late because it began too late: a host that stands still for some
+/// milliseconds, and not what was changed. More than that, and the change starves it.
+constexpr unsigned kExcused = 8;
+
+/// A job that took no longer would have been in time, had it begun in time.
+Instant longest_span(const TaskAttributes& task, Duration wait) {
+  return (task.deadline > Duration{0} ? std::min(wait, task.deadline) : wait).count();
+}
+
 }  // namespace
 
 /// Is, or will be, led back by the change on probation?
@@ -27,14 +37,20 @@ bool Task::leads_back() const {
 
 /// On probation: what is no fault by itself leads back as well.
 void Task::watch_over(const TaskAttributes& task, Instant start, Instant end, bool late) {
-  overran_ = overran_ << 1U | (late ? 1U : 0U);
-  const unsigned overruns = static_cast<unsigned>(std::popcount(overran_ & current_->window));
+  const bool held_up = late && end - start <= longest_span(task, wait_);
+  overran_ = overran_ << 1U | (late && !held_up ? 1U : 0U);
+  held_up_ = held_up_ << 1U | (held_up ? 1U : 0U);
+  const auto count = [this](std::uint64_t jobs) {
+    return static_cast<unsigned>(std::popcount(jobs & current_->window));
+  };
+  const unsigned excused = static_cast<unsigned>(std::popcount(current_->window)) / kExcused;
   const PortBase* port = this_job().implausible;
   if (port != nullptr) {
     std::array<char, 64> name{};
     port->name().copy(name.data(), name.size() - 1);
     give_up_core(Cause::implausible, name.data());
-  } else if (overruns > current_->tolerated) {
+  } else if (count(overran_) > current_->tolerated ||
+             count(overran_ | held_up_) > current_->tolerated + excused) {
     give_up_core(Cause::overruns, "");
   } else if (task.budget > Duration{0} && end - start > task.budget.count() &&
              used_too_much(task)) {

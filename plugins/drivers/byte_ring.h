@@ -33,19 +33,21 @@ class ByteRing {
     return std::span(bytes_).subspan(at, std::min(free, kSize - at));
   }
   void filled(std::size_t count) { store(head_, head_ + static_cast<std::uint32_t>(count)); }
-  /// All of it, or false and nothing. [rt]
-  [[nodiscard]] bool put(std::span<const char> bytes) {
-    if (bytes.size() > kSize - size()) return false;
-    const std::size_t count = bytes.size();
-    for (std::size_t i = 0; i < count; ++i) bytes_[(head_ + i) % kSize] = bytes[i];
+  /// All of it, at once, or false and nothing. [rt]
+  [[nodiscard]] bool put(std::span<const char> bytes, std::span<const char> more = {}) {
+    const std::size_t count = bytes.size() + more.size();
+    if (count > kSize - size()) return false;
+    std::uint32_t at = head_;
+    for (const char byte : bytes) bytes_[at++ % kSize] = byte;
+    for (const char byte : more) bytes_[at++ % kSize] = byte;
     filled(count);
     return true;
   }
 
-  /// The reader: what waits, in one piece; it is gone after drop(). [rt]
-  [[nodiscard]] std::span<const char> there() {
-    const std::size_t at = tail_ % kSize;
-    return std::span<const char>(bytes_).subspan(at, std::min(size(), kSize - at));
+  /// The reader: what waits, from so many bytes on, in one piece; it is gone after drop(). [rt]
+  [[nodiscard]] std::span<const char> there(std::size_t from = 0) {
+    const std::size_t at = (tail_ + from) % kSize;
+    return std::span<const char>(bytes_).subspan(at, std::min(size() - from, kSize - at));
   }
   void drop(std::size_t count) { store(tail_, tail_ + static_cast<std::uint32_t>(count)); }
 

@@ -24,7 +24,7 @@ mauve::Status DeviceLine::open(const std::string& device, int baud, SerialPort::
 void DeviceLine::close(LineBytes& line) {
   thread_.stop();
   port_.close();
-  LineThread::empty_handed(line);
+  thread_.empty_handed(line);
 }
 
 bool DeviceLine::reopen() {

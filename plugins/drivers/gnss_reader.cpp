@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "gnss_reader.h"
 
+#include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "ubx_pvt.h"
 
@@ -10,12 +12,21 @@ namespace drivers {
 GnssReader::Event GnssReader::read(GnssStream::Event found, const GnssStream& stream, double now,
                                    double speed_limit) {
   Event event = Event::ignored;
+  if (mending_ > 0) --mending_;
+  const std::uint32_t damaged = stream.bad() - std::exchange(bad_, stream.bad());
+  suspect(static_cast<int>(std::min<std::uint32_t>(damaged, 4)));
   if (found == GnssStream::Event::sentence) event = read_sentence(stream.sentence(), now);
   if (found == GnssStream::Event::message) event = read_message(stream.message(), now);
+  if (event == Event::malformed) suspect(1);
   if (event != Event::fix) return event;
-  if (!gate_.admit(next_, now, speed_limit)) return Event::implausible;
+  context_.damage = mending_ > kBad;
+  if (!gate_.admit(next_, now, speed_limit, context_)) return Event::implausible;
   fix_ = next_;
   return Event::fix;
+}
+
+void GnssReader::suspect(int damaged) {
+  mending_ = std::min(mending_ + damaged * kMending, 2 * kBad);
 }
 
 GnssReader::Event GnssReader::read_sentence(std::string_view sentence, double now) {
@@ -23,6 +34,7 @@ GnssReader::Event GnssReader::read_sentence(std::string_view sentence, double no
   if (event == FixReader::Event::malformed) return Event::malformed;
   if (event != FixReader::Event::fix || now - last_message_ < kSilence) return Event::ignored;
   next_ = sentences_.fix();
+  context_ = sentences_.context();
   return Event::fix;
 }
 
@@ -32,6 +44,8 @@ GnssReader::Event GnssReader::read_message(Bytes message, double now) {
   if (!fix) return Event::malformed;
   last_message_ = now;
   next_ = *fix;
+  context_ = {};
+  context_.separation = pvt_separation(message);
   return Event::fix;
 }
 

@@ -18,6 +18,8 @@ namespace drivers {
 class GnssReader {
  public:
   static constexpr double kSilence = 2.0;  ///< s without NAV-PVT until GGA is heard again
+  static constexpr int kMending = 12;      ///< undamaged frames that make up for a damaged one
+  static constexpr int kBad = 24;          ///< a line that lacks more of them is a bad one
 
   enum class Event : std::uint8_t {
     ignored,      ///< says nothing we want, or the same epoch again
@@ -33,12 +35,16 @@ class GnssReader {
   [[nodiscard]] const rover::GnssFix& fix() const { return fix_; }
 
  private:
+  void suspect(int damaged);
   Event read_sentence(std::string_view sentence, double now);
   Event read_message(Bytes message, double now);
 
   FixReader sentences_;
   FixGate gate_;
-  rover::GnssFix next_;  // read, not through the gate yet
+  rover::GnssFix next_;    // read, not through the gate yet
+  FixContext context_;     // of that
+  std::uint32_t bad_ = 0;  // of the stream, when it was looked at last
+  int mending_ = 0;        // undamaged frames that the line lacks
   rover::GnssFix fix_;
   double last_message_ = -std::numeric_limits<double>::infinity();
 };

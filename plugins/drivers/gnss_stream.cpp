@@ -13,6 +13,12 @@ GnssStream::Event told(FrameReader::Event event) {
 }  // namespace
 
 GnssStream::Event GnssStream::next() {
+  const Event found = find();
+  if (found == Event::bad) ++bad_;
+  return found;
+}
+
+GnssStream::Event GnssStream::find() {
   for (;;) {
     Event event = Event::none;
     switch (messages_.next()) {

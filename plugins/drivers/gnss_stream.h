@@ -31,14 +31,19 @@ class GnssStream {
   /// The whole frame; until the next call of next().
   [[nodiscard]] Bytes message() const { return messages_.frame(); }
 
+  /// Damaged ones so far. It wraps.
+  [[nodiscard]] std::uint32_t bad() const { return bad_; }
   /// Something has begun and is not complete yet.
   [[nodiscard]] bool in_frame() const { return messages_.in_frame() || sentences_.in_frame(); }
   /// The rest of it will not come.
   void give_up();
 
  private:
+  Event find();
+
   UbxFrames messages_;
   FrameReader sentences_;
+  std::uint32_t bad_ = 0;
   bool given_up_ = false;
 };
 

@@ -7,10 +7,14 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <map>
+#include <mutex>
+#include <string>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -44,7 +48,28 @@ void store(std::uint64_t& word, std::uint64_t value) {
   std::atomic_ref(word).store(value, std::memory_order_release);
 }
 
+constexpr std::size_t kLength = 2;  // bytes that say how long a request is
+
 }  // namespace
+
+struct LineThread::Device {
+  std::atomic<std::uint64_t> reader{0};  // whose component ran last
+  std::mutex reading;                    // no thread but those of lines ever waits for it
+  std::uint64_t tuned = 0;               // whose speed it has
+};
+
+/// What no other line can find is its own: nothing.
+std::shared_ptr<LineThread::Device> LineThread::device_of(const LineEnd& end) {
+  static std::mutex mutex;
+  static std::map<std::string, std::weak_ptr<Device>, std::less<>> devices;
+  const std::string name = end.name();
+  if (name.empty()) return nullptr;
+  const std::lock_guard lock(mutex);
+  std::erase_if(devices, [](const auto& one) { return one.second.expired(); });
+  std::shared_ptr<Device> device = devices[name].lock();
+  if (device == nullptr) devices[name] = device = std::make_shared<Device>();
+  return device;
+}
 
 Status LineThread::start(LineEnd& end, std::size_t most_waiting, Lost lost) {
   stop();
@@ -54,9 +79,12 @@ Status LineThread::start(LineEnd& end, std::size_t most_waiting, Lost lost) {
   end_ = &end;
   most_waiting_ = most_waiting;
   lost_ = lost;
-  stopping_ = asked_ = hurried_ = followed_ = false;
+  stopping_ = asked_ = false;
+  hurried_ = followed_ = lost == Lost::opened_to_send;
+  device_ = device_of(end);
   open_ = end.number() >= 0;
   waiting_.drop(waiting_.size());
+  request_size_ = 0;
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
   pthread_attr_setstacksize(&attributes, kStack);
@@ -82,27 +110,41 @@ void LineThread::stop() {
   running_ = open_ = false;
 }
 
-void LineThread::empty_handed(LineBytes& bytes) {
+void LineThread::empty_handed(LineBytes& bytes) const {
   store(bytes.wanted, 0);
   if (bytes.home != reinterpret_cast<std::uintptr_t>(&bytes)) return;
+  if (look(bytes.filler) == id()) store(bytes.filler, 0);  // a job was thrown out of fill()
   while (look(bytes.filler) != 0) std::this_thread::sleep_for(1ms);
 }
 
+/// May be thrown out anywhere: whatever is missing then, the next job does.
 void LineThread::fill(LineBytes& bytes) {
   if (const auto here = reinterpret_cast<std::uintptr_t>(&bytes); bytes.home != here) {
-    bytes.home = here;
     store(bytes.filler, 0);
+    bytes.home = here;
   }
   store(bytes.wanted, id());
-  if (look(bytes.filler) != 0) return;  // ours, or it will let go
-  store(bytes.filler, id());
-  target_.store(&bytes, std::memory_order_release);
   follow_the_component();
-  kick();
+  bool news = false;
+  if (device_ != nullptr && device_->reader.load(std::memory_order_relaxed) != id()) {
+    device_->reader.store(id(), std::memory_order_release);
+    news = true;
+  }
+  const std::uint64_t filler = look(bytes.filler);
+  const bool ours = filler == 0 || filler == id();  // else it will let go
+  if (ours && (filler == 0 || target_.load(std::memory_order_relaxed) != &bytes)) {
+    store(bytes.filler, id());
+    target_.store(&bytes, std::memory_order_release);
+    news = true;
+  }
+  if (news) kick();
 }
 
 bool LineThread::send(std::string_view bytes) {
-  if (waiting_.size() + bytes.size() > most_waiting_ || !waiting_.put(bytes)) return false;
+  const std::array<char, kLength> length{static_cast<char>(bytes.size() % 256U),
+                                         static_cast<char>(bytes.size() / 256U)};
+  if (waiting_.size() + length.size() + bytes.size() > most_waiting_) return false;
+  if (!waiting_.put(length, bytes)) return false;
   follow_the_component();
   kick();
   return true;
@@ -171,6 +213,16 @@ void LineThread::let_go() {
   if (bytes != nullptr) store(bytes->filler, 0);
 }
 
+bool LineThread::reads() const {
+  return open() && filled_ != nullptr &&
+         (device_ == nullptr || device_->reader.load(std::memory_order_acquire) == id());
+}
+
+/// As its properties say; only when it is used, so that one that never is changes nothing.
+void LineThread::tune() {
+  if (device_ != nullptr && device_->tuned != id() && end_->tune()) device_->tuned = id();
+}
+
 /// What waited was for the device that is gone.
 void LineThread::open_again() {
   if (open()) return;
@@ -182,10 +234,10 @@ void LineThread::open_again() {
 }
 
 void LineThread::read_in() {
-  while (open() && filled_ != nullptr) {
+  while (reads()) {
     const std::span<char> room = filled_->ring.room();
     if (room.empty()) return;
-    const std::ptrdiff_t count = end_->read(room);
+    const std::ptrdiff_t count = read_some(room);
     if (count < 0) return lose();
     if (count == 0) return;
     idle_ = false;
@@ -194,46 +246,78 @@ void LineThread::read_in() {
   }
 }
 
+/// Nothing, when another line became the reader meanwhile.
+std::ptrdiff_t LineThread::read_some(std::span<char> room) {
+  if (device_ == nullptr) return end_->read(room);
+  const std::lock_guard lock(device_->reading);
+  if (!reads()) return 0;
+  tune();
+  return end_->read(room);
+}
+
+/// Is there something to send?
+bool LineThread::next_request() {
+  if (request_size_ > 0) return true;
+  if (waiting_.size() == 0) return false;
+  const auto digit = [this](std::size_t at) {
+    return static_cast<unsigned char>(waiting_.there(at).front());
+  };
+  request_size_ = kLength + digit(0) + 256U * digit(1);
+  request_sent_ = kLength;
+  return true;
+}
+
 void LineThread::write_out() {
   bool tried = false;
-  while (waiting_.size() > 0) {
+  while (next_request()) {
     if (!open() && lost_ == Lost::opened_to_send && !std::exchange(tried, true)) {
       error_ = end_->reopen() ? 0 : errno;
       open_ = end_->number() >= 0;
     }
     if (!open()) return drop_waiting();
-    const std::span<const char> bytes = waiting_.there();
-    const std::ptrdiff_t count = end_->write({bytes.data(), bytes.size()});
+    const std::ptrdiff_t count = write_some();
     if (count == 0) return;
     if (count < 0) {
       lose();
-    } else {
-      waiting_.drop(static_cast<std::size_t>(count));
-      tried = false;  // what is sent meanwhile may meet another loss
+      continue;
     }
+    request_sent_ += static_cast<std::size_t>(count);
+    if (request_sent_ < request_size_) continue;
+    waiting_.drop(std::exchange(request_size_, 0));
+    tried = false;  // what is sent meanwhile may meet another loss
   }
+}
+
+std::ptrdiff_t LineThread::write_some() {
+  std::span<const char> rest = waiting_.there(request_sent_);
+  rest = rest.first(std::min(rest.size(), request_size_ - request_sent_));
+  std::unique_lock<std::mutex> lock;
+  if (device_ != nullptr) lock = std::unique_lock(device_->reading);
+  tune();
+  return end_->write({rest.data(), rest.size()});
 }
 
 void LineThread::lose() {
   error_ = errno;
   end_->close();
+  request_sent_ = kLength;  // what was heard of it means nothing to the device that comes
   open_.store(false, std::memory_order_release);
 }
 
 void LineThread::drop_waiting() {
-  const std::size_t size = waiting_.size();
-  if (size == 0) return;
-  waiting_.drop(size);
+  if (!next_request()) return;
+  waiting_.drop(waiting_.size());
+  request_size_ = 0;
   if (tell_unsent_) tell_unsent_();
 }
 
 void LineThread::wait() {
-  const bool filling = filled_ != nullptr && open();
+  const bool filling = reads();
   const bool full = filling && filled_->ring.room().empty();
   pollfd bell{bell_.number(), POLLIN, 0};
   pollfd line{-1, 0, 0};
   if (filling && !full && !idle_) line.events = POLLIN;
-  if (open() && waiting_.size() > 0) line.events |= POLLOUT;
+  if (open() && next_request()) line.events |= POLLOUT;
   if (line.events != 0) line.fd = end_->number();
   std::array<pollfd, 2> both{bell, line};
   const int longest = full || idle_ ? kPause : filled_ != nullptr ? kGlance : -1;
@@ -249,7 +333,7 @@ void LineThread::wait() {
 
 void LineThread::send_rest() {
   const auto until = std::chrono::steady_clock::now() + kFarewell;
-  for (write_out(); waiting_.size() > 0 && std::chrono::steady_clock::now() < until; write_out()) {
+  for (write_out(); next_request() && std::chrono::steady_clock::now() < until; write_out()) {
     pollfd line{end_->number(), POLLOUT, 0};
     ::poll(&line, 1, kPause);
   }

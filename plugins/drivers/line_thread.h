@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string_view>
 #include <utility>
 
@@ -32,7 +33,8 @@ struct LineBytes {
 
 /// Serves one end of a line from start() to stop(). A line reads only into bytes that it fills, and
 /// no more than find room there: what is beyond that waits in the kernel, and a core that does not
-/// run takes nothing from the one that does.
+/// run takes nothing from the one that does. Of all lines of one device only that one reads whose
+/// component ran last, at its speed: a core that is no more leaves nothing behind to read for it.
 class LineThread {
  public:
   /// What becomes of an end that failed: it waits for reopen(), or is opened when something is
@@ -45,7 +47,8 @@ class LineThread {
   LineThread& operator=(const LineThread&) = delete;
 
   /// `end` belongs to the thread until stop(). At most `most_waiting` bytes wait to be sent: what a
-  /// device that hung hears later should not be too old. [factory]
+  /// device that hung hears later should not be too old. One that is opened to send is for
+  /// emergencies: its thread is a real-time one from the beginning. [factory]
   mauve::Status start(LineEnd& end, std::size_t most_waiting, Lost lost = Lost::waits);
   /// Called on the thread when what send() took found no device, and with how many bytes came.
   /// Before start(). [factory]
@@ -54,11 +57,13 @@ class LineThread {
   /// Sends what waits, for 200 ms at most, and joins the thread. [factory]
   void stop();
   /// Until no line fills it any more, so that it can go. After stop(). [factory]
-  static void empty_handed(LineBytes& bytes);
+  void empty_handed(LineBytes& bytes) const;
 
-  /// The line fills this from now on; to be said again in each job. [rt]
+  /// The line fills this from now on, and no other line of the device any; to be said again in each
+  /// job. [rt]
   void fill(LineBytes& bytes);
-  /// All of it is sent later, or nothing and false: too much waits already. [rt]
+  /// All of it is sent later, or nothing and false: too much waits already. Of what a device that
+  /// was lost heard a half, one that is opened to send hears all again. [rt]
   bool send(std::string_view bytes);
   /// Read it before looking for bytes: those that came before it failed are there then. [rt]
   [[nodiscard]] bool open() const { return open_.load(std::memory_order_acquire); }
@@ -68,15 +73,23 @@ class LineThread {
   bool reopen();
 
  private:
+  struct Device;  // what all lines of one have in common
+
+  static std::shared_ptr<Device> device_of(const LineEnd& end);
   static void* enter(void* self);
   void run();
+  [[nodiscard]] bool reads() const;
+  void tune();
   void follow_the_component();
   void hurry();
   void choose_bytes();
   void let_go();
   void open_again();
   void read_in();
+  std::ptrdiff_t read_some(std::span<char> room);
+  bool next_request();
   void write_out();
+  std::ptrdiff_t write_some();
   void lose();
   void drop_waiting();
   void wait();
@@ -85,6 +98,7 @@ class LineThread {
   [[nodiscard]] std::uint64_t id() const { return reinterpret_cast<std::uintptr_t>(this); }
 
   LineEnd* end_ = nullptr;
+  std::shared_ptr<Device> device_;
   std::size_t most_waiting_ = 0;
   Lost lost_ = Lost::waits;
   std::function<void()> tell_unsent_;
@@ -99,11 +113,13 @@ class LineThread {
   std::atomic<bool> open_{false};
   std::atomic<int> error_{0};
   std::atomic<LineBytes*> target_{nullptr};
-  ByteRing<16'384> waiting_;
+  ByteRing<16'384> waiting_;  // requests, each after its length
 
   // The thread's own.
   LineBytes* filled_ = nullptr;
-  bool idle_ = false;  // it is always ready, and has nothing: the end of a file
+  std::size_t request_size_ = 0;  // of the first that waits, with its length
+  std::size_t request_sent_ = 0;  // of these, gone
+  bool idle_ = false;             // it is always ready, and has nothing: the end of a file
 };
 
 }  // namespace drivers

@@ -13,6 +13,8 @@ namespace {
 
 using rover::GnssFix;
 
+constexpr int kTrusted = 2;  // that many times RMC or GLL said the same as GGA
+
 /// The comma-separated fields of a sentence; field 0 is the address. Beyond the capacity they are
 /// cut.
 struct Fields {
@@ -70,8 +72,36 @@ std::optional<double> time_of_day(std::string_view text) {
   return hours * 3600.0 + minutes * 60.0 + seconds;
 }
 
+/// Degrees that the last digit of "dddmm.mmmm" stands for.
+double grain_of(std::string_view text) {
+  const std::size_t dot = text.find('.');
+  const std::size_t decimals = dot == std::string_view::npos ? 0 : text.size() - dot - 1;
+  return std::pow(10.0, -static_cast<double>(decimals)) / 60.0;
+}
+
+/// Time and place from these fields of RMC or GLL; of no grain when they say none.
+Witness read_witness(const Fields& fields, std::size_t time, std::size_t place) {
+  const auto when = time_of_day(fields[time]);
+  const auto latitude = angle(fields[place], fields[place + 1], "NS", 90.0);
+  const auto longitude = angle(fields[place + 2], fields[place + 3], "EW", 180.0);
+  if (fields[time].empty() || !when || !latitude || !longitude) return {};
+  return {*when, *latitude, *longitude,
+          std::max(grain_of(fields[place]), grain_of(fields[place + 2]))};
+}
+
+/// To the digits that both carry: one may have cut what the other rounded.
+bool same_place(const Witness& said, const GnssFix& fix, double grain) {
+  const double most = 1.01 * std::max(said.grain, grain);
+  return std::abs(said.latitude - fix.latitude) <= most &&
+         std::abs(std::remainder(said.longitude - fix.longitude, 360.0)) <= most;
+}
+
+bool same_epoch(const Witness& said, const GnssFix& fix) {
+  return said.grain > 0.0 && fix.mode > 1 && std::abs(said.time - fix.time) < 1e-3;
+}
+
 /// GGA: 1 time, 2-5 position, 6 quality, 7 satellites, 8 dilution, 9 altitude. Nothing: malformed.
-std::optional<GnssFix> read_gga(const Fields& fields, int dimensions) {
+std::optional<GnssFix> parse_gga(const Fields& fields, int dimensions) {
   const auto time = time_of_day(fields[1]);
   const auto quality = number_or(fields[6], 0.0);
   const auto satellites = number_or(fields[7], 0.0);
@@ -109,14 +139,44 @@ FixReader::Event FixReader::read(std::string_view frame) {
     const std::string_view mode = fields[2];
     if (mode.size() != 1 || mode[0] < '1' || mode[0] > '3') return Event::malformed;
     dimensions_ = std::max(dimensions_, mode[0] - '0');
+    dilution_ = number_or(fields[16], 0.0).value_or(0.0);
     return Event::ignored;
   }
-  if (sentence != "GGA") return Event::ignored;
-  const std::optional<GnssFix> fix = read_gga(fields, dimensions_);
+  if (sentence == "RMC") hear(read_witness(fields, 1, 3), rmc_);
+  if (sentence == "GLL") hear(read_witness(fields, 5, 1), gll_);
+  return sentence == "GGA" ? read_gga(frame) : Event::ignored;
+}
+
+FixReader::Event FixReader::read_gga(std::string_view frame) {
+  const Fields fields(frame);
+  const std::optional<GnssFix> fix = parse_gga(fields, dimensions_);
   dimensions_ = 0;
   if (!fix) return Event::malformed;
   fix_ = *fix;
+  grain_ = std::max(grain_of(fields[2]), grain_of(fields[4]));
+  context_ = {};
+  context_.separation = number_or(fields[11], 0.0).value_or(0.0);
+  context_.dilution_known = dilution_ > 0.0 && dilution_ == fix_.hdop;
+  for (const Witness* said : {&rmc_, &gll_}) {
+    if (!same_epoch(*said, fix_)) continue;
+    const bool same = same_place(*said, fix_, grain_);
+    context_.confirmed = context_.confirmed || same;
+    context_.denied = context_.denied || (!same && agreed_ >= kTrusted);
+    compare(same);
+  }
+  // Two against one.
+  context_.denied = context_.denied && !context_.confirmed;
   return Event::fix;
+}
+
+void FixReader::hear(const Witness& said, Witness& kept) {
+  kept = said;
+  if (same_epoch(said, fix_)) compare(same_place(said, fix_, grain_));
+}
+
+/// A receiver whose sentences differ by habit is not believed when they do.
+void FixReader::compare(bool same) {
+  agreed_ = same ? std::min(agreed_ + 1, 2 * kTrusted) : std::max(agreed_ - kTrusted, 0);
 }
 
 }  // namespace drivers

@@ -168,7 +168,7 @@ Status SerialPort::open(const std::string& device, int baud, Missing missing, Us
     return refuse(Errc::invalid_value, {}, "'" + device + "' is no serial device",
                   "requests would be written into it; name one such as /dev/ttyACM0");
   }
-  if (Status raw = make_raw(opened.number(), baud); !raw) return raw;
+  if (Status raw = make_raw(opened.number(), 0); !raw) return raw;
   choose(device, baud, use);
   device_ = std::move(opened);
   terminal_ = terminal;
@@ -185,7 +185,11 @@ bool SerialPort::reopen() {
   return true;
 }
 
-std::ptrdiff_t SerialPort::read(std::span<char> into) const {
+bool SerialPort::tune() {
+  return terminal_ && baud_ != 0 && is_open() && set_raw(device_.number(), baud_);
+}
+
+std::ptrdiff_t SerialPort::read(std::span<char> into) {
   const ssize_t count = ::read(device_.number(), into.data(), into.size());
   if (count == 0 && terminal_) return -1;  // a raw terminal has no end: it hung up
   if (count >= 0) return count;
@@ -234,7 +238,7 @@ void PseudoTerminal::shut() {
 }
 
 /// We hold the device ourselves: it never fails.
-std::ptrdiff_t PseudoTerminal::read(std::span<char> into) const {
+std::ptrdiff_t PseudoTerminal::read(std::span<char> into) {
   return static_cast<std::ptrdiff_t>(receive(into));
 }
 

@@ -41,12 +41,16 @@ class LineEnd {
   /// The descriptor; -1: it is closed.
   [[nodiscard]] virtual int number() const = 0;
   /// Bytes that are there now; 0 when there are none, -1 when the device failed or hung up.
-  [[nodiscard]] virtual std::ptrdiff_t read(std::span<char> into) const = 0;
+  [[nodiscard]] virtual std::ptrdiff_t read(std::span<char> into) = 0;
   /// Bytes that found room; -1 when the device failed.
   [[nodiscard]] virtual std::ptrdiff_t write(std::string_view bytes) const = 0;
   virtual void close() = 0;
   /// The same once more, after it failed or was closed. Takes no memory.
   virtual bool reopen() = 0;
+  /// What others may have open, too; empty: nobody can.
+  [[nodiscard]] virtual std::string name() const { return {}; }
+  /// Gives the device the settings of this end, whatever others did; false when it has none.
+  virtual bool tune() { return false; }
 };
 
 /// The device's end. For reading alone a file or a FIFO serves as well: then baud and raw mode do
@@ -58,17 +62,20 @@ class SerialPort final : public LineEnd {
   /// What is no terminal is never written to: a request would damage a recording.
   enum class Use : bool { reading, both };
 
-  /// Opens `device` (see line_path) raw and non-blocking; `baud` 0 leaves the speed alone. One that
-  /// is not there yet can be accepted: it stays closed, for reopen() to try. [factory]
+  /// Opens `device` (see line_path) raw and non-blocking, at the speed it has until tune(); `baud`
+  /// 0 leaves it alone for good. One that is not there yet can be accepted: it stays closed, for
+  /// reopen() to try. [factory]
   mauve::Status open(const std::string& device, int baud, Missing missing = Missing::refused,
                      Use use = Use::reading);
   /// For reopen() to open it. [factory]
   void choose(const std::string& device, int baud, Use use);
   void close() override { device_ = Descriptor(); }
   bool reopen() override;
+  [[nodiscard]] std::string name() const override { return path_; }
+  bool tune() override;
   [[nodiscard]] bool is_open() const { return device_.open(); }
   [[nodiscard]] int number() const override { return device_.number(); }
-  [[nodiscard]] std::ptrdiff_t read(std::span<char> into) const override;
+  [[nodiscard]] std::ptrdiff_t read(std::span<char> into) override;
   [[nodiscard]] std::ptrdiff_t write(std::string_view bytes) const override;
 
  private:
@@ -97,7 +104,7 @@ class PseudoTerminal final : public LineEnd {
   /// Path of the device.
   [[nodiscard]] const std::string& device() const { return path_; }
   [[nodiscard]] int number() const override { return master_.number(); }
-  [[nodiscard]] std::ptrdiff_t read(std::span<char> into) const override;
+  [[nodiscard]] std::ptrdiff_t read(std::span<char> into) override;
   [[nodiscard]] std::ptrdiff_t write(std::string_view bytes) const override;
   /// Sends what fits and tells how many bytes that was.
   [[nodiscard]] std::size_t send_some(std::string_view bytes) const;

@@ -26,6 +26,7 @@ constexpr std::size_t kFlags = 21;
 constexpr std::size_t kSatellites = 23;
 constexpr std::size_t kLongitude = 24;
 constexpr std::size_t kLatitude = 28;
+constexpr std::size_t kHeight = 32;    // above the ellipsoid
 constexpr std::size_t kAltitude = 36;  // above mean sea level
 constexpr std::size_t kPdop = 76;
 constexpr std::size_t kFlags3 = 78;  // of the longer message
@@ -88,6 +89,11 @@ std::optional<GnssFix> read_pvt(Bytes frame) {
   return fix;
 }
 
+double pvt_separation(Bytes frame) {
+  const Bytes payload = ubx_payload(frame);
+  return (signed_at(payload, kHeight) - signed_at(payload, kAltitude)) * 1e-3;
+}
+
 std::array<std::uint8_t, 100> write_pvt(const GnssFix& fix) {
   std::array<std::uint8_t, 100> frame{};
   const auto put = [&](std::size_t at, double value, std::size_t size) {
@@ -108,6 +114,7 @@ std::array<std::uint8_t, 100> write_pvt(const GnssFix& fix) {
   put(kSatellites, fix.satellites, 1);
   put(kLongitude, fix.longitude * 1e7, 4);
   put(kLatitude, fix.latitude * 1e7, 4);
+  put(kHeight, fix.altitude * 1e3, 4);
   put(kAltitude, fix.altitude * 1e3, 4);
   put(kPdop, fix.hdop * 100.0, 2);
   ubx_seal(frame, kNav, kPvt);

@@ -19,6 +19,9 @@ namespace drivers {
 /// is the receiver's PDOP, the only dilution in the message: never better than the horizontal one.
 [[nodiscard]] std::optional<rover::GnssFix> read_pvt(Bytes frame);
 
+/// Metres from mean sea level to the ellipsoid, of a message that read_pvt() understood.
+[[nodiscard]] double pvt_separation(Bytes frame);
+
 /// The frame of one epoch, 92 bytes of payload, for the simulated receiver. [rt]
 [[nodiscard]] std::array<std::uint8_t, 100> write_pvt(const rover::GnssFix& fix);
 

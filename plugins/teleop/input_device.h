@@ -1,46 +1,72 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A Linux input device read without ever waiting. A FIFO or a pseudo-terminal that carries the
-/// same events serves as well.
+/// A Linux input device as the end of a line, for a LineThread. A FIFO or a pseudo-terminal that
+/// carries the same events serves as well.
 #pragma once
 
+#include <linux/input.h>
+
+#include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "../drivers/serial_port.h"
 #include "event_reader.h"
 
 namespace teleop {
 
-class InputDevice {
- public:
-  enum class Got : std::uint8_t {
-    bytes,    ///< some
-    nothing,  ///< none now
-    nobody,   ///< a FIFO or file that nobody writes to now
-    lost,     ///< the device failed or hung up
-  };
+/// What only the thread of the line can know comes as events of this type between the others: no
+/// device sends it.
+struct Mark {
+  static constexpr std::uint16_t kType = 0xffff;
+  static constexpr std::uint16_t kThere = 0;        ///< from here on it is there, all let go
+  static constexpr std::uint16_t kGone = 1;         ///< nobody writes into the FIFO any more
+  static constexpr std::uint16_t kLowest = 0x100;   ///< and axis: the least it says
+  static constexpr std::uint16_t kHighest = 0x200;  ///< and axis: the most
+};
 
-  /// What to open from now on. [factory]
-  void name(const std::string& path) { path_ = path; }
-  /// Opens it, and then lets go of what was open before. Takes no memory. [rt]
-  bool open();
-  void close() { device_ = drivers::Descriptor(); }
-  [[nodiscard]] bool is_open() const { return device_.open(); }
-  /// `count` bytes that are there now. [rt]
-  Got read(std::span<char> into, std::size_t& count) const;
-  /// Begins `reader` anew with the ranges and the state of a real input device; false, and nothing
-  /// happens: it does not answer. [rt]
-  bool ask(EventReader& reader) const;
-  /// Reading it again from its beginning would repeat what was.
-  [[nodiscard]] bool is_file() const { return file_; }
+class InputDevice final : public drivers::LineEnd {
+ public:
+  /// What reopen() opens; while nobody writes into a FIFO it is looked for each `retry`. [factory]
+  void choose(const std::string& path, std::chrono::nanoseconds retry);
+
+  [[nodiscard]] int number() const override { return device_.number(); }
+  /// Whole events, in pieces where `into` is short.
+  [[nodiscard]] std::ptrdiff_t read(std::span<char> into) override;
+  /// It is only read.
+  [[nodiscard]] std::ptrdiff_t write(std::string_view bytes) const override;
+  void close() override { device_ = drivers::Descriptor(); }
+  /// Opens it, and then lets go of what was open before.
+  bool reopen() override;
+  [[nodiscard]] std::string name() const override { return path_; }
 
  private:
+  static constexpr std::size_t kAtOnce = 64;  // events
+
+  bool fetch();
+  void take(std::span<const char> bytes);
+  bool nobody();
+  void appear();
+  void ask();
+  void say(std::uint16_t type, std::uint16_t code, std::int32_t value);
+
   drivers::Descriptor device_;
   std::string path_;
+  std::chrono::nanoseconds retry_{};
+  std::chrono::steady_clock::time_point opened_;
   bool terminal_ = false;
-  bool file_ = false;
+  bool file_ = false;  // from its beginning it would repeat what was
+  bool there_ = false;
+  bool dropping_ = false;  // the kernel lost events; until the next report
+
+  std::array<char, sizeof(input_event)> part_{};
+  std::size_t part_size_ = 0;
+  std::array<input_event, kAtOnce + 128> said_{};
+  std::size_t said_size_ = 0;
+  std::size_t handed_ = 0;  // bytes of these
 };
 
 }  // namespace teleop

@@ -2,17 +2,20 @@
 /// Component kind "teleop/joystick": the events of a Linux input device, read from
 /// /dev/input/event*, a FIFO or a pseudo-terminal; one write to port `joystick` each period.
 /// A device that is missing or goes away is looked for again every `retry`; meanwhile the joystick
-/// written says that it is not connected. Opening happens on this component's thread: give it a
-/// priority below what must not wait for a slow USB driver.
+/// written says that it is not connected. A thread of its own (../drivers/line_thread.h) opens and
+/// reads the device, so that a job makes no system call for it.
 /// Example: mauvectl watch teleop.core.steering joystick.core.connected
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <cstring>
+#include <span>
 #include <string>
 
 #include <mauve/job.h>
 #include <mauve/log.h>
 
+#include "../drivers/line_thread.h"
 #include "event_reader.h"
 #include "input_device.h"
 #include "parts.h"
@@ -30,8 +33,10 @@ struct JoystickShell : mauve::Shell {
 class JoystickDriver final : public mauve::Core<JoystickShell> {
  public:
   void update() {
-    if (!connected_) find();
-    if (device_.is_open()) read();
+    line_.fill(bytes_);
+    const bool open = line_.open();  // what came before it failed is there then
+    read();
+    if (!open) find();
     Joystick now = reader_.shown();
     now.time = last_event_;
     now.connected = connected_;
@@ -54,58 +59,62 @@ class JoystickDriver final : public mauve::Core<JoystickShell> {
   mauve::Observable<std::uint64_t> dropped{*this, "dropped", 0, "times the kernel dropped events"};
   mauve::Observable<std::uint64_t> device_errors{*this, "device_errors", 0, "times it went away"};
   mauve::Observable<std::uint64_t> reopened{*this, "reopened", 0, "times it came back"};
+  mauve::Observable<std::uint64_t> received{*this, "received", 0, "bytes from its line"};
 
   mauve::Status on_configure() override {
     if (axis_min >= axis_max) return mauve::invalid(axis_max, "must be above axis_min");
-    device_.name(device);
+    device_.choose(device, retry.get());
+    static_cast<void>(device_.reopen());
+    line_.when_received([this](std::size_t count) { received += count; });
     begin();
-    return mauve::ok();
+    return line_.start(device_, 0);
   }
-  void on_cleanup() override { device_.close(); }
+  void on_cleanup() override {
+    line_.stop();
+    line_.empty_handed(bytes_);
+    device_.close();
+  }
 
   /// Every device tells its own ranges; one that does not has those of the properties.
   void begin() {
     constexpr std::size_t kFirstOfHat = 6;
     for (std::size_t axis = 0; axis < Joystick::kAxes; ++axis) {
-      reader_.set_range(axis,
-                        axis < kFirstOfHat ? AxisRange{axis_min, axis_max} : AxisRange{-1, 1});
+      ranges_[axis] = axis < kFirstOfHat ? AxisRange{axis_min, axis_max} : AxisRange{-1, 1};
+      reader_.set_range(axis, ranges_[axis]);
     }
     reader_.begin();
   }
 
   void find() {
+    gone();
     const mauve::Instant now = mauve::job_time();
     if (now < next_look_) return;
     next_look_ = now + retry->count();
-    if (device_.is_open() && device_.is_file()) return;
-    if (device_.open()) {
-      begin();
-      static_cast<void>(device_.ask(reader_));
-    } else {
-      device_.close();
-    }
+    static_cast<void>(line_.reopen());
   }
 
   void read() {
-    for (int block = 0; block < kBlocksPerJob; ++block) {
-      std::size_t count = 0;
-      switch (device_.read(bytes_, count)) {
-        case InputDevice::Got::bytes:
-          there();
-          take({bytes_.data(), count});
-          break;
-        case InputDevice::Got::nothing:
-          there();
-          return;
-        case InputDevice::Got::nobody:
-          gone();
-          return;
-        case InputDevice::Got::lost:
-          gone();
-          device_.close();
-          return;
+    for (int left = kEventsPerJob; left > 0 && bytes_.ring.size() >= sizeof(input_event); --left) {
+      std::array<char, sizeof(input_event)> bytes{};
+      for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = bytes_.ring.there(i).front();
+      bytes_.ring.drop(bytes.size());
+      input_event event;
+      std::memcpy(&event, bytes.data(), sizeof event);
+      if (event.type == Mark::kType) {
+        learn(event.code, event.value);
+      } else {
+        take(bytes);
       }
     }
+  }
+
+  void learn(std::uint16_t code, std::int32_t value) {
+    if (code == Mark::kThere) return there();
+    if (code == Mark::kGone) return gone();
+    const std::size_t axis = code & 0xffU;
+    if (axis >= ranges_.size()) return;
+    (code < Mark::kHighest ? ranges_[axis].min : ranges_[axis].max) = value;
+    reader_.set_range(axis, ranges_[axis]);
   }
 
   void take(std::span<const char> bytes) {
@@ -113,12 +122,11 @@ class JoystickDriver final : public mauve::Core<JoystickShell> {
     if (complete == 0) return;
     reports += complete;
     last_event_ = std::chrono::duration<double>(mauve::Duration{mauve::job_time()}).count();
-    if (!reader_.take_dropped()) return;
-    ++dropped;
-    static_cast<void>(device_.ask(reader_));
+    if (reader_.take_dropped()) ++dropped;
   }
 
   void there() {
+    begin();
     if (connected_) return;
     connected_ = true;
     if (had_one_) ++reopened;
@@ -132,14 +140,15 @@ class JoystickDriver final : public mauve::Core<JoystickShell> {
     ++device_errors;
     mauve::log(mauve::LogLevel::warning, "its joystick is gone");
     begin();
-    next_look_ = mauve::job_time() + retry->count();
   }
 
-  static constexpr int kBlocksPerJob = 8;  // more waits for the next job
+  static constexpr int kEventsPerJob = 512;  // more waits for the next job
 
   EventReader reader_;
+  std::array<AxisRange, Joystick::kAxes> ranges_{};
   InputDevice device_;
-  std::array<char, 64 * sizeof(input_event)> bytes_{};
+  drivers::LineBytes bytes_;
+  drivers::LineThread line_;  // ends before both
   mauve::Instant next_look_ = 0;
   double last_event_ = 0.0;
   // The observables go on from an earlier core; these are about this core's own descriptor.

@@ -256,10 +256,17 @@ TEST(Watch, OutlivesTheResourceItLooksAt) {
   const auto watched = watcher.ask("watch.subscribe", {{"addresses", {"count.read"}}})["result"];
   ASSERT_TRUE(watched.contains("sub")) << watched;
 
+  const auto with_it = file.dump();
   file["resources"].erase("count");
-  const auto applied =
-      daemon.ask("architecture.apply", {{"text", file.dump()}, {"probation", "off"}});
-  ASSERT_EQ(applied["state"], "applied") << applied;
+  const auto apply = [&](const std::string& text) {
+    return daemon.ask("architecture.apply", {{"text", text}, {"probation", "off"}})["state"];
+  };
+  ASSERT_EQ(apply(file.dump()), "applied");
+  Json value = 0;
+  while (!value.is_null()) value = watcher.notification("value")["params"]["value"];
+  ASSERT_EQ(apply(with_it), "applied");
+  const auto replaced = watcher.notification("replaced")["params"];
+  EXPECT_EQ(replaced, (Json{{"sub", watched["sub"]}, {"address", "count.read"}}));
   EXPECT_TRUE(watcher.ask("watch.unsubscribe", {{"sub", watched["sub"]}}).contains("result"));
 
   EXPECT_EQ(daemon.component("first")["state"], "running");

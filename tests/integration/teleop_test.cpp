@@ -17,6 +17,7 @@
 #include "../../plugins/types/velocity.h"
 #include "arch/load.h"
 #include "plugin/catalog.h"
+#include "support/eventually.h"
 #include "support/input_events.h"
 #include "support/temp_dir.h"
 
@@ -24,6 +25,7 @@ namespace {
 
 using namespace std::chrono_literals;  // NOLINT: durations
 using mauve::Value;
+using mauve::test::eventually;
 using mauve::test::InputEvents;
 using mauve::test::TempDir;
 using rover::Velocity;
@@ -69,16 +71,31 @@ class Teleop : public testing::Test {
     deployer_->run_for(100ms);
   }
 
-  /// Somebody plugs the joystick in.
+  /// Somebody plugs the joystick in. Here as below: and its line, which runs in real time, knows.
   void plug() {
-    writer_ = drivers::Descriptor(open(device_.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC));
-    ASSERT_TRUE(writer_.open());
+    const auto before = observe("joystick", "received");
+    ASSERT_TRUE(eventually([&] {
+      writer_ = drivers::Descriptor(open(device_.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC));
+      if (!writer_.open()) deployer_->run_for(100ms);  // it is looked for
+      return writer_.open();
+    }));
+    ASSERT_TRUE(told(before, sizeof(input_event)));
   }
-  void unplug() { writer_ = drivers::Descriptor(); }
+  void unplug() {
+    const auto before = observe("joystick", "received");
+    writer_ = drivers::Descriptor();
+    ASSERT_TRUE(told(before, sizeof(input_event)));
+  }
   void send(const InputEvents& events) {
+    const auto before = observe("joystick", "received");
     const std::string& bytes = events.bytes();
     ASSERT_EQ(write(writer_.number(), bytes.data(), bytes.size()),
               static_cast<ssize_t>(bytes.size()));
+    ASSERT_TRUE(told(before, bytes.size()));
+  }
+  bool told(std::int64_t before, std::size_t bytes) {
+    const auto enough = before + static_cast<std::int64_t>(bytes);
+    return eventually([&] { return observe("joystick", "received") >= enough; });
   }
   static InputEvents full_left() {
     return InputEvents().key(BTN_TRIGGER, 1).axis(ABS_X, -32767).report();
@@ -198,7 +215,6 @@ TEST_F(Teleop, FindsADeviceThatIsMadeAnew) {
   std::filesystem::remove(device_);
   deployer_->run_for(1s);
   ASSERT_EQ(mkfifo(device_.c_str(), 0600), 0);
-  deployer_->run_for(200ms);
   plug();
   send(full_left());
   deployer_->run_for(10ms);

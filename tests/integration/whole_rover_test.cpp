@@ -20,6 +20,8 @@ namespace {
 using mauve::test::DaemonProcess;
 using mauve::test::eventually;
 using mauve::test::InputEvents;
+using mauve::test::Process;
+using mauve::test::Rosbag;
 using mauve::test::RosTools;
 using mauve::test::TempDir;
 using nlohmann::json;
@@ -122,14 +124,17 @@ TEST_F(WholeRover, ObeysAJoystickAtOnceAndStandsWhenThatIsPulledOut) {
 json with_ros(json system) {
   system["resources"].update(json::parse(R"({
     "ros_goal": { "type": "ros/subscribe_goal", "properties": { "shell.topic": "/goal" } },
-    "ros_pose": { "type": "ros/publish_pose", "properties": { "shell.topic": "/pose" } }
+    "ros_pose": { "type": "ros/publish_pose", "properties": { "shell.topic": "/pose" } },
+    "ros_scan": { "type": "ros/publish_scan", "properties": { "shell.topic": "/scan" } }
   })"));
   system["components"].erase("mission");
   system["components"].update(json::parse(R"({
     "goal_relay": { "type": "ros/relay_goal", "properties": { "fsm.period": "100ms" },
                     "ports": { "from": "ros_goal.read", "to": "goal.write" } },
     "pose_relay": { "type": "ros/relay_pose", "properties": { "fsm.period": "100ms" },
-                    "ports": { "from": "localization.pose", "to": "ros_pose.write" } }
+                    "ports": { "from": "localization.pose", "to": "ros_pose.write" } },
+    "scan_relay": { "type": "ros/relay_scan", "properties": { "fsm.period": "100ms" },
+                    "ports": { "from": "scan.read", "to": "ros_scan.write" } }
   })"));
   return system;
 }
@@ -158,6 +163,54 @@ TEST_F(WholeRoverWithRos, DrivesToAGoalFromRostopicAndGoesOnWhenTheMasterDies) {
   start_master();
   ASSERT_TRUE(within([&] { return rover.value("ros_pose.core.connected") == true; }));
   EXPECT_THAT(echo("/pose"), testing::ContainsRegex("position: \n    x: [45]\\."));
+}
+
+/// What a drive looks like to those who open its bag: two messages of its pose, and its scans.
+constexpr const char* kReadBag = R"(
+import rosbag, sys
+said = {"/pose": [], "/scan": []}
+for topic, message, time in rosbag.Bag(sys.argv[1]).read_messages(): said[topic].append(message)
+first, last = said["/pose"][0].pose.position, said["/pose"][-1].pose.position
+scan = said["/scan"][-1]
+print("from %.0f to %.0f," % (first.x, last.x), "many" if len(said["/scan"]) > 50 else "few",
+      "scans of", len(scan.ranges), scan.header.frame_id)
+)";
+
+TEST_F(WholeRoverWithRos, DrivesToAGoalThatRosbagPlaysAndIsRecordedByIt) {
+  start_master();
+  const std::string goal = place_ / "goal.bag";
+  const std::string drive = place_ / "drive.bag";
+  {
+    Rosbag recorder({"record", "-l", "5", "-O", goal, "/goal"});
+    const auto tool = publish("/goal", 5.0, -1.0);
+    ASSERT_TRUE(recorder.ended());
+  }
+  DaemonProcess rover(kArchitecture, {});
+  ASSERT_TRUE(rover.up()) << rover.errors();
+  ASSERT_TRUE(rover.ask({"load", "ros"}).contains("generation")) << rover.errors();
+  const auto file = place_.write("with_ros.json", with_ros(rover.ask({"export"})).dump());
+  const json applied = rover.ask({"apply", file.string()});
+  ASSERT_EQ(applied.value("state", ""), "applied") << applied;
+  Rosbag recorder({"record", "-O", drive, "/pose", "/scan"});
+  ASSERT_TRUE(within([&] {
+    return rover.value("ros_pose.core.subscribers") == 1 &&
+           rover.value("ros_scan.core.subscribers") == 1;
+  })) << rover.errors();
+
+  Rosbag player({"play", "-d", "3", goal});
+  ASSERT_TRUE(within([&] { return number_of(rover, "goal.read.x") == 5.0; })) << player.output();
+  EXPECT_TRUE(within([&] { return number_of(rover, "navigation.core.goals_reached") == 1; }))
+      << rover.errors();
+  recorder.end();
+
+  Rosbag info({"info", drive});
+  ASSERT_TRUE(info.ended());
+  const std::string listed = info.output();
+  EXPECT_NE(listed.find("geometry_msgs/PoseStamped"), std::string::npos) << listed;
+  EXPECT_NE(listed.find("sensor_msgs/LaserScan"), std::string::npos) << listed;
+  Process reader({"/usr/bin/python3", "-c", kReadBag, drive});
+  ASSERT_TRUE(eventually([&] { return !reader.running(); }, mauve::test::kLong));
+  EXPECT_THAT(reader.all_output(), testing::ContainsRegex("from 0 to [45], many scans of 541"));
 }
 
 }  // namespace

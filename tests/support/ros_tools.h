@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "support/daemon_process.h"
@@ -23,6 +24,7 @@ inline constexpr std::chrono::seconds kLong{
     60};  // a ROS tool takes seconds to start on a busy machine
 inline constexpr const char* kMaster = "/usr/bin/rosmaster";
 inline constexpr const char* kTopic = "/usr/bin/rostopic";
+inline constexpr const char* kBag = "/usr/bin/rosbag";
 
 inline int free_port() {
   const int probe = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -36,11 +38,35 @@ inline int free_port() {
   return ntohs(address.sin_port);
 }
 
+/// `rosbag` as a child. It works through one of its own, to which it hands SIGINT on: SIGKILL, the
+/// end of any other Process, would leave that behind.
+class Rosbag {
+ public:
+  explicit Rosbag(std::vector<std::string> words) : process_(with_tool(std::move(words))) {}
+  ~Rosbag() { end(); }
+  /// A recording is complete then.
+  void end() {
+    process_.signal(SIGINT);
+    EXPECT_TRUE(ended());
+  }
+  [[nodiscard]] bool ended() {
+    return eventually([&] { return !process_.running(); }, kLong);
+  }
+  [[nodiscard]] std::string output() { return process_.all_output(); }
+
+ private:
+  static std::vector<std::string> with_tool(std::vector<std::string> words) {
+    words.insert(words.begin(), kBag);
+    return words;
+  }
+  Process process_;
+};
+
 class RosTools : public testing::Test {
  protected:
   void SetUp() override {
-    for (const std::string& needed :
-         {std::string(kMaster), std::string(kTopic), std::string(MAUVE_PLUGIN_DIR) + "/ros.so"}) {
+    for (const std::string& needed : {std::string(kMaster), std::string(kTopic), std::string(kBag),
+                                      std::string(MAUVE_PLUGIN_DIR) + "/ros.so"}) {
       if (!std::filesystem::exists(needed)) {
         GTEST_SKIP() << "no " << needed << ": scripts/setup installs ROS 1, then build again";
       }

@@ -110,6 +110,7 @@ TEST(Watch, PrintsEveryValueInTheSameFormUntilTheDaemonGoes) {
            R"({"sub":5,"address":"fix.read","value":{"mode":3},"status":"new_data","t_ns":1})");
     notify("value", R"({"sub":6,"address":"other.read","value":1,"status":"new_data","t_ns":1})");
     notify("dropped", R"({"sub":5,"address":"fix.read","count":12})");
+    notify("replaced", R"({"sub":5,"address":"fix.read"})");
   });
 
   const Outcome outcome = run(server.path(), {"--json", "watch", "fix.read"});
@@ -124,6 +125,9 @@ TEST(Watch, PrintsEveryValueInTheSameFormUntilTheDaemonGoes) {
   std::getline(lines, line);
   EXPECT_EQ(Json::parse(line),
             Json::parse(R"({"address":"fix.read","value":null,"status":"dropped","count":12})"));
+  std::getline(lines, line);
+  EXPECT_EQ(Json::parse(line),
+            Json::parse(R"({"address":"fix.read","value":null,"status":"replaced"})"));
   std::getline(lines, line);
   EXPECT_EQ(Json::parse(line)["error"]["exit"], 7);
 }

@@ -146,6 +146,44 @@ TEST_F(OnProbation, AsManyLateJobsAsToleratedDoNot) {
   EXPECT_EQ(deployer.status("control").overruns, 3u);
 }
 
+/// Half of each period is late.
+class WithADeadline : public OnProbation {
+ protected:
+  void SetUp() override {
+    architecture.control.task().deadline = 5ms;
+    OnProbation::SetUp();
+    deployer.run_for(5ms);
+  }
+  /// The host stands still: one of six jobs begins 7 ms after its release.
+  void stand_still(int times) {
+    auto* clock = const_cast<ManualClock*>(dynamic_cast<const ManualClock*>(&deployer.clock()));
+    for (int i = 0; i < times; ++i) {
+      clock->advance(12ms);
+      deployer.run_for(48ms);
+    }
+  }
+};
+
+TEST_F(WithADeadline, AHostThatStandsStillNowAndThenLeadsNobodyBack) {
+  ASSERT_TRUE(swap_to<ramp::Down>({.activations = 100}));
+  deployer.run_for(40ms);
+
+  stand_still(8);
+
+  EXPECT_EQ(deployer.status("control").overruns, 8u);
+  EXPECT_EQ(end_after(1s).kind, Outcome::Kind::passed);
+}
+
+TEST_F(WithADeadline, AMemberThatIsStarvedLeadsBack) {
+  const std::string before = core();
+  ASSERT_TRUE(swap_to<ramp::Down>({.activations = 100}));
+  deployer.run_for(40ms);
+
+  stand_still(9);
+
+  rolled_back_after(40ms, before, "overran too often");
+}
+
 TEST_F(OnProbation, UndoLeadsBack) {
   const std::string before = core();
   ASSERT_TRUE(swap_to<ramp::Down>());

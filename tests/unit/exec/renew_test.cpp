@@ -139,6 +139,19 @@ TEST_F(Renew, TheTypeOfANewerBuildTakesOver) {
   EXPECT_GT(core().calls, calls);
 }
 
+TEST_F(Renew, RefusesAHoldThatCannotBe) {
+  Edit edit;
+  edit.component = "adder";
+  edit.properties.emplace_back("shell.step", 3);
+  edit.hold = -1us;
+
+  const Result<Receipt> done = deployer.apply({{edit}});
+
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().at, "adder.hold");
+  EXPECT_EQ(&adder(), &architecture.adder);
+}
+
 TEST_F(Renew, TheOldOneComesBackWhenTheChangeIsTakenBack) {
   Edit edit;
   edit.component = "adder";

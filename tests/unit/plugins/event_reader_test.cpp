@@ -2,7 +2,11 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <array>
+#include <chrono>
 #include <cstdint>
+#include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <string>
@@ -17,6 +21,8 @@ using mauve::test::InputEvents;
 using mauve::test::TempDir;
 using teleop::EventReader;
 using teleop::InputDevice;
+using teleop::Mark;
+using namespace std::chrono_literals;  // NOLINT: durations
 
 constexpr std::int32_t kLowest = std::numeric_limits<std::int32_t>::min();
 constexpr std::int32_t kHighest = std::numeric_limits<std::int32_t>::max();
@@ -105,61 +111,116 @@ TEST_F(EventReading, LetsGoWhenTheKernelDroppedEvents) {
 
 class InputDevices : public testing::Test {
  protected:
-  InputDevice::Got read() {
-    std::array<char, 256> bytes{};
-    return device_.read(bytes, count_);
+  void choose(const std::string& path) {
+    device_.choose(path, 1h);
+    opened_ = device_.reopen();
+  }
+  /// The events that came, as type and code; "lost".
+  std::string read() {
+    std::string all;
+    std::array<char, 100> bytes{};  // no multiple of an event
+    for (;;) {
+      const auto count = device_.read(bytes);
+      if (count < 0) return "lost";
+      if (count == 0) break;
+      all.append(bytes.data(), static_cast<std::size_t>(count));
+    }
+    std::string said;
+    for (std::size_t at = 0; at < all.size(); at += sizeof(input_event)) {
+      input_event event;
+      std::memcpy(&event, all.data() + at, sizeof event);
+      said += event.type == Mark::kType ? event.code == Mark::kThere ? "there " : "gone "
+                                        : std::to_string(event.type) + " ";
+    }
+    return said;
   }
 
   TempDir place_;
   InputDevice device_;
-  std::size_t count_ = 0;
+  bool opened_ = false;
 };
 
 TEST_F(InputDevices, TellsAFifoThatNobodyWritesToFromOneThatIsSilent) {
   const std::string path = (place_.path() / "events").string();
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
-  device_.name(path);
-  ASSERT_TRUE(device_.open());
-  EXPECT_EQ(read(), InputDevice::Got::nobody);
+  choose(path);
+  ASSERT_TRUE(opened_);
+  EXPECT_EQ(read(), "");
 
   std::ofstream writer(path, std::ios::binary);
-  EXPECT_EQ(read(), InputDevice::Got::nothing);
-  writer << InputEvents().report().bytes() << std::flush;
-  EXPECT_EQ(read(), InputDevice::Got::bytes);
-  EXPECT_EQ(count_, sizeof(input_event));
+  EXPECT_EQ(read(), "there ");
+  EXPECT_EQ(read(), "");
+  writer << InputEvents().axis(ABS_X, 1).report().bytes() << std::flush;
+  EXPECT_EQ(read(), "3 0 ");
   writer.close();
-  EXPECT_EQ(read(), InputDevice::Got::nobody);
+  EXPECT_EQ(read(), "gone ");
+  EXPECT_EQ(read(), "");
+}
+
+TEST_F(InputDevices, HandsOnWholeEventsAndNoneThatOnlyItselfMaySay) {
+  const std::string path = (place_.path() / "events").string();
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  choose(path);
+  std::ofstream writer(path, std::ios::binary);
+  input_event forged{};
+  forged.type = Mark::kType;
+  forged.code = Mark::kGone;
+  const std::string bytes = InputEvents().key(BTN_SOUTH, 1).report().bytes();
+  writer.write(reinterpret_cast<const char*>(&forged), sizeof forged);
+  writer << bytes.substr(0, 30) << std::flush;
+  EXPECT_EQ(read(), "there 1 ");
+  writer << bytes.substr(30) << bytes.substr(0, 5) << std::flush;
+  EXPECT_EQ(read(), "0 ");
+  writer.close();
+  EXPECT_EQ(read(), "gone ");
+
+  writer.open(path, std::ios::binary);
+  writer << bytes << std::flush;
+  EXPECT_EQ(read(), "there 1 0 ") << "half an event of the one before is no part of it";
 }
 
 TEST_F(InputDevices, LosesATerminalThatHangsUp) {
   drivers::PseudoTerminal line;
   ASSERT_TRUE(line.open(""));
-  device_.name(line.device());
-  ASSERT_TRUE(device_.open());
-  EXPECT_EQ(read(), InputDevice::Got::nothing);
+  choose(line.device());
+  ASSERT_TRUE(opened_);
+  EXPECT_EQ(read(), "there ");
 
   line.close();
-  EXPECT_EQ(read(), InputDevice::Got::lost);
+  EXPECT_EQ(read(), "lost");
 }
 
-TEST_F(InputDevices, LeavesTheReaderAloneWhenItIsNoInputDevice) {
-  device_.name(place_.write("events", "").string());
-  ASSERT_TRUE(device_.open());
-  EXPECT_TRUE(device_.is_file());
-  EventReader reader;
-  reader.begin();
-  const InputEvents events = InputEvents().key(BTN_SOUTH, 1).report();
-  reader.push({events.bytes().data(), events.bytes().size()});
+TEST_F(InputDevices, ReadsAFileOnce) {
+  const std::string bytes = InputEvents().key(BTN_SOUTH, 1).report().bytes();
+  device_.choose(place_.write("events", bytes).string(), 0ns);
+  ASSERT_TRUE(device_.reopen());
 
-  EXPECT_FALSE(device_.ask(reader));
-  EXPECT_EQ(reader.shown().buttons, 1);
+  EXPECT_EQ(read(), "there 1 0 gone ");
+  EXPECT_EQ(read(), "");
 }
 
 TEST_F(InputDevices, CannotOpenWhatIsNotThere) {
-  device_.name((place_.path() / "nothing").string());
+  choose((place_.path() / "nothing").string());
 
-  EXPECT_FALSE(device_.open());
-  EXPECT_FALSE(device_.is_open());
+  EXPECT_FALSE(opened_);
+  EXPECT_EQ(device_.number(), -1);
+}
+
+TEST_F(InputDevices, FindsAFifoThatIsMadeAnewAndLosesOneThatIsNoMore) {
+  const std::string path = (place_.path() / "events").string();
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  device_.choose(path, 0ns);  // looked for whenever it is read
+  ASSERT_TRUE(device_.reopen());
+  std::filesystem::remove(path);
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  EXPECT_EQ(read(), "");
+  std::ofstream writer(path, std::ios::binary);
+  EXPECT_EQ(read(), "there ");
+  writer.close();
+  EXPECT_EQ(read(), "gone ");
+
+  std::filesystem::remove(path);
+  EXPECT_EQ(read(), "lost");
 }
 
 }  // namespace

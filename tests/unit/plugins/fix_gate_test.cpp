@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <cstddef>
+#include <functional>
+#include <vector>
+
 #include "../../../plugins/drivers/fix_gate.h"
 
 namespace {
 
+using drivers::FixContext;
 using drivers::FixGate;
 using rover::GnssFix;
 
@@ -23,6 +28,7 @@ class Track {
     fix.longitude = 1.0;
     fix.mode = 3;
     fix.satellites = 8;
+    fix.hdop = 1.0;
     return fix;
   }
   bool good() {
@@ -180,6 +186,91 @@ TEST(FixGate, MeasuresTheShortWayRoundTheDateLine) {
   fix.longitude = -179.9999;
 
   EXPECT_TRUE(gate.admit(fix, 101.0, kGateLimit));
+}
+
+/// A receiver that stands, on a line that damages frames or does not.
+class Standing {
+ public:
+  explicit Standing(bool damage) { context_.damage = damage; }
+
+  GnssFix& fix() { return fix_; }
+  FixContext& context() { return context_; }
+  bool next() {
+    ++second_;
+    const bool admitted = gate_.admit(at(second_), second_, kGateLimit, context_);
+    fix_ = good_;
+    context_.separation = 48.0;
+    return admitted;
+  }
+
+ private:
+  GnssFix at(double second) {
+    fix_.time += second;
+    return fix_;
+  }
+
+  GnssFix good_ = Track::fix(50'000.0, 0.0);
+  GnssFix fix_ = good_;
+  FixContext context_{.separation = 48.0};
+  FixGate gate_;
+  double second_ = 0.0;
+};
+
+using Change = std::function<void(Standing&)>;
+const std::vector<Change> kOdd{
+    [](Standing& receiver) { receiver.fix().latitude += 2.0 * kMetre; },
+    [](Standing& receiver) { receiver.fix().longitude -= 4.0 * kMetre; },
+    [](Standing& receiver) { receiver.fix().altitude += 4.0; },
+    [](Standing& receiver) { receiver.fix().satellites = 2; },
+    [](Standing& receiver) { receiver.fix().hdop = 9.0; },
+    [](Standing& receiver) { receiver.fix().time += 0.2; },
+    [](Standing& receiver) { receiver.fix().mode = 2; },
+    [](Standing& receiver) { receiver.fix().mode = 1; },
+    [](Standing& receiver) { receiver.context().separation = 44.0; },
+};
+
+TEST(FixGateOnADamagedLine, RefusesWhateverIsOdd) {
+  for (std::size_t i = 0; i < kOdd.size(); ++i) {
+    Standing receiver(true);
+    EXPECT_FALSE(receiver.next()) << "nothing to compare with";
+    for (int epoch = 0; epoch < 5; ++epoch) ASSERT_TRUE(receiver.next());
+
+    kOdd[i](receiver);
+    EXPECT_FALSE(receiver.next()) << i;
+    EXPECT_TRUE(receiver.next()) << i;
+  }
+}
+
+TEST(FixGateOnADamagedLine, BelievesTheSecondThatIsOddInTheSameWay) {
+  for (std::size_t i = 0; i < kOdd.size(); ++i) {
+    Standing receiver(true);
+    for (int epoch = 0; epoch < 5; ++epoch) receiver.next();
+
+    kOdd[i](receiver);
+    EXPECT_FALSE(receiver.next()) << i;
+    kOdd[i](receiver);
+    EXPECT_TRUE(receiver.next()) << i;
+  }
+}
+
+TEST(FixGateOnADamagedLine, LetsPassWhatAnotherSentenceConfirms) {
+  Standing receiver(true);
+  for (int epoch = 0; epoch < 5; ++epoch) receiver.next();
+
+  receiver.fix().latitude += 8.0 * kMetre;
+  receiver.fix().hdop = 9.0;
+  receiver.context().confirmed = receiver.context().dilution_known = true;
+  EXPECT_TRUE(receiver.next());
+}
+
+TEST(FixGate, LosesNothingOddOnALineThatDamagesNothing) {
+  for (std::size_t i = 0; i < kOdd.size(); ++i) {
+    Standing receiver(false);
+    for (int epoch = 0; epoch < 5; ++epoch) ASSERT_TRUE(receiver.next());
+
+    kOdd[i](receiver);
+    EXPECT_TRUE(receiver.next()) << i;
+  }
 }
 
 }  // namespace

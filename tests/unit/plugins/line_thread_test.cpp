@@ -1,81 +1,20 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include <gtest/gtest.h>
+#include "line_core.h"
 
 #include <array>
-#include <atomic>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <thread>
 
-#include "../../../plugins/drivers/line_thread.h"
-#include "support/eventually.h"
-
+namespace mauve::test {
 namespace {
-
-using drivers::LineBytes;
-using drivers::LineThread;
-using drivers::PseudoTerminal;
-using drivers::SerialPort;
-using mauve::test::eventually;
-
-namespace fs = std::filesystem;
-
-std::string link_name(const char* name) {
-  return (fs::path(testing::TempDir()) / (std::string("mauve_line_") + name)).string();
-}
-
-/// A core's side: a line, and what a job does with it.
-struct Core {
-  explicit Core(const std::string& device) {
-    EXPECT_TRUE(port.open(device, 0, SerialPort::Missing::accepted, SerialPort::Use::both));
-    EXPECT_TRUE(line.start(port, 64));
-  }
-  ~Core() { line.stop(); }
-
-  /// All that is there now, in a job with these bytes.
-  std::string job(LineBytes& bytes) {
-    line.fill(bytes);
-    std::string all;
-    for (auto there = bytes.ring.there(); !there.empty(); there = bytes.ring.there()) {
-      all.append(there.begin(), there.end());
-      bytes.ring.drop(there.size());
-    }
-    return all;
-  }
-  /// Jobs until this much came.
-  std::string jobs(LineBytes& bytes, std::size_t size) {
-    std::string all;
-    EXPECT_TRUE(eventually([&] { return (all += job(bytes)).size() >= size; })) << all.size();
-    return all;
-  }
-
-  SerialPort port;
-  LineThread line;
-};
-
-/// What the far end hears until it is as long as that.
-std::string heard(const PseudoTerminal& far, std::size_t size) {
-  std::string all;
-  EXPECT_TRUE(eventually([&] {
-    std::array<char, 512> some{};
-    all.append(some.data(), far.receive(some));
-    return all.size() >= size;
-  })) << all.size();
-  return all;
-}
 
 std::string numbered(std::size_t size) {
   std::string text;
   for (int i = 0; text.size() < size; ++i) text += std::to_string(i) + " ";
   return text.substr(0, size);
 }
-
-class Line : public testing::Test {
- protected:
-  Line() { EXPECT_TRUE(far_.open("")); }
-  PseudoTerminal far_;
-};
 
 TEST_F(Line, BringsBytesBothWaysInTheirOrder) {
   const std::string text = numbered(100'000);  // around the end of its ring, several times
@@ -176,8 +115,22 @@ TEST_F(Line, ASuccessorReadsOnWhereItsPredecessorStopped) {
   // The one that holds the bytes goes first, though the other may be filling them.
   static_cast<void>(first->job(*bytes));
   second->line.stop();
-  LineThread::empty_handed(*bytes);
+  first->line.empty_handed(*bytes);
   bytes.reset();
+}
+
+TEST_F(Line, ReadsAlthoughAJobWasThrownOutWhileItSaidWhatToFill) {
+  Core core(far_.device());
+  LineBytes bytes;
+  bytes.home = reinterpret_cast<std::uintptr_t>(&bytes);
+  bytes.wanted = bytes.filler = reinterpret_cast<std::uintptr_t>(&core.line);
+  ASSERT_TRUE(far_.send("heard"));
+
+  EXPECT_EQ(core.jobs(bytes, 5), "heard");
+  core.line.stop();
+  bytes.filler = reinterpret_cast<std::uintptr_t>(&core.line);
+  core.line.empty_handed(bytes);
+  EXPECT_EQ(bytes.filler, 0U);
 }
 
 TEST_F(Line, FillsACopyOfTheBytesAnew) {
@@ -189,64 +142,10 @@ TEST_F(Line, FillsACopyOfTheBytesAnew) {
   after = before;
 
   EXPECT_EQ(core.job(after), "");
-  LineThread::empty_handed(before);  // it has let go of them
+  core.line.empty_handed(before);  // it has let go of them
   ASSERT_TRUE(far_.send("two"));
 
   EXPECT_EQ(core.jobs(after, 3), "two");
-}
-
-TEST(LineLost, IsToldAndOpenedAgainWhenAskedTo) {
-  const std::string link = link_name("again");
-  LineBytes bytes;
-  Core core(link);
-  EXPECT_FALSE(core.line.open());
-  EXPECT_FALSE(core.line.reopen());
-  PseudoTerminal far;
-  for (int i = 0; i < 3; ++i) {
-    ASSERT_TRUE(far.open(link));
-    ASSERT_TRUE(eventually([&] { return core.line.reopen(); }));
-    ASSERT_TRUE(far.send("here"));
-    EXPECT_EQ(core.jobs(bytes, 4), "here");
-    far.close();
-    EXPECT_TRUE(eventually([&] { return !core.line.open(); })) << "it hung up";
-    EXPECT_TRUE(eventually([&] { return !core.line.reopen() && core.line.error() != 0; }));
-  }
-}
-
-TEST(LineLost, BringsWhatCameBeforeItWent) {
-  const std::string link = link_name("went");
-  PseudoTerminal far;
-  ASSERT_TRUE(far.open(link));
-  LineBytes bytes;
-  Core core(link);
-  core.line.fill(bytes);
-  ASSERT_TRUE(far.send("last words"));
-  ASSERT_TRUE(eventually([&] { return bytes.ring.size() == 10; }));
-  far.close();
-  ASSERT_TRUE(eventually([&] { return !core.line.open(); }));
-
-  EXPECT_EQ(core.job(bytes), "last words");
-}
-
-TEST(LineLost, IsOpenedWhenSomethingIsSentWhereThatIsWanted) {
-  const std::string link = link_name("brake");
-  SerialPort port;
-  port.choose(link, 0, SerialPort::Use::both);
-  LineThread line;
-  std::atomic<int> unsent{0};
-  line.when_unsent([&] { ++unsent; });
-  ASSERT_TRUE(line.start(port, 64, LineThread::Lost::opened_to_send));
-
-  EXPECT_TRUE(line.send("early"));
-  EXPECT_TRUE(eventually([&] { return unsent == 1; }));
-  for (int i = 0; i < 3; ++i) {
-    PseudoTerminal far;
-    ASSERT_TRUE(far.open(link));
-    EXPECT_TRUE(line.send("stand"));
-    EXPECT_EQ(heard(far, 5), "stand") << "also when it came anew";
-  }
-  EXPECT_EQ(unsent, 1);
-  line.stop();
 }
 
 TEST_F(Line, SendsWhatWaitsBeforeItEnds) {
@@ -279,3 +178,4 @@ TEST_F(Line, LeavesNoThreadBehind) {
 }
 
 }  // namespace
+}  // namespace mauve::test

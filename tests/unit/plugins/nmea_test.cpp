@@ -219,4 +219,48 @@ TEST(NmeaWriter, WritesTwoDimensionsAndNoFixAtAll) {
   EXPECT_EQ(read(writer.compose(fix, 0.0, 0.0)).fixes.at(0).mode, 1);
 }
 
+/// GGA of this second at this minute of latitude, with RMC or GLL before it.
+drivers::FixContext context_of(FixReader& fixes, int second, const char* minutes,
+                               const std::string& said) {
+  const std::string time = "1235" + std::to_string(second);
+  if (!said.empty()) {
+    fixes.read("GPRMC," + time + ",A," + said + ",N,01131.000,E,022.4,084.4,230394,003.1,W");
+  }
+  const std::string gga =
+      "GPGGA," + time + "," + minutes + ",N,01131.0000,E,1,08,0.9,545.4,M,46.9,M,,";
+  EXPECT_EQ(fixes.read(gga), FixReader::Event::fix);
+  return fixes.context();
+}
+
+TEST(NmeaFix, IsConfirmedByRmcToTheDigitsThatBothCarry) {
+  FixReader fixes;
+  EXPECT_TRUE(context_of(fixes, 10, "4807.0387", "4807.038").confirmed) << "cut";
+  EXPECT_TRUE(context_of(fixes, 11, "4807.0387", "4807.039").confirmed) << "rounded";
+  EXPECT_TRUE(context_of(fixes, 12, "4807.0387", "4807.03871").confirmed);
+  EXPECT_FALSE(context_of(fixes, 13, "4807.0387", "4807.041").confirmed);
+  EXPECT_FALSE(context_of(fixes, 14, "4807.0387", "").confirmed) << "of another second";
+  EXPECT_DOUBLE_EQ(fixes.context().separation, 46.9);
+}
+
+TEST(NmeaFix, IsDeniedOnlyByAReceiverThatSaidTheSameBefore) {
+  FixReader fixes;
+  EXPECT_FALSE(context_of(fixes, 10, "4807.0387", "4807.138").denied) << "its habit, perhaps";
+  EXPECT_FALSE(context_of(fixes, 11, "4807.0387", "4807.138").denied);
+  for (int second = 12; second < 20; ++second) {
+    EXPECT_TRUE(context_of(fixes, second, "4807.0387", "4807.038").confirmed);
+  }
+
+  EXPECT_TRUE(context_of(fixes, 20, "4807.0387", "4807.138").denied);
+  EXPECT_FALSE(context_of(fixes, 21, "4807.0387", "").denied);
+}
+
+TEST(NmeaFix, KnowsTheDilutionThatGsaSaid) {
+  FixReader fixes;
+  EXPECT_FALSE(context_of(fixes, 10, "4807.0387", "").dilution_known);
+  fixes.read("GPGSA,A,3,17,28,06,01,30,20,26,13,,,,,1.8,0.9,1.5");
+  EXPECT_TRUE(context_of(fixes, 11, "4807.0387", "").dilution_known);
+  fixes.read("GPGSA,A,3,17,28,06,01,30,20,26,13,,,,,1.8,1.1,1.5");
+  EXPECT_FALSE(context_of(fixes, 12, "4807.0387", "").dilution_known);
+}
+
 }  // namespace

@@ -20,7 +20,7 @@ std::string link_name(const char* name) {
   return (fs::path(testing::TempDir()) / (std::string("mauve_serial_") + name)).string();
 }
 
-std::string take(const SerialPort& port) {
+std::string take(SerialPort& port) {
   std::array<char, 4096> bytes{};
   const auto count = port.read(bytes);
   return {bytes.data(), static_cast<std::size_t>(count > 0 ? count : 0)};

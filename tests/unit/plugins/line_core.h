@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What the tests of lines share: the side of a core, and the far end of its device.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+#include "../../../plugins/drivers/line_thread.h"
+#include "support/eventually.h"
+
+namespace mauve::test {
+
+using drivers::LineBytes;
+using drivers::LineThread;
+using drivers::PseudoTerminal;
+using drivers::SerialPort;
+
+namespace fs = std::filesystem;
+
+inline std::string link_name(const char* name) {
+  return (fs::path(testing::TempDir()) / (std::string("mauve_line_") + name)).string();
+}
+
+/// A core's side: a line, and what a job does with it.
+struct Core {
+  explicit Core(const std::string& device, int baud = 0) {
+    EXPECT_TRUE(port.open(device, baud, SerialPort::Missing::accepted, SerialPort::Use::both));
+    EXPECT_TRUE(line.start(port, 64));
+  }
+  ~Core() { line.stop(); }
+
+  /// All that is there now, in a job with these bytes.
+  std::string job(LineBytes& bytes) {
+    line.fill(bytes);
+    std::string all;
+    for (auto there = bytes.ring.there(); !there.empty(); there = bytes.ring.there()) {
+      all.append(there.begin(), there.end());
+      bytes.ring.drop(there.size());
+    }
+    return all;
+  }
+  /// Jobs until this much came.
+  std::string jobs(LineBytes& bytes, std::size_t size) {
+    std::string all;
+    EXPECT_TRUE(eventually([&] { return (all += job(bytes)).size() >= size; })) << all.size();
+    return all;
+  }
+
+  SerialPort port;
+  LineThread line;
+};
+
+/// What the far end hears until it is as long as that.
+inline std::string heard(const PseudoTerminal& far, std::size_t size) {
+  std::string all;
+  EXPECT_TRUE(eventually([&] {
+    std::array<char, 512> some{};
+    all.append(some.data(), far.receive(some));
+    return all.size() >= size;
+  })) << all.size();
+  return all;
+}
+
+class Line : public testing::Test {
+ protected:
+  Line() { EXPECT_TRUE(far_.open("")); }
+  PseudoTerminal far_;
+};
+
+}  // namespace mauve::test
