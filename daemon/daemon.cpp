@@ -155,11 +155,10 @@ Status Daemon::load() {
 
 /// So that a path in the architecture begins at the architecture, wherever mauved was started.
 Status Daemon::enter_folder() {
-  const auto folder = std::filesystem::absolute(options_.architecture).parent_path();
   std::error_code failed;
-  std::filesystem::current_path(folder, failed);
+  std::filesystem::current_path(origin_.folder, failed);
   if (failed) {
-    return refuse(Errc::system, folder.string(), "cannot be entered: " + failed.message(),
+    return refuse(Errc::system, origin_.folder, "cannot be entered: " + failed.message(),
                   "paths in the architecture begin there");
   }
   return ok();

@@ -42,6 +42,9 @@ std::string content_of(const Generation& about, const std::string& text) {
                {"time", about.time},           {"uid", about.uid},
                {"command", about.command},     {"reason", about.reason},
                {"mark", to_string(about.mark)}};
+  if (!about.folder.empty()) {
+    head["folder"] = about.folder;
+  }
   // As a reader will see it: texts that are no UTF-8 have been mended by then.
   if (auto seen = protocol::parse_json(protocol::to_line(head))) {
     head = *std::move(seen);
@@ -72,6 +75,9 @@ Read read_of(const Json& head, std::string_view text) {
   read.about.command = head["command"].get<std::string>();
   read.about.reason = head["reason"].get<std::string>();
   read.about.mark = mark_named(head["mark"].get<std::string>()).value_or(Mark::unconfirmed);
+  if (const auto folder = head.find("folder"); folder != head.end() && folder->is_string()) {
+    read.about.folder = folder->get<std::string>();
+  }
   read.text = text;
   return read;
 }

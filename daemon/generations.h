@@ -30,6 +30,7 @@ struct Generation {
   std::uint32_t uid = 0;     ///< who made it
   std::string command;       ///< the method of the wire, or "start", "recover"
   std::string reason;        ///< as given, may be empty
+  std::string folder;        ///< where its relative paths begin; empty: not known
   Mark mark = Mark::confirmed;
   bool damaged = false;  ///< its file cannot be read, so that nothing but the number is known
 };

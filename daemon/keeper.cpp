@@ -69,6 +69,8 @@ void Keeper::end() {
 
 void Keeper::keep(Generation about, Value architecture, Json line,
                   std::function<void(bool saved)> then) {
+  std::error_code unknown;
+  about.folder = std::filesystem::current_path(unknown).string();
   // Before the lines of refused changes, of which anybody can make many.
   disk_.post_urgent([this, about = std::move(about), architecture = std::move(architecture),
                      line = std::move(line), then = std::move(then)]() mutable {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "recovery.h"
 
+#include <filesystem>
 #include <optional>
 #include <utility>
 
@@ -11,6 +12,10 @@ namespace mauve::daemon {
 namespace {
 
 using logging::Event;
+
+std::string folder_of(const std::string& file) {
+  return std::filesystem::absolute(file).parent_path().string();
+}
 
 /// Built once to see whether it can be, with a catalog of its own: of a generation that cannot,
 /// nothing stays behind.
@@ -23,6 +28,13 @@ Status can_be_built(const Origin& origin, const Options& options) {
   return problems.sorted().front().error;
 }
 
+/// Of one whose folder is no more the file of the command line may still know better.
+std::string folder_of(const Generation& one, const Options& options) {
+  std::error_code gone;
+  return std::filesystem::is_directory(one.folder, gone) ? one.folder
+                                                         : folder_of(options.architecture);
+}
+
 std::optional<Origin> last_confirmed(const Options& options, const Generations& generations,
                                      logging::Log& log) {
   for (const auto& one : generations.list()) {
@@ -30,7 +42,7 @@ std::optional<Origin> last_confirmed(const Options& options, const Generations& 
     if (one.mark != Mark::confirmed && !one.damaged) {
       continue;
     }
-    Origin origin{generations.file(one.number).string(), {}, one.number};
+    Origin origin{generations.file(one.number).string(), {}, folder_of(one, options), one.number};
     auto text = generations.text(one.number);
     auto usable = text ? ok() : Status(text.error());
     if (usable) {
@@ -61,7 +73,7 @@ Result<Origin> what_to_start(const Options& options, const Keeper* keeper, loggi
   if (!text) {
     return text.error();
   }
-  return Origin{options.architecture, *std::move(text), 0};
+  return Origin{options.architecture, *std::move(text), folder_of(options.architecture), 0};
 }
 
 }  // namespace mauve::daemon

@@ -14,6 +14,7 @@ namespace mauve::daemon {
 struct Origin {
   std::string file;
   std::string text;
+  std::string folder;            ///< where its relative paths begin
   std::uint64_t generation = 0;  ///< the saved one; 0: the file of the command line
 };
 

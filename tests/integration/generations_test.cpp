@@ -72,6 +72,21 @@ TEST_F(Generations, AreStartedAfterACrash) {
   EXPECT_THAT(daemon.errors(), HasSubstr("the last run crashed: starting generation 3"));
 }
 
+TEST_F(Generations, BeginInTheFolderTheyRanInWhicheverFileIsNamed) {
+  const auto folder_of = [](TrialDaemon& daemon) {
+    return std::filesystem::read_symlink("/proc/" + std::to_string(daemon.process().id()) + "/cwd");
+  };
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
+  const auto folder = folder_of(daemon);
+  crash(daemon);
+
+  TrialDaemon other(kTrial, options());
+  EXPECT_EQ(newest(other)["command"], "recover");
+
+  EXPECT_EQ(folder_of(other), folder);
+}
+
 TEST_F(Generations, OfAFaultedComponentSayThatItStarts) {
   TrialDaemon daemon(kTrial, options());
   const Json swap = {{"component", "first"}, {"core", "trial/throwing_job"}, {"probation", "off"}};
