@@ -48,4 +48,6 @@ int run_reload(Session& session);
 int run_rollback(Session& session);
 int run_lock(Session& session);
 
+int run_check_trace(Session& session);
+
 }  // namespace mauve::ctl

@@ -119,6 +119,8 @@ constexpr Argument kLogs[] = {
     flag("-f,--follow", "go on with what comes"),
     maybe("-n,--lines", "how many of the last records", Kind::none),
     maybe("--level", "debug, info, warn or error, and worse", Kind::level)};
+constexpr Argument kTraceFile = one("FILE", "a trace, *.mtrace", Kind::file);
+constexpr Argument kCheckTrace[] = {kTraceFile};
 
 constexpr Command kCommands[] = {
     {"status", "generation and one line a component", "mauvectl status", {}, false, run_status},
@@ -186,6 +188,8 @@ constexpr Command kCommands[] = {
     {"lock", "what may not be changed, but by stop, confirm and undo",
      "mauvectl lock all --reason mission", kLock, true, run_lock},
     {"logs", "the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},
+    {"check-trace", "prove a trace against the model; exit code 1 when it breaks a rule",
+     "mauvectl check-trace drive.mtrace", kCheckTrace, false, run_check_trace},
     {"ping", "does the daemon answer", "mauvectl ping", {}, false, run_ping},
     {"version", "of client and daemon", "mauvectl version", {}, false, run_version},
 };
