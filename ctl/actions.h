@@ -49,5 +49,6 @@ int run_rollback(Session& session);
 int run_lock(Session& session);
 
 int run_check_trace(Session& session);
+int run_timeline(Session& session);
 
 }  // namespace mauve::ctl

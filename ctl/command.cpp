@@ -120,6 +120,14 @@ constexpr Argument kLogs[] = {
     maybe("-n,--lines", "how many of the last records", Kind::none),
     maybe("--level", "debug, info, warn or error, and worse", Kind::level)};
 constexpr Argument kTraceFile = one("FILE", "a trace, *.mtrace", Kind::file);
+constexpr Argument kTimeline[] = {
+    maybe("FILE", "a trace, *.mtrace; unsaid, or live: that of the running system", Kind::file),
+    maybe("--from",
+          "time since T0, such as 1.2s; unsaid: around why it was kept, or the last second",
+          Kind::none),
+    maybe("--to", "time since T0", Kind::none),
+    {"--component", "only these, such as control,scan", Kind::component, false, true},
+    kPicture};
 constexpr Argument kCheckTrace[] = {kTraceFile};
 
 constexpr Command kCommands[] = {
@@ -188,6 +196,9 @@ constexpr Command kCommands[] = {
     {"lock", "what may not be changed, but by stop, confirm and undo",
      "mauvectl lock all --reason mission", kLock, true, run_lock},
     {"logs", "the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},
+    {"timeline", "what ran when, as an SVG picture",
+     "mauvectl timeline drive.mtrace --from 1.2s --to 1.25s -o drive.svg", kTimeline, false,
+     run_timeline},
     {"check-trace", "prove a trace against the model; exit code 1 when it breaks a rule",
      "mauvectl check-trace drive.mtrace", kCheckTrace, false, run_check_trace},
     {"ping", "does the daemon answer", "mauvectl ping", {}, false, run_ping},
