@@ -129,6 +129,10 @@ constexpr Argument kTimeline[] = {
     {"--component", "only these, such as control,scan", Kind::component, false, true},
     kPicture};
 constexpr Argument kCheckTrace[] = {kTraceFile};
+constexpr Argument kConvertTrace[] = {
+    kTraceFile,
+    {"-o,--output", "*.json for Perfetto, *.mtrace, else a folder of CTF", Kind::file, true},
+    maybe("--format", "chrome, ctf or mtrace, whatever the name of the output is", Kind::none)};
 
 constexpr Command kCommands[] = {
     {"status", "generation and one line a component", "mauvectl status", {}, false, run_status},
@@ -201,6 +205,8 @@ constexpr Command kCommands[] = {
      run_timeline},
     {"check-trace", "prove a trace against the model; exit code 1 when it breaks a rule",
      "mauvectl check-trace drive.mtrace", kCheckTrace, false, run_check_trace},
+    {"convert-trace", "for Perfetto and Chrome, or babeltrace2 and Trace Compass",
+     "mauvectl convert-trace drive.mtrace -o drive.json", kConvertTrace, false, run_convert_trace},
     {"ping", "does the daemon answer", "mauvectl ping", {}, false, run_ping},
     {"version", "of client and daemon", "mauvectl version", {}, false, run_version},
 };
