@@ -123,7 +123,8 @@ void draw_control(Page& page, const Trace& trace, const Scene& scene, double bas
     if (!thread || record.thread != *thread) continue;
     if (record.event == Event::prepare) prepared = &record;
     const bool ends = record.event == Event::commit || record.event == Event::abort;
-    if (!ends || prepared == nullptr) continue;
+    // One that was refused behind its preparation has no end.
+    if (!ends || prepared == nullptr || prepared->name != record.name) continue;
     if (record.time >= scene.from && prepared->time <= scene.to) {
       const double from = std::max(page.left, page.x(prepared->time));
       const double to = std::min(page.right, page.x(record.time));

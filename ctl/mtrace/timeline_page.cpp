@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 #include "words.h"
 
@@ -66,7 +67,7 @@ Unit unit_for(double range) {
 /// Far behind T0, ticks count from a round instant: else their labels were too long to be read.
 std::int64_t base_for(std::int64_t from, std::int64_t to) {
   const std::int64_t range = to - from;
-  if (from < 20 * range) return 0;
+  if (std::abs(from) / 20 < range) return 0;
   std::int64_t round = 1;
   while (round < 2 * range) round *= 10;
   return from / round * round;
