@@ -22,13 +22,15 @@ struct Change {
   const Record* commit = nullptr;   ///< or rollback, the last one; null: before the trace
   const Record* aborted = nullptr;  ///< after the last commit
   std::vector<Word> members;
-  std::vector<Take> takes;  ///< of kind change or barrier
+  std::vector<Take> takes;
   std::vector<Take> backs;
+  std::vector<Take> steps;  ///< of a barrier: it waits, and goes on, each at an instant of its own
 
   [[nodiscard]] bool taken_by(Word thread) const {
     const auto is_its = [&](const Take& one) { return one.thread == thread; };
     return std::any_of(takes.begin(), takes.end(), is_its) ||
-           std::any_of(backs.begin(), backs.end(), is_its);
+           std::any_of(backs.begin(), backs.end(), is_its) ||
+           std::any_of(steps.begin(), steps.end(), is_its);
   }
 };
 
@@ -42,12 +44,14 @@ class ChangesCheck {
       trace_.text(thread) == kControl ? read_control(records) : read_takes(thread, records);
     }
     for (const auto& [number, change] : changes_) {
-      if (change.commit == nullptr && change.takes.empty() && change.backs.empty()) continue;
+      const bool taken = !change.takes.empty() || !change.backs.empty() || !change.steps.empty();
+      if (change.commit == nullptr && !taken) continue;
       ++findings_.checked.changes;
-      for (const auto* takes : {&change.takes, &change.backs}) {
+      for (const auto* takes : {&change.takes, &change.backs, &change.steps}) {
         for (const Take& take : *takes) cut(number, take);
-        one_instant(number, *takes);
       }
+      one_instant(number, change.takes);
+      one_instant(number, change.backs);
       all_or_none(number, change);
     }
   }
@@ -80,12 +84,16 @@ class ChangesCheck {
         open.clear();
         last = record;
       } else if (record->event == Event::taken && trace_.text(record->name) != "relief") {
-        Change& change = changes_[record->b];
-        auto& takes = trace_.text(record->name) == "back" ? change.backs : change.takes;
+        auto& takes = takes_of(changes_[record->b], trace_.text(record->name));
         takes.push_back({thread, record, last});
         open.emplace_back(&takes, takes.size() - 1);
       }
     }
+  }
+
+  static std::vector<Take>& takes_of(Change& change, const std::string& kind) {
+    if (kind == "barrier") return change.steps;
+    return kind == "back" ? change.backs : change.takes;
   }
 
   void cut(std::int64_t number, const Take& take) {

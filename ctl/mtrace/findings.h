@@ -11,7 +11,7 @@
 
 namespace mauve::ctl::mtrace {
 
-/// "1.5ms", exact.
+/// "1.5 ms", exact.
 [[nodiscard]] std::string length_in_words(std::int64_t ns);
 
 /// A job as far as it was seen.
@@ -57,6 +57,7 @@ class Windows {
  public:
   void add(std::int64_t from, std::int64_t to) { windows_.push_back({from, to}); }
   void sort();
+  [[nodiscard]] bool empty() const { return windows_.empty(); }
   /// After sort().
   [[nodiscard]] bool touch(std::int64_t from, std::int64_t to) const;
 

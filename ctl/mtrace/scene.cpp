@@ -66,13 +66,19 @@ Intervals demand_of(const Lane& lane, const Scene& scene) {
 
 // --- the window ---------------------------------------------------------------------------------
 
-/// The last record of what the trace was kept for: "missed control".
+/// The component of "missed control".
+std::string whom(const std::string& why) {
+  const auto space = why.find(' ');
+  return space == std::string::npos ? std::string{} : why.substr(space + 1);
+}
+
+/// The last record of what the trace was kept for.
 const Record* cause_of(const Trace& trace) {
   const std::string& why = trace.header.why;
   const auto space = why.find(' ');
   const auto event = event_named(why.substr(0, space));
   if (!event) return nullptr;
-  const std::string who = space == std::string::npos ? std::string{} : why.substr(space + 1);
+  const std::string who = whom(why);
   const auto is_it = [&](const Record& one) {
     return one.event == *event &&
            (who.empty() || trace.text(one.thread) == who || trace.text(one.name) == who);
@@ -92,7 +98,8 @@ std::int64_t longest_wait(const Component& component) {
 
 /// Of the component that it is about, or the longest of all that are not rare.
 std::int64_t period_around(const Trace& trace, const Record& cause) {
-  const Component* component = trace.component(cause.thread);
+  const auto named = trace.find(whom(trace.header.why));
+  const Component* component = trace.component(named.value_or(cause.thread));
   std::int64_t period = component != nullptr ? longest_wait(*component) : 0;
   if (period > 0) return period;
   for (const Component& one : trace.header.components) {

@@ -81,6 +81,18 @@ TEST(TraceCheck, DoesNotJudgeResponsesInAWindowOfDisturbance) {
   EXPECT_FALSE(Short().job(0).job(10 * kOneMs, 5 * kOneMs).verdict().holds());
 }
 
+TEST(TraceCheck, DoesNotJudgeWhatAProbeWouldNotSeeOnADisturbedMachine) {
+  const auto beyond = [](std::int64_t by, bool disturbed) {
+    Short trace;
+    if (disturbed) trace.add(1, Event::disturbed, "", kOneMs, 0, "[probe]");
+    return trace.job(10 * kOneMs).job(20 * kOneMs, 2 * kOneMs + by).verdict();
+  };
+  EXPECT_TRUE(beyond(100'000, true).holds());
+  EXPECT_FALSE(beyond(200'000, true).holds());
+  EXPECT_FALSE(beyond(100'000, false).holds());
+  EXPECT_THAT(beyond(100'000, false).violations[0].message, HasSubstr("responded in 2.100005 ms"));
+}
+
 TEST(TraceCheck, DoesNotJudgeTheJobAfterAnOverrun) {
   const auto late = [](bool told) {
     Short trace;
@@ -152,6 +164,19 @@ TEST(TraceCheck, MembersOfARollbackGoBackAtOneInstant) {
   EXPECT_TRUE(rollback(true).holds()) << violations_of(rollback(true));
   ASSERT_EQ(rollback(false).found, 1U);
   EXPECT_THAT(rollback(false).violations[0].message, HasSubstr("scan never took change 4"));
+}
+
+TEST(TraceCheck, WhoWaitedAtABarrierTakesTheChangeAtALaterInstant) {
+  const Verdict verdict = Short()
+                              .job(0)
+                              .add(9 * kOneMs, Event::taken, "barrier", 10 * kOneMs, 1)
+                              .add(11 * kOneMs, Event::commit, "apply", 12 * kOneMs, 1, "[control]")
+                              .add(11 * kOneMs, Event::member, "control", 0, 1, "[control]")
+                              .add(11 * kOneMs, Event::taken, "change", 12 * kOneMs, 1)
+                              .job(20 * kOneMs)
+                              .verdict();
+  EXPECT_TRUE(verdict.holds()) << violations_of(verdict);
+  EXPECT_EQ(verdict.checked.takes, 2U);
 }
 
 TEST(TraceCheck, SaysWhatItCouldNotLookAt) {
