@@ -9,41 +9,16 @@
 
 #include "actions.h"
 #include "base/duration.h"
+#include "live_trace.h"
 #include "mtrace/file.h"
 #include "words.h"
 
 namespace mauve::ctl {
 namespace {
 
-constexpr std::uint64_t kPage = 5000;  // records that one answer may have
-
-/// The trace that runs, or ran last, page by page.
-std::variant<mtrace::Trace, Fault> read_live(Session& session) {
-  mtrace::Builder builder;
-  Json params{{"from", 0}, {"count", kPage}};
-  for (bool end = false; !end;) {
-    auto answer = session.call("trace.read", params);
-    if (auto* fault = std::get_if<Fault>(&answer)) return std::move(*fault);
-    const Json& page = std::get<Json>(answer);
-    const std::uint64_t from = whole_number(params, "from");
-    if (from == 0) {
-      const Status sound = builder.header(page.value("header", Json()));
-      if (!sound) return protocol::fault_of(sound.error());
-    }
-    for (const Json& record : list_in(page, "records")) builder.record(record);
-    const std::uint64_t next = whole_number(page, "next");
-    end = page.value("end", Json(true)) != false || next <= from;
-    params["from"] = next;
-    // All pages are of the same moment.
-    if (page.contains("recording")) params["recording"] = page["recording"];
-  }
-  builder.complete();
-  return builder.take();
-}
-
 std::variant<mtrace::Trace, Fault> trace_of(Session& session) {
   const std::string file = session.arguments.one("FILE");
-  if (file.empty() || file == "live") return read_live(session);
+  if (file.empty() || file == "live") return read_live(session, {});
   auto trace = mtrace::read_file(file);
   if (!trace) {
     return protocol::fault_of(protocol::kUsage, trace.error().message, file, trace.error().hint);

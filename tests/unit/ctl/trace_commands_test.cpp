@@ -181,6 +181,7 @@ TEST_F(TraceCommand, TimelineEndsThoughADaemonNeverSaysThatItIsTheEnd) {
                     {"end", false}};
   EXPECT_EQ(Scene({"timeline"}, answer).outcome.exit, 0);
   EXPECT_EQ(Scene({"timeline"}, Json::object()).outcome.exit, 1) << "no trace at all";
+  EXPECT_THAT(Scene({"timeline"}, Json::array()).outcome.err, HasSubstr("no page of a trace"));
 }
 
 }  // namespace
