@@ -50,4 +50,8 @@ int run_reload(Session& session);
 int run_rollback(Session& session);
 int run_lock(Session& session);
 
+int run_check_trace(Session& session);
+int run_convert_trace(Session& session);
+int run_timeline(Session& session);
+
 }  // namespace mauve::ctl

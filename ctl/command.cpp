@@ -123,6 +123,20 @@ constexpr Argument kLogs[] = {
     flag("-f,--follow", "go on with what comes"),
     maybe("-n,--lines", "how many of the last records", Kind::none),
     maybe("--level", "debug, info, warn or error, and worse", Kind::level)};
+constexpr Argument kTraceFile = one("FILE", "a trace, *.mtrace", Kind::file);
+constexpr Argument kTimeline[] = {
+    maybe("FILE", "a trace, *.mtrace; unsaid, or live: that of the running system", Kind::file),
+    maybe("--from",
+          "time since T0, such as 1.2s; unsaid: around why it was kept, or the last second",
+          Kind::none),
+    maybe("--to", "time since T0", Kind::none),
+    {"--component", "only these, such as control,scan", Kind::component, false, true},
+    kPicture};
+constexpr Argument kCheckTrace[] = {kTraceFile};
+constexpr Argument kConvertTrace[] = {
+    kTraceFile,
+    {"-o,--output", "*.json for Perfetto, *.mtrace, else a folder of CTF", Kind::file, true},
+    maybe("--format", "chrome, ctf or mtrace, whatever the name of the output is", Kind::none)};
 
 constexpr Argument kCompletion[] = {
     {"SHELL", "bash, zsh or fish", Kind::choice, true, false, false, "bash zsh fish"}};
@@ -200,6 +214,13 @@ constexpr Command kCommands[] = {
     {"completion", "the script that makes a shell complete command lines of mauvectl",
      "mauvectl completion bash > ~/.local/share/bash-completion/completions/mauvectl", kCompletion,
      false, run_completion},
+    {"timeline", "what ran when, as an SVG picture",
+     "mauvectl timeline drive.mtrace --from 1.2s --to 1.25s -o drive.svg", kTimeline, false,
+     run_timeline},
+    {"check-trace", "prove a trace against the model; exit code 1 when it breaks a rule",
+     "mauvectl check-trace drive.mtrace", kCheckTrace, false, run_check_trace},
+    {"convert-trace", "for Perfetto and Chrome, or babeltrace2 and Trace Compass",
+     "mauvectl convert-trace drive.mtrace -o drive.json", kConvertTrace, false, run_convert_trace},
     {"ping", "does the daemon answer", "mauvectl ping", {}, false, run_ping},
     {"version", "of client and daemon", "mauvectl version", {}, false, run_version},
 };

@@ -43,6 +43,12 @@ std::string with_space(std::string_view attributes) {
   return attributes.empty() ? std::string{} : " " + std::string(attributes);
 }
 
+/// The rest of an element, with what a pointer over it is told.
+std::string end_of(std::string_view element, std::string_view title) {
+  if (title.empty()) return "/>\n";
+  return "><title>" + escaped(title) + "</title></" + std::string(element) + ">\n";
+}
+
 }  // namespace
 
 std::string_view line_colour(std::size_t index) {
@@ -51,16 +57,11 @@ std::string_view line_colour(std::size_t index) {
   return kColours[index % kColours.size()];
 }
 
-Svg::Svg(double width, double height)
-    : begin_("<svg xmlns=\"http://www.w3.org/2000/svg\"" + attribute("width", width) +
-             attribute("height", height) + " font-family=\"sans-serif\" font-size=\"13\">\n") {
-  rectangle({}, width, height, "fill=\"white\"");
-}
-
-void Svg::rectangle(Place corner, double width, double height, std::string_view attributes) {
+void Svg::rectangle(Place corner, double width, double height, std::string_view attributes,
+                    std::string_view title) {
   body_ += "<rect" + attribute("x", corner.x) + attribute("y", corner.y) +
            attribute("width", width) + attribute("height", height) + with_space(attributes) +
-           "/>\n";
+           end_of("rect", title);
 }
 
 void Svg::circle(Place centre, double radius, std::string_view attributes, std::string_view title) {
@@ -88,6 +89,20 @@ void Svg::polyline(const std::vector<Place>& places, std::string_view attributes
   body_ += with_space(attributes) + "/>\n";
 }
 
+void Svg::path(std::string_view steps, std::string_view attributes, std::string_view title) {
+  body_ +=
+      "<path d=\"" + std::string(steps) + "\"" + with_space(attributes) + end_of("path", title);
+}
+
+void Svg::define(std::string_view definitions) {
+  body_ += "<defs>" + std::string(definitions) + "</defs>\n";
+}
+
+void Svg::group(Place at, std::string_view elements) {
+  body_ += "<g transform=\"translate(" + pixels(at.x) + " " + pixels(at.y) + ")\">" +
+           std::string(elements) + "</g>\n";
+}
+
 void Svg::text(Place at, std::string_view words, std::string_view attributes) {
   body_ += "<text" + attribute("x", at.x) + attribute("y", at.y) + with_space(attributes) + ">" +
            escaped(words) + "</text>\n";
@@ -102,7 +117,14 @@ void Svg::open_clip(Place corner, double width, double height) {
 
 void Svg::close_clip() { body_ += "</g>\n"; }
 
-std::string Svg::file() const { return begin_ + body_ + "</svg>\n"; }
+std::string Svg::file() const {
+  const std::string size = attribute("width", width_) + attribute("height", height_);
+  return "<svg xmlns=\"http://www.w3.org/2000/svg\"" + size +
+         " font-family=\"sans-serif\" font-size=\"13\">\n<rect" + size + " fill=\"white\"/>\n" +
+         body_ + "</svg>\n";
+}
+
+std::string path_step(char letter, Place to) { return letter + pixels(to.x) + " " + pixels(to.y); }
 
 double nice_step(double range, int pieces) {
   if (!(range > 0.0) || !std::isfinite(range)) return 1.0;

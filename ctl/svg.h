@@ -20,9 +20,10 @@ struct Place {
 /// A picture in pixels, y downwards. Texts are escaped, attributes are taken as they are.
 class Svg {
  public:
-  Svg(double width, double height);
+  Svg(double width, double height) : width_(width), height_(height) {}
 
-  void rectangle(Place corner, double width, double height, std::string_view attributes);
+  void rectangle(Place corner, double width, double height, std::string_view attributes,
+                 std::string_view title = {});
   void circle(Place centre, double radius, std::string_view attributes,
               std::string_view title = {});
   /// Half axes in pixels, turned by `degrees`.
@@ -30,6 +31,14 @@ class Svg {
   void line(Place from, Place to, std::string_view attributes);
   /// Nothing for fewer than two places.
   void polyline(const std::vector<Place>& places, std::string_view attributes);
+  /// `steps` as SVG has them: "M0 0L10 0".
+  void path(std::string_view steps, std::string_view attributes, std::string_view title = {});
+  /// Patterns and styles for what follows, as SVG.
+  void define(std::string_view definitions);
+  /// Elements as SVG, moved to a place.
+  void group(Place at, std::string_view elements);
+  /// Where it ends is known when it is drawn.
+  void set_height(double height) { height_ = height; }
   void text(Place at, std::string_view words, std::string_view attributes = {});
   /// What is drawn until the next open() or close() is cut off outside of the rectangle.
   void open_clip(Place corner, double width, double height);
@@ -39,10 +48,14 @@ class Svg {
   [[nodiscard]] std::string file() const;
 
  private:
-  std::string begin_;
+  double width_;
+  double height_;
   std::string body_;
   int clips_ = 0;
 };
+
+/// "M10.5 3.0": to a tenth of a pixel.
+[[nodiscard]] std::string path_step(char letter, Place to);
 
 /// Steps of 1, 2 or 5 times a power of ten that part the range in about so many pieces.
 [[nodiscard]] double nice_step(double range, int pieces);

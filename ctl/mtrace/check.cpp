@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "mtrace/check.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <set>
+#include <utility>
+
+#include "mtrace/findings.h"
+#include "words.h"
+
+namespace mauve::ctl::mtrace {
+namespace {
+
+constexpr std::size_t kKept = 100;  // violations
+/// What the machine takes to wake a thread, and what a disturbance does before and after it is
+/// seen.
+constexpr std::int64_t kWake = 200'000;
+constexpr std::int64_t kAround = 1'000'000;
+/// A probe does not see what holds it up for less.
+constexpr std::int64_t kUnseen = 200'000;
+
+bool by_time(const Violation& x, const Violation& y) { return x.time < y.time; }
+
+std::map<Word, std::vector<const Record*>> by_thread(const Trace& trace) {
+  std::map<Word, std::vector<const Record*>> threads;
+  for (const Record& record : trace.records) threads[record.thread].push_back(&record);
+  return threads;
+}
+
+/// Changes at which somebody waited for others: they go on at a later release.
+std::set<std::int64_t> barriers_of(const Trace& trace) {
+  std::set<std::int64_t> numbers;
+  for (const Record& record : trace.records) {
+    if (record.event == Event::taken && trace.text(record.name) == "barrier") {
+      numbers.insert(record.b);
+    }
+  }
+  return numbers;
+}
+
+Windows disturbed_windows(const Trace& trace) {
+  Windows windows;
+  for (const Record& record : trace.records) {
+    if (record.event != Event::disturbed) continue;
+    windows.add(record.time - std::max<std::int64_t>(0, record.a) - kAround, record.time + kAround);
+  }
+  windows.sort();
+  return windows;
+}
+
+void tell_of_reading(Findings& findings) {
+  const Reading& reading = findings.trace().reading;
+  const std::string because = findings.trace().header.lost > 0 ? " (the header counts some)" : "";
+  if (!reading.complete) findings.left_out("the file was cut off: its last line is missing");
+  if (reading.broken > 0) {
+    findings.left_out(counted(reading.broken, "line") + " that cannot be read, the first is line " +
+                      std::to_string(reading.first_broken) + ": " + reading.first_reason);
+  }
+  if (reading.unknown > 0) {
+    findings.left_out(counted(reading.unknown, "record") + " of events that are not known" +
+                      because);
+  }
+}
+
+/// Of components that share one processor, the most urgent first.
+std::map<std::int64_t, std::vector<const SeenThread*>> by_processor(
+    const std::vector<SeenThread>& threads) {
+  std::map<std::int64_t, std::vector<const SeenThread*>> processors;
+  for (const SeenThread& one : threads) {
+    if (one.component == nullptr || !one.component->realtime) continue;
+    if (const auto cpu = one.component->cpu()) processors[*cpu].push_back(&one);
+  }
+  for (auto& [cpu, all] : processors) {
+    std::stable_sort(all.begin(), all.end(), [](const SeenThread* x, const SeenThread* y) {
+      return x->component->priority > y->component->priority;
+    });
+  }
+  return processors;
+}
+
+/// Goes through the jobs of a less urgent thread: did one begin while the other one was ready?
+class OrderCheck {
+ public:
+  OrderCheck(Findings& findings, const SeenThread& urgent, const Windows& disturbed)
+      : findings_(findings), urgent_(urgent), disturbed_(disturbed) {}
+
+  void look_at(const SeenThread& other) {
+    std::size_t next = 0;  // the job of the urgent one that has not begun
+    for (const SeenJob& job : other.jobs) {
+      while (next < urgent_.jobs.size() && urgent_.jobs[next].start() <= job.start()) ++next;
+      const bool in_order = next > 0 && urgent_.jobs[next - 1].instant() == job.instant();
+      if (in_order) ++findings_.checked.orders;
+      if (next < urgent_.jobs.size()) compare(other, job, next);
+    }
+  }
+
+ private:
+  void compare(const SeenThread& other, const SeenJob& job, std::size_t next) {
+    const SeenJob& waiting = urgent_.jobs[next];
+    const bool together = waiting.instant() == job.instant();
+    if (together) ++findings_.checked.orders;
+    std::int64_t ready = waiting.instant();
+    // What ran before may have ended late; what is not seen may have as well.
+    if (next == 0 && !urgent_.whole) return;
+    if (next > 0) ready = std::max(ready, urgent_.jobs[next - 1].end);
+    if (waiting.excused || job.start() < ready + (together ? 0 : kWake)) return;
+    if (disturbed_.touch(ready, waiting.start())) {
+      return findings_.left_out("pairs of jobs in windows of disturbance, for their order");
+    }
+    findings_.violation(
+        *job.release, "order",
+        other.component->name + " (priority " + std::to_string(other.component->priority) +
+            ") began " + length_in_words(waiting.start() - job.start()) + " before " +
+            urgent_.component->name + " (priority " + std::to_string(urgent_.component->priority) +
+            "), which was released for " + instant_in_words(waiting.instant()) +
+            " on the same processor",
+        "of those that are ready the most urgent one begins");
+  }
+
+  Findings& findings_;
+  const SeenThread& urgent_;
+  const Windows& disturbed_;
+};
+
+/// Jobs that took more than they may, or failed: the bounds of others do not count on them.
+Windows windows_of_others(const std::vector<SeenThread>& threads) {
+  Windows windows;
+  for (const SeenThread& thread : threads) {
+    for (const SeenJob& job : thread.jobs) {
+      if (job.disturbs) windows.add(job.start(), job.end + kAround);
+    }
+  }
+  windows.sort();
+  return windows;
+}
+
+class ResponseCheck {
+ public:
+  ResponseCheck(Findings& findings, const Windows& disturbed, Windows others)
+      : findings_(findings), disturbed_(disturbed), others_(std::move(others)) {}
+
+  void judge(const Component& component, const SeenJob& job) const {
+    const std::int64_t response = job.end - job.instant();
+    const std::int64_t beyond = response - *component.bound;
+    if (disturbed_.touch(job.instant(), job.end)) {
+      return findings_.left_out("responses in windows of disturbance");
+    }
+    if (job.excused || others_.touch(job.instant(), job.end)) {
+      return findings_.left_out(
+          "responses after an overrun, a fault, a gap or a job over its budget");
+    }
+    if (!disturbed_.empty() && beyond > 0 && beyond < kUnseen) {
+      return findings_.left_out(
+          "responses beyond the bound by less than the probe sees, on a machine that was "
+          "disturbed");
+    }
+    ++findings_.checked.responses;
+    if (beyond <= 0) return;
+    findings_.violation(
+        *job.release, "response",
+        component.name + " responded in " + length_in_words(response) + " to its release for " +
+            instant_in_words(job.instant()) + ", and " + length_in_words(*component.bound) +
+            " were admitted",
+        disturbed_.empty()
+            ? "nothing was seen to disturb it; mauvectl trace start runs a probe that would see it"
+            : "mauvectl analyze shows what the bound is made of; mauvectl timeline shows what ran");
+  }
+
+ private:
+  Findings& findings_;
+  const Windows& disturbed_;
+  Windows others_;
+};
+
+}  // namespace
+
+std::string length_in_words(std::int64_t ns) {
+  struct Unit {
+    std::int64_t ns;
+    const char* name;
+  };
+  constexpr std::array<Unit, 3> kUnits{{{1'000'000'000, "s"}, {1'000'000, "ms"}, {1'000, "us"}}};
+  for (const Unit& unit : kUnits) {
+    if (std::abs(ns) < unit.ns) continue;
+    std::string text = std::to_string(std::abs(ns) % unit.ns + unit.ns);
+    text.front() = '.';  // in place of a one that keeps the zeros
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text == ".") text.clear();
+    return std::to_string(ns / unit.ns) + text + " " + unit.name;
+  }
+  return std::to_string(ns) + " ns";
+}
+
+void Findings::violation(const Record& at, std::string_view rule, std::string message,
+                         std::string hint) {
+  ++found_;
+  violations_.push_back({std::string(rule), trace_.text(at.thread), at.time, at.line,
+                         std::move(message), std::move(hint)});
+  if (violations_.size() < 20 * kKept) return;
+  std::stable_sort(violations_.begin(), violations_.end(), by_time);
+  violations_.resize(kKept);
+}
+
+Verdict Findings::take() {
+  std::stable_sort(violations_.begin(), violations_.end(), by_time);
+  if (violations_.size() > kKept) violations_.resize(kKept);
+  Verdict verdict{std::move(violations_), found_, checked, {}};
+  for (const auto& [what, times] : left_out_) {
+    verdict.not_checked.push_back(times > 1 ? what + " (" + std::to_string(times) + " times)"
+                                            : what);
+  }
+  return verdict;
+}
+
+void Windows::sort() {
+  std::sort(windows_.begin(), windows_.end(),
+            [](const Window& x, const Window& y) { return x.from < y.from; });
+  latest_.clear();
+  for (const Window& one : windows_) {
+    latest_.push_back(latest_.empty() ? one.to : std::max(latest_.back(), one.to));
+  }
+}
+
+bool Windows::touch(std::int64_t from, std::int64_t to) const {
+  const auto behind =
+      std::upper_bound(windows_.begin(), windows_.end(), to,
+                       [](std::int64_t time, const Window& one) { return time < one.from; });
+  if (behind == windows_.begin()) return false;
+  return latest_[static_cast<std::size_t>(behind - windows_.begin()) - 1] >= from;
+}
+
+void check_order(Findings& findings, const std::vector<SeenThread>& threads,
+                 const Windows& disturbed) {
+  for (const auto& [cpu, all] : by_processor(threads)) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      for (std::size_t k = i + 1; k < all.size(); ++k) {
+        if (all[i]->component->priority == all[k]->component->priority) continue;
+        OrderCheck(findings, *all[i], disturbed).look_at(*all[k]);
+      }
+    }
+  }
+}
+
+void check_responses(Findings& findings, const std::vector<SeenThread>& threads,
+                     const Windows& disturbed) {
+  const ResponseCheck check(findings, disturbed, windows_of_others(threads));
+  for (const SeenThread& thread : threads) {
+    if (thread.component == nullptr) continue;
+    if (!thread.component->bound) {
+      findings.left_out("responses of components that have no admitted bound");
+      continue;
+    }
+    for (const SeenJob& job : thread.jobs) {
+      if (job.whole) check.judge(*thread.component, job);
+    }
+  }
+}
+
+Verdict check(const Trace& trace) {
+  Findings findings(trace);
+  tell_of_reading(findings);
+  const auto threads = by_thread(trace);
+  const auto barriers = barriers_of(trace);
+  std::vector<SeenThread> seen;
+  for (const auto& [thread, records] : threads) {
+    const Component* component = trace.component(thread);
+    const std::string& name = trace.text(thread);
+    if (name == kControl || name == kProbe) continue;
+    if (component == nullptr) {
+      findings.left_out("the grid, states and bound of " + name + ", which left before the end");
+    }
+    ++findings.checked.components;
+    seen.push_back(check_thread(findings, component, records, barriers));
+  }
+  const Windows disturbed = disturbed_windows(trace);
+  check_changes(findings, threads);
+  check_order(findings, seen, disturbed);
+  check_responses(findings, seen, disturbed);
+  return findings.take();
+}
+
+}  // namespace mauve::ctl::mtrace

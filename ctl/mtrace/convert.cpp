@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "mtrace/convert.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include "mtrace/chrome.h"
+#include "mtrace/ctf.h"
+#include "mtrace/file.h"
+
+namespace mauve::ctl::mtrace {
+
+std::optional<Format> format_named(std::string_view name) {
+  if (name == "mtrace") return Format::mtrace;
+  if (name == "chrome") return Format::chrome;
+  if (name == "ctf") return Format::ctf;
+  return std::nullopt;
+}
+
+Format format_of(std::string_view path) {
+  if (path.ends_with(".mtrace")) return Format::mtrace;
+  return path.ends_with(".json") ? Format::chrome : Format::ctf;
+}
+
+Status convert(const Trace& trace, Format format, const std::string& path) {
+  if (format == Format::ctf) return write_ctf(trace, path);
+  errno = 0;
+  std::ofstream stream(path, std::ios::binary);
+  if (stream.good()) {
+    format == Format::chrome ? write_chrome(trace, stream) : write(trace, stream);
+    stream << std::flush;
+  }
+  if (stream.good()) return ok();
+  const std::string why = errno != 0 ? std::strerror(errno) : "unknown reason";
+  return refuse(Errc::system, path, "the file cannot be written: " + why);
+}
+
+}  // namespace mauve::ctl::mtrace

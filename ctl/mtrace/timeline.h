@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// A trace as a picture, in the style of the paper's figures 4, 5 and 9.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mtrace/trace.h"
+
+namespace mauve::ctl::mtrace {
+
+/// What to draw; what is not said is chosen.
+struct View {
+  std::optional<std::int64_t> from;
+  std::optional<std::int64_t> to;
+  std::vector<std::string> components;  ///< empty: all, as far as they are not too many
+};
+
+struct Timeline {
+  std::string svg;
+  std::int64_t from = 0;
+  std::int64_t to = 0;
+  std::vector<std::string> left_out;  ///< what the picture does not show; a sentence each
+};
+
+/// Tasks as rows by priority, arrows where they are released, boxes where they execute, changes as
+/// lines through all of them. Of bounded size, whatever the trace.
+[[nodiscard]] Timeline draw_timeline(const Trace& trace, const View& view);
+
+}  // namespace mauve::ctl::mtrace

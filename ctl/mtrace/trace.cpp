@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "mtrace/trace.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+namespace mauve::ctl::mtrace {
+namespace {
+
+// In the order of Event.
+constexpr EventWords kEvents[] = {
+    {"release", "", "instant_ns", "change"},
+    {"begin", "state", "", ""},
+    {"end", "state", "preempted", ""},
+    {"wait", "state", "next_ns", "preempted"},
+    {"lock", "resource", "waited_ns", ""},
+    {"unlock", "resource", "held_ns", ""},
+    {"timeout", "resource", "waited_ns", ""},
+    {"call", "port", "status", "took_ns"},
+    {"user", "name", "", "value"},
+    {"overrun", "", "late_ns", "overruns"},
+    {"budget", "", "used_ns", "budget_ns"},
+    {"missed", "", "releases", "missed"},
+    {"fault", "cause", "", ""},
+    {"started", "", "first_ns", ""},
+    {"stopped", "", "instant_ns", ""},
+    {"taken", "kind", "instant_ns", "change"},
+    {"given_back", "", "", "change"},
+    {"prepare", "what", "instant_ns", "change"},
+    {"commit", "what", "instant_ns", "change"},
+    {"abort", "what", "instant_ns", "change"},
+    {"rollback", "what", "instant_ns", "change"},
+    {"member", "component", "", "change"},
+    {"set", "address", "", "change"},
+    {"disturbed", "", "held_up_ns", ""},
+    {"lost", "", "records", ""},
+};
+
+}  // namespace
+
+std::span<const EventWords> event_words() { return kEvents; }
+
+const EventWords& words_of(Event event) { return kEvents[static_cast<std::size_t>(event)]; }
+
+std::optional<Event> event_named(std::string_view name) {
+  const auto found = std::find_if(std::begin(kEvents), std::end(kEvents),
+                                  [&](const EventWords& one) { return one.event == name; });
+  if (found == std::end(kEvents)) return std::nullopt;
+  return static_cast<Event>(found - std::begin(kEvents));
+}
+
+const State* Component::state(std::string_view called) const {
+  const auto found = std::find_if(states.begin(), states.end(),
+                                  [&](const State& one) { return one.name == called; });
+  return found == states.end() ? nullptr : &*found;
+}
+
+std::optional<std::int64_t> Component::cpu() const {
+  if (cpus.size() != 1) return std::nullopt;
+  return cpus.front();
+}
+
+Word Trace::intern(std::string_view text) {
+  const auto found = numbers_.find(text);
+  if (found != numbers_.end()) return found->second;
+  const auto number = static_cast<Word>(texts_.size());
+  texts_.emplace_back(text);
+  numbers_.emplace(text, number);
+  return number;
+}
+
+std::optional<Word> Trace::find(std::string_view text) const {
+  const auto found = numbers_.find(text);
+  if (found == numbers_.end()) return std::nullopt;
+  return found->second;
+}
+
+const Component* Trace::component(Word thread) const {
+  const auto found = std::find_if(header.components.begin(), header.components.end(),
+                                  [&](const Component& one) { return one.name == texts_[thread]; });
+  return found == header.components.end() ? nullptr : &*found;
+}
+
+std::int64_t Trace::first_time() const {
+  const auto first = std::min_element(records.begin(), records.end(),
+                                      [](const auto& x, const auto& y) { return x.time < y.time; });
+  return first == records.end() ? header.from : first->time;
+}
+
+std::int64_t Trace::last_time() const {
+  const auto last = std::max_element(records.begin(), records.end(),
+                                     [](const auto& x, const auto& y) { return x.time < y.time; });
+  return last == records.end() ? header.to : last->time;
+}
+
+std::string instant_in_words(std::int64_t time) {
+  const bool before = time < 0;
+  const auto ns = before ? 0 - static_cast<std::uint64_t>(time) : static_cast<std::uint64_t>(time);
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "T0 %c %llu.%09llu s", before ? '-' : '+',
+                static_cast<unsigned long long>(ns / 1'000'000'000),
+                static_cast<unsigned long long>(ns % 1'000'000'000));
+  return text.data();
+}
+
+}  // namespace mauve::ctl::mtrace

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// A trace in memory: what ran, and what happened when. Times are ns since T0.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mauve::ctl::mtrace {
+
+enum class Event : std::uint8_t {
+  release,
+  begin,
+  end,
+  wait,
+  lock,
+  unlock,
+  timeout,
+  call,
+  user,
+  overrun,
+  budget,
+  missed,
+  fault,
+  started,
+  stopped,
+  taken,
+  given_back,
+  prepare,
+  commit,
+  abort,
+  rollback,
+  member,
+  set,
+  disturbed,
+  lost
+};
+
+/// An event as files spell it, and what its name and numbers mean; empty: it has none.
+struct EventWords {
+  std::string_view event;
+  std::string_view name;
+  std::string_view a;
+  std::string_view b;
+};
+[[nodiscard]] std::span<const EventWords> event_words();
+[[nodiscard]] const EventWords& words_of(Event event);
+[[nodiscard]] std::optional<Event> event_named(std::string_view name);
+
+/// Threads that are no component.
+inline constexpr std::string_view kControl = "[control]";
+inline constexpr std::string_view kProbe = "[probe]";
+/// In place of the instant of a change that has none.
+inline constexpr std::int64_t kNoInstant = -1;
+
+using Word = std::uint32_t;  ///< a text of the trace
+
+struct Record {
+  std::int64_t time = 0;
+  std::int64_t a = 0;
+  std::int64_t b = 0;  ///< of `user` the bits of a double
+  Word thread = 0;
+  Word name = 0;
+  std::uint32_t line = 0;  ///< of the file, counted from 1; 0: it was in none
+  Event event = Event::release;
+
+  [[nodiscard]] double value() const { return std::bit_cast<double>(b); }
+};
+
+struct State {
+  std::string name;
+  bool waits = false;  ///< a synchronization state
+  std::int64_t wait = 0;
+};
+
+struct Component {
+  std::string name;
+  std::string type;
+  std::string core;
+  std::string initial;
+  std::int64_t priority = 0;
+  std::vector<std::int64_t> cpus;
+  bool realtime = false;
+  std::int64_t period = 0;  ///< of its grid; zero: it has none
+  std::int64_t offset = 0;
+  std::int64_t deadline = 0;
+  std::int64_t budget = 0;
+  std::optional<std::int64_t> bound;  ///< of its response, as admitted
+  std::vector<State> states;
+
+  [[nodiscard]] const State* state(std::string_view called) const;
+  /// Where it always runs, when that is one processor only.
+  [[nodiscard]] std::optional<std::int64_t> cpu() const;
+};
+
+/// The first line of a file.
+struct Header {
+  std::string mauved;
+  std::string architecture;
+  std::string boot;
+  std::string written;  ///< date and time
+  std::int64_t t0 = 0;  ///< on the monotonic clock
+  std::int64_t from = 0;
+  std::int64_t to = 0;
+  std::string why;
+  std::uint64_t lost = 0;
+  std::vector<Component> components;
+  std::vector<std::string> resources;
+};
+
+/// How much of a file was sound.
+struct Reading {
+  bool complete = false;           ///< its last line says so
+  std::uint64_t unknown = 0;       ///< records of an event that this version does not know
+  std::uint64_t broken = 0;        ///< lines that are no record
+  std::uint64_t first_broken = 0;  ///< the number of the first
+  std::string first_reason;
+};
+
+class Trace {
+ public:
+  Header header;
+  std::vector<Record> records;  ///< of one thread in the order in which it happened
+  Reading reading;
+
+  Word intern(std::string_view text);
+  /// The number of a text that occurs, else nothing.
+  [[nodiscard]] std::optional<Word> find(std::string_view text) const;
+  [[nodiscard]] const std::string& text(Word word) const { return texts_[word]; }
+  [[nodiscard]] std::size_t words() const { return texts_.size(); }
+  /// Null for threads that are no component of the header.
+  [[nodiscard]] const Component* component(Word thread) const;
+  /// From the first record to the last one, whichever the header says.
+  [[nodiscard]] std::int64_t first_time() const;
+  [[nodiscard]] std::int64_t last_time() const;
+
+ private:
+  std::vector<std::string> texts_;
+  std::map<std::string, Word, std::less<>> numbers_;
+};
+
+/// "T0 + 1.234567890 s", "T0 - 0.000001000 s".
+[[nodiscard]] std::string instant_in_words(std::int64_t time);
+
+}  // namespace mauve::ctl::mtrace

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// A trace, of a file or of the running system, as a picture.
+#include "mtrace/timeline.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "actions.h"
+#include "base/duration.h"
+#include "live_trace.h"
+#include "mtrace/file.h"
+#include "words.h"
+
+namespace mauve::ctl {
+namespace {
+
+std::variant<mtrace::Trace, Fault> trace_of(Session& session) {
+  const std::string file = session.arguments.one("FILE");
+  if (file.empty() || file == "live") return read_live(session, {});
+  auto trace = mtrace::read_file(file);
+  if (!trace) {
+    return protocol::fault_of(protocol::kUsage, trace.error().message, file, trace.error().hint);
+  }
+  return std::move(*trace);
+}
+
+/// A time since T0; false: it is none.
+bool read_time(const Session& session, std::string_view option, std::optional<std::int64_t>& into) {
+  if (!session.arguments.has(option)) return true;
+  const auto time = parse_duration(session.arguments.one(option));
+  if (time) into = time->count();
+  return time.has_value();
+}
+
+std::vector<std::string> split(const std::vector<std::string>& lists) {
+  std::vector<std::string> names;
+  for (const std::string& list : lists) {
+    std::istringstream stream(list);
+    for (std::string name; std::getline(stream, name, ',');) {
+      if (!name.empty()) names.push_back(name);
+    }
+  }
+  return names;
+}
+
+/// To the file, with a line about it; without --output the picture itself.
+int write_picture(Session& session, const mtrace::Timeline& timeline) {
+  const std::string file = session.arguments.one("-o,--output");
+  if (file.empty()) {
+    session.screen.out << timeline.svg << std::flush;
+    return 0;
+  }
+  errno = 0;
+  std::ofstream stream(file, std::ios::binary);
+  stream << timeline.svg << std::flush;
+  if (!stream.good()) {
+    const std::string why = errno != 0 ? std::strerror(errno) : "unknown reason";
+    return session.fail(
+        protocol::fault_of(refuse(Errc::system, file, "the file cannot be written: " + why)));
+  }
+  std::string text = "drew " + mtrace::instant_in_words(timeline.from) + " to " +
+                     mtrace::instant_in_words(timeline.to) + " to " + file + "\n";
+  for (const std::string& what : timeline.left_out) text += "not shown: " + what + "\n";
+  session.print({{"file", file},
+                 {"from_ns", timeline.from},
+                 {"to_ns", timeline.to},
+                 {"left_out", timeline.left_out}},
+                text);
+  return 0;
+}
+
+}  // namespace
+
+int run_timeline(Session& session) {
+  mtrace::View view;
+  view.components = split(session.arguments.all("--component"));
+  if (!read_time(session, "--from", view.from) || !read_time(session, "--to", view.to)) {
+    return session.fail(protocol::fault_of(protocol::kUsage, "--from and --to are times since T0",
+                                           {}, "example: --from 1.2s --to 1.25s"));
+  }
+  if (view.from && view.to && *view.to <= *view.from) {
+    return session.fail(protocol::fault_of(protocol::kUsage, "--to is not after --from"));
+  }
+  const auto trace = trace_of(session);
+  if (const auto* fault = std::get_if<Fault>(&trace)) return session.fail(*fault);
+  return write_picture(session, mtrace::draw_timeline(std::get<mtrace::Trace>(trace), view));
+}
+
+}  // namespace mauve::ctl

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// check-trace: what obeys the model passes, and each way to break it is found, in the right words.
+#include "mtrace/check.h"
+
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "unit/ctl/made_trace.h"
+
+namespace mauve::ctl::mtrace {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr std::int64_t kMs = 1'000'000;
+
+Trace made(unsigned seed, int load = 55) { return MadeTrace(seed).make(6, 300 * kMs, 4, load); }
+
+/// The records of one thread, by place.
+std::vector<std::size_t> places_of(const Trace& trace, std::string_view thread, Event event) {
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < trace.records.size(); ++i) {
+    const Record& record = trace.records[i];
+    if (record.event == event && trace.text(record.thread) == thread) places.push_back(i);
+  }
+  return places;
+}
+
+std::size_t next_of(const Trace& trace, std::size_t after, Event event) {
+  for (std::size_t i = after + 1; i < trace.records.size(); ++i) {
+    const Record& record = trace.records[i];
+    if (record.event == event && record.thread == trace.records[after].thread) return i;
+  }
+  return trace.records.size();
+}
+
+/// Breaks a trace of each of some seeds; each time that rule is the first that is broken.
+void expect_found(std::string_view rule, std::string_view words,
+                  const std::function<bool(Trace&)>& break_it) {
+  int broken = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    Trace trace = made(seed);
+    if (!break_it(trace)) continue;
+    ++broken;
+    const Verdict verdict = check(trace);
+    ASSERT_FALSE(verdict.holds()) << "seed " << seed;
+    EXPECT_EQ(verdict.violations.front().rule, rule) << "seed " << seed << "\n"
+                                                     << violations_of(verdict);
+    EXPECT_THAT(verdict.violations.front().message, HasSubstr(std::string(words)))
+        << "seed " << seed;
+    EXPECT_GT(verdict.violations.front().line, 1U);
+    EXPECT_FALSE(verdict.violations.front().hint.empty());
+  }
+  EXPECT_GE(broken, 10) << "the test found too little to break";
+}
+
+TEST(TraceCheck, PassesWhatObeysTheModel) {
+  Checked sum;
+  for (unsigned seed = 1; seed <= 100; ++seed) {
+    const Verdict verdict = check(made(seed, seed % 3 == 0 ? 90 : 55));
+    ASSERT_TRUE(verdict.holds()) << "seed " << seed << "\n" << violations_of(verdict);
+    sum.releases += verdict.checked.releases;
+    sum.waits += verdict.checked.waits;
+    sum.orders += verdict.checked.orders;
+    sum.takes += verdict.checked.takes;
+  }
+  EXPECT_GT(sum.releases, 20'000U);
+  EXPECT_GT(sum.waits, 20'000U);
+  EXPECT_GT(sum.orders, 1'000U);
+  EXPECT_GT(sum.takes, 500U);
+}
+
+TEST(TraceCheck, FindsALostRelease) {
+  expect_found("lost", "lost a release: its wait announced", [](Trace& trace) {
+    const auto releases = places_of(trace, "c0", Event::release);
+    const std::size_t from = releases[releases.size() / 2];
+    const std::size_t to = next_of(trace, from, Event::wait);
+    const std::size_t before = releases[releases.size() / 2 - 1];
+    // With a change taken there the job after it would break the cut as well.
+    if (to == trace.records.size() || next_of(trace, before, Event::taken) < to) return false;
+    const Word thread = trace.records[from].thread;
+    std::vector<Record> kept;
+    for (std::size_t i = 0; i < trace.records.size(); ++i) {
+      const bool lost = i >= from && i <= to && trace.records[i].thread == thread;
+      if (!lost) kept.push_back(trace.records[i]);
+    }
+    trace.records = std::move(kept);
+    return true;
+  });
+}
+
+TEST(TraceCheck, FindsAnInstantThatIsShifted) {
+  for (const std::int64_t by : {-1'000, -1, 1, 1'000}) {
+    expect_found("release", "its wait announced", [&](Trace& trace) {
+      const auto releases = places_of(trace, "c0", Event::release);
+      const std::size_t place = releases[releases.size() / 2];
+      const std::size_t wait = next_of(trace, place, Event::wait);
+      if (wait == trace.records.size()) return false;
+      trace.records[place].a += by;
+      trace.records[wait].a += by;  // the wait is as long as it was
+      return true;
+    });
+  }
+}
+
+TEST(TraceCheck, FindsAWaitThatIsCountedFromNow) {
+  expect_found("wait", "and that state", [](Trace& trace) {
+    const auto waits = places_of(trace, "c0", Event::wait);
+    trace.records[waits[waits.size() / 2]].a += 17'000;
+    return true;
+  });
+}
+
+TEST(TraceCheck, FindsAJobThatBeganBeforeItsRelease) {
+  expect_found("release", "before its release", [](Trace& trace) {
+    const auto releases = places_of(trace, "c0", Event::release);
+    Record& release = trace.records[releases[releases.size() / 2]];
+    release.time = release.a - 1;
+    return true;
+  });
+}
+
+TEST(TraceCheck, FindsALessUrgentJobThatBeganFirst) {
+  expect_found("order", "(priority 78) began", [](Trace& trace) {
+    for (const std::size_t urgent : places_of(trace, "c0", Event::release)) {
+      for (const std::size_t other : places_of(trace, "c2", Event::release)) {
+        const Record& first = trace.records[urgent];
+        Record& second = trace.records[other];
+        // The first release of all, and one after a late job, excuse a lot.
+        if (second.a != first.a || first.time - first.a != 6'000 || first.a == 0) continue;
+        second.time = first.time - 1'000;
+        return true;
+      }
+    }
+    return false;
+  });
+}
+
+TEST(TraceCheck, FindsAChangeThatIsTakenLate) {
+  expect_found("cut", "took change", [](Trace& trace) {
+    const auto takes = places_of(trace, "c0", Event::taken);
+    if (takes.empty()) return false;
+    const std::size_t place = takes.front();
+    const std::size_t late = next_of(trace, place, Event::wait);
+    if (late == trace.records.size() || next_of(trace, place, Event::taken) < late) return false;
+    Record taken = trace.records[place];
+    taken.time = trace.records[late].time;
+    trace.records.insert(trace.records.begin() + static_cast<std::ptrdiff_t>(late) + 1, taken);
+    trace.records.erase(trace.records.begin() + static_cast<std::ptrdiff_t>(place));
+    return true;
+  });
+}
+
+TEST(TraceCheck, FindsAChangeThatIsTakenEarly) {
+  expect_found("cut", "early", [](Trace& trace) {
+    const auto takes = places_of(trace, "c0", Event::taken);
+    if (takes.empty()) return false;
+    const std::size_t place = takes.front();
+    std::size_t before = trace.records.size();  // the last job that ran without it
+    for (const std::size_t release : places_of(trace, "c0", Event::release)) {
+      if (release < place) before = release;
+    }
+    if (before == trace.records.size()) return false;
+    Record taken = trace.records[place];
+    taken.time = trace.records[before].time;
+    trace.records.erase(trace.records.begin() + static_cast<std::ptrdiff_t>(place));
+    trace.records.insert(trace.records.begin() + static_cast<std::ptrdiff_t>(before), taken);
+    return true;
+  });
+}
+
+TEST(TraceCheck, FindsAMemberThatNeverTookAChange) {
+  expect_found("cut", "never took change", [](Trace& trace) {
+    const auto takes = places_of(trace, "c0", Event::taken);
+    if (takes.empty()) return false;
+    trace.records.erase(trace.records.begin() + static_cast<std::ptrdiff_t>(takes.front()));
+    return true;
+  });
+}
+
+TEST(TraceCheck, FindsTwoInstantsOfOneChange) {
+  expect_found("cut", "with the instant", [](Trace& trace) {
+    const auto takes = places_of(trace, "c0", Event::taken);
+    const auto others = places_of(trace, "c1", Event::taken);
+    if (takes.empty() || others.empty()) return false;
+    if (trace.records[takes.front()].b != trace.records[others.front()].b) return false;
+    --trace.records[takes.front()].a;
+    return true;
+  });
+}
+
+TEST(TraceCheck, FindsAChangeThatIsTakenThoughAborted) {
+  expect_found("cut", "which was aborted", [](Trace& trace) {
+    const auto commits = places_of(trace, "[control]", Event::commit);
+    const auto takes = places_of(trace, "c0", Event::taken);
+    if (takes.empty() || trace.records[takes.front()].b != 1) return false;
+    Record abort = trace.records[commits.front()];
+    abort.event = Event::abort;
+    trace.records.insert(trace.records.begin() + static_cast<std::ptrdiff_t>(commits.front()) + 1,
+                         abort);
+    return true;
+  });
+}
+
+TEST(TraceCheck, FindsAResponseThatIsTooLong) {
+  expect_found("response", "were admitted", [](Trace& trace) {
+    const auto releases = places_of(trace, "c0", Event::release);
+    const std::size_t place = releases[releases.size() / 2];
+    const std::size_t wait = next_of(trace, place, Event::wait);
+    if (wait == trace.records.size()) return false;
+    Component& c0 = trace.header.components[0];
+    c0.bound = 0;
+    for (const std::size_t release : releases) {
+      const std::size_t end = next_of(trace, release, Event::wait);
+      if (end == trace.records.size() || release == place) continue;
+      c0.bound = std::max(*c0.bound, trace.records[end].time - trace.records[release].a);
+    }
+    trace.records[wait].time = trace.records[place].a + *c0.bound + 1;
+    return true;
+  });
+}
+
+TEST(TraceCheck, FindsStatesThatNoMachineHas) {
+  expect_found("state", "which had not begun", [](Trace& trace) {
+    const auto begins = places_of(trace, "c0", Event::begin);
+    trace.records.erase(trace.records.begin() +
+                        static_cast<std::ptrdiff_t>(begins[begins.size() / 2]));
+    return true;
+  });
+  expect_found("state", "a state that its machine does not have", [](Trace& trace) {
+    const auto begins = places_of(trace, "c0", Event::begin);
+    const Word other = trace.intern("fly");
+    trace.records[begins.back()].name = other;
+    const std::size_t end = next_of(trace, begins.back(), Event::end);
+    if (end < trace.records.size()) trace.records[end].name = other;
+    return true;
+  });
+  expect_found("state", "had not ended", [](Trace& trace) {
+    const auto waits = places_of(trace, "c0", Event::wait);
+    trace.records.erase(trace.records.begin() +
+                        static_cast<std::ptrdiff_t>(waits[waits.size() / 2]));
+    return true;
+  });
+}
+
+TEST(TraceCheck, FindsAJobThatEndsWithALock) {
+  expect_found("lock", "still holds world", [](Trace& trace) {
+    const auto unlocks = places_of(trace, "c0", Event::unlock);
+    trace.records.erase(trace.records.begin() +
+                        static_cast<std::ptrdiff_t>(unlocks[unlocks.size() / 2]));
+    return true;
+  });
+}
+
+}  // namespace
+}  // namespace mauve::ctl::mtrace

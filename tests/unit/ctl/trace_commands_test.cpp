@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// check-trace, convert-trace and timeline as commands: exit codes, what is printed and written.
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "mtrace/file.h"
+#include "unit/ctl/made_trace.h"
+#include "unit/ctl/scene.h"
+
+namespace mauve::ctl {
+namespace {
+
+using mtrace::MadeTrace;
+using mtrace::Trace;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+/// A folder with a trace in it.
+class TraceCommand : public testing::Test {
+ protected:
+  TraceCommand() {
+    std::string name = "/tmp/mauve_trace_XXXXXX";
+    if (mkdtemp(name.data()) == nullptr) std::abort();
+    folder_ = name;
+    file_ = folder_ / "drive.mtrace";
+    write(made());
+  }
+  ~TraceCommand() override { std::filesystem::remove_all(folder_); }
+
+  static Trace made() { return MadeTrace(5).make(4, 100'000'000, 2, 50); }
+  void write(const Trace& trace) const {
+    std::ofstream stream(file_);
+    mtrace::write(trace, stream);
+  }
+  static Outcome run_alone(std::vector<std::string> words) {
+    return run("/nowhere", std::move(words));
+  }
+  [[nodiscard]] std::string text_of(const std::string& name) const {
+    std::ifstream stream(folder_ / name);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+
+  std::filesystem::path folder_;
+  std::filesystem::path file_;
+};
+
+TEST_F(TraceCommand, CheckSaysThatATraceObeysTheModel) {
+  const Outcome outcome = run_alone({"check-trace", file_});
+
+  EXPECT_EQ(outcome.exit, 0) << outcome.out;
+  EXPECT_THAT(outcome.out, StartsWith("the trace obeys the model\nchecked: 4 components, "));
+}
+
+TEST_F(TraceCommand, CheckNamesTheFirstViolationAndEndsWithOne) {
+  Trace trace = made();
+  for (auto& record : trace.records) {
+    if (record.event == mtrace::Event::release && record.a > 50'000'000) ++record.a;
+  }
+  write(trace);
+  const Outcome outcome = run_alone({"check-trace", file_});
+  const Outcome json = run_alone({"--json", "check-trace", file_});
+
+  EXPECT_EQ(outcome.exit, 1);
+  EXPECT_THAT(outcome.out, StartsWith("violated: c"));
+  EXPECT_THAT(outcome.out, HasSubstr("\n  rule   : release\n  where  : c"));
+  EXPECT_THAT(outcome.out, HasSubstr("violations after it"));
+  EXPECT_EQ(json.exit, 1);
+  const Json answer = Json::parse(json.out);
+  EXPECT_EQ(answer["holds"], false);
+  EXPECT_EQ(answer["first"]["rule"], "release");
+  EXPECT_GT(answer["first"]["line"], 1);
+  EXPECT_GT(answer["violations"], 1);
+}
+
+TEST_F(TraceCommand, WhatIsNoTraceIsWrongUse) {
+  std::ofstream(folder_ / "other") << "{\"mauve_trace\":9}\n";
+  for (const char* name : {"missing", "other", ""}) {
+    for (const char* command : {"check-trace", "timeline"}) {
+      const Outcome outcome = run_alone({command, folder_ / name});
+      EXPECT_EQ(outcome.exit, 2) << command << " " << name;
+      EXPECT_THAT(outcome.err, HasSubstr("error: ")) << command << " " << name;
+    }
+  }
+}
+
+TEST_F(TraceCommand, ConvertWritesByTheNameOfTheOutput) {
+  EXPECT_EQ(run_alone({"convert-trace", file_, "-o", folder_ / "drive.json"}).exit, 0);
+  EXPECT_EQ(run_alone({"convert-trace", file_, "-o", folder_ / "ctf"}).exit, 0);
+  EXPECT_EQ(run_alone({"convert-trace", file_, "-o", folder_ / "again.mtrace"}).exit, 0);
+
+  EXPECT_TRUE(Json::parse(text_of("drive.json"))["traceEvents"].is_array());
+  EXPECT_THAT(text_of("ctf/metadata"), StartsWith("/* CTF 1.8 */"));
+  EXPECT_EQ(text_of("again.mtrace"), text_of("drive.mtrace"));
+}
+
+TEST_F(TraceCommand, ConvertTakesAFormatAndRefusesOthers) {
+  const Outcome done =
+      run_alone({"convert-trace", file_, "-o", folder_ / "x", "--format", "chrome"});
+  const Outcome refused =
+      run_alone({"convert-trace", file_, "-o", folder_ / "y", "--format", "vcd"});
+
+  EXPECT_EQ(done.exit, 0);
+  EXPECT_THAT(done.out, StartsWith("wrote "));
+  EXPECT_THAT(text_of("x"), StartsWith("{"));
+  EXPECT_EQ(refused.exit, 2);
+  EXPECT_THAT(refused.err, HasSubstr("chrome, ctf or mtrace"));
+}
+
+TEST_F(TraceCommand, SaysInTheWordsOfTheSystemThatItCannotWrite) {
+  for (const char* command : {"convert-trace", "timeline"}) {
+    const Outcome outcome = run_alone({command, file_, "-o", "/no/such/folder/x.json"});
+    EXPECT_EQ(outcome.exit, 1) << command;
+    EXPECT_THAT(outcome.err, HasSubstr("No such file or directory")) << command;
+    EXPECT_THAT(outcome.err, HasSubstr("/no/such/folder/x.json")) << command;
+  }
+}
+
+TEST_F(TraceCommand, TimelineDrawsAPartOfAFile) {
+  const Outcome outcome = run_alone({"timeline", file_, "--from", "10ms", "--to", "20ms",
+                                     "--component", "c0,c1", "-o", folder_ / "a.svg"});
+
+  EXPECT_EQ(outcome.exit, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, StartsWith("drew T0 + 0.010000000 s to T0 + 0.020000000 s to "));
+  EXPECT_THAT(text_of("a.svg"), StartsWith("<svg "));
+  EXPECT_THAT(text_of("a.svg"), testing::Not(HasSubstr(">c2<")));
+}
+
+TEST_F(TraceCommand, TimelineRefusesTimesThatAreNone) {
+  EXPECT_EQ(run_alone({"timeline", file_, "--from", "soon"}).exit, 2);
+  EXPECT_EQ(run_alone({"timeline", file_, "--from", "2s", "--to", "1s"}).exit, 2);
+}
+
+/// The whole trace in two pages.
+Json page_of(const Trace& trace, const protocol::Request& request) {
+  const auto from = request.params.value("from", std::size_t{0});
+  const std::size_t half = trace.records.size() / 2;
+  const std::size_t to = from == 0 ? half : trace.records.size();
+  Json records = Json::array();
+  for (std::size_t i = from; i < to; ++i) {
+    records.push_back(Json::parse(record_line(trace, trace.records[i])));
+  }
+  return {{"header", Json::parse(header_line(trace.header))},
+          {"records", records},
+          {"recording", "now-7"},
+          {"next", to},
+          {"end", to == trace.records.size()}};
+}
+
+TEST_F(TraceCommand, TimelineWithoutAFileIsThatOfTheRunningSystem) {
+  const Trace trace = made();
+  std::vector<std::string> methods;
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"timeline"}, {"timeline", "live"}}) {
+    FakeServer server([&](Peer& peer) {
+      peer.say(kHello);
+      for (auto request = peer.hear(); !request.id.is_null(); request = peer.hear()) {
+        methods.push_back(request.method + " " + request.params.value("recording", "none"));
+        peer.answer(request, page_of(trace, request));
+      }
+    });
+    const Outcome outcome = run(server.path(), words);
+    EXPECT_EQ(outcome.exit, 0) << outcome.err;
+    EXPECT_EQ(outcome.out, run_alone({"timeline", file_}).out);
+  }
+  EXPECT_THAT(methods, testing::ElementsAre("trace.read none", "trace.read now-7",
+                                            "trace.read none", "trace.read now-7"));
+}
+
+TEST_F(TraceCommand, TimelineEndsThoughADaemonNeverSaysThatItIsTheEnd) {
+  const Json answer{{"header", Json::parse(header_line(made().header))},
+                    {"records", Json::array()},
+                    {"next", 0},
+                    {"end", false}};
+  EXPECT_EQ(Scene({"timeline"}, answer).outcome.exit, 0);
+  EXPECT_EQ(Scene({"timeline"}, Json::object()).outcome.exit, 1) << "no trace at all";
+  EXPECT_THAT(Scene({"timeline"}, Json::array()).outcome.err, HasSubstr("no page of a trace"));
+}
+
+}  // namespace
+}  // namespace mauve::ctl

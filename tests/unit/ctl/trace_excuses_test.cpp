@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// check-trace: what excuses a component, and what cannot be judged.
+#include <algorithm>
+#include <string>
+
+#include <gmock/gmock.h>
+
+#include "mtrace/check.h"
+#include "unit/ctl/made_trace.h"
+
+namespace mauve::ctl::mtrace {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr std::int64_t kOneMs = 1'000'000;
+
+// ---------------------------------------------------------------------------------
+
+/// One component of 10 ms that always takes 1 ms.
+struct Short {
+  Trace trace;
+
+  Short() {
+    Component control;
+    control.name = "control";
+    control.realtime = true;
+    control.period = 10 * kOneMs;
+    control.bound = 2 * kOneMs;
+    control.states = {{"guide", false, 0}, {"pace", true, 10 * kOneMs}};
+    trace.header.components.push_back(control);
+    trace.reading.complete = true;
+  }
+  Short& add(std::int64_t time, Event event, std::string_view name = {}, std::int64_t a = 0,
+             std::int64_t b = 0, std::string_view thread = "control") {
+    Record record;
+    record.time = time;
+    record.thread = trace.intern(thread);
+    record.event = event;
+    record.name = trace.intern(name);
+    record.a = a;
+    record.b = b;
+    record.line = static_cast<std::uint32_t>(trace.records.size()) + 2;
+    trace.records.push_back(record);
+    return *this;
+  }
+  Short& job(std::int64_t release, std::int64_t length = 1 * kOneMs) {
+    return add(release + 5, Event::release, {}, release)
+        .add(release + 5 + length, Event::wait, "pace", release + 10 * kOneMs);
+  }
+  [[nodiscard]] Verdict verdict() const { return check(trace); }
+};
+
+TEST(TraceCheck, AcceptsAGapOfWhichMissedTells) {
+  EXPECT_TRUE(
+      Short().job(0).add(35 * kOneMs, Event::missed, "", 2, 2).job(30 * kOneMs).verdict().holds());
+  const Verdict wrong =
+      Short().job(0).add(45 * kOneMs, Event::missed, "", 2, 2).job(40 * kOneMs).verdict();
+  ASSERT_EQ(wrong.found, 1U);
+  EXPECT_THAT(wrong.violations[0].message, HasSubstr("what it missed"));
+}
+
+TEST(TraceCheck, BeginsAnewBehindLostRecords) {
+  const Verdict verdict =
+      Short().job(0).add(55 * kOneMs, Event::lost, "", 12).job(60 * kOneMs).verdict();
+
+  EXPECT_TRUE(verdict.holds()) << violations_of(verdict);
+  EXPECT_THAT(verdict.not_checked, testing::Contains(HasSubstr("records of control were lost")));
+}
+
+TEST(TraceCheck, DoesNotJudgeResponsesInAWindowOfDisturbance) {
+  const Verdict verdict = Short()
+                              .job(0)
+                              .add(14 * kOneMs, Event::disturbed, "", 3 * kOneMs, 0, "[probe]")
+                              .job(10 * kOneMs, 5 * kOneMs)
+                              .job(20 * kOneMs)
+                              .verdict();
+  EXPECT_TRUE(verdict.holds()) << violations_of(verdict);
+  EXPECT_EQ(verdict.checked.responses, 2U);
+  EXPECT_THAT(verdict.not_checked, testing::Contains("responses in windows of disturbance"));
+  EXPECT_FALSE(Short().job(0).job(10 * kOneMs, 5 * kOneMs).verdict().holds());
+}
+
+TEST(TraceCheck, DoesNotJudgeWhatAProbeWouldNotSeeOnADisturbedMachine) {
+  const auto beyond = [](std::int64_t by, bool disturbed) {
+    Short trace;
+    if (disturbed) trace.add(1, Event::disturbed, "", kOneMs, 0, "[probe]");
+    return trace.job(10 * kOneMs).job(20 * kOneMs, 2 * kOneMs + by).verdict();
+  };
+  EXPECT_TRUE(beyond(100'000, true).holds());
+  EXPECT_FALSE(beyond(200'000, true).holds());
+  EXPECT_FALSE(beyond(100'000, false).holds());
+  EXPECT_THAT(beyond(100'000, false).violations[0].message, HasSubstr("responded in 2.100005 ms"));
+}
+
+TEST(TraceCheck, DoesNotJudgeTheJobAfterAnOverrun) {
+  const auto late = [](bool told) {
+    Short trace;
+    trace.trace.header.components[0].bound = 11 * kOneMs;
+    trace.job(0).add(10 * kOneMs + 5, Event::release, "", 10 * kOneMs);
+    if (told) trace.add(21 * kOneMs - 1, Event::overrun, "", kOneMs, 1);
+    trace.add(21 * kOneMs, Event::wait, "pace", 20 * kOneMs);
+    trace.add(21 * kOneMs, Event::release, "", 20 * kOneMs);
+    return trace.add(32 * kOneMs, Event::wait, "pace", 30 * kOneMs).verdict();
+  };
+  EXPECT_TRUE(late(true).holds()) << violations_of(late(true));
+  EXPECT_EQ(late(true).checked.responses, 2U);
+}
+
+TEST(TraceCheck, AFaultOrAStopExplainsWhoDidNotTakeAChange) {
+  const auto change = [](Event explanation) {
+    Short trace;
+    trace.job(0)
+        .add(5 * kOneMs, Event::commit, "swap", 15 * kOneMs, 3, "[control]")
+        .add(5 * kOneMs, Event::member, "control", 0, 3, "[control]")
+        .job(10 * kOneMs);
+    if (explanation != Event::user) trace.add(12 * kOneMs, explanation, "threw");
+    if (explanation == Event::stopped) trace.add(13 * kOneMs, Event::started, "", 20 * kOneMs);
+    return trace.job(20 * kOneMs).verdict();
+  };
+  EXPECT_TRUE(change(Event::fault).holds()) << violations_of(change(Event::fault));
+  EXPECT_TRUE(change(Event::stopped).holds()) << violations_of(change(Event::stopped));
+  ASSERT_EQ(change(Event::user).found, 1U);
+  EXPECT_THAT(change(Event::user).violations[0].message, HasSubstr("control never took change 3"));
+}
+
+TEST(TraceCheck, AStoppedComponentIsNotReleasedBeforeItStarts) {
+  EXPECT_FALSE(Short().job(0).add(5 * kOneMs, Event::stopped).job(10 * kOneMs).verdict().holds());
+  EXPECT_TRUE(Short()
+                  .job(0)
+                  .add(5 * kOneMs, Event::stopped)
+                  .add(35 * kOneMs, Event::started, "", 40 * kOneMs)
+                  .job(40 * kOneMs)
+                  .verdict()
+                  .holds());
+}
+
+TEST(TraceCheck, AtABarrierComponentsGoOnLaterOnTheirGrid) {
+  const auto barrier = [](std::int64_t release) {
+    return Short()
+        .job(0)
+        .add(10 * kOneMs, Event::taken, "barrier", 12 * kOneMs, 1)
+        .job(release)
+        .verdict();
+  };
+  EXPECT_TRUE(barrier(40 * kOneMs).holds()) << violations_of(barrier(40 * kOneMs));
+  EXPECT_FALSE(barrier(45 * kOneMs).holds());
+}
+
+TEST(TraceCheck, MembersOfARollbackGoBackAtOneInstant) {
+  const auto rollback = [](bool both) {
+    Short trace;
+    trace.job(0)
+        .add(10 * kOneMs, Event::taken, "back", 10 * kOneMs, 4)
+        .job(10 * kOneMs)
+        .add(12 * kOneMs, Event::rollback, "swap", 10 * kOneMs, 4, "[control]")
+        .add(12 * kOneMs, Event::member, "control", 0, 4, "[control]")
+        .add(12 * kOneMs, Event::member, "scan", 0, 4, "[control]")
+        .add(5 * kOneMs, Event::release, "", 5 * kOneMs, 0, "scan")
+        .add(6 * kOneMs, Event::wait, "pace", 15 * kOneMs, 0, "scan");
+    if (both) trace.add(15 * kOneMs, Event::taken, "back", 10 * kOneMs, 4, "scan");
+    return trace.add(15 * kOneMs, Event::release, "", 15 * kOneMs, 0, "scan").verdict();
+  };
+  EXPECT_TRUE(rollback(true).holds()) << violations_of(rollback(true));
+  ASSERT_EQ(rollback(false).found, 1U);
+  EXPECT_THAT(rollback(false).violations[0].message, HasSubstr("scan never took change 4"));
+}
+
+TEST(TraceCheck, WhoWaitedAtABarrierTakesTheChangeAtALaterInstant) {
+  const Verdict verdict = Short()
+                              .job(0)
+                              .add(9 * kOneMs, Event::taken, "barrier", 10 * kOneMs, 1)
+                              .add(11 * kOneMs, Event::commit, "apply", 12 * kOneMs, 1, "[control]")
+                              .add(11 * kOneMs, Event::member, "control", 0, 1, "[control]")
+                              .add(11 * kOneMs, Event::taken, "change", 12 * kOneMs, 1)
+                              .job(20 * kOneMs)
+                              .verdict();
+  EXPECT_TRUE(verdict.holds()) << violations_of(verdict);
+  EXPECT_EQ(verdict.checked.takes, 2U);
+}
+
+TEST(TraceCheck, SaysWhatItCouldNotLookAt) {
+  Short trace;
+  trace.trace.reading.complete = false;
+  trace.trace.reading.broken = 2;
+  trace.trace.reading.first_broken = 7;
+  trace.trace.header.components[0].bound.reset();
+
+  const auto not_checked = trace.job(0).verdict().not_checked;
+
+  EXPECT_THAT(not_checked, testing::Contains(HasSubstr("cut off")));
+  EXPECT_THAT(not_checked, testing::Contains(HasSubstr("the first is line 7")));
+  EXPECT_THAT(not_checked, testing::Contains(HasSubstr("no admitted bound")));
+}
+
+TEST(TraceCheck, OfNothingHolds) { EXPECT_TRUE(check(Trace()).holds()); }
+
+}  // namespace
+}  // namespace mauve::ctl::mtrace
