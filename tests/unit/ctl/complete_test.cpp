@@ -39,7 +39,7 @@ void serve_names(Peer& peer) {
 }
 
 TEST(Completion, OffersCommands) {
-  EXPECT_EQ(completions({"st"}), (Words{"start", "status", "stop"}));
+  EXPECT_EQ(completions({"st"}), (Words{"start", "stats", "status", "stop"}));
   EXPECT_GT(completions({""}).size(), 15U);
 }
 
