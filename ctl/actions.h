@@ -24,6 +24,7 @@ int run_plugins(Session& session);
 int run_analyze(Session& session);
 int run_stats(Session& session);
 int run_metrics(Session& session);
+int run_top(Session& session);
 int run_rules(Session& session);
 int run_check(Session& session);
 int run_export(Session& session);

@@ -102,6 +102,10 @@ constexpr Argument kPlugins[] = {
 constexpr Argument kStats[] = {
     maybe("ADDRESS", "a component or a state of it; or \"reset\": counts anew", Kind::component),
     maybe("COMPONENT", "of reset: only this one", Kind::component)};
+constexpr Argument kTop[] = {
+    flag("-b,--batch", "tables one below the other, for scripts; with --json a line each"),
+    maybe("-n,--count", "end after so many", Kind::none),
+    maybe("--interval", "how often it looks, such as 500ms; unsaid: 1s", Kind::none)};
 constexpr Argument kRules[] = {maybe("RULE", "only this one, with all its parts", Kind::rule)};
 constexpr Argument kCheck[] = {one("FILE", "an architecture file", Kind::file)};
 constexpr Argument kApply[] = {one("FILE", "an architecture file", Kind::file),
@@ -175,6 +179,8 @@ constexpr Command kCommands[] = {
      run_analyze},
     {"stats", "what jobs and states took; reset counts anew", "mauvectl stats control", kStats,
      true, run_stats},
+    {"top", "live, one row a component; ? tells the keys", "mauvectl top --interval 500ms", kTop,
+     false, run_top},
     {"metrics",
      "state and statistics in the text format of Prometheus",
      "mauvectl metrics > mauve.prom",
