@@ -71,15 +71,16 @@ std::vector<std::size_t> Table::natural_widths() const {
   return result;
 }
 
-/// Width zero: the column is not shown.
+/// Width zero: the column is not shown. What is always shown should be readable: it counts for
+/// twice the narrowest.
 void Table::leave_out(std::vector<std::size_t>& widths, std::size_t width) const {
   while (true) {
     std::size_t narrowest = 0;
     std::size_t last = columns_.size();
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       if (widths[i] == 0) continue;
-      const std::size_t least =
-          columns_[i].number ? widths[i] : std::min(widths[i], spacing_.narrowest);
+      const std::size_t text = spacing_.narrowest * (columns_[i].rank == 0 ? 2 : 1);
+      const std::size_t least = columns_[i].number ? widths[i] : std::min(widths[i], text);
       narrowest += least + (narrowest == 0 ? 0 : spacing_.gap);
       const bool later = last == columns_.size() || columns_[i].rank > columns_[last].rank;
       if (columns_[i].rank > 0 && later) last = i;

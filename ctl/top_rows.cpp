@@ -2,6 +2,7 @@
 /// From answers of the daemon to rows.
 #include <algorithm>
 #include <cctype>
+#include <cstdint>
 #include <map>
 
 #include "top.h"
@@ -107,25 +108,26 @@ std::vector<TopRow> top_rows(const TopData& now, const TopData& before) {
 }
 
 Json to_json(const TopRow& row) {
-  const auto maybe = [](const std::optional<double>& value) {
-    return value ? Json(*value) : Json();
+  const auto whole = [](double value) { return static_cast<std::int64_t>(value); };
+  const auto maybe = [&](const std::optional<double>& value) {
+    return value ? Json(whole(*value)) : Json();
   };
   return {{"name", row.name},
           {"state", row.state},
           {"running", row.running},
           {"core", row.core},
-          {"priority", row.priority},
+          {"priority", whole(row.priority)},
           {"cpus", row.cpus},
-          {"period_ns", row.period},
+          {"period_ns", whole(row.period)},
           {"lateness_last_ns", maybe(row.late_last)},
           {"lateness_max_ns", maybe(row.late_max)},
           {"unfinished", row.unfinished},
           {"execution_last_ns", maybe(row.execution_last)},
           {"execution_p99_ns", maybe(row.execution_p99)},
           {"execution_max_ns", maybe(row.execution_max)},
-          {"busy", maybe(row.busy)},
-          {"missed", row.missed},
-          {"overruns", row.overruns}};
+          {"busy", row.busy ? Json(*row.busy) : Json()},
+          {"missed", whole(row.missed)},
+          {"overruns", whole(row.overruns)}};
 }
 
 std::vector<TopRow> arranged(std::vector<TopRow> rows, const TopView& view) {

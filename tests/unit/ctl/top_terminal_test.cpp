@@ -286,6 +286,7 @@ TEST(TopInBatches, PrintsALineOfJsonForEachLook) {
   EXPECT_EQ(line["components"].size(), 4U);
   EXPECT_EQ(line["components"][0]["name"], "laser");
   EXPECT_EQ(line["components"][0]["unfinished"], true);
+  EXPECT_EQ(line["components"][0]["execution_p99_ns"].dump(), "40000");
   EXPECT_NE(outcome.out.find('\n', end + 1), std::string::npos);
 }
 
