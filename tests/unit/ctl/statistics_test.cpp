@@ -13,9 +13,11 @@ Json times(std::uint64_t count, std::int64_t scale) {
     return Json::parse(R"({"count": 0, "sum_ns": 0, "min_ns": null, "mean_ns": null,
       "p50_ns": null, "p90_ns": null, "p99_ns": null, "p99_9_ns": null, "max_ns": null})");
   }
-  return {{"count", count},       {"sum_ns", count * 2 * scale}, {"min_ns", scale},
-          {"mean_ns", 2 * scale}, {"p50_ns", 2 * scale},         {"p90_ns", 3 * scale},
-          {"p99_ns", 4 * scale},  {"p99_9_ns", 5 * scale},       {"max_ns", 6 * scale}};
+  return {{"count", count},      {"sum_ns", static_cast<std::int64_t>(count) * 2 * scale},
+          {"min_ns", scale},     {"mean_ns", 2 * scale},
+          {"p50_ns", 2 * scale}, {"p90_ns", 3 * scale},
+          {"p99_ns", 4 * scale}, {"p99_9_ns", 5 * scale},
+          {"max_ns", 6 * scale}};
 }
 
 Json component(const char* name) {
