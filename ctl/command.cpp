@@ -103,6 +103,13 @@ constexpr Argument kPlugin[] = {one("PLUGIN", "name of a plugin, not a path", Ki
 constexpr Argument kReload[] = {kPlugin[0], kState};
 constexpr Argument kPlugins[] = {
     maybe("--for", "the cores that fit this component", Kind::component)};
+constexpr Argument kStats[] = {
+    maybe("ADDRESS", "a component or a state of it; or \"reset\": counts anew", Kind::component),
+    maybe("COMPONENT", "of reset: only this one", Kind::component)};
+constexpr Argument kTop[] = {
+    flag("-b,--batch", "tables one below the other, for scripts; with --json a line each"),
+    maybe("-n,--count", "end after so many", Kind::none),
+    maybe("--interval", "how often it looks, such as 500ms; unsaid: 1s", Kind::none)};
 constexpr Argument kRules[] = {maybe("RULE", "only this one, with all its parts", Kind::rule)};
 constexpr Argument kCheck[] = {one("FILE", "an architecture file", Kind::file)};
 constexpr Argument kApply[] = {one("FILE", "an architecture file", Kind::file),
@@ -193,6 +200,16 @@ constexpr Command kCommands[] = {
      {},
      false,
      run_analyze},
+    {"stats", "what jobs and states took; reset counts anew", "mauvectl stats control", kStats,
+     true, run_stats},
+    {"top", "live, one row a component; ? tells the keys", "mauvectl top --interval 500ms", kTop,
+     false, run_top},
+    {"metrics",
+     "state and statistics in the text format of Prometheus",
+     "mauvectl metrics > mauve.prom",
+     {},
+     false,
+     run_metrics},
     {"rules", "what the daemon does by itself: state, last firing, why not", "mauvectl rules",
      kRules, false, run_rules},
     {"check", "an architecture file, all errors at once", "mauvectl check rover.json", kCheck,

@@ -11,13 +11,6 @@
 namespace mauve::ctl {
 namespace {
 
-const Json& member(const Json& object, std::string_view key) {
-  static const Json kNothing;
-  if (!object.is_object()) return kNothing;
-  const auto found = object.find(key);
-  return found == object.end() ? kNothing : *found;
-}
-
 Paint paint_of_state(const std::string& state) {
   if (state == "running") return Paint::green;
   if (state == "faulted") return Paint::red;
@@ -35,24 +28,6 @@ Cell count_cell(const Json& component, std::string_view key) {
   std::string text = word(component, key);
   const bool bad = text != "0" && text != "-" && !text.empty();
   return {std::move(text), bad ? Paint::yellow : Paint::plain};
-}
-
-std::string heading(const Json& status, const Json& components) {
-  const auto running = std::count_if(components.begin(), components.end(), [](const Json& one) {
-    return word(one, "state") == "running";
-  });
-  std::string text = word(status, "architecture") + ": " + std::to_string(running) + " of " +
-                     counted(components.size(), "component") + " running, generation " +
-                     word(status, "generation");
-  if (status.contains("uptime_s")) text += ", up " + seconds_in_words(number(status, "uptime_s"));
-  const Json& realtime = member(status, "realtime");
-  if (realtime.is_boolean()) text += realtime == true ? ", real time" : ", NOT real time";
-  if (realtime.is_string()) text += ", real time: " + compact(realtime);
-  if (member(status, "saved") == false) text += ", NOT saved";
-  if (const auto lock = word(status, "lock"); lock == "params" || lock == "all") {
-    text += ", " + lock + " locked";
-  }
-  return text;
 }
 
 bool all_numbers(const Json& items, const std::string& key) {
@@ -177,6 +152,25 @@ std::string troubles(const Json& status, Look look) {
 
 }  // namespace
 
+std::string render_heading(const Json& status) {
+  const Json& components = list_in(status, "components");
+  const auto running = std::count_if(components.begin(), components.end(), [](const Json& one) {
+    return word(one, "state") == "running";
+  });
+  std::string text = word(status, "architecture") + ": " + std::to_string(running) + " of " +
+                     counted(components.size(), "component") + " running, generation " +
+                     word(status, "generation");
+  if (status.contains("uptime_s")) text += ", up " + seconds_in_words(number(status, "uptime_s"));
+  const Json& realtime = member(status, "realtime");
+  if (realtime.is_boolean()) text += realtime == true ? ", real time" : ", NOT real time";
+  if (realtime.is_string()) text += ", real time: " + compact(realtime);
+  if (member(status, "saved") == false) text += ", NOT saved";
+  if (const auto lock = word(status, "lock"); lock == "params" || lock == "all") {
+    text += ", " + lock + " locked";
+  }
+  return text;
+}
+
 std::string render_status(const Json& status, Look look) {
   const Json& components = member(status, "components");
   Table table({{"NAME"},
@@ -198,7 +192,7 @@ std::string render_status(const Json& status, Look look) {
                count_cell(one, "missed"),
                count_cell(one, "overruns")});
   }
-  std::string text = cut(heading(status, components), look.width) + "\n";
+  std::string text = cut(render_heading(status), look.width) + "\n";
   if (!components.empty()) text += table.text(look.width, look.colour);
   for (const Json& one : components) {
     if (const auto fault = word(one, "fault"); !fault.empty()) {

@@ -19,6 +19,8 @@ struct Look {
   bool colour = false;
 };
 
+/// "rover: 6 of 6 components running, generation 12, up 5 min 2 s, real time".
+[[nodiscard]] std::string render_heading(const Json& status);
 [[nodiscard]] std::string render_status(const Json& status, Look look);
 
 /// The "items" of any list, one row each; nested things stand as compact JSON.
@@ -52,6 +54,10 @@ struct Look {
 [[nodiscard]] std::string render_history(const Json& result, Look look);
 /// Response times, one row a component, then what is not proved.
 [[nodiscard]] std::string render_analysis(const Json& result, Look look);
+/// What jobs took, one row a component; of one with its states: everything about it.
+[[nodiscard]] std::string render_statistics(const Json& result, Look look);
+/// One component with its states; `now_ns` since T0.
+[[nodiscard]] std::string render_details(const Json& one, double now_ns, Look look);
 /// What the rules wait for and did, one row each; the other: everything about the first.
 [[nodiscard]] std::string render_rules(const Json& result, Look look);
 [[nodiscard]] std::string render_rule(const Json& result, Look look);

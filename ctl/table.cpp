@@ -2,13 +2,9 @@
 #include "table.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace mauve::ctl {
 namespace {
-
-constexpr std::size_t kColumnGap = 2;
-constexpr std::size_t kNarrowest = 8;
 
 bool starts_code_point(char byte) { return (static_cast<unsigned char>(byte) & 0xC0) != 0x80; }
 
@@ -65,19 +61,45 @@ std::string harmless(std::string_view text) {
   return result;
 }
 
-std::vector<std::size_t> Table::widths(std::size_t width) const {
+std::vector<std::size_t> Table::natural_widths() const {
   std::vector<std::size_t> result;
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     std::size_t widest = columns(columns_[i].title);
     for (const auto& row : rows_) widest = std::max(widest, columns(row[i].text));
     result.push_back(widest);
   }
+  return result;
+}
+
+/// Width zero: the column is not shown. What is always shown should be readable: it counts for
+/// twice the narrowest.
+void Table::leave_out(std::vector<std::size_t>& widths, std::size_t width) const {
+  while (true) {
+    std::size_t narrowest = 0;
+    std::size_t last = columns_.size();
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      if (widths[i] == 0) continue;
+      const std::size_t text = spacing_.narrowest * (columns_[i].rank == 0 ? 2 : 1);
+      const std::size_t least = columns_[i].number ? widths[i] : std::min(widths[i], text);
+      narrowest += least + (narrowest == 0 ? 0 : spacing_.gap);
+      const bool later = last == columns_.size() || columns_[i].rank > columns_[last].rank;
+      if (columns_[i].rank > 0 && later) last = i;
+    }
+    if (narrowest <= width || last == columns_.size()) return;
+    widths[last] = 0;
+  }
+}
+
+std::vector<std::size_t> Table::widths(std::size_t width) const {
+  std::vector<std::size_t> result = natural_widths();
   if (width == 0 || result.empty()) return result;
-  auto total = std::accumulate(result.begin(), result.end(), kColumnGap * (result.size() - 1));
+  leave_out(result, width);
+  std::size_t total = 0;
+  for (const std::size_t one : result) total += one + (one == 0 || total == 0 ? 0 : spacing_.gap);
   while (total > width) {
     std::size_t widest = columns_.size();
     for (std::size_t i = 0; i < columns_.size(); ++i) {
-      if (columns_[i].number || result[i] <= kNarrowest) continue;
+      if (columns_[i].number || result[i] <= spacing_.narrowest) continue;
       if (widest == columns_.size() || result[i] > result[widest]) widest = i;
     }
     if (widest == columns_.size()) break;
@@ -93,7 +115,8 @@ std::string Table::text(std::size_t width, bool colour) const {
   const auto add_line = [&](auto&& cell) {
     std::string line;
     for (std::size_t i = 0; i < columns_.size(); ++i) {
-      if (i > 0) line.append(kColumnGap, ' ');
+      if (fitted[i] == 0) continue;
+      if (!line.empty()) line.append(spacing_.gap, ' ');
       const auto [text, paint] = cell(i);
       const std::string fitting = padded(shortened(text, fitted[i]), fitted[i], columns_[i].number);
       line += painted(fitting, paint, colour);

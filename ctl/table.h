@@ -28,23 +28,34 @@ struct Cell {
 struct Column {
   std::string title;
   bool number = false;  ///< to the right
+  int rank = 0;         ///< where not all fit, the highest is left out first; 0: always shown
+};
+
+/// In columns of the terminal.
+struct Spacing {
+  std::size_t gap = 2;
+  std::size_t narrowest = 8;  ///< no text is made narrower
 };
 
 class Table {
  public:
-  explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
+  explicit Table(std::vector<Column> columns, Spacing spacing = {})
+      : columns_(std::move(columns)), spacing_(spacing) {}
 
   /// As many cells as columns.
   void add(std::vector<Cell> row) { rows_.push_back(std::move(row)); }
 
-  /// The titles, then the rows, each ended by a newline. With a width, the widest text columns are
-  /// made narrower until a row fits, but not below 8 columns.
+  /// The titles, then the rows, each ended by a newline. With a width, columns with a rank are left
+  /// out and the widest text columns made narrower until a row fits.
   [[nodiscard]] std::string text(std::size_t width, bool colour) const;
 
  private:
+  [[nodiscard]] std::vector<std::size_t> natural_widths() const;
+  void leave_out(std::vector<std::size_t>& widths, std::size_t width) const;
   [[nodiscard]] std::vector<std::size_t> widths(std::size_t width) const;
 
   std::vector<Column> columns_;
+  Spacing spacing_;
   std::vector<std::vector<Cell>> rows_;
 };
 

@@ -54,6 +54,13 @@ std::string word(const Json& object, std::string_view key) {
   return found == object.end() ? std::string{} : compact(*found);
 }
 
+const Json& member(const Json& object, std::string_view key) {
+  static const Json kNothing;
+  if (!object.is_object()) return kNothing;
+  const auto found = object.find(key);
+  return found == object.end() ? kNothing : *found;
+}
+
 const Json& list_in(const Json& object, const char* key) {
   static const Json kNone = Json::array();
   if (!object.is_object()) return kNone;

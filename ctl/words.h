@@ -17,6 +17,9 @@ using protocol::Json;
 /// A member as a reader sees it: texts bare, null as "-", structures compact, absent as "".
 [[nodiscard]] std::string word(const Json& object, std::string_view key);
 
+/// A member, or null.
+[[nodiscard]] const Json& member(const Json& object, std::string_view key);
+
 /// A member that is a list; an empty one for anything else.
 [[nodiscard]] const Json& list_in(const Json& object, const char* key);
 

@@ -22,6 +22,40 @@ Json poisoned(const Running& running) {
   return names;
 }
 
+/// Of the plugin that brought it; null for a core of the program itself.
+Json version_of(const Running& running, const std::string& core) {
+  const auto* loaded = running.catalog.find(core.substr(0, core.find('/')));
+  return loaded == nullptr ? Json() : Json(loaded->info().version);
+}
+
+Json row_of(const Running& running, const ComponentStatus& one) {
+  Json row = {{"name", one.name},
+              {"type", one.type},
+              {"core", one.core},
+              {"core_version", version_of(running, one.core)},
+              {"fsm_state", one.fsm_state},
+              {"state", to_string(one.state)},
+              {"priority", one.priority},
+              {"cpus", one.cpus},
+              {"realtime", one.realtime},
+              {"changing", one.changing},
+              {"releases", one.releases},
+              {"missed", one.missed},
+              {"overruns", one.overruns},
+              {"over_budget", one.over_budget},
+              {"late_ns", one.late.count()},
+              {"period_ns", one.period.count()},
+              {"next_release_ns", one.next_release.count()},
+              {"lateness_last_ns", one.lateness_last.count()},
+              {"lateness_max_ns", one.lateness_max.count()},
+              {"execution_last_ns", one.execution_last.count()},
+              {"execution_max_ns", one.execution_max.count()}};
+  if (!one.fault.empty()) {
+    row["fault"] = one.fault;
+  }
+  return row;
+}
+
 }  // namespace
 
 Result<Json> ping(Running& /*running*/, const Call& /*call*/) { return Json{{"pong", true}}; }
@@ -37,31 +71,13 @@ Result<Json> version(Running& running, const Call& /*call*/) {
 Result<Json> status(Running& running, const Call& /*call*/) {
   Json rows = Json::array();
   for (const auto& one : running.deployer.status()) {
-    Json row = {{"name", one.name},
-                {"type", one.type},
-                {"core", one.core},
-                {"fsm_state", one.fsm_state},
-                {"state", to_string(one.state)},
-                {"priority", one.priority},
-                {"cpus", one.cpus},
-                {"realtime", one.realtime},
-                {"changing", one.changing},
-                {"releases", one.releases},
-                {"missed", one.missed},
-                {"overruns", one.overruns},
-                {"over_budget", one.over_budget},
-                {"late_ns", one.late.count()},
-                {"lateness_max_ns", one.lateness_max.count()},
-                {"execution_max_ns", one.execution_max.count()}};
-    if (!one.fault.empty()) {
-      row["fault"] = one.fault;
-    }
-    rows.push_back(std::move(row));
+    rows.push_back(row_of(running, one));
   }
   const std::chrono::duration<double> up = std::chrono::steady_clock::now() - running.since;
   Json result = {{"generation", running.earlier + running.deployer.generation()},
                  {"architecture", running.architecture.name()},
                  {"uptime_s", up.count()},
+                 {"t_ns", running.deployer.clock().now() - running.deployer.t0()},
                  {"realtime", running.deployer.realtime()},
                  {"lock", to_string(running.lock)},
                  {"components", std::move(rows)},

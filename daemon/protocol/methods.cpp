@@ -50,6 +50,7 @@ constexpr Param kRollback[] = {{"generation", integer, true}, {"state", string},
 constexpr Param kLock[] = {{"lock", string, true}};
 constexpr Param kTail[] = {
     {"component", string}, {"level", string}, {"n", integer}, {"follow", boolean}};
+constexpr Param kStats[] = {{"address", string}};
 constexpr Param kEveryMutation[] = {
     {"if_generation", integer}, {"reason", string}, {"deadline_ms", integer}};
 
@@ -65,6 +66,9 @@ constexpr Method kMethods[] = {
     {"client.list", "who is connected", {}},
     {"command.list", "this table", {}},
     {"system.analyze", "response times, slack and what is not proved", {}},
+    {"stats.get", "what jobs and states took, of all components or one", kStats},
+    {"metrics.get", "state and statistics in the text format of Prometheus", {}},
+    {"stats.reset", "counts anew what jobs take", kOfComponent, true},
     {"rules.list", "state, last firing and why not, of all rules or one", kRule},
     {"daemon.doctor", "rights of the daemon's process, its threads and directories", {}},
     {"object.get", "everything about one object", kAddress},

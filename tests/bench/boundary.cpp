@@ -162,7 +162,8 @@ Pair measure(Driven<FsmT>& driven, std::size_t states, bool guards, const Option
 void run(const Options& options) {
   Report report("boundary",
                 "Cost of running core methods through a task, against calling them in a loop. A "
-                "state is an execution state and its transition; a job is a release, one state, a "
+                "state is an execution state, its transition and its statistics; a job is a "
+                "release, one state, a "
                 "wait that is armed but not slept, and all clock readings and counters. With all "
                 "care: a change on probation, a bound for the guard, a relief that stands by, and "
                 "a budget.",

@@ -126,6 +126,22 @@ TEST(RealTimePath, CallsNoHeapWhenAStateIsConverted) {
   EXPECT_EQ(heap::calls() - before, 0u);
 }
 
+TEST(RealTimePath, CallsNoHeapWhenStatisticsAreReadAndReset) {
+  Watching architecture;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+  const int first = watch().jobs;
+  ASSERT_TRUE(eventually([&] { return watch().jobs > first + 20; }));
+  const std::size_t before = heap::calls();
+
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(deployer.reset_statistics("control"));
+    ASSERT_TRUE(eventually([&] { return deployer.statistics("control").response.count > 2; }));
+  }
+
+  EXPECT_EQ(heap::calls() - before, 0u);
+}
+
 TEST(RealTimePath, TakesNoPageFaultOnceItRuns) {
   Watching architecture;
   Deployer deployer(architecture);

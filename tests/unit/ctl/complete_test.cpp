@@ -46,7 +46,7 @@ void serve_names(Peer& peer) {
 }
 
 TEST(Completion, OffersCommands) {
-  EXPECT_EQ(completed({"st"}), (Words{"start", "status", "stop"}));
+  EXPECT_EQ(completed({"st"}), (Words{"start", "stats", "status", "stop"}));
   EXPECT_GT(completed({""}).size(), 15U);
 }
 

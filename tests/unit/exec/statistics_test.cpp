@@ -7,6 +7,8 @@
 #include <thread>
 
 #include "exec/task.h"
+#include "rt/preemption.h"
+#include "support/eventually.h"
 #include "support/ramp.h"
 
 #include <mauve/gate.h>
@@ -126,6 +128,44 @@ TEST_F(TaskStatistics, BeginAnewAfterAResetAndKeepTheCounters) {
   EXPECT_EQ(times().lateness.look().count, 2u);
   EXPECT_EQ(times().since, kT0 + 3'000'000);
   EXPECT_EQ(task.counters().releases, 5u) << "probations and receipts count on";
+}
+
+/// Something surely comes between the one that sleeps, hardly ever between the other.
+class Sleeper : public Core<EmptyShell> {
+ public:
+  void sleep() { std::this_thread::sleep_for(100us); }
+  void wake() {}
+};
+struct Sleeping : Fsm<Sleeper> {
+  Exec sleep{*this, "sleep", &Sleeper::sleep};
+  Exec wake{*this, "wake", &Sleeper::wake};
+  Sync pace{*this, "pace", 10ms};
+  Status on_configure() override {
+    start_at(sleep);
+    sleep.then(wake);
+    wake.then(pace);
+    pace.then(sleep);
+    return ok();
+  }
+};
+
+TEST(Statistics, KeepApartWhatSomethingCameBetween) {
+  if (!rt::preemption_is_told()) GTEST_SKIP() << "NOT TESTED: this kernel or libc does not tell";
+  Architecture architecture;
+  Component<EmptyShell, Sleeper, Sleeping> component(architecture, "sleeper");
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+
+  EXPECT_TRUE(test::eventually([&] {
+    deployer.run_for(100ms);
+    return deployer.statistics("sleeper").states[1].execution.count > 0;
+  })) << "a state is not blamed for the one before";
+
+  const ComponentStatistics seen = deployer.statistics("sleeper");
+  EXPECT_EQ(seen.states[0].execution.count, 0u);
+  EXPECT_EQ(seen.states[0].preempted.count, seen.lateness.count);
+  EXPECT_EQ(seen.execution.count, 0u) << "of a job every state counts";
+  EXPECT_EQ(seen.preempted.count, seen.lateness.count);
 }
 
 /// Its job finds the gate held for longer than it may wait.
