@@ -20,6 +20,7 @@ int run_watch(Session& session);
 int run_record(Session& session);
 int run_plot(Session& session);
 int run_map(Session& session);
+int run_graph(Session& session);
 int run_plugins(Session& session);
 int run_analyze(Session& session);
 int run_rules(Session& session);

@@ -68,6 +68,14 @@ constexpr Argument kMap[] = {
     maybe("--mode", "what colours the way driven, such as control.core", Kind::address),
     kFor,
     kPicture};
+constexpr Argument kGraph[] = {
+    any("ELEMENT", "only these components and resources, with what they are connected to",
+        Kind::component),
+    flag("--dot", "for Graphviz (unless the name of the file says something else)"),
+    flag("--mermaid", "for Markdown (by itself where the file ends with .mmd)"),
+    flag("--svg", "a picture (by itself where the file ends with .svg)"),
+    maybe("--fsm", "the state machine of this component instead", Kind::component),
+    maybe("-o,--output", "file for it; unsaid: standard output", Kind::file)};
 constexpr Argument kSet[] = {some("ADDRESS=VALUE", "JSON, or a bare text", Kind::assignment),
                              kState, kProbation, kMisses, kConfirmWithin};
 constexpr Argument kStart[] = {some("COMPONENT", "names of components", Kind::component),
@@ -137,6 +145,8 @@ constexpr Command kCommands[] = {
      "mauvectl plot pose.read --for 10s -o drive.svg", kPlot, false, run_plot},
     {"map", "the way driven, as an SVG picture with what was seen on it",
      "mauvectl map pose.read --mode control.core --for 30s -o drive.svg", kMap, false, run_map},
+    {"graph", "the architecture, or a state machine, as a picture", "mauvectl graph -o rover.svg",
+     kGraph, false, run_graph},
     {"start", "components, at the next instant of their grid", "mauvectl start gnss", kStart, true,
      run_start},
     {"stop", "components: end the job, write safe values, park", "mauvectl stop --all", kStop, true,

@@ -129,6 +129,7 @@ Result<Json> list_plugins(Running&, const Call&);
 Result<Json> list_clients(Running&, const Call&);
 Result<Json> list_commands(Running&, const Call&);
 Result<Json> analyze(Running&, const Call&);
+Result<Json> graph(Running&, const Call&);
 Result<Json> list_rules(Running&, const Call&);
 Result<Json> show(Running&, const Call&);
 Result<Json> get(Running&, const Call&);

@@ -35,6 +35,7 @@ constexpr Command kCommands[] = {
     {"param.get", Role::viewer, Lane::read, get, nullptr},
     {"config.get", Role::viewer, Lane::read, export_architecture, nullptr},
     {"config.check", Role::viewer, Lane::factory, check_architecture, nullptr},
+    {"architecture.graph", Role::viewer, Lane::read, graph, nullptr},
     {"architecture.diff", Role::viewer, Lane::change, nullptr, diff_architecture},
     {"config.history", Role::viewer, Lane::any, history, nullptr},
     {"watch.subscribe", Role::viewer, Lane::read, watch, nullptr},

@@ -85,6 +85,7 @@ constexpr Method kMethods[] = {
     {"plugin.reload", "moves every instance to the new code", kReload, true},
     {"config.get", "the running system as an architecture file", {}},
     {"config.check", "all errors of an architecture file", kCheck},
+    {"architecture.graph", "elements, ports, services and connections, in one look", {}},
     {"architecture.diff", "what another architecture file would change", kDiff},
     {"architecture.apply", "the running system becomes that of a file, or nothing happens", kApply,
      true},
