@@ -126,7 +126,14 @@ constexpr Argument kLogs[] = {
     maybe("COMPONENT", "only this one", Kind::component),
     flag("-f,--follow", "go on with what comes"),
     maybe("-n,--lines", "how many of the last records", Kind::none),
-    maybe("--level", "debug, info, warn or error, and worse", Kind::level)};
+    maybe("--level", "debug, info, warn or error, and worse", Kind::level),
+    maybe("--since", "10m ago, 12:30, or a whole time such as 2026-01-31T12:00:00Z", Kind::none),
+    maybe("--grep", "with this in text, component or event; capitals do not matter", Kind::none)};
+constexpr Argument kLog[] = {
+    one("WHAT", "level", Kind::none),
+    maybe("SETTING", "[COMPONENT=]LEVEL: debug, info, warn, error or default; unsaid: shows it",
+          Kind::level),
+    maybe("--for", "reverts by itself after this time, such as 10m", Kind::none)};
 
 constexpr Command kCommands[] = {
     {"status", "generation and one line a component", "mauvectl status", {}, false, run_status},
@@ -196,6 +203,8 @@ constexpr Command kCommands[] = {
     {"lock", "what may not be changed, but by stop, confirm and undo",
      "mauvectl lock all --reason mission", kLock, true, run_lock},
     {"logs", "the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},
+    {"log", "level: from which level on is logged, also of one component, for a time",
+     "mauvectl log level control=debug --for 10m", kLog, true, run_log},
     {"ping", "does the daemon answer", "mauvectl ping", {}, false, run_ping},
     {"version", "of client and daemon", "mauvectl version", {}, false, run_version},
 };

@@ -37,6 +37,20 @@ Cell count_cell(const Json& component, std::string_view key) {
   return {std::move(text), bad ? Paint::yellow : Paint::plain};
 }
 
+/// ", log level debug for 9 min still": of all; those of components `log level` tells.
+std::string log_levels(const Json& status) {
+  const Json& levels = member(status, "log_levels");
+  std::string text;
+  for (const Json& one : levels.is_array() ? levels : Json::array()) {
+    const std::string component = word(one, "component");
+    text +=
+        ", log level " + (component.empty() ? "" : "of " + component + " ") + word(one, "level");
+    if (number(one, "left_s") > 0)
+      text += " for " + seconds_in_words(number(one, "left_s")) + " still";
+  }
+  return text;
+}
+
 std::string heading(const Json& status, const Json& components) {
   const auto running = std::count_if(components.begin(), components.end(), [](const Json& one) {
     return word(one, "state") == "running";
@@ -52,7 +66,7 @@ std::string heading(const Json& status, const Json& components) {
   if (const auto lock = word(status, "lock"); lock == "params" || lock == "all") {
     text += ", " + lock + " locked";
   }
-  return text;
+  return text + log_levels(status);
 }
 
 bool all_numbers(const Json& items, const std::string& key) {

@@ -139,6 +139,8 @@ Result<Json> history(Running&, const Call&);
 Result<Json> watch(Running&, const Call&);
 Result<Json> unwatch(Running&, const Call&);
 Result<Json> tail_log(Running&, const Call&);
+Result<Json> show_log_level(Running&, const Call&);
+void set_log_level(Running&, const CallPtr&, Ticket);
 void stop(Running&, const CallPtr&, Ticket);
 void set(Running&, const CallPtr&, Ticket);
 void start(Running&, const CallPtr&, Ticket);

@@ -4,6 +4,7 @@
 #include "commands/command.h"
 #include "commands/gate.h"
 #include "commands/given_up.h"
+#include "commands/log_json.h"
 #include "keeper.h"
 #include "mauve/version.h"
 
@@ -64,6 +65,7 @@ Result<Json> status(Running& running, const Call& /*call*/) {
                  {"uptime_s", up.count()},
                  {"realtime", running.deployer.realtime()},
                  {"lock", to_string(running.lock)},
+                 {"log_levels", log_levels_json(running)},
                  {"components", std::move(rows)},
                  {"poisoned", poisoned(running)},
                  {"left_behind", left_behind(running)}};

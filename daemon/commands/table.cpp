@@ -41,6 +41,8 @@ constexpr Command kCommands[] = {
     {"watch.subscribe", Role::viewer, Lane::read, watch, nullptr},
     {"watch.unsubscribe", Role::viewer, Lane::read, unwatch, nullptr},
     {"log.tail", Role::viewer, Lane::read, tail_log, nullptr},
+    {"log.level", Role::viewer, Lane::read, show_log_level, nullptr},
+    {"log.set_level", Role::operator_, Lane::urgent, nullptr, set_log_level},
     {"component.stop", Role::operator_, Lane::urgent, nullptr, stop},
     {"param.set", Role::operator_, Lane::change, nullptr, set},
     {"component.start", Role::operator_, Lane::change, nullptr, start},

@@ -48,8 +48,9 @@ constexpr Param kApply[] = {{"text", string, true}, {"file", string},
 constexpr Param kHistory[] = {{"n", integer}};
 constexpr Param kRollback[] = {{"generation", integer, true}, {"state", string}, {"sync", string}};
 constexpr Param kLock[] = {{"lock", string, true}};
-constexpr Param kTail[] = {
-    {"component", string}, {"level", string}, {"n", integer}, {"follow", boolean}};
+constexpr Param kTail[] = {{"component", string}, {"level", string}, {"n", integer},
+                           {"follow", boolean},   {"since", string}, {"grep", string}};
+constexpr Param kSetLevel[] = {{"level", string, true}, {"component", string}, {"for", string}};
 constexpr Param kEveryMutation[] = {
     {"if_generation", integer}, {"reason", string}, {"deadline_ms", integer}};
 
@@ -92,6 +93,8 @@ constexpr Method kMethods[] = {
     {"config.history", "the saved generations, newest first", kHistory},
     {"config.rollback", "back to a saved generation", kRollback, true},
     {"lock.set", "none, params or all: what may not be changed", kLock, true},
+    {"log.level", "from which level on is logged, where, and how long still", {}},
+    {"log.set_level", "of all or of one component, for a time", kSetLevel, true},
     {"log.tail", "the last records, and those to come", kTail},
 };
 
