@@ -24,6 +24,7 @@ int run_graph(Session& session);
 int run_plugins(Session& session);
 int run_analyze(Session& session);
 int run_rules(Session& session);
+int run_why(Session& session);
 int run_check(Session& session);
 int run_export(Session& session);
 int run_history(Session& session);

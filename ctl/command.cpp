@@ -108,6 +108,7 @@ constexpr Argument kReload[] = {kPlugin[0], kState};
 constexpr Argument kPlugins[] = {
     maybe("--for", "the cores that fit this component", Kind::component)};
 constexpr Argument kRules[] = {maybe("RULE", "only this one, with all its parts", Kind::rule)};
+constexpr Argument kWhy[] = {kComponent};
 constexpr Argument kCheck[] = {one("FILE", "an architecture file", Kind::file)};
 constexpr Argument kApply[] = {one("FILE", "an architecture file", Kind::file),
                                flag("--dry-run", "prepare and tell, but change nothing"),
@@ -189,6 +190,8 @@ constexpr Command kCommands[] = {
      run_analyze},
     {"rules", "what the daemon does by itself: state, last firing, why not", "mauvectl rules",
      kRules, false, run_rules},
+    {"why", "a component failed: what happened, what was done, what to do", "mauvectl why control",
+     kWhy, false, run_why},
     {"check", "an architecture file, all errors at once", "mauvectl check rover.json", kCheck,
      false, run_check},
     {"export",

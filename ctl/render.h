@@ -52,6 +52,8 @@ struct Look {
 [[nodiscard]] std::string render_history(const Json& result, Look look);
 /// Response times, one row a component, then what is not proved.
 [[nodiscard]] std::string render_analysis(const Json& result, Look look);
+/// Why a component failed, what was done, what to do.
+[[nodiscard]] std::string render_why(const Json& why, Look look);
 /// What the rules wait for and did, one row each; the other: everything about the first.
 [[nodiscard]] std::string render_rules(const Json& result, Look look);
 [[nodiscard]] std::string render_rule(const Json& result, Look look);

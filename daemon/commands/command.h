@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "control.h"
+#include "failures.h"
 #include "generations.h"
 #include "log/log.h"
 #include "mauve/architecture.h"
@@ -76,6 +77,7 @@ struct Running {
   Keeper* keeper = nullptr;   ///< null: nothing is kept
   Lock lock = Lock::none;     ///< [control], see gate.h
   Maker maker = {};           ///< [control]
+  Failures failures = {};     ///< [control] see commands/notice.h
 };
 
 /// One request under way. Dropped unanswered only when the daemon ends.
@@ -132,6 +134,7 @@ Result<Json> analyze(Running&, const Call&);
 Result<Json> graph(Running&, const Call&);
 Result<Json> list_rules(Running&, const Call&);
 Result<Json> show(Running&, const Call&);
+Result<Json> why(Running&, const Call&);
 Result<Json> get(Running&, const Call&);
 Result<Json> export_architecture(Running&, const Call&);
 Result<Json> check_architecture(Running&, const Call&);

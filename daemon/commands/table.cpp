@@ -32,6 +32,7 @@ constexpr Command kCommands[] = {
     {"system.analyze", Role::viewer, Lane::read, analyze, nullptr},
     {"rules.list", Role::viewer, Lane::read, list_rules, nullptr},
     {"object.get", Role::viewer, Lane::read, show, nullptr},
+    {"component.why", Role::viewer, Lane::read, why, nullptr},
     {"param.get", Role::viewer, Lane::read, get, nullptr},
     {"config.get", Role::viewer, Lane::read, export_architecture, nullptr},
     {"config.check", Role::viewer, Lane::factory, check_architecture, nullptr},

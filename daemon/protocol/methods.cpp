@@ -18,6 +18,7 @@ constexpr Param kAddress[] = {{"address", string, true}};
 constexpr Param kAddresses[] = {{"addresses", strings, true}};
 constexpr Param kFor[] = {{"for", string}};
 constexpr Param kOfComponent[] = {{"component", string}};
+constexpr Param kOneComponent[] = {{"component", string, true}};
 constexpr Param kRule[] = {{"rule", string}};
 constexpr Param kSub[] = {{"sub", integer, true}};
 constexpr Param kCore[] = {{"core", string, true}};
@@ -68,6 +69,7 @@ constexpr Method kMethods[] = {
     {"system.analyze", "response times, slack and what is not proved", {}},
     {"rules.list", "state, last firing and why not, of all rules or one", kRule},
     {"object.get", "everything about one object", kAddress},
+    {"component.why", "its last failure: what, why, what was done, what to do", kOneComponent},
     {"param.get", "value and status of one address", kAddress},
     {"param.set", "sets properties in one change", kSet, true},
     {"watch.subscribe", "every new value of the addresses", kAddresses},
