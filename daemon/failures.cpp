@@ -113,6 +113,8 @@ void Failures::complete(const std::string& component, Entry& entry,
   }
 }
 
-void Failures::forget(const std::string& component) { entries_.erase(component); }
+void Failures::keep_only(const std::set<std::string>& components) {
+  std::erase_if(entries_, [&](const auto& one) { return !components.contains(one.first); });
+}
 
 }  // namespace mauve::daemon

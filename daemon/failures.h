@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -69,8 +70,8 @@ class Failures {
   void ask_log(const logging::History& history, std::int64_t now);
   /// The same at once; null: it never failed.
   [[nodiscard]] const Failure* find(const std::string& component, const logging::History& history);
-  /// What has left.
-  void forget(const std::string& component);
+  /// Forgets all others: they have left.
+  void keep_only(const std::set<std::string>& components);
 
  private:
   struct Entry {

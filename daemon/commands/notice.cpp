@@ -2,6 +2,7 @@
 #include "commands/notice.h"
 
 #include <chrono>
+#include <set>
 #include <utility>
 
 #include "commands/quarantine.h"
@@ -38,10 +39,13 @@ void split_reason(const std::string& reason, bool has_cause, Failure& failure) {
 }  // namespace
 
 void remember_cores(Running& running) {
+  std::set<std::string> names;
   for (const auto* component : running.architecture.components()) {
+    names.insert(component->name());
     const auto& core = component->bundle()->core_type.name;
     running.failures.runs(component->name(), {core, build_of(running, core)});
   }
+  running.failures.keep_only(names);
 }
 
 void notice(Running& running, const Outcome& outcome) {

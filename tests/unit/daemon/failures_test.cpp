@@ -112,5 +112,15 @@ TEST_F(FailuresTest, SeeAComponentParkOnceUntilItRanAgain) {
   EXPECT_TRUE(failures.parks("arm", 101)) << "it was started, and failed in its first job";
 }
 
+TEST_F(FailuresTest, AreForgottenWhenTheComponentLeaves) {
+  failures.note("arm", at(kOneSecond));
+  failures.note("leg", at(kOneSecond));
+
+  failures.keep_only({"leg"});
+
+  EXPECT_EQ(failures.find("arm", history), nullptr);
+  EXPECT_NE(failures.find("leg", history), nullptr);
+}
+
 }  // namespace
 }  // namespace mauve::daemon
