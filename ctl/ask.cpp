@@ -95,6 +95,11 @@ int run_rules(Session& session) {
              one ? render_rule : render_rules);
 }
 
+int run_why(Session& session) {
+  return ask(session, "component.why", {{"component", session.arguments.one("COMPONENT")}},
+             render_why);
+}
+
 int run_export(Session& session) {
   const auto answer = session.call("config.get", Json::object());
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);

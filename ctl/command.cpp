@@ -72,6 +72,14 @@ constexpr Argument kMap[] = {
     maybe("--mode", "what colours the way driven, such as control.core", Kind::address),
     kFor,
     kPicture};
+constexpr Argument kGraph[] = {
+    any("ELEMENT", "only these components and resources, with what they are connected to",
+        Kind::component),
+    flag("--dot", "for Graphviz (unless the name of the file says something else)"),
+    flag("--mermaid", "for Markdown (by itself where the file ends with .mmd)"),
+    flag("--svg", "a picture (by itself where the file ends with .svg)"),
+    maybe("--fsm", "the state machine of this component instead", Kind::component),
+    maybe("-o,--output", "file for it; unsaid: standard output", Kind::file)};
 constexpr Argument kSet[] = {some("ADDRESS=VALUE", "JSON, or a bare text", Kind::assignment),
                              kState, kProbation, kMisses, kConfirmWithin};
 constexpr Argument kStart[] = {some("COMPONENT", "names of components", Kind::component),
@@ -111,6 +119,7 @@ constexpr Argument kTop[] = {
     maybe("-n,--count", "end after so many", Kind::none),
     maybe("--interval", "how often it looks, such as 500ms; unsaid: 1s", Kind::none)};
 constexpr Argument kRules[] = {maybe("RULE", "only this one, with all its parts", Kind::rule)};
+constexpr Argument kWhy[] = {kComponent};
 constexpr Argument kCheck[] = {one("FILE", "an architecture file", Kind::file)};
 constexpr Argument kApply[] = {one("FILE", "an architecture file", Kind::file),
                                flag("--dry-run", "prepare and tell, but change nothing"),
@@ -129,7 +138,14 @@ constexpr Argument kLogs[] = {
     maybe("COMPONENT", "only this one", Kind::component),
     flag("-f,--follow", "go on with what comes"),
     maybe("-n,--lines", "how many of the last records", Kind::none),
-    maybe("--level", "debug, info, warn or error, and worse", Kind::level)};
+    maybe("--level", "debug, info, warn or error, and worse", Kind::level),
+    maybe("--since", "10m ago, 12:30, or a whole time such as 2026-01-31T12:00:00Z", Kind::none),
+    maybe("--grep", "with this in text, component or event; capitals do not matter", Kind::none)};
+constexpr Argument kLog[] = {
+    one("WHAT", "level", Kind::none),
+    maybe("SETTING", "[COMPONENT=]LEVEL: debug, info, warn, error or default; unsaid: shows it",
+          Kind::level),
+    maybe("--for", "reverts by itself after this time, such as 10m", Kind::none)};
 constexpr Argument kTraceFile = one("FILE", "a trace, *.mtrace", Kind::file);
 constexpr Argument kTimeline[] = {
     maybe("FILE", "a trace, *.mtrace; unsaid, or live: that of the running system", Kind::file),
@@ -167,6 +183,8 @@ constexpr Command kCommands[] = {
      "mauvectl plot pose.read --for 10s -o drive.svg", kPlot, false, run_plot},
     {"map", "the way driven, as an SVG picture with what was seen on it",
      "mauvectl map pose.read --mode control.core --for 30s -o drive.svg", kMap, false, run_map},
+    {"graph", "the architecture, or a state machine, as a picture", "mauvectl graph -o rover.svg",
+     kGraph, false, run_graph},
     {"start", "components, at the next instant of their grid", "mauvectl start gnss", kStart, true,
      run_start},
     {"stop", "components: end the job, write safe values, park", "mauvectl stop --all", kStop, true,
@@ -212,6 +230,8 @@ constexpr Command kCommands[] = {
      run_metrics},
     {"rules", "what the daemon does by itself: state, last firing, why not", "mauvectl rules",
      kRules, false, run_rules},
+    {"why", "a component failed: what happened, what was done, what to do", "mauvectl why control",
+     kWhy, false, run_why},
     {"check", "an architecture file, all errors at once", "mauvectl check rover.json", kCheck,
      false, run_check},
     {"export",
@@ -226,6 +246,8 @@ constexpr Command kCommands[] = {
     {"lock", "what may not be changed, but by stop, confirm and undo",
      "mauvectl lock all --reason mission", kLock, true, run_lock},
     {"logs", "the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},
+    {"log", "level: from which level on is logged, also of one component, for a time",
+     "mauvectl log level control=debug --for 10m", kLog, true, run_log},
     {"doctor", "is the machine fit for real time; what was found, and the remedy",
      "mauvectl doctor --wake 10s", kDoctor, false, run_doctor},
     {"completion", "the script that makes a shell complete command lines of mauvectl",

@@ -7,8 +7,6 @@
 namespace mauve::ctl {
 namespace {
 
-using protocol::fault_of;
-
 bool is_about(const Json& params, const Json& subscription) {
   return params.is_object() && params.contains("sub") && params["sub"] == subscription;
 }
@@ -51,32 +49,6 @@ int run_watch(Session& session) {
                   params = sample_line(std::move(params), method);
                   const std::string text = render_sample(params, session.look());
                   session.print(params, text);
-                });
-}
-
-int run_logs(Session& session) {
-  const Arguments& given = session.arguments;
-  Json params = {{"follow", given.has("-f,--follow")}};
-  if (given.has("COMPONENT")) params["component"] = given.one("COMPONENT");
-  if (given.has("--level")) params["level"] = given.one("--level");
-  if (given.has("-n,--lines")) {
-    const auto count = count_of(given.one("-n,--lines"));
-    if (!count) {
-      return session.fail(fault_of(protocol::kUsage, "-n takes a count", given.one("-n,--lines")));
-    }
-    params["n"] = *count;
-  }
-  const auto answer = session.call("log.tail", params);
-  if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
-  const auto& result = std::get<Json>(answer);
-  const Json records = result.is_object() ? result.value("records", Json::array()) : Json::array();
-  for (const Json& record : records) session.print(record, render_record(record, session.look()));
-  if (!given.has("-f,--follow")) return 0;
-  return follow(session, subscription_of(result), "log",
-                [&](Json record, const std::string& method) {
-                  record.erase("sub");
-                  if (method == "dropped") record["event"] = method;
-                  session.print(record, render_record(record, session.look()));
                 });
 }
 

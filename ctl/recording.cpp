@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "recording.h"
 
-#include <signal.h>
-
 #include <chrono>
 #include <fstream>
 
+#include "interrupt.h"
 #include "words.h"
 
 namespace mauve::ctl {
@@ -13,33 +12,6 @@ namespace {
 
 using namespace std::chrono_literals;
 using protocol::fault_of;
-
-// The signal handler has nothing else to look at.
-volatile sig_atomic_t g_enough = 0;
-
-extern "C" void enough(int) { g_enough = 1; }
-
-/// While it lives, Ctrl-C ends the recording, not the program.
-class EndsOnSignal {
- public:
-  EndsOnSignal() {
-    g_enough = 0;
-    struct sigaction action {};
-    action.sa_handler = enough;
-    sigaction(SIGINT, &action, &on_interrupt_);
-    sigaction(SIGTERM, &action, &on_end_);
-  }
-  ~EndsOnSignal() {
-    sigaction(SIGINT, &on_interrupt_, nullptr);
-    sigaction(SIGTERM, &on_end_, nullptr);
-  }
-  EndsOnSignal(const EndsOnSignal&) = delete;
-  EndsOnSignal& operator=(const EndsOnSignal&) = delete;
-
- private:
-  struct sigaction on_interrupt_ {};
-  struct sigaction on_end_ {};
-};
 
 /// Fields within fields are told apart by their path; lists stay whole.
 void add_channels(const Json& fields, Channel prefix, std::vector<Channel>& channels) {
@@ -106,9 +78,9 @@ std::optional<Fault> follow(Session& session, const std::vector<std::string>& ad
   }
   const auto answer = session.call("watch.subscribe", {{"addresses", addresses}});
   if (const auto* fault = std::get_if<Fault>(&answer)) return *fault;
-  const EndsOnSignal signals;
+  const Interrupt interrupt;
   const auto end = std::chrono::steady_clock::now() + length;
-  while (g_enough == 0 && std::chrono::steady_clock::now() < end) {
+  while (!interrupt.came() && std::chrono::steady_clock::now() < end) {
     const auto arrived = session.next(std::min(end, std::chrono::steady_clock::now() + 100ms));
     if (const auto* fault = std::get_if<Fault>(&arrived)) {
       if (fault->name == "timed_out") continue;

@@ -150,6 +150,20 @@ std::string troubles(const Json& status, Look look) {
   return text;
 }
 
+/// ", log level debug for 9 min still": of all; those of components `log level` tells.
+std::string log_levels(const Json& status) {
+  const Json& levels = member(status, "log_levels");
+  std::string text;
+  for (const Json& one : levels.is_array() ? levels : Json::array()) {
+    const std::string component = word(one, "component");
+    text +=
+        ", log level " + (component.empty() ? "" : "of " + component + " ") + word(one, "level");
+    if (number(one, "left_s") > 0)
+      text += " for " + seconds_in_words(number(one, "left_s")) + " still";
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string render_heading(const Json& status) {
@@ -168,7 +182,7 @@ std::string render_heading(const Json& status) {
   if (const auto lock = word(status, "lock"); lock == "params" || lock == "all") {
     text += ", " + lock + " locked";
   }
-  return text;
+  return text + log_levels(status);
 }
 
 std::string render_status(const Json& status, Look look) {

@@ -58,6 +58,8 @@ struct Look {
 [[nodiscard]] std::string render_statistics(const Json& result, Look look);
 /// One component with its states; `now_ns` since T0.
 [[nodiscard]] std::string render_details(const Json& one, double now_ns, Look look);
+/// Why a component failed, what was done, what to do.
+[[nodiscard]] std::string render_why(const Json& why, Look look);
 /// What the rules wait for and did, one row each; the other: everything about the first.
 [[nodiscard]] std::string render_rules(const Json& result, Look look);
 [[nodiscard]] std::string render_rule(const Json& result, Look look);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "svg.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -38,6 +39,17 @@ std::string escaped(std::string_view text) {
   }
   return result;
 }
+
+/// Of a letter, in parts of the font's size, of a wide font (DejaVu Sans).
+double letter_width(char letter) {
+  constexpr std::string_view kNarrow = "ijl.,:;'|!()[]/ ftrI-";
+  constexpr std::string_view kWide = "mwMW@%";
+  if (kNarrow.find(letter) != std::string_view::npos) return 0.41;
+  if (kWide.find(letter) != std::string_view::npos) return 1.0;
+  return letter >= 'A' && letter <= 'Z' ? 0.75 : 0.64;
+}
+
+bool begins_letter(char byte) { return (static_cast<unsigned char>(byte) & 0xC0) != 0x80; }
 
 std::string with_space(std::string_view attributes) {
   return attributes.empty() ? std::string{} : " " + std::string(attributes);
@@ -108,6 +120,37 @@ void Svg::text(Place at, std::string_view words, std::string_view attributes) {
            escaped(words) + "</text>\n";
 }
 
+void Svg::bent(const std::vector<Place>& places, double radius, std::string_view attributes) {
+  if (places.size() < 2) return;
+  const auto at = [](const Place& place) { return pixels(place.x) + " " + pixels(place.y); };
+  const auto towards = [radius](const Place& from, const Place& to) {
+    const double length = std::hypot(to.x - from.x, to.y - from.y);
+    const double part = length > 0.0 ? std::min(radius, length / 2.0) / length : 0.0;
+    return Place{from.x + (to.x - from.x) * part, from.y + (to.y - from.y) * part};
+  };
+  body_ += "<path fill=\"none\" d=\"M" + at(places.front());
+  for (std::size_t i = 1; i + 1 < places.size(); ++i) {
+    body_ += " L" + at(towards(places[i], places[i - 1])) + " Q" + at(places[i]) + " " +
+             at(towards(places[i], places[i + 1]));
+  }
+  body_ += " L" + at(places.back()) + "\"" + with_space(attributes) + "/>\n";
+}
+
+void Svg::polygon(const std::vector<Place>& places, std::string_view attributes) {
+  body_ += "<polygon points=\"";
+  for (const Place& place : places) body_ += pixels(place.x) + "," + pixels(place.y) + " ";
+  body_.back() = '"';
+  body_ += with_space(attributes) + "/>\n";
+}
+
+void Svg::open_group(std::string_view attributes, std::string_view title) {
+  body_ += "<g" + with_space(attributes) + ">";
+  if (!title.empty()) body_ += "<title>" + escaped(title) + "</title>";
+  body_ += "\n";
+}
+
+void Svg::close_group() { body_ += "</g>\n"; }
+
 void Svg::open_clip(Place corner, double width, double height) {
   const std::string name = "clip" + std::to_string(++clips_);
   body_ += "<clipPath id=\"" + name + "\">";
@@ -119,12 +162,29 @@ void Svg::close_clip() { body_ += "</g>\n"; }
 
 std::string Svg::file() const {
   const std::string size = attribute("width", width_) + attribute("height", height_);
-  return "<svg xmlns=\"http://www.w3.org/2000/svg\"" + size +
-         " font-family=\"sans-serif\" font-size=\"13\">\n<rect" + size + " fill=\"white\"/>\n" +
-         body_ + "</svg>\n";
+  return "<svg xmlns=\"http://www.w3.org/2000/svg\"" + size + " viewBox=\"0 0 " + pixels(width_) +
+         " " + pixels(height_) + "\" font-family=\"sans-serif\" font-size=\"13\">\n<rect" + size +
+         " fill=\"white\"/>\n" + body_ + "</svg>\n";
 }
 
 std::string path_step(char letter, Place to) { return letter + pixels(to.x) + " " + pixels(to.y); }
+
+double text_width(std::string_view words, double size) {
+  double width = 0.0;
+  for (const char byte : words) width += begins_letter(byte) ? letter_width(byte) * size : 0.0;
+  return width;
+}
+
+std::string fitted(std::string_view words, double size, double width) {
+  if (text_width(words, size) <= width) return std::string(words);
+  const double room = width - text_width("…", size);
+  std::size_t kept = 0;
+  for (double used = 0.0; kept < words.size(); ++kept) {
+    if (begins_letter(words[kept])) used += letter_width(words[kept]) * size;
+    if (used > room) break;
+  }
+  return std::string(words.substr(0, kept)) + "…";
+}
 
 double nice_step(double range, int pieces) {
   if (!(range > 0.0) || !std::isfinite(range)) return 1.0;

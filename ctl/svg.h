@@ -40,6 +40,12 @@ class Svg {
   /// Where it ends is known when it is drawn.
   void set_height(double height) { height_ = height; }
   void text(Place at, std::string_view words, std::string_view attributes = {});
+  /// A polyline with rounded corners; nothing for fewer than two places.
+  void bent(const std::vector<Place>& places, double radius, std::string_view attributes);
+  void polygon(const std::vector<Place>& places, std::string_view attributes);
+  /// What is drawn until close_group() belongs together; the title is shown where the mouse is.
+  void open_group(std::string_view attributes, std::string_view title = {});
+  void close_group();
   /// What is drawn until the next open() or close() is cut off outside of the rectangle.
   void open_clip(Place corner, double width, double height);
   void close_clip();
@@ -56,6 +62,10 @@ class Svg {
 
 /// "M10.5 3.0": to a tenth of a pixel.
 [[nodiscard]] std::string path_step(char letter, Place to);
+/// How wide the text is at most, in pixels: there are no fonts to ask.
+[[nodiscard]] double text_width(std::string_view words, double size);
+/// As much of it as fits, "…" at the end of what was cut.
+[[nodiscard]] std::string fitted(std::string_view words, double size, double width);
 
 /// Steps of 1, 2 or 5 times a power of ten that part the range in about so many pieces.
 [[nodiscard]] double nice_step(double range, int pieces);

@@ -12,6 +12,7 @@
 #include "commands/change.h"
 #include "commands/given_up.h"
 #include "commands/model.h"
+#include "commands/notice.h"
 #include "commands/quarantine.h"
 #include "commands/unproven.h"
 #include "keeper.h"
@@ -23,6 +24,7 @@ namespace {
 using logging::Event;
 
 constexpr std::chrono::milliseconds kEvery{20};
+constexpr unsigned kLooksANotice = 5;
 
 std::int64_t to_signed(std::uint64_t value) { return static_cast<std::int64_t>(value); }
 
@@ -51,6 +53,7 @@ std::string cause_of(const Outcome& outcome) {
 
 void Caretaker::start(Running& running) {
   running_ = &running;
+  running.control.read([&running] { remember_cores(running); });
   thread_ = std::thread([this] { run(); });
 }
 
@@ -82,6 +85,10 @@ void Caretaker::look() {
   running_->generation = running_->earlier + running_->deployer.generation();
   for (const auto& outcome : outcomes) {
     tell(outcome);
+    notice(*running_, outcome);
+  }
+  if (++looks_ % kLooksANotice == 0) {
+    notice_parked(*running_);
   }
   if (!free->empty()) {
     running_->control.in_factory([free] { static_cast<void>(free->release()); }, [] {});

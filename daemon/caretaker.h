@@ -49,6 +49,7 @@ class Caretaker {
   std::map<std::string, std::uint64_t> refused_;
   /// [control] By resource: how many calls of it were longer than declared when it was told last.
   std::map<std::string, std::uint64_t> over_hold_;
+  unsigned looks_ = 0;  ///< [control]
   std::thread thread_;
 };
 

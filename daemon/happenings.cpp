@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <memory>
 #include <utility>
 
@@ -63,12 +64,32 @@ logging::Record ignored_request(const Happening& happening, std::uint64_t ignore
                                {"count", static_cast<std::int64_t>(ignored)}});
 }
 
+/// What programs ask for, out of the sentence for people.
+logging::Fields fields_of(const Happening& happening) {
+  const std::string& text = happening.text;
+  if (happening.event == "lost") {
+    std::int64_t count = 0;
+    std::from_chars(text.data(), text.data() + text.size(), count);
+    return {{"count", count}, {"source", happening.component}};
+  }
+  if (happening.event != "faulted") {
+    return {};
+  }
+  constexpr std::string_view kInState = ", in state ";
+  const auto colon = text.find(": ");
+  logging::Fields fields = {{"cause", text.substr(0, colon)}};
+  if (const auto state = text.rfind(kInState); state != std::string::npos) {
+    fields.push_back({"state", text.substr(state + kInState.size())});
+  }
+  return fields;
+}
+
 }  // namespace
 
 logging::Record record_of(const Happening& happening) {
   logging::Record record = logging::make_record(
       event_of(happening.event), {{"component", happening.component}, {"text", happening.text}});
-  record.fields.clear();
+  record.fields = fields_of(happening);
   record.text = (happening.event == kRequested ? "requests " : "") + happening.text;
   record.level = level_of(happening.level);
   record.time -= std::chrono::duration_cast<std::chrono::system_clock::duration>(

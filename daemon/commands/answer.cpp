@@ -4,6 +4,7 @@
 #include "commands/audit.h"
 #include "commands/gate.h"
 #include "commands/model.h"
+#include "commands/notice.h"
 #include "keeper.h"
 
 namespace mauve::daemon {
@@ -30,12 +31,30 @@ void remember_maker(Running& running, const Call& call, std::uint64_t generation
   }
 }
 
+/// For who asks later why a component failed.
+void remember_change(Running& running, const Call& call, const Json& result) {
+  const auto members = result.find("components");
+  if (members == result.end() || !members->is_array()) {
+    return;
+  }
+  std::vector<std::string> names;
+  for (const auto& member : *members) {
+    names.push_back(text_or(member, "name"));
+  }
+  running.failures.changed(
+      names,
+      {result["generation"].get<std::uint64_t>(), logging::utc(std::chrono::system_clock::now()),
+       std::string(call.method->name), call.caller.peer.uid, text_or(call.params, "reason")});
+  remember_cores(running);
+}
+
 /// [control] The answer tells whether the change was also saved, so it waits for the disk; that of
 /// a stop does not.
 void answer_applied(Running& running, const Call& call, Json result) {
   const auto generation = running.earlier + running.deployer.generation();
   remember_maker(running, call, generation);
   result["generation"] = generation;
+  remember_change(running, call, result);
   auto line = audit_applied(running, call, result);
   if (running.keeper == nullptr) {
     return call.reply(std::move(result));

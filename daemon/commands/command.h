@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "control.h"
+#include "failures.h"
 #include "generations.h"
 #include "log/log.h"
 #include "mauve/architecture.h"
@@ -78,6 +79,7 @@ struct Running {
   Lock lock = Lock::none;     ///< [control], see gate.h
   Maker maker = {};           ///< [control]
   Realtime realtime = Realtime::prefer;  ///< what mauved was started with
+  Failures failures = {};                ///< [control] see commands/notice.h
 };
 
 /// One request under way. Dropped unanswered only when the daemon ends.
@@ -134,8 +136,10 @@ Result<Json> analyze(Running&, const Call&);
 Result<Json> statistics(Running&, const Call&);
 Result<Json> metrics(Running&, const Call&);
 void reset_statistics(Running&, const CallPtr&, Ticket);
+Result<Json> graph(Running&, const Call&);
 Result<Json> list_rules(Running&, const Call&);
 Result<Json> show(Running&, const Call&);
+Result<Json> why(Running&, const Call&);
 Result<Json> get(Running&, const Call&);
 Result<Json> export_architecture(Running&, const Call&);
 Result<Json> check_architecture(Running&, const Call&);
@@ -144,6 +148,8 @@ Result<Json> doctor(Running&, const Call&);
 Result<Json> watch(Running&, const Call&);
 Result<Json> unwatch(Running&, const Call&);
 Result<Json> tail_log(Running&, const Call&);
+Result<Json> show_log_level(Running&, const Call&);
+void set_log_level(Running&, const CallPtr&, Ticket);
 void stop(Running&, const CallPtr&, Ticket);
 void set(Running&, const CallPtr&, Ticket);
 void start(Running&, const CallPtr&, Ticket);

@@ -12,6 +12,7 @@ namespace mauve::daemon {
 enum class Kind : std::uint8_t {
   lock,      ///< set the lock
   stop,      ///< stop components: for safety, always allowed
+  log,       ///< what is logged: it touches nothing that runs
   ending,    ///< confirm or undo the change on probation, which began before the lock
   property,  ///< change values of properties
   other,     ///< everything else: cores, connections, starts, plugins

@@ -25,6 +25,9 @@ Kind kind_of(const Call& call) {
   if (method == "component.stop") {
     return Kind::stop;
   }
+  if (method == "log.set_level") {
+    return Kind::log;
+  }
   if (method == "change.confirm" || method == "change.undo") {
     return Kind::ending;
   }
@@ -34,7 +37,8 @@ Kind kind_of(const Call& call) {
 }
 
 Status may_change(const Running& running, Kind kind) {
-  const bool always = kind == Kind::lock || kind == Kind::stop || kind == Kind::ending;
+  const bool always =
+      kind == Kind::lock || kind == Kind::stop || kind == Kind::log || kind == Kind::ending;
   const bool free =
       always || running.lock == Lock::none || (running.lock == Lock::params && kind == Kind::other);
   if (free) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// log.tail: the last records, and those to come.
 #include "commands/answer.h"
+#include "commands/log_json.h"
 #include "commands/model.h"
 #include "watch.h"
 
@@ -9,12 +10,55 @@ namespace mauve::daemon {
 namespace {
 
 constexpr std::size_t kDefaultCount = 100;
+constexpr std::size_t kLongestGrep = 256;
+
+using WallTime = std::chrono::system_clock::time_point;
+
+/// Of the time that the answer is about: since when it was asked for, else since the first record
+/// that was found; when fewer were found than asked for, all that was ever logged.
+Json dropped_json(const Running& running, const logging::Filter& filter, std::size_t count,
+                  std::size_t found, std::optional<WallTime> first) {
+  const auto since = filter.since ? *filter.since : found >= count && first ? *first : WallTime();
+  const auto losses = running.log.history().losses(since, filter.component);
+  return {{"lost", losses.lost}, {"gone", losses.gone}};
+}
 
 Json field_json(const logging::Field::Value& value) {
   return std::visit([](const auto& content) { return Json(content); }, value);
 }
 
-/// The members that the wire promises.
+Result<logging::Filter> filter_from(const Running& running, const Json& params) {
+  logging::Filter filter;
+  if (const auto name = text_or(params, "level"); !name.empty()) {
+    const auto level = logging::level_from(name);
+    if (!level) {
+      return refuse(Errc::invalid_value, "level", "'" + name.substr(0, 64) + "' is no level",
+                    "debug, info, warn or error");
+    }
+    filter.level = *level;
+  }
+  filter.text = text_or(params, "grep");
+  if (filter.text.size() > kLongestGrep) {
+    return refuse(Errc::limit, "grep", "is longer than " + std::to_string(kLongestGrep) + " bytes");
+  }
+  if (const auto since = text_or(params, "since"); !since.empty()) {
+    filter.since = logging::time_from(since);
+    if (!filter.since) {
+      return refuse(Errc::invalid_value, "since", "'" + since.substr(0, 64) + "' is no time",
+                    "such as 2026-01-31T12:00:00Z");
+    }
+  }
+  filter.component = text_or(params, "component");
+  if (!filter.component.empty()) {
+    if (const auto element = find_element(running, filter.component); !element) {
+      return element.error();
+    }
+  }
+  return filter;
+}
+
+}  // namespace
+
 Json record_json(const logging::Record& record, Instant t0) {
   Json fields = Json::object();
   for (const auto& field : record.fields) {
@@ -30,27 +74,6 @@ Json record_json(const logging::Record& record, Instant t0) {
           {"fields", std::move(fields)}};
 }
 
-Result<logging::Filter> filter_from(const Running& running, const Json& params) {
-  logging::Filter filter;
-  if (const auto name = text_or(params, "level"); !name.empty()) {
-    const auto level = logging::level_from(name);
-    if (!level) {
-      return refuse(Errc::invalid_value, "level", "'" + name.substr(0, 64) + "' is no level",
-                    "debug, info, warn or error");
-    }
-    filter.level = *level;
-  }
-  filter.component = text_or(params, "component");
-  if (!filter.component.empty()) {
-    if (const auto element = find_element(running, filter.component); !element) {
-      return element.error();
-    }
-  }
-  return filter;
-}
-
-}  // namespace
-
 Result<Json> tail_log(Running& running, const Call& call) {
   auto filter = filter_from(running, call.params);
   if (!filter) {
@@ -60,20 +83,33 @@ Result<Json> tail_log(Running& running, const Call& call) {
   const auto count = wanted == call.params.end() ? kDefaultCount : wanted->get<std::size_t>();
   const auto t0 = running.deployer.t0();
   Json records = Json::array();
-  if (!flag(call.params, "follow")) {
-    for (const auto& record : running.log.history().tail(count, *filter)) {
-      records.push_back(record_json(record, t0));
+  std::optional<WallTime> first;
+  const auto keep = [&](const logging::Record& record) {
+    if (!first) {
+      first = record.time;
     }
-    return Json{{"records", std::move(records)}};
+    records.push_back(record_json(record, t0));
+  };
+  std::optional<std::uint64_t> sub;
+  if (flag(call.params, "follow")) {
+    const auto following = running.watches.follow_log(
+        call.caller, *filter, count, keep,
+        [t0](const logging::Record& record) { return record_json(record, t0); });
+    if (!following) {
+      return following.error();
+    }
+    sub = *following;
+  } else {
+    for (const auto& record : running.log.history().tail(count, *filter)) {
+      keep(record);
+    }
   }
-  const auto sub = running.watches.follow_log(
-      call.caller, *filter, count,
-      [&](const logging::Record& record) { records.push_back(record_json(record, t0)); },
-      [t0](const logging::Record& record) { return record_json(record, t0); });
-  if (!sub) {
-    return sub.error();
+  auto dropped = dropped_json(running, *filter, count, records.size(), first);
+  Json result = {{"records", std::move(records)}, {"dropped", std::move(dropped)}};
+  if (sub) {
+    result["sub"] = *sub;
   }
-  return Json{{"records", std::move(records)}, {"sub", *sub}};
+  return result;
 }
 
 }  // namespace mauve::daemon

@@ -8,16 +8,6 @@ namespace mauve::daemon {
 
 namespace {
 
-std::string build_of(const Running& running, const std::string& core) {
-  const auto plugin = core.substr(0, core.find('/'));
-  for (const auto* loaded : running.catalog.plugins()) {
-    if (loaded->info().name == plugin) {
-      return loaded->info().build_id;
-    }
-  }
-  return {};
-}
-
 /// "guidance/gap" -> "guidance/gap@BUILD_ID": another build is another version.
 std::string version_of(const std::string& core, const std::string& build_id) {
   return core + "@" + build_id;
@@ -45,6 +35,16 @@ Status check_core(const Running& running, const std::string& component, const st
 }
 
 }  // namespace
+
+std::string build_of(const Running& running, const std::string& core) {
+  const auto plugin = core.substr(0, core.find('/'));
+  for (const auto* loaded : running.catalog.plugins()) {
+    if (loaded->info().name == plugin) {
+      return loaded->info().build_id;
+    }
+  }
+  return {};
+}
 
 bool quarantine(Running& running, const std::string& core, const std::string& reason) {
   const auto version = version_of(core, build_of(running, core));

@@ -11,6 +11,9 @@ namespace mauve::daemon {
 /// Takes up the list of the run before. Before the first client.
 void restore_quarantine(Running& running);
 
+/// [control] The build of the plugin that a core is of; empty: of none that is loaded.
+[[nodiscard]] std::string build_of(const Running& running, const std::string& core);
+
 /// [control] False: it is there already.
 bool quarantine(Running& running, const std::string& core, const std::string& reason);
 

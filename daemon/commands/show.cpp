@@ -6,6 +6,7 @@
 #include "arch/value_json.h"
 #include "base/duration.h"
 #include "commands/answer.h"
+#include "commands/machine.h"
 #include "commands/value.h"
 
 namespace mauve::daemon {
@@ -131,6 +132,7 @@ Json show_component(const Running& running, ComponentBase& component) {
                  {"fsm", bundle.fsm_type.name},
                  {"fsm_state", status.fsm_state},
                  {"fsm_states", std::move(states)},
+                 {"machine", machine_json(*bundle.fsm)},
                  {"state", to_string(status.state)},
                  {"realtime", status.realtime},
                  {"task", task_of(bundle.task, status)},

@@ -4,6 +4,7 @@
 #include "commands/command.h"
 #include "commands/gate.h"
 #include "commands/given_up.h"
+#include "commands/log_json.h"
 #include "keeper.h"
 #include "mauve/version.h"
 
@@ -80,6 +81,7 @@ Result<Json> status(Running& running, const Call& /*call*/) {
                  {"t_ns", running.deployer.clock().now() - running.deployer.t0()},
                  {"realtime", running.deployer.realtime()},
                  {"lock", to_string(running.lock)},
+                 {"log_levels", log_levels_json(running)},
                  {"components", std::move(rows)},
                  {"poisoned", poisoned(running)},
                  {"left_behind", left_behind(running)}};

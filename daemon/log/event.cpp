@@ -15,6 +15,9 @@ namespace mauve::logging {
 namespace {
 
 constexpr std::array<std::string_view, 4> kLevels = {"debug", "info", "warn", "error"};
+// The clock counts nanoseconds in 64 bits.
+constexpr int kFirstYear = 1970;
+constexpr int kLastYear = 2200;
 constexpr std::string_view kMessageIdPrefix = "6d9c1f5a2b7e4c0f9a3d5e8b71f0";
 
 std::int64_t monotonic_now() {
@@ -125,6 +128,109 @@ std::string utc(std::chrono::system_clock::time_point time) {
   std::array<char, 32> day{};
   const auto size = std::strftime(day.data(), day.size(), "%Y-%m-%dT%H:%M:%S", &parts);
   return fmt::format("{}.{:06}Z", std::string_view(day.data(), size), us % 1'000'000);
+}
+
+namespace {
+
+/// So many digits.
+std::optional<int> digits(std::string_view& text, std::size_t count) {
+  if (text.size() < count) {
+    return std::nullopt;
+  }
+  int number = 0;
+  for (const char c : text.substr(0, count)) {
+    if (c < '0' || c > '9') {
+      return std::nullopt;
+    }
+    number = number * 10 + (c - '0');
+  }
+  text.remove_prefix(count);
+  return number;
+}
+
+bool take(std::string_view& text, char wanted) {
+  const bool found = !text.empty() && text.front() == wanted;
+  text.remove_prefix(found ? 1 : 0);
+  return found;
+}
+
+/// "a-b-c" or "a:b:c": each within its bounds.
+bool three(std::string_view& text, char between, std::array<std::pair<std::size_t, int>, 3> forms,
+           std::array<int, 3>& numbers) {
+  for (std::size_t i = 0; i < forms.size(); ++i) {
+    if (i > 0 && !take(text, between)) {
+      return false;
+    }
+    const auto number = digits(text, forms[i].first);
+    if (!number || *number > forms[i].second) {
+      return false;
+    }
+    numbers[i] = *number;
+  }
+  return true;
+}
+
+/// "Z", "+02:00" or nothing at all is left.
+std::optional<std::chrono::minutes> offset_of(std::string_view text) {
+  if (text == "Z" || text == "z") {
+    return std::chrono::minutes(0);
+  }
+  const bool west = take(text, '-');
+  if (!west && !take(text, '+')) {
+    return std::nullopt;
+  }
+  const auto hours = digits(text, 2);
+  const bool colon = take(text, ':');
+  const auto minutes = digits(text, 2);
+  if (!hours || !minutes || !colon || *hours > 23 || *minutes > 59 || !text.empty()) {
+    return std::nullopt;
+  }
+  return std::chrono::minutes((west ? -1 : 1) * (*hours * 60 + *minutes));
+}
+
+}  // namespace
+
+std::optional<std::chrono::system_clock::time_point> time_from(std::string_view text) {
+  using namespace std::chrono;
+  std::array<int, 3> date_parts{};
+  std::array<int, 3> time{};
+  if (!three(text, '-', {{{4, kLastYear}, {2, 12}, {2, 31}}}, date_parts) ||
+      date_parts[0] < kFirstYear) {
+    return std::nullopt;
+  }
+  const year_month_day date{year{date_parts[0]}, month{static_cast<unsigned>(date_parts[1])},
+                            day{static_cast<unsigned>(date_parts[2])}};
+  if (!date.ok()) {
+    return std::nullopt;
+  }
+  microseconds within{0};
+  minutes offset{0};
+  if (!text.empty()) {
+    if (!take(text, 'T') && !take(text, 't') && !take(text, ' ')) {
+      return std::nullopt;
+    }
+    if (!three(text, ':', {{{2, 23}, {2, 59}, {2, 60}}}, time)) {
+      return std::nullopt;
+    }
+    within = hours(time[0]) + minutes(time[1]) + seconds(time[2]);
+    if (take(text, '.')) {
+      int weight = 100'000;
+      std::size_t read = 0;
+      for (; !text.empty() && text.front() >= '0' && text.front() <= '9'; ++read, weight /= 10) {
+        within += microseconds((text.front() - '0') * weight);
+        text.remove_prefix(1);
+      }
+      if (read == 0) {
+        return std::nullopt;
+      }
+    }
+    const auto found = offset_of(text);
+    if (!found) {
+      return std::nullopt;
+    }
+    offset = *found;
+  }
+  return system_clock::time_point(sys_days(date)) + within - offset;
 }
 
 std::string to_json_line(const Record& record) {

@@ -73,6 +73,10 @@ struct Record {
 /// [any] "2024-05-01T12:00:00.123456Z".
 [[nodiscard]] std::string utc(std::chrono::system_clock::time_point time);
 
+/// [any] The same back again, also without the fraction, with an offset in place of Z, or as a day
+/// alone; nothing when it is no such time, or not of 1970 to 2200.
+[[nodiscard]] std::optional<std::chrono::system_clock::time_point> time_from(std::string_view text);
+
 /// [any] The record as one line of JSON, without the line end. Always valid UTF-8.
 [[nodiscard]] std::string to_json_line(const Record& record);
 

@@ -5,8 +5,28 @@
 
 namespace mauve::logging {
 
+namespace {
+
+char small(char letter) {
+  return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;
+}
+
+bool has(std::string_view whole, std::string_view part) {
+  return std::search(whole.begin(), whole.end(), part.begin(), part.end(),
+                     [](char a, char b) { return small(a) == small(b); }) != whole.end();
+}
+
+}  // namespace
+
 bool Filter::accepts(const Record& record) const {
-  return record.level >= level && (component.empty() || component == record.component);
+  if (record.level < level || (!component.empty() && component != record.component)) {
+    return false;
+  }
+  if (since && record.time < *since) {
+    return false;
+  }
+  return text.empty() || has(record.text, text) || has(record.component, text) ||
+         has(to_string(record.event), text);
 }
 
 void History::add(const Record& record) {
@@ -36,6 +56,29 @@ std::vector<Record> History::tail_locked(std::size_t count, const Filter& filter
   }
   std::reverse(out.begin(), out.end());
   return out;
+}
+
+History::Losses History::losses(std::chrono::system_clock::time_point since,
+                                const std::string& component) const {
+  const std::lock_guard lock(mutex_);
+  Losses losses;
+  if (!records_.empty() && records_.front().time > since) {
+    losses.gone = records_.front().seq - std::min<std::uint64_t>(records_.front().seq, 1);
+  }
+  for (const auto& record : records_) {
+    const bool counts =
+        component.empty() || record.component.empty() || record.component == component;
+    if (record.event != Event::events_lost || record.time < since || !counts) {
+      continue;
+    }
+    for (const auto& field : record.fields) {
+      const auto* count = std::get_if<std::int64_t>(&field.value);
+      losses.lost += field.name == "count" && count != nullptr && *count > 0
+                         ? static_cast<std::uint64_t>(*count)
+                         : 0;
+    }
+  }
+  return losses;
 }
 
 History::Following History::follow(std::size_t count, Filter filter, Follower follower) {

@@ -2,12 +2,14 @@
 /// The last records, for `mauvectl logs`.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,8 @@ namespace mauve::logging {
 struct Filter {
   Level level = Level::debug;  ///< this one and worse
   std::string component;       ///< empty: all
+  std::optional<std::chrono::system_clock::time_point> since = {};
+  std::string text = {};  ///< somewhere in its text, component or event; capitals count as small
 
   [[nodiscard]] bool accepts(const Record& record) const;
 };
@@ -35,6 +39,15 @@ class History {
 
   /// The newest `count` records that pass, oldest first.
   [[nodiscard]] std::vector<Record> tail(std::size_t count, const Filter& filter) const;
+
+  /// What is not there any more, or never was.
+  struct Losses {
+    std::uint64_t lost = 0;  ///< events that never became records: somebody told too much
+    std::uint64_t gone = 0;  ///< records older than the oldest one that is kept
+  };
+  /// Since that time; `component`: of that one and of the daemon's own queue only.
+  [[nodiscard]] Losses losses(std::chrono::system_clock::time_point since,
+                              const std::string& component) const;
 
   /// What follow() begins with.
   struct Following {

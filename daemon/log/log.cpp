@@ -8,7 +8,7 @@
 
 namespace mauve::logging {
 
-Log::Log(Level level, std::size_t history) : level_(level), history_(history) {}
+Log::Log(Level level, std::size_t history) : levels_(level), history_(history) {}
 
 Log::~Log() { stop(); }
 
@@ -42,8 +42,14 @@ void Log::set_source(Source source) {
 
 void Log::write(Event event, Fields fields) { write(make_record(event, std::move(fields))); }
 
+/// A change of the level is told at any level.
+bool Log::passes(const Record& record) const {
+  return record.event == Event::log_level_set || record.event == Event::log_level_reverted ||
+         record.level >= levels_.of(record.component);
+}
+
 void Log::write(Record record) {
-  if (record.level < level_) {
+  if (!passes(record)) {
     return;
   }
   const std::lock_guard lock(mutex_);
@@ -85,6 +91,7 @@ void Log::run() {
       batch.push_back(make_record(Event::events_lost, {{"count", static_cast<std::int64_t>(lost)},
                                                        {"source", std::string("the daemon")}}));
     }
+    look_at_levels(batch);
     drain(batch);
     batch.clear();
     {
@@ -92,6 +99,14 @@ void Log::run() {
       ++rounds_;
     }
     done_.notify_all();
+  }
+}
+
+void Log::look_at_levels(std::vector<Record>& batch) {
+  for (const auto& now : levels_.expire(std::chrono::steady_clock::now())) {
+    batch.push_back(
+        make_record(Event::log_level_reverted,
+                    {{"component", now.component}, {"level", std::string(to_string(now.level))}}));
   }
 }
 
@@ -116,7 +131,7 @@ void Log::drain(std::vector<Record>& batch) {
 }
 
 void Log::deliver(Record record) {
-  if (record.level < level_) {
+  if (!passes(record)) {
     return;
   }
   record.seq = ++seq_;

@@ -2,7 +2,6 @@
 /// The log: takes events from every thread and brings them to the sinks on a thread of its own.
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -14,6 +13,7 @@
 
 #include "log/event.h"
 #include "log/history.h"
+#include "log/levels.h"
 #include "log/sink.h"
 
 namespace mauve::logging {
@@ -49,8 +49,9 @@ class Log {
   /// Waits until everything reported so far is in the history and in the sinks. [any but log]
   void flush();
 
-  void set_level(Level level) { level_ = level; }
-  [[nodiscard]] Level level() const { return level_; }
+  void set_level(Level level) { levels_.set({}, level); }
+  /// What is set and reverts by itself is told as an event.
+  [[nodiscard]] Levels& levels() { return levels_; }
   [[nodiscard]] History& history() { return history_; }
 
   static constexpr std::size_t kHistory = 4096;
@@ -61,9 +62,11 @@ class Log {
   void run();
   void drain(std::vector<Record>& batch);
   void deliver(Record record);
+  void look_at_levels(std::vector<Record>& batch);
+  [[nodiscard]] bool passes(const Record& record) const;
   void report_failure(std::size_t sink, const Error& error);
 
-  std::atomic<Level> level_;
+  Levels levels_;
   History history_;
   std::vector<std::unique_ptr<Sink>> sinks_;
   std::vector<bool> broken_;  ///< by sink; one complaint each until it works again

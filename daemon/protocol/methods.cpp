@@ -18,6 +18,7 @@ constexpr Param kAddress[] = {{"address", string, true}};
 constexpr Param kAddresses[] = {{"addresses", strings, true}};
 constexpr Param kFor[] = {{"for", string}};
 constexpr Param kOfComponent[] = {{"component", string}};
+constexpr Param kOneComponent[] = {{"component", string, true}};
 constexpr Param kRule[] = {{"rule", string}};
 constexpr Param kSub[] = {{"sub", integer, true}};
 constexpr Param kCore[] = {{"core", string, true}};
@@ -48,8 +49,9 @@ constexpr Param kApply[] = {{"text", string, true}, {"file", string},
 constexpr Param kHistory[] = {{"n", integer}};
 constexpr Param kRollback[] = {{"generation", integer, true}, {"state", string}, {"sync", string}};
 constexpr Param kLock[] = {{"lock", string, true}};
-constexpr Param kTail[] = {
-    {"component", string}, {"level", string}, {"n", integer}, {"follow", boolean}};
+constexpr Param kTail[] = {{"component", string}, {"level", string}, {"n", integer},
+                           {"follow", boolean},   {"since", string}, {"grep", string}};
+constexpr Param kSetLevel[] = {{"level", string, true}, {"component", string}, {"for", string}};
 constexpr Param kStats[] = {{"address", string}};
 constexpr Param kEveryMutation[] = {
     {"if_generation", integer}, {"reason", string}, {"deadline_ms", integer}};
@@ -72,6 +74,7 @@ constexpr Method kMethods[] = {
     {"rules.list", "state, last firing and why not, of all rules or one", kRule},
     {"daemon.doctor", "rights of the daemon's process, its threads and directories", {}},
     {"object.get", "everything about one object", kAddress},
+    {"component.why", "its last failure: what, why, what was done, what to do", kOneComponent},
     {"param.get", "value and status of one address", kAddress},
     {"param.set", "sets properties in one change", kSet, true},
     {"watch.subscribe", "every new value of the addresses", kAddresses},
@@ -90,12 +93,15 @@ constexpr Method kMethods[] = {
     {"plugin.reload", "moves every instance to the new code", kReload, true},
     {"config.get", "the running system as an architecture file", {}},
     {"config.check", "all errors of an architecture file", kCheck},
+    {"architecture.graph", "elements, ports, services and connections, in one look", {}},
     {"architecture.diff", "what another architecture file would change", kDiff},
     {"architecture.apply", "the running system becomes that of a file, or nothing happens", kApply,
      true},
     {"config.history", "the saved generations, newest first", kHistory},
     {"config.rollback", "back to a saved generation", kRollback, true},
     {"lock.set", "none, params or all: what may not be changed", kLock, true},
+    {"log.level", "from which level on is logged, where, and how long still", {}},
+    {"log.set_level", "of all or of one component, for a time", kSetLevel, true},
     {"log.tail", "the last records, and those to come", kTail},
 };
 

@@ -64,6 +64,12 @@ std::string fill_in(std::string text, const LogArgument& a, const LogArgument& b
   return text;
 }
 
+/// Where it failed.
+std::string in_state(const rt::Event& event) {
+  if (event.literal == nullptr) return {};
+  return ", in state " + std::string(event.literal, static_cast<std::size_t>(event.b.integer));
+}
+
 std::string text_of(const rt::Event& event) {
   const auto since_t0 = [](const LogArgument& a) {
     return "T0 + " + format_duration(Duration{a.integer});
@@ -87,7 +93,8 @@ std::string text_of(const rt::Event& event) {
     case rt::EventKind::missed:
       return count(event.a) + " releases missed, " + count(event.b) + " in all";
     case rt::EventKind::faulted:
-      return std::string(to_string(static_cast<Cause>(event.a.integer))) + ": " + event.text.data();
+      return std::string(to_string(static_cast<Cause>(event.a.integer))) + ": " +
+             event.text.data() + in_state(event);
   }
   return {};
 }

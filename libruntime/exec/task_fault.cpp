@@ -90,6 +90,12 @@ void Task::on_fault(Cause cause) {
   rt::Event event{now, rt::EventKind::faulted, LogLevel::error, nullptr, {}, {}, {}};
   event.a = LogArgument(static_cast<std::int64_t>(cause));
   std::string_view(fault_.data()).copy(event.text.data(), event.text.size() - 1);
+  const auto& states = current_->bundle->fsm->states();
+  const std::size_t index = counters_.fsm_state.load(std::memory_order_relaxed);
+  if (index < states.size()) {
+    event.literal = states[index]->name().data();
+    event.b = LogArgument(states[index]->name().size());
+  }
   events_.push(event);
   give_up_core(cause, fault_.data());
   const Published* relief = relief_.load(std::memory_order_acquire);

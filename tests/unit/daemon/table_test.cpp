@@ -229,6 +229,50 @@ TEST_F(TableTest, CountsGenerationsOnFromEarlierRuns) {
   EXPECT_EQ(std::get<Json>(stopped)["generation"], 40 + deployer.generation());
 }
 
+TEST_F(TableTest, FindsRecordsByTimeAndText) {
+  log.write(logging::Event::accept_paused);
+  log.write(logging::Event::accept_resumed);
+  log.flush();
+
+  auto found = ask(Role::viewer, "log.tail", {{"grep", "AGAIN"}});
+  ASSERT_EQ(std::get<Json>(found)["records"].size(), 1U);
+  EXPECT_EQ(std::get<Json>(found)["records"][0]["event"], "accept_resumed");
+  EXPECT_EQ(std::get<Json>(found)["dropped"], (Json{{"lost", 0}, {"gone", 0}}));
+  auto later = ask(Role::viewer, "log.tail", {{"since", "2199-01-01"}});
+  EXPECT_EQ(std::get<Json>(later)["records"], Json::array());
+  EXPECT_EQ(refused(Role::viewer, "log.tail", {{"since", "soon"}}).name, "invalid_value");
+  EXPECT_EQ(refused(Role::viewer, "log.tail", {{"grep", std::string(300, 'x')}}).name, "limit");
+}
+
+TEST_F(TableTest, SetsTheLogLevelForATimeAlsoWhenAllIsLocked) {
+  running.lock = Lock::all;
+  EXPECT_EQ(refused(Role::viewer, "log.set_level", {{"level", "debug"}}).name, "not_permitted");
+  EXPECT_EQ(refused(Role::operator_, "log.set_level", {{"level", "loud"}}).name, "invalid_value");
+  EXPECT_EQ(refused(Role::operator_, "log.set_level", {{"level", "debug"}, {"for", "2d"}}).name,
+            "invalid_value");
+  EXPECT_EQ(
+      refused(Role::operator_, "log.set_level", {{"level", "debug"}, {"component", "a"}}).name,
+      "unknown_name");
+
+  auto set = ask(Role::operator_, "log.set_level", {{"level", "error"}, {"for", "10min"}});
+  ASSERT_TRUE(std::holds_alternative<Json>(set));
+  EXPECT_EQ(std::get<Json>(set)["level"], "error");
+
+  auto shown = ask(Role::viewer, "log.level");
+  EXPECT_EQ(std::get<Json>(shown)["level"], "error");
+  EXPECT_EQ(std::get<Json>(shown)["default"], "debug");
+  auto status = ask(Role::viewer, "status.get");
+  EXPECT_EQ(std::get<Json>(status)["log_levels"][0]["level"], "error");
+  EXPECT_GT(std::get<Json>(status)["log_levels"][0]["left_s"], 0);
+  log.flush();
+  const auto records = log.history().tail(1, {logging::Level::debug, {}, {}, "log level"});
+  ASSERT_EQ(records.size(), 1U);
+  EXPECT_EQ(records[0].text, "the log level is error now, for 10min");
+
+  static_cast<void>(ask(Role::operator_, "log.set_level", {{"level", "default"}}));
+  EXPECT_EQ(std::get<Json>(ask(Role::viewer, "log.level"))["items"], Json::array());
+}
+
 struct Asked {
   Lock lock;
   Kind kind;

@@ -32,7 +32,8 @@ TEST(Fault, IsToldWithItsText) {
   deployer.drain(
       [&](const Happening& h) { told.push_back(h.component + " " + h.event + " " + h.text); });
 
-  EXPECT_NE(std::find(told.begin(), told.end(), "left faulted threw: sensor lost"), told.end());
+  EXPECT_NE(std::find(told.begin(), told.end(), "left faulted threw: sensor lost, in state update"),
+            told.end());
 }
 
 TEST(Fault, FaultedComponentStartsAgainWithAnotherCore) {

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <algorithm>
+#include <string>
+
+#include "actions.h"
+#include "base/name.h"
+#include "graph.h"
+#include "machine.h"
+#include "recording.h"
+#include "words.h"
+
+namespace mauve::ctl {
+namespace {
+
+using protocol::fault_of;
+
+enum class Form { dot, mermaid, svg };
+
+/// As an option says, else as the file is called.
+std::variant<Form, Fault> form_of(const Arguments& given) {
+  const int said = (given.has("--dot") ? 1 : 0) + (given.has("--mermaid") ? 1 : 0) +
+                   (given.has("--svg") ? 1 : 0);
+  if (said > 1) {
+    return fault_of(protocol::kUsage, "one of --dot, --mermaid and --svg", {},
+                    "example: mauvectl graph --svg -o rover.svg");
+  }
+  const std::string file = given.one("-o,--output");
+  if (given.has("--svg") || (said == 0 && file.ends_with(".svg"))) return Form::svg;
+  const bool mermaid = file.ends_with(".mmd") || file.ends_with(".mermaid");
+  return given.has("--mermaid") || (said == 0 && mermaid) ? Form::mermaid : Form::dot;
+}
+
+std::string drawn(const Graph& graph, Form form) {
+  if (form == Form::dot) return graph_dot(graph);
+  return form == Form::svg ? graph_svg(graph) : graph_mermaid(graph);
+}
+
+std::string drawn(const Machine& machine, Form form) {
+  if (form == Form::dot) return machine_dot(machine);
+  return form == Form::svg ? machine_svg(machine) : machine_mermaid(machine);
+}
+
+std::optional<Fault> unknown_name(const Graph& graph, const std::vector<std::string>& wanted) {
+  std::vector<std::string> known;
+  for (const Graph::Node& node : graph.nodes) known.push_back(node.name);
+  for (const std::string& name : wanted) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    Fault fault = fault_of(refuse(Errc::unknown_name, name, "there is nothing of this name",
+                                  did_you_mean(name, known)));
+    return fault;
+  }
+  return std::nullopt;
+}
+
+int draw_machine(Session& session, Form form) {
+  const std::string name = session.arguments.one("--fsm");
+  const auto answer = session.call("object.get", {{"address", name}});
+  if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
+  const auto& object = std::get<Json>(answer);
+  const Machine machine = machine_of(object);
+  if (machine.states.empty()) {
+    return session.fail(
+        fault_of(protocol::kUsage, "has no state machine", name, "mauvectl list components"));
+  }
+  if (session.screen.json) {
+    session.print(object.value("machine", Json()), {});
+    return 0;
+  }
+  return write_output(session, drawn(machine, form));
+}
+
+}  // namespace
+
+int run_graph(Session& session) {
+  const auto form = form_of(session.arguments);
+  if (const auto* fault = std::get_if<Fault>(&form)) return session.fail(*fault);
+  const auto names = session.arguments.all("ELEMENT");
+  if (session.arguments.has("--fsm")) {
+    if (names.empty()) return draw_machine(session, std::get<Form>(form));
+    return session.fail(fault_of(protocol::kUsage, "--fsm draws one component alone", {},
+                                 "example: mauvectl graph --fsm control -o control.svg"));
+  }
+  const auto answer = session.call("architecture.graph", Json::object());
+  if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
+  const auto& result = std::get<Json>(answer);
+  Graph graph = graph_of(result);
+  if (const auto fault = unknown_name(graph, names)) return session.fail(*fault);
+  if (!names.empty()) graph = part_of(graph, names);
+  if (session.screen.json) {
+    session.print(result, {});
+    return 0;
+  }
+  return write_output(session, drawn(graph, std::get<Form>(form)));
+}
+
+}  // namespace mauve::ctl

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Ctrl-C as a question of when to end, not as the end.
+#pragma once
+
+#include <signal.h>
+
+namespace mauve::ctl {
+
+/// While it lives, Ctrl-C ends what it is asked about, not the program. One at a time. [main]
+class Interrupt {
+ public:
+  Interrupt();
+  ~Interrupt();
+  Interrupt(const Interrupt&) = delete;
+  Interrupt& operator=(const Interrupt&) = delete;
+
+  [[nodiscard]] bool came() const;
+
+ private:
+  struct sigaction on_interrupt_ {};
+  struct sigaction on_end_ {};
+};
+
+}  // namespace mauve::ctl

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The last failure of each component, with what led to it: kept when the log has rolled over.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "log/log.h"
+
+namespace mauve::daemon {
+
+/// A change that a component took part in.
+struct Attempt {
+  std::uint64_t generation = 0;  ///< that it made
+  std::string time;              ///< UTC
+  std::string method;
+  std::uint32_t uid = 0;
+  std::string reason;
+};
+
+/// What the system did about a failure.
+enum class Reaction : std::uint8_t { parked, rolled_back, fell_back, restarted };
+/// "parked", "rolled_back", "fell_back", "restarted".
+[[nodiscard]] std::string_view to_string(Reaction reaction);
+
+/// A core, and the build of its plugin.
+struct CoreBuild {
+  std::string core;
+  std::string build_id;
+};
+
+struct Failure {
+  std::string time;  ///< UTC
+  std::int64_t monotonic_ns = 0;
+  std::string cause;  ///< "threw", "crashed"...; empty: not known
+  std::string text;   ///< "sensor lost"
+  CoreBuild culprit;
+  std::string fsm_state;  ///< empty: not known
+  Reaction reaction = Reaction::parked;
+  std::string core_after;        ///< that runs, or would
+  std::uint64_t generation = 0;  ///< in force when it failed
+  std::uint64_t generation_after = 0;
+  std::optional<Attempt> change;         ///< the last one before
+  std::vector<logging::Record> records;  ///< of the component, up to the failure
+  std::uint64_t times = 1;               ///< failures of this component since mauved began
+};
+
+/// One record a component. [control]
+class Failures {
+ public:
+  static constexpr std::size_t kRecords = 20;
+
+  /// What runs in the component now: whoever fails next is this one.
+  void runs(const std::string& component, CoreBuild core);
+  [[nodiscard]] CoreBuild running(const std::string& component) const;
+  /// It is in force in all of these.
+  void changed(const std::vector<std::string>& components, const Attempt& attempt);
+  [[nodiscard]] const Attempt* last_change(const std::string& component) const;
+
+  /// Takes the place of the one before. The log is asked later: real-time threads tell it a little
+  /// after things happen.
+  void note(const std::string& component, Failure failure);
+  /// Seen parked after so many releases: true at the first look at this one.
+  [[nodiscard]] bool parks(const std::string& component, std::uint64_t releases);
+  /// Adds to those that are old enough what the log says of them.
+  void ask_log(const logging::History& history, std::int64_t now);
+  /// The same at once; null: it never failed.
+  [[nodiscard]] const Failure* find(const std::string& component, const logging::History& history);
+  /// Forgets all others: they have left.
+  void keep_only(const std::set<std::string>& components);
+
+ private:
+  struct Entry {
+    CoreBuild core;
+    std::optional<Attempt> change;
+    std::optional<Failure> failure;
+    std::uint64_t parked_after = 0;  ///< releases: it has had one at least
+    bool complete = true;            ///< the log was asked
+  };
+  static void complete(const std::string& component, Entry& entry, const logging::History& history);
+
+  std::map<std::string, Entry> entries_;
+};
+
+}  // namespace mauve::daemon

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// From which level on records are taken: of all, or of one component; for good, or for a time.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "log/event.h"
+
+namespace mauve::logging {
+
+/// Those of a component are looked at where its records arrive, never on its own thread. [any]
+class Levels {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  explicit Levels(Level usual) : usual_(usual) {}
+
+  /// Of a component, or (empty) of all that have none of their own; nothing: the usual one again.
+  /// After `until` what was set for good before is in force again.
+  void set(const std::string& component, std::optional<Level> level,
+           std::optional<Time> until = {});
+
+  [[nodiscard]] Level of(const std::string& component) const;
+  /// That of mauved's command line.
+  [[nodiscard]] Level usual() const { return usual_; }
+
+  struct Setting {
+    std::string component;  ///< empty: all
+    Level level = Level::info;
+    std::optional<Time> until;
+  };
+  /// What differs from the usual one; all first, then by name.
+  [[nodiscard]] std::vector<Setting> list() const;
+
+  /// Ends what is over, and tells what is in force there now.
+  std::vector<Setting> expire(Time now);
+
+ private:
+  struct Entry {
+    std::optional<Level> lasting;
+    std::optional<Setting> passing;
+
+    [[nodiscard]] std::optional<Level> level() const {
+      return passing ? std::optional(passing->level) : lasting;
+    }
+  };
+  [[nodiscard]] Level of_locked(const std::string& component) const;
+
+  const Level usual_;
+  mutable std::mutex mutex_;
+  std::map<std::string, Entry> entries_;
+};
+
+}  // namespace mauve::logging

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// Why a component failed, what was done, and what to do next.
+#include "trial_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using Json = protocol::Json;
+
+/// "first" runs with this core, and with these attributes.
+std::string trial_with(const std::string& core, const std::string& task,
+                       const std::string& more = {}) {
+  std::string file = kTrial;
+  const std::string begin = R"("first":  { "type": "trial/unit",)";
+  file.replace(file.find(begin), begin.size(),
+               begin + R"( "core": ")" + core + R"(", "task": )" + task + "," + more);
+  return file;
+}
+
+std::vector<std::string> hints(const Json& why) {
+  return why["hints"].get<std::vector<std::string>>();
+}
+
+/// Its answer once it knows of a failure, and what the log says of that.
+Json why(TrialDaemon& daemon, const std::string& cause) {
+  Json said;
+  EXPECT_TRUE(eventually([&] {
+    said = daemon.ask("component.why", {{"component", "first"}});
+    return said["failure"].is_object() && said["failure"]["cause"] == cause &&
+           said["failure"]["fsm_state"] != "";
+  })) << said;
+  return said;
+}
+
+std::string told(TrialDaemon& daemon) {
+  Process client({MAUVE_BIN_DIR "/mauvectl", "--socket", daemon.socket().string(), "why", "first"});
+  return client.all_output();
+}
+
+TEST(Why, NothingFailedSaysSince) {
+  TrialDaemon daemon;
+
+  const auto said = daemon.ask("component.why", {{"component", "first"}});
+
+  EXPECT_EQ(said["failure"], nullptr) << said;
+  EXPECT_EQ(said["change"], nullptr);
+  EXPECT_EQ(said["hints"], Json::array());
+  EXPECT_THAT(said["since"].get<std::string>(), HasSubstr("T"));
+  EXPECT_THAT(told(daemon), HasSubstr("nothing failed since mauved began"));
+  EXPECT_EQ(daemon.ask("component.why", {{"component", "frst"}})["data"]["name"], "unknown_name");
+}
+
+TEST(Why, ACoreThrewAndItsComponentWasParked) {
+  TrialDaemon daemon(trial_with("trial/throwing_job", "{}"));
+
+  const auto said = why(daemon, "threw");
+
+  const auto& failure = said["failure"];
+  EXPECT_EQ(said["state"], "faulted");
+  EXPECT_EQ(failure["text"], "division by something");
+  EXPECT_EQ(failure["core"], "trial/throwing_job");
+  EXPECT_NE(failure["build_id"], "");
+  EXPECT_EQ(failure["fsm_state"], "update");
+  EXPECT_EQ(failure["did"], "parked");
+  EXPECT_EQ(failure["times"], 1);
+  EXPECT_EQ(said["change"], nullptr) << "it began so";
+  EXPECT_THAT(hints(said), Contains(HasSubstr("mauvectl start first --reset")));
+  EXPECT_THAT(told(daemon), HasSubstr("threw: division by something, in state update, core "
+                                      "trial/throwing_job (build "));
+
+  ASSERT_EQ(
+      daemon.ask("component.start", {{"components", {"first"}}, {"reason", "again"}})["state"],
+      "applied");
+  EXPECT_TRUE(eventually([&] {
+    const auto again = daemon.ask("component.why", {{"component", "first"}});
+    return again["failure"]["times"] == 2 && again["change"]["reason"] == "again";
+  })) << daemon.ask("component.why", {{"component", "first"}});
+}
+
+TEST(Why, ACoreHungAndItsFallbackTookOver) {
+  TrialDaemon daemon(trial_with("trial/hanging", R"({"on_fault": "fallback", "watchdog": "1s"})",
+                                R"("fallback_core": "trial/other",)"));
+
+  const auto said = why(daemon, "did not return");
+
+  const auto& failure = said["failure"];
+  EXPECT_EQ(said["state"], "running");
+  EXPECT_EQ(said["core"], "trial/other");
+  EXPECT_EQ(failure["core"], "trial/hanging");
+  EXPECT_EQ(failure["did"], "fell_back");
+  EXPECT_EQ(failure["core_after"], "trial/other");
+  EXPECT_EQ(failure["fsm_state"], "update");
+  EXPECT_THAT(hints(said), Contains(HasSubstr("mauvectl swap-core first trial/hanging")));
+  EXPECT_THAT(told(daemon), HasSubstr("its fallback core trial/other took over"));
+}
+
+TEST(Why, AChangeWasRolledBackAndItsCoreIsKeptOut) {
+  TrialDaemon daemon;
+  const auto receipt = daemon.ask(
+      "core.swap", {{"component", "first"}, {"core", "trial/throwing_job"}, {"reason", "try it"}});
+  ASSERT_EQ(receipt["state"], "applied") << receipt;
+
+  const auto said = why(daemon, "threw");
+
+  const auto& failure = said["failure"];
+  EXPECT_EQ(failure["did"], "rolled_back");
+  EXPECT_EQ(failure["core"], "trial/throwing_job");
+  EXPECT_EQ(failure["core_after"], "trial/steady");
+  EXPECT_EQ(failure["generation"], 2);
+  EXPECT_EQ(failure["generation_after"], 3);
+  EXPECT_EQ(said["change"]["generation"], 2) << said;
+  EXPECT_EQ(said["change"]["method"], "core.swap");
+  EXPECT_EQ(said["change"]["reason"], "try it");
+  EXPECT_EQ(said["quarantine"][0]["core"], "trial/throwing_job");
+  EXPECT_THAT(hints(said), Contains(HasSubstr("mauvectl quarantine release trial/throwing_job")));
+  EXPECT_THAT(said["records"].dump(), HasSubstr("component_faulted"));
+}
+
+TEST(Graph, TellsAllElementsInOneLook) {
+  TrialDaemon daemon;
+
+  const auto graph = daemon.ask("architecture.graph");
+
+  EXPECT_EQ(graph["architecture"], "trial");
+  ASSERT_EQ(graph["components"].size(), 2U);
+  EXPECT_EQ(graph["components"][0]["ports"][0],
+            Json::parse(R"({"name": "input", "kind": "read", "type": "double", "service": null})"));
+  EXPECT_EQ(graph["components"][0]["ports"][1]["service"], "signal.write");
+  EXPECT_EQ(graph["resources"].size(), 2U);
+  EXPECT_EQ(graph["resources"][0]["poisoned"], false);
+  EXPECT_FALSE(graph["resources"][0]["services"].empty());
+  const auto machine = daemon.ask("object.get", {{"address", "first"}})["machine"];
+  EXPECT_EQ(machine, Json::parse(R"({"initial": "update", "states": [
+    {"name": "update", "kind": "execution", "transitions": [{"to": "period", "guarded": false}]},
+    {"name": "period", "kind": "synchronization", "wait_ns": 2000000,
+     "transitions": [{"to": "update", "guarded": false}]}]})"));
+  Process client(
+      {MAUVE_BIN_DIR "/mauvectl", "--socket", daemon.socket().string(), "graph", "--svg"});
+  EXPECT_THAT(client.all_output(), HasSubstr("<title>first.ports.output - signal.write</title>"));
+}
+
+}  // namespace
+}  // namespace mauve::test

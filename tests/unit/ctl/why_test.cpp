@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// Why a component failed, as it is told to people.
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "render.h"
+#include "unit/ctl/scene.h"
+
+namespace mauve::ctl {
+namespace {
+
+const Json kLastWords = Json::parse(R"({"seq": 7, "t": "2026-01-01T09:59:59.000000Z",
+  "level": "warn", "component": "control", "event": "core_message", "text": "no scan"})");
+
+const Json kWhy = Json::parse(R"({"component": "control", "state": "faulted", "core": "g/gap",
+  "late_ns": 0, "since": "2026-01-01T09:00:00.0Z", "failure": {"time": "2026-01-01T10:00:00.0Z",
+    "ago_ns": 3000000000, "cause": "threw", "text": "sensor lost", "core": "g/gap",
+    "build_id": "9c32e8201234567890", "fsm_state": "go", "did": "parked", "core_after": "g/gap",
+    "generation": 42, "generation_after": 42, "times": 2},
+  "change": {"generation": 42, "time": "2026-01-01T09:59:00.0Z", "method": "core.swap", "uid": 7,
+    "reason": "try it"}, "poisoned": ["world"], "quarantine": [],
+  "hints": ["mauvectl start control --reset: again"]})");
+
+TEST(Why, IsToldInAFewLines) {
+  Json answer = kWhy;
+  answer["records"] = Json::array({kLastWords});
+  const Scene scene({"why", "control"}, answer);
+
+  EXPECT_EQ(scene.asked[0].method, "component.why");
+  EXPECT_EQ(scene.asked[0].params, (Json{{"component", "control"}}));
+  EXPECT_EQ(scene.outcome.out,
+            "control: faulted, core g/gap\n"
+            "what      threw: sensor lost, in state go, core g/gap (build 9c32e8201234)\n"
+            "when      2026-01-01T10:00:00.0Z, 3.0 s ago; 2 failures since mauved began\n"
+            "then      it was stopped with its safe values written; others go on\n"
+            "before    generation 42 by core.swap, uid 7, 2026-01-01T09:59:00.0Z: try it\n"
+            "poisoned  world\n"
+            "next      mauvectl start control --reset: again\n"
+            "its last records\n" +
+                render_record(kLastWords, {}));
+}
+
+TEST(Why, NothingFailedIsOneLine) {
+  Json answer = kWhy;
+  answer["state"] = "running";
+  answer["failure"] = nullptr;
+  answer["change"] = nullptr;
+  answer["poisoned"] = answer["hints"] = Json::array();
+
+  EXPECT_EQ(Scene({"why", "control"}, answer).outcome.out,
+            "control: running, core g/gap; nothing failed since mauved began, "
+            "2026-01-01T09:00:00.0Z\n");
+}
+
+TEST(Why, OfAnAnswerThatMakesNoSenseDoesNotFail) {
+  for (const char* text : {"null", "{}", "[]", R"({"failure": {}, "records": [1], "hints": 3})"}) {
+    EXPECT_FALSE(render_why(Json::parse(text), {80, true}).empty()) << text;
+  }
+}
+
+}  // namespace
+}  // namespace mauve::ctl

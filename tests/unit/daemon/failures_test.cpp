@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "failures.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace mauve::daemon {
+namespace {
+
+using logging::Event;
+
+constexpr std::int64_t kOneSecond = 1'000'000'000;
+
+logging::Record record(const std::string& component, std::int64_t at, Event event,
+                       const std::string& text) {
+  auto made = logging::make_record(event, {{"component", component}, {"text", text}});
+  made.monotonic_ns = at;
+  return made;
+}
+
+Failure at(std::int64_t time, const std::string& text = "sensor lost") {
+  Failure failure;
+  failure.monotonic_ns = time;
+  failure.text = text;
+  return failure;
+}
+
+class FailuresTest : public testing::Test {
+ protected:
+  void talk(const std::string& component, int records, std::int64_t from) {
+    for (int i = 0; i < records; ++i) {
+      history.add(record(component, from + i, Event::core_message, std::to_string(i)));
+    }
+  }
+  void add_fault(std::int64_t time) {
+    auto fault = record("arm", time, Event::component_faulted, "threw: sensor lost, in state go");
+    fault.fields = {{"cause", std::string("threw")}, {"state", std::string("go")}};
+    history.add(fault);
+  }
+
+  logging::History history{64};
+  Failures failures;
+};
+
+TEST_F(FailuresTest, KnowNothingOfWhoNeverFailed) {
+  EXPECT_EQ(failures.find("arm", history), nullptr);
+  EXPECT_EQ(failures.last_change("arm"), nullptr);
+  EXPECT_EQ(failures.running("arm").core, "");
+}
+
+TEST_F(FailuresTest, TellWhatTheFailingThreadSaid) {
+  talk("arm", 30, kOneSecond);
+  talk("leg", 5, kOneSecond);
+  add_fault(2 * kOneSecond);
+  talk("arm", 3, 2 * kOneSecond + 50);
+  failures.note("arm", at(2 * kOneSecond + 90'000'000));
+
+  const auto* failure = failures.find("arm", history);
+
+  ASSERT_NE(failure, nullptr);
+  EXPECT_EQ(failure->cause, "threw");
+  EXPECT_EQ(failure->fsm_state, "go");
+  EXPECT_EQ(failure->monotonic_ns, 2 * kOneSecond);
+  ASSERT_EQ(failure->records.size(), Failures::kRecords);
+  EXPECT_EQ(failure->records.back().event, Event::component_faulted) << "nothing of afterwards";
+  EXPECT_EQ(failure->records.front().text, "11") << "the newest before it, of nobody else";
+}
+
+TEST_F(FailuresTest, DoNotTakeTheWordsOfAnEarlierFailure) {
+  add_fault(2 * kOneSecond);
+  auto failure = at(60 * kOneSecond);
+  failure.cause = "overran too often";
+
+  failures.note("arm", failure);
+
+  EXPECT_EQ(failures.find("arm", history)->cause, "overran too often");
+  EXPECT_EQ(failures.find("arm", history)->monotonic_ns, 60 * kOneSecond);
+}
+
+TEST_F(FailuresTest, AreRememberedWhenTheLogHasRolledOver) {
+  talk("arm", 3, kOneSecond);
+  add_fault(2 * kOneSecond);
+  failures.note("arm", at(2 * kOneSecond));
+  failures.ask_log(history, 2 * kOneSecond);
+  failures.ask_log(history, 3 * kOneSecond);
+
+  talk("arm", 500, 4 * kOneSecond);
+
+  const auto* failure = failures.find("arm", history);
+  EXPECT_EQ(failure->cause, "threw");
+  ASSERT_EQ(failure->records.size(), 4U);
+  EXPECT_EQ(failure->records.back().event, Event::component_faulted);
+}
+
+TEST_F(FailuresTest, CountAndKeepTheLastOne) {
+  failures.changed({"arm", "leg"}, {42, "then", "core.swap", 7, "try it"});
+  failures.note("arm", at(kOneSecond, "first"));
+  failures.note("arm", at(2 * kOneSecond, "second"));
+
+  const auto* failure = failures.find("arm", history);
+
+  EXPECT_EQ(failure->text, "second");
+  EXPECT_EQ(failure->times, 2U);
+  ASSERT_TRUE(failure->change.has_value());
+  EXPECT_EQ(failure->change->generation, 42U);
+  EXPECT_EQ(failures.find("leg", history), nullptr);
+}
+
+TEST_F(FailuresTest, SeeAComponentParkOnceUntilItRanAgain) {
+  EXPECT_TRUE(failures.parks("arm", 100));
+  EXPECT_FALSE(failures.parks("arm", 100));
+  EXPECT_TRUE(failures.parks("arm", 101)) << "it was started, and failed in its first job";
+}
+
+TEST_F(FailuresTest, AreForgottenWhenTheComponentLeaves) {
+  failures.note("arm", at(kOneSecond));
+  failures.note("leg", at(kOneSecond));
+
+  failures.keep_only({"leg"});
+
+  EXPECT_EQ(failures.find("arm", history), nullptr);
+  EXPECT_NE(failures.find("leg", history), nullptr);
+}
+
+}  // namespace
+}  // namespace mauve::daemon
