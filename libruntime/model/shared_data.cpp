@@ -16,9 +16,7 @@ namespace {
 class SharedDataCore final : public CoreBase, public ValueStore {
  public:
   SharedDataCore(const DataType& data, std::shared_ptr<void> library)
-      : data_(data),
-        library_(std::move(library)),
-        exchange_(data.size, data.alignment, SharedDataBase::kReaders) {}
+      : data_(data), library_(std::move(library)), exchange_(data.size, SharedDataBase::kReaders) {}
 
   [[nodiscard]] const DataType& data() const override { return data_; }
   void each(const Visit& visit) const override {

@@ -11,6 +11,7 @@
 
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -38,8 +39,8 @@ class LatestValue {
     Header header;
   };
 
-  /// `size` bytes a value, `alignment` at most 64.
-  LatestValue(std::size_t size, std::size_t alignment, unsigned readers);
+  /// `size` bytes a value, aligned to 64.
+  LatestValue(std::size_t size, unsigned readers);
   ~LatestValue();
   LatestValue(const LatestValue&) = delete;
   LatestValue& operator=(const LatestValue&) = delete;
@@ -50,7 +51,16 @@ class LatestValue {
 
   /// Any thread. False when another one is in here, or was thrown out of it: then begin_write(). A
   /// value that one from there overtakes meanwhile is never seen. [rt], wait-free.
-  [[nodiscard]] bool try_write(const void* data, Instant stamp);
+  [[nodiscard]] bool try_write(const void* data, Instant stamp) {
+    if (busy_.exchange(true, std::memory_order_acquire)) return false;
+    const std::uint32_t count = count_.load(std::memory_order_acquire);
+    quick_.choose();
+    std::memcpy(slot(quick_.next), data, size_);
+    describe(quick_, stamp);
+    publish_quick(count);
+    busy_.store(false, std::memory_order_release);
+    return true;
+  }
   /// Storage of the next value; holds some older one. One writer at a time: who calls keeps others
   /// out until end_write(). [rt]
   [[nodiscard]] void* begin_write();
@@ -72,6 +82,16 @@ class LatestValue {
  private:
   using Slots = std::uint64_t;  // a bit for each
 
+  // The word: the newest slot, a bit for each reader, and how often end_write() was called.
+  static constexpr unsigned kReaderShift = 8;
+  static constexpr unsigned kCountShift = 32;
+  static constexpr std::uint64_t kReaders = ((1ULL << (kMaxReaders + 1)) - 1) << kReaderShift;
+  static unsigned index_of(std::uint64_t word) { return word & 0xFFU; }
+  static std::uint64_t bit_of(unsigned reader) { return 1ULL << (kReaderShift + reader); }
+  static std::uint32_t count_of(std::uint64_t word) {
+    return static_cast<std::uint32_t>(word >> kCountShift);
+  }
+
   /// What a writer owns: for each reader, which holds at most one of them, and one more.
   struct alignas(64) Lane {
     Slots owned = 0;
@@ -80,40 +100,55 @@ class LatestValue {
     std::uint64_t sequence = 0;
     std::array<Slots, kMaxReaders + 1> held_by{};
 
-    void choose();
-    void exchange_for(std::uint64_t before, unsigned readers);
+    /// A slot that nobody holds. The lowest is the likeliest to be in the cache.
+    void choose() { next = static_cast<unsigned>(std::countr_zero(owned & ~held)); }
+    /// `next` was published in place of the slot in `before`.
+    void exchange_for(std::uint64_t before, unsigned readers) {
+      const Slots back = Slots{1} << index_of(before);
+      owned ^= back ^ Slots { 1 } << next;
+      const std::uint64_t holders = before & kReaders;
+      if (holders != 0) hold(back, holders >> kReaderShift, readers);
+    }
+    void hold(Slots slot, std::uint64_t holders, unsigned readers);
   };
-
-  // The word: the newest slot, a bit for each reader, and how often end_write() was called.
-  static constexpr unsigned kReaderShift = 8;
-  static constexpr unsigned kCountShift = 32;
-  static unsigned index_of(std::uint64_t word) { return word & 0xFFU; }
-  static std::uint64_t bit_of(unsigned reader) { return 1ULL << (kReaderShift + reader); }
-  static std::uint32_t count_of(std::uint64_t word) {
-    return static_cast<std::uint32_t>(word >> kCountShift);
-  }
 
   [[nodiscard]] std::byte* slot(unsigned index) const { return memory_ + index * stride_; }
   [[nodiscard]] View view(unsigned index) const {
     View view;
-    std::memcpy(&view.header, slot(index), sizeof view.header);
-    if (view.header.sequence != 0) view.data = slot(index) + offset_;
+    std::memcpy(&view.header, slot(index) + behind_, sizeof view.header);
+    if (view.header.sequence != 0) view.data = slot(index);
     return view;
   }
-  void* fill(Lane& lane, Instant stamp);
-  bool publish_quick(std::uint32_t count);
+  void describe(Lane& lane, Instant stamp) const {
+    const Header header{lane.sequence += 2, stamp};
+    std::memcpy(slot(lane.next) + behind_, &header, sizeof header);
+  }
+
+  /// Unless more often than `count` somebody came from end_write().
+  void publish_quick(std::uint32_t count) {
+    std::uint64_t before = guess_;
+    // The word is another one when it was guessed wrongly, and for each reader that takes the
+    // newest value just now.
+    while (static_cast<std::int32_t>(count_of(before) - count) <= 0) {
+      const std::uint64_t after = (before >> kCountShift << kCountShift) | quick_.next;
+      if (!word_.compare_exchange_strong(before, after, std::memory_order_acq_rel)) continue;
+      quick_.exchange_for(before, used_.load(std::memory_order_relaxed));
+      guess_ = after | (before & kReaders);  // who took this one takes the next one
+      return;
+    }
+  }
 
   std::size_t size_;
-  std::size_t offset_;  // of the value behind its header
+  std::size_t behind_;  // the value, which begins a line, is the header
   std::size_t stride_;
   unsigned readers_;  // with those in turn
   unsigned slots_;
   std::byte* memory_;
   std::unique_ptr<std::atomic<bool>[]> taken_;
   std::atomic<unsigned> used_{1};  // readers that were ever attached
-  alignas(64) std::atomic<std::uint64_t> word_;
-  alignas(64) std::atomic<bool> busy_{false};  // somebody is in try_write()
-  std::uint64_t guess_ = 0;                    // what the word will be there
+  alignas(128) std::atomic<std::uint64_t> word_;
+  alignas(128) std::atomic<bool> busy_{false};  // somebody is in try_write()
+  std::uint64_t guess_ = 0;                     // what the word will be there
   Lane quick_;
   Lane careful_;
   std::atomic<std::uint32_t> count_{0};  // of end_write(), before it is to be seen in the word

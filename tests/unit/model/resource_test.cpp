@@ -274,7 +274,7 @@ void write_in_turn(rt::LatestValue& exchange, const Numbered& value) {
 }
 
 TEST(LatestValue, NeverShowsATornOrAnOlderValueOfEitherWriter) {
-  rt::LatestValue exchange(sizeof(Numbered), alignof(Numbered), 4);
+  rt::LatestValue exchange(sizeof(Numbered), 4);
   std::atomic<bool> done{false};
   std::vector<std::thread> threads;
   std::atomic<int> faults{0};
@@ -303,7 +303,7 @@ TEST(LatestValue, NeverShowsATornOrAnOlderValueOfEitherWriter) {
 }
 
 TEST(LatestValue, HoldsAValueStillForEachReaderWhileBothWritersGoOn) {
-  rt::LatestValue exchange(sizeof(Numbered), alignof(Numbered), rt::LatestValue::kMaxReaders);
+  rt::LatestValue exchange(sizeof(Numbered), rt::LatestValue::kMaxReaders);
   std::vector<const void*> held;
   std::uint64_t number = 0;
   const auto write_some = [&] {
@@ -322,7 +322,7 @@ TEST(LatestValue, HoldsAValueStillForEachReaderWhileBothWritersGoOn) {
 }
 
 TEST(LatestValue, IsTheSameUntilItIsWrittenAgain) {
-  rt::LatestValue exchange(sizeof(Numbered), alignof(Numbered), 2);
+  rt::LatestValue exchange(sizeof(Numbered), 2);
   const unsigned slot = exchange.attach();
   EXPECT_EQ(exchange.acquire(slot).data, nullptr);
   const Numbered value = numbered(1);
