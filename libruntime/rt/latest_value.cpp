@@ -6,8 +6,6 @@
 namespace mauve::rt {
 namespace {
 
-constexpr std::size_t kLine = 128;
-
 constexpr std::size_t round_up(std::size_t value, std::size_t step) {
   return (value + step - 1) / step * step;
 }
@@ -16,31 +14,23 @@ constexpr std::uint64_t lowest(unsigned bits) { return (1ULL << bits) - 1; }
 
 }  // namespace
 
-/// A reader that took this slot has given back what it held of the lane before.
-void LatestValue::Lane::hold(Slots slot, std::uint64_t holders, unsigned readers) {
-  for (; holders != 0; holders &= holders - 1) {
-    held_by[static_cast<std::size_t>(std::countr_zero(holders))] = slot;
-  }
-  held = 0;
-  for (unsigned reader = 0; reader < readers; ++reader) held |= held_by[reader];
-}
-
 LatestValue::LatestValue(std::size_t size, unsigned readers)
     : size_(size),
       behind_(round_up(size, alignof(Header))),
-      stride_(round_up(behind_ + sizeof(Header), kLine)),
+      stride_(round_up(behind_ + sizeof(Header), kApart)),
       readers_((readers < kMaxReaders ? readers : kMaxReaders) + 1),
-      slots_(2 * (readers_ + 1) + 1),
-      memory_(static_cast<std::byte*>(::operator new (stride_* slots_, std::align_val_t{kLine}))),
-      taken_(std::make_unique<std::atomic<bool>[]>(readers_)),
-      word_(slots_ - 1) {
-  std::memset(memory_, 0, stride_ * slots_);  // touched now, not by a real-time thread
-  quick_.owned = lowest(readers_ + 1);
-  careful_.owned = quick_.owned << (readers_ + 1);
+      taken_(std::make_unique<std::atomic<bool>[]>(readers_)) {
+  const unsigned own = readers_ + 1;
+  const unsigned slots = 2 * own + 1;
+  memory_ = static_cast<std::byte*>(::operator new (stride_* slots, std::align_val_t{kApart}));
+  std::memset(memory_, 0, stride_ * slots);  // touched now, not by a real-time thread
+  quick_.owned = lowest(own);
+  careful_.owned = lowest(own) << own;
   careful_.sequence = 1;
+  word_ = slots - 1;
 }
 
-LatestValue::~LatestValue() { ::operator delete (memory_, std::align_val_t{kLine}); }
+LatestValue::~LatestValue() { ::operator delete (memory_, std::align_val_t{kApart}); }
 
 unsigned LatestValue::attach() {
   for (unsigned i = kInTurn + 1; i < readers_; ++i) {

@@ -81,8 +81,11 @@ class LatestValue {
 
  private:
   using Slots = std::uint64_t;  // a bit for each
+  /// Two lines of the cache: they are fetched in pairs.
+  static constexpr std::size_t kApart = 128;
 
   // The word: the newest slot, a bit for each reader, and how often end_write() was called.
+  static constexpr std::uint8_t kNone = 63;
   static constexpr unsigned kReaderShift = 8;
   static constexpr unsigned kCountShift = 32;
   static constexpr std::uint64_t kReaders = ((1ULL << (kMaxReaders + 1)) - 1) << kReaderShift;
@@ -92,24 +95,33 @@ class LatestValue {
     return static_cast<std::uint32_t>(word >> kCountShift);
   }
 
-  /// What a writer owns: for each reader, which holds at most one of them, and one more.
-  struct alignas(64) Lane {
+  /// What a writer owns: for each reader, which holds at most one of them, and one more. All of it
+  /// in one line of the cache.
+  struct Lane {
     Slots owned = 0;
     Slots held = 0;
-    unsigned next = 0;
     std::uint64_t sequence = 0;
-    std::array<Slots, kMaxReaders + 1> held_by{};
+    std::uint8_t next = 0;
+    std::array<std::uint8_t, kMaxReaders + 1> held_by{};  // kNone: nothing
 
+    Lane() { held_by.fill(kNone); }
     /// A slot that nobody holds. The lowest is the likeliest to be in the cache.
-    void choose() { next = static_cast<unsigned>(std::countr_zero(owned & ~held)); }
+    void choose() { next = static_cast<std::uint8_t>(std::countr_zero(owned & ~held)); }
     /// `next` was published in place of the slot in `before`.
     void exchange_for(std::uint64_t before, unsigned readers) {
-      const Slots back = Slots{1} << index_of(before);
-      owned ^= back ^ Slots { 1 } << next;
+      const auto back = static_cast<std::uint8_t>(index_of(before));
+      owned ^= Slots{1} << back ^ Slots { 1 } << next;
       const std::uint64_t holders = before & kReaders;
       if (holders != 0) hold(back, holders >> kReaderShift, readers);
     }
-    void hold(Slots slot, std::uint64_t holders, unsigned readers);
+    /// A reader that took this slot has given back what it held of the lane before.
+    void hold(std::uint8_t slot, std::uint64_t holders, unsigned readers) {
+      for (; holders != 0; holders &= holders - 1) {
+        held_by[static_cast<std::size_t>(std::countr_zero(holders))] = slot;
+      }
+      held = 0;
+      for (unsigned reader = 0; reader < readers; ++reader) held |= Slots{1} << held_by[reader];
+    }
   };
 
   [[nodiscard]] std::byte* slot(unsigned index) const { return memory_ + index * stride_; }
@@ -138,20 +150,20 @@ class LatestValue {
     }
   }
 
-  std::size_t size_;
+  // Read by all, hardly ever written.
+  alignas(kApart) std::size_t size_;
   std::size_t behind_;  // the value, which begins a line, is the header
   std::size_t stride_;
-  unsigned readers_;  // with those in turn
-  unsigned slots_;
   std::byte* memory_;
-  std::unique_ptr<std::atomic<bool>[]> taken_;
-  std::atomic<unsigned> used_{1};  // readers that were ever attached
-  alignas(128) std::atomic<std::uint64_t> word_;
-  alignas(128) std::atomic<bool> busy_{false};  // somebody is in try_write()
-  std::uint64_t guess_ = 0;                     // what the word will be there
-  Lane quick_;
-  Lane careful_;
+  std::atomic<unsigned> used_{1};        // readers that were ever attached
   std::atomic<std::uint32_t> count_{0};  // of end_write(), before it is to be seen in the word
+  unsigned readers_;                     // with those in turn
+  std::unique_ptr<std::atomic<bool>[]> taken_;
+  alignas(kApart) std::atomic<std::uint64_t> word_;
+  alignas(kApart) std::atomic<bool> busy_{false};  // somebody is in try_write()
+  std::uint64_t guess_ = 0;                        // what the word will be there
+  Lane quick_;
+  alignas(kApart) Lane careful_;
 };
 
 }  // namespace mauve::rt
