@@ -13,8 +13,17 @@ namespace {
 
 std::string joined(const Row& row, const std::string& between) {
   std::string text;
-  for (const std::string& cell : row) text += (text.empty() ? "" : between) + cell;
+  for (std::size_t i = 0; i < row.size(); ++i) text += (i == 0 ? "" : between) + row[i];
   return text;
+}
+
+/// For a file of comma separated values, without the emphasis of Markdown.
+Row quoted(Row row) {
+  for (std::string& cell : row) {
+    std::erase(cell, '*');
+    if (cell.find(',') != std::string::npos) cell = '"' + cell + '"';
+  }
+  return row;
 }
 
 }  // namespace
@@ -62,8 +71,8 @@ void Book::table(const std::string& title, const Row& head, const std::vector<Ro
 void Book::csv(const std::string& name, const Row& head, const std::vector<Row>& rows) const {
   if (folder_.empty()) return;
   std::ofstream file(folder_ / (name + ".csv"));
-  file << joined(head, ",") << "\n";
-  for (const Row& row : rows) file << joined(row, ",") << "\n";
+  file << joined(quoted(head), ",") << "\n";
+  for (const Row& row : rows) file << joined(quoted(row), ",") << "\n";
 }
 
 void Book::goal(const std::string& what, const std::string& target, const std::string& measured,
