@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "bench/paper/experiments.h"
@@ -208,6 +209,7 @@ void measure_execution(Book& book, const Setting& setting) {
   for (int round = 0; round < rounds; ++round) {
     for (Platform& platform : platforms) {
       const Probe probe(now(), kProbePeriod);
+      std::this_thread::sleep_for(10 * kProbePeriod);  // it costs each of them the same
       const Run run = platform.run();
       add(run, cpu, probe, platform);
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Table 4 and Fig. 9: B asks in its job that A gets another core, which computes for another time.
-/// A thread beside them carries it out, as the daemon does.
+/// Table 4 and Fig. 9: B requests in its job that A gets another core, which computes for another
+/// time. A thread beside them looks for requests and carries them out, as the daemon does.
 #include <array>
 #include <atomic>
 #include <memory>
@@ -12,11 +12,11 @@
 #include "bench/paper/tasks.h"
 #include "bench/support/checked.h"
 #include "bench/support/raw.h"
-#include "rt/futex.h"
 
 #include <mauve/architecture.h>
 #include <mauve/class_name.h>
 #include <mauve/deployer.h>
+#include <mauve/request.h>
 
 namespace bench::paper {
 namespace {
@@ -34,7 +34,6 @@ struct Notes {
   std::vector<Job> a;
   std::vector<Cycle> b;
   std::vector<double> asking;  // ns of B's job
-  std::atomic<std::uint32_t> asked{0};
   int every = kEvery;
   int jobs = 0;
   Cycle configured{};
@@ -46,7 +45,6 @@ struct Notes {
     a.reserve(4096);
     b.reserve(4096);
     asking.reserve(4096);
-    asked.store(0);
     every = between;
     jobs = 0;
     configured = {};
@@ -84,12 +82,12 @@ struct Slow final : Version<2, 15> {
   }
 };
 
-/// B's part: somebody else is told.
+/// B's part.
 void ask_sometimes() {
   Notes& all = notes();
   if (++all.jobs % all.every != 0) return;
   const Instant before = now();
-  mauve::rt::futex_bump(all.asked);
+  must_hold(mauve::request("other core of a"), "a request was refused");
   all.asking.push_back(static_cast<double>(now() - before));
 }
 struct Asking : mauve::Core<mauve::EmptyShell> {
@@ -144,11 +142,10 @@ void take_notes(int cpu, const Probe& probe, Result& into) {
   }
 }
 
-/// Until somebody has asked for the `number`th time.
-void await(std::uint32_t number) {
-  std::atomic<std::uint32_t>& asked = notes().asked;
-  for (std::uint32_t seen = asked.load(); seen < number; seen = asked.load()) {
-    mauve::rt::futex_wait_until(asked, seen, now() + 1'000'000'000);
+/// Until B has requested something.
+void await(mauve::Deployer& deployer) {
+  for (bool requested = false; !requested; std::this_thread::sleep_for(200us)) {
+    deployer.drain([&](const mauve::Happening& one) { requested |= one.event == "requested"; });
   }
 }
 
@@ -162,7 +159,7 @@ Result swaps_by_mauve(Places places, int count) {
   {
     const OnCpu here(places.coordinator, 0);
     for (int i = 0; i < count; ++i) {
-      await(static_cast<std::uint32_t>(i) + 1);
+      await(deployer);
       const mauve::Receipt receipt =
           checked(i % 2 == 0 ? deployer.swap_core<Second>("a") : deployer.swap_core<First>("a"));
       result.pause.push_back(static_cast<double>(receipt.components[0].pause.count()));
@@ -234,12 +231,12 @@ void table_4(Book& book, const Setting& setting) {
   const Row head{"", "pause of A, us, median", "p99", "B's part", "A's period across, ms", "sd"};
   book.table("Table 4: B reconfigures A", head, rows);
   book.csv("table4", head, rows);
-  book.text(std::to_string(mauve.pause.size()) + " swaps by mauve, " +
-            std::to_string(mauve.missed) + " releases missed; " + std::to_string(mauve.apart) +
-            " (raw: " + std::to_string(raw.apart) +
-            ") periods across were disturbed and left out. In the paper B itself does it, and A "
-            "stands still meanwhile; here a thread beside them makes and configures the core, B "
-            "only asks, and A pauses at a boundary.");
+  book.text(
+      std::to_string(mauve.pause.size()) + " swaps by mauve, " + std::to_string(mauve.missed) +
+      " releases missed; " + std::to_string(mauve.apart) + " (raw: " + std::to_string(raw.apart) +
+      ") periods across were disturbed and left out. In the paper B itself does it, and A "
+      "stands still meanwhile; here B makes a request, a thread beside them makes and configures "
+      "the core, and A pauses at a boundary.");
   const double pause = statistics(mauve.pause).middle;
   book.goal("Table 4, pause of A, median", "196 us / 1000 = 196 ns", ns(pause) + " ns",
             pause <= 196);
@@ -257,7 +254,7 @@ void figure_9(Book& book, const Setting& setting, bool in_place) {
   must(deployer.deploy());
   {
     const OnCpu here(places.coordinator, 0);
-    await(1);
+    await(deployer);
     mauve::Edit edit;
     edit.component = "a";
     edit.core = mauve::CoreType::of<Slow>(mauve::class_name(typeid(Slow)));

@@ -253,6 +253,64 @@ TEST(SharedData, ServesMoreReadersThanItHasSlots) {
   }
 }
 
+TEST(SharedData, AWriterIsNotHeldUpByAnotherThatHangsInIt) {
+  SharedDataBase data("data", data_type<double>());
+  HangingWriter writer(data);
+  const double value = 7.0;
+
+  EXPECT_TRUE(data.write_service().write(&value));
+
+  EXPECT_EQ(value_of(data), 7.0);
+  EXPECT_EQ(data.gate().timeouts(), 0u);
+  writer.let_go();
+  EXPECT_EQ(value_of(data), 9.0);
+}
+
+TEST(SharedData, TakesNoValueWhileItIsPoisoned) {
+  SharedDataBase data("data", data_type<double>());
+  const double first = 7.0;
+  ASSERT_TRUE(data.write_service().write(&first));
+  data.gate().poison();
+  const double second = 8.0;
+
+  EXPECT_FALSE(data.write_service().write(&second));
+  EXPECT_EQ(value_of(data), 7.0);
+
+  data.gate().heal();
+  EXPECT_TRUE(data.write_service().write(&second));
+  EXPECT_EQ(value_of(data), 8.0);
+}
+
+/// What is not yet to be read when somebody begins to listen is told to him.
+TEST(Tap, MissesNothingOfAWriterThatTakesNoLock) {
+  constexpr int kTimes = 2000;
+  SharedDataBase data("data", data_type<double>());
+  TapList& list = *data.write_service().taps();
+  std::atomic<int> round{0};
+  std::atomic<int> written{0};
+  std::thread writer([&] {
+    for (int i = 1; i <= kTimes; ++i) {
+      while (round < i) std::this_thread::yield();
+      const double value = i;
+      EXPECT_TRUE(data.write_service().write(&value));
+      written = i;
+    }
+  });
+  int missed = 0;
+  for (int i = 1; i <= kTimes; ++i) {
+    const auto tap = std::make_shared<Tap>(data_type<double>(), 4);
+    round = i;
+    EXPECT_TRUE(list.attach(tap, data.gate()));
+    const bool was_there = value_of(data) == i;
+    while (written < i) std::this_thread::yield();
+    const bool told = tap->pop([](const void*, Instant) {});
+    missed += was_there || told ? 0 : 1;
+    list.detach(*tap, data.gate());
+  }
+  writer.join();
+  EXPECT_EQ(missed, 0);
+}
+
 /// Every value carries its number in each word; a torn read would mix two.
 struct Numbered {
   std::array<std::uint64_t, 64> words{};
