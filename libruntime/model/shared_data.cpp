@@ -16,16 +16,17 @@ namespace {
 class SharedDataCore final : public CoreBase, public ValueStore {
  public:
   SharedDataCore(const DataType& data, std::shared_ptr<void> library)
-      : data_(data),
-        library_(std::move(library)),
-        exchange_(data.size, data.alignment, SharedDataBase::kReaders) {}
+      : data_(data), library_(std::move(library)), exchange_(data.size, SharedDataBase::kReaders) {}
 
   [[nodiscard]] const DataType& data() const override { return data_; }
   void each(const Visit& visit) const override {
     const rt::LatestValue::View newest = exchange_.newest();
     if (newest.data != nullptr) visit(newest.data, newest.header.stamp);
   }
-  void put(const void* value, Instant stamp) override { exchange_.write(value, stamp); }
+  void put(const void* value, Instant stamp) override {
+    std::memcpy(exchange_.begin_write(), value, data_.size);
+    exchange_.end_write(stamp);
+  }
 
   const DataType& data_;
   std::shared_ptr<void> library_;  // of the data type
@@ -38,7 +39,7 @@ Signature data_signature(PortKind kind, const DataType& data) {
   return {kind, data.name, data.layout, &data};
 }
 
-/// Readers with a slot of their own never wait; the others keep the writer out while they copy.
+/// Readers with a slot of their own never wait; the others take turns under the lock.
 class ReadLatest final : public ServiceBase {
  public:
   ReadLatest(InterfaceBase& owner, const DataType& data)
@@ -49,34 +50,38 @@ class ReadLatest final : public ServiceBase {
   [[nodiscard]] TapList* taps() override { return &shared().taps_; }
 
   DataStatus read(void* into, Cursor& cursor) override {
-    auto copy = [&](const void* data) { std::memcpy(into, data, exchange().size()); };
-    return look(Visitor(copy), cursor);
+    rt::LatestValue& latest = exchange();
+    auto copy = [&](const void* data) { std::memcpy(into, data, latest.size()); };
+    if (cursor.slot == rt::LatestValue::kNoSlot) return in_turn(copy, cursor);
+    return show(latest.acquire(cursor.slot), copy, cursor);
   }
   DataStatus look(Visitor visitor, Cursor& cursor) override {
-    if (cursor.slot == rt::LatestValue::kNoSlot) {
-      Entry entry(gate());
-      return entry ? show(exchange().newest(), visitor, cursor) : entry.refusal();
-    }
-    const DataStatus status = show(exchange().acquire(cursor.slot), visitor, cursor);
-    exchange().release(cursor.slot);
-    return status;
+    if (cursor.slot == rt::LatestValue::kNoSlot) return in_turn(visitor, cursor);
+    return show(exchange().acquire(cursor.slot), visitor, cursor);
   }
 
  private:
-  static DataStatus show(const rt::LatestValue::View& view, Visitor visitor, Cursor& cursor) {
+  template <typename Visit>
+  DataStatus in_turn(const Visit& visit, Cursor& cursor) {
+    Entry entry(gate());
+    if (!entry) return entry.refusal();
+    return show(exchange().acquire(rt::LatestValue::kInTurn), visit, cursor);
+  }
+  template <typename Visit>
+  static DataStatus show(const rt::LatestValue::View& view, const Visit& visit, Cursor& cursor) {
     if (view.data == nullptr) return DataStatus::no_data;
-    visitor(view.data);
+    visit(view.data);
     const bool fresh = view.header.sequence != cursor.seen;
     cursor.seen = view.header.sequence;
     cursor.stamp = view.header.stamp;
     return fresh ? DataStatus::new_data : DataStatus::old_data;
   }
-  SharedDataCore& shared() { return static_cast<SharedDataCore&>(core()); }
+  SharedDataCore& shared() { return static_cast<SharedDataCore&>(owner().core()); }
   rt::LatestValue& exchange() { return shared().exchange_; }
 };
 
-/// Writers take turns under the lock: uncontended it costs one exchange of a word, and a single
-/// writer never waits.
+/// A writer that is alone never takes the lock. Others do, as does who fills a value in place
+/// (the author's code), and everybody while somebody listens.
 class WriteLatest final : public ServiceBase {
  public:
   WriteLatest(InterfaceBase& owner, const DataType& data)
@@ -85,7 +90,14 @@ class WriteLatest final : public ServiceBase {
   [[nodiscard]] TapList* taps() override { return &shared().taps_; }
 
   bool write(const void* data) override {
-    auto copy = [&](void* into) { std::memcpy(into, data, shared().exchange_.size()); };
+    SharedDataCore& core = shared();
+    if (owner().resource().gate().poisoned()) return false;
+    const Instant stamp = job_time();
+    if (core.taps_.empty() && core.exchange_.try_write(data, stamp)) {
+      if (!core.taps_.empty()) tell(data, stamp);  // somebody began to listen meanwhile
+      return true;
+    }
+    auto copy = [&](void* into) { std::memcpy(into, data, core.exchange_.size()); };
     return fill(Filler(copy));
   }
   bool fill(Filler filler) override {
@@ -100,7 +112,11 @@ class WriteLatest final : public ServiceBase {
   }
 
  private:
-  SharedDataCore& shared() { return static_cast<SharedDataCore&>(core()); }
+  void tell(const void* data, Instant stamp) {
+    const Entry entry(gate());
+    if (entry) shared().taps_.push(data, stamp);
+  }
+  SharedDataCore& shared() { return static_cast<SharedDataCore&>(owner().core()); }
 };
 
 class SharedDataInterface final : public InterfaceBase {

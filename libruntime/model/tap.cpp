@@ -47,7 +47,7 @@ Status TapList::attach(std::shared_ptr<Tap> tap, Gate& gate) {
   for (std::shared_ptr<Tap>& place : taps_) {
     if (place != nullptr) continue;
     place = std::move(tap);
-    count_.fetch_add(1, std::memory_order_relaxed);
+    count_.fetch_add(1);  // from now on no writer passes by the gate
     return ok();
   }
   return refuse(Errc::limit, "", "is watched in too many places already");

@@ -1,36 +1,40 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "rt/latest_value.h"
 
-#include <cstring>
 #include <new>
 
 namespace mauve::rt {
 namespace {
 
-constexpr std::size_t kLine = 64;
-
 constexpr std::size_t round_up(std::size_t value, std::size_t step) {
   return (value + step - 1) / step * step;
 }
 
+constexpr std::uint64_t lowest(unsigned bits) { return (1ULL << bits) - 1; }
+
 }  // namespace
 
-LatestValue::LatestValue(std::size_t size, std::size_t alignment, unsigned readers)
+LatestValue::LatestValue(std::size_t size, unsigned readers)
     : size_(size),
-      offset_(round_up(sizeof(Header), alignment)),
-      stride_(round_up(offset_ + size, kLine)),
-      readers_(readers < kMaxReaders ? readers : kMaxReaders),
-      memory_(static_cast<std::byte*>(
-          ::operator new (stride_*(readers_ + 2), std::align_val_t{kLine}))),
-      reader_(std::make_unique<Reader[]>(readers_)) {
-  std::memset(memory_, 0, stride_ * (readers_ + 2));  // touched now, not by a real-time thread
+      behind_(round_up(size, alignof(Header))),
+      stride_(round_up(behind_ + sizeof(Header), kApart)),
+      readers_((readers < kMaxReaders ? readers : kMaxReaders) + 1),
+      taken_(std::make_unique<std::atomic<bool>[]>(readers_)) {
+  const unsigned own = readers_ + 1;
+  const unsigned slots = 2 * own + 1;
+  memory_ = static_cast<std::byte*>(::operator new (stride_* slots, std::align_val_t{kApart}));
+  std::memset(memory_, 0, stride_ * slots);  // touched now, not by a real-time thread
+  quick_.owned = lowest(own);
+  careful_.owned = lowest(own) << own;
+  careful_.sequence = 1;
+  word_ = slots - 1;
 }
 
-LatestValue::~LatestValue() { ::operator delete (memory_, std::align_val_t{kLine}); }
+LatestValue::~LatestValue() { ::operator delete (memory_, std::align_val_t{kApart}); }
 
 unsigned LatestValue::attach() {
-  for (unsigned i = 0; i < readers_; ++i) {
-    if (reader_[i].taken.exchange(true)) continue;
+  for (unsigned i = kInTurn + 1; i < readers_; ++i) {
+    if (taken_[i].exchange(true)) continue;
     unsigned used = used_.load();  // only ever grows, also when two threads attach at once
     while (used <= i && !used_.compare_exchange_weak(used, i + 1)) {
     }
@@ -40,72 +44,21 @@ unsigned LatestValue::attach() {
 }
 
 void LatestValue::detach(unsigned reader) {
-  if (reader < readers_) reader_[reader].taken.store(false);
-}
-
-bool LatestValue::in_use(std::uint32_t index, unsigned readers) const {
-  for (unsigned i = 0; i < readers; ++i) {
-    if (reader_[i].slot.load() == index) return true;
-  }
-  return false;
+  if (reader < readers_) taken_[reader].store(false);
 }
 
 void* LatestValue::begin_write() {
-  // Of n + 2 slots, n readers hold at most n and one is the latest: one is always free.
-  const std::uint32_t latest = latest_.load(std::memory_order_relaxed);
-  const unsigned readers = used_.load();
-  std::uint32_t index = 0;
-  while (index == latest || in_use(index, readers)) ++index;
-  next_ = index;
-  return slot(index) + offset_;
+  careful_.choose();
+  return slot(careful_.next);
 }
 
 void LatestValue::end_write(Instant stamp) {
-  const Header header{++sequence_, stamp};
-  std::memcpy(slot(next_), &header, sizeof header);
-  latest_.store(next_);
-  // A reader that announced itself but has not chosen yet is given this slot: it can then not
-  // choose one that the next write would take. All operations here are sequentially consistent.
-  const unsigned readers = used_.load();
-  for (unsigned i = 0; i < readers; ++i) {
-    std::uint32_t expected = kPending;
-    if (reader_[i].slot.load() == kPending) {
-      reader_[i].slot.compare_exchange_strong(expected, next_);
-    }
-  }
-}
-
-void LatestValue::write(const void* data, Instant stamp) {
-  std::memcpy(begin_write(), data, size_);
-  end_write(stamp);
-}
-
-LatestValue::View LatestValue::view(std::uint32_t index) const {
-  View view{slot(index) + offset_, {}};
-  std::memcpy(&view.header, slot(index), sizeof view.header);
-  return view;
-}
-
-LatestValue::View LatestValue::acquire(unsigned reader) {
-  std::atomic<std::uint32_t>& mine = reader_[reader].slot;
-  mine.store(kPending);
-  std::uint32_t index = latest_.load();
-  if (index == kNothing) {
-    mine.store(kIdle, std::memory_order_release);
-    return {};
-  }
-  std::uint32_t expected = kPending;
-  if (!mine.compare_exchange_strong(expected, index)) index = expected;
-  return view(index);
-}
-
-void LatestValue::release(unsigned reader) {
-  reader_[reader].slot.store(kIdle, std::memory_order_release);
-}
-
-LatestValue::View LatestValue::newest() const {
-  const std::uint32_t index = latest_.load();
-  return index == kNothing ? View{} : view(index);
+  describe(careful_, stamp);
+  const std::uint32_t count = count_.load(std::memory_order_relaxed) + 1;
+  count_.store(count, std::memory_order_release);
+  const std::uint64_t after = std::uint64_t{count} << kCountShift | careful_.next;
+  const std::uint64_t before = word_.exchange(after, std::memory_order_acq_rel);
+  careful_.exchange_for(before, used_.load(std::memory_order_relaxed));
 }
 
 }  // namespace mauve::rt

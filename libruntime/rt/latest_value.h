@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// LatestValue: wait-free exchange of the newest value between one writer at a time and a fixed
-/// number of readers, with n + 2 slots (J. Chen, A. Burns, "A three-slot asynchronous
-/// reader/writer mechanism for multiprocessor real-time systems", YCS-286, University of York,
-/// 1997, extended to n readers).
+/// LatestValue: wait-free exchange of the newest value between two writers at a time and a fixed
+/// number of readers.
+///
+/// One word says which slot is the newest, and which readers have taken it. A reader that finds
+/// itself there still holds that slot; else it adds itself, and so gives back the one before. Who
+/// publishes replaces the word, owns the slot that was the newest, and knows who holds it. With one
+/// reader this is the triple buffer, at its cost: nothing moves between CPUs but the word and the
+/// value.
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 
 #include <mauve/time.h>
@@ -18,20 +25,22 @@ class LatestValue {
  public:
   static constexpr unsigned kMaxReaders = 16;
   static constexpr unsigned kNoSlot = ~0U;
+  /// For readers without a place of their own, which take turns.
+  static constexpr unsigned kInTurn = 0;
 
   /// What a slot holds besides the value.
   struct Header {
-    std::uint64_t sequence = 0;  ///< 1 for the first value
+    std::uint64_t sequence = 0;  ///< of no other value; 0: no value
     Instant stamp = 0;           ///< when it was written
   };
-  /// A value that does not move until the view is given back.
+  /// A value that does not move until the same reader asks again.
   struct View {
     const void* data = nullptr;  ///< null: nothing written yet
     Header header;
   };
 
-  /// `size` bytes a value, `alignment` at most 64.
-  LatestValue(std::size_t size, std::size_t alignment, unsigned readers);
+  /// `size` bytes a value, aligned to 64.
+  LatestValue(std::size_t size, unsigned readers);
   ~LatestValue();
   LatestValue(const LatestValue&) = delete;
   LatestValue& operator=(const LatestValue&) = delete;
@@ -40,45 +49,121 @@ class LatestValue {
   [[nodiscard]] unsigned attach();
   void detach(unsigned reader);
 
-  /// Storage of the next value; holds some older one. One writer at a time. [rt]
+  /// Any thread. False when another one is in here, or was thrown out of it: then begin_write(). A
+  /// value that one from there overtakes meanwhile is never seen. [rt], wait-free.
+  [[nodiscard]] bool try_write(const void* data, Instant stamp) {
+    if (busy_.exchange(true, std::memory_order_acquire)) return false;
+    const std::uint32_t count = count_.load(std::memory_order_acquire);
+    quick_.choose();
+    std::memcpy(slot(quick_.next), data, size_);
+    describe(quick_, stamp);
+    publish_quick(count);
+    busy_.store(false, std::memory_order_release);
+    return true;
+  }
+  /// Storage of the next value; holds some older one. One writer at a time: who calls keeps others
+  /// out until end_write(). [rt]
   [[nodiscard]] void* begin_write();
-  /// Makes it the newest. [rt], bounded by the number of readers.
+  /// Makes it the newest. [rt], wait-free.
   void end_write(Instant stamp);
-  /// Both, with a copy between.
-  void write(const void* data, Instant stamp);
 
-  /// The newest value, held still until release(). Only the owner of `reader`. [rt], wait-free.
-  [[nodiscard]] View acquire(unsigned reader);
-  void release(unsigned reader);
-  /// The newest value while the caller keeps the writer out.
-  [[nodiscard]] View newest() const;
+  /// The newest value, held still until the next call. Only the owner of `reader`. [rt], wait-free.
+  [[nodiscard]] View acquire(unsigned reader) {
+    const std::uint64_t me = bit_of(reader);
+    std::uint64_t word = word_.load(std::memory_order_acquire);
+    if ((word & me) == 0) word = word_.fetch_add(me, std::memory_order_acq_rel);
+    return view(index_of(word));
+  }
+  /// The newest value while nobody writes.
+  [[nodiscard]] View newest() const { return view(index_of(word_.load())); }
 
   [[nodiscard]] std::size_t size() const { return size_; }
 
  private:
-  static constexpr std::uint32_t kIdle = ~0U;
-  static constexpr std::uint32_t kPending = kIdle - 1;
-  static constexpr std::uint32_t kNothing = kIdle - 2;
+  using Slots = std::uint64_t;  // a bit for each
+  /// Two lines of the cache: they are fetched in pairs.
+  static constexpr std::size_t kApart = 128;
 
-  struct alignas(64) Reader {
-    std::atomic<std::uint32_t> slot{kIdle};
-    std::atomic<bool> taken{false};
+  // The word: the newest slot, a bit for each reader, and how often end_write() was called.
+  static constexpr std::uint8_t kNone = 63;
+  static constexpr unsigned kReaderShift = 8;
+  static constexpr unsigned kCountShift = 32;
+  static constexpr std::uint64_t kReaders = ((1ULL << (kMaxReaders + 1)) - 1) << kReaderShift;
+  static unsigned index_of(std::uint64_t word) { return word & 0xFFU; }
+  static std::uint64_t bit_of(unsigned reader) { return 1ULL << (kReaderShift + reader); }
+  static std::uint32_t count_of(std::uint64_t word) {
+    return static_cast<std::uint32_t>(word >> kCountShift);
+  }
+
+  /// What a writer owns: for each reader, which holds at most one of them, and one more. All of it
+  /// in one line of the cache.
+  struct Lane {
+    Slots owned = 0;
+    Slots held = 0;
+    std::uint64_t sequence = 0;
+    std::uint8_t next = 0;
+    std::array<std::uint8_t, kMaxReaders + 1> held_by{};  // kNone: nothing
+
+    Lane() { held_by.fill(kNone); }
+    /// A slot that nobody holds. The lowest is the likeliest to be in the cache.
+    void choose() { next = static_cast<std::uint8_t>(std::countr_zero(owned & ~held)); }
+    /// `next` was published in place of the slot in `before`.
+    void exchange_for(std::uint64_t before, unsigned readers) {
+      const auto back = static_cast<std::uint8_t>(index_of(before));
+      owned ^= Slots{1} << back ^ Slots { 1 } << next;
+      const std::uint64_t holders = before & kReaders;
+      if (holders != 0) hold(back, holders >> kReaderShift, readers);
+    }
+    /// A reader that took this slot has given back what it held of the lane before.
+    void hold(std::uint8_t slot, std::uint64_t holders, unsigned readers) {
+      for (; holders != 0; holders &= holders - 1) {
+        held_by[static_cast<std::size_t>(std::countr_zero(holders))] = slot;
+      }
+      held = 0;
+      for (unsigned reader = 0; reader < readers; ++reader) held |= Slots{1} << held_by[reader];
+    }
   };
 
-  [[nodiscard]] std::byte* slot(std::uint32_t index) const { return memory_ + index * stride_; }
-  [[nodiscard]] View view(std::uint32_t index) const;
-  [[nodiscard]] bool in_use(std::uint32_t index, unsigned readers) const;
+  [[nodiscard]] std::byte* slot(unsigned index) const { return memory_ + index * stride_; }
+  [[nodiscard]] View view(unsigned index) const {
+    View view;
+    std::memcpy(&view.header, slot(index) + behind_, sizeof view.header);
+    if (view.header.sequence != 0) view.data = slot(index);
+    return view;
+  }
+  void describe(Lane& lane, Instant stamp) const {
+    const Header header{lane.sequence += 2, stamp};
+    std::memcpy(slot(lane.next) + behind_, &header, sizeof header);
+  }
 
-  std::size_t size_;
-  std::size_t offset_;  // of the value behind its header
+  /// Unless more often than `count` somebody came from end_write().
+  void publish_quick(std::uint32_t count) {
+    std::uint64_t before = guess_;
+    // The word is another one when it was guessed wrongly, and for each reader that takes the
+    // newest value just now.
+    while (static_cast<std::int32_t>(count_of(before) - count) <= 0) {
+      const std::uint64_t after = (before >> kCountShift << kCountShift) | quick_.next;
+      if (!word_.compare_exchange_strong(before, after, std::memory_order_acq_rel)) continue;
+      quick_.exchange_for(before, used_.load(std::memory_order_relaxed));
+      guess_ = after | (before & kReaders);  // who took this one takes the next one
+      return;
+    }
+  }
+
+  // Read by all, hardly ever written.
+  alignas(kApart) std::size_t size_;
+  std::size_t behind_;  // the value, which begins a line, is the header
   std::size_t stride_;
-  unsigned readers_;
   std::byte* memory_;
-  std::unique_ptr<Reader[]> reader_;
-  std::atomic<unsigned> used_{0};  // readers that were ever attached: those the writer looks at
-  alignas(64) std::atomic<std::uint32_t> latest_{kNothing};
-  std::uint32_t next_ = 0;  // writer only
-  std::uint64_t sequence_ = 0;
+  std::atomic<unsigned> used_{1};        // readers that were ever attached
+  std::atomic<std::uint32_t> count_{0};  // of end_write(), before it is to be seen in the word
+  unsigned readers_;                     // with those in turn
+  std::unique_ptr<std::atomic<bool>[]> taken_;
+  alignas(kApart) std::atomic<std::uint64_t> word_;
+  alignas(kApart) std::atomic<bool> busy_{false};  // somebody is in try_write()
+  std::uint64_t guess_ = 0;                        // what the word will be there
+  Lane quick_;
+  alignas(kApart) Lane careful_;
 };
 
 }  // namespace mauve::rt

@@ -10,8 +10,9 @@
 namespace mauve {
 
 /// Type "shared_data" of the architecture file. Reads are wait-free for the first readers
-/// connected (the exchange has `kReaders` private slots, one of them the administrator's); further
-/// readers and concurrent writers take the resource's lock.
+/// connected (`kReaders` places, one of them the administrator's), and so is a write while no other
+/// one goes on; further readers and concurrent writers take the resource's lock. It keeps 21
+/// values.
 class SharedDataBase : public ResourceBase {
  public:
   static constexpr unsigned kReaders = 8;

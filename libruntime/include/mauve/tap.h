@@ -55,6 +55,8 @@ class TapList {
   /// list keeps it until the next attach or detach, or its own end, so that the writer may still
   /// look at it. [control]
   void detach(Tap& tap, Gate& gate);
+  /// Nobody listens. [any]
+  [[nodiscard]] bool empty() const { return count_.load() == 0; }
   /// [rt], under the gate; one load each when nobody listens.
   void push(const void* value, Instant stamp) {
     if (count_.load(std::memory_order_relaxed) == 0) return;

@@ -115,10 +115,10 @@ OnCpu::~OnCpu() {
   pthread_setaffinity_np(pthread_self(), sizeof all, &all);
 }
 
-Probe::Probe(Instant phase) {
+Probe::Probe(Instant phase, Duration period) : period_(period) {
   const int priority = fifo_or_none(99);
-  const Instant periods = (now() - phase) / kPeriod.count() + 4;
-  const Instant due = phase + periods * kPeriod.count();
+  const Instant periods = (now() - phase) / period_.count() + 4;
+  const Instant due = phase + periods * period_.count();
   for (const int cpu : mauve::rt::usable_cpus()) {
     Watch& watch = watches_.emplace_back();
     watch.cpu = cpu;
@@ -136,22 +136,22 @@ Probe::~Probe() {
 
 void Probe::run(Watch& watch, Instant due) {
   const std::atomic<std::uint32_t> nobody_wakes{0};
-  for (; !quit_.load(std::memory_order_relaxed); due += kPeriod.count()) {
+  for (; !quit_.load(std::memory_order_relaxed); due += period_.count()) {
     mauve::rt::futex_wait_until(nobody_wakes, 0, due);
     const Instant woke = now();
     const std::size_t count = watch.count.load(std::memory_order_relaxed);
     if (woke - due <= kTolerance.count() || count == watch.windows.size()) continue;
-    watch.windows[count] = {due - kPeriod.count(), woke + kPeriod.count()};
+    watch.windows[count] = {due - period_.count(), woke + period_.count()};
     watch.count.store(count + 1, std::memory_order_release);
   }
 }
 
-bool Probe::disturbed(int cpu, Instant instant) const {
+bool Probe::disturbed(int cpu, Instant from, Instant to) const {
   for (const Watch& watch : watches_) {
     if (watch.cpu != cpu) continue;
     const std::size_t count = watch.count.load(std::memory_order_acquire);
     for (std::size_t i = 0; i < count; ++i) {
-      if (watch.windows[i].from <= instant && instant <= watch.windows[i].to) return true;
+      if (watch.windows[i].from <= to && from <= watch.windows[i].to) return true;
     }
   }
   return false;

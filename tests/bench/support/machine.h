@@ -36,19 +36,23 @@ class OnCpu {
   OnCpu& operator=(const OnCpu&) = delete;
 };
 
-/// A SCHED_FIFO 99 thread on each CPU that wakes twice a millisecond. When it is itself late, the
-/// host or foreign real-time threads were in the way: samples of that time are set apart.
+/// A SCHED_FIFO 99 thread on each CPU that wakes twice a millisecond, or as said. When it is itself
+/// late, the host or foreign real-time threads were in the way: samples of that time are set apart.
 class Probe {
  public:
   static constexpr Duration kPeriod{500'000};
   static constexpr Duration kTolerance{200'000};
 
   /// Its wake-ups are at `phase` plus multiples of the period.
-  explicit Probe(Instant phase);
+  explicit Probe(Instant phase, Duration period = kPeriod);
   ~Probe();
 
   /// Was this CPU disturbed around the instant? Ask when two periods have passed.
-  [[nodiscard]] bool disturbed(int cpu, Instant instant) const;
+  [[nodiscard]] bool disturbed(int cpu, Instant instant) const {
+    return disturbed(cpu, instant, instant);
+  }
+  /// Or at some time between these?
+  [[nodiscard]] bool disturbed(int cpu, Instant from, Instant to) const;
   /// Windows seen so far, on all CPUs.
   [[nodiscard]] std::size_t windows() const;
 
@@ -65,6 +69,7 @@ class Probe {
   };
   void run(Watch& watch, Instant due);
 
+  Duration period_;
   std::atomic<bool> quit_{false};
   std::deque<Watch> watches_;
 };
