@@ -27,6 +27,7 @@ int run_check(Session& session);
 int run_export(Session& session);
 int run_history(Session& session);
 int run_logs(Session& session);
+int run_trace(Session& session);
 int run_ping(Session& session);
 int run_version(Session& session);
 

@@ -26,6 +26,7 @@
 namespace mauve::daemon {
 
 class Keeper;
+class Recorder;
 class Supervisor;
 class Watches;
 
@@ -74,8 +75,9 @@ struct Running {
   Unproven unproven = {};     ///< [control] see unproven.h
   std::uint64_t earlier = 0;  ///< the last generation of earlier runs: numbers go on from there
   Keeper* keeper = nullptr;   ///< null: nothing is kept
-  Lock lock = Lock::none;     ///< [control], see gate.h
-  Maker maker = {};           ///< [control]
+  Recorder* recorder = nullptr;
+  Lock lock = Lock::none;  ///< [control], see gate.h
+  Maker maker = {};        ///< [control]
 };
 
 /// One request under way. Dropped unanswered only when the daemon ends.
@@ -138,6 +140,11 @@ Result<Json> history(Running&, const Call&);
 Result<Json> watch(Running&, const Call&);
 Result<Json> unwatch(Running&, const Call&);
 Result<Json> tail_log(Running&, const Call&);
+Result<Json> start_trace(Running&, const Call&);
+Result<Json> stop_trace(Running&, const Call&);
+Result<Json> trace_status(Running&, const Call&);
+Result<Json> list_recordings(Running&, const Call&);
+void read_trace(Running&, const CallPtr&, Ticket);
 void stop(Running&, const CallPtr&, Ticket);
 void set(Running&, const CallPtr&, Ticket);
 void start(Running&, const CallPtr&, Ticket);
