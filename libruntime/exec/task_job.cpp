@@ -23,12 +23,15 @@ Task*& this_task() {
   return task;
 }
 
-/// Into the ring of the thread: its task may have lost it meanwhile.
-void tell_state(TraceKind kind, const FsmState& state) {
+/// Into the ring of the thread: its task may have lost it meanwhile. The time it told, for what
+/// follows at once; `time` 0: it is not at hand.
+Instant tell_state(TraceKind kind, const FsmState& state, Instant time) {
   rt::TraceRing* const ring = ring_of(this_job(), TraceMode::jobs);
-  if (ring == nullptr) return;
+  if (ring == nullptr) return 0;
   const bool preempted = kind == TraceKind::end && !ring->simulated() && rt::preempted();
-  ring->push(kind, ring->now(), state.trace_name(), preempted ? 1 : 0, 0);
+  if (time == 0) time = ring->now();
+  ring->push(kind, time, state.trace_name(), preempted ? 1 : 0, 0);
+  return time;
 }
 
 }  // namespace
@@ -133,13 +136,15 @@ void Task::go_on() {
 FsmState* Task::run_states() {
   CoreBase& core = *current_->bundle->core;
   FsmState* state = state_ != nullptr ? &state_->next(core) : current_->bundle->fsm->initial();
+  Instant ended = 0;  // the state before, just now
   while (state->kind() == FsmState::Kind::execution) {
     counters_.fsm_state.store(static_cast<std::uint32_t>(state->index()),
                               std::memory_order_relaxed);
-    tell_state(TraceKind::begin, *state);
+    tell_state(TraceKind::begin, *state, ended);
     state->run(core);
     if (this_job().detached.load(std::memory_order_relaxed)) break;  // given up meanwhile
-    tell_state(TraceKind::end, *state);
+    ended = tell_state(TraceKind::end, *state, 0);
+    if (!state->transitions().empty()) ended = 0;  // its guards take time
     state = &state->next(core);
   }
   return state;

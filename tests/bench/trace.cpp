@@ -3,7 +3,6 @@
 /// on and off in turn.
 #include <memory>
 #include <string>
-#include <thread>
 
 #include "bench/support/checked.h"
 #include "bench/support/machine.h"
@@ -15,7 +14,6 @@
 #include <mauve/trace.h>
 
 #include "exec/task.h"
-#include "rt/ticks.h"
 #include "rt/trace_ring.h"
 
 namespace bench {
@@ -122,14 +120,6 @@ void events(Figure& on, Figure& off, Figure& at_hand) {
   mauve::this_job().trace = nullptr;
 }
 
-/// The counter is tied as by a collector, who does so all the time.
-void tie() {
-  for (int i = 0; i < 8; ++i) {
-    mauve::rt::tie_ticks();
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  }
-}
-
 void run(const Options& options) {
   Report report("trace",
                 "Cost of tracing. An event of a core is read from the clock and written into the "
@@ -149,7 +139,7 @@ void run(const Options& options) {
     figure.add(pair.on, pair.off);
   };
   for (int i = 0; i < options.rounds; ++i) {
-    tie();
+    tie_ticks();
     events(on, off, at_hand);
     add(empty, 0, 2000);
     add(some, 1000, 100);
