@@ -33,6 +33,7 @@ int run_export(Session& session);
 int run_history(Session& session);
 int run_logs(Session& session);
 int run_log(Session& session);
+int run_trace(Session& session);
 int run_ping(Session& session);
 int run_doctor(Session& session);
 int run_completion(Session& session);

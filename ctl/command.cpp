@@ -133,6 +133,12 @@ constexpr Argument kPlan[] = {one("FILE", "an architecture file", Kind::file), k
 constexpr Argument kHistory[] = {maybe("-n,--lines", "how many of the newest", Kind::none)};
 constexpr Argument kRollback[] = {one("GENERATION", "a number of mauvectl history", Kind::none),
                                   kState, kSync};
+constexpr Argument kTrace[] = {
+    one("ACTION", "start, stop, status, list or dump", Kind::none),
+    maybe("RECORDING", "of dump: one of the list; unsaid: what is traced now", Kind::none),
+    flag("--detail", "of start: every use of a port too"),
+    maybe("--for", "of start: what is kept, such as 10s", Kind::none),
+    maybe("-o,--output", "of dump: the file (.mtrace)", Kind::file)};
 constexpr Argument kLock[] = {one("LOCK", "none, params or all", Kind::lock)};
 constexpr Argument kLogs[] = {
     maybe("COMPONENT", "only this one", Kind::component),
@@ -246,6 +252,8 @@ constexpr Command kCommands[] = {
     {"lock", "what may not be changed, but by stop, confirm and undo",
      "mauvectl lock all --reason mission", kLock, true, run_lock},
     {"logs", "the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},
+    {"trace", "what every thread did when, and recordings of what went wrong",
+     "mauvectl trace dump -o now.mtrace", kTrace, false, run_trace},
     {"log", "level: from which level on is logged, also of one component, for a time",
      "mauvectl log level control=debug --for 10m", kLog, true, run_log},
     {"doctor", "is the machine fit for real time; what was found, and the remedy",

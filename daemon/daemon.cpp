@@ -185,7 +185,9 @@ Status Daemon::serve() {
                              supervisor_, [this] { return server_->clients(); }, random_id(),
                              std::chrono::steady_clock::now()});
   running_->realtime = options_.realtime;
+  running_->recorder = &recorder_;
   keep_the_first();
+  recorder_.start(*running_);
   table_ = std::make_unique<CommandTable>(*running_);
   server_ = std::make_unique<server::Server>(server::ServerOptions{{}, server::machine_rules()},
                                              *table_, log_);
@@ -263,6 +265,7 @@ int Daemon::shut_down(const std::string& cause) {
   for (const auto& name : left_behind) {
     log_.write(Event::component_stuck, {{"component", name}});
   }
+  recorder_.stop();
   server_->stop(kLastAnswers);
   supervisor_.stop();
   control_.stop();

@@ -16,6 +16,7 @@
 #include "server/server.h"
 #include "signals.h"
 #include "supervisor.h"
+#include "trace/recorder.h"
 #include "watch.h"
 
 namespace mauve::daemon {
@@ -63,6 +64,7 @@ class Daemon {
   Watches watches_{log_};
   Supervisor supervisor_{control_};
   Caretaker caretaker_;
+  Recorder recorder_{options_.flight_recorder};
   std::unique_ptr<Running> running_;
   std::unique_ptr<CommandTable> table_;
   std::unique_ptr<server::Server> server_;

@@ -49,6 +49,8 @@ class Keeper {
   void mark(std::uint64_t generation, Mark mark);
   /// Confirms a saved generation if an earlier one, to which it goes back, is. [any but rt]
   void confirm_like(std::uint64_t generation, std::uint64_t earlier);
+  /// Runs this on [disk], after what waits there. [any but rt]
+  void on_disk(std::function<void()> work) { disk_.post(std::move(work)); }
   /// Saves the list of cores in quarantine. [any but rt]
   void quarantine(Json cores);
   /// [main] The list as the run before left it.

@@ -104,6 +104,14 @@ void declare(CLI::App& app, Options& options) {
       ->type_name("DIR");
   app.add_flag("--fresh", options.fresh,
                "Start the file, also after a crash, and not the generation that ran last");
+  app.add_option_function<std::string>(
+         "--flight-recorder",
+         [&options](const std::string& text) { options.flight_recorder = text == "on"; },
+         "on traces always, and keeps the seconds before a missed release, a fault or a rollback "
+         "in the state directory")
+      ->type_name("on|off")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->default_str("on");
   app.add_option_function("--log-level", chosen(kLevels, options.log_level),
                           "Report this and worse")
       ->type_name("debug|info|warn|error")

@@ -24,6 +24,7 @@ struct Options {
   std::string log_file;          ///< JSON lines; empty for none
   std::string state_dir;         ///< what outlives a run; empty: nothing is kept
   bool fresh = false;            ///< start the file, also after a crash
+  bool flight_recorder = true;   ///< traces always, and writes recordings by itself
   logging::Level log_level = logging::Level::info;
 };
 

@@ -28,6 +28,7 @@
 namespace mauve::daemon {
 
 class Keeper;
+class Recorder;
 class Supervisor;
 class Watches;
 
@@ -76,8 +77,9 @@ struct Running {
   Unproven unproven = {};     ///< [control] see unproven.h
   std::uint64_t earlier = 0;  ///< the last generation of earlier runs: numbers go on from there
   Keeper* keeper = nullptr;   ///< null: nothing is kept
-  Lock lock = Lock::none;     ///< [control], see gate.h
-  Maker maker = {};           ///< [control]
+  Recorder* recorder = nullptr;
+  Lock lock = Lock::none;                ///< [control], see gate.h
+  Maker maker = {};                      ///< [control]
   Realtime realtime = Realtime::prefer;  ///< what mauved was started with
   Failures failures = {};                ///< [control] see commands/notice.h
 };
@@ -150,6 +152,11 @@ Result<Json> unwatch(Running&, const Call&);
 Result<Json> tail_log(Running&, const Call&);
 Result<Json> show_log_level(Running&, const Call&);
 void set_log_level(Running&, const CallPtr&, Ticket);
+Result<Json> start_trace(Running&, const Call&);
+Result<Json> stop_trace(Running&, const Call&);
+Result<Json> trace_status(Running&, const Call&);
+Result<Json> list_recordings(Running&, const Call&);
+void read_trace(Running&, const CallPtr&, Ticket);
 void stop(Running&, const CallPtr&, Ticket);
 void set(Running&, const CallPtr&, Ticket);
 void start(Running&, const CallPtr&, Ticket);

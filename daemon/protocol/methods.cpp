@@ -48,6 +48,8 @@ constexpr Param kApply[] = {{"text", string, true}, {"file", string},
                             {"misses", string},     {"confirm_within", string}};
 constexpr Param kHistory[] = {{"n", integer}};
 constexpr Param kRollback[] = {{"generation", integer, true}, {"state", string}, {"sync", string}};
+constexpr Param kTraceStart[] = {{"detail", boolean}, {"seconds", integer}};
+constexpr Param kTraceRead[] = {{"recording", string}, {"from", integer}, {"count", integer}};
 constexpr Param kLock[] = {{"lock", string, true}};
 constexpr Param kTail[] = {{"component", string}, {"level", string}, {"n", integer},
                            {"follow", boolean},   {"since", string}, {"grep", string}};
@@ -103,6 +105,11 @@ constexpr Method kMethods[] = {
     {"log.level", "from which level on is logged, where, and how long still", {}},
     {"log.set_level", "of all or of one component, for a time", kSetLevel, true},
     {"log.tail", "the last records, and those to come", kTail},
+    {"trace.start", "begins to trace, or begins anew", kTraceStart},
+    {"trace.stop", "ends the trace, which can still be read", {}},
+    {"trace.status", "whether it is on, and how much there is", {}},
+    {"trace.read", "a page of the trace, or of a flight recording", kTraceRead},
+    {"trace.list", "flight recordings", {}},
 };
 
 bool fits(const Json& value, JsonType type) {

@@ -166,7 +166,7 @@ void run(const Options& options) {
                 "release, one state, a "
                 "wait that is armed but not slept, and all clock readings and counters. With all "
                 "care: a change on probation, a bound for the guard, a relief that stands by, and "
-                "a budget.",
+                "a budget. Traced as always: four records a job, two a state.",
                 options);
   Figure& state = report.figure("a state of 100 in a row", "ns", above_raw(100));
   Figure& guarded = report.figure("a state with one guard asked", "ns", above_raw(100));
@@ -188,6 +188,7 @@ void run(const Options& options) {
     figure.add(jobs.ours / static_cast<double>(states), jobs.raw / static_cast<double>(states));
   };
   for (int i = 0; i < options.rounds; ++i) {
+    tie_ticks();
     add(state, chain, kStates, false);
     add(guarded, guarded_chain, kStates, true);
     add(job, single, 1, false);

@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "rt/futex.h"
+#include "rt/ticks.h"
 
 namespace bench {
 namespace {
@@ -94,6 +95,14 @@ Instant now() {
   timespec t{};
   clock_gettime(CLOCK_MONOTONIC, &t);
   return static_cast<Instant>(t.tv_sec) * 1'000'000'000 + t.tv_nsec;
+}
+
+void tie_ticks() {
+  const Instant end = now() + 250'000'000;
+  while (now() < end) {
+    mauve::rt::tie_ticks();
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
 }
 
 int fifo_or_none(int wanted) { return mauve::rt::may_use_fifo(wanted) ? wanted : 0; }

@@ -23,6 +23,10 @@ using mauve::Instant;
 /// Monotonic clock, read directly.
 [[nodiscard]] Instant now();
 
+/// What the collector of traces does twice a second: without it their times come from the system.
+/// Takes a quarter of a second; holds for ten.
+void tie_ticks();
+
 /// The highest priority this process may use up to `wanted`: that, or 0 (ordinary threads).
 [[nodiscard]] int fifo_or_none(int wanted);
 

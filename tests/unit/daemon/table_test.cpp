@@ -34,6 +34,10 @@ TEST(Commands, LookOnlyWhenTheyAreForViewers) {
   for (const auto& command : commands()) {
     const auto* method = protocol::find_method(command.method);
     ASSERT_NE(method, nullptr);
+    if (command.method == "trace.start" || command.method == "trace.stop") {
+      EXPECT_EQ(command.role, Role::operator_) << "it changes nothing, but others read it";
+      continue;
+    }
     EXPECT_EQ(method->mutation, command.role > Role::viewer) << command.method;
   }
 }

@@ -4,6 +4,8 @@
 
 #include <thread>
 
+#include "support/block.h"
+#include "support/eventually.h"
 #include "support/outcomes.h"
 #include "support/ramp.h"
 #include "support/traced.h"
@@ -283,6 +285,55 @@ TEST_F(TraceOfAMeter, AJobThatTookLongerThanItsBudgetSaysSo) {
   ASSERT_FALSE(over.empty());
   EXPECT_EQ(over[0].a, Duration{2ms}.count());
   EXPECT_EQ(over[0].b, Duration{1ms}.count());
+}
+
+/// Blocks in its third job; when it is let go it tells more.
+struct Blocking : ramp::Up {
+  TraceEvent before{*this, "before"};
+  TraceEvent after{*this, "after"};
+  void update() override {
+    ramp::Up::update();
+    before(state->value);
+    if (state->value != 3) return;
+    test::block()->wait();
+    for (int i = 0; i < 100; ++i) after(i);
+    over() = true;
+  }
+  static std::atomic<bool>& over() {
+    static std::atomic<bool> over{false};
+    return over;
+  }
+};
+
+TEST(TraceOfALostThread, HasNothingOfItAfterItsComponentWentOnWithoutIt) {
+  test::Block block;
+  test::block() = &block;
+  ramp::FallingBack<Blocking> architecture;
+  architecture.left.task().watchdog = 500ms;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+  std::vector<TraceRecord> all;
+  const auto collect = [&] {
+    deployer.drain_trace([&](const TraceRecord& record) {
+      if (trace_name(record.thread) == "left") all.push_back(record);
+    });
+  };
+  ASSERT_TRUE(test::eventually([&] {
+    collect();
+    return !test::of_kind(all, TraceKind::taken).empty();
+  })) << "its fallback core took over";
+  block.let_go();
+  ASSERT_TRUE(test::eventually([] { return Blocking::over().load(); }));
+  ASSERT_TRUE(test::runs_on(deployer, "left"));
+  collect();
+
+  const auto told = test::of_kind(all, TraceKind::user);
+  ASSERT_EQ(told.size(), 3u) << "of the three jobs before";
+  EXPECT_EQ(trace_name(told.back().name), "before");
+  const auto faults = test::of_kind(all, TraceKind::fault);
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_EQ(trace_name(faults[0].name), "hung");
+  EXPECT_EQ(trace_name(test::of_kind(all, TraceKind::taken)[0].name), "relief");
 }
 
 }  // namespace

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// trace: begin and end one, see what there is, and bring it into a file.
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <string>
+
+#include "actions.h"
+#include "base/duration.h"
+#include "words.h"
+
+namespace mauve::ctl {
+namespace {
+
+using protocol::fault_of;
+
+constexpr const char* kFileOption = "-o,--output";
+
+Fault wrong_use(const std::string& message, const std::string& where) {
+  return fault_of(protocol::kUsage, message, where, "example: mauvectl trace dump -o now.mtrace");
+}
+
+std::string in_words(const Json& status) {
+  const bool on = status.value("on", false);
+  const std::string detail = status.value("detail", false) ? " in detail" : "";
+  const bool flight = status.value("flight_recorder", false);
+  std::string text = on ? "tracing" + detail : std::string("no trace is on");
+  if (on) text += ", the last " + std::to_string(whole_number(status, "seconds")) + " s are kept";
+  text += flight ? "; the flight recorder is on\n" : "; the flight recorder is off\n";
+  text += counted(whole_number(status, "records"), "record") + " kept, " +
+          counted(whole_number(status, "lost"), "record") + " lost, " +
+          counted(whole_number(status, "recordings"), "flight recording") + "\n";
+  return text;
+}
+
+int tell_status(Session& session, std::string_view method, const Json& params) {
+  const auto answer = session.call(method, params);
+  if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
+  const Json& status = std::get<Json>(answer);
+  session.print(status, in_words(status));
+  return 0;
+}
+
+int start(Session& session) {
+  Json params = Json::object();
+  if (session.arguments.has("--detail")) params["detail"] = true;
+  if (session.arguments.has("--for")) {
+    const std::string text = session.arguments.one("--for");
+    const auto kept = parse_duration(text);
+    constexpr std::chrono::seconds kOne{1};
+    if (!kept || *kept < kOne || (*kept % kOne).count() != 0) {
+      return session.fail(wrong_use("--for takes whole seconds, such as 10s", text));
+    }
+    params["seconds"] = *kept / kOne;
+  }
+  return tell_status(session, "trace.start", params);
+}
+
+int list(Session& session) {
+  const auto answer = session.call("trace.list", Json::object());
+  if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
+  const Json& result = std::get<Json>(answer);
+  std::string text;
+  for (const Json& one : list_in(result, "items")) {
+    text += word(one, "name") + "  " + word(one, "when") + "  " +
+            counted(whole_number(one, "records"), "record") + "  " + word(one, "why") + "\n";
+  }
+  session.print(result, text.empty() ? "no flight recordings\n" : text);
+  return 0;
+}
+
+using Page = std::function<void(const Json& page, bool first)>;
+
+/// All pages, from the first record to the last.
+std::optional<Fault> each_page(Session& session, const std::string& recording, const Page& visit) {
+  Json params = {{"from", 0}};
+  if (!recording.empty()) params["recording"] = recording;
+  for (bool first = true;; first = false) {
+    const auto answer = session.call("trace.read", params);
+    if (const auto* fault = std::get_if<Fault>(&answer)) return *fault;
+    const Json& page = std::get<Json>(answer);
+    visit(page, first);
+    if (page.value("end", true)) return std::nullopt;
+    params = {{"recording", word(page, "recording")}, {"from", whole_number(page, "next")}};
+  }
+}
+
+int dump(Session& session) {
+  const std::string name = session.arguments.one(kFileOption);
+  if (name.empty()) return session.fail(wrong_use("-o says into which file", {}));
+  std::ofstream file(name, std::ios::binary);
+  if (!file.good()) return session.fail(wrong_use("the file cannot be written", name));
+  std::uint64_t records = 0;
+  std::uint64_t lost = 0;
+  const auto write = [&](const Json& page, bool first) {
+    if (first) file << protocol::to_line(page["header"]) << "\n";
+    if (first) lost = whole_number(page["header"], "lost");
+    for (const Json& record : list_in(page, "records")) file << protocol::to_line(record) << "\n";
+    records += list_in(page, "records").size();
+  };
+  const auto fault = each_page(session, session.arguments.one("RECORDING"), write);
+  if (fault) return session.fail(*fault);
+  const Json end = {{"end", true}, {"records", records}, {"lost", lost}};
+  file << protocol::to_line(end) << "\n" << std::flush;
+  if (!file.good()) return session.fail(wrong_use("the file is not complete", name));
+  session.print({{"file", name}, {"records", records}, {"lost", lost}},
+                counted(records, "record") + " in " + name + "\n");
+  return 0;
+}
+
+}  // namespace
+
+int run_trace(Session& session) {
+  const std::string action = session.arguments.one("ACTION");
+  if (action == "start") return start(session);
+  if (action == "stop") return tell_status(session, "trace.stop", Json::object());
+  if (action == "status") return tell_status(session, "trace.status", Json::object());
+  if (action == "list") return list(session);
+  if (action == "dump") return dump(session);
+  return session.fail(wrong_use("start, stop, status, list or dump", action));
+}
+
+}  // namespace mauve::ctl

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "trace/flights.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <optional>
+
+#include "durable.h"
+#include "trace/file.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using logging::Event;
+using protocol::Json;
+
+constexpr const char* kPrefix = "flight-";
+constexpr const char* kExtension = ".mtrace";
+
+/// Names of components are plain; nothing else gets into the name of a file.
+std::string for_file(std::string text) {
+  std::erase_if(text,
+                [](char c) { return !(std::isalnum(static_cast<unsigned char>(c)) || c == '_'); });
+  return text.substr(0, 64);
+}
+
+std::string last_line_of(std::ifstream& stream) {
+  constexpr std::streamoff kLongest = 200;
+  stream.clear();
+  stream.seekg(0, std::ios::end);
+  const auto size = stream.tellg();
+  stream.seekg(std::max<std::streamoff>(0, size - kLongest));
+  std::string last;
+  for (std::string line; std::getline(stream, line);) {
+    last = line;
+  }
+  return last;
+}
+
+/// What its first and last line say; nothing: it is none of ours.
+std::optional<Flight> look_at(const std::filesystem::path& file) {
+  Flight flight;
+  flight.name = file.stem().string();
+  unsigned long long number = 0;
+  if (std::sscanf(flight.name.c_str(), "flight-%llu-", &number) != 1) {
+    return std::nullopt;
+  }
+  flight.number = number;
+  std::ifstream stream(file);
+  std::string line;
+  std::getline(stream, line);
+  if (const auto header = protocol::parse_json(line); header && header->is_object()) {
+    flight.why = header->value("why", "");
+    flight.time = header->value("t", "");
+  }
+  if (const auto last = protocol::parse_json(last_line_of(stream)); last && last->is_object()) {
+    flight.records = last->value("records", std::size_t{0});
+  }
+  return flight;
+}
+
+}  // namespace
+
+Flights::Flights(std::string directory, logging::Log& log)
+    : directory_(std::move(directory)), log_(log) {
+  std::error_code failed;
+  for (const auto& entry : std::filesystem::directory_iterator(directory_, failed)) {
+    const auto& file = entry.path();
+    if (file.extension() != kExtension || !file.filename().string().starts_with(kPrefix)) {
+      continue;
+    }
+    if (auto flight = look_at(file)) {
+      flights_.push_back(*std::move(flight));
+    }
+  }
+  std::sort(flights_.begin(), flights_.end(),
+            [](const Flight& a, const Flight& b) { return a.number < b.number; });
+  if (!flights_.empty()) {
+    next_ = flights_.back().number + 1;
+  }
+}
+
+void Flights::write(const Recording& recording, const std::string& word,
+                    const std::string& component, const std::string& boot) {
+  const Json header = header_of(recording, boot);
+  Flight flight;
+  {
+    const std::lock_guard lock(mutex_);
+    flight.number = next_++;
+  }
+  std::array<char, 32> number{};
+  std::snprintf(number.data(), number.size(), "%04llu",
+                static_cast<unsigned long long>(flight.number));
+  flight.name = kPrefix + std::string(number.data()) + "-" + for_file(word) +
+                (component.empty() ? "" : "-" + for_file(component));
+  flight.why = recording.why;
+  flight.time = header.value("t", "");
+  flight.records = recording.records.size();
+  const auto file = directory_ / (flight.name + kExtension);
+  const auto written = replace_file(file, to_text(recording, header));
+  if (!written) {
+    if (!broken_) {
+      log_.write(Event::flight_not_kept, {{"text", to_string(written.error())}});
+    }
+    broken_ = true;
+    return;
+  }
+  broken_ = false;
+  {
+    const std::lock_guard lock(mutex_);
+    flights_.push_back(flight);
+  }
+  drop_oldest();
+  log_.write(Event::flight_recorded,
+             {{"component", component}, {"why", flight.why}, {"recording", flight.name}});
+}
+
+void Flights::drop_oldest() {
+  const std::lock_guard lock(mutex_);
+  while (flights_.size() > kKept) {
+    std::error_code ignored;
+    std::filesystem::remove(directory_ / (flights_.front().name + kExtension), ignored);
+    flights_.erase(flights_.begin());
+  }
+}
+
+std::vector<Flight> Flights::list() const {
+  const std::lock_guard lock(mutex_);
+  return flights_;
+}
+
+Result<std::filesystem::path> Flights::find(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  const bool known = std::any_of(flights_.begin(), flights_.end(),
+                                 [&](const Flight& one) { return one.name == name; });
+  if (known) {
+    return directory_ / (name + kExtension);
+  }
+  return refuse(Errc::unknown_name, name.substr(0, 64), "there is no recording of this name",
+                "mauvectl trace list shows what is there");
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The last records of all threads, as many as there is room for.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mauve/trace.h"
+
+namespace mauve::daemon {
+
+/// What was recorded in some time, by time; of each thread in its order.
+struct Recording {
+  TracedSystem about;
+  std::string why;
+  Instant from = 0;  ///< since T0
+  Instant to = 0;
+  std::int64_t lost = 0;  ///< records that nobody collected in time
+  std::vector<TraceRecord> records;
+};
+using RecordingPtr = std::shared_ptr<const Recording>;
+
+/// Never takes more memory than at first. One thread at a time.
+class TraceMemory {
+ public:
+  static constexpr std::size_t kCapacity = 131'072;  ///< 5 MB: ten seconds of a whole robot
+
+  explicit TraceMemory(std::size_t capacity = kCapacity) : records_(capacity) {}
+
+  void add(const TraceRecord& record) {
+    records_[total_ % records_.size()] = record;
+    ++total_;
+  }
+  void clear() { total_ = 0; }
+  [[nodiscard]] std::size_t size() const { return std::min<std::size_t>(total_, records_.size()); }
+  [[nodiscard]] std::size_t capacity() const { return records_.size(); }
+
+  /// All that is not older than `from`, sorted; `about` and `why` are left to the caller.
+  [[nodiscard]] Recording since(Instant from) const;
+
+ private:
+  std::vector<TraceRecord> records_;
+  std::size_t total_ = 0;
+};
+
+}  // namespace mauve::daemon

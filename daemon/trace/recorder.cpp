@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "trace/recorder.h"
+
+#include <sys/prctl.h>
+
+#include <algorithm>
+#include <set>
+
+#include "keeper.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr milliseconds kEvery{50};
+constexpr milliseconds kEveryInDetail{20};  // there is more of it
+/// A recording goes on for so long after what it is about.
+constexpr milliseconds kAfterwards{200};
+/// [control] says what it is about; when that takes longer, what it said last is good enough.
+constexpr milliseconds kAboutMayTake{1'000};
+constexpr std::chrono::seconds kBetweenFlights{10};
+/// Each may take some megabytes.
+constexpr std::size_t kSnapshots = 2;
+
+}  // namespace
+
+void Recorder::start(Running& running) {
+  running_ = &running;
+  about_ = running.deployer.traced();
+  if (flights_wanted_ && running.keeper != nullptr) {
+    flights_ = std::make_unique<Flights>(running.keeper->directory(), running.log);
+  }
+  set_trace_mode(mode());
+  thread_ = std::thread([this] {
+    prctl(PR_SET_NAME, "mauve-trace");
+    run();
+  });
+}
+
+void Recorder::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  if (thread_.joinable()) {
+    thread_.join();
+    write_when_due(true);
+  }
+}
+
+TraceMode Recorder::mode() const {
+  if (on_ && detail_) {
+    return TraceMode::detail;
+  }
+  return on_ || flights_wanted_ ? TraceMode::jobs : TraceMode::off;
+}
+
+void Recorder::run() {
+  for (;;) {
+    {
+      std::unique_lock lock(mutex_);
+      wake_.wait(lock, [this] { return stopping_ || on_ || flights_wanted_; });
+      wake_.wait_for(lock, detail_ ? kEveryInDetail : kEvery, [this] { return stopping_; });
+    }
+    collect();
+    write_when_due(false);
+    const std::lock_guard lock(mutex_);
+    if (stopping_) {
+      return;
+    }
+  }
+}
+
+void Recorder::collect() {
+  const std::lock_guard lock(mutex_);
+  running_->deployer.drain_trace([this](const TraceRecord& record) {
+    memory_.add(record);
+    look(record);
+  });
+  for (const auto& probe : probes_) {
+    probe->drain(about_.t0, [this](const TraceRecord& record) { memory_.add(record); });
+  }
+}
+
+/// One on each CPU that a real-time component may use.
+void Recorder::start_probes() {
+  std::set<int> cpus;
+  for (const auto& component : about_.components) {
+    const auto its = component.cpus.empty() ? rt::usable_cpus() : component.cpus;
+    if (component.realtime) {
+      cpus.insert(its.begin(), its.end());
+    }
+  }
+  probes_.clear();
+  for (const int cpu : cpus) {
+    probes_.push_back(std::make_unique<Probe>(cpu));
+  }
+}
+
+/// Is it a reason to write? A rollback is told with its members after it.
+void Recorder::look(const TraceRecord& record) {
+  if (record.kind == TraceKind::lost) {
+    lost_ += record.a;
+  }
+  const bool member = record.kind == TraceKind::member && pending_ &&
+                      pending_->word == "rollback" && pending_->component.empty();
+  if (member) {
+    pending_->component = trace_name(record.name);
+  }
+  // Releases that a change lets pass are named; nobody was late for them.
+  const bool missed = record.kind == TraceKind::missed && record.name == 0;
+  const bool reason =
+      missed || record.kind == TraceKind::fault || record.kind == TraceKind::rollback;
+  const auto now = steady_clock::now();
+  const bool soon = written_ && now - *written_ < kBetweenFlights;
+  if (!reason || flights_ == nullptr || pending_ || soon) {
+    return;
+  }
+  const bool of_control = record.kind == TraceKind::rollback;
+  pending_ = Pending{std::string(to_string(record.kind)),
+                     of_control ? std::string{} : std::string(trace_name(record.thread)),
+                     now + kAfterwards, std::make_shared<std::optional<TracedSystem>>()};
+  ask_what_it_is_about(*pending_);
+}
+
+void Recorder::ask_what_it_is_about(const Pending& pending) {
+  running_->control.read([this, answer = pending.about] {
+    auto about = running_->deployer.traced();
+    const std::lock_guard lock(mutex_);
+    about_ = about;
+    *answer = std::move(about);
+  });
+}
+
+/// On [disk], which may take its time; meanwhile this thread goes on collecting.
+void Recorder::write_when_due(bool now) {
+  const std::lock_guard lock(mutex_);
+  if (!pending_) {
+    return;
+  }
+  const auto time = steady_clock::now();
+  const bool told = pending_->about->has_value() || time >= pending_->due + kAboutMayTake;
+  if (!now && (time < pending_->due || !told)) {
+    return;
+  }
+  const Pending flight = *std::exchange(pending_, std::nullopt);
+  written_ = time;
+  auto recording = std::make_shared<Recording>(cut(0));
+  recording->why = flight.word + (flight.component.empty() ? "" : " " + flight.component);
+  running_->keeper->on_disk([this, recording, flight] {
+    flights_->write(*recording, flight.word, flight.component, running_->boot);
+  });
+}
+
+/// The last seconds, and not before `from`.
+Recording Recorder::cut(Instant from) const {
+  const Instant now = running_->deployer.clock().now() - about_.t0;
+  const Instant kept = std::chrono::nanoseconds(kept_).count();
+  Recording recording = memory_.since(std::max(from, now - kept));
+  recording.about = about_;
+  return recording;
+}
+
+Status Recorder::begin(bool detail, std::chrono::seconds kept) {
+  if (kept < std::chrono::seconds(1) || kept > kMostKept) {
+    return refuse(Errc::invalid_value, "seconds",
+                  "must be from 1 to " + std::to_string(kMostKept.count()));
+  }
+  auto about = running_->deployer.traced();
+  {
+    const std::lock_guard lock(mutex_);
+    about_ = std::move(about);
+    on_ = true;
+    detail_ = detail;
+    kept_ = kept;
+    since_ = running_->deployer.clock().now() - about_.t0;
+    last_.reset();
+    start_probes();
+    set_trace_mode(mode());
+  }
+  wake_.notify_all();
+  return ok();
+}
+
+Status Recorder::end() {
+  collect();
+  auto about = running_->deployer.traced();
+  const std::lock_guard lock(mutex_);
+  if (!on_) {
+    return refuse(Errc::wrong_state, "trace", "is not on", "mauvectl trace start begins one");
+  }
+  about_ = std::move(about);
+  last_ = std::make_shared<Recording>(cut(since_));
+  on_ = false;
+  detail_ = false;
+  kept_ = kKept;
+  probes_.clear();
+  set_trace_mode(mode());
+  return ok();
+}
+
+Result<std::pair<std::string, RecordingPtr>> Recorder::snapshot() {
+  auto about = running_->deployer.traced();
+  collect();
+  const std::lock_guard lock(mutex_);
+  if (!on_ && last_ == nullptr && !flights_wanted_) {
+    return refuse(Errc::wrong_state, "trace", "nothing is traced", "mauvectl trace start");
+  }
+  about_ = std::move(about);
+  auto recording = std::make_shared<Recording>(!on_ && last_ ? *last_ : cut(on_ ? since_ : 0));
+  recording->why = "command";
+  snapshots_.emplace_back("snapshot-" + std::to_string(++snapshots_made_), recording);
+  if (snapshots_.size() > kSnapshots) {
+    snapshots_.pop_front();
+  }
+  return snapshots_.back();
+}
+
+RecordingPtr Recorder::find_snapshot(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = std::find_if(snapshots_.begin(), snapshots_.end(),
+                                  [&](const auto& one) { return one.first == name; });
+  return found == snapshots_.end() ? nullptr : found->second;
+}
+
+Json Recorder::status() const {
+  const std::lock_guard lock(mutex_);
+  return {{"on", on_},
+          {"detail", detail_},
+          {"since", on_ ? Json(since_) : Json()},
+          {"seconds", kept_.count()},
+          {"records", memory_.size()},
+          {"bytes", memory_.capacity() * sizeof(TraceRecord)},
+          {"lost", lost_},
+          {"flight_recorder", flights_wanted_},
+          {"recordings", flights_ == nullptr ? 0 : flights_->list().size()}};
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The recorder: collects what all threads tell, keeps the last seconds, and writes a flight
+/// recording by itself when a release was missed, a core failed, or a change was rolled back.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "commands/command.h"
+#include "trace/flights.h"
+#include "trace/memory.h"
+#include "trace/probe.h"
+
+namespace mauve::daemon {
+
+class Recorder {
+ public:
+  static constexpr std::chrono::seconds kKept{10};
+  static constexpr std::chrono::seconds kMostKept{600};
+
+  /// `flights`: it records always, so that there is something to write.
+  explicit Recorder(bool flights) : flights_wanted_(flights) {}
+  ~Recorder() { stop(); }
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  /// [main] Before the first client.
+  void start(Running& running);
+  /// [main] Writes what is about to be written.
+  void stop();
+
+  /// Begins a trace; one that is under way begins anew. [control]
+  Status begin(bool detail, std::chrono::seconds kept);
+  /// Ends it; it can be read until the next one begins. [control]
+  Status end();
+  [[nodiscard]] Json status() const;  // [control]
+  /// What is traced, or was last, as it is now, and its name for further pages. [control]
+  Result<std::pair<std::string, RecordingPtr>> snapshot();
+  /// One of the newest snapshots, or null. [control]
+  [[nodiscard]] RecordingPtr find_snapshot(const std::string& name) const;
+  /// Null: nothing is kept. [any]
+  [[nodiscard]] Flights* flights() const { return flights_.get(); }
+
+ private:
+  /// A flight recording that is about to be written.
+  struct Pending {
+    std::string word;  ///< "missed"
+    std::string component;
+    std::chrono::steady_clock::time_point due;
+    std::shared_ptr<std::optional<TracedSystem>> about;  // under mutex_
+  };
+
+  void run();
+  void collect();
+  void look(const TraceRecord& record);
+  void ask_what_it_is_about(const Pending& pending);
+  void write_when_due(bool now);
+  void start_probes();
+  [[nodiscard]] Recording cut(Instant from) const;
+  [[nodiscard]] TraceMode mode() const;
+
+  const bool flights_wanted_;
+  Running* running_ = nullptr;
+  std::unique_ptr<Flights> flights_;
+
+  mutable std::mutex mutex_;  ///< guards what follows
+  std::condition_variable wake_;
+  bool stopping_ = false;
+  TraceMemory memory_;
+  TracedSystem about_;  ///< as it was when somebody looked last
+  bool on_ = false;
+  bool detail_ = false;
+  Instant since_ = 0;  ///< of the trace, or of the last one
+  std::chrono::seconds kept_ = kKept;
+  std::int64_t lost_ = 0;
+  RecordingPtr last_;  ///< the trace that ended
+  std::deque<std::pair<std::string, RecordingPtr>> snapshots_;
+  std::uint64_t snapshots_made_ = 0;
+  std::vector<std::unique_ptr<Probe>> probes_;  ///< while it is on, where there is real time
+  std::optional<Pending> pending_;
+  std::optional<std::chrono::steady_clock::time_point> written_;
+  std::thread thread_;
+};
+
+}  // namespace mauve::daemon
