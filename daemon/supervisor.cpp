@@ -12,6 +12,7 @@
 #include "commands/answer.h"
 #include "commands/change.h"
 #include "commands/given_up.h"
+#include "commands/gate.h"
 #include "commands/value.h"
 
 namespace mauve::daemon {
@@ -32,6 +33,11 @@ std::string said(const Fault& fault) {
 }
 
 /// Else there is nothing to prove: a late job shall not bring back what a rule took away.
+/// Locked, busy, somebody else was quicker: the same may be done a moment later.
+bool is_a_matter_of_time(const Fault& fault) {
+  return fault.name == to_string(Errc::conflict) || fault.name == to_string(Errc::timed_out);
+}
+
 bool brings_something_new(const rules::Steps& steps) {
   return std::ranges::any_of(steps, [](const rules::Step& step) {
     return step.action == rules::Action::swap || step.action == rules::Action::set;
@@ -89,12 +95,18 @@ void Supervisor::run() {
 /// [control]
 void Supervisor::look() {
   look_pending_ = false;
-  for (const auto rule : engine_.step(running_->deployer.clock().now(), reader())) {
+  const std::string_view held = this->held() > 0 ? "everything is locked" : "";
+  for (const auto rule : engine_.step(running_->deployer.clock().now(), reader(), held)) {
     fire(rule);
   }
 }
 
 rules::Read Supervisor::reader() const {
+std::size_t Supervisor::held() const {
+  const bool free = running_ == nullptr || may_change(*running_, Kind::other);
+  return free ? 0 : engine_.rules().size();
+}
+
   return [this](const std::string& address) -> Result<Value> {
     const auto quantity = arch::find_quantity(running_->architecture, address);
     if (!quantity) {
@@ -114,9 +126,9 @@ void Supervisor::fire(std::size_t index) {
   running_->log.write(Event::rule_fired, {{"rule", rule.name},
                                           {"transaction", order.transaction},
                                           {"text", rules::in_words(rule.when.values(reader()))}});
-  order.done = [this, index, adoption = adoptions_](const std::string& answer) {
+  order.done = [this, index, adoption = adoptions_](const std::string& answer, bool again) {
     if (adoption == adoptions_) {
-      engine_.answered(index, answer);
+      engine_.answered(index, answer, again);
     }
   };
   carry_out(std::move(order));
@@ -149,7 +161,7 @@ void Supervisor::serve(const std::string& component, const std::string& transact
         order, refuse(Errc::conflict, transaction, "is under way already, by an earlier request"));
   }
   order.steps = *steps;
-  order.done = [this, component, transaction](const std::string& /*answer*/) {
+  order.done = [this, component, transaction](const std::string& /*answer*/, bool /*again*/) {
     under_way_.erase({component, transaction});
   };
   carry_out(std::move(order));
@@ -203,6 +215,7 @@ void Supervisor::conclude(const Order& order, const server::Outcome& outcome) {
   }
   std::string answer;
   if (const auto* fault = std::get_if<Fault>(&outcome)) {
+  bool again = false;
     const bool unsafe = fault->state != "unchanged";
     fields.push_back({"text", said(*fault)});
     fields.push_back({"error", fault->name});
@@ -210,13 +223,14 @@ void Supervisor::conclude(const Order& order, const server::Outcome& outcome) {
                         std::move(fields));
     answer = (unsafe ? "unsafe: " : "refused: ") + said(*fault);
   } else {
+    again = !unsafe && is_a_matter_of_time(*fault);
     const auto& receipt = std::get<Json>(outcome);
     answer = text_or(receipt, "state") + ", generation " + receipt["generation"].dump();
     fields.push_back({"text", answer});
     running_->log.write(Event::transaction_applied, std::move(fields));
   }
   if (order.done) {
-    order.done(answer);
+    order.done(answer, again);
   }
 }
 
