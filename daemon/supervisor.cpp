@@ -10,9 +10,10 @@
 #include "base/duration.h"
 #include "base/name.h"
 #include "commands/answer.h"
+#include "commands/audit.h"
 #include "commands/change.h"
-#include "commands/given_up.h"
 #include "commands/gate.h"
+#include "commands/given_up.h"
 #include "commands/value.h"
 
 namespace mauve::daemon {
@@ -25,19 +26,19 @@ constexpr std::chrono::milliseconds kLookEvery{10};
 constexpr const char* kOwnSteps = "its own steps";
 
 /// Nobody's call: what is audited is that the daemon itself did it.
-constexpr protocol::Method kMethod{"supervision", "", {}, true};
+constexpr protocol::Method kMethod{kSupervision, "", {}, true};
 
 std::string said(const Fault& fault) {
   return (fault.where.empty() ? "" : fault.where + ": ") + fault.message +
          (fault.hint.empty() ? "" : " (" + fault.hint + ")");
 }
 
-/// Else there is nothing to prove: a late job shall not bring back what a rule took away.
 /// Locked, busy, somebody else was quicker: the same may be done a moment later.
 bool is_a_matter_of_time(const Fault& fault) {
   return fault.name == to_string(Errc::conflict) || fault.name == to_string(Errc::timed_out);
 }
 
+/// Else there is nothing to prove: a late job shall not bring back what a rule took away.
 bool brings_something_new(const rules::Steps& steps) {
   return std::ranges::any_of(steps, [](const rules::Step& step) {
     return step.action == rules::Action::swap || step.action == rules::Action::set;
@@ -101,12 +102,12 @@ void Supervisor::look() {
   }
 }
 
-rules::Read Supervisor::reader() const {
 std::size_t Supervisor::held() const {
   const bool free = running_ == nullptr || may_change(*running_, Kind::other);
   return free ? 0 : engine_.rules().size();
 }
 
+rules::Read Supervisor::reader() const {
   return [this](const std::string& address) -> Result<Value> {
     const auto quantity = arch::find_quantity(running_->architecture, address);
     if (!quantity) {
@@ -214,16 +215,16 @@ void Supervisor::conclude(const Order& order, const server::Outcome& outcome) {
     fields.push_back({"component", order.component});
   }
   std::string answer;
-  if (const auto* fault = std::get_if<Fault>(&outcome)) {
   bool again = false;
+  if (const auto* fault = std::get_if<Fault>(&outcome)) {
     const bool unsafe = fault->state != "unchanged";
     fields.push_back({"text", said(*fault)});
     fields.push_back({"error", fault->name});
     running_->log.write(unsafe ? Event::transaction_unsafe : Event::transaction_refused,
                         std::move(fields));
     answer = (unsafe ? "unsafe: " : "refused: ") + said(*fault);
-  } else {
     again = !unsafe && is_a_matter_of_time(*fault);
+  } else {
     const auto& receipt = std::get<Json>(outcome);
     answer = text_or(receipt, "state") + ", generation " + receipt["generation"].dump();
     fields.push_back({"text", answer});

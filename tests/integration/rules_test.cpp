@@ -86,6 +86,7 @@ TEST(Rules, DisconnectAndAreArmedAgain) {
   EXPECT_TRUE(eventually([&] { return daemon.rule("loud")["state"] == "armed"; }));
   EXPECT_TRUE(
       eventually([&] { return daemon.events("transaction_applied", "by rule loud") == 1; }));
+  EXPECT_EQ(daemon.events("change_applied", "supervision by rule loud: generation 3"), 1U);
   EXPECT_EQ(daemon.events("rule_fired", "rule loud fires deaf: second.core.input is 6"), 1U);
 
   daemon.ask("port.connect", {{"port", "second.ports.input"}, {"service", "signal.read"}});
@@ -131,7 +132,6 @@ TEST(Rules, ThatAreRefusedChangeNothingAndHaveFired) {
   EXPECT_EQ(daemon.rule("loud")["fired"], 1);
 }
 
-TEST(Rules, ThatFireWhileAChangeIsUnderWayWaitForIt) {
 /// Its condition comes true by itself, which no lock keeps it from.
 TEST(Rules, AreHeldByALockOfAllAndFireWhenItEnds) {
   RulesDaemon daemon(
@@ -149,6 +149,7 @@ TEST(Rules, AreHeldByALockOfAllAndFireWhenItEnds) {
   EXPECT_EQ(daemon.service("second.ports.input"), nullptr);
 }
 
+TEST(Rules, ThatFireWhileAChangeIsUnderWayWaitForIt) {
   RulesDaemon daemon(
       supervised(R"({ "name": "alone", "when": "second.state == stopped", "do": "deaf" })"));
   const auto marker = daemon.place() / "begun";
@@ -239,7 +240,6 @@ TEST(Rules, AreListedByNameAndExported) {
   EXPECT_EQ(daemon.value("second.ports.input.status"), "new_data");
 }
 
-Json requesting(const std::string& component, const std::string& transaction) {
 TEST(Rules, DoNotDifferByTheirOrderInAFile) {
   RulesDaemon daemon(supervised(kLoud, R"(["deaf"])"));
   auto exported = daemon.ask("config.get")["architecture"];  // its keys are sorted
@@ -255,6 +255,7 @@ TEST(Rules, DoNotDifferByTheirOrderInAFile) {
   EXPECT_EQ(other["lines"][1]["address"], "rules.loud");
 }
 
+Json requesting(const std::string& component, const std::string& transaction) {
   return {{"component", component},
           {"core", "trial/requesting"},
           {"set", {{"transaction", transaction}}}};
