@@ -86,6 +86,7 @@ TEST(Rules, DisconnectAndAreArmedAgain) {
   EXPECT_TRUE(eventually([&] { return daemon.rule("loud")["state"] == "armed"; }));
   EXPECT_TRUE(
       eventually([&] { return daemon.events("transaction_applied", "by rule loud") == 1; }));
+  EXPECT_EQ(daemon.events("change_applied", "supervision by rule loud: generation 3"), 1U);
   EXPECT_EQ(daemon.events("rule_fired", "rule loud fires deaf: second.core.input is 6"), 1U);
 
   daemon.ask("port.connect", {{"port", "second.ports.input"}, {"service", "signal.read"}});
@@ -129,6 +130,23 @@ TEST(Rules, ThatAreRefusedChangeNothingAndHaveFired) {
   EXPECT_TRUE(eventually([&] { return daemon.rule("loud")["state"] == "cooling_down"; }));
   EXPECT_THAT(daemon.rule("loud")["why_not"].get<std::string>(), HasSubstr("cooling down"));
   EXPECT_EQ(daemon.rule("loud")["fired"], 1);
+}
+
+/// Its condition comes true by itself, which no lock keeps it from.
+TEST(Rules, AreHeldByALockOfAllAndFireWhenItEnds) {
+  RulesDaemon daemon(
+      supervised(R"({ "name": "busy", "when": "second.core.count > 400", "do": "deaf" })"));
+  EXPECT_EQ(daemon.ask("lock.set", {{"lock", "params"}})["rules_held"], 0);
+  EXPECT_EQ(daemon.ask("lock.set", {{"lock", "all"}})["rules_held"], 1);
+  ASSERT_TRUE(eventually([&] { return daemon.rule("busy")["state"] == "held"; }))
+      << daemon.rule("busy");
+  EXPECT_EQ(daemon.rule("busy")["why_not"], "everything is locked");
+  EXPECT_EQ(daemon.rule("busy")["fired"], 0);
+
+  EXPECT_EQ(daemon.ask("lock.set", {{"lock", "none"}})["rules_held"], 0);
+
+  EXPECT_TRUE(daemon.fired("busy", 1)) << daemon.rule("busy");
+  EXPECT_EQ(daemon.service("second.ports.input"), nullptr);
 }
 
 TEST(Rules, ThatFireWhileAChangeIsUnderWayWaitForIt) {
@@ -220,6 +238,21 @@ TEST(Rules, AreListedByNameAndExported) {
   EXPECT_EQ(exported["components"]["first"]["may_request"][0], "deaf");
   EXPECT_EQ(daemon.value("second.state"), "running") << "get knows what conditions know";
   EXPECT_EQ(daemon.value("second.ports.input.status"), "new_data");
+}
+
+TEST(Rules, DoNotDifferByTheirOrderInAFile) {
+  RulesDaemon daemon(supervised(kLoud, R"(["deaf"])"));
+  auto exported = daemon.ask("config.get")["architecture"];  // its keys are sorted
+
+  const auto same = daemon.ask("architecture.diff", {{"text", exported.dump()}});
+  EXPECT_EQ(same["same"], true) << same;
+
+  exported["transactions"]["calm"][0]["value"] = 2.0;
+  exported["rules"][0]["for"] = "3s";
+  const auto other = daemon.ask("architecture.diff", {{"text", exported.dump()}});
+  ASSERT_EQ(other["lines"].size(), 2U) << other;
+  EXPECT_EQ(other["lines"][0]["address"], "transactions.calm");
+  EXPECT_EQ(other["lines"][1]["address"], "rules.loud");
 }
 
 Json requesting(const std::string& component, const std::string& transaction) {
