@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Lets clang read every source, and every header alone, with all warnings as errors.
+"""Lets clang read every source (eight as one), and every header alone, with all warnings as errors.
 
 Usage: clang_check.py BUILD_FOLDER   a configured one, with compile_commands.json
 

@@ -22,6 +22,7 @@ endforeach()
 if(mauve_header_units)
   find_package(Eigen3 QUIET NO_MODULE)
   add_library(header_check OBJECT EXCLUDE_FROM_ALL ${mauve_header_units})
+  set_target_properties(header_check PROPERTIES UNITY_BUILD OFF)
   target_link_libraries(header_check PRIVATE mauve::internal mauve_warnings
     nlohmann_json::nlohmann_json $<TARGET_NAME_IF_EXISTS:Eigen3::Eigen>
     $<TARGET_NAME_IF_EXISTS:mauve_ros_headers>)
