@@ -47,7 +47,7 @@ Status nothing_else(const Json& params) {
 
 /// What to do instead, where anything is kept.
 Error no_way_back(const Running& running, Error error) {
-  const auto now = running.generation.load();
+  const auto now = running.earlier + running.deployer.generation();
   error.at = "generation " + std::to_string(now);
   error.hint.clear();
   if (running.keeper == nullptr) {

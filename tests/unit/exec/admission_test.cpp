@@ -131,8 +131,8 @@ TEST(Admission, StrictRefusesAChangeThatAsksForTooMuchAndNothingChanges) {
 }
 
 TEST(Admission, WhatARefusalNamesIsAdmittedExactlyAsItIsPrinted) {
-  for (const Duration slow : {4ms, 7300us, 11111us}) {
-    for (const Duration wanted : {6ms, 8765us, 9990us, 15ms}) {
+  for (const Duration slow : {4000us, 7300us, 11111us}) {
+    for (const Duration wanted : {6000us, 8765us, 9990us, 15000us}) {
       Pair architecture(1ms, slow);
       Deployer deployer(architecture, options(Admission::strict));
       ASSERT_TRUE(deployer.deploy());
