@@ -109,11 +109,6 @@ class Application final : public Companion {
                                                 {"file", loaded.info().file},
                                                 {"build_id", loaded.info().build_id}});
     }
-    for (auto& [name, fallback] : difference_.fallbacks) {
-      if (auto* component = running_.architecture.find_component(name)) {
-        component->fall_back_to(std::move(fallback));
-      }
-    }
   }
   void complete(Json& result) override {
     auto lines = Json::array();

@@ -24,7 +24,6 @@ using plugin::LoadedPlugin;
 struct Reload {
   std::string name;
   Change change;  ///< types are filled in by [factory], also of the fallback cores
-  std::vector<std::pair<std::string, ComponentBase::Fallback>> fallbacks;
   std::optional<Result<LoadedPlugin>> loaded;
   std::optional<Result<PreparedChange>> prepared;
   std::optional<Retired> retired{std::in_place};
@@ -58,6 +57,7 @@ Change members(const Running& running, const std::string& plugin, StatePolicy st
     if (const auto& fallback = component->fallback();
         fallback && is_of(fallback->core.name, plugin)) {
       edit.task = bundle.task;  // it takes part, so that what stands by of the old build goes
+      change.fallbacks.push_back({component->name(), fallback});
     }
     if (edit.core || edit.fsm || edit.type || edit.task) {
       change.edits.push_back(std::move(edit));
@@ -73,17 +73,6 @@ Change members(const Running& running, const std::string& plugin, StatePolicy st
     change.edits.push_back(std::move(edit));
   }
   return change;
-}
-
-std::vector<std::pair<std::string, ComponentBase::Fallback>> fallbacks_of(
-    const Running& running, const std::string& plugin) {
-  std::vector<std::pair<std::string, ComponentBase::Fallback>> all;
-  for (const auto* component : running.architecture.components()) {
-    if (component->fallback() && is_of(component->fallback()->core.name, plugin)) {
-      all.emplace_back(component->name(), *component->fallback());
-    }
-  }
-  return all;
 }
 
 template <typename T>
@@ -103,15 +92,15 @@ Status take_new(const std::map<std::string, T, std::less<>>& offered, std::optio
 }
 
 Status take_new_fallbacks(const LoadedPlugin& offered, Reload& reload) {
-  for (auto& [component, fallback] : reload.fallbacks) {
-    const auto found = offered.cores.find(fallback.core.name);
+  for (auto& [component, fallback] : reload.change.fallbacks) {
+    const auto found = offered.cores.find(fallback->core.name);
     if (found == offered.cores.end()) {
       return refuse(
           Errc::plugin_refused, component,
-          "falls back on " + fallback.core.name + ", which the new file does not have any more",
+          "falls back on " + fallback->core.name + ", which the new file does not have any more",
           "name another fallback_core in the file and apply it first");
     }
-    fallback.core = found->second;
+    fallback->core = found->second;
   }
   return ok();
 }
@@ -177,11 +166,6 @@ Status hand_names_over(Running& running, Reload& reload) {
     return old.error();
   }
   reload.old = *std::move(old);
-  for (auto& [name, fallback] : reload.fallbacks) {
-    if (auto* component = running.architecture.find_component(name)) {
-      component->fall_back_to(std::move(fallback));
-    }
-  }
   return ok();
 }
 
@@ -189,8 +173,7 @@ Status hand_names_over(Running& running, Reload& reload) {
 void free_old(Running& running, Reload& reload, bool in_force) {
   static_cast<void>(reload.retired->release());
   reload.prepared.reset();
-  reload.change.edits.clear();  // the new types, and with them their library
-  reload.fallbacks.clear();
+  reload.change = {};  // the new types, and with them their library
   reload.loaded.reset();
   if (in_force) {
     running.log.flush();
@@ -298,7 +281,6 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
     return answer(running, *call, policy.error());
   }
   reload->change = members(running, reload->name, *policy);
-  reload->fallbacks = fallbacks_of(running, reload->name);
   if (auto free = check_barred(running, reload->change); !free) {
     return answer(running, *call, free.error());
   }

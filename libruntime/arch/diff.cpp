@@ -245,7 +245,7 @@ class Differ {
     const Value after = describe_fallback(then.fallback());
     if (same_value(before, after)) return;
     edit.task = then.task();  // the component takes part, so that there is a generation for it
-    difference_.fallbacks.emplace_back(now.name(), then.fallback());
+    difference_.change.fallbacks.push_back({now.name(), then.fallback()});
     say("fallback_core", now.name() + ".fallback_core", before, after);
   }
 

@@ -37,8 +37,6 @@ struct Line {
 /// A change, and how to say it. Nothing differs: no lines, and the change is empty.
 struct Difference {
   Change change;
-  /// Fallback cores that are others when the change is in force: ComponentBase::fall_back_to().
-  std::vector<std::pair<std::string, std::optional<ComponentBase::Fallback>>> fallbacks;
   std::vector<Line> lines;
   /// Resources that get another contract under their name, while others use them or with a state.
   /// Such a change wants Sync::barrier; as compared, it is a cut.

@@ -242,6 +242,22 @@ Result<std::vector<std::string>> admit_change(System& system,
   return warnings_of(problems);
 }
 
+bool admit_relief(System& system, const PreparedChange::Content& change, std::size_t index,
+                  const PreparedMember& relief) {
+  if (system.options.admission != Admission::strict) return true;
+  PreparedChange::Content instead;
+  for (std::size_t i = 0; i < change.members.size(); ++i) {
+    const PreparedMember& member = change.members[i];
+    PreparedMember& same = instead.members.emplace_back();
+    same.component = member.component;
+    same.part = member.part;
+    same.mode = member.mode;
+    same.base = member.base;
+    same.next = i == index ? relief.next : member.next;
+  }
+  return admit_change(system, instead).has_value();
+}
+
 Timing analyze(System& system) { return timing_of(system, model_of(system)); }
 
 Timing analyze(Architecture& architecture) {

@@ -132,11 +132,20 @@ void Commit::let_go_new() {
   }
 }
 
+void Commit::add_relief(std::size_t index, const Deployed& deployed, Published& next) {
+  const Content& relief = content_->members[index].relief;
+  if (relief == nullptr) return;
+  PreparedMember& takes_over = relief->members.front();
+  next.relief = make_relief(takes_over, deployed.restarts.size());
+  reliefs_[index] = {relief, &takes_over, next.relief->answer};
+}
+
 Member Commit::forth(std::size_t index, Deployed& deployed) {
   const PreparedMember& change = content_->members[index];
   Member member;
   member.task = deployed.task.get();
   member.next = make_published(change);
+  add_relief(index, deployed, *member.next);
   if (way_back_ == nullptr) return member;
   const bool was_running = deployed.state() == ComponentState::running;
   member.next->back = make_way_back(change, was_running);
@@ -160,6 +169,7 @@ std::vector<ResourceMember> Commit::resource_members() const {
 
 void Commit::hold_members() {
   entered_.resize(deployed_.size());
+  reliefs_.resize(deployed_.size());
   for (Deployed* deployed : deployed_) {
     missed_before_.push_back(deployed->task->counters().missed.load());
     deployed->changing = true;

@@ -56,6 +56,7 @@ class Commit final : public Ongoing {
   void hold_members();
   [[nodiscard]] bool pass_barrier();
   void publish(Swap::Kind kind, Duration longest_job);
+  void add_relief(std::size_t index, const Deployed& deployed, Published& next);
   [[nodiscard]] Member forth(std::size_t index, Deployed& deployed);
   [[nodiscard]] std::vector<ResourceMember> resource_members() const;
   void enter(std::size_t index);
@@ -74,6 +75,7 @@ class Commit final : public Ongoing {
   std::vector<Deployed*> deployed_;  // by member
   std::vector<std::uint64_t> missed_before_;
   std::vector<bool> entered_;
+  std::vector<StandingBy> reliefs_;    // by member: what comes with it
   std::unique_ptr<Barrier> barrier_;   // null: the cut
   std::unique_ptr<Swap> swap_;         // null: not yet past the barrier
   std::shared_ptr<WayBack> way_back_;  // null: no probation

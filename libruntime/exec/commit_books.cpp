@@ -51,8 +51,10 @@ void Commit::enter(std::size_t index) {
   // Where a lost thread is inside, it is freed when that has ended: see collect().
   const bool lost = system_.runner->has_lost(deployed_[index]->task.get());
   retire(*member.base, *member.next, lost ? system_.free : retired_);
-  if (member.next != member.base) {
-    system_.free.keep(std::exchange(deployed_[index]->relief, {}).content);
+  if (member.next != member.base || member.relief != nullptr) {
+    StandingBy& relief = deployed_[index]->relief;
+    system_.free.keep(std::exchange(relief, std::exchange(reliefs_[index], {})).content);
+    member.relief.reset();
   }
   member.made.forget();
   const std::uint64_t missed = deployed_[index]->task->counters().missed.load();
@@ -93,6 +95,10 @@ void Commit::conclude() {
   receipt_.warnings = content_->warnings;
   if (swapped.state == SwapResult::State::partly && way_back_ != nullptr) return take_back();
   receipt_.generation = ++system_.generation;
+  for (NewFallback& other : content_->fallbacks) {
+    ComponentBase* component = system_.architecture.find_component(other.component);
+    if (component != nullptr) component->fall_back_to(std::move(other.fallback));
+  }
   if (barrier_ != nullptr) {
     barrier_->tell(receipt_);
     barrier_->end();

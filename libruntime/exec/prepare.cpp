@@ -7,8 +7,10 @@
 #include "base/name.h"
 #include "exec/admission.h"
 #include "exec/barrier.h"
+#include "exec/relief.h"
 #include "exec/renew.h"
 #include "model/elements.h"
+#include "model/leavable.h"
 
 #include <mauve/job.h>
 
@@ -93,6 +95,8 @@ class Preparation {
     auto admitted = admit_change(system_, *content_);
     if (!admitted) return admitted.error();
     content_->warnings = *std::move(admitted);
+    content_->fallbacks = change_.fallbacks;
+    if (Status done = make_reliefs(configure); !done) return done.error();
     if (content_->barrier) content_->barrier->waits = waits_of(system_, *content_);
     return PreparedChange(std::move(content_));
   }
@@ -146,6 +150,23 @@ class Preparation {
     auto member = prepare_member(after_, edit, **component, configure);
     if (!member) return member.error();
     content_->members.push_back(*std::move(member));
+    return ok();
+  }
+
+  /// What cannot stand by does not hold the change up: it is tried again, and told, when that is in
+  /// force.
+  Status make_reliefs(bool configure) {
+    if (!configure) return ok();  // in place nothing is configured beside what runs
+    for (std::size_t i = 0; i < content_->members.size(); ++i) {
+      const std::optional<Edit> edit = relief_of(system_, *content_, content_->members[i]);
+      if (!edit) continue;
+      auto relief = prepare_relief(after_, *edit, content_->members[i]);
+      if (!relief && left_here()) return relief.error();
+      if (!relief || !admit_relief(system_, *content_, i, *relief)) continue;
+      auto content = std::make_shared<PreparedChange::Content>();
+      content->members.push_back(*std::move(relief));
+      content_->members[i].relief = std::move(content);
+    }
     return ok();
   }
 

@@ -27,6 +27,9 @@ class Afterwards {
 
 Result<PreparedMember> prepare_member(const Afterwards& after, const Edit& edit,
                                       ComponentBase& component, bool configure);
+/// What takes over from what this member brings, made from that.
+Result<PreparedMember> prepare_relief(const Afterwards& after, const Edit& edit,
+                                      const PreparedMember& brings);
 /// Connects and configures what joins; nobody uses it yet.
 Result<PreparedMember> prepare_joining(const Afterwards& after, const NewComponent& joining);
 Status prepare_joining(const Afterwards& after, const NewResource& joining);

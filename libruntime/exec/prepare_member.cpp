@@ -17,11 +17,13 @@ namespace {
 /// Works out the new bundle of one component.
 class MemberBuilder {
  public:
-  MemberBuilder(const Afterwards& after, const Edit& edit, ComponentBase& component, bool configure)
+  MemberBuilder(const Afterwards& after, const Edit& edit, ComponentBase& component,
+                std::shared_ptr<const Bundle> base, const ComponentType& type, bool configure)
       : after_(after),
         edit_(edit),
         component_(component),
-        kept_(component.bundle()),
+        old_type_(type),
+        kept_(std::move(base)),
         base_(*kept_),
         next_(std::make_shared<Bundle>(base_)),
         configure_(configure) {
@@ -39,7 +41,7 @@ class MemberBuilder {
     }
     PreparedMember member;
     member.component = &component_;
-    member.base = component_.bundle();
+    member.base = kept_;
     member.type = edit_.type;
     // Stopping and starting leave the bundle alone, so that `stop --all` does not overtake a change
     // that is being prepared.
@@ -91,9 +93,7 @@ class MemberBuilder {
     return ok();
   }
 
-  [[nodiscard]] const ComponentType& type() const {
-    return edit_.type ? *edit_.type : component_.type();
-  }
+  [[nodiscard]] const ComponentType& type() const { return edit_.type ? *edit_.type : old_type_; }
 
   Status make_core() {
     if (!remake_core_) return ok();
@@ -170,6 +170,7 @@ class MemberBuilder {
   const Afterwards& after_;
   const Edit& edit_;
   ComponentBase& component_;
+  const ComponentType& old_type_;
   const std::shared_ptr<const Bundle> kept_;  // also if its thread is left behind
   const Bundle& base_;
   std::shared_ptr<Bundle> next_;
@@ -180,15 +181,30 @@ class MemberBuilder {
   bool remake_fsm_ = false;
 };
 
+Result<PreparedMember> build_and_drop(std::unique_ptr<MemberBuilder> builder,
+                                      const std::string& component) {
+  auto member = builder->build();
+  const Status dropped = drop_elements(component, [&] { builder.reset(); });
+  if (member && !dropped) return dropped.error();
+  return member;
+}
+
 }  // namespace
 
 Result<PreparedMember> prepare_member(const Afterwards& after, const Edit& edit,
                                       ComponentBase& component, bool configure) {
-  auto builder = std::make_unique<MemberBuilder>(after, edit, component, configure);
-  auto member = builder->build();
-  const Status dropped = drop_elements(component.name(), [&] { builder.reset(); });
-  if (member && !dropped) return dropped.error();
-  return member;
+  return build_and_drop(std::make_unique<MemberBuilder>(after, edit, component, component.bundle(),
+                                                        component.type(), configure),
+                        component.name());
+}
+
+Result<PreparedMember> prepare_relief(const Afterwards& after, const Edit& edit,
+                                      const PreparedMember& brings) {
+  ComponentBase& component = *brings.component;
+  const ComponentType& type = brings.type ? *brings.type : component.type();
+  return build_and_drop(
+      std::make_unique<MemberBuilder>(after, edit, component, brings.next, type, true),
+      component.name());
 }
 
 Result<PreparedMember> prepare_joining(const Afterwards& after, const NewComponent& joining) {

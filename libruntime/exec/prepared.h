@@ -30,6 +30,8 @@ struct PreparedMember {
   bool count_gap = false;
   bool resume = false;  ///< in place: it ran before it was parked
   Retired made;         ///< its new elements, cleaned up and freed unless they get in force
+  /// What takes over should `next` fail, from its first job on; null: nothing.
+  std::shared_ptr<PreparedChange::Content> relief;
 };
 
 /// The change of one resource: another core, other connections of its own ports, or another
@@ -78,6 +80,7 @@ class PreparedChange::Content {
   std::vector<exec::PreparedMember> members;
   std::vector<exec::PreparedResource> resources;
   std::optional<Probation> probation;
+  std::vector<NewFallback> fallbacks;
   std::optional<exec::PreparedBarrier> barrier;  ///< none: the cut
   std::vector<std::string> warnings;             ///< for the receipt
 };

@@ -28,6 +28,15 @@ void forget_old_restarts(Deployed& deployed, const FaultPolicy& policy, Instant 
                 [&](Instant restart) { return now - restart > policy.per.count(); });
 }
 
+std::size_t recent_restarts(const System& system, const Deployed* deployed,
+                            const FaultPolicy& policy) {
+  if (deployed == nullptr) return 0;
+  const Instant now = system.runner->now();
+  return static_cast<std::size_t>(
+      std::count_if(deployed->restarts.begin(), deployed->restarts.end(),
+                    [&](Instant restart) { return now - restart <= policy.per.count(); }));
+}
+
 /// It took over: what the task runs is what the model shows.
 void take_note(System& system, Deployed& deployed) {
   const StandingBy taken = std::exchange(deployed.relief, {});
@@ -48,12 +57,15 @@ void take_note(System& system, Deployed& deployed) {
   system.outcomes.push_back(std::move(outcome));
 }
 
-std::optional<Edit> relief_of(const System& system, const Deployed& deployed) {
-  const Bundle& bundle = *deployed.component->bundle();
+using Fallback = std::optional<ComponentBase::Fallback>;
+
+/// Of a component that runs with this bundle; null: it was never restarted.
+std::optional<Edit> relief_of(const System& system, const std::string& component,
+                              const Bundle& bundle, const Fallback& fallback,
+                              const Deployed* deployed) {
   const FaultPolicy& policy = bundle.task.on_fault;
-  const auto& fallback = deployed.component->fallback();
   Edit edit;
-  edit.component = deployed.component->name();
+  edit.component = component;
   const bool falls_back =
       policy.action == Action::fallback || bundle.task.on_overrun == OnOverrun::fallback;
   if (falls_back && fallback) {
@@ -63,11 +75,7 @@ std::optional<Edit> relief_of(const System& system, const Deployed& deployed) {
     return edit;
   }
   if (policy.action != Action::restart) return std::nullopt;
-  const Instant now = system.runner->now();
-  const auto recent =
-      std::count_if(deployed.restarts.begin(), deployed.restarts.end(),
-                    [&](Instant restart) { return now - restart <= policy.per.count(); });
-  if (static_cast<unsigned>(recent) >= policy.restarts) return std::nullopt;
+  if (recent_restarts(system, deployed, policy) >= policy.restarts) return std::nullopt;
   edit.core = bundle.core_type;
   edit.state = StatePolicy::drop;
   return edit;
@@ -94,10 +102,37 @@ std::vector<Change> wanted_reliefs(System& system) {
   std::vector<Change> wanted;
   for (const Deployed& deployed : system.deployed) {
     const bool ready = deployed.relief.content != nullptr || deployed.hidden || deployed.changing;
-    if (ready || deployed.state() == ComponentState::faulted) continue;
-    if (auto edit = relief_of(system, deployed)) wanted.push_back({{*edit}});
+    // One that is faulted has it when it is started again.
+    if (ready || system.runner->has_lost(deployed.task.get())) continue;
+    const ComponentBase& component = *deployed.component;
+    auto edit =
+        relief_of(system, component.name(), *component.bundle(), component.fallback(), &deployed);
+    if (edit) wanted.push_back({{*edit}});
   }
   return wanted;
+}
+
+std::optional<Edit> relief_of(System& system, const PreparedChange::Content& change,
+                              const PreparedMember& member) {
+  const bool same = member.next == member.base && member.part != Part::joins;
+  if (same || member.part == Part::leaves) return std::nullopt;
+  const std::string& name = member.component->name();
+  const Fallback* fallback = &member.component->fallback();
+  for (const NewFallback& other : change.fallbacks) {
+    if (other.component == name) fallback = &other.fallback;
+  }
+  const Deployed* deployed = member.part == Part::joins ? nullptr : system.find(name);
+  return relief_of(system, name, *member.next, *fallback, deployed);
+}
+
+std::unique_ptr<Published> make_relief(PreparedMember& relief, std::size_t restarts) {
+  relief.restart = relief.state == StatePolicy::drop;
+  auto published = make_published(relief);
+  published->transaction = &standing_decision();
+  if (relief.restart) {
+    published->back_off = back_off(relief.base->task.on_fault, restarts);
+  }
+  return published;
 }
 
 Status put_reliefs_in_readiness(System& system) {
@@ -117,12 +152,8 @@ void put_in_readiness(System& system, PreparedChange& prepared) {
     const bool current = deployed != nullptr && !deployed->changing && !deployed->relief.content &&
                          member.component->bundle() == member.base;
     if (!current) continue;
-    const FaultPolicy& policy = member.base->task.on_fault;
-    member.restart = member.state == StatePolicy::drop;
-    forget_old_restarts(*deployed, policy, system.runner->now());
-    auto published = make_published(member);
-    published->transaction = &standing_decision();
-    if (member.restart) published->back_off = back_off(policy, deployed->restarts.size());
+    forget_old_restarts(*deployed, member.base->task.on_fault, system.runner->now());
+    auto published = make_relief(member, deployed->restarts.size());
     deployed->relief = {content, &member, published->answer};
     if (!stand_by(system, *deployed->task, std::move(published))) deployed->relief = {};
   }

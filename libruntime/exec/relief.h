@@ -4,6 +4,8 @@
 /// which takes it at its next release without asking anybody.
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "exec/system.h"
@@ -13,6 +15,15 @@ namespace mauve::exec {
 /// What would take over from the core of this component; nothing: no policy, or its budget of
 /// restarts is used up. [control]
 [[nodiscard]] std::vector<Change> wanted_reliefs(System& system);
+
+/// What would take over from what this member of the change brings; nothing: no policy, or its
+/// elements stay as they are. [factory], under System::model
+[[nodiscard]] std::optional<Edit> relief_of(System& system, const PreparedChange::Content& change,
+                                            const PreparedMember& member);
+
+/// The relief that comes with a change: its task takes it together with the new bundle. `restarts`:
+/// those there were.
+[[nodiscard]] std::unique_ptr<Published> make_relief(PreparedMember& relief, std::size_t restarts);
 
 /// Puts a prepared relief in readiness. [control]
 void put_in_readiness(System& system, PreparedChange& prepared);

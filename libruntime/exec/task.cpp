@@ -231,12 +231,12 @@ void Task::put_in_place(Published& next) {
     counters_.execution_max.store(0, std::memory_order_relaxed);
     counters_.used_max.store(0, std::memory_order_relaxed);
   }
-  if (same_bundle && next.back == nullptr) return;
+  if (same_bundle && next.back == nullptr && next.relief == nullptr) return;
   overran_ = 0;
   if (Published* before = back_.exchange(next.back.release(), std::memory_order_acq_rel)) {
     pile_up(*before);
   }
-  if (Published* relief = relief_.exchange(nullptr, std::memory_order_acq_rel)) {
+  if (Published* relief = relief_.exchange(next.relief.release(), std::memory_order_acq_rel)) {
     relief->answer->progress.store(Published::Progress::given_back, std::memory_order_release);
     pile_up(*relief);
   }

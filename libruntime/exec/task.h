@@ -54,9 +54,10 @@ struct Published {
   /// On probation: where this one leads back to when somebody fails. Both null: no probation.
   std::unique_ptr<Published> back;
   WayBack* way_back = nullptr;
-  unsigned tolerated = 0;        ///< overruns among the jobs of `window`
-  std::uint64_t window = ~0ULL;  ///< a bit for each job that counts
-  Duration back_off{0};          ///< a relief waits so long after the fault
+  unsigned tolerated = 0;             ///< overruns among the jobs of `window`
+  std::uint64_t window = ~0ULL;       ///< a bit for each job that counts
+  std::unique_ptr<Published> relief;  ///< that stands by from the first job on; or null
+  Duration back_off{0};               ///< a relief waits so long after the fault
 
   enum class Progress : std::uint8_t {
     published,

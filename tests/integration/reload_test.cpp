@@ -125,6 +125,28 @@ TEST(Reload, RenewsTheFallbackCores) {
   EXPECT_EQ(daemon.errors().find("no core stands by"), std::string::npos) << daemon.errors();
 }
 
+TEST(Reload, FallsBackWhenTheNewCodeFailsInItsFirstJob) {
+  std::string text(kTrial);
+  const std::string first = R"("first":  { "type": "trial/unit",)";
+  text.replace(text.find(first), first.size(), first + R"(
+    "core": "trial/regressing", "fallback_core": "trial/other",
+    "task": { "on_fault": "fallback" },)");
+  TrialDaemon daemon(text);
+  ASSERT_TRUE(daemon.becomes("first.core.number", 1)) << daemon.errors();
+
+  for (int round = 0; round < 3; ++round) {
+    daemon.install(2);
+    ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}})["state"], "applied");
+    ASSERT_TRUE(eventually([&] { return daemon.component("first")["core"] == "trial/other"; }))
+        << daemon.component("first");
+    EXPECT_EQ(daemon.component("first")["state"], "running");
+    daemon.install(1);
+    ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}})["state"], "applied");
+    const Json back = {{"component", "first"}, {"core", "trial/regressing"}, {"probation", "off"}};
+    ASSERT_EQ(daemon.ask("core.swap", back)["state"], "applied");
+  }
+}
+
 /// "first" writes into a resource of the plugin, "second" reads shared data as before.
 std::string with_tally() {
   std::string text(kTrial);

@@ -162,6 +162,14 @@ class Brittle final : public Steady {
   }
 };
 
+/// Was well in build 1.
+class Regressing final : public Steady {
+  void update() override {
+    if (NUMBER == 2) throw std::runtime_error("it was well before");
+    Steady::update();
+  }
+};
+
 class ThrowingAnything final : public Steady {
   mauve::Status on_configure() override { throw 42; }
 };
@@ -265,6 +273,7 @@ MAUVE_PLUGIN(plugin) {
   plugin.core<trial::StuckConstructor>("stuck_constructor");
   plugin.core<trial::StuckDestructor>("stuck_destructor");
   plugin.core<trial::Brittle>("brittle");
+  plugin.core<trial::Regressing>("regressing");
   plugin.core<trial::ThrowingAnything>("throwing_anything");
   plugin.core<trial::Nagging>("nagging");
   plugin.core<trial::Refusing>("refusing");

@@ -79,6 +79,12 @@ struct NewComponent {
   std::vector<NewConnection> connect;
 };
 
+/// Another core, or none, that takes over when the one of this component fails.
+struct NewFallback {
+  std::string component;  ///< one that is changed, or joins
+  std::optional<ComponentBase::Fallback> fallback;
+};
+
 /// After the commit the old bundles stay ready until every member ran so many jobs with the new
 /// ones, or for so long, whichever is first. A core that throws, implausible outputs, misses and
 /// overruns of the budget lead back to them at the next release.
@@ -99,6 +105,7 @@ struct Change {
   std::vector<std::string> remove = {};
   std::optional<Probation> probation = {};
   Sync sync = Sync::cut;
+  std::vector<NewFallback> fallbacks = {};
 };
 
 /// What a change cost one component.

@@ -21,7 +21,7 @@ TEST_F(Diff, SaysNothingAboutTheSameFile) {
 
   EXPECT_THAT(said(difference.lines), IsEmpty());
   EXPECT_TRUE(empty(difference.change));
-  EXPECT_TRUE(difference.fallbacks.empty());
+  EXPECT_TRUE(difference.change.fallbacks.empty());
 }
 
 TEST_F(Diff, FindsAPropertyOfTheCore) {
@@ -211,17 +211,17 @@ TEST_F(Diff, FindsFallbackCoresAndTheirProperties) {
   EXPECT_THAT(said(comes.lines),
               ElementsAre("+ fallback_core left.fallback_core: {\"core\":\"sample/repel\","
                           "\"properties\":{\"core.distance\":1}}"));
-  ASSERT_EQ(comes.fallbacks.size(), 1U);
-  EXPECT_EQ(comes.fallbacks[0].first, "left");
-  EXPECT_EQ(comes.fallbacks[0].second->core.name, "sample/repel");
+  ASSERT_EQ(comes.change.fallbacks.size(), 1U);
+  EXPECT_EQ(comes.change.fallbacks[0].component, "left");
+  EXPECT_EQ(comes.change.fallbacks[0].fallback->core.name, "sample/repel");
   EXPECT_TRUE(only_edit(comes).task) << "no generation without a member";
 
-  running_->find_component("left")->fall_back_to(comes.fallbacks[0].second);
+  running_->find_component("left")->fall_back_to(comes.change.fallbacks[0].fallback);
   wanted_ = made(sample::kArchitecture);
   const Difference goes = compare(*running_, *wanted_);
   EXPECT_EQ(goes.lines.at(0).op, Line::Op::remove);
-  ASSERT_EQ(goes.fallbacks.size(), 1U);
-  EXPECT_FALSE(goes.fallbacks[0].second);
+  ASSERT_EQ(goes.change.fallbacks.size(), 1U);
+  EXPECT_FALSE(goes.change.fallbacks[0].fallback);
 }
 
 TEST_F(Diff, FindsHowLongAResourceIsHeld) {

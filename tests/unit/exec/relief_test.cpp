@@ -111,6 +111,95 @@ TEST(Relief, IsNotLostWhenSomebodyLooksDuringItsFirstJob) {
   EXPECT_EQ(deployer.status("control").core, "watched");
 }
 
+/// Throws in its very first job.
+struct Broken : ramp::Up {
+  void update() override { throw std::runtime_error("wrong from the start"); }
+};
+
+TEST(Relief, ComesWithTheChangeAndTakesOverFromItsFirstJob) {
+  FallingBack architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  deployer.run_for(5ms);
+
+  ASSERT_TRUE(deployer.apply({{ramp::to_core<Broken>("broken")}}));
+  deployer.run_for(20ms);  // nobody looks after it meanwhile
+
+  const auto outcomes = tend(deployer);
+  ASSERT_EQ(outcomes.size(), 1u);
+  EXPECT_EQ(outcomes[0].kind, Outcome::Kind::fell_back);
+  EXPECT_EQ(outcomes[0].reason, "wrong from the start");
+  EXPECT_EQ(deployer.status("control").core, "ramp/down");
+  EXPECT_EQ(deployer.status("control").state, ComponentState::running);
+  EXPECT_EQ(deployer.status("control").missed, 0u) << "at the next release";
+}
+
+TEST(Relief, AFreshCoreComesWithTheChangeAsWell) {
+  UnsteadyArchitecture architecture(
+      {.action = FaultPolicy::Action::restart, .restarts = 1, .per = 10s, .back_off = 0ms});
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+
+  ASSERT_TRUE(deployer.apply({{ramp::to_core<Broken>("broken")}}));
+  deployer.run_for(30ms);
+
+  const auto outcomes = tend(deployer);
+  ASSERT_EQ(outcomes.size(), 1u);
+  EXPECT_EQ(outcomes[0].kind, Outcome::Kind::restarted);
+  EXPECT_EQ(deployer.status("control").fault, "wrong from the start");
+  EXPECT_EQ(deployer.status("control").state, ComponentState::faulted) << "the fresh one failed";
+}
+
+TEST(Relief, IsTheFallbackCoreThatTheChangeNames) {
+  FallingBack architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  Change change{{ramp::to_core<Broken>("broken")}};
+  change.fallbacks.push_back(
+      {"control", ComponentBase::Fallback{CoreType::of<ramp::Up>("ramp/up"), {}}});
+
+  ASSERT_TRUE(deployer.apply(change));
+  deployer.run_for(30ms);
+
+  ASSERT_EQ(tend(deployer).size(), 1u);
+  EXPECT_EQ(deployer.status("control").core, "ramp/up");
+  EXPECT_EQ(architecture.control.fallback()->core.name, "ramp/up");
+}
+
+TEST(Relief, OfTheNewCoreGoesWithItsWayBack) {
+  FallingBack architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  Change change{{ramp::to_core<Broken>("broken")}};
+  change.probation.emplace();
+
+  ASSERT_TRUE(deployer.apply(change));
+  deployer.run_for(15ms);
+
+  const auto outcomes = tend(deployer);
+  ASSERT_EQ(outcomes.size(), 1u);
+  EXPECT_EQ(outcomes[0].kind, Outcome::Kind::rolled_back);
+  EXPECT_EQ(deployer.wanted_reliefs().size(), 1u) << "of the old one";
+}
+
+TEST(Relief, StandsByOnceAFaultedComponentIsStartedAgain) {
+  UnsteadyArchitecture architecture({.action = FaultPolicy::Action::fallback});
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  deployer.run_for(25ms);
+  ASSERT_EQ(deployer.status("control").state, ComponentState::faulted) << "it has no fallback core";
+  architecture.control.fall_back_to(
+      ComponentBase::Fallback{CoreType::of<ramp::Down>("ramp/down"), {}});
+
+  prepare_reliefs(deployer);
+  EXPECT_EQ(deployer.status("control").state, ComponentState::faulted) << "nobody started it";
+  ASSERT_TRUE(deployer.start({"control"}));
+  deployer.run_for(50ms);
+
+  ASSERT_EQ(tend(deployer).size(), 1u);
+  EXPECT_EQ(deployer.status("control").core, "ramp/down");
+}
+
 TEST(Relief, AChangeMakesItAnew) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
@@ -118,17 +207,31 @@ TEST(Relief, AChangeMakesItAnew) {
   ASSERT_TRUE(deployer.disconnect("control.ports.out"));
 
   EXPECT_TRUE(tend(deployer).empty());
-  ASSERT_EQ(deployer.wanted_reliefs().size(), 1u);
-  prepare_reliefs(deployer);
+  EXPECT_TRUE(deployer.wanted_reliefs().empty()) << "it came with the change";
   deployer.run_for(60ms);
 
   ASSERT_EQ(tend(deployer).size(), 1u);
   EXPECT_EQ(deployer.status("control").core, "ramp/down");
 }
 
+/// Can be configured when it is asked again.
+struct Reluctant : ramp::Down {
+  mauve::Status on_configure() override {
+    if (!std::exchange(refuses(), false)) return mauve::ok();
+    return mauve::refuse(mauve::Errc::hook_failed, "reluctant", "not now");
+  }
+  static bool& refuses() {
+    static bool refuses = false;
+    return refuses;
+  }
+};
+
+/// The relief could not come with the change.
 struct FallingBackOnProbation : FallingBack {
   FallingBackOnProbation() {
+    control.fall_back_to(ComponentBase::Fallback{CoreType::of<Reluctant>("reluctant"), {}});
     EXPECT_TRUE(deployer.deploy());
+    Reluctant::refuses() = true;
     Change change{{ramp::to_core<ramp::Up>("other")}};
     change.probation.emplace();
     EXPECT_TRUE(deployer.apply(change));
@@ -153,7 +256,7 @@ TEST(Relief, OfAChangeThatWasLedBackMeanwhileDoesNotStandBy) {
   const auto outcomes = tend(system.deployer);
   ASSERT_EQ(outcomes.size(), 2u);
   EXPECT_EQ(outcomes[1].kind, Outcome::Kind::fell_back);
-  EXPECT_EQ(system.deployer.status("control").core, "ramp/down");
+  EXPECT_EQ(system.deployer.status("control").core, "reluctant");
 }
 
 TEST(Relief, IsNotWantedWhileAChangeIsLedBack) {
