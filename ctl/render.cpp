@@ -202,7 +202,9 @@ std::string render_status(const Json& status, Look look) {
   if (!components.empty()) text += table.text(look.width, look.colour);
   for (const Json& one : components) {
     if (const auto fault = word(one, "fault"); !fault.empty()) {
-      text += painted(word(one, "name") + ": " + fault, Paint::red, look.colour) + "\n";
+      const auto hint = word(one, "hint");
+      const std::string stands = hint.empty() ? "" : "; it does not run: " + hint;
+      text += painted(word(one, "name") + ": " + fault + stands, Paint::red, look.colour) + "\n";
     }
     if (const double late = number(one, "late_ns"); late > 0) {
       const std::string said = ": its job should have ended " + nanoseconds_in_words(late) + " ago";
@@ -258,8 +260,35 @@ std::string on_probation(const Json& receipt) {
   if (const double confirm = number(probation, "confirm_within_ns"); confirm > 0) {
     return ", to be confirmed within " + nanoseconds_in_words(confirm);
   }
-  return ", on probation for " + counted(whole_number(probation, "activations"), "job") + " or " +
-         nanoseconds_in_words(number(probation, "time_ns"));
+  const std::string jobs =
+      ", on probation for " + counted(whole_number(probation, "activations"), "job");
+  constexpr double kWholeDay = 86'400e9;  // in place of none
+  const double time = number(probation, "time_ns");
+  return time >= kWholeDay ? jobs : jobs + " or " + nanoseconds_in_words(time);
+}
+
+/// "  speed 0.6 -> 0.8 (default; --set speed=... keeps another)", one a line.
+std::string defaults(const Json& receipt, Look look) {
+  std::string text;
+  for (const Json& one : list_in(receipt, "defaults")) {
+    const std::string name = word(one, "name");
+    text += wrapped("  " + name + " " + word(one, "before") + " -> " + word(one, "after") +
+                        " (default; --set " + name + "=... keeps another)",
+                    look.width, 4) +
+            "\n";
+  }
+  return text;
+}
+
+/// "control is faulted and does not run: mauvectl start control", one a line.
+std::string standing(const Json& receipt, Look look) {
+  std::string text;
+  for (const Json& one : list_in(receipt, "standing")) {
+    const std::string line =
+        word(one, "name") + " is " + word(one, "state") + " and does not run: " + word(one, "hint");
+    text += painted(wrapped(line, look.width, 2), Paint::yellow, look.colour) + "\n";
+  }
+  return text;
 }
 
 }  // namespace
@@ -291,7 +320,12 @@ std::string render_receipt(std::string_view done, const Json& receipt, Look look
   if (attempts > 1) text += ", " + counted(attempts, "attempt");
   text += " (generation " + generation + on_probation(receipt);
   if (member(receipt, "saved") == false) text += ", applied but NOT saved";
-  text = wrapped(text + ")", look.width, 2) + "\n";
+  text += ")";
+  if (const auto held = whole_number(receipt, "rules_held"); held > 0) {
+    text += ", " + counted(held, "rule") + (held == 1 ? " is held" : " are held");
+  }
+  text = wrapped(text, look.width, 2) + "\n";
+  text += defaults(receipt, look) + standing(receipt, look);
   const Json& warnings = member(receipt, "warnings");
   for (const Json& warning : warnings.is_array() ? warnings : Json::array()) {
     const std::string line = "warning: " + harmless(compact(warning));

@@ -65,6 +65,7 @@ void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
   }
   auto result = to_json(*receipt);
   say_sync(journey.prepared, result);
+  say_who_stands(running, journey.change, result);
   if (journey.change.probation) {
     result["probation"] = to_json(*journey.change.probation);
   }
@@ -284,6 +285,23 @@ void say_sync(std::optional<Result<PreparedChange>>& prepared, Json& result) {
   }
 }
 
+void say_who_stands(Running& running, const Change& change, Json& result) {
+  auto standing = Json::array();
+  for (const auto& edit : change.edits) {
+    const auto now = running.deployer.status(edit.component);
+    const bool stands =
+        now.state == ComponentState::faulted || now.state == ComponentState::stopped;
+    if (edit.mode != Mode::park && !now.name.empty() && stands) {
+      standing.push_back({{"name", now.name},
+                          {"state", to_string(now.state)},
+                          {"hint", "mauvectl start " + now.name}});
+    }
+  }
+  if (!standing.empty()) {
+    result["standing"] = std::move(standing);
+  }
+}
+
 std::string state_after(const Error& error) {
   return error.code == Errc::partly ? "partly" : "unchanged";
 }
@@ -317,8 +335,10 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
       dry_run ? tell : put_in_force);
 }
 
-void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit) {
+void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit,
+                    std::shared_ptr<Companion> companion) {
   auto journey = std::make_shared<Journey>();
+  journey->companion = std::move(companion);
   journey->change.edits.push_back(std::move(edit));
   auto free = check_quarantine(running, journey->change);
   if (free) {

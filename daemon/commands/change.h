@@ -36,7 +36,8 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
            std::shared_ptr<Companion> companion = nullptr);
 
 /// [control] The same for a swap in place: the component is parked while the cores are exchanged.
-void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit);
+void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit,
+                    std::shared_ptr<Companion> companion);
 
 /// [control] Runs `then` on [control] when there is an answer; others are served meanwhile.
 void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
@@ -47,6 +48,10 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
 
 /// [any] Whether all members wait for each other, as it was prepared.
 void say_sync(std::optional<Result<PreparedChange>>& prepared, Json& result);
+
+/// [control] Of those that were changed: who does not run, and will not by itself. To be told,
+/// since the rest of the receipt reads as if all was well.
+void say_who_stands(Running& running, const Change& change, Json& result);
 
 /// What a change of this component or resource starts from.
 [[nodiscard]] Edit edit_of(std::string_view component);

@@ -182,9 +182,10 @@ void free_old(Running& running, Reload& reload, bool in_force) {
 }
 
 /// What is said of a reload that is in force, but for what became of the old code.
-Json result_of(Reload& reload) {
+Json result_of(Running& running, Reload& reload) {
   auto result = reload.receipt ? to_json(*reload.receipt) : to_json(Receipt{});
   say_sync(reload.prepared, result);
+  say_who_stands(running, reload.change, result);
   result["changed"] = true;
   result["state"] = "applied";
   result["plugin"] = reload.name;
@@ -209,7 +210,7 @@ void end(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket,
   if (!in_force) {
     answer(running, *call, done.error(), state_after(done.error()));
   }
-  auto result = in_force ? result_of(*reload) : Json();
+  auto result = in_force ? result_of(running, *reload) : Json();
   running.control.in_factory(
       [&running, reload, in_force] { free_old(running, *reload, in_force); },
       [&running, call, reload, in_force, result, ticket = std::move(ticket)] {

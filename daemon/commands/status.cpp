@@ -56,6 +56,9 @@ Result<Json> status(Running& running, const Call& /*call*/) {
     if (!one.fault.empty()) {
       row["fault"] = one.fault;
     }
+    if (one.state == ComponentState::faulted) {
+      row["hint"] = "mauvectl start " + one.name;
+    }
     rows.push_back(std::move(row));
   }
   const std::chrono::duration<double> up = std::chrono::steady_clock::now() - running.since;

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// core.swap: another core behind the same contract, at a boundary, state handed over.
+#include <algorithm>
+
+#include "arch/diff.h"
 #include "arch/value_json.h"
 #include "base/duration.h"
 #include "commands/answer.h"
@@ -61,6 +64,53 @@ Result<Edit> edit_from(const Running& running, const Json& params) {
   return edit;
 }
 
+/// A core of another type begins with its own defaults, whatever the file said for the old one:
+/// what became another value by that is told.
+class Defaults final : public Companion {
+ public:
+  Defaults(const Running& running, const ComponentBase& component, const Edit& edit)
+      : running_(running), component_(component.name()) {
+    for (const auto* property : component.bundle()->core->properties()) {
+      const std::string name(property->name());
+      const auto set = [&](const auto& given) { return given.first == "core." + name; };
+      if (std::ranges::none_of(edit.properties, set)) {
+        before_.emplace_back(name, property->value());
+      }
+    }
+  }
+  Status ready() override { return ok(); }
+  void in_force() override {}
+  void complete(Json& result) override {
+    auto* component = running_.architecture.find_component(component_);
+    auto differ = Json::array();
+    for (const auto& [name, before] : before_) {
+      const auto* now = component == nullptr ? nullptr : find(component->core(), name);
+      if (now != nullptr && !arch::same_value(before, now->value())) {
+        differ.push_back({{"name", name},
+                          {"before", arch::to_json(before)},
+                          {"after", arch::to_json(now->value())}});
+      }
+    }
+    if (!differ.empty()) {
+      result["defaults"] = std::move(differ);
+    }
+  }
+
+ private:
+  static const PropertyBase* find(const CoreBase& core, const std::string& name) {
+    for (const auto* property : core.properties()) {
+      if (property->name() == name) {
+        return property;
+      }
+    }
+    return nullptr;
+  }
+
+  const Running& running_;
+  std::string component_;
+  std::vector<std::pair<std::string, Value>> before_;
+};
+
 /// The old core is gone when the new one begins: there is no way back that stands ready.
 Status no_probation(const Json& params) {
   for (const char* option : {"probation", "misses", "confirm_within"}) {
@@ -86,9 +136,13 @@ void swap_core(Running& running, const CallPtr& call, Ticket ticket) {
     if (auto sound = no_probation(call->params); !sound) {
       return answer(running, *call, sound.error());
     }
-    return apply_in_place(running, call, std::move(ticket), *std::move(edit));
   }
-  apply(running, call, std::move(ticket), {{*std::move(edit)}});
+  auto defaults = std::make_shared<Defaults>(
+      running, *running.architecture.find_component(edit->component), *edit);
+  if (flag(call->params, "in_place")) {
+    return apply_in_place(running, call, std::move(ticket), *std::move(edit), std::move(defaults));
+  }
+  apply(running, call, std::move(ticket), {{*std::move(edit)}}, std::move(defaults));
 }
 
 }  // namespace mauve::daemon

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// What the answer to a change tells besides: who does not run, what has another value now.
+#include "trial_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using Json = protocol::Json;
+
+Json swap_first(const std::string& core, const std::string& probation = "3000") {
+  return {{"component", "first"}, {"core", core}, {"probation", probation}};
+}
+
+TEST(Swap, SaysWhichPropertiesHaveTheDefaultsOfTheNewCore) {
+  TrialDaemon daemon;
+  static_cast<void>(daemon.ask("param.set", {{"values", {{"first.core.gain", 3.0}}}}));
+
+  const auto other = daemon.ask("core.swap", swap_first("trial/other"));
+  EXPECT_EQ(other["defaults"], Json::array({{{"name", "gain"}, {"before", 3.0}, {"after", 1.0}}}))
+      << other;
+  auto keeps = swap_first("trial/steady");
+  keeps["set"] = {{"gain", 4.0}};
+  EXPECT_FALSE(daemon.ask("core.swap", keeps).contains("defaults")) << "it was said";
+  EXPECT_FALSE(daemon.ask("core.swap", swap_first("trial/steady")).contains("defaults"))
+      << "the same core keeps its values";
+  const Json in_place = {{"component", "first"}, {"core", "trial/other"}, {"in_place", true}};
+  EXPECT_EQ(daemon.ask("core.swap", in_place)["defaults"][0]["before"], 4.0);
+}
+
+TEST(Swap, SaysThatTheComponentDoesNotRun) {
+  TrialDaemon daemon;
+  static_cast<void>(daemon.ask("core.swap", swap_first("trial/throwing_job", "off")));
+  ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
+  EXPECT_EQ(daemon.component("first")["hint"], "mauvectl start first");
+
+  const auto swapped = daemon.ask("core.swap", swap_first("trial/other"));
+  EXPECT_EQ(swapped["standing"][0]["name"], "first") << swapped;
+  EXPECT_EQ(swapped["standing"][0]["state"], "faulted");
+  EXPECT_EQ(swapped["standing"][0]["hint"], "mauvectl start first");
+  daemon.install(2);
+  const auto reloaded = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+  EXPECT_EQ(reloaded["standing"][0]["name"], "first") << reloaded;
+
+  const auto started = daemon.ask("component.start", {{"components", {"first"}}});
+  EXPECT_FALSE(started.contains("standing")) << started;
+  const auto stopped = daemon.ask("component.stop", {{"components", {"first"}}});
+  EXPECT_FALSE(stopped.contains("standing")) << "it was asked for: " << stopped;
+  EXPECT_EQ(daemon.ask("core.swap", swap_first("trial/steady"))["standing"][0]["state"], "stopped");
+}
+
+}  // namespace
+}  // namespace mauve::test

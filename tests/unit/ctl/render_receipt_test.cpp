@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// What a receipt says besides its sentence.
+#include <gtest/gtest.h>
+
+#include "render.h"
+
+namespace mauve::ctl {
+namespace {
+
+TEST(RenderReceipt, SaysHowLongTheProbationIs) {
+  EXPECT_EQ(render_receipt("swapped control", Json::parse(R"({"generation":2,"changed":true,
+    "probation":{"activations":3000,"time_ns":10000000000}})"),
+                           {}),
+            "swapped control (generation 2, on probation for 3000 jobs or 10.0 s)\n");
+  EXPECT_EQ(render_receipt("swapped control", Json::parse(R"({"generation":2,"changed":true,
+    "probation":{"activations":100,"time_ns":86400000000000}})"),
+                           {}),
+            "swapped control (generation 2, on probation for 100 jobs)\n");
+}
+
+TEST(RenderReceipt, SaysHowManyRulesAreHeld) {
+  EXPECT_EQ(render_receipt("locked all", Json::parse(R"({"generation":2,"changed":true,
+    "rules_held":2})"),
+                           {}),
+            "locked all (generation 2), 2 rules are held\n");
+}
+
+TEST(RenderReceipt, SaysWhatTheNewCoreHasByDefault) {
+  EXPECT_EQ(render_receipt("swapped control", Json::parse(R"({"generation":2,"changed":true,
+    "defaults":[{"name":"speed","before":0.6,"after":0.8}]})"),
+                           {}),
+            "swapped control (generation 2)\n"
+            "  speed 0.6 -> 0.8 (default; --set speed=... keeps another)\n");
+}
+
+TEST(RenderReceipt, SaysWhoDoesNotRun) {
+  EXPECT_EQ(render_receipt("swapped control", Json::parse(R"({"generation":2,"changed":true,
+    "standing":[{"name":"control","state":"faulted","hint":"mauvectl start control"}]})"),
+                           {}),
+            "swapped control (generation 2)\n"
+            "control is faulted and does not run: mauvectl start control\n");
+}
+
+}  // namespace
+}  // namespace mauve::ctl
