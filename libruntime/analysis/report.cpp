@@ -24,7 +24,7 @@ std::string above(Duration value) {
 }
 
 /// `value` or a little less.
-std::string below(Duration value) { return format_duration(value - value % third_digit(value)); }
+std::string below(Duration value) { return format_duration(rounded_down(value)); }
 
 std::string joined(const std::vector<std::string>& names) {
   std::string text;
@@ -56,28 +56,34 @@ Problem late(const TaskReport& task, const JobReport& job) {
   const std::string end = job.response == kUnbounded
                               ? "may never end"
                               : "may end " + above(job.response) + " after its release";
+  const std::string aside = what_to_declare(task.guessed);
   return {Problem::Kind::late,
           refuse(Errc::limit, task.name,
                  "job " + name(job.job) + " " + end + ", its deadline is " + below(job.deadline),
-                 what_would_pass(job) + what_to_declare(task.guessed))};
+                 what_would_pass(job) + aside),
+          aside};
 }
 
 void find(const TaskReport& task, std::vector<Problem>& found) {
   if (task.source == Source::unknown) {
     found.push_back({Problem::Kind::unknown,
                      refuse(Errc::limit, task.name, "the execution time of a job is not known",
-                            "declare a budget, or measure it")});
+                            "declare a budget, or measure it"),
+                     {}});
   }
   if (!task.cpu) {
     found.push_back({Problem::Kind::floating,
                      refuse(Errc::limit, task.name,
                             "it may run on several CPUs, so no response time can be proved",
-                            "pin it to one CPU")});
+                            "pin it to one CPU"),
+                     {}});
   }
   if (task.late()) found.push_back(late(task, *task.tightest()));
 }
 
 }  // namespace
+
+Duration rounded_down(Duration value) { return value - value % third_digit(value); }
 
 bool TaskReport::late() const {
   return std::any_of(jobs.begin(), jobs.end(), [](const JobReport& job) { return job.late(); });
@@ -112,13 +118,15 @@ std::vector<Problem> problems(const Report& report) {
          refuse(Errc::limit, "cpu " + std::to_string(cpu.cpu),
                 "its tasks may ask for " + above(cpu.busiest_second) +
                     " of its time in a second, " + format_duration(kSecondLimit) + " are allowed",
-                "take " + above(cpu.busiest_second - kSecondLimit) + " off that")});
+                "take " + above(cpu.busiest_second - kSecondLimit) + " off that"),
+         {}});
   }
   for (const SharedReport& shared : report.cross_cpu) {
     found.push_back({Problem::Kind::cross_cpu,
                      refuse(Errc::limit, shared.resource,
                             "its lock is shared across CPUs, by " + joined(shared.tasks),
-                            "put them on one CPU")});
+                            "put them on one CPU"),
+                     {}});
   }
   return found;
 }

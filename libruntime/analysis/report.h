@@ -89,8 +89,14 @@ struct Problem {
     cross_cpu,   ///< a lock is shared across CPUs
   };
   Kind kind = Kind::late;
-  Error error;  ///< names the task, its job, what it needs; the hint says what would pass
+  /// Names the task, its job, what it needs; the hint says with what this task would pass, others
+  /// apart.
+  Error error;
+  std::string aside;  ///< what the hint ends with: what would help besides
 };
+
+/// A little less, in the three digits that people are told.
+[[nodiscard]] Duration rounded_down(Duration value);
 
 /// Every problem, one for each task and kind; empty when proven().
 [[nodiscard]] std::vector<Problem> problems(const Report& report);

@@ -7,6 +7,7 @@
 #include "analysis/admission.h"
 #include "base/duration.h"
 #include "exec/placement.h"
+#include "exec/relaxation.h"
 #include "exec/timing_model.h"
 #include "rt/machine_costs.h"
 
@@ -144,7 +145,8 @@ ComponentTiming row_of(const analysis::TaskReport& task, const std::vector<Probl
   if (const analysis::JobReport* job = task.tightest()) {
     row.execution = job->job.execution;
     row.deadline = job->deadline;
-    if (task.cpu && job->response != analysis::kUnbounded) {
+    const bool known = task.cpu && task.source != analysis::Source::unknown;
+    if (known && job->response != analysis::kUnbounded) {
       row.response = job->response;
       row.slack = job->slack();
     }
@@ -155,6 +157,21 @@ ComponentTiming row_of(const analysis::TaskReport& task, const std::vector<Probl
         problem.error.message + (problem.error.hint.empty() ? "" : " (" + problem.error.hint + ")");
   }
   return row;
+}
+
+std::vector<Problem> problems_of(const analysis::TaskSet& set) {
+  return analysis::problems(analysis::analyze(set));
+}
+
+/// Whose jobs are others after the change.
+std::vector<std::string> changed_tasks(const PreparedChange::Content& change) {
+  std::vector<std::string> names;
+  for (const PreparedMember& member : change.members) {
+    if (member.part != Part::leaves && member.mode != Mode::park) {
+      names.push_back(member.component->name());
+    }
+  }
+  return names;
 }
 
 /// What the machine takes, in words.
@@ -208,9 +225,15 @@ void measure_overheads(System& system, int priority) {
 
 Status admit_deployment(System& system) {
   if (system.options.admission == Admission::off) return ok();
-  const auto problems = analysis::problems(analysis::analyze(model_of(system).set()));
+  const TimingModel model = model_of(system);
+  const auto problems = problems_of(model.set());
   if (problems.empty()) return ok();
-  if (system.options.admission == Admission::strict) return problems.front().error;
+  if (system.options.admission == Admission::strict) {
+    std::vector<std::string> tasks;
+    if (problems.front().kind == Problem::Kind::late) tasks.push_back(problems.front().error.at);
+    return refusal_of(problems.front(), model.set(), tasks,
+                      [](const analysis::TaskSet& set) { return problems_of(set).empty(); });
+  }
   for (const std::string& warning : warnings_of(problems)) {
     system.warnings.push_back("admission: " + warning);
   }
@@ -222,15 +245,22 @@ Result<std::vector<std::string>> admit_change(System& system,
   if (system.options.admission == Admission::off) return std::vector<std::string>{};
   const TimingModel before = model_of(system);
   const TimingModel after = model_after(system, change);
-  const auto known = analysis::problems(analysis::analyze(before.set()));
-  const auto lasting = analysis::problems(analysis::analyze(after.set()));
-  auto problems = analysis::problems(analysis::admit(before.set(), after.set()));
+  const auto known = problems_of(before.set());
+  const auto lasting = problems_of(after.set());
   // What was so before is not the doing of this change, not even while it leads away from it.
-  std::erase_if(problems, [&](const Problem& problem) { return has(known, problem); });
+  const auto brought = [&](const analysis::TaskSet& set) {
+    auto found = analysis::problems(analysis::admit(before.set(), set));
+    std::erase_if(found, [&](const Problem& problem) { return has(known, problem); });
+    return found;
+  };
+  auto problems = brought(after.set());
   if (system.options.admission == Admission::strict) {
     if (problems.empty()) problems = lasting;
-    if (!problems.empty()) return problems.front().error;
-    return std::vector<std::string>{};
+    if (problems.empty()) return std::vector<std::string>{};
+    return refusal_of(problems.front(), after.set(), changed_tasks(change),
+                      [&](const analysis::TaskSet& set) {
+                        return problems_of(set).empty() && brought(set).empty();
+                      });
   }
   // Of members it is said again what stays so.
   for (const Problem& problem : lasting) {
