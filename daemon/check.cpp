@@ -95,7 +95,12 @@ int check_file(const Options& options) {
   }
   std::cout << options.architecture << ": no errors\n";
   if (architecture != nullptr && !architecture->components().empty()) {
-    print(exec::analyze(*architecture));
+    const auto timing = exec::analyze(*architecture);
+    print(timing);
+    if (options.admission == Admission::strict && !timing.problems.empty()) {
+      std::cerr << "not admitted: " << timing.problems.front() << "\n";
+      return 1;
+    }
   }
   return 0;
 }

@@ -186,6 +186,41 @@ TEST(Check, NeedsNoSocketAndPrintsEveryErrorWithItsPlace) {
   EXPECT_THAT(TempDir::read(errors), HasSubstr("bad.json:3:3: unknown key \"nmae\""));
 }
 
+TEST(Check, SaysOnceThatAPluginIsMissing) {
+  const TempDir dir;
+  const auto errors = (dir / "errors.txt").string();
+  const auto file = dir.write("bad.json", R"({
+    "schema": "mauve/architecture/1", "name": "bad", "plugins": ["typs"],
+    "resources": { "a": { "type": "shared_data", "data": "pose2d/1" },
+                   "b": { "type": "shared_data", "data": "velocity/1" } }
+  })");
+
+  Process check({MAUVE_BIN_DIR "/mauved", "--check", file.string()}, errors);
+
+  EXPECT_EQ(check.wait(), 1);
+  EXPECT_THAT(TempDir::read(errors), HasSubstr("1 error in"));
+}
+
+TEST(Check, FailsUnderStrictAdmissionWhereAStartWould) {
+  const TempDir dir;
+  const auto errors = (dir / "errors.txt").string();
+  // No budgets: nothing is proved.
+  const std::vector<std::string> words{MAUVE_BIN_DIR "/mauved",
+                                       MAUVE_ETC_DIR "/minimal.json",
+                                       "--check",
+                                       "--plugin-dir",
+                                       MAUVE_PLUGIN_DIR,
+                                       "--admission"};
+  auto strict = words;
+  strict.emplace_back("strict");
+  auto warn = words;
+  warn.emplace_back("warn");
+
+  EXPECT_EQ(Process(strict, errors).wait(), 1);
+  EXPECT_THAT(TempDir::read(errors), HasSubstr("not admitted: "));
+  EXPECT_EQ(Process(warn, errors).wait(), 0);
+}
+
 TEST(Check, AcceptsTheArchitecturesThatAreShipped) {
   TempDir dir;
   const auto errors = (dir / "errors.txt").string();
