@@ -9,7 +9,7 @@ namespace mauve::ctl {
 namespace {
 
 Paint paint_of_rule(const std::string& state) {
-  if (state == "fired" || state == "holding") return Paint::yellow;
+  if (state == "fired" || state == "holding" || state == "held") return Paint::yellow;
   return state == "disabled" || state == "limited" ? Paint::red : Paint::plain;
 }
 

@@ -11,6 +11,7 @@
 #include "base/name.h"
 #include "commands/answer.h"
 #include "commands/change.h"
+#include "commands/gate.h"
 #include "commands/given_up.h"
 #include "commands/value.h"
 
@@ -29,6 +30,11 @@ constexpr protocol::Method kMethod{"supervision", "", {}, true};
 std::string said(const Fault& fault) {
   return (fault.where.empty() ? "" : fault.where + ": ") + fault.message +
          (fault.hint.empty() ? "" : " (" + fault.hint + ")");
+}
+
+/// Locked, busy, somebody else was quicker: the same may be done a moment later.
+bool is_a_matter_of_time(const Fault& fault) {
+  return fault.name == to_string(Errc::conflict) || fault.name == to_string(Errc::timed_out);
 }
 
 /// Else there is nothing to prove: a late job shall not bring back what a rule took away.
@@ -89,9 +95,15 @@ void Supervisor::run() {
 /// [control]
 void Supervisor::look() {
   look_pending_ = false;
-  for (const auto rule : engine_.step(running_->deployer.clock().now(), reader())) {
+  const std::string_view held = this->held() > 0 ? "everything is locked" : "";
+  for (const auto rule : engine_.step(running_->deployer.clock().now(), reader(), held)) {
     fire(rule);
   }
+}
+
+std::size_t Supervisor::held() const {
+  const bool free = running_ == nullptr || may_change(*running_, Kind::other);
+  return free ? 0 : engine_.rules().size();
 }
 
 rules::Read Supervisor::reader() const {
@@ -114,9 +126,9 @@ void Supervisor::fire(std::size_t index) {
   running_->log.write(Event::rule_fired, {{"rule", rule.name},
                                           {"transaction", order.transaction},
                                           {"text", rules::in_words(rule.when.values(reader()))}});
-  order.done = [this, index, adoption = adoptions_](const std::string& answer) {
+  order.done = [this, index, adoption = adoptions_](const std::string& answer, bool again) {
     if (adoption == adoptions_) {
-      engine_.answered(index, answer);
+      engine_.answered(index, answer, again);
     }
   };
   carry_out(std::move(order));
@@ -149,7 +161,7 @@ void Supervisor::serve(const std::string& component, const std::string& transact
         order, refuse(Errc::conflict, transaction, "is under way already, by an earlier request"));
   }
   order.steps = *steps;
-  order.done = [this, component, transaction](const std::string& /*answer*/) {
+  order.done = [this, component, transaction](const std::string& /*answer*/, bool /*again*/) {
     under_way_.erase({component, transaction});
   };
   carry_out(std::move(order));
@@ -202,6 +214,7 @@ void Supervisor::conclude(const Order& order, const server::Outcome& outcome) {
     fields.push_back({"component", order.component});
   }
   std::string answer;
+  bool again = false;
   if (const auto* fault = std::get_if<Fault>(&outcome)) {
     const bool unsafe = fault->state != "unchanged";
     fields.push_back({"text", said(*fault)});
@@ -209,6 +222,7 @@ void Supervisor::conclude(const Order& order, const server::Outcome& outcome) {
     running_->log.write(unsafe ? Event::transaction_unsafe : Event::transaction_refused,
                         std::move(fields));
     answer = (unsafe ? "unsafe: " : "refused: ") + said(*fault);
+    again = !unsafe && is_a_matter_of_time(*fault);
   } else {
     const auto& receipt = std::get<Json>(outcome);
     answer = text_or(receipt, "state") + ", generation " + receipt["generation"].dump();
@@ -216,7 +230,7 @@ void Supervisor::conclude(const Order& order, const server::Outcome& outcome) {
     running_->log.write(Event::transaction_applied, std::move(fields));
   }
   if (order.done) {
-    order.done(answer);
+    order.done(answer, again);
   }
 }
 

@@ -37,6 +37,8 @@ class Supervisor {
   void request(std::string component, std::string transaction);
 
   [[nodiscard]] const rules::Supervision& supervision() const { return supervision_; }
+  /// How many rules the lock keeps from firing. [control]
+  [[nodiscard]] std::size_t held() const;
   /// One row a rule, of one rule only when it is named. [control]
   [[nodiscard]] Result<Json> list(const std::string& rule) const;
 
@@ -47,7 +49,8 @@ class Supervisor {
     std::string by;           ///< "by rule gnss_lost"
     std::string component;    ///< that requested it; may be empty
     rules::Steps steps;
-    std::function<void(const std::string& answer)> done;
+    /// `again`: it was refused because this was not the time.
+    std::function<void(const std::string& answer, bool again)> done;
   };
 
   void begin_to_look();

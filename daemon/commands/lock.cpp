@@ -6,6 +6,7 @@
 
 #include "commands/answer.h"
 #include "commands/gate.h"
+#include "supervisor.h"
 
 namespace mauve::daemon {
 
@@ -64,6 +65,7 @@ void set_lock(Running& running, const CallPtr& call, Ticket /*none: it waits for
   answer(running, *call,
          Json{{"lock", word},
               {"changed", changed},
+              {"rules_held", running.supervisor.held()},
               {"state", "applied"},
               {"generation", running.generation.load()}});
 }

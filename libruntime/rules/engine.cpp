@@ -22,7 +22,8 @@ Engine::Engine(std::vector<Rule> rules) : rules_(std::move(rules)) {
   }
 }
 
-std::vector<std::size_t> Engine::step(Instant now, const Read& read) {
+std::vector<std::size_t> Engine::step(Instant now, const Read& read, std::string_view held) {
+  held_ = held;
   std::vector<std::size_t> fired;
   for (std::size_t i = 0; i < rules_.size(); ++i) {
     const Rule& rule = rules_[i];
@@ -32,15 +33,16 @@ std::vector<std::size_t> Engine::step(Instant now, const Read& read) {
     Truth rearm = !when;
     if (rule.until) rearm = rule.until->evaluate(read, watched.error);
     if (watched.waits_for_answer) rearm = Truth::no;
-    if (!watched.trigger.step(now, when, rearm)) continue;
+    if (!watched.trigger.step(now, when, rearm, held.empty())) continue;
     watched.waits_for_answer = true;
     fired.push_back(i);
   }
   return fired;
 }
 
-void Engine::answered(std::size_t rule, std::string answer) {
+void Engine::answered(std::size_t rule, std::string answer, bool again) {
   watched_[rule].waits_for_answer = false;
+  if (again) watched_[rule].trigger.try_again();
   watched_[rule].answer = std::move(answer);
 }
 
@@ -57,7 +59,7 @@ Report Engine::report(std::size_t rule, Instant now, const Read& read) const {
 }
 
 std::string Engine::why_not(const Watched& watched, const Rule& rule, Instant now,
-                            const Read& read) {
+                            const Read& read) const {
   const Trigger& trigger = watched.trigger;
   if (!watched.error.empty()) return watched.error;
   const auto holds_for = [&](Duration held) {
@@ -81,6 +83,8 @@ std::string Engine::why_not(const Watched& watched, const Rule& rule, Instant no
       return "cooling down " + seconds(trigger.cooling(now)) + " s more";
     case State::limited:
       return "limit " + std::to_string(rule.timing.per_hour) + " an hour reached";
+    case State::held:
+      return held_;
     case State::disabled:
       break;
   }

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "rules/supervision.h"
@@ -32,10 +33,12 @@ class Engine {
   [[nodiscard]] const std::vector<Rule>& rules() const { return rules_; }
 
   /// The rules that fire now, as indices. A rule that fired waits for its answer, then for its
-  /// `until`.
-  [[nodiscard]] std::vector<std::size_t> step(Instant now, const Read& read);
-  /// What came of the firing: "applied", "refused: ...".
-  void answered(std::size_t rule, std::string answer);
+  /// `until`. `held`: why none may fire now; empty: all may.
+  [[nodiscard]] std::vector<std::size_t> step(Instant now, const Read& read,
+                                              std::string_view held = {});
+  /// What came of the firing: "applied", "refused: ...". `again`: it was not its time, so the rule
+  /// tries again while its condition holds.
+  void answered(std::size_t rule, std::string answer, bool again = false);
 
   [[nodiscard]] Report report(std::size_t rule, Instant now, const Read& read) const;
 
@@ -47,11 +50,12 @@ class Engine {
     std::string answer;
   };
 
-  [[nodiscard]] static std::string why_not(const Watched& watched, const Rule& rule, Instant now,
-                                           const Read& read);
+  [[nodiscard]] std::string why_not(const Watched& watched, const Rule& rule, Instant now,
+                                    const Read& read) const;
 
   std::vector<Rule> rules_;
   std::vector<Watched> watched_;  // by rule
+  std::string held_;              // why none may fire
 };
 
 }  // namespace mauve::rules

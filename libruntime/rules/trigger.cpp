@@ -6,23 +6,36 @@
 namespace mauve::rules {
 
 std::string_view to_string(State state) {
-  constexpr std::string_view kTexts[] = {"armed",        "holding", "fired",
-                                         "cooling_down", "limited", "disabled"};
+  constexpr std::string_view kTexts[] = {"armed",   "holding", "fired",   "cooling_down",
+                                         "limited", "held",    "disabled"};
   return kTexts[static_cast<std::size_t>(state)];
 }
 
-bool Trigger::step(Instant now, Truth when, Truth rearm) {
+bool Trigger::step(Instant now, Truth when, Truth rearm, bool free) {
   const State before = state_;
   state_ = next(now, when, rearm);
   if (state_ != State::fired || before == State::fired) return false;
+  if (!free) {
+    state_ = State::held;
+    return false;
+  }
+  again_ = false;
   last_ = now;
   this_hour_.push_back(now);
   ++times_;
   return true;
 }
 
+void Trigger::try_again() {
+  if (state_ != State::fired) return;
+  state_ = State::holding;
+  again_ = true;
+  this_hour_.pop_back();
+}
+
 State Trigger::next(Instant now, Truth when, Truth rearm) {
   if (state_ == State::fired) {
+    if (when != Truth::yes) since_.reset();
     if (rearm != Truth::yes) return State::fired;
     since_.reset();  // what held before does not count again
   }
@@ -43,7 +56,8 @@ Duration Trigger::held(Instant now) const { return Duration{since_ ? now - *sinc
 
 Duration Trigger::cooling(Instant now) const {
   if (!last_) return Duration{0};
-  return std::max(Duration{0}, timing_.cool_down - Duration{now - *last_});
+  const Duration pause = again_ ? std::max<Duration>(timing_.cool_down, 1s) : timing_.cool_down;
+  return std::max(Duration{0}, pause - Duration{now - *last_});
 }
 
 }  // namespace mauve::rules

@@ -26,6 +26,7 @@ enum class State : std::uint8_t {
   fired,         ///< and waits to be re-armed
   cooling_down,  ///< it would fire, but has done so just before
   limited,       ///< it would fire, but has done so too often in this hour
+  held,          ///< it would fire, but may not now
   disabled,      ///< the condition names something that is not there
 };
 /// "armed" and so on.
@@ -36,8 +37,11 @@ class Trigger {
  public:
   explicit Trigger(Timing timing) : timing_(timing) {}
 
-  /// True: fires now. `rearm` is the condition under which it may fire again.
-  [[nodiscard]] bool step(Instant now, Truth when, Truth rearm);
+  /// True: fires now. `rearm` is the condition under which it may fire again; `free`: it may.
+  [[nodiscard]] bool step(Instant now, Truth when, Truth rearm, bool free = true);
+  /// Nothing came of the firing: it fires again when it has cooled down, at least for a second,
+  /// should the condition still hold; and this time does not count for the hour.
+  void try_again();
 
   /// As of the last step.
   [[nodiscard]] State state() const { return state_; }
@@ -58,6 +62,7 @@ class Trigger {
   std::optional<Instant> last_;    // firing
   std::deque<Instant> this_hour_;  // firings
   std::uint64_t times_ = 0;
+  bool again_ = false;  // the last firing came to nothing
 };
 
 }  // namespace mauve::rules

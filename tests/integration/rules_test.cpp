@@ -131,6 +131,23 @@ TEST(Rules, ThatAreRefusedChangeNothingAndHaveFired) {
   EXPECT_EQ(daemon.rule("loud")["fired"], 1);
 }
 
+/// Its condition comes true by itself, which no lock keeps it from.
+TEST(Rules, AreHeldByALockOfAllAndFireWhenItEnds) {
+  RulesDaemon daemon(
+      supervised(R"({ "name": "busy", "when": "second.core.count > 400", "do": "deaf" })"));
+  EXPECT_EQ(daemon.ask("lock.set", {{"lock", "params"}})["rules_held"], 0);
+  EXPECT_EQ(daemon.ask("lock.set", {{"lock", "all"}})["rules_held"], 1);
+  ASSERT_TRUE(eventually([&] { return daemon.rule("busy")["state"] == "held"; }))
+      << daemon.rule("busy");
+  EXPECT_EQ(daemon.rule("busy")["why_not"], "everything is locked");
+  EXPECT_EQ(daemon.rule("busy")["fired"], 0);
+
+  EXPECT_EQ(daemon.ask("lock.set", {{"lock", "none"}})["rules_held"], 0);
+
+  EXPECT_TRUE(daemon.fired("busy", 1)) << daemon.rule("busy");
+  EXPECT_EQ(daemon.service("second.ports.input"), nullptr);
+}
+
 TEST(Rules, ThatFireWhileAChangeIsUnderWayWaitForIt) {
   RulesDaemon daemon(
       supervised(R"({ "name": "alone", "when": "second.state == stopped", "do": "deaf" })"));

@@ -19,6 +19,10 @@ struct Watch {
     now += passed.count();
     return trigger.step(now, when, rearm);
   }
+  bool held_after(Duration passed) {
+    now += passed.count();
+    return trigger.step(now, Truth::yes, Truth::no, false);
+  }
 };
 
 TEST(Trigger, FiresAtOnceWithoutATimeToHold) {
@@ -65,6 +69,30 @@ TEST(Trigger, StaysFiredUntilItIsArmedAgain) {
   EXPECT_FALSE(watch.after(1s, Truth::no, Truth::yes));
   EXPECT_EQ(watch.trigger.state(), State::armed);
   EXPECT_TRUE(watch.after(1s, Truth::yes, Truth::no));
+}
+
+TEST(Trigger, FiresAsSoonAsItMayWhenItWasHeld) {
+  Watch watch{Trigger({2s, 1s, 60})};
+  EXPECT_FALSE(watch.after(0s, Truth::yes));
+  EXPECT_FALSE(watch.held_after(3s));
+  EXPECT_EQ(watch.trigger.state(), State::held);
+  EXPECT_FALSE(watch.held_after(3s));
+  EXPECT_EQ(watch.trigger.times(), 0U);
+  EXPECT_TRUE(watch.after(10ms, Truth::yes, Truth::no));
+}
+
+TEST(Trigger, TriesAgainWhenNothingCameOfIt) {
+  Watch watch{Trigger({0s, 10ms, 1})};
+  EXPECT_TRUE(watch.after(0s, Truth::yes, Truth::no));
+  EXPECT_FALSE(watch.after(10ms, Truth::yes, Truth::no));
+  watch.trigger.try_again();
+
+  EXPECT_FALSE(watch.after(980ms, Truth::yes, Truth::no)) << "not at once";
+  EXPECT_EQ(watch.trigger.state(), State::cooling_down);
+  EXPECT_TRUE(watch.after(10ms, Truth::yes, Truth::no)) << "the first did not count";
+  watch.trigger.try_again();
+  EXPECT_FALSE(watch.after(10s, Truth::no, Truth::no)) << "nothing to do any more";
+  EXPECT_EQ(watch.trigger.state(), State::armed);
 }
 
 TEST(Trigger, CountsTheTimeAnewWhenItIsArmedWhileTheConditionHolds) {
