@@ -131,17 +131,54 @@ class Application final : public Companion {
  private:
   void compare_supervision() {
     const auto& present = running_.supervisor.supervision();
-    const auto compare = [&](const char* what, Value before, Value after) {
-      if (before == after) {
-        return;
+    compare_named("transactions", arch::describe_transactions(present),
+                  arch::describe_transactions(supervision_));
+    compare_named("rules", rules_by_name(present), rules_by_name(supervision_));
+    compare_named("may_request", permissions(present), permissions(supervision_));
+    const auto order_before = names_of(present.rules);
+    const auto order_after = names_of(supervision_.rules);
+    if (std::ranges::is_permutation(order_before, order_after) && order_before != order_after) {
+      say_supervision("rules", "rules", order_before, order_after);
+    }
+  }
+
+  void say_supervision(const char* kind, std::string address, Value before, Value after) {
+    difference_.lines.push_back(
+        arch::make_line(kind, std::move(address), std::move(before), std::move(after)));
+    supervises_ = true;
+  }
+
+  /// A line for each one that differs; the order in the file says nothing.
+  void compare_named(const char* kind, const Value& before, const Value& after) {
+    const auto address = [kind](const std::string& name) { return std::string(kind) + "." + name; };
+    for (const auto& [name, wanted] : *after.get_if<Value::Object>()) {
+      const auto* present = before.find(name);
+      if (present == nullptr || !arch::same_value(*present, wanted)) {
+        say_supervision(kind, address(name), present == nullptr ? Value() : *present, wanted);
       }
-      difference_.lines.push_back(arch::make_line(what, what, std::move(before), std::move(after)));
-      supervises_ = true;
-    };
-    compare("transactions", arch::describe_transactions(present),
-            arch::describe_transactions(supervision_));
-    compare("rules", arch::describe_rules(present), arch::describe_rules(supervision_));
-    compare("may_request", permissions(present), permissions(supervision_));
+    }
+    for (const auto& [name, present] : *before.get_if<Value::Object>()) {
+      if (after.find(name) == nullptr) {
+        say_supervision(kind, address(name), present, {});
+      }
+    }
+  }
+
+  static Value rules_by_name(const rules::Supervision& supervision) {
+    Value::Object all;
+    auto described = arch::describe_rules(supervision);
+    for (std::size_t i = 0; i < described.size(); ++i) {
+      all.emplace_back(supervision.rules[i].name, std::move(described[i]));
+    }
+    return all;
+  }
+
+  static Value::Array names_of(const std::vector<rules::Rule>& rules) {
+    Value::Array names;
+    for (const auto& rule : rules) {
+      names.emplace_back(rule.name);
+    }
+    return names;
   }
 
   static Value permissions(const rules::Supervision& supervision) {

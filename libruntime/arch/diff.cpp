@@ -309,11 +309,11 @@ bool same_value(const Value& a, const Value& b) {
   }
   const auto* members_a = a.get_if<Value::Object>();
   const auto* members_b = b.get_if<Value::Object>();
-  return members_a != nullptr && members_b != nullptr &&
-         std::equal(members_a->begin(), members_a->end(), members_b->begin(), members_b->end(),
-                    [](const auto& one, const auto& other) {
-                      return one.first == other.first && same_value(one.second, other.second);
-                    });
+  return members_a != nullptr && members_b != nullptr && members_a->size() == members_b->size() &&
+         std::all_of(members_a->begin(), members_a->end(), [&](const auto& one) {
+           const Value* other = b.find(one.first);
+           return other != nullptr && same_value(one.second, *other);
+         });
 }
 
 }  // namespace mauve::arch

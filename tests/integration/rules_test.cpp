@@ -239,6 +239,21 @@ TEST(Rules, AreListedByNameAndExported) {
   EXPECT_EQ(daemon.value("second.ports.input.status"), "new_data");
 }
 
+TEST(Rules, DoNotDifferByTheirOrderInAFile) {
+  RulesDaemon daemon(supervised(kLoud, R"(["deaf"])"));
+  auto exported = daemon.ask("config.get")["architecture"];  // its keys are sorted
+
+  const auto same = daemon.ask("architecture.diff", {{"text", exported.dump()}});
+  EXPECT_EQ(same["same"], true) << same;
+
+  exported["transactions"]["calm"][0]["value"] = 2.0;
+  exported["rules"][0]["for"] = "3s";
+  const auto other = daemon.ask("architecture.diff", {{"text", exported.dump()}});
+  ASSERT_EQ(other["lines"].size(), 2U) << other;
+  EXPECT_EQ(other["lines"][0]["address"], "transactions.calm");
+  EXPECT_EQ(other["lines"][1]["address"], "rules.loud");
+}
+
 Json requesting(const std::string& component, const std::string& transaction) {
   return {{"component", component},
           {"core", "trial/requesting"},
