@@ -33,7 +33,7 @@ std::string render_history(const Json& result, Look look) {
     const std::string mark = word(one, "mark");
     table.add({{word(one, "generation")},
                {time_in_words(word(one, "time"))},
-               {word(one, "uid")},
+               {word(one, "command") == "supervision" ? "-" : word(one, "uid")},
                {word(one, "command")},
                {mark, paint_of_mark(mark)},
                {harmless(word(one, "reason"))}});

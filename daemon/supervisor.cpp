@@ -10,6 +10,7 @@
 #include "base/duration.h"
 #include "base/name.h"
 #include "commands/answer.h"
+#include "commands/audit.h"
 #include "commands/change.h"
 #include "commands/gate.h"
 #include "commands/given_up.h"
@@ -25,7 +26,7 @@ constexpr std::chrono::milliseconds kLookEvery{10};
 constexpr const char* kOwnSteps = "its own steps";
 
 /// Nobody's call: what is audited is that the daemon itself did it.
-constexpr protocol::Method kMethod{"supervision", "", {}, true};
+constexpr protocol::Method kMethod{kSupervision, "", {}, true};
 
 std::string said(const Fault& fault) {
   return (fault.where.empty() ? "" : fault.where + ": ") + fault.message +

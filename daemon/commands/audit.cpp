@@ -43,9 +43,13 @@ Line begin(const Call& call) {
     line.add("program", call.caller.peer.program);
   }
   line.add("params", bounded(protocol::to_line(call.params)));
-  if (const auto reason = text_or(call.params, "reason"); !reason.empty()) {
+  const auto reason = text_or(call.params, "reason");
+  if (!reason.empty()) {
     line.add("reason", bounded(reason));
   }
+  // What the daemon does by itself has its reason: "by rule gnss_lost".
+  const bool by_itself = call.method->name == kSupervision && !reason.empty();
+  line.add("by", by_itself ? bounded(reason) : "by uid " + std::to_string(call.caller.peer.uid));
   line.add("before", number(call.before));
   return line;
 }

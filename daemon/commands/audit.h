@@ -3,9 +3,14 @@
 /// an event; what is returned is the same for the audit log of the state directory.
 #pragma once
 
+#include <string_view>
+
 #include "commands/command.h"
 
 namespace mauve::daemon {
+
+/// The method of what rules and components change: nobody's call.
+inline constexpr std::string_view kSupervision = "supervision";
 
 /// [control] `result` as it will be answered.
 [[nodiscard]] Json audit_applied(Running& running, const Call& call, const Json& result);

@@ -297,6 +297,23 @@ TEST(Unload, UnmapsAPluginThatNothingUses) {
   EXPECT_EQ(daemon.ask("plugin.list")["items"].size(), 0U);
 }
 
+TEST(Unload, SaysThatAPluginIsOnlyKeptForTheWayBack) {
+  TrialDaemon daemon;
+  const std::string empty =
+      R"({ "schema": "mauve/architecture/1", "name": "trial", "plugins": ["trial"] })";
+  ASSERT_EQ(daemon.ask("architecture.apply", {{"text", empty}})["state"], "applied");
+
+  const auto error = daemon.ask("plugin.unload", {{"plugin", "trial"}});
+
+  EXPECT_THAT(error["message"].get<std::string>(),
+              HasSubstr("kept for the way back until generation 2"));
+  EXPECT_EQ(error["data"]["hint"], "mauvectl confirm ends that at once");
+  ASSERT_EQ(daemon.ask("change.confirm")["changed"], true);
+  EXPECT_TRUE(eventually([&] {
+    return daemon.ask("plugin.unload", {{"plugin", "trial"}}).contains("unmapped");
+  }));
+}
+
 TEST(Unload, NamesTheUsersOfAPluginInUse) {
   TrialDaemon daemon;
 
