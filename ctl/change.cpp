@@ -39,7 +39,9 @@ std::variant<Json, Fault> assignments(const std::vector<std::string>& given) {
     }
     const std::string name = one.substr(0, equals);
     if (values.contains(name)) {
-      return fault_of(protocol::kUsage, "'" + name + "' is set twice");
+      const bool json = one.find_first_of("{[:", equals) != std::string::npos;
+      return fault_of(protocol::kUsage, "'" + name + "' is set twice", {},
+                      json ? "quote JSON for the shell: '" + name + "={...}'" : "");
     }
     const std::string text = one.substr(equals + 1);
     auto parsed = protocol::parse_json(text);

@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/duration.h"
 #include "base/name.h"
 #include "protocol/socket_path.h"
 #include "session.h"
@@ -162,6 +163,33 @@ std::optional<Fault> read_globals(const Parser& parser, const Command& command, 
   return std::nullopt;
 }
 
+constexpr std::string_view kDurations[] = {"--budget", "--max-age", "--confirm-within"};
+constexpr std::pair<std::string_view, std::string_view> kWords[] = {
+    {"--state", "drop"},
+    {"--sync", "cut barrier"},
+    {"--level", "debug info warn error"},
+    {"LOCK", "none params all"}};
+
+bool is_one_of(std::string_view words, const std::string& value) {
+  const std::string all = " " + std::string(words) + " ";
+  return !value.empty() && value.find(' ') == std::string::npos &&
+         all.find(" " + value + " ") != std::string::npos;
+}
+
+/// What the daemon would refuse whatever runs in it is wrong use.
+std::optional<Fault> check_value(std::string_view name, const std::string& value) {
+  if (std::ranges::find(kDurations, name) != std::end(kDurations)) {
+    const auto time = parse_duration(value);
+    if (!time) return misuse(std::string(name) + ": " + time.error().message, time.error().hint);
+  }
+  for (const auto& [argument, words] : kWords) {
+    if (name != argument || is_one_of(words, value)) continue;
+    return misuse("'" + value + "' is no value of " + std::string(name),
+                  "one of: " + std::string(words));
+  }
+  return std::nullopt;
+}
+
 std::variant<Invocation, Text, Misuse> invocation_of(const Parser& parser) {
   const Command* command = parser.chosen();
   const bool json = !parser.global("--json").empty();
@@ -172,7 +200,10 @@ std::variant<Invocation, Text, Misuse> invocation_of(const Parser& parser) {
   Invocation invocation;
   invocation.command = command;
   for (const auto& [name, given] : parser.values.at(command->name)) {
-    for (const auto& value : given) invocation.arguments.add(name, value);
+    for (const auto& value : given) {
+      if (auto fault = check_value(name, value)) return Misuse{std::move(*fault), json};
+      invocation.arguments.add(name, value);
+    }
   }
   if (auto fault = read_globals(parser, *command, invocation.globals)) {
     return Misuse{std::move(*fault), json};

@@ -8,6 +8,7 @@
 #include "commands/answer.h"
 #include "commands/change.h"
 #include "commands/unproven.h"
+#include "keeper.h"
 
 namespace mauve::daemon {
 
@@ -42,6 +43,23 @@ Status nothing_else(const Json& params) {
     }
   }
   return ok();
+}
+
+/// What to do instead, where anything is kept.
+Error no_way_back(const Running& running, Error error) {
+  const auto now = running.earlier + running.deployer.generation();
+  error.at = "generation " + std::to_string(now);
+  error.hint.clear();
+  if (running.keeper == nullptr) {
+    return error;
+  }
+  for (const auto& saved : running.keeper->generations().list()) {
+    if (saved.number < now && !saved.damaged) {
+      error.hint = "mauvectl rollback " + std::to_string(saved.number);
+      break;  // the newest first
+    }
+  }
+  return error;
 }
 
 }  // namespace
@@ -108,7 +126,7 @@ void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
   auto begun = running.deployer.undo(std::string(kUndone) +
                                      (reason.empty() ? " by request" : ": " + reason));
   if (!begun) {
-    return answer(running, *call, begun.error());
+    return answer(running, *call, no_way_back(running, begun.error()));
   }
   const auto before = running.earlier + running.deployer.generation();
   call->mark = Mark::unconfirmed;  // the caretaker knows to what it goes back

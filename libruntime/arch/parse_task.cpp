@@ -5,6 +5,8 @@
 #include <string>
 
 #include "arch/parse_element.h"
+#include "base/address.h"
+#include "base/name.h"
 
 namespace mauve::arch {
 namespace {
@@ -66,15 +68,20 @@ std::optional<FaultPolicy> read_on_fault(const Source& source) {
     read_restart(source, policy);
     return policy;
   }
-  if (source.node.get_if<std::string>() == nullptr) {
-    source.refuse_kind("\"stop\", \"fallback\" or an object",
-                       "write \"on_fault\": { \"restart\": 3, \"per\": \"60s\" } to restart it");
+  const std::string restart =
+      "write \"on_fault\": { \"restart\": 3, \"per\": \"60s\" } to restart it";
+  const auto* word = source.node.get_if<std::string>();
+  if (word == nullptr) {
+    source.refuse_kind("\"stop\", \"fallback\" or an object", restart);
     return std::nullopt;
   }
-  const auto word = read_word(source, {"stop", "fallback"});
-  if (!word) return std::nullopt;
-  if (*word == 1) policy.action = FaultPolicy::Action::fallback;
-  return policy;
+  if (*word == "fallback") policy.action = FaultPolicy::Action::fallback;
+  if (*word == "fallback" || *word == "stop") return policy;
+  const std::string near = did_you_mean(*word, {"stop", "fallback"}, "\"");
+  source.refuse(
+      "\"" + word->substr(0, kLongestName) + "\" is not one of stop, fallback, { \"restart\": N }",
+      near.empty() ? restart : near + " Or " + restart);
+  return std::nullopt;
 }
 
 }  // namespace

@@ -90,6 +90,7 @@ std::optional<ResourceParts> Resolver::built_in(const ResourceSpec& resource) {
     return std::nullopt;
   }
   Result<std::shared_ptr<const DataType>> data = catalog_.type(resource.data->value);
+  if (!data && !all_plugins_loaded()) return std::nullopt;  // it may be of the one refused
   if (!data) {
     problems_.add(resource.data->where, Errc::unknown_name, at, data.error().message,
                   data.error().hint);
@@ -132,6 +133,12 @@ bool Resolver::plugin_loaded(const PlacedText& name, const std::string& at) {
                                 : "did you mean \"" + nearest + name.value.substr(slash) +
                                       "\"? Or add \"" + plugin + "\" to \"plugins\"");
   return false;
+}
+
+bool Resolver::all_plugins_loaded() const {
+  return std::all_of(spec_.plugins.begin(), spec_.plugins.end(), [&](const PlacedText& plugin) {
+    return catalog_.find(plugin.value) != nullptr;
+  });
 }
 
 std::string Resolver::fitting_cores(const Contract& contract) const {

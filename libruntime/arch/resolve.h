@@ -49,6 +49,7 @@ class Resolver {
             const std::string& at);
   std::optional<ResourceParts> built_in(const ResourceSpec& resource);
   bool plugin_loaded(const PlacedText& name, const std::string& at);
+  [[nodiscard]] bool all_plugins_loaded() const;
   std::string fitting_cores(const Contract& contract) const;
 
   const Spec& spec_;

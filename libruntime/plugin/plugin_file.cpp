@@ -130,7 +130,10 @@ std::vector<std::string> names_in(const std::vector<std::string>& directories) {
 
 Error not_found(const std::vector<std::string>& directories, std::string_view name) {
   std::string where;
-  for (const std::string& directory : directories) where += (where.empty() ? "" : ", ") + directory;
+  for (const std::string& directory : directories) {
+    where += (where.empty() ? "" : ", ") + directory;
+    if (real_path(directory).empty()) where += " (no such directory)";
+  }
   return refuse(Errc::plugin_refused, std::string(name),
                 where.empty() ? "cannot be found: there is no plugin directory"
                               : "there is no " + std::string(name) + ".so in " + where,

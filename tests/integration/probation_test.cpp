@@ -95,7 +95,10 @@ TEST(Probation, UndoAnswersWhenEverythingIsBack) {
   EXPECT_EQ(undone["generation"], 3) << undone;
   EXPECT_TRUE(runs(daemon, "trial/steady"));
   EXPECT_EQ(daemon.ask("quarantine.list")["cores"].size(), 0U) << "nobody was at fault";
-  EXPECT_EQ(daemon.ask("change.undo")["data"]["name"], "wrong_state");
+  const auto again = daemon.ask("change.undo");
+  EXPECT_EQ(again["data"]["name"], "wrong_state");
+  EXPECT_EQ(again["data"]["where"], "generation 3") << "the one in force";
+  EXPECT_EQ(again["data"].value("hint", ""), "") << "nothing is kept that could be rolled back to";
 }
 
 TEST(Probation, WhatNobodyConfirmsIsRolledBack) {

@@ -76,6 +76,22 @@ TEST(Options, RefuseTheGuardsOfAChangeElsewhere) {
   EXPECT_EQ(refused({"status", "--reason", "x"}).fault.exit, 2);
 }
 
+TEST(Options, RefuseValuesThatNothingTakes) {
+  for (const Words& words : {Words{"swap-core", "a", "b/c", "--budget", "12"},
+                             {"lock", "non"},
+                             {"lock", "none params"},
+                             {"swap-core", "a", "b/c", "--state", "dropp"},
+                             {"logs", "--level", "loud"},
+                             {"connect", "a.ports.b", "c.d", "--max-age", "soon"},
+                             {"apply", "f", "--sync", "both"}}) {
+    const Misuse misuse = refused(words);
+    EXPECT_EQ(misuse.fault.exit, 2) << words.back();
+    EXPECT_FALSE(misuse.fault.hint.empty()) << words.back();
+  }
+  EXPECT_EQ(accepted({"lock", "params"}).arguments.one("LOCK"), "params");
+  EXPECT_EQ(accepted({"logs", "--level", "warn"}).arguments.one("--level"), "warn");
+}
+
 TEST(Options, NameTheNearestCommand) {
   EXPECT_EQ(refused({"staus"}).fault.hint, "did you mean 'status'?");
   EXPECT_EQ(refused({"swap", "a", "b"}).fault.hint, "did you mean 'swap-core'?");

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "unit/ctl/scene.h"
@@ -61,6 +62,13 @@ TEST(Set, RefusesWhatIsNoAssignmentWithoutAsking) {
 
   EXPECT_EQ(outcome.exit, 2);
   EXPECT_EQ(run("/nowhere", {"set", "a.x=1", "a.x=2"}).exit, 2);
+}
+
+TEST(Set, SaysHowToWriteWhatTheShellTookApart) {
+  EXPECT_THAT(run("/nowhere", {"set", "m.core.goal=x:0", "m.core.goal=y:0"}).err,
+              testing::HasSubstr("quote JSON for the shell: 'm.core.goal={...}'"));
+  EXPECT_THAT(run("/nowhere", {"set", "a.x=1", "a.x=2"}).err,
+              testing::Not(testing::HasSubstr("quote")));
 }
 
 TEST(Stop, WantsNamesOrAll) {

@@ -66,6 +66,13 @@ TEST_F(PluginFileTest, SuggestsTheNearestFile) {
   EXPECT_EQ(file.error().hint, "did you mean \"guidance\"?");
 }
 
+TEST_F(PluginFileTest, SaysThatADirectoryIsNotThere) {
+  const Result<PluginFile> file = read_plugin_file({"/nowhere"}, "guidance", trust_);
+
+  ASSERT_FALSE(file);
+  EXPECT_EQ(file.error().message, "there is no guidance.so in /nowhere (no such directory)");
+}
+
 TEST_F(PluginFileTest, TakesTheFirstDirectoryThatHasIt) {
   const TempDir second;
   write("both.so");
