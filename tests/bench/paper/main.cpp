@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The benchmark of the paper, section 4:
-///   paper [--smoke] [--rounds N] [--out FOLDER] [execution | reconfiguration | exchange]...
+///   paper [--smoke] [--out FOLDER] [execution | reconfiguration | exchange]...
 /// ROS is measured where there is a master (ROS_MASTER_URI) and the program beside this one.
 #include <cstdlib>
 #include <filesystem>

@@ -69,8 +69,9 @@ class RawTask {
     }));
     while (!parked_.load()) std::this_thread::yield();
   }
+  /// All of them before one of them is waited for: the last jobs are as the others.
+  void stop() { over_.store(true); }
   std::vector<Cycle> end() {
-    over_.store(true);
     thread_.join();
     return cycles_.all();
   }
@@ -121,6 +122,8 @@ Run run_raw(int cpu, Duration time) {
     mauve::rt::futex_bump(gate);
   }
   std::this_thread::sleep_for(time);
+  a.stop();
+  b.stop();
   run.b = b.end();
   run.a = a.end();
   return run;
