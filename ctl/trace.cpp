@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// trace: begin and end one, see what there is, and bring it into a file.
 #include <chrono>
-#include <fstream>
-#include <functional>
 #include <string>
+#include <variant>
 
 #include "actions.h"
 #include "base/duration.h"
+#include "live_trace.h"
+#include "mtrace/convert.h"
 #include "words.h"
 
 namespace mauve::ctl {
@@ -69,42 +70,18 @@ int list(Session& session) {
   return 0;
 }
 
-using Page = std::function<void(const Json& page, bool first)>;
-
-/// All pages, from the first record to the last.
-std::optional<Fault> each_page(Session& session, const std::string& recording, const Page& visit) {
-  Json params = {{"from", 0}};
-  if (!recording.empty()) params["recording"] = recording;
-  for (bool first = true;; first = false) {
-    const auto answer = session.call("trace.read", params);
-    if (const auto* fault = std::get_if<Fault>(&answer)) return *fault;
-    const Json& page = std::get<Json>(answer);
-    visit(page, first);
-    if (page.value("end", true)) return std::nullopt;
-    params = {{"recording", word(page, "recording")}, {"from", whole_number(page, "next")}};
-  }
-}
-
 int dump(Session& session) {
-  const std::string name = session.arguments.one(kFileOption);
-  if (name.empty()) return session.fail(wrong_use("-o says into which file", {}));
-  std::ofstream file(name, std::ios::binary);
-  if (!file.good()) return session.fail(wrong_use("the file cannot be written", name));
-  std::uint64_t records = 0;
-  std::uint64_t lost = 0;
-  const auto write = [&](const Json& page, bool first) {
-    if (first) file << protocol::to_line(page["header"]) << "\n";
-    if (first) lost = whole_number(page["header"], "lost");
-    for (const Json& record : list_in(page, "records")) file << protocol::to_line(record) << "\n";
-    records += list_in(page, "records").size();
-  };
-  const auto fault = each_page(session, session.arguments.one("RECORDING"), write);
-  if (fault) return session.fail(*fault);
-  const Json end = {{"end", true}, {"records", records}, {"lost", lost}};
-  file << protocol::to_line(end) << "\n" << std::flush;
-  if (!file.good()) return session.fail(wrong_use("the file is not complete", name));
-  session.print({{"file", name}, {"records", records}, {"lost", lost}},
-                counted(records, "record") + " in " + name + "\n");
+  const std::string file = session.arguments.one(kFileOption);
+  if (file.empty()) return session.fail(wrong_use("-o says into which file", {}));
+  const auto read = read_live(session, session.arguments.one("RECORDING"));
+  if (const auto* fault = std::get_if<Fault>(&read)) return session.fail(*fault);
+  const auto& trace = std::get<mtrace::Trace>(read);
+  if (const Status done = mtrace::convert(trace, mtrace::format_of(file), file); !done) {
+    return session.fail(fault_of(done.error()));
+  }
+  const std::uint64_t records = trace.records.size();
+  session.print({{"file", file}, {"records", records}, {"lost", trace.header.lost}},
+                counted(records, "record") + " in " + file + "\n");
   return 0;
 }
 

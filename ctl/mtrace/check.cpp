@@ -156,6 +156,9 @@ class ResponseCheck {
           "responses beyond the bound by less than the probe sees, on a machine that was "
           "disturbed");
     }
+    if (beyond > 0 && !findings_.trace().header.probed) {
+      return findings_.left_out("responses beyond the bound, and no probe to say what held them up");
+    }
     ++findings_.checked.responses;
     if (beyond <= 0) return;
     findings_.violation(
@@ -163,9 +166,7 @@ class ResponseCheck {
         component.name + " responded in " + length_in_words(response) + " to its release for " +
             instant_in_words(job.instant()) + ", and " + length_in_words(*component.bound) +
             " were admitted",
-        disturbed_.empty()
-            ? "nothing was seen to disturb it; mauvectl trace start runs a probe that would see it"
-            : "mauvectl analyze shows what the bound is made of; mauvectl timeline shows what ran");
+        "mauvectl analyze shows what the bound is made of; mauvectl timeline shows what ran");
   }
 
  private:

@@ -132,6 +132,7 @@ Status Builder::header(const Json& header) {
   into.to = integer_in(header, "to");
   into.why = text_in(header, "why");
   into.lost = static_cast<std::uint64_t>(std::max<std::int64_t>(0, integer_in(header, "lost")));
+  into.probed = !header.contains("probe") || header["probe"] == true;
   for (const Json& component : list_in(header, "components")) {
     if (component.is_object()) into.components.push_back(component_of(component));
   }
@@ -251,6 +252,7 @@ std::string header_line(const Header& header) {
             {"to", header.to},
             {"why", header.why},
             {"lost", header.lost},
+            {"probe", header.probed},
             {"components", Json::array()},
             {"resources", header.resources}};
   for (const Component& component : header.components) {

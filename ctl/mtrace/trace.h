@@ -109,6 +109,7 @@ struct Header {
   std::int64_t to = 0;
   std::string why;
   std::uint64_t lost = 0;
+  bool probed = true;  ///< a probe told all the time when the host, or foreign work, held it up
   std::vector<Component> components;
   std::vector<std::string> resources;
 };

@@ -64,6 +64,7 @@ Json header_of(const Recording& recording, const std::string& boot) {
           {"to", recording.to},
           {"why", recording.why},
           {"lost", recording.lost},
+          {"probe", recording.probed},
           {"components", std::move(components)},
           {"resources", recording.about.resources}};
 }

@@ -19,6 +19,7 @@ struct Recording {
   Instant from = 0;  ///< since T0
   Instant to = 0;
   std::int64_t lost = 0;  ///< records that nobody collected in time
+  bool probed = false;    ///< all the time, for what the host or foreign work held up
   std::vector<TraceRecord> records;
 };
 using RecordingPtr = std::shared_ptr<const Recording>;

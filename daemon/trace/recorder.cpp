@@ -162,6 +162,7 @@ Recording Recorder::cut(Instant from) const {
   const Instant kept = std::chrono::nanoseconds(kept_).count();
   Recording recording = memory_.since(std::max(from, now - kept));
   recording.about = about_;
+  recording.probed = on_ && !probes_.empty() && recording.from >= since_;
   return recording;
 }
 

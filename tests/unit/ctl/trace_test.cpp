@@ -2,6 +2,7 @@
 // trace: what is asked, and what gets into the file.
 #include <gmock/gmock.h>
 
+#include "mtrace/file.h"
 #include "support/temp_dir.h"
 #include "unit/ctl/scene.h"
 
@@ -31,8 +32,7 @@ TEST(Trace, RefusesWhatItCannotDoBeforeItAsks) {
        std::vector<std::vector<std::string>>{{"trace", "begin"},
                                              {"trace", "start", "--for", "0s"},
                                              {"trace", "start", "--for", "1500ms"},
-                                             {"trace", "dump"},
-                                             {"trace", "dump", "-o", "/nowhere/x.mtrace"}}) {
+                                             {"trace", "dump"}}) {
     const Scene scene(words, kStatus);
     EXPECT_EQ(scene.outcome.exit, 2) << words.back();
     EXPECT_TRUE(scene.asked.empty());
@@ -62,12 +62,13 @@ TEST(Trace, PutsAllPagesIntoOneFile) {
   }
   EXPECT_EQ(outcome.exit, 0) << outcome.err;
   ASSERT_EQ(asked.size(), 2U);
-  EXPECT_EQ(asked[1], (Json{{"recording", "snapshot-7"}, {"from", 1}}));
-  EXPECT_EQ(test::TempDir::read(file),
-            "{\"lost\":3,\"mauve_trace\":1}\n"
-            "[1,\"control\",\"release\"]\n"
-            "[2,\"control\",\"release\"]\n"
-            "{\"end\":true,\"lost\":3,\"records\":2}\n");
+  EXPECT_EQ(asked[1], (Json{{"recording", "snapshot-7"}, {"from", 1}, {"count", 5000}}));
+  const auto written = mtrace::read_file(file.string());
+  ASSERT_TRUE(written) << written.error().message;
+  EXPECT_TRUE(written->reading.complete);
+  EXPECT_EQ(written->header.lost, 3U);
+  ASSERT_EQ(written->records.size(), 2U);
+  EXPECT_EQ(written->records[1].time, 2);
 }
 
 }  // namespace
