@@ -50,6 +50,7 @@ def new_core(robot):
 
 def known_core(robot):
     swap(robot, "guidance/finite_time", "--set", "speed=0.6")
+    robot.draw("timeline.svg", "timeline")  # the last second, with that swap in it
 
 
 def wait_for_the_building(robot):

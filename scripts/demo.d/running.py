@@ -37,6 +37,7 @@ class Robot:
                         str(place / "mauved.sock"), "--plugin-dir", str(plugins),
                         "--admission", "strict"]
         self.place = place
+        self.out = out
         self.picture = out / "path.svg"
         self.log = open(out / "mauved.log", "w", encoding="utf-8")
         self.receipts = []
@@ -124,6 +125,12 @@ class Robot:
         print(f"  generation {receipt['generation']}, {receipt['state']}: {pauses or 'no component paused'}",
               flush=True)
         return receipt
+
+    def draw(self, name, *words):
+        """What mauvectl draws or writes, into a file beside the log."""
+        done = self.run(*words, "-o", str(self.out / name))
+        if done.returncode != 0:
+            raise Failed(f"mauvectl {' '.join(words)}: {done.stdout}{done.stderr}".strip())
 
     def core(self):
         return self.get("control.core")
