@@ -138,7 +138,8 @@ constexpr Argument kTrace[] = {
     maybe("RECORDING", "of dump: one of the list; unsaid: what is traced now", Kind::none),
     flag("--detail", "of start: every use of a port too"),
     maybe("--for", "of start: what is kept, such as 10s", Kind::none),
-    maybe("-o,--output", "of dump: *.mtrace, *.json for Perfetto, else a folder of CTF", Kind::file)};
+    maybe("-o,--output", "of dump: *.mtrace, *.json for Perfetto, else a folder of CTF",
+          Kind::file)};
 constexpr Argument kLock[] = {one("LOCK", "none, params or all", Kind::lock)};
 constexpr Argument kLogs[] = {
     maybe("COMPONENT", "only this one", Kind::component),

@@ -157,7 +157,7 @@ class ResponseCheck {
           "disturbed");
     }
     if (beyond > 0 && !findings_.trace().header.probed) {
-      return findings_.left_out("responses beyond the bound, and no probe to say what held them up");
+      return findings_.left_out("responses beyond the bound, where no probe ran");
     }
     ++findings_.checked.responses;
     if (beyond <= 0) return;
