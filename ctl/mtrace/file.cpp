@@ -262,13 +262,13 @@ std::string header_line(const Header& header) {
 }
 
 std::string record_line(const Trace& trace, const Record& record) {
-  Json json{record.time, trace.text(record.thread), words_of(record.event).event,
-            trace.text(record.name), record.a};
-  if (record.event == Event::user) {
-    json.push_back(record.value());
-  } else {
-    json.push_back(record.b);
-  }
+  Json json{record.time, trace.text(record.thread), words_of(record.event).event};
+  const bool number = record.event == Event::user;
+  const bool b = number || record.b != 0;
+  const std::string_view name = trace.text(record.name);
+  if (!name.empty() || record.a != 0 || b) json.push_back(name);
+  if (record.a != 0 || b) json.push_back(record.a);
+  if (b) json.push_back(number ? Json(record.value()) : Json(record.b));
   return protocol::to_line(json) + "\n";
 }
 

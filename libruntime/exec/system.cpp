@@ -71,7 +71,7 @@ std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mod
 }
 
 std::shared_ptr<Task> new_task(const System& system, const ComponentBase& component) {
-  return std::make_shared<Task>(component.name(), system.runner->clock(), system.options.simulated);
+  return std::make_shared<Task>(component.name(), system.runner->clock());
 }
 
 Status start_thread(System& system, Deployed& deployed) {

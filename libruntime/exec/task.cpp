@@ -32,11 +32,11 @@ void fetch(const Published& next, const FsmState* state) {
 
 }  // namespace
 
-Task::Task(std::string name, const Clock& clock, bool simulated)
+Task::Task(std::string name, const Clock& clock)
     : name_(std::move(name)),
       trace_name_(trace_name_id(name_)),
       clock_(clock),
-      simulated_(simulated ? &clock : nullptr),
+      simulated_(dynamic_cast<const MonotonicClock*>(&clock) == nullptr ? &clock : nullptr),
       trace_(new Trace{rt::TraceRing(simulated_), nullptr}) {}
 
 Task::~Task() {

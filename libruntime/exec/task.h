@@ -85,8 +85,7 @@ struct Published {
 
 class Task {
  public:
-  /// `simulated`: the clock is not that of the machine.
-  Task(std::string name, const Clock& clock, bool simulated = false);
+  Task(std::string name, const Clock& clock);
   ~Task();
   Task(const Task&) = delete;
   Task& operator=(const Task&) = delete;

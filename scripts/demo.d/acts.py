@@ -49,8 +49,10 @@ def new_core(robot):
 
 
 def known_core(robot):
-    swap(robot, "guidance/finite_time", "--set", "speed=0.6")
-    robot.draw("timeline.svg", "timeline")  # the last second, with that swap in it
+    swapped = swap(robot, "guidance/finite_time", "--set", "speed=0.6")["commit"]
+    until("it drives with it", lambda: robot.get("control.core") == "guidance/finite_time")
+    robot.draw("timeline.svg", "timeline", "--from", f"{swapped - 15_000_000}ns", "--to",
+               f"{swapped + 25_000_000}ns")
 
 
 def wait_for_the_building(robot):

@@ -331,8 +331,8 @@ TEST_F(Apply, LetsNobodyWaitWhenToldToCut) {
 
   ASSERT_EQ(applied.exit, 0) << applied.out << client_errors();
   EXPECT_FALSE(Json::parse(applied.out).contains("sync"));
-  EXPECT_EQ(ctl("apply", kTrial, {"--sync", "soon"}).exit, 1);
-  EXPECT_THAT(client_errors(), HasSubstr("say cut or barrier"));
+  EXPECT_EQ(ctl("apply", kTrial, {"--sync", "soon"}).exit, 2);
+  EXPECT_THAT(client_errors(), HasSubstr("one of: cut barrier"));
 }
 
 TEST_F(Apply, LetsMembersWaitForEachOtherWhenTold) {

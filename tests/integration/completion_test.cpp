@@ -79,7 +79,8 @@ class CompletionIn : public testing::Test {
 TEST_F(CompletionIn, BashOffersCommandsOptionsAndLiveNames) {
   ASSERT_FALSE(daemon_.ask("status.get").is_null());
 
-  EXPECT_THAT(offered(&CompletionIn::bash, "mauvectl sta"), ElementsAre("start", "status"));
+  EXPECT_THAT(offered(&CompletionIn::bash, "mauvectl sta"),
+              ElementsAre("start", "stats", "status"));
   EXPECT_THAT(offered(&CompletionIn::bash, "mauvectl swap-core --in"), ElementsAre("--in-place"));
   EXPECT_THAT(offered(&CompletionIn::bash, "mauvectl start "), ElementsAre("first", "second"));
   EXPECT_THAT(offered(&CompletionIn::bash, "mauvectl swap-core first trial/"),

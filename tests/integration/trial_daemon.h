@@ -46,6 +46,14 @@ class TrialDaemon {
     start();
   }
 
+  ~TrialDaemon() {
+    if (process_ != nullptr) {
+      expect_trace_obeys_the_model(socket().string(), *process_, place_.path());
+    }
+  }
+  TrialDaemon(const TrialDaemon&) = delete;
+  TrialDaemon& operator=(const TrialDaemon&) = delete;
+
   /// Puts build 1, 2 or 3 of the plugin in place, as a build tool does: a new file, then its name.
   void install(int number) const {
     const auto from = std::filesystem::path(MAUVE_TRIAL_DIR) / std::to_string(number) / "trial.so";

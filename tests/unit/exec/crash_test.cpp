@@ -106,7 +106,8 @@ TEST_F(Crash, WithoutAFallbackCoreItsComponentIsParkedAndItsOutputsAreSafe) {
   deployer.drain([&](const Happening& h) {
     if (h.event == "faulted") told.push_back(h.component + ": " + h.text);
   });
-  EXPECT_EQ(told, std::vector<std::string>{"left: crashed: SIGSEGV at address 0x0"});
+  EXPECT_EQ(told,
+            std::vector<std::string>{"left: crashed: SIGSEGV at address 0x0, in state update"});
 }
 
 // --- a resource that is held
