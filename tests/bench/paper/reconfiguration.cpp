@@ -100,8 +100,8 @@ struct Asking : mauve::Core<mauve::EmptyShell> {
   }
 };
 
-struct TwoComponents : mauve::Architecture {
-  explicit TwoComponents(int cpu) {
+struct SwappedPair : mauve::Architecture {
+  explicit SwappedPair(int cpu) {
     a.fsm().period = kA.period;
     a.task().priority = kA.priority;
     a.task().cpus = {cpu};
@@ -151,7 +151,7 @@ void await(mauve::Deployer& deployer) {
 
 Result swaps_by_mauve(Places places, int count) {
   notes().clear(kEvery);
-  TwoComponents architecture(places.component);
+  SwappedPair architecture(places.component);
   mauve::Deployer deployer(architecture);
   must(deployer.deploy());
   Result result;
@@ -249,7 +249,7 @@ void table_4(Book& book, const Setting& setting) {
 void figure_9(Book& book, const Setting& setting, bool in_place) {
   const Places places{setting.cpu, mauve::rt::usable_cpus().front()};
   notes().clear(4);
-  TwoComponents architecture(places.component);
+  SwappedPair architecture(places.component);
   mauve::Deployer deployer(architecture);
   must(deployer.deploy());
   {
