@@ -56,6 +56,7 @@ struct LineThread::Device {
   std::atomic<std::uint64_t> reader{0};  // whose component ran last
   std::mutex reading;                    // no thread but those of lines ever waits for it
   std::uint64_t tuned = 0;               // whose speed it has
+  std::string left;                      // read by one that was the reader until then
 };
 
 /// What no other line can find is its own: nothing.
@@ -251,8 +252,17 @@ std::ptrdiff_t LineThread::read_some(std::span<char> room) {
   if (device_ == nullptr) return end_->read(room);
   const std::lock_guard lock(device_->reading);
   if (!reads()) return 0;
+  std::string& left = device_->left;
+  if (!left.empty()) {
+    const std::size_t count = left.copy(room.data(), room.size());
+    left.erase(0, count);
+    return static_cast<std::ptrdiff_t>(count);
+  }
   tune();
-  return end_->read(room);
+  const std::ptrdiff_t count = end_->read(room);
+  if (count <= 0 || reads()) return count;
+  left.assign(room.data(), static_cast<std::size_t>(count));  // for who became the reader meanwhile
+  return 0;
 }
 
 /// Is there something to send?

@@ -26,11 +26,27 @@ inline constexpr const char* kMaster = "/usr/bin/rosmaster";
 inline constexpr const char* kTopic = "/usr/bin/rostopic";
 inline constexpr const char* kBag = "/usr/bin/rosbag";
 
-inline int free_port() {
-  const int probe = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+inline sockaddr_in here(int port) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  return address;
+}
+
+/// Does somebody listen?
+inline bool answers(int port) {
+  const int probe = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const sockaddr_in address = here(port);
+  const bool connected =
+      connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  ::close(probe);
+  return connected;
+}
+
+inline int free_port() {
+  const int probe = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address = here(0);
   socklen_t size = sizeof address;
   EXPECT_EQ(bind(probe, reinterpret_cast<sockaddr*>(&address), size), 0);
   EXPECT_EQ(getsockname(probe, reinterpret_cast<sockaddr*>(&address), &size), 0);
@@ -80,6 +96,8 @@ class RosTools : public testing::Test {
 
   void start_master() {
     master_ = std::make_unique<Process>(std::vector<std::string>{kMaster, "--core", "-p", port_});
+    // Its tools give up when they do not find it.
+    EXPECT_TRUE(eventually([&] { return answers(std::stoi(port_)); }, kLong));
   }
   static std::string stamped(double x, double y) {
     return "{pose: {position: {x: " + std::to_string(x) + ", y: " + std::to_string(y) +
