@@ -131,7 +131,8 @@ class ThreadCheck {
                instant_in_words(last_->a),
            "the logical clock only goes on");
     }
-    if (last_epoch() && component_ != nullptr && component_->period > 0 &&
+    // Another wait goes on from the release before it: on the grid is only where a start led.
+    if (started_ != nullptr && last_epoch() && component_ != nullptr && component_->period > 0 &&
         (record.a - component_->offset) % component_->period != 0) {
       fail(record, "release",
            "was released for " + instant_in_words(record.a) + ", which is not on its grid of " +
