@@ -58,7 +58,7 @@ Notes& notes() {
 /// The contract of A.
 struct Work : mauve::Core<mauve::EmptyShell> {
   using Contract = Work;
-  static constexpr const char* contract = "paper/work/1";
+  static constexpr const char* contract = "paper/task/1";
   mauve::Stateless stateless{*this};
   virtual void update() = 0;
 };
