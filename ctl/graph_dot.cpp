@@ -2,6 +2,7 @@
 /// The language of Graphviz: `mauvectl graph --dot | dot -Tpdf`.
 #include "graph.h"
 #include "machine.h"
+#include "svg.h"
 
 namespace mauve::ctl {
 namespace {
@@ -91,28 +92,11 @@ std::string dot_edge(const Graph& graph, const Graph::Link& link) {
 
 }  // namespace
 
+/// In quoted strings of the language a backslash means something besides.
 std::string escaped_for_dot(std::string_view text) {
   std::string result;
-  for (const char letter : text) {
-    switch (letter) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      case '\\':
-        result += "&#92;";
-        break;
-      default:
-        result += letter;
-    }
+  for (const char letter : escaped_markup(text)) {
+    letter == '\\' ? result += "&#92;" : result += letter;
   }
   return result;
 }

@@ -20,26 +20,6 @@ std::string attribute(std::string_view name, double value) {
   return " " + std::string(name) + "=\"" + pixels(value) + "\"";
 }
 
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
-}
-
 /// Of a letter, in parts of the font's size, of a wide font (DejaVu Sans).
 double letter_width(char letter) {
   constexpr std::string_view kNarrow = "ijl.,:;'|!()[]/ ftrI-";
@@ -58,10 +38,33 @@ std::string with_space(std::string_view attributes) {
 /// The rest of an element, with what a pointer over it is told.
 std::string end_of(std::string_view element, std::string_view title) {
   if (title.empty()) return "/>\n";
-  return "><title>" + escaped(title) + "</title></" + std::string(element) + ">\n";
+  return "><title>" + escaped_markup(title) + "</title></" + std::string(element) + ">\n";
 }
 
 }  // namespace
+
+std::string escaped_markup(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
 
 std::string_view line_colour(std::size_t index) {
   constexpr std::array<std::string_view, 6> kColours{"#1f6feb", "#d1242f", "#1a7f37",
@@ -78,7 +81,7 @@ void Svg::rectangle(Place corner, double width, double height, std::string_view 
 
 void Svg::circle(Place centre, double radius, std::string_view attributes, std::string_view title) {
   body_ += "<circle" + attribute("cx", centre.x) + attribute("cy", centre.y) +
-           attribute("r", radius) + with_space(attributes) + "><title>" + escaped(title) +
+           attribute("r", radius) + with_space(attributes) + "><title>" + escaped_markup(title) +
            "</title></circle>\n";
 }
 
@@ -117,7 +120,7 @@ void Svg::group(Place at, std::string_view elements) {
 
 void Svg::text(Place at, std::string_view words, std::string_view attributes) {
   body_ += "<text" + attribute("x", at.x) + attribute("y", at.y) + with_space(attributes) + ">" +
-           escaped(words) + "</text>\n";
+           escaped_markup(words) + "</text>\n";
 }
 
 void Svg::bent(const std::vector<Place>& places, double radius, std::string_view attributes) {
@@ -145,7 +148,7 @@ void Svg::polygon(const std::vector<Place>& places, std::string_view attributes)
 
 void Svg::open_group(std::string_view attributes, std::string_view title) {
   body_ += "<g" + with_space(attributes) + ">";
-  if (!title.empty()) body_ += "<title>" + escaped(title) + "</title>";
+  if (!title.empty()) body_ += "<title>" + escaped_markup(title) + "</title>";
   body_ += "\n";
 }
 

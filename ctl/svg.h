@@ -14,6 +14,9 @@ struct Place {
   double y = 0.0;
 };
 
+/// A text between the tags of markup, or in its quotes: no letter of it means anything there.
+[[nodiscard]] std::string escaped_markup(std::string_view text);
+
 /// The colours of lines that are to be told apart, over and over.
 [[nodiscard]] std::string_view line_colour(std::size_t index);
 

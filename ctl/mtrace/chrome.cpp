@@ -137,7 +137,7 @@ class Chrome {
   }
 
   [[nodiscard]] std::string title(const Record& record) const {
-    std::string title(words_of(record.event).event);
+    std::string title(to_string(record.event));
     if (const std::string& name = trace_.text(record.name); !name.empty()) title += " " + name;
     return title;
   }

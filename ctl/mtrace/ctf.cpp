@@ -30,15 +30,17 @@ std::string tsdl_text(std::string_view text) {
   return result + "\"";
 }
 
-std::string event_type(std::size_t id, const EventWords& words) {
+std::string event_type(Event event) {
+  const EventWords& words = words_of(event);
   std::string fields;
   const auto add = [&](std::string_view type, std::string_view name) {
     if (!name.empty()) fields += " " + std::string(type) + " " + std::string(name) + ";";
   };
   add("string", words.name);
   add("i64", words.a);
-  add(words.event == "user" ? "f64" : "i64", words.b);
-  return "event {\n  name = \"" + std::string(words.event) + "\";\n  id = " + std::to_string(id) +
+  add(event == Event::user ? "f64" : "i64", words.b);
+  return "event {\n  name = \"" + std::string(to_string(event)) +
+         "\";\n  id = " + std::to_string(static_cast<int>(event)) +
          ";\n  stream_id = 0;\n  fields := struct {" + fields + " };\n};\n";
 }
 
@@ -104,8 +106,9 @@ std::string ctf_metadata(const Trace& trace) {
       "u64 content_size; u64 packet_size; };\n"
       "  event.header := struct { u8 id; u64_time timestamp; };\n"
       "  event.context := struct { string thread; };\n};\n";
-  std::size_t id = 0;
-  for (const EventWords& words : event_words()) text += event_type(id++, words);
+  for (std::size_t id = 0; id < event_words().size(); ++id) {
+    text += event_type(static_cast<Event>(id));
+  }
   return text;
 }
 

@@ -262,7 +262,7 @@ std::string header_line(const Header& header) {
 }
 
 std::string record_line(const Trace& trace, const Record& record) {
-  Json json{record.time, trace.text(record.thread), words_of(record.event).event};
+  Json json{record.time, trace.text(record.thread), to_string(record.event)};
   const bool number = record.event == Event::user;
   const bool b = number || record.b != 0;
   const std::string_view name = trace.text(record.name);

@@ -10,32 +10,33 @@ namespace {
 
 // In the order of Event.
 constexpr EventWords kEvents[] = {
-    {"release", "", "instant_ns", "change"},
-    {"begin", "state", "", ""},
-    {"end", "state", "preempted", ""},
-    {"wait", "state", "next_ns", "preempted"},
-    {"lock", "resource", "waited_ns", ""},
-    {"unlock", "resource", "held_ns", ""},
-    {"timeout", "resource", "waited_ns", ""},
-    {"call", "port", "status", "took_ns"},
-    {"user", "name", "", "value"},
-    {"overrun", "", "late_ns", "overruns"},
-    {"budget", "", "used_ns", "budget_ns"},
-    {"missed", "", "releases", "missed"},
-    {"fault", "cause", "", ""},
-    {"started", "", "first_ns", ""},
-    {"stopped", "", "instant_ns", ""},
-    {"taken", "kind", "instant_ns", "change"},
-    {"given_back", "", "", "change"},
-    {"prepare", "what", "instant_ns", "change"},
-    {"commit", "what", "instant_ns", "change"},
-    {"abort", "what", "instant_ns", "change"},
-    {"rollback", "what", "instant_ns", "change"},
-    {"member", "component", "", "change"},
-    {"set", "address", "", "change"},
-    {"disturbed", "", "held_up_ns", ""},
-    {"lost", "", "records", ""},
+    {"", "instant_ns", "change"},       // release
+    {"state", "", ""},                  // begin
+    {"state", "preempted", ""},         // end
+    {"state", "next_ns", "preempted"},  // wait
+    {"resource", "waited_ns", ""},      // lock
+    {"resource", "held_ns", ""},        // unlock
+    {"resource", "waited_ns", ""},      // timeout
+    {"port", "status", "took_ns"},      // call
+    {"name", "", "value"},              // user
+    {"", "late_ns", "overruns"},        // overrun
+    {"", "used_ns", "budget_ns"},       // budget
+    {"", "releases", "missed"},         // missed
+    {"cause", "", ""},                  // fault
+    {"", "first_ns", ""},               // started
+    {"", "instant_ns", ""},             // stopped
+    {"kind", "instant_ns", "change"},   // taken
+    {"", "", "change"},                 // given_back
+    {"what", "instant_ns", "change"},   // prepare
+    {"what", "instant_ns", "change"},   // commit
+    {"what", "instant_ns", "change"},   // abort
+    {"what", "instant_ns", "change"},   // rollback
+    {"component", "", "change"},        // member
+    {"address", "", "change"},          // set
+    {"", "held_up_ns", ""},             // disturbed
+    {"", "records", ""},                // lost
 };
+static_assert(std::size(kEvents) == static_cast<std::size_t>(Event::lost) + 1);
 
 }  // namespace
 
@@ -44,10 +45,10 @@ std::span<const EventWords> event_words() { return kEvents; }
 const EventWords& words_of(Event event) { return kEvents[static_cast<std::size_t>(event)]; }
 
 std::optional<Event> event_named(std::string_view name) {
-  const auto found = std::find_if(std::begin(kEvents), std::end(kEvents),
-                                  [&](const EventWords& one) { return one.event == name; });
-  if (found == std::end(kEvents)) return std::nullopt;
-  return static_cast<Event>(found - std::begin(kEvents));
+  for (std::size_t i = 0; i < std::size(kEvents); ++i) {
+    if (to_string(static_cast<Event>(i)) == name) return static_cast<Event>(i);
+  }
+  return std::nullopt;
 }
 
 const State* Component::state(std::string_view called) const {

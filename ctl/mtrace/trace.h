@@ -11,43 +11,19 @@
 #include <string_view>
 #include <vector>
 
+#include "mauve/trace.h"
+
 namespace mauve::ctl::mtrace {
 
-enum class Event : std::uint8_t {
-  release,
-  begin,
-  end,
-  wait,
-  lock,
-  unlock,
-  timeout,
-  call,
-  user,
-  overrun,
-  budget,
-  missed,
-  fault,
-  started,
-  stopped,
-  taken,
-  given_back,
-  prepare,
-  commit,
-  abort,
-  rollback,
-  member,
-  set,
-  disturbed,
-  lost
-};
+using Event = TraceKind;
 
-/// An event as files spell it, and what its name and numbers mean; empty: it has none.
+/// What the name and the numbers of an event mean; empty: it has none.
 struct EventWords {
-  std::string_view event;
   std::string_view name;
   std::string_view a;
   std::string_view b;
 };
+/// By the number of the event.
 [[nodiscard]] std::span<const EventWords> event_words();
 [[nodiscard]] const EventWords& words_of(Event event);
 [[nodiscard]] std::optional<Event> event_named(std::string_view name);

@@ -139,16 +139,21 @@ json with_ros(json system) {
   return system;
 }
 
-using WholeRoverWithRos = RosTools;
+class WholeRoverWithRos : public RosTools {
+ protected:
+  void let_ros_join(DaemonProcess& rover) {
+    ASSERT_TRUE(rover.up()) << rover.errors();
+    ASSERT_TRUE(rover.ask({"load", "ros"}).contains("generation")) << rover.errors();
+    const auto file = place_.write("with_ros.json", with_ros(rover.ask({"export"})).dump());
+    const json applied = rover.ask({"apply", file.string()});
+    ASSERT_EQ(applied.value("state", ""), "applied") << applied;
+  }
+};
 
 TEST_F(WholeRoverWithRos, DrivesToAGoalFromRostopicAndGoesOnWhenTheMasterDies) {
   start_master();
   DaemonProcess rover(kArchitecture, {});
-  ASSERT_TRUE(rover.up()) << rover.errors();
-  ASSERT_TRUE(rover.ask({"load", "ros"}).contains("generation")) << rover.errors();
-  const auto file = place_.write("with_ros.json", with_ros(rover.ask({"export"})).dump());
-  const json applied = rover.ask({"apply", file.string()});
-  ASSERT_EQ(applied.value("state", ""), "applied") << applied;
+  ASSERT_NO_FATAL_FAILURE(let_ros_join(rover));
 
   {
     const auto tool = publish("/goal", 5.0, -1.0);
@@ -186,11 +191,7 @@ TEST_F(WholeRoverWithRos, DrivesToAGoalThatRosbagPlaysAndIsRecordedByIt) {
     ASSERT_TRUE(recorder.ended());
   }
   DaemonProcess rover(kArchitecture, {});
-  ASSERT_TRUE(rover.up()) << rover.errors();
-  ASSERT_TRUE(rover.ask({"load", "ros"}).contains("generation")) << rover.errors();
-  const auto file = place_.write("with_ros.json", with_ros(rover.ask({"export"})).dump());
-  const json applied = rover.ask({"apply", file.string()});
-  ASSERT_EQ(applied.value("state", ""), "applied") << applied;
+  ASSERT_NO_FATAL_FAILURE(let_ros_join(rover));
   Rosbag recorder({"record", "-O", drive, "/pose", "/scan"});
   ASSERT_TRUE(within([&] {
     return rover.value("ros_pose.core.subscribers") == 1 &&

@@ -22,6 +22,19 @@ inline std::string violations_of(const Verdict& verdict) {
   return words;
 }
 
+/// At the end of the trace.
+inline Record& append_record(Trace& trace, std::int64_t time, std::string_view thread, Event event,
+                             std::string_view name, std::int64_t a, std::int64_t b) {
+  Record record;
+  record.time = time;
+  record.thread = trace.intern(thread);
+  record.event = event;
+  record.name = trace.intern(name);
+  record.a = a;
+  record.b = b;
+  return trace.records.emplace_back(record);
+}
+
 class MadeTrace {
  public:
   explicit MadeTrace(unsigned seed) : random_(seed) {}
@@ -74,14 +87,7 @@ class MadeTrace {
   }
   void tell(std::int64_t time, const std::string& thread, Event event, const std::string& name = {},
             std::int64_t a = 0, std::int64_t b = 0) {
-    Record record;
-    record.time = time;
-    record.thread = trace_.intern(thread);
-    record.event = event;
-    record.name = trace_.intern(name);
-    record.a = a;
-    record.b = b;
-    trace_.records.push_back(record);
+    append_record(trace_, time, thread, event, name, a, b);
   }
 
   /// Three execution states, and one or two waits of which one is a multiple of the grid.

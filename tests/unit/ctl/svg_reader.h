@@ -26,8 +26,10 @@ inline double number_of(const std::string& element, const std::string& attribute
 }
 
 inline std::string unescaped(std::string text) {
-  for (const auto& [entity, letter] :
-       {std::pair<std::string, std::string>{"&lt;", "<"}, {"&gt;", ">"}, {"&amp;", "&"}}) {
+  for (const auto& [entity, letter] : {std::pair<std::string, std::string>{"&lt;", "<"},
+                                       {"&gt;", ">"},
+                                       {"&quot;", "\""},
+                                       {"&amp;", "&"}}) {
     for (auto at = text.find(entity); at != std::string::npos; at = text.find(entity, at + 1)) {
       text.replace(at, entity.size(), letter);
     }

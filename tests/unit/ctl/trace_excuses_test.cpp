@@ -33,15 +33,8 @@ struct Short {
   }
   Short& add(std::int64_t time, Event event, std::string_view name = {}, std::int64_t a = 0,
              std::int64_t b = 0, std::string_view thread = "control") {
-    Record record;
-    record.time = time;
-    record.thread = trace.intern(thread);
-    record.event = event;
-    record.name = trace.intern(name);
-    record.a = a;
-    record.b = b;
-    record.line = static_cast<std::uint32_t>(trace.records.size()) + 2;
-    trace.records.push_back(record);
+    const auto line = static_cast<std::uint32_t>(trace.records.size()) + 2;
+    append_record(trace, time, thread, event, name, a, b).line = line;
     return *this;
   }
   Short& job(std::int64_t release, std::int64_t length = 1 * kOneMs) {

@@ -50,14 +50,7 @@ struct Two {
   }
   void add(std::int64_t time, const char* thread, Event event, const char* name = "",
            std::int64_t a = 0, std::int64_t b = 0) {
-    Record record;
-    record.time = time;
-    record.thread = trace.intern(thread);
-    record.event = event;
-    record.name = trace.intern(name);
-    record.a = a;
-    record.b = b;
-    trace.records.push_back(record);
+    append_record(trace, time, thread, event, name, a, b);
   }
   void job(const char* name, std::int64_t release, std::int64_t from, std::int64_t to,
            std::int64_t period) {

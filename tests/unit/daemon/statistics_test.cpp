@@ -4,14 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <future>
 #include <map>
 #include <sstream>
 
 #include "commands/table.h"
-#include "supervisor.h"
 #include "support/ramp.h"
-#include "watch.h"
+#include "unit/daemon/front.h"
 
 namespace mauve::daemon {
 namespace {
@@ -19,60 +17,24 @@ namespace {
 using server::Role;
 using testing::HasSubstr;
 
-/// Two components at 10 ms, and the table in front of them.
-class Statistics : public testing::Test {
+/// Two components at 10 ms.
+class Statistics : public Front<ramp::Two<ramp::Up>> {
  protected:
   void SetUp() override {
     architecture.left.task().budget = 1ms;
-    ASSERT_TRUE(deployer.deploy());
+    Front::SetUp();
     deployer.run_for(100ms);
-    log.start();
-    control.start();
-    watches.start(running);
-  }
-  void TearDown() override {
-    control.stop();
-    watches.stop();
-    log.stop();
   }
 
-  server::Outcome ask(Role role, const std::string& method, Json params = Json::object()) {
-    auto answered = std::make_shared<std::promise<server::Outcome>>();
-    auto outcome = answered->get_future();
-    table.dispatch({1, {100, 1000, {}}, role, outbox}, *protocol::find_method(method),
-                   {1, method, std::move(params)},
-                   [answered](server::Outcome out) { answered->set_value(std::move(out)); });
-    return outcome.get();
-  }
   Json told(const std::string& method, Json params = Json::object()) {
     auto outcome = ask(Role::operator_, method, std::move(params));
     const auto* result = std::get_if<Json>(&outcome);
     EXPECT_NE(result, nullptr) << method;
     return result == nullptr ? Json() : *result;
   }
-  Fault refused(Role role, const std::string& method, Json params) {
-    auto outcome = ask(role, method, std::move(params));
-    const auto* fault = std::get_if<Fault>(&outcome);
-    return fault == nullptr ? Fault() : *fault;
-  }
   std::uint64_t jobs(const char* component) {
     return told("stats.get", {{"address", component}})["components"][0]["lateness"]["count"];
   }
-
-  ramp::Two<ramp::Up> architecture;
-  Deployer deployer{architecture, {Realtime::off, true}};
-  plugin::Catalog catalog;
-  Control control;
-  logging::Log log{logging::Level::debug};
-  Watches watches{log};
-  Supervisor supervisor{control};
-  Running running{architecture, deployer,
-                  catalog,      control,
-                  log,          watches,
-                  supervisor,   [] { return std::vector<server::ClientInfo>(); },
-                  "b007",       std::chrono::steady_clock::now()};
-  CommandTable table{running};
-  std::shared_ptr<server::Outbox> outbox = std::make_shared<server::Outbox>(1000, 4, [] {});
 };
 
 TEST_F(Statistics, TellAllComponentsWithoutTheirStates) {

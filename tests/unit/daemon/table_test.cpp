@@ -5,13 +5,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <future>
 #include <set>
 
 #include "commands/gate.h"
-#include "supervisor.h"
 #include "support/temp_dir.h"
-#include "watch.h"
+#include "unit/daemon/front.h"
 
 namespace mauve::daemon {
 namespace {
@@ -54,50 +52,16 @@ TEST(Commands, ThatArePromisedOutOfBandDoNotWaitForChanges) {
   }
 }
 
-/// A system without components, and the table in front of it.
-class TableTest : public testing::Test {
+struct Empty : Architecture {
+  Empty() : Architecture("empty") {}
+};
+
+class TableTest : public Front<Empty> {
  protected:
   void SetUp() override {
-    ASSERT_TRUE(deployer.deploy());
     running.generation = 7;
-    log.start();
-    control.start();
-    watches.start(running);
+    Front::SetUp();
   }
-  void TearDown() override {
-    control.stop();
-    watches.stop();
-    log.stop();
-  }
-
-  server::Outcome ask(Role role, const std::string& method, Json params = Json::object()) {
-    auto answered = std::make_shared<std::promise<server::Outcome>>();
-    auto outcome = answered->get_future();
-    server::Caller caller{1, {100, 1000, {}}, role, outbox};
-    table.dispatch(caller, *protocol::find_method(method), {1, method, std::move(params)},
-                   [answered](server::Outcome out) { answered->set_value(std::move(out)); });
-    return outcome.get();
-  }
-  Fault refused(Role role, const std::string& method, Json params = Json::object()) {
-    auto outcome = ask(role, method, std::move(params));
-    auto* fault = std::get_if<Fault>(&outcome);
-    return fault == nullptr ? Fault() : *fault;
-  }
-
-  Architecture architecture{"empty"};
-  Deployer deployer{architecture, {Realtime::off, true}};
-  plugin::Catalog catalog;
-  Control control;
-  logging::Log log{logging::Level::debug};
-  Watches watches{log};
-  Supervisor supervisor{control};
-  Running running{architecture, deployer,
-                  catalog,      control,
-                  log,          watches,
-                  supervisor,   [] { return std::vector<server::ClientInfo>(); },
-                  "b007",       std::chrono::steady_clock::now()};
-  CommandTable table{running};
-  std::shared_ptr<server::Outbox> outbox = std::make_shared<server::Outbox>(1000, 4, [] {});
 };
 
 TEST_F(TableTest, GreetsWithTheRunningGeneration) {

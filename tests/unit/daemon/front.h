@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// A deployed system, and the table of commands in front of it.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <future>
+#include <memory>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "commands/table.h"
+#include "supervisor.h"
+#include "watch.h"
+
+namespace mauve::daemon {
+
+/// `System`: an architecture, made without arguments; on a simulated clock.
+template <typename System>
+class Front : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(deployer.deploy());
+    log.start();
+    control.start();
+    watches.start(running);
+  }
+  void TearDown() override {
+    control.stop();
+    watches.stop();
+    log.stop();
+  }
+
+  server::Outcome ask(server::Role role, const std::string& method, Json params = Json::object()) {
+    auto answered = std::make_shared<std::promise<server::Outcome>>();
+    auto outcome = answered->get_future();
+    const server::Caller caller{1, {100, 1000, {}}, role, outbox};
+    table.dispatch(caller, *protocol::find_method(method), {1, method, std::move(params)},
+                   [answered](server::Outcome out) { answered->set_value(std::move(out)); });
+    return outcome.get();
+  }
+  Fault refused(server::Role role, const std::string& method, Json params = Json::object()) {
+    auto outcome = ask(role, method, std::move(params));
+    const auto* fault = std::get_if<Fault>(&outcome);
+    return fault == nullptr ? Fault() : *fault;
+  }
+
+  System architecture;
+  Deployer deployer{architecture, {Realtime::off, true}};
+  plugin::Catalog catalog;
+  Control control;
+  logging::Log log{logging::Level::debug};
+  Watches watches{log};
+  Supervisor supervisor{control};
+  Running running{architecture, deployer,
+                  catalog,      control,
+                  log,          watches,
+                  supervisor,   [] { return std::vector<server::ClientInfo>(); },
+                  "b007",       std::chrono::steady_clock::now()};
+  CommandTable table{running};
+  std::shared_ptr<server::Outbox> outbox = std::make_shared<server::Outbox>(1000, 4, [] {});
+};
+
+}  // namespace mauve::daemon
