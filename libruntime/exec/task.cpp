@@ -28,6 +28,8 @@ void fetch(const Published& next, const FsmState* state) {
   if (state != nullptr) rt::touch(state, sizeof *state);
   next.hand_over.fetch();
   for (const auto& [into, from] : next.observables) rt::touch(into, sizeof *into);
+  rt::touch(next.bundle->shell.get(), sizeof *next.bundle->shell);
+  rt::touch_seldom_run();
 }
 
 }  // namespace
@@ -100,8 +102,9 @@ void Task::serve() {
     if (next->transaction->state() == Transaction::State::aborted) {
       give_back(*next);
     } else if (early(*next) && claim(*next)) {
+      trace().ring.fetch();
       fetch(*next, state_);
-      take(*next, clock_.now());
+      take(*next, state_time());
       acknowledge();
     }
   }
@@ -167,7 +170,7 @@ Published* Task::take_over() {
   return ready ? relief : nullptr;
 }
 
-void Task::take(Published& next, Instant begin) {
+MAUVE_SELDOM_RUN void Task::take(Published& next, Instant begin) {
   acknowledge();  // of a change that is overtaken at the same boundary
   tell_taken(next, begin);
   if (next.barrier != Published::Barrier::none) return wait_or_go_on(next);
@@ -188,7 +191,7 @@ void Task::take(Published& next, Instant begin) {
   put_in_place(next);
   rearm(next, was_running);
   unacknowledged_ = &next;
-  next.answer->pause = Duration{next.count_gap ? release_ - parked_at_ : clock_.now() - begin};
+  next.answer->pause = Duration{next.count_gap ? release_ - parked_at_ : state_time() - begin};
   if (waited) next.answer->pause = skip_gap(next.transaction->instant());
   pile_up(*old);
   if (running_ && was_running) {
@@ -231,7 +234,7 @@ void Task::keep_bundle(Published& next) const {
 }
 
 /// What stood ready for the old bundle is of no use for another one.
-void Task::put_in_place(Published& next) {
+MAUVE_SELDOM_RUN void Task::put_in_place(Published& next) {
   const bool same_bundle = next.bundle == current_->bundle;
   current_ = &next;
   bound_.store(next.bound.count(), std::memory_order_relaxed);
@@ -251,7 +254,7 @@ void Task::put_in_place(Published& next) {
   }
 }
 
-void Task::map_state(const Published& next) {
+MAUVE_SELDOM_RUN void Task::map_state(const Published& next) {
   if (next.restart) {
     state_ = nullptr;
   } else if (state_ != nullptr && !next.state_map.empty()) {
@@ -260,7 +263,7 @@ void Task::map_state(const Published& next) {
 }
 
 /// Stops, starts, or goes on at the release that was armed before.
-void Task::rearm(const Published& next, bool was_running) {
+MAUVE_SELDOM_RUN void Task::rearm(const Published& next, bool was_running) {
   if (next.mode == Mode::park) {
     if (was_running) park(ComponentState::stopped);
     return;
@@ -286,7 +289,7 @@ void Task::rearm(const Published& next, bool was_running) {
 }
 
 /// Another offset moves the grid: the armed release to the first instant of the new one after it.
-void Task::keep_phase(const Published& next) {
+MAUVE_SELDOM_RUN void Task::keep_phase(const Published& next) {
   const Instant base = t0_ + next.bundle->task.offset.count();
   if (next.offset_changes) release_ = next_on_grid(base, next.grid, release_);
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
@@ -300,7 +303,7 @@ void Task::give_back(Published& next) {
 }
 
 /// After the outputs of the first job with the new bundle, so that the answer costs them nothing.
-void Task::acknowledge() {
+MAUVE_SELDOM_RUN void Task::acknowledge() {
   if (unacknowledged_ == nullptr) return;
   Published* const taken = std::exchange(unacknowledged_, nullptr);
   taken->answer->progress.store(Published::Progress::done, std::memory_order_release);

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// What a task tells of itself in a trace.
 #include "exec/task.h"
+#include "rt/cache.h"
 
 namespace mauve::exec {
 
-void Task::tell(TraceKind kind, Instant time, std::int64_t value, std::uint64_t small,
-                std::uint32_t name) {
+MAUVE_SELDOM_RUN void Task::tell(TraceKind kind, Instant time, std::int64_t value,
+                                 std::uint64_t small, std::uint32_t name) {
   if (!detail::traces(TraceMode::jobs)) return;
   trace_.load(std::memory_order_relaxed)->ring.push(kind, time, name, small, value);
 }
 
 /// A relief is no change of [control]: the task stays with the number it has.
-void Task::tell_taken(const Published& next, Instant time) {
+MAUVE_SELDOM_RUN void Task::tell_taken(const Published& next, Instant time) {
   const bool barrier = next.barrier != Published::Barrier::none;
   if (!barrier && next.number != 0) number_ = next.number;
   const TakenAs as = barrier ? TakenAs::barrier : next.taken_as;

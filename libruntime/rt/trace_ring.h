@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "rt/cache.h"
 #include "rt/ticks.h"
 
 #include <mauve/clock.h>
@@ -61,6 +62,11 @@ class TraceRing {
     slot.what.store(what, std::memory_order_release);
     slot.value.store(value, std::memory_order_release);
     head_.store(head + 1, std::memory_order_release);
+  }
+
+  /// [rt] The next push finds its place in the cache.
+  void fetch() const {
+    touch(&slots_[head_.load(std::memory_order_relaxed) % kCapacity], sizeof(Slot));
   }
 
   /// [reader] Visits what is new, in order; `visit(lost)` first when records were overwritten.

@@ -154,6 +154,7 @@ Result swaps_by_mauve(Places places, int count) {
   SwappedPair architecture(places.component);
   mauve::Deployer deployer(architecture);
   must(deployer.deploy());
+  tie_ticks();
   Result result;
   const Probe probe(deployer.t0() + 1'000'000, 2ms);
   {
