@@ -76,6 +76,7 @@ Duration bound_of(const Bundle& bundle) {
 std::unique_ptr<Published> make_published(const PreparedMember& member) {
   auto next = std::make_unique<Published>();
   next->bundle = member.next;
+  next->nearby = std::make_shared<const Nearby>(*member.next);
   next->mode = member.mode;
   next->mode_only = member.next == member.base && member.part != Part::joins;
   next->restart = member.restart;

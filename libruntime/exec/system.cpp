@@ -63,6 +63,7 @@ void release_all(System& system) {
 std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mode) {
   auto first = std::make_unique<Published>();
   first->bundle = component.bundle();
+  first->nearby = std::make_shared<const Nearby>(*first->bundle);
   first->bound = bound_of(*component.bundle());
   first->grid = component.fsm().grid();
   first->shortest_wait = component.fsm().shortest_wait();

@@ -29,7 +29,7 @@ void fetch(const Published& next, const FsmState* state) {
   next.hand_over.fetch();
   for (const auto& [into, from] : next.observables) rt::touch(into, sizeof *into);
   rt::touch(next.bundle->shell.get(), sizeof *next.bundle->shell);
-  rt::touch_seldom_run();
+  rt::touch_swap_code();
 }
 
 }  // namespace
@@ -118,6 +118,7 @@ void Task::serve() {
 }
 
 bool Task::release() {
+  if (current_->nearby != nullptr) current_->nearby->ask();
   const Instant now = clock_.now();
   drop_missed(now);
   meet_boundary(now);
@@ -170,7 +171,7 @@ Published* Task::take_over() {
   return ready ? relief : nullptr;
 }
 
-MAUVE_SELDOM_RUN void Task::take(Published& next, Instant begin) {
+MAUVE_RUNS_AT_A_SWAP void Task::take(Published& next, Instant begin) {
   acknowledge();  // of a change that is overtaken at the same boundary
   tell_taken(next, begin);
   if (next.barrier != Published::Barrier::none) return wait_or_go_on(next);
@@ -227,14 +228,15 @@ Duration Task::skip_gap(Instant until) {
 /// It was made from what the model showed then; meanwhile the task may have gone back.
 void Task::keep_bundle(Published& next) const {
   if (next.bundle == current_->bundle) return;
-  next.bundle = current_->bundle;  // two counts; the last one to go is never here
+  next.bundle = current_->bundle;  // two counts each; the last one to go is never here
+  next.nearby = current_->nearby;
   next.grid = current_->grid;
   next.shortest_wait = current_->shortest_wait;
   next.bound = current_->bound;
 }
 
 /// What stood ready for the old bundle is of no use for another one.
-MAUVE_SELDOM_RUN void Task::put_in_place(Published& next) {
+MAUVE_RUNS_AT_A_SWAP void Task::put_in_place(Published& next) {
   const bool same_bundle = next.bundle == current_->bundle;
   current_ = &next;
   bound_.store(next.bound.count(), std::memory_order_relaxed);
@@ -254,7 +256,7 @@ MAUVE_SELDOM_RUN void Task::put_in_place(Published& next) {
   }
 }
 
-MAUVE_SELDOM_RUN void Task::map_state(const Published& next) {
+MAUVE_RUNS_AT_A_SWAP void Task::map_state(const Published& next) {
   if (next.restart) {
     state_ = nullptr;
   } else if (state_ != nullptr && !next.state_map.empty()) {
@@ -263,7 +265,7 @@ MAUVE_SELDOM_RUN void Task::map_state(const Published& next) {
 }
 
 /// Stops, starts, or goes on at the release that was armed before.
-MAUVE_SELDOM_RUN void Task::rearm(const Published& next, bool was_running) {
+MAUVE_RUNS_AT_A_SWAP void Task::rearm(const Published& next, bool was_running) {
   if (next.mode == Mode::park) {
     if (was_running) park(ComponentState::stopped);
     return;
@@ -289,7 +291,7 @@ MAUVE_SELDOM_RUN void Task::rearm(const Published& next, bool was_running) {
 }
 
 /// Another offset moves the grid: the armed release to the first instant of the new one after it.
-MAUVE_SELDOM_RUN void Task::keep_phase(const Published& next) {
+MAUVE_RUNS_AT_A_SWAP void Task::keep_phase(const Published& next) {
   const Instant base = t0_ + next.bundle->task.offset.count();
   if (next.offset_changes) release_ = next_on_grid(base, next.grid, release_);
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
@@ -303,7 +305,7 @@ void Task::give_back(Published& next) {
 }
 
 /// After the outputs of the first job with the new bundle, so that the answer costs them nothing.
-MAUVE_SELDOM_RUN void Task::acknowledge() {
+MAUVE_RUNS_AT_A_SWAP void Task::acknowledge() {
   if (unacknowledged_ == nullptr) return;
   Published* const taken = std::exchange(unacknowledged_, nullptr);
   taken->answer->progress.store(Published::Progress::done, std::memory_order_release);

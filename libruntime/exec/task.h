@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "exec/counters.h"
+#include "exec/nearby.h"
 #include "exec/transaction.h"
 #include "model/hand_over.h"
 #include "rt/event_ring.h"
@@ -51,6 +52,7 @@ struct Published {
   Duration grid{0};
   Duration shortest_wait{0};
   Duration bound{0};  ///< a job that runs longer never returns; zero: nobody looks
+  std::shared_ptr<const Nearby> nearby;  ///< of the bundle; null: not known
   /// By index of the state of the old machine: the state of the new one; null: begin anew.
   std::vector<FsmState*> state_map;
   HandOver hand_over;

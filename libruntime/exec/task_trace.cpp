@@ -5,14 +5,14 @@
 
 namespace mauve::exec {
 
-MAUVE_SELDOM_RUN void Task::tell(TraceKind kind, Instant time, std::int64_t value,
-                                 std::uint64_t small, std::uint32_t name) {
+MAUVE_RUNS_AT_A_SWAP void Task::tell(TraceKind kind, Instant time, std::int64_t value,
+                                     std::uint64_t small, std::uint32_t name) {
   if (!detail::traces(TraceMode::jobs)) return;
   trace_.load(std::memory_order_relaxed)->ring.push(kind, time, name, small, value);
 }
 
 /// A relief is no change of [control]: the task stays with the number it has.
-MAUVE_SELDOM_RUN void Task::tell_taken(const Published& next, Instant time) {
+MAUVE_RUNS_AT_A_SWAP void Task::tell_taken(const Published& next, Instant time) {
   const bool barrier = next.barrier != Published::Barrier::none;
   if (!barrier && next.number != 0) number_ = next.number;
   const TakenAs as = barrier ? TakenAs::barrier : next.taken_as;

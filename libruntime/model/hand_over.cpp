@@ -57,7 +57,7 @@ Status hand_over_slow(const CoreBase& from, const CoreBase& into) {
 
 }  // namespace
 
-MAUVE_SELDOM_RUN void HandOver::run() const noexcept {
+MAUVE_RUNS_AT_A_SWAP void HandOver::run() const noexcept {
   if (from == nullptr) return;
   if (convert == nullptr) {
     into->exchange(*from);

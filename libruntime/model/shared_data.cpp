@@ -30,8 +30,8 @@ class SharedDataCore final : public CoreBase, public ValueStore {
 
   const DataType& data_;
   std::shared_ptr<void> library_;  // of the data type
-  rt::LatestValue exchange_;
   TapList taps_;
+  rt::LatestValue exchange_;
   Stateless stateless_{*this};
 };
 

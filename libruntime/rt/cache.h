@@ -21,11 +21,11 @@ inline void touch(const void* object, std::size_t size) {
   static_cast<void>(bytes[size - 1]);  // objects are not aligned to lines
 }
 
-/// Functions marked so lie together. Code that runs seldom must come from memory, each line of it
-/// for 100 ns; fetched together beforehand, it comes in the time of a few.
-#define MAUVE_SELDOM_RUN [[gnu::section("mauve_seldom_run")]]
+/// Functions marked so lie together. After some milliseconds without a swap each line of their code
+/// would come from memory, for 100 ns; fetched together beforehand, it comes in the time of a few.
+#define MAUVE_RUNS_AT_A_SWAP [[gnu::section("mauve_swap_code")]]
 
 /// Returns when that code is near, and what was touched before. [rt]
-void touch_seldom_run();
+void touch_swap_code();
 
 }  // namespace mauve::rt
