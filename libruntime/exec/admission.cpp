@@ -30,14 +30,14 @@ TimedComponent timed(const Deployed& deployed) {
 }
 
 /// As it is after the change.
-TimedComponent timed(const Deployed& deployed, const PreparedMember& member) {
+TimedComponent timed_after(const Deployed& deployed, const Bundle& base, const Bundle& next) {
   TimedComponent after = timed(deployed);
-  after.bundle = member.next.get();
-  if (!member.next->task.cpus.empty()) after.cpus = member.next->task.cpus;
-  if (is_other_code(*member.base->core, *member.next->core)) after.measured = Duration{0};
+  after.bundle = &next;
+  if (!next.task.cpus.empty()) after.cpus = next.task.cpus;
+  if (is_other_code(*base.core, *next.core)) after.measured = Duration{0};
   // In place the new machine is configured later: until then the old one tells.
-  if (member.next->fsm->initial() != nullptr) after.fsm = member.next->fsm.get();
-  after.version = member.next->core != member.base->core ? 1 : 0;
+  if (next.fsm->initial() != nullptr) after.fsm = next.fsm.get();
+  after.version = next.core != base.core ? 1 : 0;
   return after;
 }
 
@@ -75,7 +75,13 @@ Holds holds_after(const PreparedChange::Content& change) {
   return holds;
 }
 
-TimingModel model_after(System& system, const PreparedChange::Content& change) {
+/// `relief`, when there is one, runs in place of what the change brings its component.
+TimingModel model_after(System& system, const PreparedChange::Content& change,
+                        const PreparedMember* relief = nullptr) {
+  const auto next_of = [&](const PreparedMember& member) -> const Bundle& {
+    const bool relieved = relief != nullptr && relief->component == member.component;
+    return relieved ? *relief->next : *member.next;
+  };
   TimingModel model(system.overheads, holds_after(change));
   const std::lock_guard lock(system.members);
   for (const Deployed& deployed : system.deployed) {
@@ -84,16 +90,17 @@ TimingModel model_after(System& system, const PreparedChange::Content& change) {
     if (member == nullptr) {
       if (ran) model.add(timed(deployed));
     } else if (runs_after(*member, ran)) {
-      model.add(timed(deployed, *member));
+      model.add(timed_after(deployed, *member->base, next_of(*member)));
     }
   }
   Placement placement(system);
   for (const PreparedMember& member : change.members) {
     if (member.part != Part::joins) continue;
     const std::string& name = member.component->name();
-    const Placement::Seat seat = placement.seat(name, *member.next);
+    const Bundle& next = next_of(member);
+    const Placement::Seat seat = placement.seat(name, next);
     if (!runs_after(member, false)) continue;
-    model.add({name, member.next.get(), member.next->fsm.get(), seat.cpus});
+    model.add({name, &next, next.fsm.get(), seat.cpus});
   }
   return model;
 }
@@ -161,6 +168,20 @@ ComponentTiming row_of(const analysis::TaskReport& task, const std::vector<Probl
 
 std::vector<Problem> problems_of(const analysis::TaskSet& set) {
   return analysis::problems(analysis::analyze(set));
+}
+
+/// What was so before is not the doing of a change, not even while it leads away from it.
+std::vector<Problem> problems_brought(const analysis::TaskSet& before,
+                                      const analysis::TaskSet& after) {
+  const auto known = problems_of(before);
+  auto found = analysis::problems(analysis::admit(before, after));
+  std::erase_if(found, [&](const Problem& problem) { return has(known, problem); });
+  return found;
+}
+
+/// By Admission::strict.
+bool admits(const analysis::TaskSet& before, const analysis::TaskSet& after) {
+  return problems_of(after).empty() && problems_brought(before, after).empty();
 }
 
 /// Whose jobs are others after the change.
@@ -245,22 +266,13 @@ Result<std::vector<std::string>> admit_change(System& system,
   if (system.options.admission == Admission::off) return std::vector<std::string>{};
   const TimingModel before = model_of(system);
   const TimingModel after = model_after(system, change);
-  const auto known = problems_of(before.set());
   const auto lasting = problems_of(after.set());
-  // What was so before is not the doing of this change, not even while it leads away from it.
-  const auto brought = [&](const analysis::TaskSet& set) {
-    auto found = analysis::problems(analysis::admit(before.set(), set));
-    std::erase_if(found, [&](const Problem& problem) { return has(known, problem); });
-    return found;
-  };
-  auto problems = brought(after.set());
+  auto problems = problems_brought(before.set(), after.set());
   if (system.options.admission == Admission::strict) {
     if (problems.empty()) problems = lasting;
     if (problems.empty()) return std::vector<std::string>{};
     return refusal_of(problems.front(), after.set(), changed_tasks(change),
-                      [&](const analysis::TaskSet& set) {
-                        return problems_of(set).empty() && brought(set).empty();
-                      });
+                      [&](const analysis::TaskSet& set) { return admits(before.set(), set); });
   }
   // Of members it is said again what stays so.
   for (const Problem& problem : lasting) {
@@ -272,20 +284,10 @@ Result<std::vector<std::string>> admit_change(System& system,
   return warnings_of(problems);
 }
 
-bool admit_relief(System& system, const PreparedChange::Content& change, std::size_t index,
+bool admit_relief(System& system, const PreparedChange::Content& change,
                   const PreparedMember& relief) {
   if (system.options.admission != Admission::strict) return true;
-  PreparedChange::Content instead;
-  for (std::size_t i = 0; i < change.members.size(); ++i) {
-    const PreparedMember& member = change.members[i];
-    PreparedMember& same = instead.members.emplace_back();
-    same.component = member.component;
-    same.part = member.part;
-    same.mode = member.mode;
-    same.base = member.base;
-    same.next = i == index ? relief.next : member.next;
-  }
-  return admit_change(system, instead).has_value();
+  return admits(model_of(system).set(), model_after(system, change, &relief).set());
 }
 
 Timing analyze(System& system) { return timing_of(system, model_of(system)); }

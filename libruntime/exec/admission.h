@@ -23,9 +23,9 @@ Status admit_deployment(System& system);
 [[nodiscard]] Result<std::vector<std::string>> admit_change(System& system,
                                                             const PreparedChange::Content& change);
 
-/// May this take over from what member `index` of the change brings? By Admission::strict only.
+/// May this take over from what the change brings its component? By Admission::strict only.
 [[nodiscard]] bool admit_relief(System& system, const PreparedChange::Content& change,
-                                std::size_t index, const PreparedMember& relief);
+                                const PreparedMember& relief);
 
 /// Of what runs now. [control]
 [[nodiscard]] Timing analyze(System& system);

@@ -23,6 +23,9 @@ inline constexpr Duration kLongestJob = 2s;
 [[nodiscard]] std::unique_ptr<Published> make_way_back(const PreparedMember& member,
                                                        bool was_running);
 
+/// Components get these fallback cores, and leave here those they had.
+void exchange_fallbacks(Architecture& architecture, std::vector<NewFallback>& fallbacks);
+
 /// A prepared change taking effect. Lives in System::under_way until no member is left to wait for.
 class Commit final : public Ongoing {
  public:

@@ -97,6 +97,15 @@ void Commit::tell_end() {
   tell_control(system_, TraceKind::abort, content_->what, swap_->result().instant, number_);
 }
 
+void exchange_fallbacks(Architecture& architecture, std::vector<NewFallback>& fallbacks) {
+  for (NewFallback& other : fallbacks) {
+    ComponentBase* component = architecture.find_component(other.component);
+    if (component == nullptr) continue;
+    auto before = component->fallback();
+    component->fall_back_to(std::exchange(other.fallback, std::move(before)));
+  }
+}
+
 void Commit::conclude() {
   tell_end();
   const SwapResult& swapped = swap_->result();
@@ -117,10 +126,7 @@ void Commit::conclude() {
   receipt_.warnings = content_->warnings;
   if (swapped.state == SwapResult::State::partly && way_back_ != nullptr) return take_back();
   receipt_.generation = ++system_.generation;
-  for (NewFallback& other : content_->fallbacks) {
-    ComponentBase* component = system_.architecture.find_component(other.component);
-    if (component != nullptr) component->fall_back_to(std::move(other.fallback));
-  }
+  exchange_fallbacks(system_.architecture, content_->fallbacks);
   if (barrier_ != nullptr) {
     barrier_->tell(receipt_);
     barrier_->end();

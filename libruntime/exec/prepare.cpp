@@ -159,15 +159,15 @@ class Preparation {
   /// force.
   Status make_reliefs(bool configure) {
     if (!configure) return ok();  // in place nothing is configured beside what runs
-    for (std::size_t i = 0; i < content_->members.size(); ++i) {
-      const std::optional<Edit> edit = relief_of(system_, *content_, content_->members[i]);
+    for (PreparedMember& member : content_->members) {
+      const std::optional<Edit> edit = relief_of(system_, *content_, member);
       if (!edit) continue;
-      auto relief = prepare_relief(after_, *edit, content_->members[i]);
+      auto relief = prepare_relief(after_, *edit, member);
       if (!relief && left_here()) return relief.error();
-      if (!relief || !admit_relief(system_, *content_, i, *relief)) continue;
+      if (!relief || !admit_relief(system_, *content_, *relief)) continue;
       auto content = std::make_shared<PreparedChange::Content>();
       content->members.push_back(*std::move(relief));
-      content_->members[i].relief = std::move(content);
+      member.relief = std::move(content);
     }
     return ok();
   }

@@ -227,6 +227,7 @@ void OnProbation::install_old() {
     if (change.hold) change.resource->gate().declare_hold(change.base_hold);
     if (change.parts.core != nullptr) free_.add(change.parts.core);
   }
+  exchange_fallbacks(architecture, content_->fallbacks);
   for (const auto& resource : content_->new_resources) {
     static_cast<void>(architecture.take_out(*resource));
   }

@@ -2,35 +2,11 @@
 #include "rt/fifo.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
-#include <linux/capability.h>
-#include <sys/resource.h>
-#include <sys/syscall.h>
-#include <unistd.h>
+#include "rt/process.h"
 
 namespace mauve::rt {
 namespace {
-
-// glibc has no function for it.
-bool has_nice_capability() {
-  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
-  __user_cap_data_struct sets[_LINUX_CAPABILITY_U32S_3]{};
-  if (syscall(SYS_capget, &header, sets) != 0) return false;
-  return (sets[CAP_TO_INDEX(CAP_SYS_NICE)].effective & CAP_TO_MASK(CAP_SYS_NICE)) != 0;
-}
-
-std::optional<std::int64_t> group_runtime() {
-  std::ifstream file("/proc/self/cgroup");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const std::optional<std::string> group = cpu_group(text);
-  if (!group) return std::nullopt;
-  std::ifstream budget("/sys/fs/cgroup/cpu" + *group + "/cpu.rt_runtime_us");
-  std::int64_t microseconds = 0;
-  if (!(budget >> microseconds)) return std::nullopt;
-  return microseconds;
-}
 
 Error refused_to_user(const FifoFacts& facts, const std::string& what) {
   if (facts.priority_limit > 0) {
@@ -57,9 +33,8 @@ Error refused_to_user(const FifoFacts& facts, const std::string& what) {
 }  // namespace
 
 FifoFacts fifo_facts(int priority) {
-  rlimit limit{};
-  getrlimit(RLIMIT_RTPRIO, &limit);
-  return {priority, has_nice_capability(), geteuid() == 0, limit.rlim_cur, group_runtime()};
+  const ProcessFacts mine = process_facts("/", "thread-self");
+  return {priority, mine.nice_capability, mine.root, mine.priority_limit, mine.group_runtime_us};
 }
 
 Error fifo_refusal(const FifoFacts& facts) {

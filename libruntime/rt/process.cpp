@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include <linux/capability.h>
+#include <linux/sched.h>
 
 #include "rt/fifo.h"
 
@@ -30,15 +31,15 @@ std::vector<std::string> words_of(std::string_view text) {
 
 std::string policy_named(int policy) {
   switch (policy) {
-    case 1:
+    case SCHED_FIFO:
       return "SCHED_FIFO";
-    case 2:
+    case SCHED_RR:
       return "SCHED_RR";
-    case 3:
+    case SCHED_BATCH:
       return "SCHED_BATCH";
-    case 5:
+    case SCHED_IDLE:
       return "SCHED_IDLE";
-    case 6:
+    case SCHED_DEADLINE:
       return "SCHED_DEADLINE";
     default:
       return "SCHED_OTHER";

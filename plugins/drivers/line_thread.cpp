@@ -301,9 +301,12 @@ void LineThread::write_out() {
 std::ptrdiff_t LineThread::write_some() {
   std::span<const char> rest = waiting_.there(request_sent_);
   rest = rest.first(std::min(rest.size(), request_size_ - request_sent_));
+  // A reader may hold the lock for a long time: who is for emergencies writes at whatever speed.
   std::unique_lock<std::mutex> lock;
-  if (device_ != nullptr) lock = std::unique_lock(device_->reading);
-  tune();
+  if (device_ != nullptr && lost_ == Lost::waits) {
+    lock = std::unique_lock(device_->reading);
+    tune();
+  }
   return end_->write({rest.data(), rest.size()});
 }
 

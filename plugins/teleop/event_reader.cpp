@@ -29,6 +29,8 @@ float deflection(std::int32_t value, AxisRange range) {
 
 }  // namespace
 
+bool EventReader::knows_key(std::uint16_t code) { return button_of(code).has_value(); }
+
 void EventReader::begin() {
   next_ = {};
   next_.axes.resize(rover::Joystick::kAxes);
@@ -97,7 +99,7 @@ bool EventReader::finish(std::uint16_t code) {
     dropped_ = true;
     return true;
   }
-  show();
+  shown_ = next_;
   return true;
 }
 

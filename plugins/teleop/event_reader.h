@@ -34,12 +34,12 @@ class EventReader {
   /// For the axis at this place in kAxisCodes. An empty or reversed range keeps it in its middle.
   void set_range(std::size_t axis, AxisRange range) { ranges_[axis] = range; }
 
+  /// Is it one of the buttons that a Joystick has?
+  [[nodiscard]] static bool knows_key(std::uint16_t code);
+  static constexpr std::size_t kKeys = 48;  ///< that it knows
+
   /// Takes all of it; how many reports were completed.
   std::size_t push(std::span<const char> bytes);
-  /// What the device itself says, outside of a report.
-  void set_axis(std::size_t axis, std::int32_t value);
-  void set_key(std::uint16_t code, bool pressed);
-  void show() { shown_ = next_; }
 
   /// The kernel dropped events: all was let go, and the device should be asked. Cleared by asking.
   [[nodiscard]] bool take_dropped();
@@ -49,6 +49,8 @@ class EventReader {
  private:
   bool take(const input_event& event);
   bool finish(std::uint16_t code);
+  void set_axis(std::size_t axis, std::int32_t value);
+  void set_key(std::uint16_t code, bool pressed);
 
   std::array<AxisRange, rover::Joystick::kAxes> ranges_{};
   rover::Joystick next_;

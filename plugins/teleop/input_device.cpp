@@ -105,8 +105,9 @@ void InputDevice::ask() {
     say(Mark::kType, Mark::kHighest + at, facts.maximum);
     say(EV_ABS, EventReader::kAxisCodes[axis], facts.value);
   }
-  for (std::uint16_t code = BTN_MISC; code <= KEY_MAX && said_size_ + 1 < said_.size(); ++code) {
-    if ((keys[code / CHAR_BIT] >> (code % CHAR_BIT) & 1) != 0) say(EV_KEY, code, 1);
+  for (std::uint16_t code = BTN_MISC; code <= KEY_MAX; ++code) {
+    const bool held = (keys[code / CHAR_BIT] >> (code % CHAR_BIT) & 1) != 0;
+    if (held && EventReader::knows_key(code)) say(EV_KEY, code, 1);
   }
   say(EV_SYN, SYN_REPORT, 0);
 }

@@ -45,6 +45,8 @@ class InputDevice final : public drivers::LineEnd {
 
  private:
   static constexpr std::size_t kAtOnce = 64;  // events
+  static constexpr std::size_t kAnswer =
+      3 * EventReader::kAxisCodes.size() + EventReader::kKeys + 1;
 
   bool fetch();
   void take(std::span<const char> bytes);
@@ -64,7 +66,8 @@ class InputDevice final : public drivers::LineEnd {
 
   std::array<char, sizeof(input_event)> part_{};
   std::size_t part_size_ = 0;
-  std::array<input_event, kAtOnce + 128> said_{};
+  /// One that appears is asked, and again when it lost some of what it says then.
+  std::array<input_event, 1 + kAnswer + kAtOnce + kAnswer> said_{};
   std::size_t said_size_ = 0;
   std::size_t handed_ = 0;  // bytes of these
 };

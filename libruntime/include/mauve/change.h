@@ -81,7 +81,7 @@ struct NewComponent {
 
 /// Another core, or none, that takes over when the one of this component fails.
 struct NewFallback {
-  std::string component;  ///< one that is changed, or joins
+  std::string component;  ///< one that is changed
   std::optional<ComponentBase::Fallback> fallback;
 };
 

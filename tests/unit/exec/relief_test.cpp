@@ -166,6 +166,23 @@ TEST(Relief, IsTheFallbackCoreThatTheChangeNames) {
   EXPECT_EQ(architecture.control.fallback()->core.name, "ramp/up");
 }
 
+TEST(Relief, IsTheOneFromBeforeAfterARollBack) {
+  FallingBack architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  Change change{{ramp::to_core<Broken>("broken")}};
+  change.fallbacks.push_back(
+      {"control", ComponentBase::Fallback{CoreType::of<ramp::Up>("ramp/up"), {}}});
+  change.probation.emplace();
+
+  ASSERT_TRUE(deployer.apply(change));
+  EXPECT_EQ(architecture.control.fallback()->core.name, "ramp/up");
+  deployer.run_for(15ms);
+
+  ASSERT_EQ(tend(deployer).size(), 1u);
+  EXPECT_EQ(architecture.control.fallback()->core.name, "ramp/down");
+}
+
 TEST(Relief, OfTheNewCoreGoesWithItsWayBack) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
