@@ -23,7 +23,8 @@ class Nearby {
       __builtin_prefetch(reinterpret_cast<const void*>(line));  // NOLINT: an address
     }
   }
-  [[nodiscard]] std::size_t lines() const { return lines_.size(); }
+  /// Where lines of the cache begin, each once.
+  [[nodiscard]] const std::vector<std::uintptr_t>& lines() const { return lines_; }
 
  private:
   void add(const void* object, std::size_t size);
