@@ -102,8 +102,11 @@ int write_output(Session& session, const std::string& text) {
   }
   std::ofstream stream(file, std::ios::binary);
   stream << text << std::flush;
-  if (stream.good()) return 0;
-  return session.fail(fault_of(protocol::kUsage, "the file cannot be written", file));
+  if (!stream.good()) {
+    return session.fail(fault_of(protocol::kUsage, "the file cannot be written", file));
+  }
+  if (session.screen.json) session.print({{"file", file}}, {});
+  return 0;
 }
 
 }  // namespace mauve::ctl

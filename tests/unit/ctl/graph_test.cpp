@@ -333,6 +333,28 @@ TEST(GraphCommand, ChoosesTheLanguageByTheFile) {
   EXPECT_EQ(Json::parse(Scene({"--json", "graph"}, kAnswer).outcome.out), kAnswer);
 }
 
+TEST(GraphCommand, AnswersAsJsonWhatItWouldDraw) {
+  const Json answer = Json::parse(Scene({"--json", "graph", "laser"}, kAnswer).outcome.out);
+
+  Json expected = kAnswer;
+  expected["components"] = Json::array({kAnswer["components"][0]});
+  expected["resources"] = Json::array({kAnswer["resources"][0]});
+  EXPECT_EQ(answer, expected) << "laser, and the scan that it writes";
+}
+
+TEST(GraphCommand, NamesTheFileAsJson) {
+  const test::TempDir place;
+  for (const bool machine : {false, true}) {
+    const std::string file = (place / (machine ? "fsm.svg" : "all.svg")).string();
+    std::vector<std::string> words{"--json", "graph", "-o", file};
+    if (machine) words.insert(words.end(), {"--fsm", "control"});
+    const Scene scene(words, machine ? kControl : kAnswer);
+
+    EXPECT_EQ(Json::parse(scene.outcome.out), (Json{{"file", file}}));
+    EXPECT_THAT(test::TempDir::read(file), StartsWith("<svg"));
+  }
+}
+
 TEST(GraphCommand, DrawsTheStateMachineOfAComponent) {
   const Scene scene({"graph", "--fsm", "control", "--svg"}, kControl);
 
