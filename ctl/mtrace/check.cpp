@@ -52,16 +52,17 @@ Windows disturbed_windows(const Trace& trace) {
 
 void tell_of_reading(Findings& findings) {
   const Reading& reading = findings.trace().reading;
-  const std::string because = findings.trace().header.lost > 0 ? " (the header counts some)" : "";
   if (!reading.complete) findings.left_out("the file was cut off: its last line is missing");
   if (reading.broken > 0) {
     findings.left_out(counted(reading.broken, "line") + " that cannot be read, the first is line " +
                       std::to_string(reading.first_broken) + ": " + reading.first_reason);
   }
   if (reading.unknown > 0) {
-    findings.left_out(counted(reading.unknown, "record") + " of events that are not known" +
-                      because);
+    findings.left_out(counted(reading.unknown, "record") + " of events that are not known");
   }
+  const std::uint64_t lost = findings.trace().header.lost;
+  if (lost > 0)
+    findings.left_out(counted(lost, "record") + " that mauved could not collect in time");
 }
 
 /// Of components that share one processor, the most urgent first.

@@ -177,12 +177,16 @@ TEST(TraceCheck, SaysWhatItCouldNotLookAt) {
   trace.trace.reading.complete = false;
   trace.trace.reading.broken = 2;
   trace.trace.reading.first_broken = 7;
+  trace.trace.reading.unknown = 3;
+  trace.trace.header.lost = 12;
   trace.trace.header.components[0].bound.reset();
 
   const auto not_checked = trace.job(0).verdict().not_checked;
 
   EXPECT_THAT(not_checked, testing::Contains(HasSubstr("cut off")));
   EXPECT_THAT(not_checked, testing::Contains(HasSubstr("the first is line 7")));
+  EXPECT_THAT(not_checked, testing::Contains("3 records of events that are not known"));
+  EXPECT_THAT(not_checked, testing::Contains(HasSubstr("12 records that mauved could not")));
   EXPECT_THAT(not_checked, testing::Contains(HasSubstr("no admitted bound")));
 }
 
