@@ -123,11 +123,9 @@ class Live {
     return result;
   }
 
-  /// That fit the component named before; all when none is.
-  Words cores(const Words& positionals) {
-    Json params = Json::object();
-    if (!positionals.empty()) params["for"] = positionals.front();
-    return names("core.list", params);
+  /// That fit the component; all when there is none.
+  Words cores(const std::string& component) {
+    return names("core.list", component.empty() ? Json::object() : Json{{"for", component}});
   }
 
   Words services() {
@@ -181,6 +179,18 @@ Words split(std::string_view text) {
   return words;
 }
 
+/// The component that was named, or nothing.
+std::string component_named(const Typed& typed) {
+  std::size_t place = 0;
+  for (const Argument& one : typed.command->arguments) {
+    if (one.is_option()) continue;
+    if (place >= typed.positionals.size()) break;
+    if (one.kind == Kind::component) return typed.positionals[place];
+    ++place;
+  }
+  return {};
+}
+
 Words assignable(const Typed& typed, const std::string& begun) {
   Words words = Live(typed).addresses(begun, "properties");
   for (std::string& word : words) word += begun.find('.') == std::string::npos ? "." : "=";
@@ -209,7 +219,7 @@ Words values_of(const Typed& typed, const Argument& argument, const std::string&
     case Kind::component:
       return Live(typed).names("component.list");
     case Kind::core:
-      return Live(typed).cores(typed.positionals);
+      return Live(typed).cores(component_named(typed));
     case Kind::port:
       return Live(typed).names("port.list");
     case Kind::plugin:

@@ -30,8 +30,8 @@ void serve_names(Peer& peer) {
       peer.answer(request, protocol::Json::parse(
                                R"({"items":[{"name":"scan","services":["read","write"]}]})"));
     } else if (request.method == "core.list") {
-      peer.answer(request,
-                  {{"items", {{{"name", "for_" + request.params["for"].get<std::string>()}}}}});
+      const auto wanted = request.params.value("for", std::string("all"));
+      peer.answer(request, {{"items", {{{"name", "for_" + wanted}}}}});
     } else if (request.method == "rules.list") {
       peer.answer(request, protocol::Json::parse(R"({"items":[{"name":"gnss_lost"}]})"));
     } else {
@@ -65,10 +65,11 @@ TEST(Completion, OffersKindsAndLevels) {
 }
 
 TEST(Completion, AsksTheDaemonForNames) {
-  FakeServer server(serve_names, 10);
+  FakeServer server(serve_names, 11);
 
   EXPECT_EQ(completed({"--socket", server.path(), "start", "l"}), Words{"laser"});
   EXPECT_EQ(completed({"--socket", server.path(), "swap-core", "arm", ""}), Words{"for_arm"});
+  EXPECT_EQ(completed({"--socket", server.path(), "quarantine", "release", ""}), Words{"for_all"});
   EXPECT_EQ(completed({"--socket", server.path(), "get", ""}), (Words{"control", "laser", "scan"}));
   EXPECT_EQ(completed({"--socket", server.path(), "get", "control.c"}),
             (Words{"control.core.gain", "control.core.goals"}));
