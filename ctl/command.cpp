@@ -146,13 +146,13 @@ constexpr Argument kLogs[] = {
     flag("-f,--follow", "go on with what comes"),
     maybe("-n,--lines", "how many of the last records", Kind::none),
     maybe("--level", "debug, info, warn or error, and worse", Kind::level),
-    maybe("--since", "10m ago, 12:30, or a whole time such as 2026-01-31T12:00:00Z", Kind::none),
+    maybe("--since", "10min ago, 12:30, or a whole time such as 2026-01-31T12:00:00Z", Kind::none),
     maybe("--grep", "with this in text, component or event; capitals do not matter", Kind::none)};
 constexpr Argument kLog[] = {
     one("WHAT", "level", Kind::none),
     maybe("SETTING", "[COMPONENT=]LEVEL: debug, info, warn, error or default; unsaid: shows it",
           Kind::level),
-    maybe("--for", "reverts by itself after this time, such as 10m", Kind::none)};
+    maybe("--for", "reverts by itself after this time, such as 10min", Kind::none)};
 constexpr Argument kTraceFile = one("FILE", "a trace, *.mtrace", Kind::file);
 constexpr Argument kTimeline[] = {
     maybe("FILE", "a trace, *.mtrace; unsaid, or live: that of the running system", Kind::file),
@@ -256,7 +256,7 @@ constexpr Command kCommands[] = {
     {"trace", "what every thread did when, and recordings of what went wrong",
      "mauvectl trace dump -o now.mtrace", kTrace, false, run_trace},
     {"log", "level: from which level on is logged, also of one component, for a time",
-     "mauvectl log level control=debug --for 10m", kLog, true, run_log},
+     "mauvectl log level control=debug --for 10min", kLog, true, run_log},
     {"doctor", "is the machine fit for real time; what was found, and the remedy",
      "mauvectl doctor --wake 10s", kDoctor, false, run_doctor},
     {"completion", "the script that makes a shell complete command lines of mauvectl",

@@ -14,7 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 using protocol::fault_of;
 
-constexpr std::string_view kExample = "example: mauvectl log level control=debug --for 10m";
+constexpr std::string_view kExample = "example: mauvectl log level control=debug --for 10min";
 
 std::variant<Json, Fault> params_of(const Arguments& given) {
   Json params = {{"follow", given.has("-f,--follow")}};
@@ -25,7 +25,7 @@ std::variant<Json, Fault> params_of(const Arguments& given) {
     const auto since = since_when(given.one("--since"), std::chrono::system_clock::now());
     if (!since) {
       return fault_of(protocol::kUsage, "'" + given.one("--since") + "' is no time", {},
-                      "examples: --since 10m, --since 12:30, --since 2026-01-31T12:00:00Z");
+                      "examples: --since 10min, --since 12:30, --since 2026-01-31T12:00:00Z");
     }
     params["since"] = *since;
   }
@@ -143,7 +143,7 @@ int run_log(Session& session) {
   const std::string component = equals == std::string::npos ? "" : setting.substr(0, equals);
   Json params = {{"level", setting.substr(equals == std::string::npos ? 0 : equals + 1)}};
   if (!component.empty()) params["component"] = component;
-  if (given.has("--for")) params["for"] = length_for_wire(given.one("--for"));
+  if (given.has("--for")) params["for"] = given.one("--for");
   const auto answer = session.call("log.set_level", params);
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
   const auto& result = std::get<Json>(answer);
