@@ -39,7 +39,7 @@ constexpr ExitCode kExitCodes[] = {
     {0, "done", "Done."},
     {1, "refused",
      "Refused, nothing changed. Of diff: something differs. Of check: the file has errors. Of "
-     "doctor: something fails."},
+     "check-trace: the trace breaks a rule. Of doctor: something fails."},
     {2, "wrong use", "Wrong use."},
     {3, "condition false", "The condition asked for is false."},
     {4, "no such object", "No such object."},
