@@ -150,7 +150,7 @@ int run_quarantine(Session& session) {
     return change(session, "quarantine.release", {{"core", core}}, "released " + core);
   }
   if (!action.empty()) {
-    return session.fail(fault_of(protocol::kUsage, "'" + action + "' is not what can be done", {},
+    return session.fail(fault_of(protocol::kUsage, "release takes a core", {},
                                  "example: mauvectl quarantine release guidance/widest_gap"));
   }
   const auto answer = session.call("quarantine.list", Json::object());

@@ -9,16 +9,8 @@ namespace mauve::ctl {
 int run_convert_trace(Session& session) {
   const std::string file = session.arguments.one("FILE");
   const std::string output = session.arguments.one("-o,--output");
-  auto format = mtrace::format_of(output);
-  if (session.arguments.has("--format")) {
-    const std::string named = session.arguments.one("--format");
-    const auto known = mtrace::format_named(named);
-    if (!known) {
-      return session.fail(protocol::fault_of(protocol::kUsage, "there is no format of this name",
-                                             named, "chrome, ctf or mtrace"));
-    }
-    format = *known;
-  }
+  const auto named = mtrace::format_named(session.arguments.one("--format"));
+  const mtrace::Format format = named.value_or(mtrace::format_of(output));
   const auto trace = mtrace::read_file(file);
   if (!trace) {
     return session.fail(

@@ -14,8 +14,6 @@ namespace {
 using namespace std::chrono_literals;
 using protocol::fault_of;
 
-constexpr std::string_view kExample = "example: mauvectl log level control=debug --for 10min";
-
 std::variant<Json, Fault> params_of(const Arguments& given) {
   Json params = {{"follow", given.has("-f,--follow")}};
   if (given.has("COMPONENT")) params["component"] = given.one("COMPONENT");
@@ -132,11 +130,6 @@ int run_logs(Session& session) {
 
 int run_log(Session& session) {
   const Arguments& given = session.arguments;
-  if (given.one("WHAT") != "level") {
-    return session.fail(fault_of(protocol::kUsage,
-                                 "'" + given.one("WHAT") + "' is not what can be set", {},
-                                 std::string(kExample)));
-  }
   const std::string setting = given.one("SETTING");
   if (setting.empty()) return show_level(session);
   const auto equals = setting.find('=');

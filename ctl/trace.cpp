@@ -93,8 +93,7 @@ int run_trace(Session& session) {
   if (action == "stop") return tell_status(session, "trace.stop", Json::object());
   if (action == "status") return tell_status(session, "trace.status", Json::object());
   if (action == "list") return list(session);
-  if (action == "dump") return dump(session);
-  return session.fail(wrong_use("start, stop, status, list or dump", action));
+  return dump(session);
 }
 
 }  // namespace mauve::ctl

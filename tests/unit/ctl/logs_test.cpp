@@ -110,7 +110,6 @@ TEST(LogLevel, IsShownWithoutASetting) {
 
   EXPECT_EQ(scene.asked[0].method, "log.level");
   EXPECT_EQ(scene.outcome.out, "log level info, by default info\ncontrol: debug, 9 min still\n");
-  EXPECT_EQ(run("/nowhere", {"log", "lvl"}).exit, 2);
 }
 
 TEST(LogLevel, StandsInTheStatus) {

@@ -175,6 +175,14 @@ TEST(Logs, AskForWhatWasSaid) {
   EXPECT_EQ(scene.outcome.out, "T  warn   gnss: x\n");
 }
 
+TEST(Quarantine, ReleasesACoreThatIsNamed) {
+  const Scene scene({"quarantine", "release", "a/b"}, kSwapReceipt);
+
+  EXPECT_EQ(scene.asked[0].method, "quarantine.release");
+  EXPECT_EQ(scene.asked[0].params, (Json{{"core", "a/b"}}));
+  EXPECT_EQ(run("/nowhere", {"quarantine", "release"}).exit, 2);
+}
+
 TEST(List, KnowsItsKinds) {
   EXPECT_EQ(Scene({"list"}, {{"items", Json::array()}}).asked[0].method, "component.list");
   EXPECT_EQ(Scene({"list", "ports"}, {{"items", Json::array()}}).asked[0].method, "port.list");
