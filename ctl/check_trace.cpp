@@ -31,7 +31,7 @@ Json json_of(const std::string& file, const Verdict& verdict) {
             {"first", nullptr},
             {"checked", json_of(verdict.checked)},
             {"not_checked", verdict.not_checked}};
-  if (!verdict.holds()) json["first"] = json_of(verdict.violations.front());
+  if (!verdict.holds()) json["first"] = json_of(*verdict.first);
   return json;
 }
 
@@ -49,7 +49,7 @@ std::string render(const Violation& violation, std::uint64_t found, bool colour)
 std::string render(const Verdict& verdict, bool colour) {
   const Checked& checked = verdict.checked;
   std::string text = verdict.holds() ? painted("the trace obeys the model\n", Paint::green, colour)
-                                     : render(verdict.violations.front(), verdict.found, colour);
+                                     : render(*verdict.first, verdict.found, colour);
   text += "checked: " + counted(checked.components, "component") + ", " +
           counted(checked.releases, "release") + " where the clock says, " +
           counted(checked.waits, "wait") + ", " + counted(checked.states, "state") + ", " +
