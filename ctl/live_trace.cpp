@@ -5,15 +5,10 @@
 #include "words.h"
 
 namespace mauve::ctl {
-namespace {
-
-constexpr std::uint64_t kPage = 5000;  // records that one answer may have
-
-}  // namespace
 
 std::variant<mtrace::Trace, Fault> read_live(Session& session, const std::string& recording) {
   mtrace::Builder builder;
-  Json params{{"from", 0}, {"count", kPage}};
+  Json params{{"from", 0}, {"count", protocol::kMostRecords}};
   if (!recording.empty()) params["recording"] = recording;
   for (bool end = false; !end;) {
     auto answer = session.call("trace.read", params);

@@ -143,7 +143,7 @@ Json page_of(const Trace& trace, const protocol::Request& request) {
   for (std::size_t i = from; i < to; ++i) {
     records.push_back(Json::parse(record_line(trace, trace.records[i])));
   }
-  return {{"header", Json::parse(header_line(trace.header))},
+  return {{"header", protocol::to_json(trace.header)},
           {"records", records},
           {"recording", "now-7"},
           {"next", to},
@@ -171,7 +171,7 @@ TEST_F(TraceCommand, TimelineWithoutAFileIsThatOfTheRunningSystem) {
 }
 
 TEST_F(TraceCommand, TimelineEndsThoughADaemonNeverSaysThatItIsTheEnd) {
-  const Json answer{{"header", Json::parse(header_line(made().header))},
+  const Json answer{{"header", protocol::to_json(made().header)},
                     {"records", Json::array()},
                     {"next", 0},
                     {"end", false}};
