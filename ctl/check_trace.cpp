@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "actions.h"
 #include "mtrace/check.h"
-#include "mtrace/file.h"
+#include "read_trace.h"
 #include "table.h"
 #include "words.h"
 
@@ -66,12 +66,9 @@ std::string render(const Verdict& verdict, bool colour) {
 
 int run_check_trace(Session& session) {
   const std::string file = session.arguments.one("FILE");
-  const auto trace = mtrace::read_file(file);
-  if (!trace) {
-    return session.fail(
-        protocol::fault_of(protocol::kUsage, trace.error().message, file, trace.error().hint));
-  }
-  const Verdict verdict = mtrace::check(*trace);
+  const auto trace = read_trace(file);
+  if (const auto* fault = std::get_if<Fault>(&trace)) return session.fail(*fault);
+  const Verdict verdict = mtrace::check(std::get<mtrace::Trace>(trace));
   session.print(json_of(file, verdict), render(verdict, session.screen.colour_out));
   return verdict.holds() ? 0 : 1;
 }

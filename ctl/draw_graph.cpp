@@ -7,7 +7,7 @@
 #include "base/name.h"
 #include "graph.h"
 #include "machine.h"
-#include "recording.h"
+#include "output.h"
 #include "words.h"
 
 namespace mauve::ctl {

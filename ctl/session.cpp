@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "session.h"
 
-#include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <utility>
 
 #include "base/duration.h"
+#include "files.h"
 #include "interrupt.h"
 #include "protocol/methods.h"
 
@@ -40,16 +39,15 @@ std::optional<std::chrono::nanoseconds> timeout_of(std::string_view text) {
   return *parsed;
 }
 
+Fault bad_file(const Error& error) {
+  return protocol::fault_of(protocol::kUsage, error.message, error.at, error.hint);
+}
+
 std::variant<Json, Fault> file_params(const Session& session) {
   const std::string file = session.arguments.one("FILE");
-  std::error_code error;
-  // Reading a folder is the one thing at which the stream would throw.
-  std::ifstream stream;
-  if (!std::filesystem::is_directory(file, error)) stream.open(file, std::ios::binary);
-  if (!stream.is_open()) {
-    return protocol::fault_of(protocol::kUsage, "the file cannot be read", file);
-  }
-  return Json{{"text", std::string{std::istreambuf_iterator<char>(stream), {}}}, {"file", file}};
+  auto stream = open_to_read(file);
+  if (!stream) return bad_file(stream.error());
+  return Json{{"text", std::string{std::istreambuf_iterator<char>(*stream), {}}}, {"file", file}};
 }
 
 Session::Session(const Command& asked_command, Arguments asked_arguments, Globals asked_globals,

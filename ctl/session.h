@@ -44,6 +44,9 @@ class Session {
   bool connected_ = false;
 };
 
+/// A file that cannot be read or written is wrong use.
+[[nodiscard]] Fault bad_file(const Error& error);
+
 /// {"text", "file"}: what FILE contains, and its name.
 [[nodiscard]] std::variant<Json, Fault> file_params(const Session& session);
 

@@ -3,13 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <utility>
 
+#include "files.h"
 #include "words.h"
 
 namespace mauve::ctl::mtrace {
@@ -204,20 +201,12 @@ Result<Trace> Reader::finish() {
 }
 
 Result<Trace> read_file(const std::string& path) {
-  std::error_code error;
-  std::ifstream stream;
-  // Reading a folder is the one thing at which the stream would throw.
-  const bool folder = std::filesystem::is_directory(path, error);
-  errno = folder ? EISDIR : 0;
-  if (!folder) stream.open(path, std::ios::binary);
-  if (!stream.is_open()) {
-    const std::string why = errno != 0 ? std::strerror(errno) : "unknown reason";
-    return refuse(Errc::system, path, "the file cannot be read: " + why);
-  }
+  auto stream = open_to_read(path);
+  if (!stream) return stream.error();
   Reader reader;
   std::array<char, 65536> piece{};
-  while (stream.read(piece.data(), piece.size()), stream.gcount() > 0) {
-    reader.feed({piece.data(), static_cast<std::size_t>(stream.gcount())});
+  while (stream->read(piece.data(), piece.size()), stream->gcount() > 0) {
+    reader.feed({piece.data(), static_cast<std::size_t>(stream->gcount())});
   }
   auto trace = reader.finish();
   if (!trace) trace.error().at = path;

@@ -113,7 +113,7 @@ TEST_F(TraceCommand, ConvertTakesAFormatWhateverTheFileIsCalled) {
 TEST_F(TraceCommand, SaysInTheWordsOfTheSystemThatItCannotWrite) {
   for (const char* command : {"convert-trace", "timeline"}) {
     const Outcome outcome = run_alone({command, file_, "-o", "/no/such/folder/x.json"});
-    EXPECT_EQ(outcome.exit, 1) << command;
+    EXPECT_EQ(outcome.exit, 2) << command;
     EXPECT_THAT(outcome.err, HasSubstr("No such file or directory")) << command;
     EXPECT_THAT(outcome.err, HasSubstr("/no/such/folder/x.json")) << command;
   }

@@ -1,10 +1,18 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "live_trace.h"
+#include "read_trace.h"
+
+#include <utility>
 
 #include "mtrace/file.h"
 #include "words.h"
 
 namespace mauve::ctl {
+
+std::variant<mtrace::Trace, Fault> read_trace(const std::string& file) {
+  auto trace = mtrace::read_file(file);
+  if (!trace) return bad_file(trace.error());
+  return std::move(*trace);
+}
 
 std::variant<mtrace::Trace, Fault> read_live(Session& session, const std::string& recording) {
   mtrace::Builder builder;
