@@ -24,7 +24,7 @@ int change(Session& session, std::string_view method, Json params, std::string_v
 
 std::string listed(const std::vector<std::string>& names) {
   std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
+  for (const auto& name : names) join(text, name);
   return text;
 }
 

@@ -51,7 +51,7 @@ struct Dropped {
     }
     std::string text;
     const auto add = [&](std::uint64_t count, const char* what) {
-      if (count > 0) text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + what;
+      if (count > 0) join(text, std::to_string(count) + " " + what);
     };
     add(lost, "were never recorded: too much was told at once");
     add(gone, "older ones are not kept any more");

@@ -54,7 +54,7 @@ Used used_cpus(const Facts& facts) {
   Used used;
   for (const Json& row : facts.components()) {
     const Json& cpus = list_in(row, "cpus");
-    if (cpus.empty()) used.anywhere += (used.anywhere.empty() ? "" : ", ") + word(row, "name");
+    if (cpus.empty()) join(used.anywhere, word(row, "name"));
     for (const Json& cpu : cpus) {
       if (cpu.is_number_integer()) used.cpus.insert(cpu.get<int>());
     }
@@ -143,7 +143,7 @@ Finding check_frequency(const Facts& facts) {
     if (!governor) continue;
     ++scaled;
     if (*governor == "performance") continue;
-    slow += (slow.empty() ? "" : ", ") + cpu + " " + *governor;
+    join(slow, cpu + " " + *governor);
   }
   if (scaled == 0) return good("the system does not change it");
   if (slow.empty()) return good("performance on " + counted(scaled, "CPU"));

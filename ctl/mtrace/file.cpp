@@ -32,11 +32,6 @@ std::int64_t integer_in(const Json& object, const char* key) {
   return found == object.end() ? 0 : integer(*found).value_or(0);
 }
 
-std::string text_in(const Json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string{};
-}
-
 State state_of(const Json& json) {
   return {text_in(json, "name"), text_in(json, "kind") == "synchronization",
           integer_in(json, "wait_ns")};
