@@ -24,7 +24,7 @@ int change(Session& session, std::string_view method, Json params, std::string_v
 
 std::string listed(const std::vector<std::string>& names) {
   std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
+  for (const auto& name : names) join(text, name);
   return text;
 }
 
@@ -150,7 +150,7 @@ int run_quarantine(Session& session) {
     return change(session, "quarantine.release", {{"core", core}}, "released " + core);
   }
   if (!action.empty()) {
-    return session.fail(fault_of(protocol::kUsage, "'" + action + "' is not what can be done", {},
+    return session.fail(fault_of(protocol::kUsage, "release takes a core", {},
                                  "example: mauvectl quarantine release guidance/widest_gap"));
   }
   const auto answer = session.call("quarantine.list", Json::object());

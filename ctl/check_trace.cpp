@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "actions.h"
 #include "mtrace/check.h"
-#include "mtrace/file.h"
+#include "read_trace.h"
 #include "table.h"
 #include "words.h"
 
@@ -31,7 +31,7 @@ Json json_of(const std::string& file, const Verdict& verdict) {
             {"first", nullptr},
             {"checked", json_of(verdict.checked)},
             {"not_checked", verdict.not_checked}};
-  if (!verdict.holds()) json["first"] = json_of(verdict.violations.front());
+  if (!verdict.holds()) json["first"] = json_of(*verdict.first);
   return json;
 }
 
@@ -49,7 +49,7 @@ std::string render(const Violation& violation, std::uint64_t found, bool colour)
 std::string render(const Verdict& verdict, bool colour) {
   const Checked& checked = verdict.checked;
   std::string text = verdict.holds() ? painted("the trace obeys the model\n", Paint::green, colour)
-                                     : render(verdict.violations.front(), verdict.found, colour);
+                                     : render(*verdict.first, verdict.found, colour);
   text += "checked: " + counted(checked.components, "component") + ", " +
           counted(checked.releases, "release") + " where the clock says, " +
           counted(checked.waits, "wait") + ", " + counted(checked.states, "state") + ", " +
@@ -66,12 +66,9 @@ std::string render(const Verdict& verdict, bool colour) {
 
 int run_check_trace(Session& session) {
   const std::string file = session.arguments.one("FILE");
-  const auto trace = mtrace::read_file(file);
-  if (!trace) {
-    return session.fail(
-        protocol::fault_of(protocol::kUsage, trace.error().message, file, trace.error().hint));
-  }
-  const Verdict verdict = mtrace::check(*trace);
+  const auto trace = read_trace(file);
+  if (const auto* fault = std::get_if<Fault>(&trace)) return session.fail(*fault);
+  const Verdict verdict = mtrace::check(std::get<mtrace::Trace>(trace));
   session.print(json_of(file, verdict), render(verdict, session.screen.colour_out));
   return verdict.holds() ? 0 : 1;
 }

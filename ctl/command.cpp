@@ -24,9 +24,17 @@ constexpr Argument flag(std::string_view name, std::string_view text) {
   return {name, text, Kind::none, false, false, true};
 }
 
-/// An option or argument that takes one of a few words, among others perhaps.
 constexpr Argument choice(std::string_view name, std::string_view text, std::string_view choices) {
-  return {name, text, Kind::choice, false, false, false, choices};
+  return {name, text, Kind::none, false, false, false, choices};
+}
+constexpr Argument one_of(std::string_view name, std::string_view text, std::string_view choices) {
+  return {name, text, Kind::none, true, false, false, choices};
+}
+/// Takes this word as well as what else it takes.
+constexpr Argument also(std::string_view word, Argument argument) {
+  argument.choices = word;
+  argument.others = true;
+  return argument;
 }
 
 constexpr Argument kState = choice("--state", "\"drop\": begin with a fresh state", "drop");
@@ -37,8 +45,10 @@ constexpr Argument kSync =
 constexpr Argument kComponent = one("COMPONENT", "name of a component", Kind::component);
 constexpr Argument kPort = one("PORT", "such as control.ports.scan", Kind::port);
 
-constexpr Argument kProbation = choice(
-    "--probation", "so many jobs of each member before it counts as good (3000), or off", "off");
+constexpr Argument kProbation =
+    also("off",
+         maybe("--probation", "so many jobs of each member before it counts as good (3000), or off",
+               Kind::none));
 constexpr Argument kMisses = maybe(
     "--misses",
     "late jobs tolerated on probation, M of the last K such as 2/64 (0/64); a late job counts "
@@ -112,7 +122,8 @@ constexpr Argument kReload[] = {kPlugin[0], kState};
 constexpr Argument kPlugins[] = {
     maybe("--for", "the cores that fit this component", Kind::component)};
 constexpr Argument kStats[] = {
-    maybe("ADDRESS", "a component or a state of it; or \"reset\": counts anew", Kind::component),
+    also("reset", maybe("ADDRESS", "a component or a state of it; or \"reset\": counts anew",
+                        Kind::component)),
     maybe("COMPONENT", "of reset: only this one", Kind::component)};
 constexpr Argument kTop[] = {
     flag("-b,--batch", "tables one below the other, for scripts; with --json a line each"),
@@ -134,28 +145,31 @@ constexpr Argument kHistory[] = {maybe("-n,--lines", "how many of the newest", K
 constexpr Argument kRollback[] = {one("GENERATION", "a number of mauvectl history", Kind::none),
                                   kState, kSync};
 constexpr Argument kTrace[] = {
-    one("ACTION", "start, stop, status, list or dump", Kind::none),
+    one_of("ACTION", "start, stop, status, list or dump", "start stop status list dump"),
     maybe("RECORDING", "of dump: one of the list; unsaid: what is traced now", Kind::none),
     flag("--detail", "of start: every use of a port too"),
     maybe("--for", "of start: what is kept, such as 10s", Kind::none),
     maybe("-o,--output", "of dump: *.mtrace, *.json for Perfetto, else a folder of CTF",
           Kind::file)};
-constexpr Argument kLock[] = {one("LOCK", "none, params or all", Kind::lock)};
+constexpr Argument kLock[] = {one_of("LOCK", "none, params or all", "none params all")};
 constexpr Argument kLogs[] = {
     maybe("COMPONENT", "only this one", Kind::component),
     flag("-f,--follow", "go on with what comes"),
     maybe("-n,--lines", "how many of the last records", Kind::none),
-    maybe("--level", "debug, info, warn or error, and worse", Kind::level),
-    maybe("--since", "10m ago, 12:30, or a whole time such as 2026-01-31T12:00:00Z", Kind::none),
+    choice("--level", "debug, info, warn or error, and worse", "debug info warn error"),
+    maybe("--since", "10min ago, 12:30, or a whole time such as 2026-01-31T12:00:00Z", Kind::none),
     maybe("--grep", "with this in text, component or event; capitals do not matter", Kind::none)};
 constexpr Argument kLog[] = {
-    one("WHAT", "level", Kind::none),
-    maybe("SETTING", "[COMPONENT=]LEVEL: debug, info, warn, error or default; unsaid: shows it",
-          Kind::level),
-    maybe("--for", "reverts by itself after this time, such as 10m", Kind::none)};
+    one_of("WHAT", "level", "level"),
+    also(
+        "debug info warn error default",
+        maybe("SETTING", "[COMPONENT=]LEVEL: debug, info, warn, error or default; unsaid: shows it",
+              Kind::none)),
+    maybe("--for", "reverts by itself after this time, such as 10min", Kind::none)};
 constexpr Argument kTraceFile = one("FILE", "a trace, *.mtrace", Kind::file);
 constexpr Argument kTimeline[] = {
-    maybe("FILE", "a trace, *.mtrace; unsaid, or live: that of the running system", Kind::file),
+    also("live", maybe("FILE", "a trace, *.mtrace; unsaid, or live: that of the running system",
+                       Kind::file)),
     maybe("--from",
           "time since T0, such as 1.2s; unsaid: around why it was kept, or the last second",
           Kind::none),
@@ -166,10 +180,10 @@ constexpr Argument kCheckTrace[] = {kTraceFile};
 constexpr Argument kConvertTrace[] = {
     kTraceFile,
     {"-o,--output", "*.json for Perfetto, *.mtrace, else a folder of CTF", Kind::file, true},
-    maybe("--format", "chrome, ctf or mtrace, whatever the name of the output is", Kind::none)};
+    choice("--format", "chrome, ctf or mtrace, whatever the name of the output is",
+           "chrome ctf mtrace")};
 
-constexpr Argument kCompletion[] = {
-    {"SHELL", "bash, zsh or fish", Kind::choice, true, false, false, "bash zsh fish"}};
+constexpr Argument kCompletion[] = {one_of("SHELL", "bash, zsh or fish", "bash zsh fish")};
 constexpr Argument kDoctor[] = {
     maybe("--wake", "also measure wake-up latencies for so long, such as 10s", Kind::none)};
 
@@ -256,7 +270,7 @@ constexpr Command kCommands[] = {
     {"trace", "what every thread did when, and recordings of what went wrong",
      "mauvectl trace dump -o now.mtrace", kTrace, false, run_trace},
     {"log", "level: from which level on is logged, also of one component, for a time",
-     "mauvectl log level control=debug --for 10m", kLog, true, run_log},
+     "mauvectl log level control=debug --for 10min", kLog, true, run_log},
     {"doctor", "is the machine fit for real time; what was found, and the remedy",
      "mauvectl doctor --wake 10s", kDoctor, false, run_doctor},
     {"completion", "the script that makes a shell complete command lines of mauvectl",
@@ -279,6 +293,15 @@ constexpr Category kCategories[] = {
 };
 
 }  // namespace
+
+std::vector<std::string> Argument::words() const {
+  std::vector<std::string> all;
+  for (auto rest = choices; !rest.empty();) {
+    all.emplace_back(rest.substr(0, rest.find(' ')));
+    rest.remove_prefix(std::min(rest.size(), all.back().size() + 1));
+  }
+  return all;
+}
 
 std::span<const Command> commands() { return kCommands; }
 

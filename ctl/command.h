@@ -27,10 +27,7 @@ enum class Kind {
   plugin,
   rule,
   file,
-  category,
-  level,
-  lock,
-  choice  ///< one of `choices`
+  category
 };
 
 struct Argument {
@@ -40,9 +37,11 @@ struct Argument {
   bool required = false;
   bool many = false;
   bool flag = false;              ///< an option without value
-  std::string_view choices = {};  ///< of Kind::choice, a blank between them
+  std::string_view choices = {};  ///< the words that it takes, a blank between them
+  bool others = false;            ///< takes more than these
 
   [[nodiscard]] bool is_option() const { return name.starts_with('-'); }
+  [[nodiscard]] std::vector<std::string> words() const;
 };
 
 struct Command {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <string_view>
+#include <utility>
 
 #include "client.h"
 #include "options.h"
@@ -15,7 +16,6 @@ namespace mauve::ctl {
 namespace {
 
 constexpr std::chrono::milliseconds kMoment{500};
-constexpr std::string_view kLevels[] = {"debug", "info", "warn", "error"};
 
 using Words = std::vector<std::string>;
 
@@ -123,11 +123,9 @@ class Live {
     return result;
   }
 
-  /// That fit the component named before; all when none is.
-  Words cores(const Words& positionals) {
-    Json params = Json::object();
-    if (!positionals.empty()) params["for"] = positionals.front();
-    return names("core.list", params);
+  /// That fit the component; all when there is none.
+  Words cores(const std::string& component) {
+    return names("core.list", component.empty() ? Json::object() : Json{{"for", component}});
   }
 
   Words services() {
@@ -171,14 +169,16 @@ class Live {
   bool connected_;
 };
 
-Words split(std::string_view text) {
-  Words words;
-  while (!text.empty()) {
-    const auto word = text.substr(0, text.find(' '));
-    text.remove_prefix(std::min(text.size(), word.size() + 1));
-    words.emplace_back(word);
+/// The component that was named, or nothing.
+std::string component_named(const Typed& typed) {
+  std::size_t place = 0;
+  for (const Argument& one : typed.command->arguments) {
+    if (one.is_option()) continue;
+    if (place >= typed.positionals.size()) break;
+    if (one.kind == Kind::component) return typed.positionals[place];
+    ++place;
   }
-  return words;
+  return {};
 }
 
 Words assignable(const Typed& typed, const std::string& begun) {
@@ -193,23 +193,17 @@ Words category_names() {
   return names;
 }
 
-Words values_of(const Typed& typed, const Argument& argument, const std::string& begun) {
+Words names_of(const Typed& typed, const Argument& argument, const std::string& begun) {
   switch (argument.kind) {
     case Kind::none:
     case Kind::file:
       return {};
-    case Kind::choice:
-      return split(argument.choices);
-    case Kind::level:
-      return {std::begin(kLevels), std::end(kLevels)};
-    case Kind::lock:
-      return {"none", "params", "all"};
     case Kind::category:
       return category_names();
     case Kind::component:
       return Live(typed).names("component.list");
     case Kind::core:
-      return Live(typed).cores(typed.positionals);
+      return Live(typed).cores(component_named(typed));
     case Kind::port:
       return Live(typed).names("port.list");
     case Kind::plugin:
@@ -231,9 +225,9 @@ Completion value_completion(const Typed& typed, const Argument& argument, const 
                             const std::string& before) {
   Completion result;
   result.files = argument.kind == Kind::file && before.empty();
-  for (const std::string& value : values_of(typed, argument, begun)) {
-    result.candidates.push_back({before + value, {}});
-  }
+  Words values = argument.words();
+  for (std::string& name : names_of(typed, argument, begun)) values.push_back(std::move(name));
+  for (const std::string& value : values) result.candidates.push_back({before + value, {}});
   return result;
 }
 

@@ -1,35 +1,25 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "actions.h"
 #include "mtrace/convert.h"
-#include "mtrace/file.h"
+#include "output.h"
+#include "read_trace.h"
 #include "words.h"
 
 namespace mauve::ctl {
 
 int run_convert_trace(Session& session) {
-  const std::string file = session.arguments.one("FILE");
   const std::string output = session.arguments.one("-o,--output");
-  auto format = mtrace::format_of(output);
-  if (session.arguments.has("--format")) {
-    const std::string named = session.arguments.one("--format");
-    const auto known = mtrace::format_named(named);
-    if (!known) {
-      return session.fail(protocol::fault_of(protocol::kUsage, "there is no format of this name",
-                                             named, "chrome, ctf or mtrace"));
-    }
-    format = *known;
+  const auto named = mtrace::format_named(session.arguments.one("--format"));
+  const mtrace::Format format = named.value_or(mtrace::format_of(output));
+  const auto read = read_trace(session.arguments.one("FILE"));
+  if (const auto* fault = std::get_if<Fault>(&read)) return session.fail(*fault);
+  const auto& trace = std::get<mtrace::Trace>(read);
+  if (const Status done = mtrace::convert(trace, format, output); !done) {
+    return session.fail(bad_file(done.error()));
   }
-  const auto trace = mtrace::read_file(file);
-  if (!trace) {
-    return session.fail(
-        protocol::fault_of(protocol::kUsage, trace.error().message, file, trace.error().hint));
-  }
-  if (const Status done = mtrace::convert(*trace, format, output); !done) {
-    return session.fail(protocol::fault_of(done.error()));
-  }
-  const std::uint64_t records = trace->records.size();
-  session.print({{"file", output}, {"records", records}, {"complete", trace->reading.complete}},
-                "wrote " + counted(records, "record") + " to " + output + "\n");
+  const std::uint64_t records = trace.records.size();
+  tell_output(session, "wrote " + counted(records, "record"),
+              {{"records", records}, {"complete", trace.reading.complete}});
   return 0;
 }
 

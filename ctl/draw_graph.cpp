@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "actions.h"
 #include "base/name.h"
 #include "graph.h"
 #include "machine.h"
-#include "recording.h"
+#include "output.h"
 #include "words.h"
 
 namespace mauve::ctl {
@@ -52,6 +53,24 @@ std::optional<Fault> unknown_name(const Graph& graph, const std::vector<std::str
   return std::nullopt;
 }
 
+/// The rows of what is drawn; all else as it was.
+Json part_of(Json answer, const Graph& drawn) {
+  for (const char* key : {"components", "resources"}) {
+    Json rows = Json::array();
+    for (const Json& row : list_in(answer, key)) {
+      const auto same = [&](const Graph::Node& node) { return node.name == word(row, "name"); };
+      if (std::any_of(drawn.nodes.begin(), drawn.nodes.end(), same)) rows.push_back(row);
+    }
+    answer[key] = std::move(rows);
+  }
+  return answer;
+}
+
+/// With --json the answer itself, unless the picture goes into a file.
+bool wants_answer(const Session& session) {
+  return session.screen.json && !session.arguments.has("-o,--output");
+}
+
 int draw_machine(Session& session, Form form) {
   const std::string name = session.arguments.one("--fsm");
   const auto answer = session.call("object.get", {{"address", name}});
@@ -62,7 +81,7 @@ int draw_machine(Session& session, Form form) {
     return session.fail(
         fault_of(protocol::kUsage, "has no state machine", name, "mauvectl list components"));
   }
-  if (session.screen.json) {
+  if (wants_answer(session)) {
     session.print(object.value("machine", Json()), {});
     return 0;
   }
@@ -86,8 +105,8 @@ int run_graph(Session& session) {
   Graph graph = graph_of(result);
   if (const auto fault = unknown_name(graph, names)) return session.fail(*fault);
   if (!names.empty()) graph = part_of(graph, names);
-  if (session.screen.json) {
-    session.print(result, {});
+  if (wants_answer(session)) {
+    session.print(names.empty() ? result : part_of(result, graph), {});
     return 0;
   }
   return write_output(session, drawn(graph, std::get<Form>(form)));

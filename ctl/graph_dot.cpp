@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The language of Graphviz: `mauvectl graph --dot | dot -Tpdf`.
 #include "graph.h"
+#include "graph_look.h"
 #include "machine.h"
 #include "svg.h"
 
@@ -44,12 +45,8 @@ std::string dot_doors(const Graph::Node& node) {
 }
 
 std::string dot_colours(const Graph::Node& node) {
-  if (node.state == "faulted" || node.state == "poisoned") {
-    return "COLOR=\"#cf222e\" BGCOLOR=\"#ffebe9\"";
-  }
-  if (node.is_resource) return "COLOR=\"#7d4e00\" BGCOLOR=\"#fff8e5\"";
-  return node.state == "running" ? "COLOR=\"#0b4a8f\" BGCOLOR=\"#eaf3ff\""
-                                 : "COLOR=\"#8c959f\" BGCOLOR=\"#eeeeee\"";
+  const NodeLook& look = look_of(node);
+  return "COLOR=\"" + std::string(look.line) + "\" BGCOLOR=\"" + std::string(look.fill) + "\"";
 }
 
 std::string dot_label(const Graph::Node& node) {
@@ -63,18 +60,11 @@ std::string dot_label(const Graph::Node& node) {
   return text + dot_doors(node) + "</TABLE>";
 }
 
-std::string_view dot_style(Flow flow) {
-  switch (flow) {
-    case Flow::alive:
-      return "";
-    case Flow::resting:
-      return ", color=\"#8c959f\"";
-    case Flow::stale:
-      return ", color=\"#bc4c00\", style=dashed, label=\"stale\"";
-    case Flow::dead:
-      break;
-  }
-  return ", color=\"#cf222e\", style=dotted, penwidth=2, label=\"dead\"";
+std::string dot_style(const FlowLook& look) {
+  std::string text = ", color=\"" + std::string(look.line) + "\"";
+  if (look.stroke == Stroke::dashed) text += ", style=dashed";
+  if (look.stroke == Stroke::dotted) text += ", style=dotted, penwidth=2";
+  return look.word.empty() ? text : text + ", label=\"" + std::string(look.word) + "\"";
 }
 
 std::string dot_edge(const Graph& graph, const Graph::Link& link) {
@@ -87,7 +77,7 @@ std::string dot_edge(const Graph& graph, const Graph::Link& link) {
       "tooltip=\"" + escaped_for_dot(port.kind + " " + port.type) + "\"" +
       (port.kind == "call" || port.kind == "event" ? ", arrowhead=vee" : "");
   return "  " + (reads ? service + ":e -> " + user + ":w" : user + ":e -> " + service + ":w") +
-         " [" + attributes + std::string(dot_style(link.flow)) + "];\n";
+         " [" + attributes + dot_style(look_of(link.flow)) + "];\n";
 }
 
 }  // namespace
@@ -112,12 +102,13 @@ std::string graph_dot(const Graph& graph) {
     for (std::size_t k = 0; k < graph.nodes[i].ports.size(); ++k) {
       if (graph.is_connected(i, k)) continue;
       const std::string id = std::to_string(i) + "_" + std::to_string(k);
-      text += "  open" + id + " [shape=point, color=\"#cf222e\", tooltip=\"not connected\"];\n";
+      text += "  open" + id + " [shape=point, color=\"" + std::string(kWrong) +
+              "\", tooltip=\"not connected\"];\n";
       const std::string port = "n" + std::to_string(i) + ":p" + std::to_string(k);
       text += "  " +
               (graph.nodes[i].ports[k].reads() ? "open" + id + " -> " + port + ":w"
                                                : port + ":e -> open" + id) +
-              " [color=\"#cf222e\", style=dotted, label=\"not connected\"];\n";
+              " [color=\"" + std::string(kWrong) + "\", style=dotted, label=\"not connected\"];\n";
     }
   }
   for (const Graph::Link& link : graph.links) text += dot_edge(graph, link);
@@ -133,9 +124,9 @@ std::string machine_dot(const Machine& machine) {
     const bool current = machine.current == i;
     text += "  s" + std::to_string(i) + " [shape=box, style=\"" +
             (state.waits ? "filled" : "rounded,filled") + "\", fillcolor=\"" +
-            (current ? "#ffdf5d" : (state.waits ? "#fff8e5" : "#eaf3ff")) + "\"" +
-            (current ? ", penwidth=2" : "") + ", label=<<B>" + escaped_for_dot(state.name) +
-            "</B>" + (state.waits ? "<BR/>" + escaped_for_dot(state.wait) : "") + ">];\n";
+            std::string(look_of(state, current).fill) + "\"" + (current ? ", penwidth=2" : "") +
+            ", label=<<B>" + escaped_for_dot(state.name) + "</B>" +
+            (state.waits ? "<BR/>" + escaped_for_dot(state.wait) : "") + ">];\n";
   }
   if (!machine.states.empty()) text += "  begin -> s" + std::to_string(machine.initial) + ";\n";
   for (std::size_t i = 0; i < machine.states.size(); ++i) {

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Mermaid, which Markdown viewers draw.
 #include "graph.h"
+#include "graph_look.h"
 #include "machine.h"
 
 namespace mauve::ctl {
 namespace {
 
-constexpr std::string_view kClasses =
-    "  classDef running fill:#eaf3ff,stroke:#0b4a8f,color:#000\n"
-    "  classDef resting fill:#eeeeee,stroke:#8c959f,color:#57606a\n"
-    "  classDef failed fill:#ffebe9,stroke:#cf222e,color:#000\n"
-    "  classDef resource fill:#fff8e5,stroke:#7d4e00,color:#000\n";
+std::string class_line(std::string_view name, std::string_view fill, std::string_view line,
+                       const std::string& more) {
+  return "  classDef " + std::string(name) + " fill:" + std::string(fill) +
+         ",stroke:" + std::string(line) + more + "\n";
+}
 
 std::string mermaid_label(const Graph::Node& node) {
   std::string text = "<b>" + escaped_for_mermaid(node.name) + "</b>";
@@ -24,25 +25,14 @@ std::string mermaid_label(const Graph::Node& node) {
   return text;
 }
 
-std::string_view class_of(const Graph::Node& node) {
-  if (node.state == "faulted" || node.state == "poisoned") return "failed";
-  if (node.is_resource) return "resource";
-  return node.state == "running" ? "running" : "resting";
-}
-
+/// Solid lines in the usual colour need none.
 std::string style_of(std::size_t link, Flow flow) {
-  const std::string begin = "  linkStyle " + std::to_string(link) + " ";
-  switch (flow) {
-    case Flow::alive:
-      return {};
-    case Flow::resting:
-      return begin + "stroke:#8c959f\n";
-    case Flow::stale:
-      return begin + "stroke:#bc4c00,stroke-dasharray:6 4\n";
-    case Flow::dead:
-      break;
-  }
-  return begin + "stroke:#cf222e,stroke-dasharray:2 3\n";
+  if (flow == Flow::alive) return {};
+  const FlowLook& look = look_of(flow);
+  const std::string text =
+      "  linkStyle " + std::to_string(link) + " stroke:" + std::string(look.line);
+  if (look.stroke == Stroke::solid) return text + "\n";
+  return text + ",stroke-dasharray:" + (look.stroke == Stroke::dashed ? "7 4" : "2 3") + "\n";
 }
 
 /// "scan", or "fix to scan" where port and service have different names.
@@ -53,8 +43,9 @@ std::string mermaid_edge(const Graph& graph, const Graph::Link& link) {
   const std::string resource = "n" + std::to_string(link.resource);
   std::string words = port.name + " - " + service.name;
   if (port.reads()) words = service.name + " - " + port.name;
-  if (link.flow == Flow::stale) words += " (stale)";
-  if (link.flow == Flow::dead) words += " (dead)";
+  if (const auto word = look_of(link.flow).word; !word.empty()) {
+    words += " (" + std::string(word) + ")";
+  }
   const std::string arrow = " -->|\"" + escaped_for_mermaid(words) + "\"| ";
   return "  " + (port.reads() ? resource + arrow + user : user + arrow + resource) + "\n";
 }
@@ -77,7 +68,7 @@ std::string graph_mermaid(const Graph& graph) {
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
     const Graph::Node& node = graph.nodes[i];
     text += "  n" + std::to_string(i) + (node.is_resource ? "[\"" : "(\"") + mermaid_label(node) +
-            (node.is_resource ? "\"]" : "\")") + ":::" + std::string(class_of(node)) + "\n";
+            (node.is_resource ? "\"]" : "\")") + ":::" + std::string(look_of(node).name) + "\n";
   }
   std::string styles;
   for (std::size_t i = 0; i < graph.links.size(); ++i) {
@@ -97,7 +88,11 @@ std::string graph_mermaid(const Graph& graph) {
       styles += style_of(edges++, Flow::dead);
     }
   }
-  return text + styles + std::string(kClasses);
+  text += styles;
+  for (const NodeLook& look : node_looks()) {
+    text += class_line(look.name, look.fill, look.line, ",color:" + std::string(look.text));
+  }
+  return text;
 }
 
 std::string machine_mermaid(const Machine& machine) {
@@ -115,8 +110,11 @@ std::string machine_mermaid(const Machine& machine) {
               (one.mark.empty() ? "" : " : " + escaped_for_mermaid(one.mark)) + "\n";
     }
   }
-  text += "  classDef waiting fill:#fff8e5,stroke:#7d4e00\n";
-  text += "  classDef current fill:#ffdf5d,stroke:#7d4e00,stroke-width:2px\n";
+  const Machine::State waiting{{}, true, {}, {}};
+  const StateLook calm = look_of(waiting, false);
+  const StateLook current = look_of(waiting, true);
+  text += class_line("waiting", calm.fill, calm.line, "");
+  text += class_line("current", current.fill, current.line, ",stroke-width:2px");
   for (std::size_t i = 0; i < machine.states.size(); ++i) {
     if (machine.states[i].waits) text += "  class s" + std::to_string(i) + " waiting\n";
   }

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "graph.h"
+#include "graph_look.h"
 #include "layers.h"
 
 namespace mauve::ctl {
@@ -22,31 +23,12 @@ constexpr double kDoorHeight = 16.0;
 constexpr double kWidest = 230.0;
 constexpr double kMarker = 5.0;
 
-struct Colours {
-  std::string_view line;
-  std::string_view fill;
-  std::string_view text;
-};
-
-Colours colours_of(const Graph::Node& node) {
-  if (node.state == "faulted" || node.state == "poisoned") return {"#cf222e", "#ffebe9", "#1f2328"};
-  if (node.is_resource) return {"#7d4e00", "#fff8e5", "#1f2328"};
-  if (node.state == "running") return {"#0b4a8f", "#eaf3ff", "#1f2328"};
-  return {"#8c959f", "#eeeeee", "#57606a"};
-}
-
 std::string style_of(Flow flow) {
-  switch (flow) {
-    case Flow::alive:
-      return "stroke=\"#1f2328\" stroke-width=\"1.2\"";
-    case Flow::resting:
-      return "stroke=\"#8c959f\" stroke-width=\"1.2\"";
-    case Flow::stale:
-      return "stroke=\"#bc4c00\" stroke-width=\"1.8\" stroke-dasharray=\"7 4\"";
-    case Flow::dead:
-      break;
-  }
-  return "stroke=\"#cf222e\" stroke-width=\"1.8\" stroke-dasharray=\"2 3\"";
+  const FlowLook& look = look_of(flow);
+  const std::string stroke = "stroke=\"" + std::string(look.line) + "\" stroke-width=\"";
+  if (look.stroke == Stroke::solid) return stroke + "1.2\"";
+  return stroke + "1.8\" stroke-dasharray=\"" + (look.stroke == Stroke::dashed ? "7 4" : "2 3") +
+         "\"";
 }
 
 std::string colour(std::string_view fill, std::string_view line) {
@@ -130,7 +112,7 @@ struct Card {
 /// Dark for ports, light for services; triangles for values, diamonds for calls, dots for events.
 void draw_marker(Svg& svg, const Place& at, const Spot& spot, std::string_view line, bool open) {
   const std::string_view fill = open ? "white" : spot.is_port ? line : std::string_view("white");
-  const std::string look = colour(fill, open ? "#cf222e" : line) + " stroke-width=\"1.2\"";
+  const std::string look = colour(fill, open ? kWrong : line) + " stroke-width=\"1.2\"";
   const std::string& kind = spot.door->kind;
   if (kind == "event") return svg.circle(at, kMarker - 1, look, kind);
   if (kind == "call") {
@@ -148,7 +130,7 @@ void draw_marker(Svg& svg, const Place& at, const Spot& spot, std::string_view l
 /// A port that leads nowhere ends in a cross.
 void draw_open_end(Svg& svg, const Place& at, bool left) {
   const double x = at.x + (left ? -15.0 : 15.0);
-  const std::string look = "stroke=\"#cf222e\" stroke-width=\"1.4\"";
+  const std::string look = "stroke=\"" + std::string(kWrong) + "\" stroke-width=\"1.4\"";
   svg.line(at, {x, at.y}, look);
   svg.line({x - 3, at.y - 3}, {x + 3, at.y + 3}, look);
   svg.line({x - 3, at.y + 3}, {x + 3, at.y - 3}, look);
@@ -218,7 +200,7 @@ class GraphDrawing {
   void draw_node(Svg& svg, std::size_t index) const {
     const Graph::Node& node = graph_.nodes[index];
     const Card& card = cards_[index];
-    const Colours look = colours_of(node);
+    const NodeLook& look = look_of(node);
     const Place corner = shifted(arranged_.corners[index]);
     const double width = arranged_.widths[index];
     svg.open_group(node.is_resource ? "class=\"resource\"" : "class=\"component\"",
@@ -231,7 +213,7 @@ class GraphDrawing {
     svg.close_group();
   }
 
-  static void draw_lines(Svg& svg, const Card& card, const Colours& look, const Place& corner,
+  static void draw_lines(Svg& svg, const Card& card, const NodeLook& look, const Place& corner,
                          double width) {
     const double middle = corner.x + width / 2;
     double y = corner.y + kPadding / 2;
@@ -262,10 +244,10 @@ class GraphDrawing {
         spot.is_port &&
         !graph_.is_connected(index, static_cast<std::size_t>(spot.door - node.ports.data()));
     if (open) draw_open_end(svg, at, spot.left);
-    draw_marker(svg, at, spot, colours_of(node).line, open);
+    draw_marker(svg, at, spot, look_of(node).line, open);
     svg.text({at.x + (spot.left ? 9.0 : -9.0), at.y + 4},
              fitted(spot.door->name, kDoorSize, width / 2 + 20),
-             "font-size=\"11\" fill=\"" + std::string(colours_of(node).text) + "\"" +
+             "font-size=\"11\" fill=\"" + std::string(look_of(node).text) + "\"" +
                  (spot.left ? "" : " text-anchor=\"end\""));
   }
 
@@ -296,8 +278,8 @@ class GraphDrawing {
     }
     line(Flow::alive, "data");
     line(Flow::resting, "of a stopped component");
-    line(Flow::stale, "stale");
-    line(Flow::dead, "dead");
+    line(Flow::stale, look_of(Flow::stale).word);
+    line(Flow::dead, look_of(Flow::dead).word);
   }
 
   [[nodiscard]] bool has_kind(std::string_view kind) const {

@@ -56,14 +56,8 @@ system_clock::time_point last_time(const std::tm& clock, system_clock::time_poin
 
 }  // namespace
 
-std::string length_for_wire(std::string_view text) {
-  const bool minutes = text.size() > 1 && text.ends_with('m') &&
-                       std::isdigit(static_cast<unsigned char>(text[text.size() - 2])) != 0;
-  return std::string(text) + (minutes ? "in" : "");
-}
-
 std::optional<std::string> since_when(std::string_view text, system_clock::time_point now) {
-  if (const auto length = parse_duration(length_for_wire(text))) {
+  if (const auto length = parse_duration(text)) {
     const auto ago = std::chrono::duration_cast<system_clock::duration>(*length);
     if (ago.count() < 0) return std::nullopt;
     return utc(now - ago);

@@ -9,11 +9,8 @@
 
 namespace mauve::ctl {
 
-/// "10m" as the wire knows it, "10min"; all else as it is.
-[[nodiscard]] std::string length_for_wire(std::string_view text);
-
-/// "10m" before now, "12:30" of the last 24 hours here, or a whole time as it is: for the wire, in
-/// UTC. Nothing when it is neither.
+/// "10min" before now, "12:30" of the last 24 hours here, or a whole time as it is: for the wire,
+/// in UTC. Nothing when it is neither.
 [[nodiscard]] std::optional<std::string> since_when(std::string_view text,
                                                     std::chrono::system_clock::time_point now);
 

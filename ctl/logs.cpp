@@ -14,8 +14,6 @@ namespace {
 using namespace std::chrono_literals;
 using protocol::fault_of;
 
-constexpr std::string_view kExample = "example: mauvectl log level control=debug --for 10m";
-
 std::variant<Json, Fault> params_of(const Arguments& given) {
   Json params = {{"follow", given.has("-f,--follow")}};
   if (given.has("COMPONENT")) params["component"] = given.one("COMPONENT");
@@ -25,7 +23,7 @@ std::variant<Json, Fault> params_of(const Arguments& given) {
     const auto since = since_when(given.one("--since"), std::chrono::system_clock::now());
     if (!since) {
       return fault_of(protocol::kUsage, "'" + given.one("--since") + "' is no time", {},
-                      "examples: --since 10m, --since 12:30, --since 2026-01-31T12:00:00Z");
+                      "examples: --since 10min, --since 12:30, --since 2026-01-31T12:00:00Z");
     }
     params["since"] = *since;
   }
@@ -53,7 +51,7 @@ struct Dropped {
     }
     std::string text;
     const auto add = [&](std::uint64_t count, const char* what) {
-      if (count > 0) text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + what;
+      if (count > 0) join(text, std::to_string(count) + " " + what);
     };
     add(lost, "were never recorded: too much was told at once");
     add(gone, "older ones are not kept any more");
@@ -132,18 +130,13 @@ int run_logs(Session& session) {
 
 int run_log(Session& session) {
   const Arguments& given = session.arguments;
-  if (given.one("WHAT") != "level") {
-    return session.fail(fault_of(protocol::kUsage,
-                                 "'" + given.one("WHAT") + "' is not what can be set", {},
-                                 std::string(kExample)));
-  }
   const std::string setting = given.one("SETTING");
   if (setting.empty()) return show_level(session);
   const auto equals = setting.find('=');
   const std::string component = equals == std::string::npos ? "" : setting.substr(0, equals);
   Json params = {{"level", setting.substr(equals == std::string::npos ? 0 : equals + 1)}};
   if (!component.empty()) params["component"] = component;
-  if (given.has("--for")) params["for"] = length_for_wire(given.one("--for"));
+  if (given.has("--for")) params["for"] = given.one("--for");
   const auto answer = session.call("log.set_level", params);
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
   const auto& result = std::get<Json>(answer);

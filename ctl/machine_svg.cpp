@@ -3,6 +3,7 @@
 /// right.
 #include <algorithm>
 
+#include "graph_look.h"
 #include "layers.h"
 #include "machine.h"
 
@@ -112,11 +113,11 @@ class MachineDrawing {
     const double width = width_of(index);
     const double height = circle.box.height - circle.above;
     const bool current = machine_.current == index;
-    const std::string fill = current ? "#ffdf5d" : state.waits ? "#fff8e5" : "#eaf3ff";
+    const StateLook look = look_of(state, current);
     svg.open_group(current ? "class=\"state current\"" : "class=\"state\"",
                    state.name + (state.waits ? ", " + state.wait : ""));
     svg.rectangle(corner, width, height,
-                  "fill=\"" + fill + "\" stroke=\"" + (state.waits ? "#7d4e00" : "#0b4a8f") +
+                  "fill=\"" + std::string(look.fill) + "\" stroke=\"" + std::string(look.line) +
                       "\" stroke-width=\"" + (current ? "2.4" : "1.5") + "\" rx=\"" +
                       (state.waits ? "2" : "22") + "\"");
     const Place middle{corner.x + width / 2, corner.y + height / 2};

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "complete.h"
+#include "interrupt.h"
 #include "options.h"
 #include "session.h"
 
@@ -16,14 +17,11 @@ namespace {
 
 using namespace mauve::ctl;
 
-// The signal handler has nothing else to look at.
-volatile sig_atomic_t g_changing = 0;
-
 /// Ends at once, as if there were no handler, but says what may still go on.
 extern "C" void end_at_once(int signal_number) {
   constexpr char kText[] =
       "\nmauvectl: stopped waiting; the daemon may still carry out the change\n";
-  if (g_changing != 0) [[maybe_unused]]
+  if (g_change_awaited != 0) [[maybe_unused]]
     const auto written = write(2, kText, sizeof kText - 1);
   signal(signal_number, SIG_DFL);
   raise(signal_number);
@@ -56,7 +54,6 @@ int run(const std::vector<std::string>& words) {
     return 0;
   }
   auto& asked = std::get<Invocation>(parsed);
-  g_changing = asked.command->changes ? 1 : 0;
   const Screen screen = standard_screen(asked.globals.json, colour_of(asked.globals.colour));
   Session session(*asked.command, std::move(asked.arguments), std::move(asked.globals), screen);
   return asked.command->run(session);

@@ -6,6 +6,7 @@
 
 #include "actions.h"
 #include "map_picture.h"
+#include "output.h"
 #include "recording.h"
 #include "words.h"
 
@@ -96,14 +97,18 @@ class Drawing {
   std::optional<Place> seen_from_;
 };
 
-/// "4.2 m of way": a robot that stood is not seen in a picture.
-std::string driven(const std::vector<MapPicture::Step>& way) {
+double length_of(const std::vector<MapPicture::Step>& way) {
   double length = 0.0;
   for (std::size_t i = 1; i < way.size(); ++i) {
     length += std::hypot(way[i].at.x - way[i - 1].at.x, way[i].at.y - way[i - 1].at.y);
   }
+  return length;
+}
+
+/// "4.2 m of way": a robot that stood is not seen in a picture.
+std::string in_words(const std::vector<MapPicture::Step>& way) {
   char text[40];
-  std::snprintf(text, sizeof text, "%.1f m of way", length);
+  std::snprintf(text, sizeof text, "%.1f m of way", length_of(way));
   return text;
 }
 
@@ -135,11 +140,10 @@ int run_map(Session& session) {
         protocol::fault_of(protocol::kUsage, "it never had a place with x and y",
                            session.arguments.one("POSE"), "example: mauvectl map pose.read")));
   }
-  const int written = write_output(session, draw_map(drawing.picture));
-  if (written == 0) {
-    session.screen.err << "drew " << counted(drawing.picture.way.size(), "place") << ", "
-                       << driven(drawing.picture.way) << "\n";
-  }
+  const auto& way = drawing.picture.way;
+  const int written = write_output(session, draw_map(drawing.picture),
+                                   "drew " + counted(way.size(), "place") + ", " + in_words(way),
+                                   {{"places", way.size()}, {"length_m", length_of(way)}});
   return fault ? session.fail(*fault) : written;  // what came before the daemon went is drawn
 }
 

@@ -24,7 +24,7 @@ constexpr Argument kGlobals[] = {
     {"--timeout", "how long to wait for an answer, such as 5s", Kind::none},
     {"--if-generation", "change only if this generation is running", Kind::none},
     {"--reason", "why you change it, for the log", Kind::none},
-    {"--color", "auto, always or never", Kind::choice, false, false, false, "auto always never"},
+    {"--color", "auto, always or never", Kind::none, false, false, false, "auto always never"},
 };
 
 constexpr std::string_view kExamples =
@@ -39,7 +39,7 @@ constexpr ExitCode kExitCodes[] = {
     {0, "done", "Done."},
     {1, "refused",
      "Refused, nothing changed. Of diff: something differs. Of check: the file has errors. Of "
-     "doctor: something fails."},
+     "check-trace: the trace breaks a rule. Of doctor: something fails."},
     {2, "wrong use", "Wrong use."},
     {3, "condition false", "The condition asked for is false."},
     {4, "no such object", "No such object."},
@@ -156,7 +156,28 @@ struct Parser {
   }
 };
 
+constexpr std::string_view kDurations[] = {"--budget", "--max-age", "--confirm-within"};
+
+/// What the daemon would refuse whatever runs in it is wrong use.
+std::optional<Fault> check_value(const Argument& argument, const std::string& value) {
+  const std::string_view name = argument.name;
+  if (std::ranges::find(kDurations, name) != std::end(kDurations)) {
+    const auto time = parse_duration(value);
+    if (!time) return misuse(std::string(name) + ": " + time.error().message, time.error().hint);
+  }
+  const auto words = argument.words();
+  const bool known = words.empty() || std::ranges::find(words, value) != words.end();
+  if (known || argument.others) return std::nullopt;
+  return misuse("'" + value + "' is no value of " + std::string(name),
+                near(value, words, "one of: " + std::string(argument.choices)));
+}
+
 std::optional<Fault> read_globals(const Parser& parser, const Command& command, Globals& globals) {
+  for (const Argument& argument : kGlobals) {
+    const std::string value = parser.global(argument.name);
+    if (value.empty()) continue;
+    if (auto fault = check_value(argument, value)) return fault;
+  }
   globals.socket = parser.global("--socket");
   if (globals.socket.empty()) globals.socket = protocol::default_socket_path();
   globals.json = !parser.global("--json").empty();
@@ -166,9 +187,6 @@ std::optional<Fault> read_globals(const Parser& parser, const Command& command, 
     return misuse("'" + globals.timeout + "' is not a time to wait", "example: --timeout 5s");
   }
   if (const auto colour = parser.global("--color"); !colour.empty()) globals.colour = colour;
-  if (globals.colour != "auto" && globals.colour != "always" && globals.colour != "never") {
-    return misuse("--color is auto, always or never", {});
-  }
   const std::string generation = parser.global("--if-generation");
   if (!command.changes && (!generation.empty() || !globals.reason.empty())) {
     return misuse("--if-generation and --reason are for commands that change something",
@@ -185,29 +203,16 @@ std::optional<Fault> read_globals(const Parser& parser, const Command& command, 
   return std::nullopt;
 }
 
-constexpr std::string_view kDurations[] = {"--budget", "--max-age", "--confirm-within"};
-constexpr std::pair<std::string_view, std::string_view> kWords[] = {
-    {"--state", "drop"},
-    {"--sync", "cut barrier"},
-    {"--level", "debug info warn error"},
-    {"LOCK", "none params all"}};
-
-bool is_one_of(std::string_view words, const std::string& value) {
-  const std::string all = " " + std::string(words) + " ";
-  return !value.empty() && value.find(' ') == std::string::npos &&
-         all.find(" " + value + " ") != std::string::npos;
-}
-
-/// What the daemon would refuse whatever runs in it is wrong use.
-std::optional<Fault> check_value(std::string_view name, const std::string& value) {
-  if (std::ranges::find(kDurations, name) != std::end(kDurations)) {
-    const auto time = parse_duration(value);
-    if (!time) return misuse(std::string(name) + ": " + time.error().message, time.error().hint);
-  }
-  for (const auto& [argument, words] : kWords) {
-    if (name != argument || is_one_of(words, value)) continue;
-    return misuse("'" + value + "' is no value of " + std::string(name),
-                  "one of: " + std::string(words));
+/// The values that were given, checked; the fault of the first that nothing takes.
+std::optional<Fault> take_values(std::span<const Argument> arguments, const Values& values,
+                                 Arguments& into) {
+  for (const Argument& argument : arguments) {
+    const auto given = values.find(argument.name);
+    if (given == values.end()) continue;
+    for (const std::string& value : given->second) {
+      if (auto fault = check_value(argument, value)) return fault;
+      into.add(argument.name, value);
+    }
   }
   return std::nullopt;
 }
@@ -221,11 +226,9 @@ std::variant<Invocation, Text, Misuse> invocation_of(const Parser& parser) {
   if (command == nullptr) return Misuse{misuse("no command given", "mauvectl --help"), json};
   Invocation invocation;
   invocation.command = command;
-  for (const auto& [name, given] : parser.values.at(command->name)) {
-    for (const auto& value : given) {
-      if (auto fault = check_value(name, value)) return Misuse{std::move(*fault), json};
-      invocation.arguments.add(name, value);
-    }
+  const Values& values = parser.values.at(command->name);
+  if (auto fault = take_values(command->arguments, values, invocation.arguments)) {
+    return Misuse{std::move(*fault), json};
   }
   if (auto fault = read_globals(parser, *command, invocation.globals)) {
     return Misuse{std::move(*fault), json};

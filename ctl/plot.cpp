@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "actions.h"
+#include "output.h"
 #include "recording.h"
 #include "series_picture.h"
 #include "words.h"
@@ -57,11 +58,11 @@ int run_plot(Session& session) {
                         [](const Place& point) { return std::isfinite(point.y); });
   });
   if (all.empty()) return session.fail(fault.value_or(no_numbers(session)));
-  hold_to_the_end(all, end);
   std::uint64_t values = 0;
   for (const Series& series : all) values += series.points.size();
-  const int written = write_output(session, draw_series(all));
-  if (written == 0) session.screen.err << "drew " << counted(values, "value") << "\n";
+  hold_to_the_end(all, end);
+  const int written = write_output(session, draw_series(all), "drew " + counted(values, "value"),
+                                   {{"values", values}});
   return fault ? session.fail(*fault) : written;  // what came before the daemon went is drawn
 }
 

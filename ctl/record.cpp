@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// CSV as RFC 4180 has it: one column for each plain value, one row for each sample.
 #include <array>
+#include <cerrno>
 #include <cstdio>
 #include <fstream>
 
 #include "actions.h"
+#include "files.h"
+#include "output.h"
 #include "recording.h"
 #include "words.h"
 
@@ -50,14 +53,13 @@ int run_record(Session& session) {
   }
   const std::string file = session.arguments.one("-o,--output");
   std::ofstream stream;
+  errno = 0;
   if (!file.empty()) stream.open(file, std::ios::binary);
   std::ostream& out = file.empty() ? session.screen.out : stream;
   std::uint64_t rows = 0;
   std::uint64_t gaps = 0;
   out << header(channels) << std::flush;
-  if (!out.good()) {
-    return session.fail(protocol::fault_of(protocol::kUsage, "the file cannot be written", file));
-  }
+  if (!out.good()) return session.fail(bad_file(not_written(file)));
   const auto fault = follow(session, session.arguments.all("ADDRESS"), [&](const Sample& sample) {
     ++(sample.value.is_null() ? gaps : rows);
     out << row(channels, sample) << std::flush;
@@ -66,9 +68,9 @@ int run_record(Session& session) {
   if (!out.good()) {
     return session.fail(protocol::fault_of(protocol::kUsage, "the file is not complete", file));
   }
-  session.screen.err << "recorded " << counted(rows, "value");
-  if (gaps > 0) session.screen.err << ", and a gap at " << counted(gaps, "empty row");
-  session.screen.err << "\n";
+  const std::string missing = gaps > 0 ? ", and a gap at " + counted(gaps, "empty row") : "";
+  tell_output(session, "recorded " + counted(rows, "value") + missing,
+              {{"values", rows}, {"gaps", gaps}});
   return 0;
 }
 

@@ -2,7 +2,7 @@
 #include "recording.h"
 
 #include <chrono>
-#include <fstream>
+#include <utility>
 
 #include "interrupt.h"
 #include "words.h"
@@ -92,18 +92,6 @@ std::optional<Fault> follow(Session& session, const std::vector<std::string>& ad
     }
   }
   return std::nullopt;
-}
-
-int write_output(Session& session, const std::string& text) {
-  const std::string file = session.arguments.one("-o,--output");
-  if (file.empty()) {
-    session.screen.out << text << std::flush;
-    return 0;
-  }
-  std::ofstream stream(file, std::ios::binary);
-  stream << text << std::flush;
-  if (stream.good()) return 0;
-  return session.fail(fault_of(protocol::kUsage, "the file cannot be written", file));
 }
 
 }  // namespace mauve::ctl

@@ -38,7 +38,4 @@ struct Sample {
                                           const std::vector<std::string>& addresses,
                                           const std::function<void(const Sample&)>& take);
 
-/// To the file of --output, or to standard output. Returns the exit code.
-int write_output(Session& session, const std::string& text);
-
 }  // namespace mauve::ctl

@@ -150,7 +150,7 @@ std::string troubles(const Json& status, Look look) {
   return text;
 }
 
-/// ", log level debug for 9 min still": of all; those of components `log level` tells.
+/// ", log level debug for 9 min still, log level of control warn": those that are not the default.
 std::string log_levels(const Json& status) {
   const Json& levels = member(status, "log_levels");
   std::string text;

@@ -45,7 +45,7 @@ std::string at_barrier(const Json& result, bool planned, Look look) {
   if (word(result, "sync") != "barrier") return {};
   std::string names;
   for (const Json& name : list_in(result, "exchanged")) {
-    names += (names.empty() ? "" : ", ") + harmless(compact(name));
+    join(names, harmless(compact(name)));
   }
   std::string text = "at a barrier";
   if (!names.empty()) text += ", for another contract of " + names;
@@ -53,7 +53,7 @@ std::string at_barrier(const Json& result, bool planned, Look look) {
   for (const Json& member : list_in(result, "components")) {
     const auto missed = whole_number(member, "missed");
     if (!planned || missed == 0) continue;
-    costs += (costs.empty() ? "" : ", ") + word(member, "name") + " " + counted(missed, "release");
+    join(costs, word(member, "name") + " " + counted(missed, "release"));
   }
   if (planned && !costs.empty()) text += "; may lose: " + costs;
   return wrapped(text, look.width, 2) + "\n";
@@ -83,7 +83,7 @@ std::string render_plan(std::string_view file, const Json& result, Look look) {
   if (lines.empty()) return same_as(file, result);
   std::string members;
   for (const Json& member : list_in(result, "components")) {
-    members += (members.empty() ? "" : ", ") + word(member, "name");
+    join(members, word(member, "name"));
     const auto bytes = whole_number(member, "bytes");
     if (bytes > 0) members += " (" + counted(bytes, "byte") + " of state kept)";
   }

@@ -53,7 +53,7 @@ std::string render_plugins(const Json& result, Look look) {
     for (const char* kind : kKinds) {
       std::string names;
       for (const Json& one : list_in(plugin, kind)) {
-        names += (names.empty() ? "" : ", ") + own_name(compact(one), name);
+        join(names, own_name(compact(one), name));
       }
       if (names.empty()) continue;
       std::string line = "  " + std::string(kind);

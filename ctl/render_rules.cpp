@@ -17,7 +17,7 @@ Paint paint_of_rule(const std::string& state) {
 std::string condition_of(const Json& rule) {
   std::string values;
   for (const Json& one : rule.value("values", Json::array())) {
-    values += (values.empty() ? "" : ", ") + word(one, "value");
+    join(values, word(one, "value"));
   }
   return word(rule, "when") + (values.empty() ? "" : " (" + values + ")");
 }

@@ -56,7 +56,7 @@ class Text {
 
 std::string listed(const Json& names) {
   std::string text;
-  for (const Json& name : names) text += (text.empty() ? "" : ", ") + compact(name);
+  for (const Json& name : names) join(text, compact(name));
   return text;
 }
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "session.h"
 
-#include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <utility>
 
 #include "base/duration.h"
+#include "files.h"
+#include "interrupt.h"
+#include "protocol/methods.h"
 
 namespace mauve::ctl {
 namespace {
@@ -18,6 +19,18 @@ constexpr std::chrono::nanoseconds kQuestion = 5s;
 constexpr std::chrono::nanoseconds kChange = 30s;
 constexpr std::chrono::nanoseconds kLongestWait = 24h;
 
+bool is_change(std::string_view method) {
+  const protocol::Method* known = protocol::find_method(method);
+  return known != nullptr && known->mutation;
+}
+
+/// A command may change something in one form only, as stats does.
+Fault changes_nothing(std::string_view command) {
+  return protocol::fault_of(protocol::kUsage,
+                            "--if-generation and --reason are for what changes something", {},
+                            "asked like this, " + std::string(command) + " changes nothing");
+}
+
 }  // namespace
 
 std::optional<std::chrono::nanoseconds> timeout_of(std::string_view text) {
@@ -26,16 +39,15 @@ std::optional<std::chrono::nanoseconds> timeout_of(std::string_view text) {
   return *parsed;
 }
 
+Fault bad_file(const Error& error) {
+  return protocol::fault_of(protocol::kUsage, error.message, error.at, error.hint);
+}
+
 std::variant<Json, Fault> file_params(const Session& session) {
   const std::string file = session.arguments.one("FILE");
-  std::error_code error;
-  // Reading a folder is the one thing at which the stream would throw.
-  std::ifstream stream;
-  if (!std::filesystem::is_directory(file, error)) stream.open(file, std::ios::binary);
-  if (!stream.is_open()) {
-    return protocol::fault_of(protocol::kUsage, "the file cannot be read", file);
-  }
-  return Json{{"text", std::string{std::istreambuf_iterator<char>(stream), {}}}, {"file", file}};
+  auto stream = open_to_read(file);
+  if (!stream) return bad_file(stream.error());
+  return Json{{"text", std::string{std::istreambuf_iterator<char>(*stream), {}}}, {"file", file}};
 }
 
 Session::Session(const Command& asked_command, Arguments asked_arguments, Globals asked_globals,
@@ -46,24 +58,28 @@ Session::Session(const Command& asked_command, Arguments asked_arguments, Global
       screen(where),
       client_(globals.socket, timeout_of(globals.timeout).value_or(kQuestion)) {}
 
-std::chrono::nanoseconds Session::timeout() const {
-  return timeout_of(globals.timeout).value_or(command.changes ? kChange : kQuestion);
-}
-
 std::variant<Json, Fault> Session::call(std::string_view method, Json params) {
+  const bool changes = is_change(method);
+  if (!changes && (globals.if_generation || !globals.reason.empty())) {
+    return changes_nothing(command.name);
+  }
   if (!connected_) {
     if (auto fault = client_.connect()) return std::move(*fault);
     connected_ = true;
   }
-  if (command.changes) {
+  const auto timeout = timeout_of(globals.timeout).value_or(changes ? kChange : kQuestion);
+  if (changes) {
     if (globals.if_generation) params["if_generation"] = *globals.if_generation;
     if (!globals.reason.empty()) params["reason"] = globals.reason;
     if (!globals.timeout.empty()) {
       params["deadline_ms"] =
-          std::chrono::duration_cast<std::chrono::milliseconds>(timeout()).count();
+          std::chrono::duration_cast<std::chrono::milliseconds>(timeout).count();
     }
   }
-  return client_.call(method, params, timeout());
+  g_change_awaited = changes ? 1 : 0;
+  auto answer = client_.call(method, params, timeout);
+  g_change_awaited = 0;
+  return answer;
 }
 
 void Session::print(const Json& value, std::string_view text) {

@@ -23,7 +23,8 @@ class Session {
   const Globals globals;
   Screen screen;
 
-  /// Connects at the first call. Adds if_generation and reason for commands that change something.
+  /// Connects at the first call. A method that changes something also gets if_generation, reason
+  /// and deadline; others are refused with them.
   [[nodiscard]] std::variant<Json, Fault> call(std::string_view method, Json params);
   using Deadline = Client::Deadline;
   [[nodiscard]] std::variant<Notification, Fault> next(Deadline deadline = Deadline::max()) {
@@ -39,11 +40,12 @@ class Session {
   [[nodiscard]] Look look() const { return {screen.width, screen.colour_out}; }
 
  private:
-  [[nodiscard]] std::chrono::nanoseconds timeout() const;
-
   Client client_;
   bool connected_ = false;
 };
+
+/// A file that cannot be read or written is wrong use.
+[[nodiscard]] Fault bad_file(const Error& error);
 
 /// {"text", "file"}: what FILE contains, and its name.
 [[nodiscard]] std::variant<Json, Fault> file_params(const Session& session);

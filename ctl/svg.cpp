@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "table.h"
+
 namespace mauve::ctl {
 namespace {
 
@@ -28,8 +30,6 @@ double letter_width(char letter) {
   if (kWide.find(letter) != std::string_view::npos) return 1.0;
   return letter >= 'A' && letter <= 'Z' ? 0.75 : 0.64;
 }
-
-bool begins_letter(char byte) { return (static_cast<unsigned char>(byte) & 0xC0) != 0x80; }
 
 std::string with_space(std::string_view attributes) {
   return attributes.empty() ? std::string{} : " " + std::string(attributes);
@@ -174,7 +174,7 @@ std::string path_step(char letter, Place to) { return letter + pixels(to.x) + " 
 
 double text_width(std::string_view words, double size) {
   double width = 0.0;
-  for (const char byte : words) width += begins_letter(byte) ? letter_width(byte) * size : 0.0;
+  for (const char byte : words) width += starts_letter(byte) ? letter_width(byte) * size : 0.0;
   return width;
 }
 
@@ -183,7 +183,7 @@ std::string fitted(std::string_view words, double size, double width) {
   const double room = width - text_width("…", size);
   std::size_t kept = 0;
   for (double used = 0.0; kept < words.size(); ++kept) {
-    if (begins_letter(words[kept])) used += letter_width(words[kept]) * size;
+    if (starts_letter(words[kept])) used += letter_width(words[kept]) * size;
     if (used > room) break;
   }
   return std::string(words.substr(0, kept)) + "…";

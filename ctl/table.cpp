@@ -6,12 +6,10 @@
 namespace mauve::ctl {
 namespace {
 
-bool starts_code_point(char byte) { return (static_cast<unsigned char>(byte) & 0xC0) != 0x80; }
-
 std::string_view first_columns(std::string_view text, std::size_t count) {
   std::size_t seen = 0;
   for (std::size_t at = 0; at < text.size(); ++at) {
-    if (starts_code_point(text[at]) && seen++ == count) return text.substr(0, at);
+    if (starts_letter(text[at]) && seen++ == count) return text.substr(0, at);
   }
   return text;
 }
@@ -19,7 +17,7 @@ std::string_view first_columns(std::string_view text, std::size_t count) {
 std::string_view last_columns(std::string_view text, std::size_t count) {
   if (count == 0) return {};
   for (std::size_t at = text.size(); at-- > 0;) {
-    if (starts_code_point(text[at]) && --count == 0) return text.substr(at);
+    if (starts_letter(text[at]) && --count == 0) return text.substr(at);
   }
   return text;
 }
@@ -35,7 +33,7 @@ void strip_end(std::string& line) { line.erase(line.find_last_not_of(' ') + 1); 
 }  // namespace
 
 std::size_t columns(std::string_view text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), starts_code_point));
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), starts_letter));
 }
 
 std::string shortened(std::string_view text, std::size_t width) {

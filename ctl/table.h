@@ -11,6 +11,11 @@
 
 namespace mauve::ctl {
 
+/// Of UTF-8: the first byte of a letter.
+[[nodiscard]] constexpr bool starts_letter(char byte) {
+  return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;
+}
+
 /// Columns on a terminal: code points, which is exact for the texts that mauve prints.
 [[nodiscard]] std::size_t columns(std::string_view text);
 

@@ -2,15 +2,12 @@
 /// A trace, of a file or of the running system, as a picture.
 #include "mtrace/timeline.h"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <sstream>
 
 #include "actions.h"
 #include "base/duration.h"
-#include "live_trace.h"
-#include "mtrace/file.h"
+#include "output.h"
+#include "read_trace.h"
 #include "words.h"
 
 namespace mauve::ctl {
@@ -19,11 +16,7 @@ namespace {
 std::variant<mtrace::Trace, Fault> trace_of(Session& session) {
   const std::string file = session.arguments.one("FILE");
   if (file.empty() || file == "live") return read_live(session, {});
-  auto trace = mtrace::read_file(file);
-  if (!trace) {
-    return protocol::fault_of(protocol::kUsage, trace.error().message, file, trace.error().hint);
-  }
-  return std::move(*trace);
+  return read_trace(file);
 }
 
 /// A time since T0; false: it is none.
@@ -45,30 +38,15 @@ std::vector<std::string> split(const std::vector<std::string>& lists) {
   return names;
 }
 
-/// To the file, with a line about it; without --output the picture itself.
 int write_picture(Session& session, const mtrace::Timeline& timeline) {
-  const std::string file = session.arguments.one("-o,--output");
-  if (file.empty()) {
-    session.screen.out << timeline.svg << std::flush;
-    return 0;
-  }
-  errno = 0;
-  std::ofstream stream(file, std::ios::binary);
-  stream << timeline.svg << std::flush;
-  if (!stream.good()) {
-    const std::string why = errno != 0 ? std::strerror(errno) : "unknown reason";
-    return session.fail(
-        protocol::fault_of(refuse(Errc::system, file, "the file cannot be written: " + why)));
-  }
-  std::string text = "drew " + mtrace::instant_in_words(timeline.from) + " to " +
-                     mtrace::instant_in_words(timeline.to) + " to " + file + "\n";
-  for (const std::string& what : timeline.left_out) text += "not shown: " + what + "\n";
-  session.print({{"file", file},
-                 {"from_ns", timeline.from},
-                 {"to_ns", timeline.to},
-                 {"left_out", timeline.left_out}},
-                text);
-  return 0;
+  std::string left_out;
+  for (const std::string& what : timeline.left_out) left_out += "not shown: " + what + "\n";
+  return write_output(
+      session, timeline.svg,
+      "drew " + mtrace::instant_in_words(timeline.from) + " to " +
+          mtrace::instant_in_words(timeline.to),
+      {{"from_ns", timeline.from}, {"to_ns", timeline.to}, {"left_out", timeline.left_out}},
+      left_out);
 }
 
 }  // namespace

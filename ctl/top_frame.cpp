@@ -86,14 +86,9 @@ std::vector<Cell> cells_of(const TopRow& row) {
           {row.core}};
 }
 
-std::vector<std::string> lines_of(std::string_view text) {
-  std::vector<std::string> lines;
-  while (!text.empty()) {
-    const auto end = std::min(text.find('\n'), text.size());
-    lines.emplace_back(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return lines;
+std::vector<std::string> kept_lines(const std::string& text) {
+  const auto lines = lines_of(text);
+  return {lines.begin(), lines.end()};
 }
 
 std::string second_line(const TopView& view) {
@@ -109,7 +104,7 @@ std::string second_line(const TopView& view) {
 std::vector<std::string> window_of(const TopScene& scene, const TopView& view, std::size_t width,
                                    std::size_t room, bool colour) {
   const auto selected = selected_row(scene.rows, view);
-  auto lines = lines_of(top_table(scene.rows, width, colour, selected));
+  auto lines = kept_lines(top_table(scene.rows, width, colour, selected));
   if (!selected) lines.emplace_back("no component");
   if (lines.size() <= room || room < 2) return lines;
   const std::size_t shown = room - 1;
@@ -124,7 +119,7 @@ std::vector<std::string> body_of(const TopScene& scene, const TopView& view, Ext
                                  bool colour) {
   if (view.help) return {kHelp.begin(), kHelp.end()};
   if (view.details && scene.details.is_object()) {
-    return lines_of(render_details(scene.details, scene.now, {extent.width, colour}));
+    return kept_lines(render_details(scene.details, scene.now, {extent.width, colour}));
   }
   const std::size_t room = extent.height > 3 ? extent.height - 3 : 0;
   return window_of(scene, view, extent.width, room, colour);

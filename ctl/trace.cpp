@@ -6,8 +6,8 @@
 
 #include "actions.h"
 #include "base/duration.h"
-#include "live_trace.h"
 #include "mtrace/convert.h"
+#include "read_trace.h"
 #include "words.h"
 
 namespace mauve::ctl {
@@ -77,7 +77,7 @@ int dump(Session& session) {
   if (const auto* fault = std::get_if<Fault>(&read)) return session.fail(*fault);
   const auto& trace = std::get<mtrace::Trace>(read);
   if (const Status done = mtrace::convert(trace, mtrace::format_of(file), file); !done) {
-    return session.fail(fault_of(done.error()));
+    return session.fail(bad_file(done.error()));
   }
   const std::uint64_t records = trace.records.size();
   session.print({{"file", file}, {"records", records}, {"lost", trace.header.lost}},
@@ -93,8 +93,7 @@ int run_trace(Session& session) {
   if (action == "stop") return tell_status(session, "trace.stop", Json::object());
   if (action == "status") return tell_status(session, "trace.status", Json::object());
   if (action == "list") return list(session);
-  if (action == "dump") return dump(session);
-  return session.fail(wrong_use("start, stop, status, list or dump", action));
+  return dump(session);
 }
 
 }  // namespace mauve::ctl

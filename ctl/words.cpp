@@ -25,9 +25,7 @@ std::size_t place_of(const std::string& key) {
 std::string joined(const Json& value) {
   std::string result;
   for (const auto& [key, member] : value.items()) {
-    if (!result.empty()) result += ", ";
-    if (value.is_object()) result += harmless(key) + ": ";
-    result += compact(member);
+    join(result, (value.is_object() ? harmless(key) + ": " : "") + compact(member));
   }
   return result;
 }
@@ -68,6 +66,25 @@ const Json& list_in(const Json& object, const char* key) {
   return found != object.end() && found->is_array() ? *found : kNone;
 }
 
+std::string text_in(const Json& object, std::string_view key) {
+  const Json& text = member(object, key);
+  return text.is_string() ? text.get<std::string>() : std::string{};
+}
+
+void join(std::string& all, std::string_view next, std::string_view between) {
+  if (!all.empty()) all += between;
+  all += next;
+}
+
+std::vector<std::string_view> lines_of(std::string_view text) {
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    lines.push_back(text.substr(0, text.find('\n')));
+    text.remove_prefix(std::min(text.size(), lines.back().size() + 1));
+  }
+  return lines;
+}
+
 std::string compact(const Json& value) {
   if (value.is_null()) return "-";
   if (value.is_string()) return harmless(value.get_ref<const std::string&>());
@@ -94,8 +111,7 @@ std::string cut(std::string_view text, std::size_t width) {
   if (width == 0 || columns(text) <= width) return std::string(text);
   std::size_t kept = 0;
   for (std::size_t seen = 0; kept < text.size(); ++kept) {
-    const bool starts = (static_cast<unsigned char>(text[kept]) & 0xC0) != 0x80;
-    if (starts && ++seen == width) break;
+    if (starts_letter(text[kept]) && ++seen == width) break;
   }
   return std::string(text.substr(0, kept)) + "…";
 }

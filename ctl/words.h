@@ -23,8 +23,17 @@ using protocol::Json;
 /// A member that is a list; an empty one for anything else.
 [[nodiscard]] const Json& list_in(const Json& object, const char* key);
 
+/// A member that is a text; an empty one for anything else.
+[[nodiscard]] std::string text_in(const Json& object, std::string_view key);
+
 /// A value in one line: {latitude: 43.1, mode: 3}, [1, 2], bare text; numbers with ten digits.
 [[nodiscard]] std::string compact(const Json& value);
+
+/// "a" and "b" become "a, b".
+void join(std::string& all, std::string_view next, std::string_view between = ", ");
+
+/// Without their ends.
+[[nodiscard]] std::vector<std::string_view> lines_of(std::string_view text);
 
 /// At most so many columns, "…" at the end of what was cut; 0: as it is.
 [[nodiscard]] std::string cut(std::string_view text, std::size_t width);

@@ -9,6 +9,7 @@
 
 #include "ctl/command.h"
 #include "ctl/options.h"
+#include "ctl/words.h"
 #include "daemon/options.h"
 #include "protocol/methods.h"
 #include "roff.h"
@@ -75,8 +76,8 @@ std::string type_name(protocol::JsonType type) {
 std::string arguments_of(const protocol::Method& method) {
   std::string text;
   for (const protocol::Param& param : method.params) {
-    text += (text.empty() ? "" : ", ") + bold(param.name) + " (" + type_name(param.type) +
-            (param.required ? "" : ", may be absent") + ")";
+    ctl::join(text, bold(param.name) + " (" + type_name(param.type) +
+                        (param.required ? "" : ", may be absent") + ")");
   }
   return text;
 }

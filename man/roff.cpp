@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "ctl/words.h"
+
 namespace mauve::man {
 namespace {
 
@@ -59,15 +61,7 @@ std::string guarded(std::string line) {
   return line;
 }
 
-std::vector<std::string_view> lines_of(std::string_view text) {
-  std::vector<std::string_view> lines;
-  while (!text.empty()) {
-    const auto line = text.substr(0, text.find('\n'));
-    text.remove_prefix(std::min(text.size(), line.size() + 1));
-    lines.push_back(line);
-  }
-  return lines;
-}
+using ctl::lines_of;
 
 std::string_view trimmed(std::string_view text) {
   const auto begin = text.find_first_not_of(' ');

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "ctl/words.h"
 #include "protocol/framing.h"
 #include "roff.h"
 
@@ -12,17 +13,9 @@ namespace {
 
 using protocol::Json;
 
-const Json& member(const Json& object, const char* key) {
-  static const Json kNone;
-  if (!object.is_object()) return kNone;
-  const auto found = object.find(key);
-  return found == object.end() ? kNone : *found;
-}
-
-std::string text_in(const Json& object, const char* key) {
-  const Json& text = member(object, key);
-  return text.is_string() ? text.get<std::string>() : std::string{};
-}
+using ctl::join;
+using ctl::member;
+using ctl::text_in;
 
 /// "#/definitions/duration" is "duration".
 std::string reference(const Json& schema) {
@@ -68,7 +61,7 @@ std::string limits_of(const Json& schema) {
   std::string text;
   const auto add = [&](const char* key, const std::string& words) {
     const Json& value = member(schema, key);
-    if (!value.is_null()) text += (text.empty() ? "" : ", ") + words + value.dump();
+    if (!value.is_null()) join(text, words + value.dump());
   };
   add("minimum", "at least ");
   add("maximum", "at most ");

@@ -33,10 +33,6 @@ std::string size_of(double bytes) {
   return text;
 }
 
-void join(std::string& all, const std::string& one, const char* between) {
-  all += (all.empty() ? "" : between) + one;
-}
-
 }  // namespace
 
 Finding check_plugins(const Facts& facts) {
@@ -47,12 +43,12 @@ Finding check_plugins(const Facts& facts) {
   std::string remedy;
   for (const Json& directory : list_in(facts.daemon, "plugin_dirs")) {
     if (word(directory, "exists") != "true") {
-      join(absent, word(directory, "path"), ", ");
+      join(absent, word(directory, "path"));
     } else if (directory.contains("problem")) {
-      join(unsound, word(directory, "path") + " " + word(directory, "problem"), ", ");
+      join(unsound, word(directory, "path") + " " + word(directory, "problem"));
       join(remedy, word(directory, "hint"), "; ");
     } else {
-      join(sound, listed(directory), ", ");
+      join(sound, listed(directory));
     }
   }
   if (!unsound.empty()) return bad("nothing is loaded from " + unsound, remedy);

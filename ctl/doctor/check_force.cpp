@@ -67,7 +67,7 @@ Finding check_policy(const Facts& facts) {
   std::string ordinary;
   for (const Json& row : facts.components()) {
     if (word(row, "realtime") == "true") continue;
-    ordinary += (ordinary.empty() ? "" : ", ") + word(row, "name");
+    join(ordinary, word(row, "name"));
   }
   if (!ordinary.empty()) return bad("without SCHED_FIFO: " + ordinary, kRequire);
   return good("SCHED_FIFO: " + counted(facts.components().size(), "component"));

@@ -116,9 +116,9 @@ Finding check_foreign(const Facts& facts) {
   std::string remedy;
   std::set<std::string> remedies;
   for (std::size_t i = 0; i < std::min(kNamed, urgent.foreign.size()); ++i) {
-    found += (i > 0 ? ", " : "") + described(facts, urgent.foreign[i]);
+    join(found, described(facts, urgent.foreign[i]));
     const std::string its = remedy_for(facts, urgent.foreign[i]);
-    if (remedies.insert(its).second) remedy += (remedy.empty() ? "" : "; ") + its;
+    if (remedies.insert(its).second) join(remedy, its, "; ");
   }
   if (urgent.foreign.size() > kNamed) {
     found += " and " + std::to_string(urgent.foreign.size() - kNamed) + " more";

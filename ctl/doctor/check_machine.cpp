@@ -16,6 +16,7 @@ namespace {
 constexpr std::int64_t kLongestWaking = 20;          // us, out of a sleep state
 constexpr std::int64_t kNobodyAsks = 2'000'000'000;  // us, what the kernel says then
 constexpr std::size_t kEnoughCpus = 4;               // to set some apart
+constexpr double kHardlyStolen = 0.01;               // %, a tick now and then since the boot
 const std::string kCpus = "sys/devices/system/cpu/";
 
 /// What somebody holds the machine to, in us; nothing when only root may know.
@@ -53,7 +54,7 @@ Used used_cpus(const Facts& facts) {
   Used used;
   for (const Json& row : facts.components()) {
     const Json& cpus = list_in(row, "cpus");
-    if (cpus.empty()) used.anywhere += (used.anywhere.empty() ? "" : ", ") + word(row, "name");
+    if (cpus.empty()) join(used.anywhere, word(row, "name"));
     for (const Json& cpu : cpus) {
       if (cpu.is_number_integer()) used.cpus.insert(cpu.get<int>());
     }
@@ -142,7 +143,7 @@ Finding check_frequency(const Facts& facts) {
     if (!governor) continue;
     ++scaled;
     if (*governor == "performance") continue;
-    slow += (slow.empty() ? "" : ", ") + cpu + " " + *governor;
+    join(slow, cpu + " " + *governor);
   }
   if (scaled == 0) return good("the system does not change it");
   if (slow.empty()) return good("performance on " + counted(scaled, "CPU"));
@@ -188,8 +189,10 @@ Finding check_virtual(const Facts& facts) {
   const bool host = cpus.find(" hypervisor") != std::string::npos;
   const Share time = stolen_time(facts.text("proc/stat").value_or(""));
   if (time.stolen <= 0) return good(host ? "yes, but its host took no time" : "no");
+  const double percent = 100 * time.stolen / time.all;
+  if (percent < kHardlyStolen) return good("yes, but its host took less than 0.01 % of all time");
   char share[32];
-  std::snprintf(share, sizeof share, "%.2f %%", 100 * time.stolen / time.all);
+  std::snprintf(share, sizeof share, "%.2f %%", percent);
   return doubt("its host took " + std::string(share) + " of all time since it was started",
                "give each virtual CPU a CPU of the host (virsh vcpupin DOMAIN VCPU CPU), or run "
                "mauved without a host");

@@ -13,15 +13,12 @@
 namespace mauve::ctl::mtrace {
 namespace {
 
-constexpr std::size_t kKept = 100;  // violations
 /// What the machine takes to wake a thread, and what a disturbance does before and after it is
 /// seen.
 constexpr std::int64_t kWake = 200'000;
 constexpr std::int64_t kAround = 1'000'000;
 /// A probe does not see what holds it up for less.
 constexpr std::int64_t kUnseen = 200'000;
-
-bool by_time(const Violation& x, const Violation& y) { return x.time < y.time; }
 
 std::map<Word, std::vector<const Record*>> by_thread(const Trace& trace) {
   std::map<Word, std::vector<const Record*>> threads;
@@ -52,16 +49,17 @@ Windows disturbed_windows(const Trace& trace) {
 
 void tell_of_reading(Findings& findings) {
   const Reading& reading = findings.trace().reading;
-  const std::string because = findings.trace().header.lost > 0 ? " (the header counts some)" : "";
   if (!reading.complete) findings.left_out("the file was cut off: its last line is missing");
   if (reading.broken > 0) {
     findings.left_out(counted(reading.broken, "line") + " that cannot be read, the first is line " +
                       std::to_string(reading.first_broken) + ": " + reading.first_reason);
   }
   if (reading.unknown > 0) {
-    findings.left_out(counted(reading.unknown, "record") + " of events that are not known" +
-                      because);
+    findings.left_out(counted(reading.unknown, "record") + " of events that are not known");
   }
+  const std::uint64_t lost = findings.trace().header.lost;
+  if (lost > 0)
+    findings.left_out(counted(lost, "record") + " that mauved could not collect in time");
 }
 
 /// Of components that share one processor, the most urgent first.
@@ -197,17 +195,13 @@ std::string length_in_words(std::int64_t ns) {
 void Findings::violation(const Record& at, std::string_view rule, std::string message,
                          std::string hint) {
   ++found_;
-  violations_.push_back({std::string(rule), trace_.text(at.thread), at.time, at.line,
-                         std::move(message), std::move(hint)});
-  if (violations_.size() < 20 * kKept) return;
-  std::stable_sort(violations_.begin(), violations_.end(), by_time);
-  violations_.resize(kKept);
+  if (first_ && first_->time <= at.time) return;
+  first_ = {std::string(rule), trace_.text(at.thread), at.time,
+            at.line,           std::move(message),     std::move(hint)};
 }
 
 Verdict Findings::take() {
-  std::stable_sort(violations_.begin(), violations_.end(), by_time);
-  if (violations_.size() > kKept) violations_.resize(kKept);
-  Verdict verdict{std::move(violations_), found_, checked, {}};
+  Verdict verdict{std::move(first_), found_, checked, {}};
   for (const auto& [what, times] : left_out_) {
     verdict.not_checked.push_back(times > 1 ? what + " (" + std::to_string(times) + " times)"
                                             : what);

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,8 +35,8 @@ struct Checked {
 };
 
 struct Verdict {
-  std::vector<Violation> violations;  ///< the first ones, by time
-  std::uint64_t found = 0;            ///< all of them
+  std::optional<Violation> first;  ///< violation, by time
+  std::uint64_t found = 0;         ///< all of them
   Checked checked;
   std::vector<std::string> not_checked;  ///< what, and why; a sentence each
 

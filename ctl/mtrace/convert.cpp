@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "mtrace/convert.h"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-
+#include "files.h"
 #include "mtrace/chrome.h"
 #include "mtrace/ctf.h"
 #include "mtrace/file.h"
@@ -25,15 +22,9 @@ Format format_of(std::string_view path) {
 
 Status convert(const Trace& trace, Format format, const std::string& path) {
   if (format == Format::ctf) return write_ctf(trace, path);
-  errno = 0;
-  std::ofstream stream(path, std::ios::binary);
-  if (stream.good()) {
-    format == Format::chrome ? write_chrome(trace, stream) : write(trace, stream);
-    stream << std::flush;
-  }
-  if (stream.good()) return ok();
-  const std::string why = errno != 0 ? std::strerror(errno) : "unknown reason";
-  return refuse(Errc::system, path, "the file cannot be written: " + why);
+  return write_file(path, [&](std::ostream& out) {
+    format == Format::chrome ? write_chrome(trace, out) : write(trace, out);
+  });
 }
 
 }  // namespace mauve::ctl::mtrace

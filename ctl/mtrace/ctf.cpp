@@ -2,12 +2,12 @@
 #include "mtrace/ctf.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
+#include <ostream>
 #include <type_traits>
 #include <vector>
+
+#include "files.h"
 
 namespace mauve::ctl::mtrace {
 namespace {
@@ -70,15 +70,6 @@ void append(Bytes& bytes, const Trace& trace, const Record& record, std::int64_t
   if (!words.b.empty()) bytes.number(record.b);
 }
 
-Status write_file(const std::filesystem::path& path, const std::string& content) {
-  errno = 0;
-  std::ofstream stream(path, std::ios::binary);
-  stream << content << std::flush;
-  if (stream.good()) return ok();
-  const std::string why = errno != 0 ? std::strerror(errno) : "unknown reason";
-  return refuse(Errc::system, path.string(), "the file cannot be written: " + why);
-}
-
 }  // namespace
 
 std::string ctf_metadata(const Trace& trace) {
@@ -138,11 +129,13 @@ Status write_ctf(const Trace& trace, const std::string& folder) {
   if (error) {
     return refuse(Errc::system, folder, "the folder cannot be made: " + error.message());
   }
-  if (Status done = write_file(std::filesystem::path(folder) / "metadata", ctf_metadata(trace));
+  const std::filesystem::path place(folder);
+  if (Status done =
+          write_file(place / "metadata", [&](std::ostream& out) { out << ctf_metadata(trace); });
       !done) {
     return done;
   }
-  return write_file(std::filesystem::path(folder) / "stream", ctf_stream(trace));
+  return write_file(place / "stream", [&](std::ostream& out) { out << ctf_stream(trace); });
 }
 
 }  // namespace mauve::ctl::mtrace

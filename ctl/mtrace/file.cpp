@@ -3,13 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <utility>
 
+#include "files.h"
 #include "words.h"
 
 namespace mauve::ctl::mtrace {
@@ -33,11 +30,6 @@ std::optional<std::int64_t> integer(const Json& value) {
 std::int64_t integer_in(const Json& object, const char* key) {
   const auto found = object.find(key);
   return found == object.end() ? 0 : integer(*found).value_or(0);
-}
-
-std::string text_in(const Json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string{};
 }
 
 State state_of(const Json& json) {
@@ -65,23 +57,6 @@ Component component_of(const Json& json) {
     if (state.is_object()) component.states.push_back(state_of(state));
   }
   return component;
-}
-
-Json json_of(const Component& component) {
-  Json states = Json::array();
-  for (const State& state : component.states) {
-    states.push_back(
-        {{"name", state.name}, {"kind", state.waits ? "synchronization" : "execution"}});
-    if (state.waits) states.back()["wait_ns"] = state.wait;
-  }
-  Json json{{"name", component.name},         {"type", component.type},
-            {"core", component.core},         {"initial", component.initial},
-            {"priority", component.priority}, {"cpus", component.cpus},
-            {"realtime", component.realtime}, {"period_ns", component.period},
-            {"offset_ns", component.offset},  {"deadline_ns", component.deadline},
-            {"budget_ns", component.budget},  {"states", std::move(states)}};
-  if (component.bound) json["bound_ns"] = *component.bound;
-  return json;
 }
 
 /// Why the members of a record are none; empty: they are.
@@ -116,10 +91,10 @@ Status Builder::header(const Json& header) {
     return refuse(Errc::invalid_value, {}, "this is no trace of mauve",
                   "mauvectl trace dump writes one");
   }
-  if (*version != kVersion) {
+  if (*version != protocol::kTraceFormat) {
     return refuse(Errc::unsupported, {},
                   "this is a trace of version " + std::to_string(*version) +
-                      ", and this mauvectl reads version " + std::to_string(kVersion),
+                      ", and this mauvectl reads version " + std::to_string(protocol::kTraceFormat),
                   "use the mauvectl that belongs to the mauved that wrote it");
   }
   Header& into = trace_.header;
@@ -221,63 +196,29 @@ Result<Trace> Reader::finish() {
 }
 
 Result<Trace> read_file(const std::string& path) {
-  std::error_code error;
-  std::ifstream stream;
-  // Reading a folder is the one thing at which the stream would throw.
-  const bool folder = std::filesystem::is_directory(path, error);
-  errno = folder ? EISDIR : 0;
-  if (!folder) stream.open(path, std::ios::binary);
-  if (!stream.is_open()) {
-    const std::string why = errno != 0 ? std::strerror(errno) : "unknown reason";
-    return refuse(Errc::system, path, "the file cannot be read: " + why);
-  }
+  auto stream = open_to_read(path);
+  if (!stream) return stream.error();
   Reader reader;
   std::array<char, 65536> piece{};
-  while (stream.read(piece.data(), piece.size()), stream.gcount() > 0) {
-    reader.feed({piece.data(), static_cast<std::size_t>(stream.gcount())});
+  while (stream->read(piece.data(), piece.size()), stream->gcount() > 0) {
+    reader.feed({piece.data(), static_cast<std::size_t>(stream->gcount())});
   }
   auto trace = reader.finish();
   if (!trace) trace.error().at = path;
   return trace;
 }
 
-std::string header_line(const Header& header) {
-  Json json{{"mauve_trace", kVersion},
-            {"mauved", header.mauved},
-            {"architecture", header.architecture},
-            {"boot", header.boot},
-            {"t", header.written},
-            {"t0_ns", header.t0},
-            {"from", header.from},
-            {"to", header.to},
-            {"why", header.why},
-            {"lost", header.lost},
-            {"probe", header.probed},
-            {"components", Json::array()},
-            {"resources", header.resources}};
-  for (const Component& component : header.components) {
-    json["components"].push_back(json_of(component));
-  }
-  return protocol::to_line(json) + "\n";
-}
-
 std::string record_line(const Trace& trace, const Record& record) {
-  Json json{record.time, trace.text(record.thread), to_string(record.event)};
-  const bool number = record.event == Event::user;
-  const bool b = number || record.b != 0;
-  const std::string_view name = trace.text(record.name);
-  if (!name.empty() || record.a != 0 || b) json.push_back(name);
-  if (record.a != 0 || b) json.push_back(record.a);
-  if (b) json.push_back(number ? Json(record.value()) : Json(record.b));
-  return protocol::to_line(json) + "\n";
+  const TraceRecord plain{record.time, record.event, 0, 0, record.a, record.b};
+  return protocol::to_line(protocol::trace_record(
+             plain, trace.text(record.thread), to_string(record.event), trace.text(record.name))) +
+         "\n";
 }
 
 void write(const Trace& trace, std::ostream& out) {
-  out << header_line(trace.header);
+  out << protocol::to_line(protocol::to_json(trace.header)) << "\n";
   for (const Record& record : trace.records) out << record_line(trace, record);
-  out << protocol::to_line(
-             {{"end", true}, {"records", trace.records.size()}, {"lost", trace.header.lost}})
-      << "\n";
+  out << protocol::to_line(protocol::trace_end(trace.records.size(), trace.header.lost)) << "\n";
 }
 
 }  // namespace mauve::ctl::mtrace

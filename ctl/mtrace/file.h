@@ -15,7 +15,6 @@ namespace mauve::ctl::mtrace {
 
 using protocol::Json;
 
-inline constexpr std::int64_t kVersion = 1;
 /// What is longer is no line of a trace, and is not kept.
 inline constexpr std::size_t kLongestLine = 1024 * 1024;
 
@@ -55,8 +54,7 @@ class Reader {
 /// The file, or why it cannot be read; `at` of an error is its name.
 [[nodiscard]] Result<Trace> read_file(const std::string& path);
 
-/// One line each, with its end.
-[[nodiscard]] std::string header_line(const Header& header);
+/// With the end of its line.
 [[nodiscard]] std::string record_line(const Trace& trace, const Record& record);
 /// A complete file.
 void write(const Trace& trace, std::ostream& out);

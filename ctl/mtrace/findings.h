@@ -47,7 +47,7 @@ class Findings {
 
  private:
   const Trace& trace_;
-  std::vector<Violation> violations_;
+  std::optional<Violation> first_;
   std::uint64_t found_ = 0;
   std::map<std::string, std::uint64_t> left_out_;
 };

@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kLabel = 15.0;  // pixels a line of labels is high
 constexpr std::size_t kLabelLines = 4;
-constexpr double kLetter = 6.3;  // pixels
 constexpr std::size_t kMostLines = 200;
 
 double pitch_for(std::size_t rows) {
@@ -29,7 +28,7 @@ class Labels {
   std::optional<double> place(double x, const std::string& text, double bottom) {
     for (std::size_t i = 0; i < ends_.size(); ++i) {
       if (ends_[i] > x) continue;
-      ends_[i] = x + kLetter * static_cast<double>(text.size()) + 14.0;
+      ends_[i] = x + text_width(text, kLabelSize) + 14.0;
       return bottom - 6.0 - kLabel * static_cast<double>(i);
     }
     return std::nullopt;
@@ -133,7 +132,7 @@ void draw_control(Page& page, const Trace& trace, const Scene& scene, double bas
           {from, baseline - 16}, std::max(1.5, to - from), 16, "class=\"prepare\"",
           "prepared " + what + " in " +
               nanoseconds_in_words(static_cast<double>(record.time - prepared->time)));
-      if (to - from > kLetter * static_cast<double>(what.size()) + 8.0) {
+      if (to - from > text_width(what, kLabelSize) + 8.0) {
         page.svg.text({(from + to) / 2, baseline - 4}, what,
                       "text-anchor=\"middle\" class=\"label\"");
       }

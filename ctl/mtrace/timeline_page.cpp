@@ -12,7 +12,6 @@ namespace mauve::ctl::mtrace {
 namespace {
 
 constexpr double kMargin = 24.0;  // pixels on both sides of legend and notes
-constexpr double kWideLetter = 6.6;
 constexpr std::size_t kColours = 8;
 constexpr std::size_t kMostStates = 12;  // in the legend
 constexpr std::size_t kMostNotes = 6;
@@ -173,7 +172,7 @@ void Page::draw_baseline(double y, std::string_view name, std::string_view more)
 double Page::draw_legend(double y) {
   double at = kMargin;
   const auto next = [&](std::string_view words) {
-    const double width = 30.0 + kWideLetter * static_cast<double>(words.size()) + 18.0;
+    const double width = 30.0 + text_width(words, 12.0) + 18.0;
     if (at + width > kWidth - kMargin) {
       at = kMargin;
       y += 20.0;

@@ -14,6 +14,10 @@
 
 namespace mauve::ctl::mtrace {
 
+/// Of the fonts, in pixels, as the page's style has them.
+inline constexpr double kLabelSize = 11.0;
+inline constexpr double kSmallSize = 10.5;
+
 /// What the legend explains, where it occurs.
 enum class Sign : std::uint8_t {
   release,

@@ -10,7 +10,6 @@
 namespace mauve::ctl::mtrace {
 namespace {
 
-constexpr double kNameLetter = 6.2;       // pixels of a letter within a box
 constexpr double kNarrowest = 0.8;        // pixels of a box
 constexpr std::size_t kMostArrows = 200;  // with five pixels between
 constexpr std::size_t kMostMarks = 200;
@@ -84,7 +83,7 @@ void RowPicture::draw_state_name(const Box& box, double from, double to) {
   const std::string& name = trace_.text(box.state);
   const double left = std::max(from, page_.left);
   const double right = std::min(to, page_.right);
-  if (right - left < kNameLetter * static_cast<double>(name.size()) + 6.0) return;
+  if (right - left < text_width(name, kLabelSize) + 6.0) return;
   page_.svg.text({(left + right) / 2, place_.baseline - place_.height / 2 + 4}, name,
                  "text-anchor=\"middle\" font-size=\"11\"");
 }
@@ -113,7 +112,7 @@ void RowPicture::draw_holds() {
     page_.svg.rectangle(
         {from, place_.baseline + 1.5}, width, 3.5, class_of("held"),
         component_.name + " holds " + name + " for " + short_words(hold.to - hold.from));
-    if (width > kNameLetter * static_cast<double>(name.size())) {
+    if (width > text_width(name, kSmallSize)) {
       page_.svg.text({from, place_.baseline + 13}, name, "class=\"small\"");
     }
     page_.occurs(Sign::held);
@@ -244,7 +243,7 @@ void RowPicture::draw_missed(const Record& mark) {
 void RowPicture::wrong(std::int64_t time, std::string_view words) {
   const double x = page_.x(time) + 4;
   if (x < last_words_ || row_.dense) return;
-  last_words_ = x + kNameLetter * static_cast<double>(words.size()) + 6;
+  last_words_ = x + text_width(words, kLabelSize) + 6;
   page_.svg.text({x, place_.baseline - place_.height * 1.12}, words, "class=\"label wrong\"");
 }
 

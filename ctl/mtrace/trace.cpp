@@ -51,17 +51,6 @@ std::optional<Event> event_named(std::string_view name) {
   return std::nullopt;
 }
 
-const State* Component::state(std::string_view called) const {
-  const auto found = std::find_if(states.begin(), states.end(),
-                                  [&](const State& one) { return one.name == called; });
-  return found == states.end() ? nullptr : &*found;
-}
-
-std::optional<std::int64_t> Component::cpu() const {
-  if (cpus.size() != 1) return std::nullopt;
-  return cpus.front();
-}
-
 Word Trace::intern(std::string_view text) {
   const auto found = numbers_.find(text);
   if (found != numbers_.end()) return found->second;

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "mauve/trace.h"
+#include "protocol/trace.h"
 
 namespace mauve::ctl::mtrace {
 
@@ -48,47 +48,9 @@ struct Record {
   [[nodiscard]] double value() const { return std::bit_cast<double>(b); }
 };
 
-struct State {
-  std::string name;
-  bool waits = false;  ///< a synchronization state
-  std::int64_t wait = 0;
-};
-
-struct Component {
-  std::string name;
-  std::string type;
-  std::string core;
-  std::string initial;
-  std::int64_t priority = 0;
-  std::vector<std::int64_t> cpus;
-  bool realtime = false;
-  std::int64_t period = 0;  ///< of its grid; zero: it has none
-  std::int64_t offset = 0;
-  std::int64_t deadline = 0;
-  std::int64_t budget = 0;
-  std::optional<std::int64_t> bound;  ///< of its response, as admitted
-  std::vector<State> states;
-
-  [[nodiscard]] const State* state(std::string_view called) const;
-  /// Where it always runs, when that is one processor only.
-  [[nodiscard]] std::optional<std::int64_t> cpu() const;
-};
-
-/// The first line of a file.
-struct Header {
-  std::string mauved;
-  std::string architecture;
-  std::string boot;
-  std::string written;  ///< date and time
-  std::int64_t t0 = 0;  ///< on the monotonic clock
-  std::int64_t from = 0;
-  std::int64_t to = 0;
-  std::string why;
-  std::uint64_t lost = 0;
-  bool probed = true;  ///< a probe told all the time when the host, or foreign work, held it up
-  std::vector<Component> components;
-  std::vector<std::string> resources;
-};
+using State = protocol::TraceState;
+using Component = protocol::TraceComponent;
+using Header = protocol::TraceHeader;
 
 /// How much of a file was sound.
 struct Reading {

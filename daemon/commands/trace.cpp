@@ -7,6 +7,7 @@
 
 #include "commands/answer.h"
 #include "commands/given_up.h"
+#include "protocol/trace.h"
 #include "trace/file.h"
 #include "trace/recorder.h"
 
@@ -103,7 +104,7 @@ Result<Json> list_recordings(Running& running, const Call& /*call*/) {
 void read_trace(Running& running, const CallPtr& call, Ticket /*none*/) {
   const auto name = text_or(call->params, "recording");
   const auto from = number_or(call->params, "from", 0);
-  const auto count = number_or(call->params, "count", kMostRecords);
+  const auto count = number_or(call->params, "count", protocol::kMostRecords);
   if (name.starts_with("flight-")) {
     return read_flight(running, call, name, from, count);
   }

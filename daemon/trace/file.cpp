@@ -2,13 +2,13 @@
 #include "trace/file.h"
 
 #include <algorithm>
-#include <bit>
 #include <chrono>
 #include <fstream>
 #include <utility>
 
 #include "log/event.h"
 #include "mauve/version.h"
+#include "protocol/trace.h"
 
 namespace mauve::daemon {
 
@@ -16,73 +16,58 @@ namespace {
 
 using protocol::Json;
 
-Json component_json(const TracedComponent& component) {
-  Json states = Json::array();
-  for (const auto& state : component.states) {
-    Json row = {{"name", state.name}, {"kind", state.waits ? "synchronization" : "execution"}};
-    if (state.waits) {
-      row["wait_ns"] = state.wait.count();
-    }
-    states.push_back(std::move(row));
-  }
-  Json json = {{"name", component.name},
-               {"type", component.type},
-               {"core", component.core},
-               {"priority", component.priority},
-               {"cpus", component.cpus},
-               {"realtime", component.realtime},
-               {"period_ns", component.period.count()},
-               {"offset_ns", component.offset.count()},
-               {"deadline_ns", component.deadline.count()},
-               {"budget_ns", component.budget.count()},
-               {"states", std::move(states)},
-               {"initial", component.initial}};
+using protocol::kMostRecords;
+
+protocol::TraceComponent told(const TracedComponent& component) {
+  protocol::TraceComponent told;
+  told.name = component.name;
+  told.type = component.type;
+  told.core = component.core;
+  told.initial = component.initial;
+  told.priority = component.priority;
+  told.cpus.assign(component.cpus.begin(), component.cpus.end());
+  told.realtime = component.realtime;
+  told.period = component.period.count();
+  told.offset = component.offset.count();
+  told.deadline = component.deadline.count();
+  told.budget = component.budget.count();
   if (component.bound > Duration{0}) {
-    json["bound_ns"] = component.bound.count();
+    told.bound = component.bound.count();
   }
-  return json;
+  for (const auto& state : component.states) {
+    told.states.push_back({state.name, state.waits, state.wait.count()});
+  }
+  return told;
 }
 
-Json last_line(std::size_t records, std::int64_t lost) {
-  return {{"end", true}, {"records", records}, {"lost", lost}};
+std::uint64_t lost_of(const Recording& recording) {
+  return static_cast<std::uint64_t>(recording.lost);
 }
 
 }  // namespace
 
 Json header_of(const Recording& recording, const std::string& boot) {
-  Json components = Json::array();
+  protocol::TraceHeader header;
+  header.mauved = std::string(kVersion);
+  header.architecture = recording.about.architecture;
+  header.boot = boot;
+  header.written = logging::utc(std::chrono::system_clock::now());
+  header.t0 = recording.about.t0;
+  header.from = recording.from;
+  header.to = recording.to;
+  header.why = recording.why;
+  header.lost = lost_of(recording);
+  header.probed = recording.probed;
   for (const auto& component : recording.about.components) {
-    components.push_back(component_json(component));
+    header.components.push_back(told(component));
   }
-  return {{"mauve_trace", kTraceFormat},
-          {"mauved", std::string(kVersion)},
-          {"architecture", recording.about.architecture},
-          {"boot", boot},
-          {"t", logging::utc(std::chrono::system_clock::now())},
-          {"t0_ns", recording.about.t0},
-          {"from", recording.from},
-          {"to", recording.to},
-          {"why", recording.why},
-          {"lost", recording.lost},
-          {"probe", recording.probed},
-          {"components", std::move(components)},
-          {"resources", recording.about.resources}};
+  header.resources = recording.about.resources;
+  return protocol::to_json(header);
 }
 
 Json to_json(const TraceRecord& record) {
-  Json json = Json::array({record.time, trace_name(record.thread), to_string(record.kind)});
-  const bool number = record.kind == TraceKind::user;
-  const bool b = number || record.b != 0;
-  if (record.name != 0 || record.a != 0 || b) {
-    json.push_back(trace_name(record.name));
-  }
-  if (record.a != 0 || b) {
-    json.push_back(record.a);
-  }
-  if (b) {
-    json.push_back(number ? Json(std::bit_cast<double>(record.b)) : Json(record.b));
-  }
-  return json;
+  return protocol::trace_record(record, trace_name(record.thread), to_string(record.kind),
+                                trace_name(record.name));
 }
 
 std::string to_text(const Recording& recording, const Json& header) {
@@ -90,7 +75,9 @@ std::string to_text(const Recording& recording, const Json& header) {
   for (const auto& record : recording.records) {
     text += protocol::to_line(to_json(record)) + "\n";
   }
-  return text + protocol::to_line(last_line(recording.records.size(), recording.lost)) + "\n";
+  return text +
+         protocol::to_line(protocol::trace_end(recording.records.size(), lost_of(recording))) +
+         "\n";
 }
 
 Json page_of(const Recording& recording, std::size_t from, std::size_t count) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Recordings as JSON: what a page of the wire and a file (.mtrace) are made of. A file is a line
-/// with the header, a line for each record, and a last line without which it was cut off.
+/// Recordings as JSON: what a page of the wire and a file (.mtrace) are made of.
 #pragma once
 
 #include <cstddef>
@@ -12,14 +11,11 @@
 
 namespace mauve::daemon {
 
-inline constexpr int kTraceFormat = 1;
 /// Of one page.
-inline constexpr std::size_t kMostRecords = 5000;
 inline constexpr std::size_t kMostBytes = 600'000;
 
 /// The header of a recording that ends now.
 [[nodiscard]] protocol::Json header_of(const Recording& recording, const std::string& boot);
-/// [time, thread, event, name, a, b]; what is nothing at the end is left out.
 [[nodiscard]] protocol::Json to_json(const TraceRecord& record);
 
 [[nodiscard]] std::string to_text(const Recording& recording, const protocol::Json& header);

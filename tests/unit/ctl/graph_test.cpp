@@ -9,6 +9,7 @@
 
 #include <gmock/gmock.h>
 
+#include "graph_look.h"
 #include "layers.h"
 #include "machine.h"
 #include "support/temp_dir.h"
@@ -136,7 +137,7 @@ TEST(GraphAsMermaid, HasAllNodesAndConnections) {
   EXPECT_THAT(text, HasSubstr("n4[\"<b>scan</b><br/>shared_data\"]:::resource"));
   EXPECT_THAT(text, HasSubstr("n0 -->|\"scan - write\"| n4"));
   EXPECT_THAT(text, HasSubstr("n4 -->|\"read - scan #40;stale#41;\"| n1"));
-  EXPECT_THAT(text, HasSubstr("linkStyle 1 stroke:#bc4c00"));
+  EXPECT_THAT(text, HasSubstr("linkStyle 1 stroke:#bc4c00,stroke-dasharray:7 4\n"));
   EXPECT_THAT(text, HasSubstr("n2(\"<b>joystick</b><br/>teleop/joystick<br/>teleop/joystick"
                               "<br/>fsm f: period<br/>stopped\"):::resting"));
 }
@@ -279,6 +280,23 @@ const Json kControl = Json::parse(R"({"address": "control", "kind": "component",
       {"name": "pace", "kind": "synchronization", "wait_ns": 10000000, "transitions": [
         {"to": "reach_goal", "guarded": false}]}]}})");
 
+TEST(GraphLook, IsTheSameInAllLanguages) {
+  const Graph graph = graph_of(kAnswer);
+  const std::string texts[] = {graph_dot(graph), graph_mermaid(graph), graph_svg(graph)};
+  for (const Graph::Node& node : graph.nodes) {
+    for (const std::string& text : texts) {
+      EXPECT_THAT(text, HasSubstr(std::string(look_of(node).line))) << node.name;
+      EXPECT_THAT(text, HasSubstr(std::string(look_of(node).fill))) << node.name;
+    }
+  }
+  for (const Flow flow : {Flow::resting, Flow::stale, Flow::dead}) {
+    for (const std::string& text : texts) {
+      EXPECT_THAT(text, HasSubstr(std::string(look_of(flow).line)));
+      EXPECT_THAT(text, HasSubstr(std::string(look_of(flow).word)));
+    }
+  }
+}
+
 TEST(Machine, MarksGuardsInTheirOrder) {
   const Machine machine = machine_of(kControl);
 
@@ -331,6 +349,28 @@ TEST(GraphCommand, ChoosesTheLanguageByTheFile) {
   EXPECT_THAT(Scene({"graph", "--mermaid"}, kAnswer).outcome.out, StartsWith("flowchart"));
   EXPECT_THAT(Scene({"graph"}, kAnswer).outcome.out, StartsWith("digraph"));
   EXPECT_EQ(Json::parse(Scene({"--json", "graph"}, kAnswer).outcome.out), kAnswer);
+}
+
+TEST(GraphCommand, AnswersAsJsonWhatItWouldDraw) {
+  const Json answer = Json::parse(Scene({"--json", "graph", "laser"}, kAnswer).outcome.out);
+
+  Json expected = kAnswer;
+  expected["components"] = Json::array({kAnswer["components"][0]});
+  expected["resources"] = Json::array({kAnswer["resources"][0]});
+  EXPECT_EQ(answer, expected) << "laser, and the scan that it writes";
+}
+
+TEST(GraphCommand, NamesTheFileAsJson) {
+  const test::TempDir place;
+  for (const bool machine : {false, true}) {
+    const std::string file = (place / (machine ? "fsm.svg" : "all.svg")).string();
+    std::vector<std::string> words{"--json", "graph", "-o", file};
+    if (machine) words.insert(words.end(), {"--fsm", "control"});
+    const Scene scene(words, machine ? kControl : kAnswer);
+
+    EXPECT_EQ(Json::parse(scene.outcome.out), (Json{{"file", file}}));
+    EXPECT_THAT(test::TempDir::read(file), StartsWith("<svg"));
+  }
 }
 
 TEST(GraphCommand, DrawsTheStateMachineOfAComponent) {

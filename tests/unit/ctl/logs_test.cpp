@@ -22,7 +22,6 @@ const Json kRecord = Json::parse(R"({"seq": 7, "t": "2026-01-01T10:00:00.000000Z
 system_clock::time_point moment() { return system_clock::from_time_t(1'767'261'600); }  // 10:00 UTC
 
 TEST(LogTime, IsALengthBeforeNow) {
-  EXPECT_EQ(since_when("10m", moment()), "2026-01-01T09:50:00Z");
   EXPECT_EQ(since_when("10min", moment()), "2026-01-01T09:50:00Z");
   EXPECT_EQ(since_when("90s", moment()), "2026-01-01T09:58:30Z");
   EXPECT_EQ(since_when("1ms", moment()), "2026-01-01T09:59:59Z");
@@ -40,7 +39,7 @@ TEST(LogTime, OfTheClockIsTheLastOneHere) {
 
 TEST(LogTime, IsPassedOnWhenItIsWhole) {
   EXPECT_EQ(since_when("2026-01-31T12:00:00+02:00", moment()), "2026-01-31T12:00:00+02:00");
-  for (const char* bad : {"", "10", "soon", "25:00", "12:60", "1:30", "12-30", "m"}) {
+  for (const char* bad : {"", "10", "soon", "25:00", "12:60", "1:30", "12-30", "10m"}) {
     EXPECT_EQ(since_when(bad, moment()), std::nullopt) << bad;
   }
 }
@@ -91,7 +90,7 @@ TEST(Logs, CountWhatASlowReaderLost) {
 }
 
 TEST(LogLevel, IsSetForAComponentAndATime) {
-  const Scene scene({"log", "level", "control=debug", "--for", "10m", "--reason", "look"},
+  const Scene scene({"log", "level", "control=debug", "--for", "10min", "--reason", "look"},
                     {{"component", "control"}, {"level", "debug"}, {"for", "10min"}});
 
   EXPECT_EQ(scene.asked[0].method, "log.set_level");
@@ -111,7 +110,6 @@ TEST(LogLevel, IsShownWithoutASetting) {
 
   EXPECT_EQ(scene.asked[0].method, "log.level");
   EXPECT_EQ(scene.outcome.out, "log level info, by default info\ncontrol: debug, 9 min still\n");
-  EXPECT_EQ(run("/nowhere", {"log", "lvl"}).exit, 2);
 }
 
 TEST(LogLevel, StandsInTheStatus) {

@@ -16,10 +16,8 @@
 namespace mauve::ctl::mtrace {
 
 /// For messages of tests.
-inline std::string violations_of(const Verdict& verdict) {
-  std::string words;
-  for (const Violation& one : verdict.violations) words += one.rule + ": " + one.message + "\n";
-  return words;
+inline std::string first_violation(const Verdict& verdict) {
+  return verdict.first ? verdict.first->rule + ": " + verdict.first->message : "none";
 }
 
 /// At the end of the trace.

@@ -8,6 +8,7 @@
 #include <array>
 #include <future>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -109,14 +110,19 @@ TEST(Mauvectl, SaysAtCtrlCThatTheChangeMayGoOn) {
 }
 
 TEST(Mauvectl, EndsQuietlyAtCtrlCElse) {
-  Silent silent;
-  Program program({"--socket", silent.server.path(), "watch", "a.read"});
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"watch", "a.read"}, {"stats"}, {"quarantine"}}) {
+    Silent silent;
+    std::vector<std::string> all{"--socket", silent.server.path()};
+    all.insert(all.end(), words.begin(), words.end());
+    Program program(std::move(all));
 
-  silent.heard.get_future().wait();
-  program.interrupt();
+    silent.heard.get_future().wait();
+    program.interrupt();
 
-  EXPECT_TRUE(WIFSIGNALED(program.wait()));
-  EXPECT_EQ(program.text, "");
+    EXPECT_TRUE(WIFSIGNALED(program.wait())) << words.front();
+    EXPECT_EQ(program.text, "") << words.front();
+  }
 }
 
 }  // namespace

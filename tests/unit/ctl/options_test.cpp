@@ -83,12 +83,20 @@ TEST(Options, RefuseValuesThatNothingTakes) {
                              {"swap-core", "a", "b/c", "--state", "dropp"},
                              {"logs", "--level", "loud"},
                              {"connect", "a.ports.b", "c.d", "--max-age", "soon"},
-                             {"apply", "f", "--sync", "both"}}) {
+                             {"apply", "f", "--sync", "both"},
+                             {"trace", "begin"},
+                             {"log", "lvl"},
+                             {"quarantine", "free"},
+                             {"completion", "csh"},
+                             {"convert-trace", "f", "-o", "g", "--format", "vcd"},
+                             {"status", "--color", "pink"}}) {
     const Misuse misuse = refused(words);
     EXPECT_EQ(misuse.fault.exit, 2) << words.back();
     EXPECT_FALSE(misuse.fault.hint.empty()) << words.back();
   }
   EXPECT_EQ(accepted({"lock", "params"}).arguments.one("LOCK"), "params");
+  EXPECT_EQ(accepted({"timeline", "drive.mtrace"}).arguments.one("FILE"), "drive.mtrace");
+  EXPECT_EQ(accepted({"log", "level", "a=warn"}).arguments.one("SETTING"), "a=warn");
   EXPECT_EQ(accepted({"logs", "--level", "warn"}).arguments.one("--level"), "warn");
 }
 

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
 
+#include "support/temp_dir.h"
 #include "unit/ctl/scene.h"
 
 namespace mauve::ctl {
@@ -82,6 +84,26 @@ TEST(Record, SaysThatAFileCannotBeWritten) {
 
   EXPECT_EQ(shown.outcome.exit, 2);
   EXPECT_THAT(shown.outcome.err, HasSubstr("/no/such/folder/x.csv"));
+  EXPECT_THAT(shown.outcome.err, HasSubstr("No such file or directory"));
+}
+
+TEST(Output, IsToldOfWhereItIsNotInTheWay) {
+  const test::TempDir place;
+  const std::string file = (place / "drive.svg").string();
+  const std::vector<std::pair<std::string, std::string>> all = {
+      {"plot", "drew 3 values"}, {"map", "drew 1 place, 0.0 m of way"}};
+  for (const auto& [command, told] : all) {
+    const Shown bare({command, "pose.read"}, kPose, {pose_at(1, 1, 2)});
+    const Shown filed({command, "pose.read", "-o", file}, kPose, {pose_at(1, 1, 2)});
+    const Shown json({"--json", command, "pose.read", "-o", file}, kPose, {pose_at(1, 1, 2)});
+
+    EXPECT_THAT(bare.outcome.out, StartsWith("<svg "));
+    EXPECT_THAT(bare.outcome.err, StartsWith(told + "\n"));
+    EXPECT_EQ(filed.outcome.out, told + " to " + file + "\n");
+    EXPECT_THAT(test::TempDir::read(file), StartsWith("<svg "));
+    const std::string line = json.outcome.out.substr(0, json.outcome.out.find('\n'));
+    EXPECT_EQ(Json::parse(line)["file"], file);
+  }
 }
 
 TEST(Record, RefusesATimeThatIsNone) {

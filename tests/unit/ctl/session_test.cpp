@@ -4,6 +4,7 @@
 
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -31,6 +32,30 @@ TEST(SwapCore, AsksWithEverythingThatWasSaid) {
     "state": "drop", "if_generation": 41, "reason": "test", "deadline_ms": 20000})"));
   EXPECT_EQ(scene.outcome.exit, 0);
   EXPECT_EQ(scene.outcome.out, "swapped control: pause 38 ns, 0 releases missed (generation 42)\n");
+}
+
+TEST(ChangingCommands, AskForNothingMoreWhereTheyOnlyLook) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> looks = {
+      {{"--timeout", "5s", "stats"}, "stats.get"},
+      {{"--timeout", "5s", "log", "level"}, "log.level"},
+      {{"--timeout", "5s", "quarantine"}, "quarantine.list"}};
+  for (const auto& [words, method] : looks) {
+    const Scene scene(words, Json::object());
+
+    ASSERT_EQ(scene.asked.size(), 1U) << method;
+    EXPECT_EQ(scene.asked[0].method, method);
+    EXPECT_EQ(scene.asked[0].params, Json::object());
+  }
+}
+
+TEST(ChangingCommands, RefuseTheGuardsOfAChangeWhereTheyOnlyLook) {
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"stats", "--reason", "x"},
+                                                {"log", "level", "--if-generation", "4"},
+                                                {"quarantine", "--reason", "x"}}) {
+    const Outcome outcome = run("/nowhere", words);
+    EXPECT_EQ(outcome.exit, 2) << words.front();
+    EXPECT_NE(outcome.err.find(words.front() + " changes nothing"), std::string::npos);
+  }
 }
 
 TEST(SwapCore, PrintsTheReceiptAsOneLineOfJson) {
@@ -148,6 +173,14 @@ TEST(Logs, AskForWhatWasSaid) {
   EXPECT_EQ(scene.asked[0].params,
             Json::parse(R"({"component":"gnss","level":"warn","n":5,"follow":false})"));
   EXPECT_EQ(scene.outcome.out, "T  warn   gnss: x\n");
+}
+
+TEST(Quarantine, ReleasesACoreThatIsNamed) {
+  const Scene scene({"quarantine", "release", "a/b"}, kSwapReceipt);
+
+  EXPECT_EQ(scene.asked[0].method, "quarantine.release");
+  EXPECT_EQ(scene.asked[0].params, (Json{{"core", "a/b"}}));
+  EXPECT_EQ(run("/nowhere", {"quarantine", "release"}).exit, 2);
 }
 
 TEST(List, KnowsItsKinds) {

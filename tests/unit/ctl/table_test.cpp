@@ -98,5 +98,16 @@ TEST(Words, CutAtTheEnd) {
   EXPECT_EQ(cut("abc", 0), "abc");
 }
 
+TEST(Words, AreJoinedAndParted) {
+  std::string all;
+  join(all, "a");
+  join(all, "b");
+  join(all, "c", "; ");
+  EXPECT_EQ(all, "a, b; c");
+  EXPECT_EQ(lines_of("a\n\nb"), (std::vector<std::string_view>{"a", "", "b"}));
+  EXPECT_EQ(lines_of("a\n"), std::vector<std::string_view>{"a"});
+  EXPECT_TRUE(lines_of("").empty());
+}
+
 }  // namespace
 }  // namespace mauve::ctl

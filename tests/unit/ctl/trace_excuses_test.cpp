@@ -50,14 +50,14 @@ TEST(TraceCheck, AcceptsAGapOfWhichMissedTells) {
   const Verdict wrong =
       Short().job(0).add(45 * kOneMs, Event::missed, "", 2, 2).job(40 * kOneMs).verdict();
   ASSERT_EQ(wrong.found, 1U);
-  EXPECT_THAT(wrong.violations[0].message, HasSubstr("what it missed"));
+  EXPECT_THAT(wrong.first->message, HasSubstr("what it missed"));
 }
 
 TEST(TraceCheck, BeginsAnewBehindLostRecords) {
   const Verdict verdict =
       Short().job(0).add(55 * kOneMs, Event::lost, "", 12).job(60 * kOneMs).verdict();
 
-  EXPECT_TRUE(verdict.holds()) << violations_of(verdict);
+  EXPECT_TRUE(verdict.holds()) << first_violation(verdict);
   EXPECT_THAT(verdict.not_checked, testing::Contains(HasSubstr("records of control were lost")));
 }
 
@@ -68,7 +68,7 @@ TEST(TraceCheck, DoesNotJudgeResponsesInAWindowOfDisturbance) {
                               .job(10 * kOneMs, 5 * kOneMs)
                               .job(20 * kOneMs)
                               .verdict();
-  EXPECT_TRUE(verdict.holds()) << violations_of(verdict);
+  EXPECT_TRUE(verdict.holds()) << first_violation(verdict);
   EXPECT_EQ(verdict.checked.responses, 2U);
   EXPECT_THAT(verdict.not_checked, testing::Contains("responses in windows of disturbance"));
   EXPECT_FALSE(Short().job(0).job(10 * kOneMs, 5 * kOneMs).verdict().holds());
@@ -83,7 +83,7 @@ TEST(TraceCheck, DoesNotJudgeWhatAProbeWouldNotSeeOnADisturbedMachine) {
   EXPECT_TRUE(beyond(100'000, true).holds());
   EXPECT_FALSE(beyond(200'000, true).holds());
   EXPECT_FALSE(beyond(100'000, false).holds());
-  EXPECT_THAT(beyond(100'000, false).violations[0].message, HasSubstr("responded in 2.100005 ms"));
+  EXPECT_THAT(beyond(100'000, false).first->message, HasSubstr("responded in 2.100005 ms"));
 }
 
 TEST(TraceCheck, DoesNotJudgeTheJobAfterAnOverrun) {
@@ -96,7 +96,7 @@ TEST(TraceCheck, DoesNotJudgeTheJobAfterAnOverrun) {
     trace.add(21 * kOneMs, Event::release, "", 20 * kOneMs);
     return trace.add(32 * kOneMs, Event::wait, "pace", 30 * kOneMs).verdict();
   };
-  EXPECT_TRUE(late(true).holds()) << violations_of(late(true));
+  EXPECT_TRUE(late(true).holds()) << first_violation(late(true));
   EXPECT_EQ(late(true).checked.responses, 2U);
 }
 
@@ -111,10 +111,10 @@ TEST(TraceCheck, AFaultOrAStopExplainsWhoDidNotTakeAChange) {
     if (explanation == Event::stopped) trace.add(13 * kOneMs, Event::started, "", 20 * kOneMs);
     return trace.job(20 * kOneMs).verdict();
   };
-  EXPECT_TRUE(change(Event::fault).holds()) << violations_of(change(Event::fault));
-  EXPECT_TRUE(change(Event::stopped).holds()) << violations_of(change(Event::stopped));
+  EXPECT_TRUE(change(Event::fault).holds()) << first_violation(change(Event::fault));
+  EXPECT_TRUE(change(Event::stopped).holds()) << first_violation(change(Event::stopped));
   ASSERT_EQ(change(Event::user).found, 1U);
-  EXPECT_THAT(change(Event::user).violations[0].message, HasSubstr("control never took change 3"));
+  EXPECT_THAT(change(Event::user).first->message, HasSubstr("control never took change 3"));
 }
 
 TEST(TraceCheck, AStoppedComponentIsNotReleasedBeforeItStarts) {
@@ -136,7 +136,7 @@ TEST(TraceCheck, AtABarrierComponentsGoOnLaterOnTheirGrid) {
         .job(release)
         .verdict();
   };
-  EXPECT_TRUE(barrier(40 * kOneMs).holds()) << violations_of(barrier(40 * kOneMs));
+  EXPECT_TRUE(barrier(40 * kOneMs).holds()) << first_violation(barrier(40 * kOneMs));
   EXPECT_FALSE(barrier(45 * kOneMs).holds());
 }
 
@@ -154,9 +154,9 @@ TEST(TraceCheck, MembersOfARollbackGoBackAtOneInstant) {
     if (both) trace.add(15 * kOneMs, Event::taken, "back", 10 * kOneMs, 4, "scan");
     return trace.add(15 * kOneMs, Event::release, "", 15 * kOneMs, 0, "scan").verdict();
   };
-  EXPECT_TRUE(rollback(true).holds()) << violations_of(rollback(true));
+  EXPECT_TRUE(rollback(true).holds()) << first_violation(rollback(true));
   ASSERT_EQ(rollback(false).found, 1U);
-  EXPECT_THAT(rollback(false).violations[0].message, HasSubstr("scan never took change 4"));
+  EXPECT_THAT(rollback(false).first->message, HasSubstr("scan never took change 4"));
 }
 
 TEST(TraceCheck, WhoWaitedAtABarrierTakesTheChangeAtALaterInstant) {
@@ -168,8 +168,17 @@ TEST(TraceCheck, WhoWaitedAtABarrierTakesTheChangeAtALaterInstant) {
                               .add(11 * kOneMs, Event::taken, "change", 12 * kOneMs, 1)
                               .job(20 * kOneMs)
                               .verdict();
-  EXPECT_TRUE(verdict.holds()) << violations_of(verdict);
+  EXPECT_TRUE(verdict.holds()) << first_violation(verdict);
   EXPECT_EQ(verdict.checked.takes, 2U);
+}
+
+TEST(TraceCheck, NamesTheEarliestViolationWhateverIsFoundFirst) {
+  const Verdict verdict =
+      Short().job(0, 3 * kOneMs).job(10 * kOneMs).job(50 * kOneMs).job(60 * kOneMs).verdict();
+
+  EXPECT_EQ(verdict.found, 2U);
+  ASSERT_TRUE(verdict.first);
+  EXPECT_EQ(verdict.first->rule, "response");
 }
 
 TEST(TraceCheck, SaysWhatItCouldNotLookAt) {
@@ -177,12 +186,16 @@ TEST(TraceCheck, SaysWhatItCouldNotLookAt) {
   trace.trace.reading.complete = false;
   trace.trace.reading.broken = 2;
   trace.trace.reading.first_broken = 7;
+  trace.trace.reading.unknown = 3;
+  trace.trace.header.lost = 12;
   trace.trace.header.components[0].bound.reset();
 
   const auto not_checked = trace.job(0).verdict().not_checked;
 
   EXPECT_THAT(not_checked, testing::Contains(HasSubstr("cut off")));
   EXPECT_THAT(not_checked, testing::Contains(HasSubstr("the first is line 7")));
+  EXPECT_THAT(not_checked, testing::Contains("3 records of events that are not known"));
+  EXPECT_THAT(not_checked, testing::Contains(HasSubstr("12 records that mauved could not")));
   EXPECT_THAT(not_checked, testing::Contains(HasSubstr("no admitted bound")));
 }
 

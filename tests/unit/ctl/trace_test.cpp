@@ -29,8 +29,7 @@ TEST(Trace, SaysHowMuchIsKeptWhenItStarts) {
 
 TEST(Trace, RefusesWhatItCannotDoBeforeItAsks) {
   for (const std::vector<std::string>& words :
-       std::vector<std::vector<std::string>>{{"trace", "begin"},
-                                             {"trace", "start", "--for", "0s"},
+       std::vector<std::vector<std::string>>{{"trace", "start", "--for", "0s"},
                                              {"trace", "start", "--for", "1500ms"},
                                              {"trace", "dump"}}) {
     EXPECT_EQ(run("/nowhere/socket", words).exit, 2) << words.back();

@@ -2,10 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <filesystem>
 #include <sstream>
 
+#include "protocol/trace.h"
 #include "support/temp_dir.h"
 #include "trace/file.h"
 #include "trace/flights.h"
@@ -71,14 +71,6 @@ TEST(TraceFile, LeavesOutWhatIsNothing) {
             R"([5,"control","release","",0,3])");
 }
 
-TEST(TraceFile, HasTheNumberOfAUsersEvent) {
-  TraceRecord gain = record(5, TraceKind::user, 0, std::bit_cast<std::int64_t>(0.0));
-  gain.name = trace_name_id("gain");
-  EXPECT_EQ(to_json(gain).dump(), R"([5,"control","user","gain",0,0.0])");
-  gain.b = std::bit_cast<std::int64_t>(-2.5);
-  EXPECT_EQ(to_json(gain).dump(), R"([5,"control","user","gain",0,-2.5])");
-}
-
 Recording example(std::size_t records) {
   Recording recording;
   recording.about.architecture = "rover";
@@ -124,9 +116,9 @@ TEST(TraceFile, ComesInPages) {
   const Recording recording = example(12'000);
 
   const Json first = page_of(recording, 0, 1'000'000);
-  EXPECT_EQ(first["records"].size(), kMostRecords);
+  EXPECT_EQ(first["records"].size(), protocol::kMostRecords);
   EXPECT_EQ(first["end"], false);
-  const Json last = page_of(recording, 10'000, kMostRecords);
+  const Json last = page_of(recording, 10'000, protocol::kMostRecords);
   EXPECT_EQ(last["records"].size(), 2000U);
   EXPECT_EQ(last["end"], true);
   EXPECT_EQ(page_of(recording, 99'999, 10)["records"].size(), 0U) << "behind its end";

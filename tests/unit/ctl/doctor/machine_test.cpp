@@ -179,6 +179,8 @@ TEST_F(DoctorOfTheMachine, WarnsOfTimeThatAHostTook) {
   expect(check_virtual(facts), Grade::ok, "no");
   write("proc/cpuinfo", "flags : fpu hypervisor tsc");
   expect(check_virtual(facts), Grade::ok, "its host took no time");
+  write("proc/stat", "cpu  100 0 50 1000000 0 0 0 1 0 0");
+  expect(check_virtual(facts), Grade::ok, "less than 0.01 %");
   write("proc/stat", "cpu  100 0 50 800 0 0 0 50 77 0\ncpu0 1 1 1 1 1 1 1 1 1 1");
   expect(check_virtual(facts), Grade::warn, "5.00 %", "virsh vcpupin");
 }

@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "live_trace.h"
+#include "read_trace.h"
+
+#include <utility>
 
 #include "mtrace/file.h"
 #include "words.h"
 
 namespace mauve::ctl {
-namespace {
 
-constexpr std::uint64_t kPage = 5000;  // records that one answer may have
-
-}  // namespace
+std::variant<mtrace::Trace, Fault> read_trace(const std::string& file) {
+  auto trace = mtrace::read_file(file);
+  if (!trace) return bad_file(trace.error());
+  return std::move(*trace);
+}
 
 std::variant<mtrace::Trace, Fault> read_live(Session& session, const std::string& recording) {
   mtrace::Builder builder;
-  Json params{{"from", 0}, {"count", kPage}};
+  Json params{{"from", 0}, {"count", protocol::kMostRecords}};
   if (!recording.empty()) params["recording"] = recording;
   for (bool end = false; !end;) {
     auto answer = session.call("trace.read", params);

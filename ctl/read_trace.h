@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Traces that the daemon has.
+/// Traces of files, and those that the daemon has.
 #pragma once
 
 #include <string>
@@ -9,6 +9,8 @@
 #include "session.h"
 
 namespace mauve::ctl {
+
+[[nodiscard]] std::variant<mtrace::Trace, Fault> read_trace(const std::string& file);
 
 /// The recording of this name, page by page; empty: the trace that runs, or ran last.
 [[nodiscard]] std::variant<mtrace::Trace, Fault> read_live(Session& session,
