@@ -160,6 +160,7 @@ class ResponseCheck {
       return findings_.left_out("responses beyond the bound, where no probe ran");
     }
     ++findings_.checked.responses;
+    ++findings_.checked.responses_of[component.name];
     if (beyond <= 0) return;
     findings_.violation(
         *job.release, "response",

@@ -70,6 +70,7 @@ TEST(TraceCheck, DoesNotJudgeResponsesInAWindowOfDisturbance) {
                               .verdict();
   EXPECT_TRUE(verdict.holds()) << violations_of(verdict);
   EXPECT_EQ(verdict.checked.responses, 2U);
+  EXPECT_THAT(verdict.checked.responses_of, testing::ElementsAre(testing::Pair("control", 2U)));
   EXPECT_THAT(verdict.not_checked, testing::Contains("responses in windows of disturbance"));
   EXPECT_FALSE(Short().job(0).job(10 * kOneMs, 5 * kOneMs).verdict().holds());
 }
