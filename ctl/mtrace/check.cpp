@@ -18,8 +18,9 @@ constexpr std::size_t kKept = 100;  // violations
 /// seen.
 constexpr std::int64_t kWake = 200'000;
 constexpr std::int64_t kAround = 1'000'000;
-/// A probe does not see what holds it up for less.
-constexpr std::int64_t kUnseen = 200'000;
+/// A probe looks each millisecond and does not see what holds it up for 200 us: a shorter
+/// disturbance may lie between two looks.
+constexpr std::int64_t kUnseen = 1'200'000;
 
 bool by_time(const Violation& x, const Violation& y) { return x.time < y.time; }
 
