@@ -26,9 +26,8 @@ TEST(Graph, TellsAllElementsInOneLook) {
     {"name": "update", "kind": "execution", "transitions": [{"to": "period", "guarded": false}]},
     {"name": "period", "kind": "synchronization", "wait_ns": 2000000,
      "transitions": [{"to": "update", "guarded": false}]}]})"));
-  Process client(
-      {MAUVE_BIN_DIR "/mauvectl", "--socket", daemon.socket().string(), "graph", "--svg"});
-  EXPECT_THAT(client.all_output(), HasSubstr("<title>first.ports.output - signal.write</title>"));
+  EXPECT_THAT(daemon.ctl({"graph", "--svg"}).out,
+              HasSubstr("<title>first.ports.output - signal.write</title>"));
 }
 
 }  // namespace

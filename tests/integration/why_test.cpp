@@ -34,10 +34,7 @@ Json why(TrialDaemon& daemon, const std::string& cause) {
   return said;
 }
 
-std::string told(TrialDaemon& daemon) {
-  Process client({MAUVE_BIN_DIR "/mauvectl", "--socket", daemon.socket().string(), "why", "first"});
-  return client.all_output();
-}
+std::string told(TrialDaemon& daemon) { return daemon.ctl({"why", "first"}).out; }
 
 TEST(Why, NothingFailedSaysSince) {
   TrialDaemon daemon;
