@@ -13,10 +13,15 @@ using mtrace::Verdict;
 using mtrace::Violation;
 
 Json json_of(const Checked& checked) {
-  return {{"components", checked.components}, {"releases", checked.releases},
-          {"waits", checked.waits},           {"states", checked.states},
-          {"orders", checked.orders},         {"changes", checked.changes},
-          {"takes", checked.takes},           {"responses", checked.responses}};
+  return {{"components", checked.components},
+          {"releases", checked.releases},
+          {"waits", checked.waits},
+          {"states", checked.states},
+          {"orders", checked.orders},
+          {"changes", checked.changes},
+          {"takes", checked.takes},
+          {"responses", checked.responses},
+          {"responses_of", checked.responses_of}};
 }
 
 Json json_of(const Violation& violation) {

@@ -100,8 +100,9 @@ void Task::begin_job(Instant now) {
   times_->lateness.add(lateness);
   const bool watched = back_.load(std::memory_order_relaxed) != nullptr;
   const bool has_budget = current_->bundle->task.budget > Duration{0};
-  // A system call, so only where the next best guess is that it will be needed.
-  const bool ask = rt::preemption_is_told() ? preempted_ : watched && has_budget;
+  // A system call, so only where it counts: measured times stand in for a budget, and the longest
+  // job may be just the one that is preempted. Else where the best guess is that it will be needed.
+  const bool ask = rt::preemption_is_told() ? preempted_ || !has_budget : watched && has_budget;
   cpu_before_ = ask ? rt::cpu_time() : Duration{0};
   rt::watch_for_preemption();
 }

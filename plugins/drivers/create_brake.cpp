@@ -6,7 +6,7 @@
 ///
 /// A component that runs a job leaves the line to a thread of the brake's own. Whoever else writes
 /// is there because the component ends, hangs or the process dies, and does it itself: nothing else
-/// may be alive afterwards.
+/// may be alive afterwards. The line of the driver may: what it has not written yet it never does.
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -24,7 +24,7 @@
 namespace drivers {
 namespace {
 
-constexpr std::size_t kMostWaiting = 64;  // a dozen orders to stand
+constexpr std::size_t kMostWaiting = 96;  // a dozen orders to stand
 
 class CreateBrake final : public mauve::Core<mauve::EmptyShell> {
  public:
@@ -34,6 +34,7 @@ class CreateBrake final : public mauve::Core<mauve::EmptyShell> {
     const std::string_view bytes(text.data(), text.size());
     const bool component = mauve::this_job().running;
     ++stops;
+    thread_.overrule(bytes);  // the last command of the driver may be under way
     if (!(component ? thread_.send(bytes) : write_now(bytes))) count_failed();
   }
 

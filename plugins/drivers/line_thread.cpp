@@ -48,7 +48,11 @@ void store(std::uint64_t& word, std::uint64_t value) {
   std::atomic_ref(word).store(value, std::memory_order_release);
 }
 
-constexpr std::size_t kLength = 2;  // bytes that say how long a request is
+constexpr std::size_t kHead = 3;  // before a request: how long it is, and after how many orders
+
+/// The bytes of an order, and in the last one how many there are.
+using Order = std::array<char, sizeof(std::uint64_t)>;
+static_assert(std::atomic<Order>::is_always_lock_free);
 
 }  // namespace
 
@@ -57,6 +61,8 @@ struct LineThread::Device {
   std::mutex reading;                    // no thread but those of lines ever waits for it
   std::uint64_t tuned = 0;               // whose speed it has
   std::string left;                      // read by one that was the reader until then
+  std::atomic<Order> order{};            // the newest
+  std::atomic<std::uint8_t> orders{0};   // their number, which may begin anew
 };
 
 /// What no other line can find is its own: nothing.
@@ -86,6 +92,7 @@ Status LineThread::start(LineEnd& end, std::size_t most_waiting, Lost lost) {
   open_ = end.number() >= 0;
   waiting_.drop(waiting_.size());
   request_size_ = 0;
+  repeats_ = false;
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
   pthread_attr_setstacksize(&attributes, kStack);
@@ -142,13 +149,27 @@ void LineThread::fill(LineBytes& bytes) {
 }
 
 bool LineThread::send(std::string_view bytes) {
-  const std::array<char, kLength> length{static_cast<char>(bytes.size() % 256U),
-                                         static_cast<char>(bytes.size() / 256U)};
-  if (waiting_.size() + length.size() + bytes.size() > most_waiting_) return false;
-  if (!waiting_.put(length, bytes)) return false;
+  const std::array<char, kHead> head{static_cast<char>(bytes.size() % 256U),
+                                     static_cast<char>(bytes.size() / 256U),
+                                     static_cast<char>(orders())};
+  if (waiting_.size() + head.size() + bytes.size() > most_waiting_) return false;
+  if (!waiting_.put(head, bytes)) return false;
   follow_the_component();
   kick();
   return true;
+}
+
+/// In this order: who finds out that there is a new one finds that.
+void LineThread::overrule(std::string_view order) {
+  if (device_ == nullptr) return;
+  Order packed{};
+  packed.back() = static_cast<char>(order.copy(packed.data(), packed.size() - 1));
+  device_->order = packed;
+  ++device_->orders;
+}
+
+std::uint8_t LineThread::orders() const {
+  return device_ != nullptr ? device_->orders.load() : std::uint8_t{0};
 }
 
 bool LineThread::reopen() {
@@ -272,9 +293,21 @@ bool LineThread::next_request() {
   const auto digit = [this](std::size_t at) {
     return static_cast<unsigned char>(waiting_.there(at).front());
   };
-  request_size_ = kLength + digit(0) + 256U * digit(1);
-  request_sent_ = kLength;
+  request_size_ = kHead + digit(0) + 256U * digit(1);
+  request_sent_ = kHead;
+  request_orders_ = digit(2);
   return true;
+}
+
+bool LineThread::overruled() const { return !repeats_ && request_orders_ != orders(); }
+
+/// An order that came while it went out may have gone out before it: then that does once more.
+void LineThread::end_request() {
+  const bool again = request_sent_ > kHead && overruled();
+  if (!repeats_) waiting_.drop(request_size_);
+  repeats_ = again;
+  request_size_ = again ? static_cast<std::size_t>(device_->order.load().back()) : 0;
+  request_sent_ = 0;
 }
 
 void LineThread::write_out() {
@@ -285,6 +318,10 @@ void LineThread::write_out() {
       open_ = end_->number() >= 0;
     }
     if (!open()) return drop_waiting();
+    if (request_sent_ == kHead && overruled()) {
+      end_request();
+      continue;
+    }
     const std::ptrdiff_t count = write_some();
     if (count == 0) return;
     if (count < 0) {
@@ -293,13 +330,15 @@ void LineThread::write_out() {
     }
     request_sent_ += static_cast<std::size_t>(count);
     if (request_sent_ < request_size_) continue;
-    waiting_.drop(std::exchange(request_size_, 0));
+    end_request();
     tried = false;  // what is sent meanwhile may meet another loss
   }
 }
 
 std::ptrdiff_t LineThread::write_some() {
-  std::span<const char> rest = waiting_.there(request_sent_);
+  const Order order = repeats_ ? device_->order.load() : Order{};
+  std::span<const char> rest =
+      repeats_ ? std::span(order).subspan(request_sent_) : waiting_.there(request_sent_);
   rest = rest.first(std::min(rest.size(), request_size_ - request_sent_));
   // A reader may hold the lock for a long time: who is for emergencies writes at whatever speed.
   std::unique_lock<std::mutex> lock;
@@ -313,7 +352,8 @@ std::ptrdiff_t LineThread::write_some() {
 void LineThread::lose() {
   error_ = errno;
   end_->close();
-  request_sent_ = kLength;  // what was heard of it means nothing to the device that comes
+  request_sent_ =
+      repeats_ ? 0 : kHead;  // what was heard of it means nothing to the device that comes
   open_.store(false, std::memory_order_release);
 }
 
@@ -321,6 +361,7 @@ void LineThread::drop_waiting() {
   if (!next_request()) return;
   waiting_.drop(waiting_.size());
   request_size_ = 0;
+  repeats_ = false;
   if (tell_unsent_) tell_unsent_();
 }
 

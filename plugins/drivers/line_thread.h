@@ -65,6 +65,10 @@ class LineThread {
   /// All of it is sent later, or nothing and false: too much waits already. Of what a device that
   /// was lost heard a half, one that is opened to send hears all again. [rt]
   bool send(std::string_view bytes);
+  /// An order (7 bytes at most) counts for more than all that was sent to the device before it, by
+  /// whomever: of that, what waits is dropped, and what is just going out is followed by the order.
+  /// Who gives it sends it as well, afterwards. Any thread may. [rt]
+  void overrule(std::string_view order);
   /// Read it before looking for bytes: those that came before it failed are there then. [rt]
   [[nodiscard]] bool open() const { return open_.load(std::memory_order_acquire); }
   /// Why it is not open: an errno. [rt]
@@ -88,6 +92,9 @@ class LineThread {
   void read_in();
   std::ptrdiff_t read_some(std::span<char> room);
   bool next_request();
+  [[nodiscard]] bool overruled() const;
+  [[nodiscard]] std::uint8_t orders() const;
+  void end_request();
   void write_out();
   std::ptrdiff_t write_some();
   void lose();
@@ -113,13 +120,15 @@ class LineThread {
   std::atomic<bool> open_{false};
   std::atomic<int> error_{0};
   std::atomic<LineBytes*> target_{nullptr};
-  ByteRing<16'384> waiting_;  // requests, each after its length
+  ByteRing<16'384> waiting_;  // requests, each after its head
 
   // The thread's own.
   LineBytes* filled_ = nullptr;
-  std::size_t request_size_ = 0;  // of the first that waits, with its length
-  std::size_t request_sent_ = 0;  // of these, gone
-  bool idle_ = false;             // it is always ready, and has nothing: the end of a file
+  std::size_t request_size_ = 0;     // of the first that waits, with its head
+  std::size_t request_sent_ = 0;     // of these, gone
+  std::uint8_t request_orders_ = 0;  // that had been given when it was sent
+  bool repeats_ = false;             // an order, in place of the first that waits
+  bool idle_ = false;                // it is always ready, and has nothing: the end of a file
 };
 
 }  // namespace drivers

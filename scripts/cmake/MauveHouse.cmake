@@ -9,7 +9,7 @@ add_custom_target(layers ALL
 
 # header_check: every header compiles alone. Built by the clang stage of scripts/test, not by default.
 file(GLOB_RECURSE mauve_headers CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}"
-  libruntime/*.h daemon/*.h ctl/*.h plugins/*.h)
+  libruntime/*.h daemon/*.h ctl/*.h man/*.h plugins/*.h)
 if(NOT TARGET ros)
   list(REMOVE_ITEM mauve_headers plugins/ros/conversions.h)  # needs ROS 1
 endif()

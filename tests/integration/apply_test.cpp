@@ -31,11 +31,6 @@ std::string with_edits() {
   return with(kInput, R"("ports": {})", text);
 }
 
-struct Said {
-  int exit = -1;
-  std::string out;
-};
-
 class Apply : public testing::Test {
  protected:
   void SetUp() override { static_cast<void>(daemon_.client()); }
@@ -43,12 +38,8 @@ class Apply : public testing::Test {
   /// mauvectl VERB FILE with this text in the file.
   Said ctl(const std::string& verb, const std::string& text, std::vector<std::string> more = {}) {
     const auto file = daemon_.place().write("wanted.json", text).string();
-    std::vector<std::string> words = {MAUVE_BIN_DIR "/mauvectl", "--socket",
-                                      daemon_.socket().string(), verb, file};
-    words.insert(words.end(), more.begin(), more.end());
-    Process client(words, (daemon_.place() / "client.txt").string());
-    auto out = client.all_output();
-    return {client.wait(), std::move(out)};
+    more.insert(more.begin(), {verb, file});
+    return daemon_.ctl(more);
   }
   [[nodiscard]] std::string client_errors() const {
     return TempDir::read(daemon_.place() / "client.txt");

@@ -10,9 +10,7 @@ using Json = protocol::Json;
 /// What `mauvectl doctor` finds, by check.
 Json findings_of(TrialDaemon& daemon) {
   static_cast<void>(daemon.ask("ping"));
-  Process doctor(
-      {MAUVE_BIN_DIR "/mauvectl", "--json", "--socket", daemon.socket().string(), "doctor"});
-  const auto result = Json::parse(doctor.all_output(), nullptr, false);
+  const auto result = Json::parse(daemon.ctl({"--json", "doctor"}).out, nullptr, false);
   EXPECT_TRUE(result.is_object());
   Json all = Json::object();
   for (const auto& one : result["findings"]) {

@@ -96,8 +96,8 @@ TEST_F(GivenUp, IsToldInStatusAndLog) {
 
   EXPECT_EQ(left_behind()[0]["hook"], "first.core on_configure");
   EXPECT_THAT(left_behind()[0]["since"].get<std::string>(), HasSubstr("T"));
-  Process status({MAUVE_BIN_DIR "/mauvectl", "--socket", daemon_->socket().string(), "status"});
-  EXPECT_THAT(status.all_output(), HasSubstr("left behind: first.core on_configure since "));
+  EXPECT_THAT(daemon_->ctl({"status"}).out,
+              HasSubstr("left behind: first.core on_configure since "));
   EXPECT_TRUE(eventually([&] {
     const auto records = ask("log.tail", {{"level", "error"}})["records"];
     return !records.empty() && records[0]["event"] == "hook_left_behind";
@@ -253,8 +253,7 @@ TEST(Poisoned, IsAResourceThatItsCallerWasThrownOutOf) {
   ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
   EXPECT_EQ(daemon.ask("status.get")["poisoned"], Json({"meter"}));
   EXPECT_EQ(show(), true);
-  Process status({MAUVE_BIN_DIR "/mauvectl", "--socket", daemon.socket().string(), "status"});
-  EXPECT_THAT(status.all_output(), HasSubstr("meter: is poisoned: "));
+  EXPECT_THAT(daemon.ctl({"status"}).out, HasSubstr("meter: is poisoned: "));
 
   const auto healed =
       daemon.ask("param.set", {{"values", {{"meter.core.breaks_at", 5.0}}}, {"state", "drop"}});

@@ -15,9 +15,8 @@ using Json = protocol::Json;
 class Generations : public testing::Test {
  protected:
   [[nodiscard]] std::filesystem::path state() const { return place_ / "state"; }
-  /// Without flight recordings: a late job would have files written that no test expects.
   [[nodiscard]] std::vector<std::string> options() const {
-    return {"--realtime", "off", "--state-dir", state().string(), "--flight-recorder", "off"};
+    return {"--realtime", "off", "--state-dir", state().string()};
   }
   [[nodiscard]] std::filesystem::path file(const std::string& number) const {
     return state() / "generations" / (std::string(6 - number.size(), '0') + number + ".json");

@@ -126,9 +126,9 @@ TEST(Race, AChangeWhoseClientIsKilledIsCarriedOutAndTheNextOneWorks) {
   TrialDaemon daemon;
   static_cast<void>(daemon.client());  // it is up
   const auto marker = (daemon.place() / "begun").string();
-  Process client({MAUVE_BIN_DIR "/mauvectl", "--socket", daemon.socket().string(), "swap-core",
-                  "first", "trial/slow", "--probation", "off", "--set", "configure_time=1s",
-                  "--set", "marker=" + marker});
+  Process client(mauvectl_words(daemon.socket().string(),
+                                {"swap-core", "first", "trial/slow", "--probation", "off", "--set",
+                                 "configure_time=1s", "--set", "marker=" + marker}));
   ASSERT_TRUE(eventually([&] { return std::filesystem::exists(marker); }));
 
   client.signal(SIGKILL);

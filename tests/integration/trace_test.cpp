@@ -51,13 +51,6 @@ std::string calm() {
 
 class Traces : public Generations {
  protected:
-  [[nodiscard]] std::vector<std::string> recorded() const {
-    return {"--realtime", "off", "--state-dir", state().string()};
-  }
-  int ctl(TrialDaemon& daemon, std::vector<std::string> words) {
-    words.insert(words.begin(), {MAUVE_BIN_DIR "/mauvectl", "--socket", daemon.socket().string()});
-    return Process(words, (place_ / "ctl.txt").string()).wait();
-  }
   /// Waits for a flight recording, and gives it.
   [[nodiscard]] TraceFile flight(const std::string& name) const {
     const auto file = state() / (name + ".mtrace");
@@ -67,11 +60,11 @@ class Traces : public Generations {
 };
 
 TEST_F(Traces, AreTheLastSecondsWithoutBeingAskedFor) {
-  TrialDaemon daemon(calm(), recorded());
+  TrialDaemon daemon(calm(), options());
   ASSERT_TRUE(eventually([&] { return daemon.ask("trace.status")["records"] > 100; }));
 
   const auto file = place_ / "now.mtrace";
-  ASSERT_EQ(ctl(daemon, {"trace", "dump", "-o", file.string()}), 0);
+  ASSERT_EQ(daemon.ctl({"trace", "dump", "-o", file.string()}).exit, 0);
 
   const auto trace = read_trace(file);
   EXPECT_EQ(trace.header["architecture"], "trial");
@@ -88,7 +81,7 @@ TEST_F(Traces, AreTheLastSecondsWithoutBeingAskedFor) {
 }
 
 TEST_F(Traces, BeginAndEndAndTellOfAChangeInBetween) {
-  TrialDaemon daemon(calm(), recorded());
+  TrialDaemon daemon(calm(), options());
   EXPECT_EQ(daemon.ask("trace.stop")["data"]["name"], "wrong_state");
 
   ASSERT_EQ(daemon.ask("trace.start", {{"detail", true}})["on"], true);
@@ -109,7 +102,7 @@ TEST_F(Traces, BeginAndEndAndTellOfAChangeInBetween) {
 }
 
 TEST_F(Traces, ComeInPagesThatBelongTogether) {
-  TrialDaemon daemon(calm(), recorded());
+  TrialDaemon daemon(calm(), options());
   ASSERT_TRUE(eventually([&] { return daemon.ask("trace.status")["records"] > 200; }));
 
   const auto first = daemon.ask("trace.read", {{"count", 100}});
@@ -125,7 +118,7 @@ TEST_F(Traces, ComeInPagesThatBelongTogether) {
 }
 
 TEST_F(Traces, RefuseWhatHasNoMeaning) {
-  TrialDaemon daemon(calm(), recorded());
+  TrialDaemon daemon(calm(), options());
 
   for (const int seconds : {0, 601, 1'000'000'000}) {
     const auto refused = daemon.ask("trace.start", {{"seconds", seconds}});
@@ -135,13 +128,13 @@ TEST_F(Traces, RefuseWhatHasNoMeaning) {
   EXPECT_EQ(daemon.ask("trace.read", {{"from", -1}})["data"]["name"], "invalid_params");
   EXPECT_EQ(daemon.ask("trace.read", {{"recording", "flight-../../audit"}})["data"]["name"],
             "unknown_name");
-  EXPECT_NE(ctl(daemon, {"trace", "dump"}), 0) << "into which file";
-  EXPECT_NE(ctl(daemon, {"trace", "dump", "-o", "/proc/none/x.mtrace"}), 0);
-  EXPECT_NE(ctl(daemon, {"trace", "nonsense"}), 0);
+  EXPECT_NE(daemon.ctl({"trace", "dump"}).exit, 0) << "into which file";
+  EXPECT_NE(daemon.ctl({"trace", "dump", "-o", "/proc/none/x.mtrace"}).exit, 0);
+  EXPECT_NE(daemon.ctl({"trace", "nonsense"}).exit, 0);
 }
 
 TEST_F(Traces, AFaultIsRecordedWithTheSecondsBefore) {
-  TrialDaemon daemon(calm(), recorded());
+  TrialDaemon daemon(calm(), options());
   const Json swap = {{"component", "first"}, {"core", "trial/throwing_job"}, {"probation", "off"}};
   ASSERT_EQ(daemon.ask("core.swap", swap)["state"], "applied");
 
@@ -158,12 +151,12 @@ TEST_F(Traces, AFaultIsRecordedWithTheSecondsBefore) {
   EXPECT_EQ(list[0]["name"], "flight-0001-fault-first");
   EXPECT_EQ(list[0]["records"], trace.records.size());
   const auto copy = place_ / "copy.mtrace";
-  ASSERT_EQ(ctl(daemon, {"trace", "dump", "flight-0001-fault-first", "-o", copy.string()}), 0);
+  ASSERT_EQ(daemon.ctl({"trace", "dump", "flight-0001-fault-first", "-o", copy.string()}).exit, 0);
   EXPECT_EQ(read_trace(copy).records, trace.records);
 }
 
 TEST_F(Traces, ThereIsOneRecordingInTenSeconds) {
-  TrialDaemon daemon(calm(), recorded());
+  TrialDaemon daemon(calm(), options());
   for (const char* component : {"first", "second"}) {
     const Json swap = {
         {"component", component}, {"core", "trial/throwing_job"}, {"probation", "off"}};
@@ -179,7 +172,7 @@ TEST_F(Traces, ThereIsOneRecordingInTenSeconds) {
 }
 
 TEST_F(Traces, AMissedReleaseIsRecorded) {
-  TrialDaemon daemon(kTrial, recorded());
+  TrialDaemon daemon(kTrial, options());
 
   ASSERT_TRUE(eventually([&] {
     daemon.process().signal(SIGSTOP);
@@ -193,7 +186,7 @@ TEST_F(Traces, AMissedReleaseIsRecorded) {
 }
 
 TEST_F(Traces, ARollbackIsRecorded) {
-  TrialDaemon daemon(calm(), recorded());
+  TrialDaemon daemon(calm(), options());
   const Json swap = {{"component", "first"}, {"core", "trial/other"}, {"misses", "63/64"}};
   ASSERT_EQ(daemon.ask("core.swap", swap)["state"], "applied");
   ASSERT_EQ(daemon.ask("change.undo")["state"], "applied");
@@ -204,7 +197,7 @@ TEST_F(Traces, ARollbackIsRecorded) {
 }
 
 TEST_F(Traces, WithoutTheFlightRecorderNothingIsTracedUntilSomebodyAsks) {
-  TrialDaemon daemon(calm(), options());
+  TrialDaemon daemon(calm(), {"--realtime", "off", "--flight-recorder", "off"});
 
   EXPECT_EQ(daemon.ask("trace.read")["data"]["name"], "wrong_state");
   const auto status = daemon.ask("trace.status");
@@ -215,7 +208,7 @@ TEST_F(Traces, WithoutTheFlightRecorderNothingIsTracedUntilSomebodyAsks) {
 }
 
 TEST_F(Traces, AnUnwritableStateDirectoryIsToldAndHarmsNothing) {
-  TrialDaemon daemon(calm(), recorded());
+  TrialDaemon daemon(calm(), options());
   ASSERT_TRUE(eventually([&] { return daemon.ask("trace.status")["records"] > 0; }));
   std::filesystem::rename(state(), place_ / "elsewhere");
   const Json swap = {{"component", "first"}, {"core", "trial/throwing_job"}, {"probation", "off"}};

@@ -82,6 +82,10 @@ class TrialDaemon {
     auto answer = asking.ask(method, std::move(params));
     return answer.contains("result") ? answer["result"] : answer["error"];
   }
+  /// `mauvectl WORDS...`, to its end.
+  Said ctl(const std::vector<std::string>& words) const {
+    return mauvectl(socket().string(), words, (place_ / "client.txt").string());
+  }
   Json value(const std::string& address) {
     return ask("param.get", {{"address", address}})["value"];
   }

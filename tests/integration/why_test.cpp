@@ -34,10 +34,7 @@ Json why(TrialDaemon& daemon, const std::string& cause) {
   return said;
 }
 
-std::string told(TrialDaemon& daemon) {
-  Process client({MAUVE_BIN_DIR "/mauvectl", "--socket", daemon.socket().string(), "why", "first"});
-  return client.all_output();
-}
+std::string told(TrialDaemon& daemon) { return daemon.ctl({"why", "first"}).out; }
 
 TEST(Why, NothingFailedSaysSince) {
   TrialDaemon daemon;
@@ -116,29 +113,6 @@ TEST(Why, AChangeWasRolledBackAndItsCoreIsKeptOut) {
   EXPECT_EQ(said["quarantine"][0]["core"], "trial/throwing_job");
   EXPECT_THAT(hints(said), Contains(HasSubstr("mauvectl quarantine release trial/throwing_job")));
   EXPECT_THAT(said["records"].dump(), HasSubstr("component_faulted"));
-}
-
-TEST(Graph, TellsAllElementsInOneLook) {
-  TrialDaemon daemon;
-
-  const auto graph = daemon.ask("architecture.graph");
-
-  EXPECT_EQ(graph["architecture"], "trial");
-  ASSERT_EQ(graph["components"].size(), 2U);
-  EXPECT_EQ(graph["components"][0]["ports"][0],
-            Json::parse(R"({"name": "input", "kind": "read", "type": "double", "service": null})"));
-  EXPECT_EQ(graph["components"][0]["ports"][1]["service"], "signal.write");
-  EXPECT_EQ(graph["resources"].size(), 2U);
-  EXPECT_EQ(graph["resources"][0]["poisoned"], false);
-  EXPECT_FALSE(graph["resources"][0]["services"].empty());
-  const auto machine = daemon.ask("object.get", {{"address", "first"}})["machine"];
-  EXPECT_EQ(machine, Json::parse(R"({"initial": "update", "states": [
-    {"name": "update", "kind": "execution", "transitions": [{"to": "period", "guarded": false}]},
-    {"name": "period", "kind": "synchronization", "wait_ns": 2000000,
-     "transitions": [{"to": "update", "guarded": false}]}]})"));
-  Process client(
-      {MAUVE_BIN_DIR "/mauvectl", "--socket", daemon.socket().string(), "graph", "--svg"});
-  EXPECT_THAT(client.all_output(), HasSubstr("<title>first.ports.output - signal.write</title>"));
 }
 
 }  // namespace

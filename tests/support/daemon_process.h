@@ -45,7 +45,7 @@ class DaemonProcess {
 
   /// The command line of `mauvectl --json WORDS...`.
   [[nodiscard]] std::vector<std::string> client_words(const std::vector<std::string>& words) const {
-    std::vector<std::string> all{MAUVE_BIN_DIR "/mauvectl", "--socket", socket_, "--json"};
+    std::vector<std::string> all = mauvectl_words(socket_, {"--json"});
     all.insert(all.end(), words.begin(), words.end());
     return all;
   }

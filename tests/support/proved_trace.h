@@ -1,36 +1,45 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the threads of a mauved told until its test ended obeys the model: `mauvectl check-trace`.
+/// What the threads of a mauved told in the last seconds of its test obeys the model: `mauvectl
+/// check-trace`.
 #pragma once
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
-#include "support/process.h"
+#include "support/mauvectl.h"
 
 namespace mauve::test {
 
-/// One that hangs, or records nothing, is not asked.
+/// It records nothing, or does not answer: it hangs, or is about to start or to end.
+inline bool has_no_trace(const std::string& answer) {
+  const auto json = nlohmann::json::parse(answer, nullptr, false);
+  if (!json.is_object() || !json.contains("error")) return false;
+  const auto& error = json["error"];
+  const std::string name = error.value("name", "");
+  return name == "unreachable" || name == "timed_out" ||
+         (name == "wrong_state" && error.value("message", "") == "nothing is traced");
+}
+
+/// One that is gone, or has no trace, is not asked.
 inline void expect_trace_obeys_the_model(const std::string& socket, Process& daemon,
                                          const std::filesystem::path& place) {
+  if (!daemon.running()) return;
   const std::string file = (place / "end.mtrace").string();
-  const std::vector<std::string> ctl{MAUVE_BIN_DIR "/mauvectl", "--socket", socket, "--timeout",
-                                     "2s"};
-  const auto run = [&](const std::vector<std::string>& words) {
-    std::vector<std::string> all = ctl;
-    all.insert(all.end(), words.begin(), words.end());
-    Process client(all, (place / "end.txt").string());
-    const std::string said = client.all_output();
-    return std::pair(client.wait(), said);
-  };
-  if (!daemon.running() || run({"trace", "dump", "-o", file}).first != 0) return;
-  const auto [exit, said] = run({"check-trace", file});
-  if (exit == 0) return;
+  const std::string errors = (place / "end.txt").string();
+  const Said dumped =
+      mauvectl(socket, {"--json", "--timeout", "2s", "trace", "dump", "-o", file}, errors);
+  if (dumped.exit != 0) {
+    if (!has_no_trace(dumped.out)) ADD_FAILURE() << "no trace to check: " << dumped.out;
+    return;
+  }
+  const Said checked = mauvectl(socket, {"check-trace", file}, errors);
+  if (checked.exit == 0) return;
   const auto kept = std::filesystem::path(testing::TempDir()) / "disobedient.mtrace";
   std::filesystem::copy_file(file, kept, std::filesystem::copy_options::overwrite_existing);
-  ADD_FAILURE() << "the trace of this test's mauved, kept in " << kept << ":\n" << said;
+  ADD_FAILURE() << "the trace of this test's mauved, kept in " << kept << ":\n" << checked.out;
 }
 
 }  // namespace mauve::test

@@ -286,9 +286,9 @@ void state_goals(Book& book, const std::string& what, Side& side) {
     state(book, what + ", contended", "1.2 x PI mutex + memcpy", contended,
           times(all.row("PI mutex + memcpy, contended"), 1.2));
   }
-  state(book, what + ", full rate", "below Orocos LOCK_FREE", full,
+  state(book, what + ", full rate", "below Orocos LOCK_FREE, measured once elsewhere", full,
         side.paper.row("Orocos 2.9 LOCK_FREE, full rate, measured once"));
-  state(book, what + ", full rate", "below iceoryx", full,
+  state(book, what + ", full rate", "below iceoryx, measured once elsewhere", full,
         side.paper.row("iceoryx 2.0, full rate, measured once"));
 }
 

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Runs of the tasks in programs of other middleware.
+#include <csignal>
+#include <cstdio>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include <poll.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,14 +16,18 @@
 namespace bench::paper {
 namespace {
 
-/// A child whose standard output is read to its end.
+/// A child whose standard output is read to its end. It ends with this process, and with this
+/// object.
 class Child {
  public:
   Child(const std::vector<std::string>& command, int cpu) {
     int ends[2];
     if (pipe(ends) != 0) return;
+    const pid_t parent = getpid();
     child_ = fork();
     if (child_ == 0) {
+      prctl(PR_SET_PDEATHSIG, SIGKILL);
+      if (getppid() != parent) _exit(127);
       stay_on(cpu);
       dup2(ends[1], STDOUT_FILENO);
       close(ends[0]);
@@ -37,14 +45,22 @@ class Child {
   Child& operator=(const Child&) = delete;
   ~Child() {
     if (output_ >= 0) close(output_);
-    if (child_ > 0) waitpid(child_, nullptr, 0);
+    if (child_ <= 0) return;
+    kill(child_, SIGKILL);  // nothing, when it has ended
+    waitpid(child_, nullptr, 0);
   }
-  [[nodiscard]] std::string all() const {
+  /// What it printed until it ended, or until then.
+  [[nodiscard]] std::string all(Instant until) const {
     std::string text;
     char piece[4096];
-    for (ssize_t count = 0; (count = read(output_, piece, sizeof piece)) > 0;) {
+    pollfd output{output_, POLLIN, 0};
+    for (Instant left = until - now(); left > 0; left = until - now()) {
+      if (poll(&output, 1, static_cast<int>(left / 1'000'000) + 1) <= 0) continue;
+      const ssize_t count = read(output_, piece, sizeof piece);
+      if (count <= 0) return text;
       text.append(piece, static_cast<std::size_t>(count));
     }
+    std::fprintf(stderr, "paper: process %d did not end and is killed\n", child_);
     return text;
   }
 
@@ -80,28 +96,32 @@ std::vector<std::string> command(const std::string& program, const Task& task, D
           std::to_string(time / task.period)};
 }
 
+/// For a run of so long, and to come up and say what it did.
+Instant latest(Duration time) { return now() + 2 * time.count() + 60'000'000'000; }
+
 }  // namespace
 
 Run run_processes(const std::string& program, int cpu, Duration time) {
   Run run;
+  const Instant until = latest(time);
   run.launched_a = now();
   const Child a(command(program, kA, time), cpu);
   run.launched_b = now();
   const Child b(command(program, kB, time), cpu);
-  parse(a.all(), run);
-  parse(b.all(), run);
+  parse(a.all(until), run);
+  parse(b.all(until), run);
   return run;
 }
 
 Run run_process(const std::string& program, const std::string& variant, int cpu, Duration time) {
   Run run;
   const Child both({program, variant, std::to_string(cpu), std::to_string(time / kA.period)}, cpu);
-  parse(both.all(), run);
+  parse(both.all(latest(time)), run);
   return run;
 }
 
 std::string output_of(const std::vector<std::string>& words, int cpu) {
-  return Child(words, cpu).all();
+  return Child(words, cpu).all(latest(std::chrono::minutes(1)));
 }
 
 }  // namespace bench::paper

@@ -11,6 +11,7 @@
 
 #include "support/temp_dir.h"
 #include "unit/ctl/scene.h"
+#include "unit/ctl/svg_reader.h"
 
 namespace mauve::ctl {
 namespace {
@@ -113,19 +114,13 @@ TEST(Record, RefusesATimeThatIsNone) {
   EXPECT_THAT(outcome.err, HasSubstr("example: --for 10s"));
 }
 
-std::size_t count_of(const std::string& part, const std::string& text) {
-  std::size_t count = 0;
-  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-  return count;
-}
-
 TEST(Plot, DrawsOneLineForEachNumberAndOnePanelForEachUnit) {
   const Shown shown({"plot", "pose.read"}, kPose,
                     {pose_at(1, 1, 2), pose_at(2, 3, 4), pose_at(3, 5, 6)});
 
   EXPECT_THAT(shown.outcome.out, StartsWith("<svg "));
-  EXPECT_EQ(count_of("<polyline", shown.outcome.out), 3U);
-  EXPECT_EQ(count_of("<clipPath", shown.outcome.out), 2U);
+  EXPECT_EQ(count_in(shown.outcome.out, "<polyline"), 3U);
+  EXPECT_EQ(count_in(shown.outcome.out, "<clipPath"), 2U);
   EXPECT_THAT(shown.outcome.out, HasSubstr("pose.read.heading [rad]"));
 }
 
@@ -134,7 +129,7 @@ TEST(Plot, IsCutWhereValuesWereLost) {
   const Shown shown({"plot", "pose.read"}, kPose,
                     {pose_at(1, 1, 2), pose_at(2, 3, 4), lost, pose_at(3, 5, 6), pose_at(4, 7, 8)});
 
-  EXPECT_EQ(count_of("<polyline", shown.outcome.out), 6U);
+  EXPECT_EQ(count_in(shown.outcome.out, "<polyline"), 6U);
 }
 
 TEST(Plot, RefusesWhatIsNoNumber) {
@@ -154,7 +149,7 @@ TEST(Map, ColoursTheWayByItsMode) {
                     {mode("a/b"), pose_at(1, 0, 0), pose_at(2, 1, 0), mode("c/d"), pose_at(3, 2, 0),
                      pose_at(4, 3, 0)});
 
-  EXPECT_EQ(count_of("<polyline", shown.outcome.out), 2U);
+  EXPECT_EQ(count_in(shown.outcome.out, "<polyline"), 2U);
   EXPECT_THAT(shown.outcome.out, HasSubstr(">a/b</text>"));
   EXPECT_THAT(shown.outcome.out, HasSubstr(">c/d</text>"));
 }
@@ -165,7 +160,7 @@ TEST(Map, DrawsWhatALaserSaw) {
      "ranges": [2.0, 8.0, 0.0]}})");
   const Shown shown({"map", "pose.read", "--scan", "scan.read"}, kPose, {pose_at(1, 0, 0), scan});
 
-  EXPECT_EQ(count_of("r=\"1.2\"", shown.outcome.out), 1U) << "the others are no returns";
+  EXPECT_EQ(count_in(shown.outcome.out, "r=\"1.2\""), 1U) << "the others are no returns";
 }
 
 TEST(Map, NeedsAPlace) {

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // check-trace, convert-trace and timeline as commands: exit codes, what is printed and written.
-#include <unistd.h>
-
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +9,7 @@
 #include <gmock/gmock.h>
 
 #include "mtrace/file.h"
+#include "support/temp_dir.h"
 #include "unit/ctl/made_trace.h"
 #include "unit/ctl/scene.h"
 
@@ -26,14 +24,7 @@ using testing::StartsWith;
 /// A folder with a trace in it.
 class TraceCommand : public testing::Test {
  protected:
-  TraceCommand() {
-    std::string name = "/tmp/mauve_trace_XXXXXX";
-    if (mkdtemp(name.data()) == nullptr) std::abort();
-    folder_ = name;
-    file_ = folder_ / "drive.mtrace";
-    write(made());
-  }
-  ~TraceCommand() override { std::filesystem::remove_all(folder_); }
+  TraceCommand() { write(made()); }
 
   static Trace made() { return MadeTrace(5).make(4, 100'000'000, 2, 50); }
   void write(const Trace& trace) const {
@@ -44,12 +35,11 @@ class TraceCommand : public testing::Test {
     return run("/nowhere", std::move(words));
   }
   [[nodiscard]] std::string text_of(const std::string& name) const {
-    std::ifstream stream(folder_ / name);
-    return {std::istreambuf_iterator<char>(stream), {}};
+    return test::TempDir::read(folder_ / name);
   }
 
-  std::filesystem::path folder_;
-  std::filesystem::path file_;
+  test::TempDir folder_;
+  std::filesystem::path file_ = folder_ / "drive.mtrace";
 };
 
 TEST_F(TraceCommand, CheckSaysThatATraceObeysTheModel) {

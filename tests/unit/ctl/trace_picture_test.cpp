@@ -8,6 +8,7 @@
 
 #include "mtrace/scene.h"
 #include "unit/ctl/made_trace.h"
+#include "unit/ctl/svg_reader.h"
 
 namespace mauve::ctl::mtrace {
 namespace {
@@ -17,12 +18,6 @@ using testing::Not;
 
 constexpr std::int64_t kMilli = 1'000'000;
 constexpr double kPixel = 1e-3;
-
-std::size_t count_of(const std::string& part, const std::string& text) {
-  std::size_t count = 0;
-  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-  return count;
-}
 
 /// "low" of 20 ms that works for 10 ms, "high" of 10 ms that works for 2 ms, on one processor.
 struct Two {
@@ -72,7 +67,7 @@ TEST(Timeline, HasTheMostUrgentTaskOnTop) {
 
 TEST(Timeline, DrawsAnArrowForEachRelease) {
   // The one that the last job announced is drawn as well.
-  EXPECT_EQ(count_of("<title>release of", draw_timeline(Two().trace, {}).svg), 6U);
+  EXPECT_EQ(count_in(draw_timeline(Two().trace, {}).svg, "<title>release of"), 6U);
 }
 
 TEST(Timeline, CutsABoxWhereAMoreUrgentTaskRuns) {
@@ -107,7 +102,7 @@ TEST(Timeline, MarksWaitsForLocksAndHolds) {
   two.add(6 * kMilli, "low", Event::wait, "pace", 21 * kMilli);
   const std::string svg = draw_timeline(two.trace, {}).svg;
 
-  EXPECT_EQ(count_of("class=\"blocked\"><title>", svg), 1U);
+  EXPECT_EQ(count_in(svg, "class=\"blocked\"><title>"), 1U);
   EXPECT_THAT(svg, HasSubstr("low holds world for 1.0 ms"));
   EXPECT_THAT(svg, HasSubstr(">waits for a lock</text>")) << "the legend explains it";
 }
@@ -181,7 +176,7 @@ TEST(Timeline, IsOfBoundedSizeAndSaysWhatItLeavesOut) {
   all.to = 2000 * kMilli;
   const Timeline drawn = draw_timeline(trace, all);
 
-  EXPECT_LT(count_of("<rect", drawn.svg), kMostBoxes + 1000);
+  EXPECT_LT(count_in(drawn.svg, "<rect"), kMostBoxes + 1000);
   EXPECT_LT(drawn.svg.size(), 3'000'000U);
   EXPECT_THAT(drawn.left_out, testing::Contains(HasSubstr("8 components that ran the least")));
   EXPECT_THAT(drawn.left_out, testing::Contains(HasSubstr("the states of ")));

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "line_core.h"
 
+#include <sys/eventfd.h>
+
 #include <array>
+#include <atomic>
 #include <memory>
+#include <mutex>
+#include <span>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -156,6 +161,85 @@ TEST_F(Line, SendsWhatWaitsBeforeItEnds) {
     std::array<char, 16> bytes{};
     EXPECT_EQ(std::string(bytes.data(), far_.receive(bytes)), "stand");
   }
+}
+
+TEST_F(Line, NeverSendsWhatWaitedWhenAnOrderCame) {
+  Core core(far_.device());
+  Core brake(far_.device());
+  std::size_t sent = 0;
+  std::size_t refused = 0;
+  ASSERT_TRUE(eventually([&] {  // the terminal is full, and so is the ring
+    const bool taken = core.line.send(std::string(20, 'g'));
+    sent += taken ? 20 : 0;
+    refused = taken ? 0 : refused + 1;
+    return refused == 100;
+  }));
+
+  brake.line.overrule("halt");
+  ASSERT_TRUE(brake.line.send("halt"));
+
+  std::string all;
+  const auto hears = [&](std::string_view text) {
+    return eventually([&] {
+      std::array<char, 512> some{};
+      all.append(some.data(), far_.receive(some));
+      return all.find(text) != std::string::npos;
+    });
+  };
+  ASSERT_TRUE(hears("halt"));
+  ASSERT_TRUE(eventually([&] { return core.line.send("on"); }));
+  ASSERT_TRUE(hears("on")) << "what is sent later counts again";
+  EXPECT_EQ(all.find('g', all.rfind("halt")), std::string::npos);
+  EXPECT_LT(all.size(), sent) << "one had begun, one waited behind it";
+}
+
+/// Writes only when it may.
+class Gated final : public drivers::LineEnd {
+ public:
+  Gated() : bell_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
+  [[nodiscard]] int number() const override { return bell_.number(); }
+  std::ptrdiff_t read(std::span<char>) override { return 0; }
+  std::ptrdiff_t write(std::string_view bytes) const override {
+    under_way = true;
+    EXPECT_TRUE(eventually([this] { return may.load(); }));
+    const std::lock_guard lock(mutex_);
+    written_ += bytes;
+    return static_cast<std::ptrdiff_t>(bytes.size());
+  }
+  void close() override {}
+  bool reopen() override { return true; }
+  [[nodiscard]] std::string name() const override { return "gated"; }
+  [[nodiscard]] std::string written() const {
+    const std::lock_guard lock(mutex_);
+    return written_;
+  }
+
+  mutable std::atomic<bool> under_way{false};
+  std::atomic<bool> may{false};
+
+ private:
+  drivers::Descriptor bell_;
+  mutable std::mutex mutex_;
+  mutable std::string written_;
+};
+
+TEST_F(Line, SendsAnOrderAgainBehindWhatWasUnderWayWhenItCame) {
+  Gated end;
+  Gated other;
+  LineThread driver;
+  LineThread brake;
+  ASSERT_TRUE(driver.start(end, 64));
+  ASSERT_TRUE(brake.start(other, 64));
+  ASSERT_TRUE(driver.send("go"));
+  ASSERT_TRUE(eventually([&] { return end.under_way.load(); }));
+  ASSERT_TRUE(driver.send("go on"));
+
+  brake.overrule("halt");
+  end.may = true;
+
+  EXPECT_TRUE(eventually([&] { return end.written() == "gohalt"; })) << end.written();
+  ASSERT_TRUE(driver.send("go again"));
+  EXPECT_TRUE(eventually([&] { return end.written() == "gohaltgo again"; })) << end.written();
 }
 
 std::size_t threads() {

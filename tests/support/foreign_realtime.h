@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Other programs with real-time threads: they come between those of a mauved, and a probe above
+/// all of them does not see it.
+#pragma once
+
+#include <sched.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+#include "support/temp_dir.h"
+
+namespace mauve::test {
+
+/// "bench-raw of process 4711": the first that is found beside this process and `ours`; else empty.
+inline std::string foreign_realtime(pid_t ours) {
+  namespace fs = std::filesystem;
+  std::error_code gone;  // processes end while they are looked at
+  for (const auto& process : fs::directory_iterator("/proc", gone)) {
+    const int id = std::atoi(process.path().filename().c_str());
+    if (id <= 0 || id == ours || id == getpid()) continue;
+    if (TempDir::read(process.path() / "cmdline").empty()) continue;  // one of the kernel's
+    for (const auto& thread : fs::directory_iterator(process.path() / "task", gone)) {
+      const int policy = sched_getscheduler(std::atoi(thread.path().filename().c_str()));
+      if (policy != SCHED_FIFO && policy != SCHED_RR) continue;
+      std::string name = TempDir::read(thread.path() / "comm");
+      name.erase(name.find_last_not_of('\n') + 1);
+      return name + " of process " + std::to_string(id);
+    }
+  }
+  return {};
+}
+
+}  // namespace mauve::test

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// mauvectl as a process of a test. MAUVE_BIN_DIR is defined by the CMakeLists.txt of the test.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "support/process.h"
+
+namespace mauve::test {
+
+/// How a program ended, and what it said on standard output.
+struct Said {
+  int exit = -1;
+  std::string out;
+};
+
+/// The command line of `mauvectl WORDS...` for the mauved on this socket.
+[[nodiscard]] inline std::vector<std::string> mauvectl_words(
+    const std::string& socket, const std::vector<std::string>& words) {
+  std::vector<std::string> all{MAUVE_BIN_DIR "/mauvectl", "--socket", socket};
+  all.insert(all.end(), words.begin(), words.end());
+  return all;
+}
+
+/// Runs it; what it says on standard error goes to `errors`, or to nowhere.
+inline Said mauvectl(const std::string& socket, const std::vector<std::string>& words,
+                     const std::string& errors = "/dev/null") {
+  Process client(mauvectl_words(socket, words), errors);
+  std::string out = client.all_output();
+  return {client.wait(), std::move(out)};
+}
+
+}  // namespace mauve::test
