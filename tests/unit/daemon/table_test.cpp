@@ -253,7 +253,7 @@ TEST_F(TableTest, HasOneGateForEveryKindOfChange) {
       {Lock::params, Kind::property, false}, {Lock::params, Kind::other, true},
       {Lock::params, Kind::stop, true},      {Lock::all, Kind::property, false},
       {Lock::all, Kind::other, false},       {Lock::all, Kind::stop, true},
-      {Lock::all, Kind::lock, true}};
+      {Lock::all, Kind::harmless, true}};
   for (const auto& one : cases) {
     running.lock = one.lock;
     EXPECT_EQ(may_change(running, one.kind).has_value(), one.free)
