@@ -7,6 +7,7 @@
 
 #include <set>
 
+#include "commands/audit.h"
 #include "commands/gate.h"
 #include "support/temp_dir.h"
 #include "unit/daemon/front.h"
@@ -133,6 +134,18 @@ TEST_F(TableTest, WritesAnAuditLineForEveryChangeAndEveryRefusedOne) {
   EXPECT_THAT(logging::to_json_line(records[0]), testing::HasSubstr("\"reason\":\"lunch\""));
   EXPECT_EQ(records[1].event, logging::Event::change_refused);
   EXPECT_THAT(records[1].text, testing::HasSubstr("uid 1000"));
+}
+
+TEST_F(TableTest, WritesWhoItWasOnceIntoTheAuditLog) {
+  Call call;
+  call.caller = {1, {100, 1000, {}}, Role::admin, outbox};
+  call.method = protocol::find_method("lock.set");
+  call.params = {{"lock", "all"}};
+
+  const auto line = audit_refused(running, call, {});
+
+  EXPECT_EQ(line["uid"], 1000);
+  EXPECT_FALSE(line.contains("by")) << line;
 }
 
 TEST_F(TableTest, LimitsTheSubscriptionsOfAClient) {
