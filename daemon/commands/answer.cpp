@@ -153,6 +153,11 @@ std::string text_or(const Json& params, const char* name, std::string otherwise)
   return found != params.end() && found->is_string() ? found->get<std::string>() : otherwise;
 }
 
+std::size_t number_or(const Json& params, const char* name, std::size_t otherwise) {
+  const auto found = params.find(name);
+  return found == params.end() ? otherwise : found->get<std::size_t>();
+}
+
 bool flag(const Json& params, const char* name) {
   const auto found = params.find(name);
   return found != params.end() && found->is_boolean() && found->get<bool>();
