@@ -235,7 +235,7 @@ Json Recorder::status() const {
           {"since", on_ ? Json(since_) : Json()},
           {"seconds", kept_.count()},
           {"records", memory_.size()},
-          {"bytes", memory_.capacity() * sizeof(TraceRecord)},
+          {"bytes", memory_.bytes()},
           {"lost", lost_},
           {"flight_recorder", flights_wanted_},
           {"recordings", flights_ == nullptr ? 0 : flights_->list().size()}};

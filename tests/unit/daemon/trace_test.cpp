@@ -46,6 +46,16 @@ TEST(TraceMemory, KeepsTheNewest) {
 TEST(TraceMemory, SortsByTimeAndLeavesWhatIsEqualInItsOrder) {
   TraceMemory memory(10);
   memory.add(record(7, TraceKind::begin));
+TEST(TraceMemory, TakesMemoryWithTheFirstRecord) {
+  TraceMemory memory(10);
+  EXPECT_EQ(memory.bytes(), 0U);
+  EXPECT_THAT(times(memory.since(0)), ElementsAre());
+
+  memory.add(record(1));
+
+  EXPECT_EQ(memory.bytes(), 10 * sizeof(TraceRecord));
+}
+
   memory.add(record(7, TraceKind::end));
   memory.add(record(3));
 
