@@ -97,8 +97,12 @@ void Recorder::start_probes() {
   }
   probes_.clear();
   for (const int cpu : cpus) {
-    probes_.push_back(std::make_unique<Probe>(cpu));
+    auto probe = std::make_unique<Probe>(cpu);
+    if (probe->start()) {
+      probes_.push_back(std::move(probe));
+    }
   }
+  probed_ = !cpus.empty() && probes_.size() == cpus.size();
 }
 
 /// Is it a reason to write? A rollback is told with its members after it.
@@ -162,7 +166,7 @@ Recording Recorder::cut(Instant from) const {
   const Instant kept = std::chrono::nanoseconds(kept_).count();
   Recording recording = memory_.since(std::max(from, now - kept));
   recording.about = about_;
-  recording.probed = on_ && !probes_.empty() && recording.from >= since_;
+  recording.probed = on_ && probed_ && recording.from >= since_;
   return recording;
 }
 
@@ -200,6 +204,7 @@ Status Recorder::end() {
   detail_ = false;
   kept_ = kKept;
   probes_.clear();
+  probed_ = false;
   set_trace_mode(mode());
   return ok();
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <bit>
 #include <filesystem>
@@ -11,6 +12,7 @@
 #include "trace/flights.h"
 #include "trace/memory.h"
 
+#include "trace/probe.h"
 namespace mauve::daemon {
 namespace {
 
@@ -144,6 +146,12 @@ TEST(TraceFile, ComesInPages) {
 }
 
 class FlightsTest : public testing::Test {
+TEST(Probe, IsRefusedWhereItCannotRun) {
+  Probe probe(CPU_SETSIZE - 1);
+
+  EXPECT_FALSE(probe.start());
+}
+
  protected:
   FlightsTest() { log_.start(); }
   void write(Flights& flights, const std::string& component = "control") {
