@@ -5,14 +5,15 @@
 
 #include <bit>
 #include <filesystem>
+#include <limits>
 #include <sstream>
 
 #include "support/temp_dir.h"
 #include "trace/file.h"
 #include "trace/flights.h"
 #include "trace/memory.h"
-
 #include "trace/probe.h"
+
 namespace mauve::daemon {
 namespace {
 
@@ -45,9 +46,6 @@ TEST(TraceMemory, KeepsTheNewest) {
   EXPECT_EQ(memory.since(0).to, 5);
 }
 
-TEST(TraceMemory, SortsByTimeAndLeavesWhatIsEqualInItsOrder) {
-  TraceMemory memory(10);
-  memory.add(record(7, TraceKind::begin));
 TEST(TraceMemory, TakesMemoryWithTheFirstRecord) {
   TraceMemory memory(10);
   EXPECT_EQ(memory.bytes(), 0U);
@@ -58,6 +56,9 @@ TEST(TraceMemory, TakesMemoryWithTheFirstRecord) {
   EXPECT_EQ(memory.bytes(), 10 * sizeof(TraceRecord));
 }
 
+TEST(TraceMemory, SortsByTimeAndLeavesWhatIsEqualInItsOrder) {
+  TraceMemory memory(10);
+  memory.add(record(7, TraceKind::begin));
   memory.add(record(7, TraceKind::end));
   memory.add(record(3));
 
@@ -145,13 +146,13 @@ TEST(TraceFile, ComesInPages) {
   EXPECT_LT(protocol::to_line(first).size(), protocol::kMaxLine);
 }
 
-class FlightsTest : public testing::Test {
 TEST(Probe, IsRefusedWhereItCannotRun) {
   Probe probe(CPU_SETSIZE - 1);
 
   EXPECT_FALSE(probe.start());
 }
 
+class FlightsTest : public testing::Test {
  protected:
   FlightsTest() { log_.start(); }
   void write(Flights& flights, const std::string& component = "control") {
@@ -180,12 +181,37 @@ TEST_F(FlightsTest, AreFilesWithTheirReasonInTheName) {
   EXPECT_EQ(flights.list()[0].records, 3U);
   const auto file = flights.find("flight-0001-missed-control");
   ASSERT_TRUE(file);
-  const auto page = page_of(*file, 1, 10);
+  const auto page = page_of(*file, 0, 10);
   ASSERT_TRUE(page);
-  EXPECT_EQ((*page)["records"].size(), 2U) << "from the second on";
+  EXPECT_EQ((*page)["records"].size(), 3U);
   EXPECT_EQ((*page)["end"], true);
   EXPECT_EQ((*page)["header"]["architecture"], "rover");
   EXPECT_EQ(told(logging::Event::flight_recorded), 1U);
+}
+
+TEST_F(FlightsTest, ComeInPagesThatGoOnWhereTheLastOneEnded) {
+  Flights flights(place_.path().string(), log_);
+  write(flights);
+  const auto file = flights.find("flight-0001-missed-control");
+  ASSERT_TRUE(file);
+
+  const auto first = page_of(*file, 0, 2);
+  ASSERT_TRUE(first);
+  EXPECT_EQ((*first)["records"].size(), 2U);
+  EXPECT_EQ((*first)["end"], false);
+  const auto last = page_of(*file, (*first)["next"].get<std::size_t>(), 2);
+  ASSERT_TRUE(last);
+  ASSERT_EQ((*last)["records"].size(), 1U);
+  EXPECT_EQ((*last)["records"][0][0], 3);
+  EXPECT_EQ((*last)["end"], true);
+  EXPECT_EQ((*last)["header"], (*first)["header"]);
+  for (const std::size_t behind :
+       {std::size_t{1'000'000}, std::numeric_limits<std::size_t>::max()}) {
+    const auto none = page_of(*file, behind, 2);
+    ASSERT_TRUE(none) << behind;
+    EXPECT_EQ((*none)["records"].size(), 0U) << behind;
+    EXPECT_EQ((*none)["end"], true) << behind;
+  }
 }
 
 TEST_F(FlightsTest, OfEarlierRunsAreFoundAndNumbersGoOn) {
