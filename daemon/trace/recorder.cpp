@@ -77,6 +77,9 @@ void Recorder::run() {
 
 void Recorder::collect() {
   const std::lock_guard lock(mutex_);
+  if (mode() == TraceMode::off) {
+    return;
+  }
   running_->deployer.drain_trace([this](const TraceRecord& record) {
     memory_.add(record);
     look(record);
