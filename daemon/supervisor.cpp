@@ -183,9 +183,11 @@ void Supervisor::carry_out(Order order) {
     call->params["probation"] = "off";
   }
   call->reply = [this, order = std::move(order),
-                 &given_up = std::as_const(call->given_up)](const server::Outcome& outcome) {
+                 asked = std::weak_ptr(call)](const server::Outcome& outcome) {
+    const auto there = asked.lock();  // an answer that waited for the disk outlives it
+    const bool given_up = there != nullptr && there->given_up;
     // Whoever answers: the books are kept on [control].
-    control_.read([this, order, outcome, hung = given_up] { conclude(order, outcome, hung); });
+    control_.read([this, order, outcome, given_up] { conclude(order, outcome, given_up); });
   };
   const bool queued = control_.change([this, call, steps = std::move(steps)](Ticket ticket) {
     auto met = check_conditions(*running_, *call);
