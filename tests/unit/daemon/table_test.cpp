@@ -53,6 +53,15 @@ TEST(Commands, ThatArePromisedOutOfBandDoNotWaitForChanges) {
   }
 }
 
+TEST(Commands, ThatOnlyLookNeverGoBeforeAStop) {
+  for (const auto& command : commands()) {
+    if (command.lane == Lane::urgent) {
+      EXPECT_TRUE(protocol::find_method(command.method)->mutation) << command.method;
+    }
+    EXPECT_NE(command.read == nullptr, command.change == nullptr) << command.method;
+  }
+}
+
 struct Empty : Architecture {
   Empty() : Architecture("empty") {}
 };
