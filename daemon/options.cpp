@@ -181,4 +181,8 @@ std::variant<Options, Leave> parse_options(int argc, const char* const* argv) {
   return options;
 }
 
+const std::string& word_of(Realtime realtime) {
+  return std::ranges::find(kRealtime, realtime, [](const auto& row) { return row.second; })->first;
+}
+
 }  // namespace mauve::daemon

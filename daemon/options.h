@@ -39,6 +39,9 @@ struct Leave {
 /// lib/mauve/plugins beside the program's own, or the installed one.
 [[nodiscard]] std::variant<Options, Leave> parse_options(int argc, const char* const* argv);
 
+/// As it is written there: "require", "prefer" or "off". [any]
+[[nodiscard]] const std::string& word_of(Realtime realtime);
+
 /// An option as the help tells it, for the manual.
 struct OptionText {
   std::string name;       ///< "--socket", or that of an argument

@@ -182,9 +182,12 @@ void Supervisor::carry_out(Order order) {
   if (!brings_something_new(steps)) {
     call->params["probation"] = "off";
   }
-  call->reply = [this, order = std::move(order)](const server::Outcome& outcome) {
+  call->reply = [this, order = std::move(order),
+                 asked = std::weak_ptr(call)](const server::Outcome& outcome) {
+    const auto there = asked.lock();  // an answer that waited for the disk outlives it
+    const bool given_up = there != nullptr && there->given_up;
     // Whoever answers: the books are kept on [control].
-    control_.read([this, order, outcome] { conclude(order, outcome); });
+    control_.read([this, order, outcome, given_up] { conclude(order, outcome, given_up); });
   };
   const bool queued = control_.change([this, call, steps = std::move(steps)](Ticket ticket) {
     auto met = check_conditions(*running_, *call);
@@ -209,7 +212,7 @@ void Supervisor::carry_out(Order order) {
   }
 }
 
-void Supervisor::conclude(const Order& order, const server::Outcome& outcome) {
+void Supervisor::conclude(const Order& order, const server::Outcome& outcome, bool given_up) {
   logging::Fields fields = {{"transaction", order.transaction}, {"by", order.by}};
   if (!order.component.empty()) {
     fields.push_back({"component", order.component});
@@ -223,7 +226,8 @@ void Supervisor::conclude(const Order& order, const server::Outcome& outcome) {
     running_->log.write(unsafe ? Event::transaction_unsafe : Event::transaction_refused,
                         std::move(fields));
     answer = (unsafe ? "unsafe: " : "refused: ") + said(*fault);
-    again = !unsafe && is_a_matter_of_time(*fault);
+    // A hook that hangs would keep one more thread at each try.
+    again = !unsafe && !given_up && is_a_matter_of_time(*fault);
   } else {
     const auto& receipt = std::get<Json>(outcome);
     answer = text_or(receipt, "state") + ", generation " + receipt["generation"].dump();

@@ -60,7 +60,7 @@ class Supervisor {
   void serve(const std::string& component, const std::string& transaction);
   void refuse_request(const Order& order, const Error& error);
   void carry_out(Order order);
-  void conclude(const Order& order, const server::Outcome& outcome);
+  void conclude(const Order& order, const server::Outcome& outcome, bool given_up = false);
   [[nodiscard]] rules::Read reader() const;
   [[nodiscard]] Json row(std::size_t rule, Instant now) const;
 

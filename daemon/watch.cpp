@@ -14,6 +14,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kPeriod{10};
 constexpr unsigned kLooks = 10;  // periods between two looks whether what is tapped is still there
+/// A resource that was held for so long that it could not be tapped is left alone for a while.
+constexpr std::chrono::seconds kBusy{1};
 constexpr std::size_t kTapBytes = 4 * 1024 * 1024;
 
 /// A second's worth of a fast small value, a few of a large one.
@@ -259,19 +261,22 @@ void Watches::leave_replaced() {
 }
 
 void Watches::find_replacements() {
-  const auto found = [this](Lost& one) {
-    const auto target = find_target(*running_, one.address);
-    if (!target || target->service == nullptr || target->service->taps() == nullptr) {
-      return false;
-    }
-    for (const auto& who : one.subscribers) {
-      if (tap(one.address, *target->service, who)) {
-        who.outbox->push(who.sub, one.address, "replaced", {{"address", one.address}});
+  const auto now = std::chrono::steady_clock::now();
+  for (auto& one : lost_) {
+    std::erase_if(one.subscribers, [&](const Subscriber& who) {
+      if (now < one.not_before) {
+        return false;
       }
-    }
-    return true;
-  };
-  std::erase_if(lost_, found);
+      const auto found = add(*running_, one.address, who);
+      if (found) {
+        who.outbox->push(who.sub, one.address, "replaced", {{"address", one.address}});
+      } else if (found.error().code == Errc::timed_out) {
+        one.not_before = now + kBusy;
+      }
+      return found.has_value();
+    });
+  }
+  std::erase_if(lost_, [](const Lost& one) { return one.subscribers.empty(); });
   for (auto& one : lost_) {
     if (std::exchange(one.told, true)) {
       continue;

@@ -2,6 +2,7 @@
 /// Watches: clients who want to see every new value of some addresses, or every log record.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -82,6 +83,7 @@ class Watches {
     std::string address;
     std::vector<Subscriber> subscribers;
     bool told = false;
+    std::chrono::steady_clock::time_point not_before = {};
   };
   struct LogFollower {
     std::uint64_t client;

@@ -52,9 +52,11 @@ void remember_change(Running& running, const Call& call, const Json& result) {
 /// a stop does not.
 void answer_applied(Running& running, const Call& call, Json result) {
   const auto generation = running.earlier + running.deployer.generation();
-  remember_maker(running, call, generation);
   result["generation"] = generation;
-  remember_change(running, call, result);
+  if (!call.method->harmless) {
+    remember_maker(running, call, generation);
+    remember_change(running, call, result);
+  }
   auto line = audit_applied(running, call, result);
   if (running.keeper == nullptr) {
     return call.reply(std::move(result));
@@ -149,6 +151,11 @@ Json to_json(const Receipt& receipt) {
 std::string text_or(const Json& params, const char* name, std::string otherwise) {
   const auto found = params.find(name);
   return found != params.end() && found->is_string() ? found->get<std::string>() : otherwise;
+}
+
+std::size_t number_or(const Json& params, const char* name, std::size_t otherwise) {
+  const auto found = params.find(name);
+  return found == params.end() ? otherwise : found->get<std::size_t>();
 }
 
 bool flag(const Json& params, const char* name) {

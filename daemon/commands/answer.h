@@ -27,6 +27,7 @@ void answer_fault(Running& running, const Call& call, Fault fault);
 
 /// [any] An optional argument whose JSON type was checked.
 [[nodiscard]] std::string text_or(const Json& params, const char* name, std::string otherwise = {});
+[[nodiscard]] std::size_t number_or(const Json& params, const char* name, std::size_t otherwise);
 [[nodiscard]] bool flag(const Json& params, const char* name);
 [[nodiscard]] std::vector<std::string> texts(const Json& params, const char* name);
 

@@ -49,7 +49,8 @@ Line begin(const Call& call) {
   }
   // What the daemon does by itself has its reason: "by rule gnss_lost".
   const bool by_itself = call.method->name == kSupervision && !reason.empty();
-  line.add("by", by_itself ? bounded(reason) : "by uid " + std::to_string(call.caller.peer.uid));
+  line.fields.push_back(
+      {"by", by_itself ? bounded(reason) : "by uid " + std::to_string(call.caller.peer.uid)});
   line.add("before", number(call.before));
   return line;
 }

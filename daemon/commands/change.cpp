@@ -264,6 +264,7 @@ void prepare_then(Running& running, const CallPtr& call, JourneyPtr journey, Tic
       },
       [&running, call, names = components_of(journey->change)](const std::string& hook) {
         bar(running, names, hook, false);
+        call->given_up = true;
         answer(running, *call, given_up(running, hook, std::string(call->method->name)));
       });
 }

@@ -64,6 +64,11 @@ inline constexpr std::string_view kUndone = "undone";
 [[nodiscard]] Result<std::optional<Probation>> probation_of(const Json& params);
 [[nodiscard]] Json to_json(const Probation& probation);
 
+/// [control] What runs code of the plugin, as a change of all of it: the types in force stand for
+/// those to come.
+[[nodiscard]] Change members_of(const Running& running, const std::string& plugin,
+                                StatePolicy state);
+
 /// [any] "drop" or nothing; anything else is refused.
 [[nodiscard]] Result<StatePolicy> state_policy(const Json& params);
 

@@ -93,6 +93,7 @@ struct Call {
   std::chrono::steady_clock::time_point received;
   std::uint64_t before = 0;     ///< the generation that the request met
   Mark mark = Mark::confirmed;  ///< of the generation that it makes
+  bool given_up = false;        ///< a hook did not return, and keeps a thread
 };
 using CallPtr = std::shared_ptr<Call>;
 
@@ -108,8 +109,9 @@ enum class Lane {
   change,   ///< on [control], one at a time
 };
 
-/// One row of the table. `read` serves the lanes any, read and factory: its result is the answer.
-/// `change` serves the others and answers by itself, when it is done.
+/// One row of the table, with one of two functions. The result of `read` is the answer, in the
+/// lanes any, read and factory. `change` answers by itself when it is done, in the others and in
+/// read.
 struct Command {
   std::string_view method;
   server::Role role = server::Role::viewer;

@@ -10,6 +10,7 @@
 
 #include "commands/command.h"
 #include "keeper.h"
+#include "options.h"
 #include "plugin/trust.h"
 #include "rt/process.h"
 
@@ -19,18 +20,6 @@ namespace {
 template <typename T>
 Json or_null(const std::optional<T>& value) {
   return value ? Json(*value) : Json();
-}
-
-std::string_view word_of(Realtime realtime) {
-  switch (realtime) {
-    case Realtime::require:
-      return "require";
-    case Realtime::prefer:
-      return "prefer";
-    case Realtime::off:
-      break;
-  }
-  return "off";
 }
 
 Json directory_json(const std::string& path) {

@@ -10,9 +10,8 @@ namespace mauve::daemon {
 
 /// What somebody, or a rule, is about to do.
 enum class Kind : std::uint8_t {
-  lock,      ///< set the lock
+  harmless,  ///< touches nothing that runs: the lock itself, what is logged, what is counted
   stop,      ///< stop components: for safety, always allowed
-  log,       ///< what is logged: it touches nothing that runs
   ending,    ///< confirm or undo the change on probation, which began before the lock
   property,  ///< change values of properties
   other,     ///< everything else: cores, connections, starts, plugins

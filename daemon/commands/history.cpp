@@ -41,7 +41,7 @@ Result<Json> history(Running& running, const Call& call) {
     return Json{{"items", std::move(items)}, {"state_dir", nullptr}};
   }
   const auto all = running.keeper->generations().list();
-  const auto wanted = call.params.value("n", all.size());
+  const auto wanted = number_or(call.params, "n", all.size());
   for (const auto& one : all) {
     if (items.size() >= wanted) {
       break;

@@ -19,15 +19,12 @@ constexpr std::array<std::string_view, 3> kLocks = {"none", "params", "all"};
 std::string_view to_string(Lock lock) { return kLocks.at(static_cast<std::size_t>(lock)); }
 
 Kind kind_of(const Call& call) {
-  const auto method = call.method->name;
-  if (method == "lock.set") {
-    return Kind::lock;
+  if (call.method->harmless) {
+    return Kind::harmless;
   }
+  const auto method = call.method->name;
   if (method == "component.stop") {
     return Kind::stop;
-  }
-  if (method == "log.set_level") {
-    return Kind::log;
   }
   if (method == "change.confirm" || method == "change.undo") {
     return Kind::ending;
@@ -38,8 +35,7 @@ Kind kind_of(const Call& call) {
 }
 
 Status may_change(const Running& running, Kind kind) {
-  const bool always =
-      kind == Kind::lock || kind == Kind::stop || kind == Kind::log || kind == Kind::ending;
+  const bool always = kind == Kind::harmless || kind == Kind::stop || kind == Kind::ending;
   const bool free =
       always || running.lock == Lock::none || (running.lock == Lock::params && kind == Kind::other);
   if (free) {
@@ -47,7 +43,7 @@ Status may_change(const Running& running, Kind kind) {
   }
   const bool all = running.lock == Lock::all;
   return refuse(Errc::conflict, "lock",
-                all ? "everything is locked: only stop, confirm and undo are free"
+                all ? "everything that runs is locked: only stop, confirm and undo may change it"
                     : "params are locked: no property may be changed",
                 "an administrator ends it: mauvectl lock none");
 }

@@ -79,8 +79,7 @@ Result<Json> tail_log(Running& running, const Call& call) {
   if (!filter) {
     return filter.error();
   }
-  const auto wanted = call.params.find("n");
-  const auto count = wanted == call.params.end() ? kDefaultCount : wanted->get<std::size_t>();
+  const auto count = number_or(call.params, "n", kDefaultCount);
   const auto t0 = running.deployer.t0();
   Json records = Json::array();
   std::optional<WallTime> first;

@@ -2,6 +2,7 @@
 /// Finding things of the running model by their address. [control]
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include "arch/target.h"
@@ -26,6 +27,11 @@ using arch::Target;
 /// "control.core.gain", "gnss.core.bad_frames", "control.ports.scan", "scan.read".
 [[nodiscard]] inline Result<Target> find_target(const Running& running, std::string_view address) {
   return arch::find_target(running.architecture, address);
+}
+
+/// "guidance/gap" -> "guidance"; nothing of what the program itself brings.
+[[nodiscard]] inline std::string plugin_of(const std::string& type) {
+  return type.substr(0, type.find('/') == std::string::npos ? 0 : type.find('/'));
 }
 
 /// The running system in the form of an architecture file.

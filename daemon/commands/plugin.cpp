@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// plugin.load and plugin.unload: code comes and goes while the robot moves.
-#include <algorithm>
 #include <optional>
 
 #include "commands/answer.h"
+#include "commands/change.h"
 #include "commands/given_up.h"
 
 namespace mauve::daemon {
@@ -61,24 +61,10 @@ void finish_unload(Running& running, const Call& call, const std::string& name,
               {"generation", running.generation.load()}});
 }
 
-bool in_force(const Running& running, const std::string& plugin) {
-  const auto is_of = [&plugin](const std::string& type) { return type.starts_with(plugin + "/"); };
-  for (const auto* component : running.architecture.components()) {
-    const auto& bundle = *component->bundle();
-    const auto& fallback = component->fallback();
-    if (is_of(bundle.core_type.name) || is_of(bundle.fsm_type.name) ||
-        is_of(component->type().name) || (fallback && is_of(fallback->core.name))) {
-      return true;
-    }
-  }
-  return std::ranges::any_of(running.architecture.resources(),
-                             [&](const auto* resource) { return is_of(resource->type().name); });
-}
-
 /// The users that are named may be what a probation leads back to, and nothing that runs.
 Error why_in_use(const Running& running, const std::string& plugin, Error error) {
-  if (error.code != Errc::wrong_state || !running.deployer.on_probation() ||
-      in_force(running, plugin)) {
+  const bool in_force = !members_of(running, plugin, StatePolicy::keep).edits.empty();
+  if (error.code != Errc::wrong_state || !running.deployer.on_probation() || in_force) {
     return error;
   }
   error.message += ", which does not run any more: it is kept for the way back until generation " +

@@ -2,6 +2,7 @@
 #include "commands/quarantine.h"
 
 #include "commands/answer.h"
+#include "commands/model.h"
 #include "keeper.h"
 
 namespace mauve::daemon {
@@ -37,13 +38,8 @@ Status check_core(const Running& running, const std::string& component, const st
 }  // namespace
 
 std::string build_of(const Running& running, const std::string& core) {
-  const auto plugin = core.substr(0, core.find('/'));
-  for (const auto* loaded : running.catalog.plugins()) {
-    if (loaded->info().name == plugin) {
-      return loaded->info().build_id;
-    }
-  }
-  return {};
+  const auto* loaded = running.catalog.find(plugin_of(core));
+  return loaded == nullptr ? std::string() : loaded->info().build_id;
 }
 
 bool quarantine(Running& running, const std::string& core, const std::string& reason) {

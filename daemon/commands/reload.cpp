@@ -10,6 +10,7 @@
 #include "commands/answer.h"
 #include "commands/change.h"
 #include "commands/given_up.h"
+#include "commands/model.h"
 #include "commands/quarantine.h"
 #include "commands/unproven.h"
 
@@ -32,48 +33,6 @@ struct Reload {
   plugin::Unmapped unmapped;
 };
 using ReloadPtr = std::shared_ptr<Reload>;
-
-bool is_of(const std::string& type, const std::string& plugin) {
-  return type.starts_with(plugin + "/");
-}
-
-/// Which components run code of the plugin, and which resources are of it. The types in force stand
-/// for those to come.
-Change members(const Running& running, const std::string& plugin, StatePolicy state) {
-  Change change;
-  for (const auto* component : running.architecture.components()) {
-    const auto& bundle = *component->bundle();
-    auto edit = edit_of(component->name());
-    edit.state = state;
-    if (is_of(bundle.core_type.name, plugin)) {
-      edit.core = bundle.core_type;
-    }
-    if (is_of(bundle.fsm_type.name, plugin)) {
-      edit.fsm = bundle.fsm_type;
-    }
-    if (is_of(component->type().name, plugin)) {
-      edit.type = component->type();
-    }
-    if (const auto& fallback = component->fallback();
-        fallback && is_of(fallback->core.name, plugin)) {
-      edit.task = bundle.task;  // it takes part, so that what stands by of the old build goes
-      change.fallbacks.push_back({component->name(), fallback});
-    }
-    if (edit.core || edit.fsm || edit.type || edit.task) {
-      change.edits.push_back(std::move(edit));
-    }
-  }
-  for (const auto* resource : running.architecture.resources()) {
-    if (!is_of(resource->type().name, plugin)) {
-      continue;
-    }
-    auto edit = edit_of(resource->name());
-    edit.state = state;
-    edit.resource = resource->type();
-    change.edits.push_back(std::move(edit));
-  }
-  return change;
-}
 
 template <typename T>
 Status take_new(const std::map<std::string, T, std::less<>>& offered, std::optional<T>& type,
@@ -269,6 +228,42 @@ void put_reload_in_force(Running& running, const CallPtr& call, ReloadPtr reload
 
 }  // namespace
 
+Change members_of(const Running& running, const std::string& plugin, StatePolicy state) {
+  Change change;
+  for (const auto* component : running.architecture.components()) {
+    const auto& bundle = *component->bundle();
+    auto edit = edit_of(component->name());
+    edit.state = state;
+    if (plugin_of(bundle.core_type.name) == plugin) {
+      edit.core = bundle.core_type;
+    }
+    if (plugin_of(bundle.fsm_type.name) == plugin) {
+      edit.fsm = bundle.fsm_type;
+    }
+    if (plugin_of(component->type().name) == plugin) {
+      edit.type = component->type();
+    }
+    if (const auto& fallback = component->fallback();
+        fallback && plugin_of(fallback->core.name) == plugin) {
+      edit.task = bundle.task;  // it takes part, so that what stands by of the old build goes
+      change.fallbacks.push_back({component->name(), fallback});
+    }
+    if (edit.core || edit.fsm || edit.type || edit.task) {
+      change.edits.push_back(std::move(edit));
+    }
+  }
+  for (const auto* resource : running.architecture.resources()) {
+    if (plugin_of(resource->type().name) != plugin) {
+      continue;
+    }
+    auto edit = edit_of(resource->name());
+    edit.state = state;
+    edit.resource = resource->type();
+    change.edits.push_back(std::move(edit));
+  }
+  return change;
+}
+
 void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
   auto reload = std::make_shared<Reload>();
   reload->name = text_or(call->params, "plugin");
@@ -281,7 +276,7 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
   if (!policy) {
     return answer(running, *call, policy.error());
   }
-  reload->change = members(running, reload->name, *policy);
+  reload->change = members_of(running, reload->name, *policy);
   if (auto free = check_barred(running, reload->change); !free) {
     return answer(running, *call, free.error());
   }

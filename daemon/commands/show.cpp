@@ -2,11 +2,10 @@
 /// object.get and param.get: everything about one thing, and the value of one thing.
 #include <initializer_list>
 
-#include "arch/built_in.h"
 #include "arch/value_json.h"
 #include "base/duration.h"
 #include "commands/answer.h"
-#include "commands/machine.h"
+#include "commands/parts_json.h"
 #include "commands/value.h"
 
 namespace mauve::daemon {
@@ -31,15 +30,13 @@ Json observable_row(const std::string& name, const ObservableBase& observable) {
           {"text", observable.text()}};
 }
 
-Json port_row(const Element& element, const PortBase& port) {
-  const auto* binding = connection(element, port);
-  return {{"name", port.name()},
-          {"kind", to_string(port.signature().kind)},
-          {"type", port.signature().types},
-          {"service", binding == nullptr ? Json() : Json(binding->service().address())},
-          {"max_age", max_age_of(binding)},
-          {"safe_value", port.has_safe_value()},
-          {"failures", port.failures()}};
+/// What only a look at one element or port tells.
+Json whole_port_row(const Element& element, const PortBase& port) {
+  auto row = port_row(element, port);
+  row["max_age"] = max_age_of(connection(element, port));
+  row["safe_value"] = port.has_safe_value();
+  row["failures"] = port.failures();
+  return row;
 }
 
 /// What `get` says of it, where there is something to get.
@@ -53,27 +50,18 @@ void add_value(Json& object, const Running& running, const std::string& address,
   }
 }
 
-/// A row for each port. Of ports that read shared data also how fresh that is: other services would
-/// run their core for it.
+/// Of ports that read shared data also how fresh that is.
 Json port_rows(const Running& running, const Element& element) {
   Json rows = Json::array();
   for (auto* port : element.shell().ports()) {
-    auto row = port_row(element, *port);
-    const auto* binding = connection(element, *port);
-    if (binding != nullptr && port->signature().kind == PortKind::read &&
-        binding->service().resource().type().name == arch::kSharedData) {
+    auto row = whole_port_row(element, *port);
+    if (reads_shared_data(element, *port)) {
       add_value(row, running, port->address(), {element, nullptr, nullptr, port},
                 {"status", "age_ns"});
     }
     rows.push_back(std::move(row));
   }
   return rows;
-}
-
-Json service_row(const ServiceBase& service) {
-  return {{"name", service.name()},
-          {"kind", to_string(service.signature().kind)},
-          {"type", service.signature().types}};
 }
 
 void add_parts(Json& object, const Running& running, const Element& element) {
@@ -165,14 +153,10 @@ Json users_of(const Running& running, const ResourceBase& resource) {
 }
 
 Json show_resource(const Running& running, ResourceBase& resource) {
-  Json services = Json::array();
-  for (const auto* service : resource.interface().services()) {
-    services.push_back(service_row(*service));
-  }
   Json object = {{"address", resource.name()},
                  {"kind", "resource"},
                  {"type", resource.type().name},
-                 {"services", std::move(services)},
+                 {"services", service_rows(resource)},
                  {"users", users_of(running, resource)},
                  {"hold", format_duration(resource.gate().declared_hold())},
                  {"hold_max_ns", resource.gate().longest_hold().count()},
@@ -196,7 +180,7 @@ Result<Json> show_target(const Running& running, const std::string& address) {
     object = observable_row(address, *target->observable);
     object["kind"] = "observable";
   } else if (target->port != nullptr) {
-    object = port_row(target->element, *target->port);
+    object = whole_port_row(target->element, *target->port);
   } else {
     object = service_row(*target->service);
   }

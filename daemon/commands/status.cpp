@@ -5,6 +5,7 @@
 #include "commands/gate.h"
 #include "commands/given_up.h"
 #include "commands/log_json.h"
+#include "commands/model.h"
 #include "keeper.h"
 #include "mauve/version.h"
 
@@ -25,7 +26,7 @@ Json poisoned(const Running& running) {
 
 /// Of the plugin that brought it; null for a core of the program itself.
 Json version_of(const Running& running, const std::string& core) {
-  const auto* loaded = running.catalog.find(core.substr(0, core.find('/')));
+  const auto* loaded = running.catalog.find(plugin_of(core));
   return loaded == nullptr ? Json() : Json(loaded->info().version);
 }
 

@@ -84,7 +84,7 @@ class Defaults final : public Companion {
     auto* component = running_.architecture.find_component(component_);
     auto differ = Json::array();
     for (const auto& [name, before] : before_) {
-      const auto* now = component == nullptr ? nullptr : find(component->core(), name);
+      const auto* now = component == nullptr ? nullptr : component->core().find_property(name);
       if (now != nullptr && !arch::same_value(before, now->value())) {
         differ.push_back({{"name", name},
                           {"before", arch::to_json(before)},
@@ -97,15 +97,6 @@ class Defaults final : public Companion {
   }
 
  private:
-  static const PropertyBase* find(const CoreBase& core, const std::string& name) {
-    for (const auto* property : core.properties()) {
-      if (property->name() == name) {
-        return property;
-      }
-    }
-    return nullptr;
-  }
-
   const Running& running_;
   std::string component_;
   std::vector<std::pair<std::string, Value>> before_;
@@ -132,14 +123,13 @@ void swap_core(Running& running, const CallPtr& call, Ticket ticket) {
   if (!edit) {
     return answer(running, *call, edit.error());
   }
-  if (flag(call->params, "in_place")) {
-    if (auto sound = no_probation(call->params); !sound) {
-      return answer(running, *call, sound.error());
-    }
+  const bool in_place = flag(call->params, "in_place");
+  if (const auto sound = in_place ? no_probation(call->params) : ok(); !sound) {
+    return answer(running, *call, sound.error());
   }
   auto defaults = std::make_shared<Defaults>(
       running, *running.architecture.find_component(edit->component), *edit);
-  if (flag(call->params, "in_place")) {
+  if (in_place) {
     return apply_in_place(running, call, std::move(ticket), *std::move(edit), std::move(defaults));
   }
   apply(running, call, std::move(ticket), {{*std::move(edit)}}, std::move(defaults));

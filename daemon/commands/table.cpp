@@ -50,7 +50,7 @@ constexpr Command kCommands[] = {
     {"log.set_level", Role::operator_, Lane::urgent, nullptr, set_log_level},
     {"trace.status", Role::viewer, Lane::read, trace_status, nullptr},
     {"trace.list", Role::viewer, Lane::read, list_recordings, nullptr},
-    {"trace.read", Role::viewer, Lane::urgent, nullptr, read_trace},
+    {"trace.read", Role::viewer, Lane::read, nullptr, read_trace},
     {"trace.start", Role::operator_, Lane::read, start_trace, nullptr},
     {"trace.stop", Role::operator_, Lane::read, stop_trace, nullptr},
     {"component.stop", Role::operator_, Lane::urgent, nullptr, stop},
@@ -137,17 +137,19 @@ CallPtr CommandTable::call_of(const server::Caller& caller, const protocol::Meth
 }
 
 void CommandTable::run(const Command& command, const CallPtr& call) {
-  const auto serve = [this, &command, call] {
+  const std::function<void()> serve = [this, &command, call] {
     answer(running_, *call, command.read(running_, *call));
+  };
+  const std::function<void()> by_itself = [this, &command, call] {
+    command.change(running_, call, {});
   };
   switch (command.lane) {
     case Lane::any:
       return serve();
     case Lane::read:
-      return running_.control.read(serve);
+      return running_.control.read(command.read != nullptr ? serve : by_itself);
     case Lane::urgent:
-      return running_.control.urgent(
-          [this, &command, call] { command.change(running_, call, {}); });
+      return running_.control.urgent(by_itself);
     case Lane::factory:
       return run_in_factory(command, call);
     case Lane::change:

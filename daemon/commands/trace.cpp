@@ -15,11 +15,6 @@ namespace mauve::daemon {
 
 namespace {
 
-std::size_t number_or(const Json& params, const char* name, std::size_t otherwise) {
-  const auto given = params.find(name);
-  return given == params.end() ? otherwise : given->get<std::size_t>();
-}
-
 Result<Json> first_page(Running& running, std::size_t from, std::size_t count) {
   auto snapshot = running.recorder->snapshot();
   if (!snapshot) {

@@ -77,8 +77,6 @@ Json quarantine_of(const Running& running, const Failure* failure) {
   return cores;
 }
 
-std::string plugin_of(const std::string& type) { return type.substr(0, type.find('/')); }
-
 /// What was done about it decides what can be done next.
 void add_next_steps(const Running& running, const std::string& name, const Failure& failure,
                     Json& hints) {
@@ -132,7 +130,7 @@ Json hints_for(const Running& running, const std::string& name, const Failure* f
   for (const auto& resource : poisoned) {
     const auto* element = running.architecture.find_resource(resource.get<std::string>());
     const auto type = element == nullptr ? std::string() : element->type().name;
-    hints.push_back(type.find('/') == std::string::npos
+    hints.push_back(plugin_of(type).empty()
                         ? resource.get<std::string>() + " refuses its users until mauved restarts"
                         : "mauvectl reload " + plugin_of(type) + " --state drop: a new core for " +
                               resource.get<std::string>());

@@ -49,7 +49,6 @@ class Log {
   /// Waits until everything reported so far is in the history and in the sinks. [any but log]
   void flush();
 
-  void set_level(Level level) { levels_.set({}, level); }
   /// What is set and reverts by itself is told as an event.
   [[nodiscard]] Levels& levels() { return levels_; }
   [[nodiscard]] History& history() { return history_; }

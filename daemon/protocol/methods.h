@@ -24,6 +24,7 @@ struct Method {
   std::span<const Param> params;  ///< without the three that every mutation takes
   bool mutation = false;          ///< changes the system: also if_generation, reason, deadline_ms
   bool out_of_band = false;       ///< served even while a long change is prepared
+  bool harmless = false;          ///< a mutation that touches nothing that runs: under any lock
 };
 
 [[nodiscard]] std::span<const Method> methods();

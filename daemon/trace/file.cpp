@@ -101,18 +101,18 @@ Result<Json> page_of(const std::filesystem::path& file, std::size_t from, std::s
     return refuse(Errc::invalid_value, file.filename().string(), "cannot be read",
                   "mauvectl trace list shows what is there");
   }
+  const std::size_t first = line.size() + 1;
+  std::size_t next = std::max(from, first);
+  stream.seekg(static_cast<std::streamoff>(next));
   Json records = Json::array();
-  std::size_t next = 0;
   bool end = true;
-  for (std::size_t bytes = 0; std::getline(stream, line) && !line.starts_with("{"); ++next) {
-    if (next < from) {
-      continue;
-    }
+  for (std::size_t bytes = 0; std::getline(stream, line) && !line.starts_with("{");) {
     if (records.size() >= std::min(count, kMostRecords) || bytes >= kMostBytes) {
       end = false;
       break;
     }
     bytes += line.size();
+    next += line.size() + 1;
     if (auto record = protocol::parse_json(line)) {
       records.push_back(*std::move(record));
     }

@@ -20,10 +20,11 @@ inline constexpr std::size_t kMostBytes = 600'000;
 
 [[nodiscard]] std::string to_text(const Recording& recording, const protocol::Json& header);
 
-/// A page of a recording in memory, or in a file: {"records", "next", "end"}.
+/// A page of a recording in memory, from a record on: {"records", "next", "end"}.
 [[nodiscard]] protocol::Json page_of(const Recording& recording, std::size_t from,
                                      std::size_t count);
-/// Waits for the disk.
+/// The same of one in a file, with its header. `from` and "next" are places in the file, so that
+/// the last page costs no more than the first; 0 is the first record. Waits for the disk.
 [[nodiscard]] Result<protocol::Json> page_of(const std::filesystem::path& file, std::size_t from,
                                              std::size_t count);
 

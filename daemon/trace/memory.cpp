@@ -10,7 +10,7 @@ Recording TraceMemory::since(Instant from) const {
   recording.from = from;
   recording.to = from;
   for (std::size_t i = total_ - size(); i < total_; ++i) {
-    const TraceRecord& record = records_[i % records_.size()];
+    const TraceRecord& record = records_[i % capacity_];
     if (record.time < from) continue;
     recording.records.push_back(record);
     if (record.kind == TraceKind::lost) recording.lost += record.a;
@@ -19,7 +19,7 @@ Recording TraceMemory::since(Instant from) const {
                    [](const TraceRecord& a, const TraceRecord& b) { return a.time < b.time; });
   if (!recording.records.empty()) {
     recording.to = recording.records.back().time;
-    if (size() == capacity()) recording.from = recording.records.front().time;
+    if (size() == capacity_) recording.from = recording.records.front().time;
   }
   return recording;
 }

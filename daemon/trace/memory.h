@@ -24,25 +24,26 @@ struct Recording {
 };
 using RecordingPtr = std::shared_ptr<const Recording>;
 
-/// Never takes more memory than at first. One thread at a time.
+/// Takes its memory with the first record, and never more. One thread at a time.
 class TraceMemory {
  public:
   static constexpr std::size_t kCapacity = 131'072;  ///< 5 MB: ten seconds of a whole robot
 
-  explicit TraceMemory(std::size_t capacity = kCapacity) : records_(capacity) {}
+  explicit TraceMemory(std::size_t capacity = kCapacity) : capacity_(capacity) {}
 
   void add(const TraceRecord& record) {
-    records_[total_ % records_.size()] = record;
+    if (records_.empty()) records_.resize(capacity_);
+    records_[total_ % capacity_] = record;
     ++total_;
   }
-  void clear() { total_ = 0; }
-  [[nodiscard]] std::size_t size() const { return std::min<std::size_t>(total_, records_.size()); }
-  [[nodiscard]] std::size_t capacity() const { return records_.size(); }
+  [[nodiscard]] std::size_t size() const { return std::min(total_, capacity_); }
+  [[nodiscard]] std::size_t bytes() const { return records_.size() * sizeof(TraceRecord); }
 
   /// All that is not older than `from`, sorted; `about` and `why` are left to the caller.
   [[nodiscard]] Recording since(Instant from) const;
 
  private:
+  const std::size_t capacity_;
   std::vector<TraceRecord> records_;
   std::size_t total_ = 0;
 };

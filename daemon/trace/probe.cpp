@@ -12,8 +12,8 @@ constexpr std::size_t kStack = 64 * 1024;
 
 }  // namespace
 
-Probe::Probe(int cpu) {
-  static_cast<void>(thread_.start({"mauve-probe", kPriority, {cpu}, kStack}, [this] { run(); }));
+Status Probe::start() {
+  return thread_.start({"mauve-probe", kPriority, {cpu_}, kStack}, [this] { run(); });
 }
 
 Probe::~Probe() {

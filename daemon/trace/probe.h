@@ -6,6 +6,7 @@
 
 #include <atomic>
 
+#include "mauve/result.h"
 #include "mauve/trace.h"
 #include "rt/thread.h"
 #include "rt/trace_ring.h"
@@ -17,12 +18,13 @@ class Probe {
   static constexpr Instant kPeriod = 1'000'000;  ///< costs 0.3 % of a CPU
   static constexpr Instant kLate = 200'000;
 
-  /// Runs from now on; without the rights for it there is none, and nothing is noted.
-  explicit Probe(int cpu);
+  explicit Probe(int cpu) : cpu_(cpu) {}
   ~Probe();
   Probe(const Probe&) = delete;
   Probe& operator=(const Probe&) = delete;
 
+  /// Refused without the rights for it.
+  Status start();
   /// What was noted since the last time. One caller.
   template <typename Visit>
   void drain(Instant t0, Visit&& visit) {
@@ -37,6 +39,7 @@ class Probe {
  private:
   void run();
 
+  const int cpu_;
   rt::TraceRing ring_;
   std::atomic<bool> quit_{false};
   rt::Thread thread_;

@@ -77,6 +77,9 @@ void Recorder::run() {
 
 void Recorder::collect() {
   const std::lock_guard lock(mutex_);
+  if (mode() == TraceMode::off) {
+    return;
+  }
   running_->deployer.drain_trace([this](const TraceRecord& record) {
     memory_.add(record);
     look(record);
@@ -97,8 +100,12 @@ void Recorder::start_probes() {
   }
   probes_.clear();
   for (const int cpu : cpus) {
-    probes_.push_back(std::make_unique<Probe>(cpu));
+    auto probe = std::make_unique<Probe>(cpu);
+    if (probe->start()) {
+      probes_.push_back(std::move(probe));
+    }
   }
+  probed_ = !cpus.empty() && probes_.size() == cpus.size();
 }
 
 /// Is it a reason to write? A rollback is told with its members after it.
@@ -162,7 +169,7 @@ Recording Recorder::cut(Instant from) const {
   const Instant kept = std::chrono::nanoseconds(kept_).count();
   Recording recording = memory_.since(std::max(from, now - kept));
   recording.about = about_;
-  recording.probed = on_ && !probes_.empty() && recording.from >= since_;
+  recording.probed = on_ && probed_ && recording.from >= since_;
   return recording;
 }
 
@@ -200,6 +207,7 @@ Status Recorder::end() {
   detail_ = false;
   kept_ = kKept;
   probes_.clear();
+  probed_ = false;
   set_trace_mode(mode());
   return ok();
 }
@@ -235,7 +243,7 @@ Json Recorder::status() const {
           {"since", on_ ? Json(since_) : Json()},
           {"seconds", kept_.count()},
           {"records", memory_.size()},
-          {"bytes", memory_.capacity() * sizeof(TraceRecord)},
+          {"bytes", memory_.bytes()},
           {"lost", lost_},
           {"flight_recorder", flights_wanted_},
           {"recordings", flights_ == nullptr ? 0 : flights_->list().size()}};

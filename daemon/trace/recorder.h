@@ -87,6 +87,7 @@ class Recorder {
   std::deque<std::pair<std::string, RecordingPtr>> snapshots_;
   std::uint64_t snapshots_made_ = 0;
   std::vector<std::unique_ptr<Probe>> probes_;  ///< while it is on, where there is real time
+  bool probed_ = false;                         ///< there is one on each of these CPUs
   std::optional<Pending> pending_;
   std::optional<std::chrono::steady_clock::time_point> written_;
   std::thread thread_;

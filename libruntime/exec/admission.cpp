@@ -2,6 +2,7 @@
 #include "exec/admission.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 
 #include "analysis/admission.h"
@@ -142,6 +143,14 @@ std::vector<std::string> warnings_of(const std::vector<Problem>& problems) {
   return warnings;
 }
 
+/// Of the job with the least slack, where it can be said.
+std::optional<Duration> response_of(const analysis::TaskReport& task) {
+  const analysis::JobReport* job = task.tightest();
+  const bool known = job != nullptr && task.cpu && task.source != analysis::Source::unknown;
+  if (!known || job->response == analysis::kUnbounded) return std::nullopt;
+  return job->response;
+}
+
 ComponentTiming row_of(const analysis::TaskReport& task, const std::vector<Problem>& problems) {
   ComponentTiming row;
   row.name = task.name;
@@ -152,11 +161,8 @@ ComponentTiming row_of(const analysis::TaskReport& task, const std::vector<Probl
   if (const analysis::JobReport* job = task.tightest()) {
     row.execution = job->job.execution;
     row.deadline = job->deadline;
-    const bool known = task.cpu && task.source != analysis::Source::unknown;
-    if (known && job->response != analysis::kUnbounded) {
-      row.response = job->response;
-      row.slack = job->slack();
-    }
+    row.response = response_of(task);
+    if (row.response) row.slack = job->slack();
   }
   for (const Problem& problem : problems) {
     if (!row.problem.empty() || problem.error.at != task.name) continue;
@@ -288,6 +294,15 @@ bool admit_relief(System& system, const PreparedChange::Content& change,
                   const PreparedMember& relief) {
   if (system.options.admission != Admission::strict) return true;
   return admits(model_of(system).set(), model_after(system, change, &relief).set());
+}
+
+std::map<std::string, Duration> responses(System& system) {
+  const TimingModel model = model_of(system);
+  std::map<std::string, Duration> known;
+  for (const analysis::TaskReport& task : analysis::analyze(model.set()).tasks) {
+    if (const auto response = response_of(task)) known.emplace(task.name, *response);
+  }
+  return known;
 }
 
 Timing analyze(System& system) { return timing_of(system, model_of(system)); }

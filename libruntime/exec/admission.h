@@ -2,6 +2,7 @@
 /// Admission of the running system and of its changes, as DeployOptions::admission says.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ Status admit_deployment(System& system);
 
 /// Of what runs now. [control]
 [[nodiscard]] Timing analyze(System& system);
+/// Only the response of each component, where it is known: a small part of the work. [control]
+[[nodiscard]] std::map<std::string, Duration> responses(System& system);
 /// Of an architecture that is not deployed, from what it declares; where a component names no CPUs
 /// as a deployer would choose. Its state machines are configured, and cleaned up afterwards.
 [[nodiscard]] Timing analyze(Architecture& architecture);

@@ -56,7 +56,7 @@ void drain_ring(Task::Trace& trace, std::uint32_t thread, Instant t0,
   all.push_back({time, TraceKind::lost, thread, 0, lost, 0});
 }
 
-TracedComponent look_at_component(const Deployed& deployed, const Timing& timing) {
+TracedComponent look_at_component(const Deployed& deployed) {
   const Bundle& bundle = *deployed.component->bundle();
   TracedComponent traced;
   traced.name = deployed.component->name();
@@ -69,9 +69,6 @@ TracedComponent look_at_component(const Deployed& deployed, const Timing& timing
   traced.offset = bundle.task.offset;
   traced.deadline = bundle.task.deadline;
   traced.budget = bundle.task.budget;
-  for (const ComponentTiming& one : timing.components) {
-    if (one.name == traced.name && one.response) traced.bound = *one.response;
-  }
   for (const FsmState* state : bundle.fsm->states()) {
     const bool waits = state->kind() == FsmState::Kind::synchronization;
     traced.states.push_back({std::string(state->name()), waits, state->duration()});
@@ -112,11 +109,12 @@ TracedSystem traced(System& system) {
   TracedSystem traced;
   traced.architecture = system.architecture.name();
   traced.t0 = system.t0;
-  const Timing timing = analyze(system);
+  const auto bounds = responses(system);
   for (const Deployed& deployed : system.deployed) {
-    if (deployed.component != nullptr && !deployed.hidden) {
-      traced.components.push_back(look_at_component(deployed, timing));
-    }
+    if (deployed.component == nullptr || deployed.hidden) continue;
+    traced.components.push_back(look_at_component(deployed));
+    const auto bound = bounds.find(deployed.component->name());
+    if (bound != bounds.end()) traced.components.back().bound = bound->second;
   }
   for (const ResourceBase* resource : system.architecture.resources()) {
     traced.resources.push_back(resource->name());

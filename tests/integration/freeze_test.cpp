@@ -24,7 +24,7 @@ TEST(Freeze, RefusesEveryChangeButAStop) {
     const auto error = daemon.ask(method, params);
     EXPECT_EQ(error["data"]["name"], "conflict") << method << error;
     EXPECT_EQ(error["data"]["exit"], 6);
-    EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("everything is locked"));
+    EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("everything that runs is locked"));
   }
 
   EXPECT_EQ(daemon.ask("status.get")["lock"], "all");

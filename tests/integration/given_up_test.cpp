@@ -106,6 +106,27 @@ TEST_F(GivenUp, IsToldInStatusAndLog) {
   EXPECT_THAT(unload["message"].get<std::string>(), HasSubstr("trial/stuck"));
 }
 
+/// Each try would leave one more thread behind, until nobody could change anything.
+TEST_F(GivenUp, ARuleDoesNotTryAgain) {
+  std::string supervised(kTrial);
+  const std::string resources = "\"resources\"";
+  supervised.insert(supervised.find(resources), R"("rules": [{ "name": "alone",
+      "when": "second.state == stopped", "cool_down": "1ms",
+      "do": [{ "swap": "first", "core": "trial/stuck_constructor" }] }],
+    )");
+  begin("1s", supervised);
+  const auto rule = [this] { return ask("rules.list")["items"][0]; };
+
+  ask("component.stop", {{"components", {"second"}}});
+
+  ASSERT_TRUE(eventually([&] {
+    return rule()["answer"].get<std::string>().find("did not return") != std::string::npos;
+  })) << rule();
+  EXPECT_EQ(rule()["state"], "fired") << rule();
+  EXPECT_EQ(left_behind().size(), 1U);
+  EXPECT_EQ(ask("param.set", {{"values", {{"second.core.gain", 2.0}}}})["state"], "applied");
+}
+
 TEST_F(GivenUp, EndsInBoundedTimeWithAThreadLeftBehind) {
   begin();
   ASSERT_EQ(swap_to_stuck()["data"]["name"], "timed_out");

@@ -294,6 +294,23 @@ TEST(Watch, OutlivesTheResourceItLooksAt) {
   EXPECT_EQ(daemon.component("first")["state"], "running");
 }
 
+TEST(Watch, GoesOnAtAResourceThatComputesItsValue) {
+  TrialDaemon daemon;
+  auto file = daemon.ask("config.get")["architecture"];
+  auto watcher = daemon.client();
+  const auto watched = watcher.ask("watch.subscribe", {{"addresses", {"count.read"}}})["result"];
+  ASSERT_TRUE(watched.contains("sub")) << watched;
+
+  file["resources"]["count"] = {{"type", "trial/meter"}, {"properties", {{"core.breaks_at", 7.5}}}};
+  const Json apply = {{"text", file.dump()}, {"probation", "off"}};
+  const auto applied = daemon.ask("architecture.apply", apply);
+  ASSERT_EQ(applied["state"], "applied") << applied;
+
+  const auto value = watcher.notification("value")["params"];
+  EXPECT_EQ(value["value"], 7.5) << value;
+  EXPECT_EQ(watcher.notification("replaced")["params"]["address"], "count.read");
+}
+
 TEST(Unload, UnmapsAPluginThatNothingUses) {
   TrialDaemon daemon(R"({ "schema": "mauve/architecture/1", "name": "empty", "components": {} })");
   ASSERT_EQ(daemon.ask("plugin.load", {{"plugin", "trial"}})["loaded"], true);

@@ -202,6 +202,7 @@ TEST_F(Traces, WithoutTheFlightRecorderNothingIsTracedUntilSomebodyAsks) {
   EXPECT_EQ(daemon.ask("trace.read")["data"]["name"], "wrong_state");
   const auto status = daemon.ask("trace.status");
   EXPECT_EQ(status["flight_recorder"], false);
+  EXPECT_EQ(status["bytes"], 0) << "no memory is taken for nothing";
 
   ASSERT_EQ(daemon.ask("trace.start")["on"], true);
   EXPECT_TRUE(eventually([&] { return daemon.ask("trace.read")["records"].size() > 20; }));

@@ -216,6 +216,7 @@ class MeterCore final : public mauve::Core<mauve::EmptyShell> {
     for (volatile bool for_ever = value == breaks_at.get(); for_ever;) {
     }
   }
+  double limit() { return breaks_at.get(); }
 
  private:
   mauve::Stateless stateless_{*this};
@@ -223,6 +224,7 @@ class MeterCore final : public mauve::Core<mauve::EmptyShell> {
 };
 struct MeterInterface : mauve::Interface<MeterCore> {
   mauve::WriteService<double> write{*this, "write", &MeterCore::note};
+  mauve::ReadService<double> read{*this, "read", &MeterCore::limit};
 };
 
 /// A resource that counts what it is given, and shows which build it is of.

@@ -136,7 +136,7 @@ TEST_F(LogTest, LeavesOutWhatIsBelowItsLevel) {
   log.write(Event::client_gone, {});
   EXPECT_THAT(texts(), testing::IsEmpty());
 
-  log.set_level(Level::debug);
+  log.levels().set({}, Level::debug);
   log.write(Event::client_gone, {});
   EXPECT_EQ(texts().size(), 1U);
 }

@@ -7,6 +7,7 @@
 
 #include <set>
 
+#include "commands/audit.h"
 #include "commands/gate.h"
 #include "support/temp_dir.h"
 #include "unit/daemon/front.h"
@@ -49,6 +50,15 @@ TEST(Commands, ThatArePromisedOutOfBandDoNotWaitForChanges) {
     if (command.method.starts_with("plugin.") && method->mutation) {
       EXPECT_EQ(command.role, Role::admin) << "who loads code can do anything";
     }
+  }
+}
+
+TEST(Commands, ThatOnlyLookNeverGoBeforeAStop) {
+  for (const auto& command : commands()) {
+    if (command.lane == Lane::urgent) {
+      EXPECT_TRUE(protocol::find_method(command.method)->mutation) << command.method;
+    }
+    EXPECT_NE(command.read == nullptr, command.change == nullptr) << command.method;
   }
 }
 
@@ -133,6 +143,18 @@ TEST_F(TableTest, WritesAnAuditLineForEveryChangeAndEveryRefusedOne) {
   EXPECT_THAT(logging::to_json_line(records[0]), testing::HasSubstr("\"reason\":\"lunch\""));
   EXPECT_EQ(records[1].event, logging::Event::change_refused);
   EXPECT_THAT(records[1].text, testing::HasSubstr("uid 1000"));
+}
+
+TEST_F(TableTest, WritesWhoItWasOnceIntoTheAuditLog) {
+  Call call;
+  call.caller = {1, {100, 1000, {}}, Role::admin, outbox};
+  call.method = protocol::find_method("lock.set");
+  call.params = {{"lock", "all"}};
+
+  const auto line = audit_refused(running, call, {});
+
+  EXPECT_EQ(line["uid"], 1000);
+  EXPECT_FALSE(line.contains("by")) << line;
 }
 
 TEST_F(TableTest, LimitsTheSubscriptionsOfAClient) {
@@ -253,7 +275,7 @@ TEST_F(TableTest, HasOneGateForEveryKindOfChange) {
       {Lock::params, Kind::property, false}, {Lock::params, Kind::other, true},
       {Lock::params, Kind::stop, true},      {Lock::all, Kind::property, false},
       {Lock::all, Kind::other, false},       {Lock::all, Kind::stop, true},
-      {Lock::all, Kind::lock, true}};
+      {Lock::all, Kind::harmless, true}};
   for (const auto& one : cases) {
     running.lock = one.lock;
     EXPECT_EQ(may_change(running, one.kind).has_value(), one.free)

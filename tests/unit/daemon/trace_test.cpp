@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <filesystem>
+#include <limits>
 #include <sstream>
 
 #include "protocol/trace.h"
@@ -10,6 +12,7 @@
 #include "trace/file.h"
 #include "trace/flights.h"
 #include "trace/memory.h"
+#include "trace/probe.h"
 
 namespace mauve::daemon {
 namespace {
@@ -41,6 +44,16 @@ TEST(TraceMemory, KeepsTheNewest) {
   EXPECT_THAT(times(memory.since(5)), ElementsAre(5));
   EXPECT_EQ(memory.since(0).from, 3) << "nothing is known of before";
   EXPECT_EQ(memory.since(0).to, 5);
+}
+
+TEST(TraceMemory, TakesMemoryWithTheFirstRecord) {
+  TraceMemory memory(10);
+  EXPECT_EQ(memory.bytes(), 0U);
+  EXPECT_THAT(times(memory.since(0)), ElementsAre());
+
+  memory.add(record(1));
+
+  EXPECT_EQ(memory.bytes(), 10 * sizeof(TraceRecord));
 }
 
 TEST(TraceMemory, SortsByTimeAndLeavesWhatIsEqualInItsOrder) {
@@ -125,6 +138,12 @@ TEST(TraceFile, ComesInPages) {
   EXPECT_LT(protocol::to_line(first).size(), protocol::kMaxLine);
 }
 
+TEST(Probe, IsRefusedWhereItCannotRun) {
+  Probe probe(CPU_SETSIZE - 1);
+
+  EXPECT_FALSE(probe.start());
+}
+
 class FlightsTest : public testing::Test {
  protected:
   FlightsTest() { log_.start(); }
@@ -154,12 +173,37 @@ TEST_F(FlightsTest, AreFilesWithTheirReasonInTheName) {
   EXPECT_EQ(flights.list()[0].records, 3U);
   const auto file = flights.find("flight-0001-missed-control");
   ASSERT_TRUE(file);
-  const auto page = page_of(*file, 1, 10);
+  const auto page = page_of(*file, 0, 10);
   ASSERT_TRUE(page);
-  EXPECT_EQ((*page)["records"].size(), 2U) << "from the second on";
+  EXPECT_EQ((*page)["records"].size(), 3U);
   EXPECT_EQ((*page)["end"], true);
   EXPECT_EQ((*page)["header"]["architecture"], "rover");
   EXPECT_EQ(told(logging::Event::flight_recorded), 1U);
+}
+
+TEST_F(FlightsTest, ComeInPagesThatGoOnWhereTheLastOneEnded) {
+  Flights flights(place_.path().string(), log_);
+  write(flights);
+  const auto file = flights.find("flight-0001-missed-control");
+  ASSERT_TRUE(file);
+
+  const auto first = page_of(*file, 0, 2);
+  ASSERT_TRUE(first);
+  EXPECT_EQ((*first)["records"].size(), 2U);
+  EXPECT_EQ((*first)["end"], false);
+  const auto last = page_of(*file, (*first)["next"].get<std::size_t>(), 2);
+  ASSERT_TRUE(last);
+  ASSERT_EQ((*last)["records"].size(), 1U);
+  EXPECT_EQ((*last)["records"][0][0], 3);
+  EXPECT_EQ((*last)["end"], true);
+  EXPECT_EQ((*last)["header"], (*first)["header"]);
+  for (const std::size_t behind :
+       {std::size_t{1'000'000}, std::numeric_limits<std::size_t>::max()}) {
+    const auto none = page_of(*file, behind, 2);
+    ASSERT_TRUE(none) << behind;
+    EXPECT_EQ((*none)["records"].size(), 0U) << behind;
+    EXPECT_EQ((*none)["end"], true) << behind;
+  }
 }
 
 TEST_F(FlightsTest, OfEarlierRunsAreFoundAndNumbersGoOn) {
