@@ -12,10 +12,10 @@
 
 namespace mauve::exec {
 
-/// Before the first release; what is not proved goes to the warnings of the system. [control]
 /// What the machine takes for itself, for all that is admitted later. Where components are no
 /// real-time threads nothing is proved anyway, and something is assumed.
 void measure_overheads(System& system, int priority);
+/// Before the first release; what is not proved goes to the warnings of the system. [control]
 Status admit_deployment(System& system);
 
 /// A prepared change: the warnings for its receipt, or the first problem. A barrier only moves
