@@ -38,9 +38,9 @@ std::string change_in_words(const Json& change) {
          word(change, "uid") + ", " + word(change, "time") + (reason.empty() ? "" : ": " + reason);
 }
 
-class Text {
+class Passage {
  public:
-  explicit Text(Look look) : look_(look) {}
+  explicit Passage(Look look) : look_(look) {}
   void add(const std::string& title, const std::string& content) {
     if (content.empty()) return;
     text_ +=
@@ -75,7 +75,7 @@ std::string why_heading(const Json& why, const Json& failure) {
 std::string render_why(const Json& why, Look look) {
   const Json failure = why.is_object() ? why.value("failure", Json()) : Json();
   const Json change = why.is_object() ? why.value("change", Json()) : Json();
-  Text text(look);
+  Passage text(look);
   const Paint paint = word(why, "state") == "faulted" ? Paint::red : Paint::bold;
   text.text_ =
       painted(wrapped(why_heading(why, failure), look.width, 2), paint, look.colour) + "\n";

@@ -18,7 +18,7 @@ using logging::Level;
 
 constexpr std::string_view kRequested = "requested";
 
-Event event_of(std::string_view name) {
+Event event_named(std::string_view name) {
   constexpr std::array<std::pair<std::string_view, Event>, 9> kEvents = {{
       {"started", Event::component_started},
       {"stopped", Event::component_stopped},
@@ -88,7 +88,7 @@ logging::Fields fields_of(const Happening& happening) {
 
 logging::Record record_of(const Happening& happening) {
   logging::Record record = logging::make_record(
-      event_of(happening.event), {{"component", happening.component}, {"text", happening.text}});
+      event_named(happening.event), {{"component", happening.component}, {"text", happening.text}});
   record.fields = fields_of(happening);
   record.text = (happening.event == kRequested ? "requests " : "") + happening.text;
   record.level = level_of(happening.level);

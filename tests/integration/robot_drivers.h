@@ -17,6 +17,7 @@
 #include "arch/load.h"
 #include "plugin/catalog.h"
 #include "support/eventually.h"
+#include "support/settled_lines.h"
 
 namespace robot {
 
@@ -109,10 +110,11 @@ class System {
     EXPECT_TRUE(done) << (done ? "" : to_string(done.error()));
   }
 
-  /// Lets time pass, 10 ms at a time, until it is so. The bytes need a moment of real time.
+  /// Lets time pass, 10 ms at a time, until it is so; the bytes come along.
   [[nodiscard]] bool run_until(const std::function<bool()>& condition) {
     return mauve::test::eventually([&] {
       deployer_->run_for(10ms);
+      lines_.wait();
       if (meanwhile_) meanwhile_();
       return condition();
     });
@@ -138,6 +140,7 @@ class System {
   std::unique_ptr<mauve::Deployer> deployer_;
   mauve::Status deployed_ = mauve::ok();
   std::function<void()> meanwhile_;
+  mauve::test::SettledLines lines_;
 };
 
 }  // namespace robot
