@@ -73,6 +73,8 @@ TEST(Watchers, ThirtyTwoAtOnceCostNoRelease) {
   const TempDir place;
   TrialDaemon daemon(counting(), {"--realtime", "prefer"},
                      Crowd(place.path(), MAUVE_BIN_DIR "/mauved").program());
+  // While it is on there are probes, which tell what something foreign held up.
+  ASSERT_EQ(daemon.ask("trace.start", {{"seconds", 60}})["on"], true);
   const auto before = daemon.ask("status.get");
   std::deque<RawClient> clients;
   for (std::size_t i = 0; i < 2 * kHalf; ++i) {

@@ -49,10 +49,10 @@ class Daemon {
   [[nodiscard]] std::filesystem::path socket() const { return place_ / "s"; }
   [[nodiscard]] bool up() const { return up_; }
   /// As root, who has a place beside all others, but only while asking.
-  [[nodiscard]] Json ask(const char* method) const {
+  [[nodiscard]] Json ask(const char* method, Json params = Json::object()) const {
     RawClient root(socket());
     static_cast<void>(root.json());
-    const Json answer = root.ask(method);
+    const Json answer = root.ask(method, std::move(params));
     return answer.is_object() ? answer.value("result", Json::object()) : Json::object();
   }
   /// ns, of all its threads.
@@ -62,7 +62,7 @@ class Daemon {
     if (clock_getcpuclockid(process_->id(), &clock) == 0) clock_gettime(clock, &t);
     return static_cast<Instant>(t.tv_sec) * 1'000'000'000 + t.tv_nsec;
   }
-  /// What its flight recorder has.
+  /// By its trace.
   [[nodiscard]] mauve::test::MissedReleases missed(std::int64_t since) const {
     const auto trace = place_ / "end.mtrace";
     mauve::test::Process dump({MAUVE_BIN_DIR "/mauvectl", "--socket", socket().string(), "trace",
@@ -134,6 +134,7 @@ bool measure(Sweep& sweep, const Daemon& daemon, int count, Duration time) {
   if (!alone) return false;
   Clients clients(daemon, count);
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  static_cast<void>(daemon.ask("trace.start"));  // with it there are probes
   static_cast<void>(daemon.ask("stats.reset"));
   const std::int64_t since = daemon.ask("stats.get").value("t_ns", std::int64_t{0});
   const Instant begun = now();
@@ -186,11 +187,12 @@ void sweep_clients(Book& book, const Options& options) {
   must_hold(measured, "mauved did not come up, or refused a client");
   sweep.print(book);
   book.text(
-      "Half of them (the first one, too) watch an observable of each component, which is told at "
-      "most 50 times a second; the others ask for statistics and status in turn, ten times a "
-      "second. They run on the same CPUs, as ordinary threads. By the statistics and the trace of "
-      "mauved, which root asks for beside them; mauved's busy time is that of its components, "
-      "too.");
+      "Half of them (the first one, too) watch an observable of each component, which is looked at "
+      "100 times a second; the others ask for statistics and status in turn, ten times a second. "
+      "They run on the same CPUs, as ordinary threads. By the statistics and the trace of mauved, "
+      "which root asks for beside them; mauved's busy time is that of its components and of a "
+      "probe "
+      "on each CPU, too.");
   if (!crowd) book.text(std::string("NOT MEASURED: 32 clients; ") + Crowd::kNotPossible + ".");
 }
 
