@@ -3,66 +3,26 @@
 /// The latter in a child process each time: an allocator and a cache of stacks that were used
 /// before would flatter it.
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <cstdlib>
-#include <fstream>
-#include <functional>
-#include <memory>
 #include <string>
 #include <thread>
-
-#include <sys/wait.h>
-#include <unistd.h>
+#include <vector>
 
 #include "bench/support/checked.h"
+#include "bench/support/fresh.h"
 #include "bench/support/machine.h"
+#include "bench/support/many.h"
 #include "bench/support/raw.h"
 #include "bench/support/report.h"
 #include "rt/futex.h"
 #include "rt/memory.h"
 
-#include <mauve/architecture.h>
 #include <mauve/deployer.h>
 
 namespace bench {
 namespace {
 
-constexpr int kPriority = 50;
-
-/// Notes when its first job began.
-struct First : mauve::Core<mauve::EmptyShell> {
-  mauve::Stateless stateless{*this};
-  std::atomic<Instant> began{0};
-  void update() {
-    if (began.load(std::memory_order_relaxed) == 0) began.store(now());
-  }
-};
-using Component = mauve::Component<mauve::EmptyShell, First, mauve::PeriodicFsm<First>>;
-
-/// `count` components of 100 ms, over all CPUs.
-struct Many : mauve::Architecture {
-  explicit Many(int count) {
-    const std::vector<int> cpus = mauve::rt::usable_cpus();
-    for (int i = 0; i < count; ++i) {
-      auto& made = *components.emplace_back(
-          std::make_unique<Component>(*this, "component" + std::to_string(i)));
-      made.fsm().period = std::chrono::milliseconds(100);
-      made.task().priority = kPriority;
-      made.task().cpus = {cpus[static_cast<std::size_t>(i) % cpus.size()]};
-    }
-  }
-  /// Waits for the last component to begin; how long after `t0`, in us.
-  [[nodiscard]] double last_began(Instant t0) const {
-    Instant last = 0;
-    for (const auto& component : components) {
-      while (component->core().began.load() == 0) std::this_thread::yield();
-      last = std::max(last, component->core().began.load());
-    }
-    return static_cast<double>(last - t0) / 1e3;
-  }
-  std::vector<std::unique_ptr<Component>> components;
-};
+constexpr int kPriority = Many::kPriority;
 
 double two_tasks() {
   Many architecture(2);
@@ -117,43 +77,6 @@ class RawThreads {
   std::atomic<Instant> t0_{0};
 };
 
-/// A number of kB from a file of proc(5).
-double kilobytes(const char* file, const std::string& key) {
-  std::ifstream lines(file);
-  for (std::string word; lines >> word;) {
-    if (double value = 0; word == key && lines >> value) return value;
-  }
-  return 0;
-}
-
-/// What one child measured.
-struct Deployment {
-  double milliseconds = 0;  ///< deploy()
-  double last_began = 0;    ///< us after T0
-  double resident = 0;      ///< kB a component, more than before the architecture was made
-  double kernel_stack = 0;  ///< kB a component
-  double shutdown = 0;      ///< ms
-};
-
-Deployment deploy_many(int count) {
-  must(mauve::rt::lock_memory());
-  const double resident = kilobytes("/proc/self/status", "VmRSS:");
-  const double kernel = kilobytes("/proc/meminfo", "KernelStack:");
-  Many architecture(count);
-  mauve::Deployer deployer(architecture);
-  const Instant start = now();
-  must(deployer.deploy());
-  Deployment result;
-  result.milliseconds = static_cast<double>(now() - start) / 1e6;
-  result.last_began = architecture.last_began(deployer.t0());
-  result.resident = (kilobytes("/proc/self/status", "VmRSS:") - resident) / count;
-  result.kernel_stack = (kilobytes("/proc/meminfo", "KernelStack:") - kernel) / count;
-  const Instant end = now();
-  static_cast<void>(deployer.shutdown(std::chrono::seconds(20)));
-  result.shutdown = static_cast<double>(now() - end) / 1e6;
-  return result;
-}
-
 /// The same number of bare threads: created, parked, let go.
 Deployment raw_many(int count) {
   must(mauve::rt::lock_memory());
@@ -167,24 +90,6 @@ Deployment raw_many(int count) {
   return result;
 }
 
-/// Runs it in a process of its own.
-Deployment in_child(Deployment (*body)(int), int count) {
-  std::array<int, 2> ends{};
-  if (pipe(ends.data()) != 0) std::exit(1);
-  const pid_t child = fork();
-  if (child == 0) {
-    const Deployment result = body(count);
-    const bool sent = write(ends[1], &result, sizeof result) == sizeof result;
-    _exit(sent ? 0 : 1);
-  }
-  Deployment result;
-  close(ends[1]);
-  if (read(ends[0], &result, sizeof result) != sizeof result) std::exit(1);
-  close(ends[0]);
-  waitpid(child, nullptr, 0);
-  return result;
-}
-
 void measure_many(Report& report, const Options& options, int count, Target promised_time) {
   const std::string text = std::to_string(count) + " components: ";
   Figure& time = report.figure(text + "deploy()", "ms", promised_time);
@@ -193,8 +98,8 @@ void measure_many(Report& report, const Options& options, int count, Target prom
   Figure& kernel = report.figure(text + "kernel stack of each", "kB");
   Figure& shutdown = report.figure(text + "shutdown()", "ms");
   for (int i = 0; i < options.rounds; ++i) {
-    const Deployment ours = in_child(deploy_many, count);
-    const Deployment raw = in_child(raw_many, count);
+    const Deployment ours = in_child<Deployment>([&] { return deploy_many(count); });
+    const Deployment raw = in_child<Deployment>([&] { return raw_many(count); });
     time.add(ours.milliseconds, raw.milliseconds);
     last.add(ours.last_began, raw.last_began);
     memory.add(ours.resident, raw.resident);

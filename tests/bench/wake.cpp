@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "bench/support/checked.h"
+#include "bench/support/lateness.h"
 #include "bench/support/machine.h"
 #include "bench/support/raw.h"
 #include "bench/support/report.h"
@@ -17,7 +18,6 @@ namespace {
 
 constexpr Duration kPeriod{1'000'000};
 constexpr int kPriority = 80;
-constexpr std::size_t kWarmUp = 100;
 constexpr std::size_t kCapacity = 1 << 16;
 
 Instants& started() {
@@ -39,30 +39,6 @@ struct OneComponent : mauve::Architecture {
   mauve::Component<mauve::EmptyShell, Noting, mauve::PeriodicFsm<Noting>> component{*this,
                                                                                     "noting"};
 };
-
-struct Lateness {
-  std::vector<double> good;  // us
-  std::size_t apart = 0;
-  std::int64_t missed = 0;        // releases without a start
-  std::int64_t missed_apart = 0;  // more of them, while the machine was disturbed
-};
-
-/// How far each start is behind its release.
-Lateness lateness(const Instants& starts, Instant first, int cpu, const Probe& probe) {
-  Lateness result;
-  for (std::size_t i = kWarmUp; i < starts.size(); ++i) {
-    const std::int64_t skipped =
-        (starts[i] - first) / kPeriod.count() - (starts[i - 1] - first) / kPeriod.count() - 1;
-    const bool disturbed = probe.disturbed(cpu, starts[i]) || probe.disturbed(cpu, starts[i - 1]);
-    (disturbed ? result.missed_apart : result.missed) += skipped;
-    if (probe.disturbed(cpu, starts[i])) {
-      ++result.apart;
-    } else {
-      result.good.push_back(static_cast<double>((starts[i] - first) % kPeriod.count()) / 1e3);
-    }
-  }
-  return result;
-}
 
 struct Round {
   Lateness ours;
@@ -86,8 +62,8 @@ Round measure(int cpu, Duration time) {
   }
   Round round;
   static_cast<void>(deployer.shutdown());
-  round.ours = lateness(started(), t0, cpu, probe);
-  round.raw = lateness(raw_started, raw_first, cpu, probe);
+  add_lateness(round.ours, started(), t0, kPeriod, cpu, probe);
+  add_lateness(round.raw, raw_started, raw_first, kPeriod, cpu, probe);
   round.windows = probe.windows();
   return round;
 }

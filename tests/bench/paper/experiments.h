@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "bench/paper/book.h"
+#include "bench/support/book.h"
 #include "bench/support/report.h"
 
 namespace bench::paper {

@@ -4,13 +4,12 @@
 /// ROS is measured where there is a master (ROS_MASTER_URI) and the program beside this one.
 #include <cstdlib>
 #include <filesystem>
-#include <iostream>
 #include <map>
 #include <string>
-#include <vector>
 
 #include "bench/paper/experiments.h"
 #include "bench/support/machine.h"
+#include "bench/support/parts.h"
 #include "rt/thread.h"
 
 namespace bench::paper {
@@ -26,42 +25,13 @@ const std::map<std::string, void (*)(Book&, const Setting&)>& experiments() {
   return all;
 }
 
-struct Command {
-  Options options;
-  fs::path folder;
-  std::vector<std::string> names;
-};
-
-[[noreturn]] void usage() {
-  std::cerr << "usage: paper [--smoke] [--out FOLDER] [execution|reconfiguration|exchange]...\n";
-  std::exit(2);
-}
-
-Command parse_command(int argc, char** argv) {
-  Command command;
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    if (word == "--smoke") {
-      command.options.smoke = true;
-    } else if (word == "--out" && i + 1 < argc) {
-      command.folder = argv[++i];
-    } else if (experiments().count(word) != 0) {
-      command.names.push_back(word);
-    } else {
-      usage();
-    }
-  }
-  if (command.names.empty()) command.names = {"execution", "reconfiguration", "exchange"};
-  return command;
-}
-
 /// A program beside this one, or empty.
 std::string neighbour(const std::string& name) {
   const fs::path path = fs::read_symlink("/proc/self/exe").parent_path() / name;
   return fs::exists(path) ? path.string() : std::string();
 }
 
-void run(const Command& command) {
+void run(const Parts& command) {
   Book book(command.folder);
   Setting setting{command.options, mauve::rt::usable_cpus().back(), neighbour("paper_ros"),
                   neighbour("paper_orocos")};
@@ -84,4 +54,6 @@ void run(const Command& command) {
 }  // namespace
 }  // namespace bench::paper
 
-int main(int argc, char** argv) { bench::paper::run(bench::paper::parse_command(argc, argv)); }
+int main(int argc, char** argv) {
+  bench::paper::run(bench::parse_parts(argc, argv, {"execution", "reconfiguration", "exchange"}));
+}

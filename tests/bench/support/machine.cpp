@@ -97,6 +97,20 @@ Instant now() {
   return static_cast<Instant>(t.tv_sec) * 1'000'000'000 + t.tv_nsec;
 }
 
+Instant processor_time() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<Instant>(t.tv_sec) * 1'000'000'000 + t.tv_nsec;
+}
+
+double kilobytes(const char* file, const std::string& key) {
+  std::ifstream lines(file);
+  for (std::string word; lines >> word;) {
+    if (double value = 0; word == key && lines >> value) return value;
+  }
+  return 0;
+}
+
 void tie_ticks() {
   const Instant end = now() + 250'000'000;
   while (now() < end) {

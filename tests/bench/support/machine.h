@@ -27,6 +27,12 @@ using mauve::Instant;
 /// Takes a quarter of a second; holds for ten.
 void tie_ticks();
 
+/// Processor time of this process so far, all its threads and what the kernel did for them.
+[[nodiscard]] Instant processor_time();
+
+/// A number of kB from a file of proc(5).
+[[nodiscard]] double kilobytes(const char* file, const std::string& key);
+
 /// The highest priority this process may use up to `wanted`: that, or 0 (ordinary threads).
 [[nodiscard]] int fifo_or_none(int wanted);
 

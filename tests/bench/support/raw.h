@@ -30,6 +30,8 @@ class Instants {
     times_[count] = instant;
     count_.store(count + 1, std::memory_order_release);
   }
+  /// Room for so many, before it is used.
+  void make_room(std::size_t capacity) { times_.resize(capacity); }
   void clear() { count_.store(0, std::memory_order_release); }
   [[nodiscard]] std::size_t size() const { return count_.load(std::memory_order_acquire); }
   [[nodiscard]] Instant operator[](std::size_t i) const { return times_[i]; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "bench/paper/book.h"
+#include "bench/support/book.h"
 
 #include <cmath>
 #include <iostream>
@@ -8,7 +8,7 @@
 #include "bench/support/report.h"
 #include "bench/support/table.h"
 
-namespace bench::paper {
+namespace bench {
 namespace {
 
 std::string joined(const Row& row, const std::string& between) {
@@ -88,4 +88,4 @@ void Book::goals() {
 std::string ms(double value) { return shown(value, 3); }
 std::string ns(double value) { return shown(value, value < 100 ? 1 : 0); }
 
-}  // namespace bench::paper
+}  // namespace bench

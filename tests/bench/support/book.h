@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Book: the tables of the reproduced section, on standard output, and as files where asked.
+/// Book: tables of one report, on standard output, and as files where asked.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace bench::paper {
+namespace bench {
 
 /// Of samples in one unit.
 struct Statistics {
@@ -49,4 +49,4 @@ class Book {
 [[nodiscard]] std::string ms(double value);
 [[nodiscard]] std::string ns(double value);
 
-}  // namespace bench::paper
+}  // namespace bench

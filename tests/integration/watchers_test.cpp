@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// Many clients at once on a mauved whose components are real-time threads.
+#include <array>
+#include <deque>
+#include <thread>
+
+#include "support/crowd.h"
+#include "support/missed_releases.h"
+#include "trial_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using Json = protocol::Json;
+
+constexpr std::int64_t kLongestPeriod = 5'000'000;
+constexpr int kValues = 300;   // of each who watches
+constexpr int kAnswers = 100;  // of each who asks
+
+/// The first component writes a gain of 0, and then the number of its job. Both are above other
+/// people's real-time threads, which a probe above all does not see.
+std::string counting() {
+  auto architecture = Json::parse(std::string(kTrial));
+  architecture["components"]["first"]["core"] = "trial/counting";
+  architecture["components"]["first"]["properties"]["core.gain"] = 0.0;
+  for (auto& component : architecture["components"]) {
+    component["task"] = {{"priority", 90}, {"budget", "1ms"}};  // how fast they are is not tested
+  }
+  return architecture.dump();
+}
+
+struct Watched {
+  int values = 0;
+  int backwards = 0;  ///< numbers that are not above the one before
+  bool ended = false;
+};
+
+/// Takes every value that the output is given until it had enough.
+Watched watch(RawClient& client) {
+  Watched watched;
+  const auto done = client.ask("watch.subscribe", {{"addresses", {"signal.read"}}});
+  double before = -1;
+  while (done.contains("result") && watched.values < kValues) {
+    const auto told = client.notification("value");
+    if (told.is_null()) return watched;
+    const auto value = told["params"]["value"].get<double>();
+    if (value == 0) continue;
+    if (value <= before) ++watched.backwards;
+    before = value;
+    ++watched.values;
+  }
+  watched.ended = done.contains("result");
+  return watched;
+}
+
+/// Asks for statistics and status in turn; the answers that tell of both components.
+int ask(RawClient& client) {
+  int answers = 0;
+  for (int i = 0; i < kAnswers; ++i) {
+    const auto answer = client.ask(i % 2 == 0 ? "stats.get" : "status.get");
+    if (!answer.contains("result")) return answers;
+    if (answer["result"]["components"].size() == 2) ++answers;
+  }
+  return answers;
+}
+
+/// Of both components, since they began.
+std::uint64_t missed(const Json& status) {
+  std::uint64_t all = 0;
+  for (const auto& row : status["components"]) all += row["missed"].get<std::uint64_t>();
+  return all;
+}
+
+TEST(Watchers, ThirtyTwoAtOnceCostNoRelease) {
+  if (!Crowd::possible()) GTEST_SKIP() << "SKIPPED: " << Crowd::kNotPossible;
+  constexpr std::size_t kHalf = 16;
+  const TempDir place;
+  TrialDaemon daemon(counting(), {"--realtime", "prefer"},
+                     Crowd(place.path(), MAUVE_BIN_DIR "/mauved").program());
+  // While it is on there are probes, which tell what something foreign held up.
+  ASSERT_EQ(daemon.ask("trace.start", {{"seconds", 60}})["on"], true);
+  const auto before = daemon.ask("status.get");
+  std::deque<RawClient> clients;
+  for (std::size_t i = 0; i < 2 * kHalf; ++i) {
+    clients.push_back(Crowd::client(daemon.socket(), i));
+  }
+  ASSERT_EQ(daemon.ask("client.list")["items"].size(), 2 * kHalf + 1) << "and who asks for it";
+
+  std::array<Watched, kHalf> watched;
+  std::array<int, kHalf> answers{};
+  std::vector<std::thread> threads;
+  for (std::size_t i = 0; i < kHalf; ++i) {
+    threads.emplace_back([&, i] { watched[i] = watch(clients[i]); });
+    threads.emplace_back([&, i] { answers[i] = ask(clients[kHalf + i]); });
+  }
+  for (auto& thread : threads) thread.join();
+  const auto after = daemon.ask("status.get");
+
+  for (const auto& one : watched) {
+    EXPECT_TRUE(one.ended && one.values == kValues) << one.values;
+    EXPECT_EQ(one.backwards, 0);
+  }
+  EXPECT_THAT(answers, testing::Each(kAnswers));
+  if (!after["realtime"].get<bool>()) {
+    GTEST_SKIP() << "SKIPPED the releases: no SCHED_FIFO here, so others may hold them up";
+  }
+  const auto trace = place / "all.mtrace";
+  ASSERT_EQ(Process({MAUVE_BIN_DIR "/mauvectl", "--socket", daemon.socket().string(), "trace",
+                     "dump", "-o", trace.string()})
+                .wait(),
+            0);
+  const auto since = before["t_ns"].get<std::int64_t>();
+  const auto told = missed_releases(trace, since, kLongestPeriod);
+  ASSERT_LE(told.from, since) << "the trace does not reach back to where they began";
+  EXPECT_EQ(told.missed, 0U) << told.disturbed << " more were disturbed";
+  EXPECT_EQ(missed(after) - missed(before), told.missed + told.disturbed)
+      << "each that is counted is told";
+}
+
+}  // namespace
+}  // namespace mauve::test
