@@ -14,6 +14,7 @@
 
 #include "arch/load.h"
 #include "plugin/catalog.h"
+#include "support/proved_deployer.h"
 
 namespace {
 
@@ -84,13 +85,13 @@ class Building {
     architecture_ = mauve::arch::load(text, catalog_, problems);
     for (const auto& problem : problems.sorted()) ADD_FAILURE() << to_string(problem.error);
     if (architecture_ == nullptr) return;
-    deployer_ = std::make_unique<mauve::Deployer>(
+    deployer_ = std::make_unique<mauve::test::ProvedDeployer>(
         *architecture_, mauve::DeployOptions{mauve::Realtime::off, true, mauve::Admission::off});
     const mauve::Status up = deployer_->deploy();
     EXPECT_TRUE(up) << (up ? "" : to_string(up.error()));
   }
 
-  [[nodiscard]] mauve::Deployer& deployer() { return *deployer_; }
+  [[nodiscard]] mauve::test::ProvedDeployer& deployer() { return *deployer_; }
   [[nodiscard]] double observe(const std::string& owner, const std::string& name) const {
     const auto* component = architecture_->find_component(owner);
     const mauve::CoreBase& core =
@@ -124,7 +125,7 @@ class Building {
  private:
   mauve::plugin::Catalog catalog_;
   std::unique_ptr<mauve::Architecture> architecture_;
-  std::unique_ptr<mauve::Deployer> deployer_;
+  std::unique_ptr<mauve::test::ProvedDeployer> deployer_;
 };
 
 TEST(NavigationSimulated, DrivesThroughTwoRoomsToItsGoal) {

@@ -17,6 +17,7 @@
 #include "arch/load.h"
 #include "plugin/catalog.h"
 #include "support/eventually.h"
+#include "support/proved_deployer.h"
 #include "support/settled_lines.h"
 
 namespace robot {
@@ -70,13 +71,13 @@ class System {
     EXPECT_TRUE(architecture_ != nullptr)
         << (problems.empty() ? "" : to_string(problems.sorted()[0].error));
     if (architecture_ == nullptr) return;
-    deployer_ = std::make_unique<mauve::Deployer>(
+    deployer_ = std::make_unique<mauve::test::ProvedDeployer>(
         *architecture_, mauve::DeployOptions{mauve::Realtime::off, true, mauve::Admission::warn});
     deployed_ = deployer_->deploy();
   }
 
   [[nodiscard]] const mauve::Status& deployed() const { return deployed_; }
-  [[nodiscard]] mauve::Deployer& deployer() { return *deployer_; }
+  [[nodiscard]] mauve::test::ProvedDeployer& deployer() { return *deployer_; }
 
   [[nodiscard]] double observe(const std::string& owner, const std::string& name) const {
     const auto* component = architecture_->find_component(owner);
@@ -137,7 +138,7 @@ class System {
 
   mauve::plugin::Catalog catalog_;
   std::unique_ptr<mauve::Architecture> architecture_;
-  std::unique_ptr<mauve::Deployer> deployer_;
+  std::unique_ptr<mauve::test::ProvedDeployer> deployer_;
   mauve::Status deployed_ = mauve::ok();
   std::function<void()> meanwhile_;
   mauve::test::SettledLines lines_;

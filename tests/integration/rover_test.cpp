@@ -16,6 +16,7 @@
 #include "arch/load.h"
 #include "plugin/catalog.h"
 #include "support/eventually.h"
+#include "support/proved_deployer.h"
 #include "support/test_data.h"
 
 namespace {
@@ -43,13 +44,13 @@ class Simulated {
     architecture_ = mauve::arch::load(text, catalog_, problems);
     EXPECT_TRUE(architecture_ != nullptr) << name;
     if (architecture_ == nullptr) return;
-    deployer_ = std::make_unique<Deployer>(
+    deployer_ = std::make_unique<mauve::test::ProvedDeployer>(
         *architecture_, mauve::DeployOptions{mauve::Realtime::off, true, admission});
     const mauve::Status up = deployer_->deploy();
     EXPECT_TRUE(up) << (up ? "" : to_string(up.error()));
   }
 
-  [[nodiscard]] Deployer& deployer() { return *deployer_; }
+  [[nodiscard]] mauve::test::ProvedDeployer& deployer() { return *deployer_; }
   [[nodiscard]] auto core(const std::string& name) const { return catalog_.core(name); }
   [[nodiscard]] mauve::TaskAttributes task(const std::string& component) const {
     return architecture_->find_component(component)->bundle()->task;
@@ -117,7 +118,7 @@ class Simulated {
 
   mauve::plugin::Catalog catalog_;
   std::unique_ptr<mauve::Architecture> architecture_;
-  std::unique_ptr<Deployer> deployer_;
+  std::unique_ptr<mauve::test::ProvedDeployer> deployer_;
 };
 
 TEST(RoverSimulated, ReachesItsGoalWithoutTouching) {

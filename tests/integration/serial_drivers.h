@@ -17,6 +17,7 @@
 #include "arch/load.h"
 #include "plugin/catalog.h"
 #include "support/eventually.h"
+#include "support/proved_deployer.h"
 
 namespace serial {
 
@@ -49,7 +50,7 @@ class Simulated {
       for (const auto& problem : problems.sorted()) ADD_FAILURE() << to_string(problem, "");
       return;
     }
-    deployer_ = std::make_unique<mauve::Deployer>(
+    deployer_ = std::make_unique<mauve::test::ProvedDeployer>(
         *architecture_, mauve::DeployOptions{mauve::Realtime::off, true, mauve::Admission::warn});
     up_ = deployer_->deploy();
   }
@@ -97,7 +98,7 @@ class Simulated {
  private:
   mauve::plugin::Catalog catalog_;
   std::unique_ptr<mauve::Architecture> architecture_;
-  std::unique_ptr<mauve::Deployer> deployer_;
+  std::unique_ptr<mauve::test::ProvedDeployer> deployer_;
   mauve::Status up_ = mauve::ok();
 };
 

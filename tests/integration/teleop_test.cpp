@@ -19,6 +19,7 @@
 #include "plugin/catalog.h"
 #include "support/eventually.h"
 #include "support/input_events.h"
+#include "support/proved_deployer.h"
 #include "support/temp_dir.h"
 
 namespace {
@@ -64,7 +65,7 @@ class Teleop : public testing::Test {
     mauve::arch::Problems problems;
     architecture_ = mauve::arch::load(text, catalog_, problems);
     ASSERT_TRUE(architecture_ != nullptr);
-    deployer_ = std::make_unique<mauve::Deployer>(
+    deployer_ = std::make_unique<mauve::test::ProvedDeployer>(
         *architecture_, mauve::DeployOptions{mauve::Realtime::off, true, mauve::Admission::warn});
     const mauve::Status up = deployer_->deploy();
     ASSERT_TRUE(up) << (up ? "" : to_string(up.error()));
@@ -127,7 +128,7 @@ class Teleop : public testing::Test {
   std::string device_ = (place_ / "joystick").string();
   mauve::plugin::Catalog catalog_{{MAUVE_PLUGIN_DIR}};
   std::unique_ptr<mauve::Architecture> architecture_;
-  std::unique_ptr<mauve::Deployer> deployer_;
+  std::unique_ptr<mauve::test::ProvedDeployer> deployer_;
   drivers::Descriptor writer_;
 };
 
