@@ -32,7 +32,8 @@ void remember_maker(Running& running, const Call& call, std::uint64_t generation
 }
 
 /// For who asks later why a component failed.
-void remember_change(Running& running, const Call& call, const Json& result) {
+void remember_change(Running& running, const Call& call, const Json& result,
+                     std::uint64_t generation) {
   const auto members = result.find("components");
   if (members == result.end() || !members->is_array()) {
     return;
@@ -41,10 +42,9 @@ void remember_change(Running& running, const Call& call, const Json& result) {
   for (const auto& member : *members) {
     names.push_back(text_or(member, "name"));
   }
-  running.failures.changed(
-      names,
-      {result["generation"].get<std::uint64_t>(), logging::utc(std::chrono::system_clock::now()),
-       std::string(call.method->name), call.caller.peer.uid, text_or(call.params, "reason")});
+  running.failures.changed(names, {generation, logging::utc(std::chrono::system_clock::now()),
+                                   std::string(call.method->name), call.caller.peer.uid,
+                                   text_or(call.params, "reason")});
   remember_cores(running);
 }
 
@@ -52,10 +52,13 @@ void remember_change(Running& running, const Call& call, const Json& result) {
 /// a stop does not.
 void answer_applied(Running& running, const Call& call, Json result) {
   const auto generation = running.earlier + running.deployer.generation();
+  // That one may be a roll-back of this change already.
+  const auto made = result.find("generation");
+  const auto its = made == result.end() ? generation : running.earlier + made->get<std::uint64_t>();
   result["generation"] = generation;
   if (!call.method->harmless) {
     remember_maker(running, call, generation);
-    remember_change(running, call, result);
+    remember_change(running, call, result, its);
   }
   auto line = audit_applied(running, call, result);
   if (running.keeper == nullptr) {
