@@ -23,13 +23,13 @@ using Json = mauve::protocol::Json;
 using mauve::test::Crowd;
 using mauve::test::RawClient;
 
-constexpr int kComponents = 4;
-constexpr std::int64_t kPeriod = 1'000'000;
+constexpr int kWatched = 4;
+constexpr std::int64_t kWatchedPeriod = 1'000'000;
 
 /// Above other people's real-time threads, which a probe above all does not see.
 std::string architecture() {
   Json file = {{"schema", "mauve/architecture/1"}, {"name", "clients"}, {"plugins", {"demo"}}};
-  for (int i = 0; i < kComponents; ++i) {
+  for (int i = 0; i < kWatched; ++i) {
     file["components"]["counter" + std::to_string(i)] = {{"type", "demo/counter"},
                                                          {"properties", {{"fsm.period", "1ms"}}},
                                                          {"task", {{"priority", 90}}}};
@@ -69,7 +69,7 @@ class Daemon {
     mauve::test::Process dump({MAUVE_BIN_DIR "/mauvectl", "--socket", socket().string(), "trace",
                                "dump", "-o", trace.string()});
     static_cast<void>(dump.wait());
-    return mauve::test::missed_releases(trace, since, kPeriod);
+    return mauve::test::missed_releases(trace, since, kWatchedPeriod);
   }
 
  private:
@@ -102,7 +102,7 @@ class Clients {
  private:
   void watch(RawClient& client) {
     Json addresses = Json::array();
-    for (int i = 0; i < kComponents; ++i) {
+    for (int i = 0; i < kWatched; ++i) {
       addresses.push_back("counter" + std::to_string(i) + ".core.count");
     }
     if (!client.ask("watch.subscribe", {{"addresses", addresses}}).contains("result")) {
@@ -168,7 +168,7 @@ void sweep_clients(Book& book, const Options& options) {
   const Duration time = std::chrono::milliseconds(options.choose(4000, 300));
   Sweep sweep(
       "clients",
-      "Clients at once on a mauved with " + std::to_string(kComponents) + " components of 1 kHz",
+      "Clients at once on a mauved with " + std::to_string(kWatched) + " components of 1 kHz",
       "clients",
       {{"begins after its release, p50, us", "us a client"},
        {"p99 of the worst, us", "us a client"},

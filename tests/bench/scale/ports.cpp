@@ -15,7 +15,7 @@
 namespace bench::scale {
 namespace {
 
-constexpr Duration kPeriod{1'000'000};
+constexpr Duration kJobEvery{1'000'000};
 
 /// So many ports of each kind has the next shell: its component makes it without arguments.
 int width = 1;
@@ -43,7 +43,7 @@ struct Passing : mauve::Core<Wide> {
 struct Ports : mauve::Architecture {
   explicit Ports(int cpu) {
     for (int i = 0; i < width; ++i) data.emplace_back(*this, "data" + std::to_string(i), 0.0);
-    component.fsm().period = kPeriod;
+    component.fsm().period = kJobEvery;
     component.task().priority = 80;
     component.task().cpus = {cpu};
   }
