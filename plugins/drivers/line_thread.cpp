@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -52,7 +53,6 @@ constexpr std::size_t kHead = 3;  // before a request: how long it is, and after
 
 /// The bytes of an order, and in the last one how many there are.
 using Order = std::array<char, sizeof(std::uint64_t)>;
-static_assert(std::atomic<Order>::is_always_lock_free);
 
 }  // namespace
 
@@ -61,8 +61,10 @@ struct LineThread::Device {
   std::mutex reading;                    // no thread but those of lines ever waits for it
   std::uint64_t tuned = 0;               // whose speed it has
   std::string left;                      // read by one that was the reader until then
-  std::atomic<Order> order{};            // the newest
+  std::atomic<std::uint64_t> order{0};   // the newest, as a word
   std::atomic<std::uint8_t> orders{0};   // their number, which may begin anew
+
+  [[nodiscard]] Order newest() const { return std::bit_cast<Order>(order.load()); }
 };
 
 /// What no other line can find is its own: nothing.
@@ -164,7 +166,7 @@ void LineThread::overrule(std::string_view order) {
   if (device_ == nullptr) return;
   Order packed{};
   packed.back() = static_cast<char>(order.copy(packed.data(), packed.size() - 1));
-  device_->order = packed;
+  device_->order = std::bit_cast<std::uint64_t>(packed);
   ++device_->orders;
 }
 
@@ -306,7 +308,7 @@ void LineThread::end_request() {
   const bool again = request_sent_ > kHead && overruled();
   if (!repeats_) waiting_.drop(request_size_);
   repeats_ = again;
-  request_size_ = again ? static_cast<std::size_t>(device_->order.load().back()) : 0;
+  request_size_ = again ? static_cast<std::size_t>(device_->newest().back()) : 0;
   request_sent_ = 0;
 }
 
@@ -336,7 +338,7 @@ void LineThread::write_out() {
 }
 
 std::ptrdiff_t LineThread::write_some() {
-  const Order order = repeats_ ? device_->order.load() : Order{};
+  const Order order = repeats_ ? device_->newest() : Order{};
   std::span<const char> rest =
       repeats_ ? std::span(order).subspan(request_sent_) : waiting_.there(request_sent_);
   rest = rest.first(std::min(rest.size(), request_size_ - request_sent_));

@@ -20,7 +20,7 @@ namespace bench::scale {
 namespace {
 
 constexpr int kMembers = 4;
-constexpr Duration kPeriod{1'000'000};
+constexpr Duration kMembersPeriod{1'000'000};
 
 struct Count {
   double value = 0;
@@ -43,7 +43,7 @@ struct Four : mauve::Architecture {
     for (int i = 0; i < kMembers; ++i) {
       auto& made = *components.emplace_back(
           std::make_unique<Component>(*this, "component" + std::to_string(i)));
-      made.fsm().period = kPeriod;
+      made.fsm().period = kMembersPeriod;
       made.task().priority = 50;
       made.task().cpus = {cpus[static_cast<std::size_t>(i) % cpus.size()]};
     }
@@ -117,8 +117,8 @@ void measure(Sweep& sweep, int rate, Duration time) {
   Four architecture;
   mauve::Deployer deployer(architecture);
   must(deployer.deploy());
-  const Probe probe(deployer.t0() + kPeriod.count() / 4);
-  std::this_thread::sleep_for(20 * kPeriod);
+  const Probe probe(deployer.t0() + kMembersPeriod.count() / 4);
+  std::this_thread::sleep_for(20 * kMembersPeriod);
   const Done done = transactions(deployer, rate, time);
   std::this_thread::sleep_for(2 * Probe::kPeriod);
   static_cast<void>(deployer.shutdown());
