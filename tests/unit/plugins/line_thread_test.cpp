@@ -119,6 +119,7 @@ TEST_F(Line, ASuccessorReadsOnWhereItsPredecessorStopped) {
 
   // The one that holds the bytes goes first, though the other may be filling them.
   static_cast<void>(first->job(*bytes));
+  first->line.stop();
   second->line.stop();
   first->line.empty_handed(*bytes);
   bytes.reset();
