@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "bench/support/checked.h"
+#include "bench/support/counting.h"
 #include "bench/support/machine.h"
 #include "bench/support/raw.h"
 #include "bench/support/report.h"
@@ -78,49 +79,6 @@ class Observing final : public exec::Runner {
   Instant woken_ = 0;
 };
 
-struct Count {
-  double value = 0;
-};
-
-/// The contract.
-struct Work : mauve::Core<mauve::EmptyShell> {
-  using Contract = Work;
-  static constexpr const char* contract = "work/core/1";
-  virtual void update() = 0;
-};
-template <int Step>
-struct Counting final : Work {
-  mauve::State<Count> state{*this};
-  void update() override { state->value += Step; }
-};
-using Component = mauve::Component<mauve::EmptyShell, Counting<1>, mauve::PeriodicFsm<Work>>;
-
-struct Many : mauve::Architecture {
-  Many() {
-    const std::vector<int> cpus = mauve::rt::usable_cpus();
-    for (std::size_t i = 0; i < kMembers; ++i) {
-      auto& made = *components.emplace_back(
-          std::make_unique<Component>(*this, "component" + std::to_string(i)));
-      made.fsm().period = kPeriod;
-      made.task().priority = kPriority;
-      made.task().budget = std::chrono::microseconds(10);
-      made.task().cpus = {cpus[i % cpus.size()]};
-    }
-  }
-  std::vector<std::unique_ptr<Component>> components;
-};
-
-mauve::Change to(const mauve::CoreType& core) {
-  mauve::Change change;
-  for (std::size_t i = 0; i < kMembers; ++i) {
-    mauve::Edit edit;
-    edit.component = "component" + std::to_string(i);
-    edit.core = core;
-    change.edits.push_back(std::move(edit));
-  }
-  return change;
-}
-
 struct Samples {
   std::vector<double> publishing;  // us
   std::vector<double> waking;      // us
@@ -155,8 +113,8 @@ bool disturbed(const Probe& probe, Instant from, Instant to) {
 }
 
 void one_transaction(exec::System& system, const Observing& runner, const Probe& probe,
-                     const mauve::CoreType& core, Samples& samples) {
-  mauve::PreparedChange prepared = checked(exec::prepare_change(system, to(core)));
+                     const mauve::Change& change, Samples& samples) {
+  mauve::PreparedChange prepared = checked(exec::prepare_change(system, change));
   const Instant request = now();
   const auto commit = exec::begin_commit(system, prepared);
   system.runner->await([&] { return commit->advance(); }, exec::kNever);
@@ -179,7 +137,7 @@ void one_transaction(exec::System& system, const Observing& runner, const Probe&
 }
 
 Samples transactions(int count, int coordinator) {
-  Many architecture;
+  CountingMany architecture(kMembers, kPeriod);
   exec::System system(architecture, {});
   const auto runner = std::make_shared<Observing>();
   system.runner = runner;
@@ -188,10 +146,9 @@ Samples transactions(int count, int coordinator) {
   const OnCpu here(coordinator, 0);
   std::this_thread::sleep_for(3 * kPeriod);  // the probe watches, and every component has run
   Samples samples;
-  const mauve::CoreType one = mauve::CoreType::of<Counting<1>>("one");
-  const mauve::CoreType two = mauve::CoreType::of<Counting<2>>("two");
+  const std::array<mauve::Change, 2> changes{architecture.to<2>(), architecture.to<1>()};
   for (int i = 0; i < count; ++i) {
-    one_transaction(system, *runner, probe, i % 2 == 0 ? two : one, samples);
+    one_transaction(system, *runner, probe, changes[static_cast<std::size_t>(i) % 2], samples);
   }
   static_cast<void>(exec::bring_down(system, std::chrono::seconds(2)));
   return samples;

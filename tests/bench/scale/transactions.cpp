@@ -2,7 +2,6 @@
 /// 1 to 1000 transactions a second over four components of 1 kHz, each of which gets another core.
 #include <algorithm>
 #include <array>
-#include <memory>
 #include <string>
 #include <thread>
 
@@ -10,10 +9,10 @@
 
 #include "bench/scale/sweeps.h"
 #include "bench/support/checked.h"
+#include "bench/support/counting.h"
 #include "bench/support/machine.h"
 #include "bench/support/sweep.h"
 
-#include <mauve/architecture.h>
 #include <mauve/deployer.h>
 
 namespace bench::scale {
@@ -21,46 +20,6 @@ namespace {
 
 constexpr int kMembers = 4;
 constexpr Duration kMembersPeriod{1'000'000};
-
-struct Count {
-  double value = 0;
-};
-struct Work : mauve::Core<mauve::EmptyShell> {
-  using Contract = Work;
-  static constexpr const char* contract = "work/core/1";
-  virtual void update() = 0;
-};
-template <int Step>
-struct Counting final : Work {
-  mauve::State<Count> state{*this};
-  void update() override { state->value += Step; }
-};
-using Component = mauve::Component<mauve::EmptyShell, Counting<1>, mauve::PeriodicFsm<Work>>;
-
-struct Four : mauve::Architecture {
-  Four() {
-    const std::vector<int> cpus = mauve::rt::usable_cpus();
-    for (int i = 0; i < kMembers; ++i) {
-      auto& made = *components.emplace_back(
-          std::make_unique<Component>(*this, "component" + std::to_string(i)));
-      made.fsm().period = kMembersPeriod;
-      made.task().priority = 50;
-      made.task().cpus = {cpus[static_cast<std::size_t>(i) % cpus.size()]};
-    }
-  }
-  std::vector<std::unique_ptr<Component>> components;
-};
-
-mauve::Change to(const mauve::CoreType& core) {
-  mauve::Change change;
-  for (int i = 0; i < kMembers; ++i) {
-    mauve::Edit edit;
-    edit.component = "component" + std::to_string(i);
-    edit.core = core;
-    change.edits.push_back(std::move(edit));
-  }
-  return change;
-}
 
 Instant thread_time() {
   timespec t{};
@@ -82,9 +41,8 @@ struct Done {
 
 /// Begins one at each instant of a grid; what comes too late begins at once, and is not made up
 /// for.
-Done transactions(mauve::Deployer& deployer, int rate, Duration time) {
-  const std::array<mauve::Change, 2> changes{to(mauve::CoreType::of<Counting<1>>("one")),
-                                             to(mauve::CoreType::of<Counting<2>>("two"))};
+Done transactions(mauve::Deployer& deployer, const CountingMany& members, int rate, Duration time) {
+  const std::array<mauve::Change, 2> changes{members.to<1>(), members.to<2>()};
   Done done;
   const Instant begun = now();
   const Instant busy = thread_time();
@@ -114,12 +72,12 @@ bool disturbed(const Probe& probe, const Done::Transaction& one) {
 }
 
 void measure(Sweep& sweep, int rate, Duration time) {
-  Four architecture;
+  CountingMany architecture(kMembers, kMembersPeriod);
   mauve::Deployer deployer(architecture);
   must(deployer.deploy());
   const Probe probe(deployer.t0() + kMembersPeriod.count() / 4);
   std::this_thread::sleep_for(20 * kMembersPeriod);
-  const Done done = transactions(deployer, rate, time);
+  const Done done = transactions(deployer, architecture, rate, time);
   std::this_thread::sleep_for(2 * Probe::kPeriod);
   static_cast<void>(deployer.shutdown());
   double missed = 0;

@@ -150,15 +150,20 @@ TEST(Relief, AFreshCoreComesWithTheChangeAsWell) {
   EXPECT_EQ(deployer.status("control").state, ComponentState::faulted) << "the fresh one failed";
 }
 
+/// To a core that fails in its first job, with another fallback core than before.
+Change to_broken_with_another_fallback() {
+  Change change{{ramp::to_core<Broken>("broken")}};
+  change.fallbacks.push_back(
+      {"control", ComponentBase::Fallback{CoreType::of<ramp::Up>("ramp/up"), {}}});
+  return change;
+}
+
 TEST(Relief, IsTheFallbackCoreThatTheChangeNames) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
-  Change change{{ramp::to_core<Broken>("broken")}};
-  change.fallbacks.push_back(
-      {"control", ComponentBase::Fallback{CoreType::of<ramp::Up>("ramp/up"), {}}});
 
-  ASSERT_TRUE(deployer.apply(change));
+  ASSERT_TRUE(deployer.apply(to_broken_with_another_fallback()));
   deployer.run_for(30ms);
 
   ASSERT_EQ(tend(deployer).size(), 1u);
@@ -170,9 +175,7 @@ TEST(Relief, IsTheOneFromBeforeAfterARollBack) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
-  Change change{{ramp::to_core<Broken>("broken")}};
-  change.fallbacks.push_back(
-      {"control", ComponentBase::Fallback{CoreType::of<ramp::Up>("ramp/up"), {}}});
+  Change change = to_broken_with_another_fallback();
   change.probation.emplace();
 
   ASSERT_TRUE(deployer.apply(change));
