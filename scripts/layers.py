@@ -57,6 +57,7 @@ ROOMS = {
     "pthread.h": "libruntime/rt/ plugins/drivers/line_thread",
     "sched.h": "libruntime/rt/",
     "linux/futex.h": "libruntime/rt/",
+    "linux/membarrier.h": "libruntime/rt/",
     "sys/mman.h": "libruntime/rt/ libruntime/plugin/",
     "sys/syscall.h": "libruntime/rt/",
     "systemd/": "daemon/",

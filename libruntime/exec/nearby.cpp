@@ -12,6 +12,8 @@ namespace {
 constexpr std::uintptr_t kLine = 64;
 /// Of an object whose class is not known: where the members are that it uses most.
 constexpr std::size_t kHead = 512;
+/// Of a value: the CPU notices where this leads.
+constexpr std::size_t kBegin = 256;
 /// Asking for them takes the time of some hundred instructions.
 constexpr std::size_t kAtMost = 256;
 
@@ -44,7 +46,19 @@ void Nearby::add(const Shell& shell, const Bindings& bindings) {
     add(*reinterpret_cast<const void* const*>(&service), 2 * kLine);  // NOLINT: its functions
     add(&resource.gate(), sizeof(Gate));
     add(last_line_of(resource.interface()), kLine);  // its core and its resource
-    add(&resource.core(), kHead);
+    if (binding->exchange() != nullptr) {
+      add(*binding->exchange());
+    } else {
+      add(&resource.core(), kHead);
+    }
+  }
+}
+
+void Nearby::add(const Exchange& exchange) {
+  add(&exchange, sizeof exchange);
+  for (const std::byte* slot : exchange.latest.first_slots()) {
+    add(slot, std::min(exchange.latest.slot_size(), kBegin));
+    add(slot + exchange.latest.size(), 1);
   }
 }
 

@@ -29,6 +29,7 @@ class Nearby {
  private:
   void add(const void* object, std::size_t size);
   void add(const Shell& shell, const Bindings& bindings);
+  void add(const Exchange& exchange);
 
   std::vector<std::uintptr_t> lines_;
 };

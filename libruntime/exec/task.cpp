@@ -235,6 +235,13 @@ void Task::keep_bundle(Published& next) const {
   next.bound = current_->bound;
 }
 
+/// What stood there before. Mostly nothing does, and nothing comes: no exchange then.
+MAUVE_RUNS_AT_A_SWAP Published* Task::put(std::atomic<Published*>& place,
+                                          std::unique_ptr<Published>& next) {
+  if (next == nullptr && place.load(std::memory_order_acquire) == nullptr) return nullptr;
+  return place.exchange(next.release(), std::memory_order_acq_rel);
+}
+
 /// What stood ready for the old bundle is of no use for another one.
 MAUVE_RUNS_AT_A_SWAP void Task::put_in_place(Published& next) {
   const bool same_bundle = next.bundle == current_->bundle;
@@ -247,10 +254,8 @@ MAUVE_RUNS_AT_A_SWAP void Task::put_in_place(Published& next) {
   }
   if (same_bundle && next.back == nullptr && next.relief == nullptr) return;
   overran_ = held_up_ = 0;
-  if (Published* before = back_.exchange(next.back.release(), std::memory_order_acq_rel)) {
-    pile_up(*before);
-  }
-  if (Published* relief = relief_.exchange(next.relief.release(), std::memory_order_acq_rel)) {
+  if (Published* before = put(back_, next.back)) pile_up(*before);
+  if (Published* relief = put(relief_, next.relief)) {
     relief->answer->progress.store(Published::Progress::given_back, std::memory_order_release);
     pile_up(*relief);
   }

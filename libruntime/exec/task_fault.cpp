@@ -9,6 +9,7 @@
 #include "exec/safe_values.h"
 #include "exec/task.h"
 #include "rt/cpu_time.h"
+#include "rt/fence.h"
 
 #include <mauve/job.h>
 
@@ -124,6 +125,7 @@ bool Task::lose_thread(Instant since) {
   trace_ = new Trace{rt::TraceRing(simulated_), std::unique_ptr<Trace>(trace_.load())};
   if (Job* job = job_.exchange(nullptr)) {
     job->detached.store(true);
+    rt::fence_all_threads();  // it writes alone to no exchange from here on: see LatestValue
     Gate::poison_and_free_all(*job);
   }
   return true;

@@ -5,16 +5,13 @@
 
 namespace mauve {
 
-Job& this_job() {
-  // libmauve is loaded at start: its thread-local storage needs no allocation on first use.
-  [[gnu::tls_model("initial-exec")]] static thread_local Job job;
-  return job;
-}
+namespace detail {
 
-Instant job_time() {
-  const Instant start = this_job().start;
-  return start != 0 ? start : MonotonicClock().now();
-}
+constinit thread_local Job job;
+
+Instant time_outside_jobs() { return MonotonicClock().now(); }
+
+}  // namespace detail
 
 Status refuse_in_job(const std::string& at, const char* what) {
   if (!this_job().running) return ok();

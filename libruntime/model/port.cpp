@@ -24,12 +24,37 @@ Binding::Binding(ServiceBase& service, std::shared_ptr<void> keep_alive, Duratio
       service_(service),
       id_(next_binding_id()),
       slot_(service.attach()),
-      max_age_(max_age) {}
+      max_age_(max_age),
+      exchange_(service.exchange()) {
+  static_cast<void>(at_hand());
+}
 
-Binding::~Binding() { service_.detach(slot_); }
+Binding::~Binding() {
+  service_.detach(slot_);
+  if (exchange_ != nullptr) exchange_->latest.leave_place(id_);
+}
+
+Exchange* Binding::at_hand() const {
+  if (exchange_ == nullptr) return nullptr;
+  const bool writes = service_.signature().kind == PortKind::write;
+  const bool own = writes ? exchange_->latest.take_place(id_) : slot_ != LatestValue::kNoSlot;
+  return own ? exchange_ : nullptr;
+}
+
+bool Binding::write(const void* value) const {
+  Exchange* const exchange = at_hand();
+  if (exchange != nullptr && exchange->write_alone(value, exchange->latest.size())) {
+    return exchange->told(value);
+  }
+  return service_.write(value);
+}
 
 PortBase::PortBase(Shell& shell, std::string_view name, Signature signature)
-    : shell_(shell), name_(name), signature_(std::move(signature)), index_(shell.ports_.size()) {
+    : version_(shell.version_),
+      index_(shell.ports_.size()),
+      shell_(shell),
+      name_(name),
+      signature_(std::move(signature)) {
   shell.ports_.push_back(this);
   shell.initial_.emplace_back();
 }
@@ -59,12 +84,13 @@ bool PortBase::connected() const {
 const Binding* PortBase::binding() {
   if (this_job().detached.load(std::memory_order_relaxed)) return nullptr;
   const Bindings* table = shell_.bindings();
-  if (table == nullptr) return nullptr;
-  const Binding* binding = (*table)[index_].get();
-  if (binding == nullptr) return nullptr;
-  if (binding->id() != seen_) {
+  const Binding* binding = table != nullptr ? (*table)[index_].get() : nullptr;
+  seen_version_ = version_;
+  at_hand_ = binding != nullptr && !calls_ ? binding->at_hand() : nullptr;
+  max_age_ = binding != nullptr ? binding->max_age() : Duration{0};
+  if (binding != nullptr && binding->id() != seen_) {
     seen_ = binding->id();
-    cursor_ = Cursor{binding->slot(), 0, 0};
+    cursor_ = Cursor{binding->slot()};
   }
   return binding;
 }

@@ -4,12 +4,18 @@
 #include <cstring>
 
 #include <mauve/core.h>
-#include <mauve/tap.h>
+#include <mauve/exchange.h>
 
 #include "model/succession.h"
-#include "rt/latest_value.h"
 
 namespace mauve {
+
+bool Exchange::tell(const void* data) {
+  const Entry entry(*gate);
+  if (entry) taps.push(data, job_time());
+  return true;
+}
+
 namespace {
 
 /// The exchange lives in the core: it is the inner data of the resource.
@@ -20,23 +26,27 @@ class SharedDataCore final : public CoreBase, public ValueStore {
 
   [[nodiscard]] const DataType& data() const override { return data_; }
   void each(const Visit& visit) const override {
-    const rt::LatestValue::View newest = exchange_.newest();
+    const LatestValue::View newest = exchange_.latest.newest();
     if (newest.data != nullptr) visit(newest.data, newest.header.stamp);
   }
   void put(const void* value, Instant stamp) override {
-    std::memcpy(exchange_.begin_write(), value, data_.size);
-    exchange_.end_write(stamp);
+    std::memcpy(exchange_.latest.begin_write(), value, data_.size);
+    exchange_.latest.end_write(stamp);
   }
 
   const DataType& data_;
   std::shared_ptr<void> library_;  // of the data type
-  TapList taps_;
-  rt::LatestValue exchange_;
+  Exchange exchange_;
   Stateless stateless_{*this};
 };
 
 Signature data_signature(PortKind kind, const DataType& data) {
   return {kind, data.name, data.layout, &data};
+}
+
+/// Its core has no properties: it is never exchanged.
+Exchange& exchange_of(const InterfaceBase& interface) {
+  return static_cast<SharedDataCore&>(interface.core()).exchange_;
 }
 
 /// Readers with a slot of their own never wait; the others take turns under the lock.
@@ -45,78 +55,56 @@ class ReadLatest final : public ServiceBase {
   ReadLatest(InterfaceBase& owner, const DataType& data)
       : ServiceBase(owner, "read", data_signature(PortKind::read, data)) {}
 
-  unsigned attach() override { return exchange().attach(); }
-  void detach(unsigned slot) override { exchange().detach(slot); }
-  [[nodiscard]] TapList* taps() override { return &shared().taps_; }
+  unsigned attach() override { return latest().attach(); }
+  void detach(unsigned slot) override { latest().detach(slot); }
+  [[nodiscard]] TapList* taps() override { return &exchange()->taps; }
+  [[nodiscard]] Exchange* exchange() override { return &exchange_of(owner()); }
 
   DataStatus read(void* into, Cursor& cursor) override {
-    rt::LatestValue& latest = exchange();
-    auto copy = [&](const void* data) { std::memcpy(into, data, latest.size()); };
-    if (cursor.slot == rt::LatestValue::kNoSlot) return in_turn(copy, cursor);
-    return show(latest.acquire(cursor.slot), copy, cursor);
+    auto copy = [&](const void* data) { std::memcpy(into, data, latest().size()); };
+    return look(Visitor(copy), cursor);
   }
   DataStatus look(Visitor visitor, Cursor& cursor) override {
-    if (cursor.slot == rt::LatestValue::kNoSlot) return in_turn(visitor, cursor);
-    return show(exchange().acquire(cursor.slot), visitor, cursor);
+    if (cursor.slot != LatestValue::kNoSlot) return show(latest().seek(cursor), visitor, cursor);
+    Entry entry(gate());
+    if (!entry) return entry.refusal();
+    const LatestValue::View view = latest().acquire(LatestValue::kInTurn);
+    return show(LatestValue::show(view, cursor), visitor, cursor);
   }
 
  private:
-  template <typename Visit>
-  DataStatus in_turn(const Visit& visit, Cursor& cursor) {
-    Entry entry(gate());
-    if (!entry) return entry.refusal();
-    return show(exchange().acquire(rt::LatestValue::kInTurn), visit, cursor);
+  static DataStatus show(DataStatus status, const Visitor& visitor, const Cursor& cursor) {
+    if (status != DataStatus::no_data) visitor(cursor.data);
+    return status;
   }
-  template <typename Visit>
-  static DataStatus show(const rt::LatestValue::View& view, const Visit& visit, Cursor& cursor) {
-    if (view.data == nullptr) return DataStatus::no_data;
-    visit(view.data);
-    const bool fresh = view.header.sequence != cursor.seen;
-    cursor.seen = view.header.sequence;
-    cursor.stamp = view.header.stamp;
-    return fresh ? DataStatus::new_data : DataStatus::old_data;
-  }
-  SharedDataCore& shared() { return static_cast<SharedDataCore&>(owner().core()); }
-  rt::LatestValue& exchange() { return shared().exchange_; }
+  LatestValue& latest() { return exchange_of(owner()).latest; }
 };
 
-/// A writer that is alone never takes the lock. Others do, as does who fills a value in place
-/// (the author's code), and everybody while somebody listens.
+/// The port that came first writes without a call and without the lock. Others take it, as does who
+/// fills a value in place (the author's code), and everybody while somebody listens.
 class WriteLatest final : public ServiceBase {
  public:
   WriteLatest(InterfaceBase& owner, const DataType& data)
       : ServiceBase(owner, "write", data_signature(PortKind::write, data)) {}
 
-  [[nodiscard]] TapList* taps() override { return &shared().taps_; }
+  [[nodiscard]] TapList* taps() override { return &exchange()->taps; }
+  [[nodiscard]] Exchange* exchange() override { return &exchange_of(owner()); }
 
   bool write(const void* data) override {
-    SharedDataCore& core = shared();
-    if (owner().resource().gate().poisoned()) return false;
-    const Instant stamp = job_time();
-    if (core.taps_.empty() && core.exchange_.try_write(data, stamp)) {
-      if (!core.taps_.empty()) tell(data, stamp);  // somebody began to listen meanwhile
-      return true;
-    }
-    auto copy = [&](void* into) { std::memcpy(into, data, core.exchange_.size()); };
+    auto copy = [&](void* into) { std::memcpy(into, data, exchange()->latest.size()); };
     return fill(Filler(copy));
   }
   bool fill(Filler filler) override {
     Entry entry(gate());
     if (!entry) return false;
     const Instant stamp = job_time();
-    void* const value = shared().exchange_.begin_write();
+    Exchange& into = *exchange();
+    void* const value = into.latest.begin_write();
     filler(value);
-    shared().exchange_.end_write(stamp);
-    shared().taps_.push(value, stamp);
+    into.latest.end_write(stamp);
+    into.taps.push(value, stamp);
     return true;
   }
-
- private:
-  void tell(const void* data, Instant stamp) {
-    const Entry entry(gate());
-    if (entry) shared().taps_.push(data, stamp);
-  }
-  SharedDataCore& shared() { return static_cast<SharedDataCore&>(owner().core()); }
 };
 
 class SharedDataInterface final : public InterfaceBase {
@@ -141,6 +129,7 @@ ResourceType shared_data_type(const DataType& data, const std::shared_ptr<void>&
 SharedDataBase::SharedDataBase(std::string name, const DataType& data, const void* initial,
                                std::shared_ptr<void> library)
     : ResourceBase(std::move(name), shared_data_type(data, library)) {
+  exchange_of(interface()).gate = &gate();
   gate().hold_shortly();
   if (initial != nullptr) write_service().write(initial);
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "rt/latest_value.h"
+#include <mauve/latest_value.h>
 
 #include <new>
 
-namespace mauve::rt {
+namespace mauve {
 namespace {
 
 constexpr std::size_t round_up(std::size_t value, std::size_t step) {
@@ -12,21 +12,26 @@ constexpr std::size_t round_up(std::size_t value, std::size_t step) {
 
 constexpr std::uint64_t lowest(unsigned bits) { return (1ULL << bits) - 1; }
 
+/// Small ones share lines: a writer and a reader on two CPUs then move fewer lines than values.
+constexpr std::size_t stride_of(std::size_t slot, std::size_t apart) {
+  return slot < apart ? std::bit_ceil(slot) : round_up(slot, apart);
+}
+
 }  // namespace
 
 LatestValue::LatestValue(std::size_t size, unsigned readers)
     : size_(size),
       behind_(round_up(size, alignof(Header))),
-      stride_(round_up(behind_ + sizeof(Header), kApart)),
+      stride_(stride_of(behind_ + sizeof(Header), kApart)),
       readers_((readers < kMaxReaders ? readers : kMaxReaders) + 1),
       taken_(std::make_unique<std::atomic<bool>[]>(readers_)) {
   const unsigned own = readers_ + 1;
   const unsigned slots = 2 * own + 1;
   memory_ = static_cast<std::byte*>(::operator new (stride_* slots, std::align_val_t{kApart}));
   std::memset(memory_, 0, stride_ * slots);  // touched now, not by a real-time thread
-  quick_.owned = lowest(own);
-  careful_.owned = lowest(own) << own;
-  careful_.sequence = 1;
+  alone_.others = lowest(readers_) << 1;
+  careful_.next = static_cast<std::uint8_t>(own);
+  careful_.others = alone_.others << own;
   word_ = slots - 1;
 }
 
@@ -47,13 +52,10 @@ void LatestValue::detach(unsigned reader) {
   if (reader < readers_) taken_[reader].store(false);
 }
 
-void* LatestValue::begin_write() {
-  careful_.choose();
-  return slot(careful_.next);
-}
+void* LatestValue::begin_write() { return slot(careful_.next); }
 
 void LatestValue::end_write(Instant stamp) {
-  describe(careful_, stamp);
+  describe(slot(careful_.next), {careful_sequence_ += kNextCareful, stamp});
   const std::uint32_t count = count_.load(std::memory_order_relaxed) + 1;
   count_.store(count, std::memory_order_release);
   const std::uint64_t after = std::uint64_t{count} << kCountShift | careful_.next;
@@ -61,4 +63,4 @@ void LatestValue::end_write(Instant stamp) {
   careful_.exchange_for(before, used_.load(std::memory_order_relaxed));
 }
 
-}  // namespace mauve::rt
+}  // namespace mauve

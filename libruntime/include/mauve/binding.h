@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include <mauve/exchange.h>
 #include <mauve/service.h>
 
 namespace mauve {
@@ -25,12 +26,21 @@ class Binding {
   [[nodiscard]] unsigned slot() const { return slot_; }
   [[nodiscard]] Duration max_age() const { return max_age_; }
 
+  /// Where the values lie; null: the service computes them.
+  [[nodiscard]] const Exchange* exchange() const { return exchange_; }
+  /// The same, when the port has a place of its own there: a write port tries to take
+  /// it. [rt]
+  [[nodiscard]] Exchange* at_hand() const;
+  /// There, or by a call of the service. False: nobody got it. [rt]
+  bool write(const void* value) const;
+
  private:
   std::shared_ptr<void> keep_alive_;
   ServiceBase& service_;
   std::uint64_t id_;
   unsigned slot_;
-  Duration max_age_;  // zero: no limit
+  Duration max_age_;    // zero: no limit
+  Exchange* exchange_;  // null: the service computes its values
 };
 
 /// The connections of all ports of a shell, by port index; null where not connected. A change

@@ -35,6 +35,8 @@ struct Cursor {
   unsigned slot = 0;       ///< reader slot of a wait-free exchange
   std::uint64_t seen = 0;  ///< sequence number of the last value read
   Instant stamp = 0;       ///< when the value read was written (start of the writing job)
+  /// The value itself, held still, in an exchange in which the reader has a place of its own.
+  const void* data = nullptr;
 };
 
 enum class PortKind : std::uint8_t { read, write, call, event };

@@ -45,11 +45,22 @@ struct Job {
   std::array<std::atomic<GateLock*>, kMaxHeld> held{};
 };
 
+namespace detail {
+
+// libmauve is loaded at start: its thread-local storage needs no call and no allocation.
+[[gnu::tls_model("initial-exec")]] extern constinit thread_local Job job;
+[[nodiscard]] Instant time_outside_jobs();
+
+}  // namespace detail
+
 /// The calling thread's job. [any]
-[[nodiscard]] Job& this_job();
+[[nodiscard]] inline Job& this_job() { return detail::job; }
 
 /// Time for stamps: the start of the running job, or the clock outside one. [any]
-[[nodiscard]] Instant job_time();
+[[nodiscard]] inline Instant job_time() {
+  const Instant start = this_job().start;
+  return start != 0 ? start : detail::time_outside_jobs();
+}
 
 /// An error when the calling thread runs a job: `what` takes locks, time and memory. [any]
 [[nodiscard]] Status refuse_in_job(const std::string& at, const char* what);

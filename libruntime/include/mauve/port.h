@@ -3,63 +3,13 @@
 /// crash when nothing is connected.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <optional>
-#include <string>
 #include <string_view>
 
-#include <mauve/binding.h>
-#include <mauve/data_status.h>
-#include <mauve/service.h>
-#include <mauve/trace.h>
+#include <mauve/port_base.h>
 
 namespace mauve {
-
-class Shell;
-
-/// What the runtime sees of a port. Use is [rt] by the component's own thread.
-class PortBase {
- public:
-  PortBase(Shell& shell, std::string_view name, Signature signature);
-  PortBase(const PortBase&) = delete;
-  PortBase& operator=(const PortBase&) = delete;
-  virtual ~PortBase() = default;
-
-  [[nodiscard]] std::string_view name() const { return name_; }
-  [[nodiscard]] const Signature& signature() const { return signature_; }
-  [[nodiscard]] std::size_t index() const { return index_; }
-  /// Dotted address, such as "control.ports.scan".
-  [[nodiscard]] std::string address() const;
-
-  /// Connects in code, before deployment: `shell().scan.connect(scan.interface().read)`.
-  Status connect(ServiceBase& service, Duration max_age = Duration{0});
-  [[nodiscard]] bool connected() const;
-
-  /// Writes the declared safe value, if any, to a service: at stop, fault and disconnect. [rt]
-  virtual void write_safe(ServiceBase& /*service*/) const {}
-  [[nodiscard]] virtual bool has_safe_value() const { return false; }
-  /// Accesses that found no connection, or a resource busy beyond the bound.
-  [[nodiscard]] std::uint64_t failures() const { return failures_; }
-  /// Runtime only: what it is called in a trace, "control.scan". Off the real-time threads.
-  void name_in_trace(std::string_view name) { trace_name_ = trace_name_id(name); }
-
- protected:
-  /// The connection in force, or null. Forgets the cursor when it changed. [rt]
-  [[nodiscard]] const Binding* binding();
-  void count_failure() { ++failures_; }
-  [[nodiscard]] TracedCall call_begins() const { return TracedCall(trace_name_); }
-  Cursor cursor_;
-
- private:
-  Shell& shell_;
-  std::string_view name_;
-  Signature signature_;
-  std::size_t index_;
-  std::uint64_t seen_ = 0;  // id of the binding that the cursor belongs to
-  std::uint64_t failures_ = 0;
-  std::uint32_t trace_name_ = 0;
-};
 
 /// Reads the value of a connected service. `read()` by value up to 4 kB; larger data is read into
 /// the caller's storage or looked at in place.
@@ -80,22 +30,23 @@ class ReadPort final : public PortBase {
   }
   /// `into` gets the value, or the default when there is none.
   DataStatus read(T& into) {
-    const TracedCall call = call_begins();
-    const Binding* connection = binding();
-    status_ = connection == nullptr ? DataStatus::no_data
-                                    : aged(*connection, connection->service().read(&into, cursor_));
-    if (!has_value(status_)) into = default_;
-    return call.ended(status_);
+    Exchange* const exchange = at_hand();
+    if (exchange == nullptr) [[unlikely]]
+      return read_by_call(into);
+    const DataStatus status = aged(exchange->latest.seek(cursor_));
+    status_ = status;
+    if (status == DataStatus::no_data) [[unlikely]] {
+      into = default_;
+    } else {
+      exchange->copy(into, cursor_);
+    }
+    return status;
   }
   /// Calls f(const T&) on the value in place; not at all when there is none.
   template <typename F>
   DataStatus look(F&& f) {
-    const TracedCall call = call_begins();
-    const Binding* connection = binding();
-    if (connection == nullptr) return call.ended(status_ = DataStatus::no_data);
     auto show = [&f](const void* data) { f(*static_cast<const T*>(data)); };
-    status_ = aged(*connection, connection->service().look(Visitor(show), cursor_));
-    return call.ended(status_);
+    return visit([&](ServiceBase& service) { return service.look(Visitor(show), cursor_); });
   }
 
   /// Of the last read.
@@ -104,10 +55,23 @@ class ReadPort final : public PortBase {
   [[nodiscard]] Duration age() const { return Duration{job_time() - cursor_.stamp}; }
 
  private:
-  DataStatus aged(const Binding& connection, DataStatus status) {
-    if (status == DataStatus::timed_out || status == DataStatus::poisoned) count_failure();
-    if (connection.max_age() == Duration{0} || !mauve::has_value(status)) return status;
-    return age() > connection.max_age() ? DataStatus::stale : status;
+  [[gnu::noinline]] DataStatus read_by_call(T& into) {
+    visit([&](ServiceBase& service) { return service.read(&into, cursor_); });
+    if (!has_value(status_)) into = default_;
+    return status_;
+  }
+  template <typename Ask>
+  DataStatus visit(const Ask& ask) {
+    const TracedCall call = call_begins();
+    const Binding* connection = binding();
+    status_ = connection == nullptr ? DataStatus::no_data : ask(connection->service());
+    if (status_ == DataStatus::timed_out || status_ == DataStatus::poisoned) count_failure();
+    return call.ended(status_ = aged(status_));
+  }
+  DataStatus aged(DataStatus status) {
+    if (max_age() == Duration{0} || !mauve::has_value(status)) [[likely]]
+      return status;
+    return age() > max_age() ? DataStatus::stale : status;
   }
 
   T default_;
@@ -140,14 +104,17 @@ class WritePort final : public PortBase {
   WritePort(Shell& shell, std::string_view name, Safe<T> safe, Plausible<T> plausible)
       : PortBase(shell, name, Signature::write<T>()),
         safe_(std::move(safe.value)),
-        plausible_(std::move(plausible.accepts)) {}
+        plausible_(std::move(plausible.accepts)) {
+    always_call();
+  }
 
   /// False: nobody got the value.
   bool write(const T& value) {
-    const TracedCall call = call_begins();
-    const Binding* connection = binding();
-    const bool may = connection != nullptr && lets_out(value);
-    return call.ended(counted(may && connection->service().write(&value)));
+    Exchange* const exchange = at_hand();
+    if (exchange == nullptr) [[unlikely]]
+      return write_by_call(value);
+    if (!exchange->write_alone(&value, exchange->bytes_of<T>())) return write_by_call(value);
+    return exchange->told(&value);
   }
   /// Calls f(T&) on the storage of the exchange, some older value, then publishes it unchecked.
   template <typename F>
@@ -164,6 +131,12 @@ class WritePort final : public PortBase {
   [[nodiscard]] bool has_safe_value() const override { return safe_.has_value(); }
 
  private:
+  [[gnu::noinline]] bool write_by_call(const T& value) {
+    const TracedCall call = call_begins();
+    const Binding* connection = binding();
+    const bool may = connection != nullptr && lets_out(value);
+    return call.ended(counted(may && connection->write(&value)));
+  }
   bool counted(bool done) {
     if (!done) count_failure();
     return done;

@@ -20,6 +20,7 @@ namespace mauve {
 
 class InterfaceBase;
 class ResourceBase;
+struct Exchange;
 class TapList;
 template <typename CoreT>
 class Interface;
@@ -53,6 +54,9 @@ class ServiceBase {
   virtual bool fill(Filler /*filler*/) { return false; }
   /// Where every value written can be listened to; null for services that compute their value.
   [[nodiscard]] virtual TapList* taps() { return nullptr; }
+  /// Where its values lie, the same as long as it lives, for ports that use them without a call;
+  /// null: they call.
+  [[nodiscard]] virtual Exchange* exchange() { return nullptr; }
   /// Calls or fires; `result` may be null for void.
   virtual bool invoke(void* /*result*/, void* const* /*arguments*/) { return false; }
 

@@ -19,7 +19,10 @@ class Shell : public Configurable {
 
   /// Runtime only. The connections in force; exchanged by the component's own thread.
   [[nodiscard]] const Bindings* bindings() const { return bindings_; }
-  void use(const Bindings* bindings) { bindings_ = bindings; }
+  void use(const Bindings* bindings) {
+    if (bindings != bindings_) ++version_;
+    bindings_ = bindings;
+  }
 
   /// Runtime only. Connections made in code with PortBase::connect, taken once by the owner.
   [[nodiscard]] Bindings& initial_bindings() { return initial_; }
@@ -30,6 +33,7 @@ class Shell : public Configurable {
   std::vector<PortBase*> ports_;
   Bindings initial_;
   const Bindings* bindings_ = nullptr;
+  std::uint64_t version_ = 1;  // of bindings_: no port has seen it yet
 };
 
 }  // namespace mauve

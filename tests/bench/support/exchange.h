@@ -76,10 +76,12 @@ struct Contenders {
     };
   }
   Operation write() {
-    return repeat([&] { touch(&from), wired.writer.shell().out.write(from); });
+    auto& port = wired.writer.shell().out;
+    return repeat([this, &port] { touch(&from), port.write(from); });
   }
   Operation read() {
-    return repeat([&] { wired.reader.shell().in.read(into), touch(&into); });
+    auto& port = wired.reader.shell().in;
+    return repeat([this, &port] { port.read(into), touch(&into); });
   }
   Operation copy() {
     return repeat([&] {

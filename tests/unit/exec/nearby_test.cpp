@@ -11,6 +11,7 @@
 #include "support/ramp.h"
 
 #include <mauve/deployer.h>
+#include <mauve/exchange.h>
 
 namespace mauve::exec {
 namespace {
@@ -29,11 +30,15 @@ TEST(Nearby, HasTheCoreThePortAndAllThatItLeadsTo) {
 
   EXPECT_TRUE(is_near(nearby, &control.core()));
   EXPECT_TRUE(is_near(nearby, &control.shell().out));
-  const ServiceBase& service = architecture.position.write_service();
+  ServiceBase& service = architecture.position.write_service();
   EXPECT_TRUE(is_near(nearby, &service));
   EXPECT_TRUE(is_near(nearby, &service.resource().gate()));
-  EXPECT_TRUE(is_near(nearby, &service.resource().core()));
-  EXPECT_FALSE(is_near(nearby, &architecture.speed.core())) << "nothing leads there";
+  EXPECT_TRUE(is_near(nearby, service.exchange()));
+  for (const std::byte* slot : service.exchange()->latest.first_slots()) {
+    EXPECT_TRUE(is_near(nearby, slot));
+  }
+  EXPECT_FALSE(is_near(nearby, architecture.speed.write_service().exchange()))
+      << "nothing leads there";
 }
 
 TEST(Nearby, EndsSomewhereHoweverManyPortsThereAre) {

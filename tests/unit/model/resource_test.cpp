@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Resources that write on into others, locks, taps, and the wait-free exchange.
+/// Resources that write on into others, locks, and taps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "rt/latest_value.h"
+#include "unit/model/shared_data_users.h"
 
 #include <mauve/architecture.h>
 #include <mauve/deployer.h>
@@ -47,15 +47,6 @@ struct Chain : Architecture {
   SharedData<double> end{*this, "end"};
   Component<SourceShell, SourceCore, PeriodicFsm<SourceCore>> source{*this, "source"};
 };
-
-double value_of(SharedDataBase& data) {
-  double value = -1;
-  Cursor cursor;
-  cursor.slot = data.read_service().attach();
-  static_cast<void>(data.read_service().read(&value, cursor));
-  data.read_service().detach(cursor.slot);
-  return value;
-}
 
 TEST(Resource, WritesOnThroughItsOwnPorts) {
   Chain chain;
@@ -168,36 +159,6 @@ TEST(Tap, SeesEveryWriteAndCountsWhatItLost) {
   EXPECT_FALSE(tap.pop([](const void*, Instant) {}));
 }
 
-/// A writer that hangs while it holds the resource, until it is let go.
-class HangingWriter {
- public:
-  explicit HangingWriter(SharedDataBase& data) : thread_([this, &data] { hang(data); }) {
-    while (!inside_) std::this_thread::yield();
-  }
-  ~HangingWriter() { let_go(); }
-  HangingWriter(const HangingWriter&) = delete;
-  HangingWriter& operator=(const HangingWriter&) = delete;
-
-  void let_go() {
-    leave_ = true;
-    if (thread_.joinable()) thread_.join();
-  }
-
- private:
-  void hang(SharedDataBase& data) {
-    auto filler = [this](void* value) {
-      inside_ = true;
-      while (!leave_) std::this_thread::yield();
-      *static_cast<double*>(value) = 9.0;
-    };
-    static_cast<void>(data.write_service().fill(Filler(filler)));
-  }
-
-  std::atomic<bool> inside_{false};
-  std::atomic<bool> leave_{false};
-  std::thread thread_;
-};
-
 TEST(Tap, IsDetachedWhileAWriterHangsAndStaysWhereTheWriterMayLook) {
   SharedDataBase data("data", data_type<double>());
   TapList& list = *data.write_service().taps();
@@ -253,20 +214,7 @@ TEST(SharedData, ServesMoreReadersThanItHasSlots) {
   }
 }
 
-TEST(SharedData, AWriterIsNotHeldUpByAnotherThatHangsInIt) {
-  SharedDataBase data("data", data_type<double>());
-  HangingWriter writer(data);
-  const double value = 7.0;
-
-  EXPECT_TRUE(data.write_service().write(&value));
-
-  EXPECT_EQ(value_of(data), 7.0);
-  EXPECT_EQ(data.gate().timeouts(), 0u);
-  writer.let_go();
-  EXPECT_EQ(value_of(data), 9.0);
-}
-
-TEST(SharedData, TakesNoValueWhileItIsPoisoned) {
+TEST(SharedData, TakesNoValueByItsServiceWhileItIsPoisoned) {
   SharedDataBase data("data", data_type<double>());
   const double first = 7.0;
   ASSERT_TRUE(data.write_service().write(&first));
@@ -279,117 +227,6 @@ TEST(SharedData, TakesNoValueWhileItIsPoisoned) {
   data.gate().heal();
   EXPECT_TRUE(data.write_service().write(&second));
   EXPECT_EQ(value_of(data), 8.0);
-}
-
-/// What is not yet to be read when somebody begins to listen is told to him.
-TEST(Tap, MissesNothingOfAWriterThatTakesNoLock) {
-  constexpr int kTimes = 2000;
-  SharedDataBase data("data", data_type<double>());
-  TapList& list = *data.write_service().taps();
-  std::atomic<int> round{0};
-  std::atomic<int> written{0};
-  std::thread writer([&] {
-    for (int i = 1; i <= kTimes; ++i) {
-      while (round < i) std::this_thread::yield();
-      const double value = i;
-      EXPECT_TRUE(data.write_service().write(&value));
-      written = i;
-    }
-  });
-  int missed = 0;
-  for (int i = 1; i <= kTimes; ++i) {
-    const auto tap = std::make_shared<Tap>(data_type<double>(), 4);
-    round = i;
-    EXPECT_TRUE(list.attach(tap, data.gate()));
-    const bool was_there = value_of(data) == i;
-    while (written < i) std::this_thread::yield();
-    const bool told = tap->pop([](const void*, Instant) {});
-    missed += was_there || told ? 0 : 1;
-    list.detach(*tap, data.gate());
-  }
-  writer.join();
-  EXPECT_EQ(missed, 0);
-}
-
-/// Every value carries its number in each word; a torn read would mix two.
-struct Numbered {
-  std::array<std::uint64_t, 64> words{};
-};
-Numbered numbered(std::uint64_t number) {
-  Numbered value;
-  value.words.fill(number);
-  return value;
-}
-/// The number, or 0 for a value that is mixed.
-std::uint64_t number_of(const void* data) {
-  const auto& words = static_cast<const Numbered*>(data)->words;
-  const bool whole = std::all_of(words.begin(), words.end(), [&](auto w) { return w == words[0]; });
-  return whole ? words[0] : 0;
-}
-void write_in_turn(rt::LatestValue& exchange, const Numbered& value) {
-  std::memcpy(exchange.begin_write(), &value, sizeof value);
-  exchange.end_write(0);
-}
-
-TEST(LatestValue, NeverShowsATornOrAnOlderValueOfEitherWriter) {
-  rt::LatestValue exchange(sizeof(Numbered), 4);
-  std::atomic<bool> done{false};
-  std::vector<std::thread> threads;
-  std::atomic<int> faults{0};
-  for (int i = 0; i < 3; ++i) {
-    threads.emplace_back([&, slot = exchange.attach()] {
-      std::array<std::uint64_t, 2> last{};  // odd and even numbers come from two writers
-      while (!done) {
-        const auto view = exchange.acquire(slot);
-        if (view.data == nullptr) continue;
-        const std::uint64_t number = number_of(view.data);
-        faults += number == 0 || number < last[number % 2] ? 1 : 0;
-        last[number % 2] = number;
-      }
-    });
-  }
-  threads.emplace_back([&] {
-    for (std::uint64_t n = 2; !done; n += 2) write_in_turn(exchange, numbered(n));
-  });
-  for (std::uint64_t n = 1; n < 100'000; n += 2) {
-    const Numbered value = numbered(n);
-    EXPECT_TRUE(exchange.try_write(&value, 0));
-  }
-  done = true;
-  for (auto& thread : threads) thread.join();
-  EXPECT_EQ(faults, 0);
-}
-
-TEST(LatestValue, HoldsAValueStillForEachReaderWhileBothWritersGoOn) {
-  rt::LatestValue exchange(sizeof(Numbered), rt::LatestValue::kMaxReaders);
-  std::vector<const void*> held;
-  std::uint64_t number = 0;
-  const auto write_some = [&] {
-    for (int i = 0; i < 5; ++i) {
-      const Numbered value = numbered(++number);
-      ASSERT_TRUE(exchange.try_write(&value, 0));
-      write_in_turn(exchange, numbered(++number));
-    }
-  };
-  for (unsigned reader = 0; reader < rt::LatestValue::kMaxReaders; ++reader) {
-    write_some();
-    held.push_back(exchange.acquire(exchange.attach()).data);
-  }
-  for (int i = 0; i < 10; ++i) write_some();
-  for (std::size_t i = 0; i < held.size(); ++i) EXPECT_EQ(number_of(held[i]), 10 * (i + 1));
-}
-
-TEST(LatestValue, IsTheSameUntilItIsWrittenAgain) {
-  rt::LatestValue exchange(sizeof(Numbered), 2);
-  const unsigned slot = exchange.attach();
-  EXPECT_EQ(exchange.acquire(slot).data, nullptr);
-  const Numbered value = numbered(1);
-  ASSERT_TRUE(exchange.try_write(&value, 7));
-  const auto first = exchange.acquire(slot);
-  EXPECT_EQ(first.header.stamp, 7);
-  EXPECT_EQ(exchange.acquire(slot).header.sequence, first.header.sequence);
-  ASSERT_TRUE(exchange.try_write(&value, 8));
-  EXPECT_NE(exchange.acquire(slot).header.sequence, first.header.sequence);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// LatestValue: wait-free exchange of the newest value between two writers at a time and a fixed
-/// number of readers.
+/// number of readers. Runtime only; ports use it without a call.
 ///
 /// One word says which slot is the newest, and which readers have taken it. A reader that finds
 /// itself there still holds that slot; else it adds itself, and so gives back the one before. Who
@@ -17,9 +17,10 @@
 #include <cstring>
 #include <memory>
 
+#include <mauve/data_status.h>
 #include <mauve/time.h>
 
-namespace mauve::rt {
+namespace mauve {
 
 class LatestValue {
  public:
@@ -39,7 +40,7 @@ class LatestValue {
     Header header;
   };
 
-  /// `size` bytes a value, aligned to 64.
+  /// `size` bytes a value, aligned like any type of that size.
   LatestValue(std::size_t size, unsigned readers);
   ~LatestValue();
   LatestValue(const LatestValue&) = delete;
@@ -49,16 +50,35 @@ class LatestValue {
   [[nodiscard]] unsigned attach();
   void detach(unsigned reader);
 
-  /// Any thread. False when another one is in here, or was thrown out of it: then begin_write(). A
-  /// value that one from there overtakes meanwhile is never seen. [rt], wait-free.
-  [[nodiscard]] bool try_write(const void* data, Instant stamp) {
-    if (busy_.exchange(true, std::memory_order_acquire)) return false;
+  /// The one writer that needs no lock, by a number that is not 0: the first that comes. True: it
+  /// has the place, now or since long. [any]
+  bool take_place(std::uint64_t writer) {
+    std::uint64_t present = writer_.load(std::memory_order_acquire);
+    if (present == 0 && writer_.compare_exchange_strong(present, writer)) return true;
+    return present == writer;
+  }
+  void leave_place(std::uint64_t writer) { writer_.compare_exchange_strong(writer, 0); }
+
+  /// Only in the writer's place, by one thread. False when one was thrown out or lost in here, or
+  /// `may` says no, which is asked when it is known what overtakes it: then begin_write(), for
+  /// ever. A value that one from there overtakes is never seen. `size`: known when this is
+  /// compiled, or size(). [rt], wait-free.
+  template <typename May>
+  [[nodiscard, gnu::always_inline]] bool write_alone(const void* data, std::size_t size,
+                                                     Instant stamp, const May& may) {
+    const std::uint64_t before = sequence_.load(std::memory_order_relaxed);
+    if ((before & kInside) != 0) return false;
+    sequence_.store(before | kInside, std::memory_order_relaxed);
     const std::uint32_t count = count_.load(std::memory_order_acquire);
-    quick_.choose();
-    std::memcpy(slot(quick_.next), data, size_);
-    describe(quick_, stamp);
-    publish_quick(count);
-    busy_.store(false, std::memory_order_release);
+    // Who takes this place from a lost thread makes all processors pass a barrier in between.
+    std::atomic_signal_fence(std::memory_order_seq_cst);
+    if (!may()) return false;
+    const std::uint64_t sequence = before + kNextAlone;
+    std::byte* const at = slot(alone_.next);
+    std::memcpy(at, data, size);
+    describe(at, {sequence, stamp});
+    publish_alone(count);
+    sequence_.store(sequence, std::memory_order_release);
     return true;
   }
   /// Storage of the next value; holds some older one. One writer at a time: who calls keeps others
@@ -74,15 +94,42 @@ class LatestValue {
     if ((word & me) == 0) word = word_.fetch_add(me, std::memory_order_acq_rel);
     return view(index_of(word));
   }
+  /// Moves the cursor of a reader with a place of its own to the newest value. [rt], wait-free.
+  DataStatus seek(Cursor& cursor) {
+    const std::uint64_t word = word_.load(std::memory_order_acquire);
+    const bool taken = ((word >> (kReaderShift + cursor.slot)) & 1U) != 0;
+    if (taken && cursor.data != nullptr) [[likely]]
+      return DataStatus::old_data;
+    return show(acquire(cursor.slot), cursor);
+  }
+  /// Moves a cursor to what is there to see.
+  static DataStatus show(const View& view, Cursor& cursor) {
+    if (view.data == nullptr) return DataStatus::no_data;
+    const bool fresh = view.header.sequence != cursor.seen;
+    cursor.seen = view.header.sequence;
+    cursor.stamp = view.header.stamp;
+    cursor.data = view.data;
+    return fresh ? DataStatus::new_data : DataStatus::old_data;
+  }
   /// The newest value while nobody writes.
   [[nodiscard]] View newest() const { return view(index_of(word_.load())); }
 
   [[nodiscard]] std::size_t size() const { return size_; }
+  /// The slots that a writer alone uses while there is one reader, with what describes them.
+  [[nodiscard]] std::array<const std::byte*, 3> first_slots() const {
+    return {slot(0), slot(1), slot(2)};
+  }
+  [[nodiscard]] std::size_t slot_size() const { return behind_ + sizeof(Header); }
 
  private:
   using Slots = std::uint64_t;  // a bit for each
   /// Two lines of the cache: they are fetched in pairs.
   static constexpr std::size_t kApart = 128;
+
+  // Sequences: of write_alone() multiples of 4, with kInside while it goes on; of others odd.
+  static constexpr std::uint64_t kInside = 2;
+  static constexpr std::uint64_t kNextAlone = 4;
+  static constexpr std::uint64_t kNextCareful = 2;
 
   // The word: the newest slot, a bit for each reader, and how often end_write() was called.
   static constexpr std::uint8_t kNone = 63;
@@ -95,27 +142,28 @@ class LatestValue {
     return static_cast<std::uint32_t>(word >> kCountShift);
   }
 
-  /// What a writer owns: for each reader, which holds at most one of them, and one more. All of it
-  /// in one line of the cache.
+  /// What a writer owns: the slot for its next value, and for each reader, which holds at most one
+  /// of them, another one. All of it in one line of the cache.
   struct Lane {
-    Slots owned = 0;
+    Slots others = 0;
     Slots held = 0;
-    std::uint64_t sequence = 0;
     std::uint8_t next = 0;
     std::array<std::uint8_t, kMaxReaders + 1> held_by{};  // kNone: nothing
 
     Lane() { held_by.fill(kNone); }
-    /// A slot that nobody holds. The lowest is the likeliest to be in the cache.
-    void choose() { next = static_cast<std::uint8_t>(std::countr_zero(owned & ~held)); }
     /// `next` was published in place of the slot in `before`.
-    void exchange_for(std::uint64_t before, unsigned readers) {
+    [[gnu::always_inline]] void exchange_for(std::uint64_t before, unsigned readers) {
       const auto back = static_cast<std::uint8_t>(index_of(before));
-      owned ^= Slots{1} << back ^ Slots { 1 } << next;
       const std::uint64_t holders = before & kReaders;
-      if (holders != 0) hold(back, holders >> kReaderShift, readers);
+      next = back;
+      if (holders == 0) return;
+      hold(back, holders >> kReaderShift, readers);
+      others |= Slots{1} << back;
+      next = static_cast<std::uint8_t>(std::countr_zero(others & ~held));
+      others ^= Slots{1} << next;
     }
     /// A reader that took this slot has given back what it held of the lane before.
-    void hold(std::uint8_t slot, std::uint64_t holders, unsigned readers) {
+    [[gnu::always_inline]] void hold(std::uint8_t slot, std::uint64_t holders, unsigned readers) {
       for (; holders != 0; holders &= holders - 1) {
         held_by[static_cast<std::size_t>(std::countr_zero(holders))] = slot;
       }
@@ -131,20 +179,19 @@ class LatestValue {
     if (view.header.sequence != 0) view.data = slot(index);
     return view;
   }
-  void describe(Lane& lane, Instant stamp) const {
-    const Header header{lane.sequence += 2, stamp};
-    std::memcpy(slot(lane.next) + behind_, &header, sizeof header);
+  void describe(std::byte* slot, const Header& header) const {
+    std::memcpy(slot + behind_, &header, sizeof header);
   }
 
   /// Unless more often than `count` somebody came from end_write().
-  void publish_quick(std::uint32_t count) {
+  [[gnu::always_inline]] void publish_alone(std::uint32_t count) {
     std::uint64_t before = guess_;
     // The word is another one when it was guessed wrongly, and for each reader that takes the
     // newest value just now.
     while (static_cast<std::int32_t>(count_of(before) - count) <= 0) {
-      const std::uint64_t after = (before >> kCountShift << kCountShift) | quick_.next;
+      const std::uint64_t after = (before >> kCountShift << kCountShift) | alone_.next;
       if (!word_.compare_exchange_strong(before, after, std::memory_order_acq_rel)) continue;
-      quick_.exchange_for(before, used_.load(std::memory_order_relaxed));
+      alone_.exchange_for(before, used_.load(std::memory_order_relaxed));
       guess_ = after | (before & kReaders);  // who took this one takes the next one
       return;
     }
@@ -155,15 +202,17 @@ class LatestValue {
   std::size_t behind_;  // the value, which begins a line, is the header
   std::size_t stride_;
   std::byte* memory_;
-  std::atomic<unsigned> used_{1};        // readers that were ever attached
-  std::atomic<std::uint32_t> count_{0};  // of end_write(), before it is to be seen in the word
-  unsigned readers_;                     // with those in turn
+  std::atomic<unsigned> used_{1};         // readers that were ever attached
+  std::atomic<std::uint32_t> count_{0};   // of end_write(), before it is to be seen in the word
+  std::atomic<std::uint64_t> writer_{0};  // who needs no lock
+  unsigned readers_;                      // with those in turn
   std::unique_ptr<std::atomic<bool>[]> taken_;
   alignas(kApart) std::atomic<std::uint64_t> word_;
-  alignas(kApart) std::atomic<bool> busy_{false};  // somebody is in try_write()
-  std::uint64_t guess_ = 0;                        // what the word will be there
-  Lane quick_;
+  alignas(kApart) std::atomic<std::uint64_t> sequence_{0};  // of the value in write_alone()
+  std::uint64_t guess_ = 0;                                 // what the word will be there
+  Lane alone_;
   alignas(kApart) Lane careful_;
+  std::uint64_t careful_sequence_ = 1;
 };
 
-}  // namespace mauve::rt
+}  // namespace mauve

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Exchange: what is inside a SharedData. Runtime only; a port that is connected to one reads and
+/// writes here without a call.
+#pragma once
+
+#include <mauve/gate.h>
+#include <mauve/job.h>
+#include <mauve/latest_value.h>
+#include <mauve/tap.h>
+
+namespace mauve {
+
+struct Exchange {
+  Exchange(std::size_t size, unsigned readers) : latest(size, readers) {}
+
+  /// Copying few bytes takes no call; for many the library knows what this CPU can do.
+  template <typename T>
+  [[nodiscard]] std::size_t bytes_of() const {
+    return sizeof(T) <= 128 ? sizeof(T) : latest.size();
+  }
+  /// Of a cursor that stands at a value. [rt], wait-free.
+  template <typename T>
+  void copy(T& into, const Cursor& cursor) const {
+    std::memcpy(static_cast<void*>(&into), cursor.data, bytes_of<T>());
+  }
+  /// In a job of the writer that has the place; a poisoned gate does not concern it. `size`: of the
+  /// value. False: nothing is written, ask the service; true: see told(). [rt], wait-free.
+  [[gnu::always_inline]] bool write_alone(const void* data, std::size_t size) {
+    const Job& job = this_job();
+    if (!taps.empty() || job.start == 0) [[unlikely]]
+      return false;
+    const auto goes_on = [&job] { return !job.detached.load(std::memory_order_relaxed); };
+    return latest.write_alone(data, size, job.start, goes_on);
+  }
+  /// Those who began to listen meanwhile get what was written; true. [rt]
+  bool told(const void* data) { return taps.empty() || tell(data); }
+
+  LatestValue latest;
+  TapList taps;
+  Gate* gate = nullptr;  ///< of the resource
+
+ private:
+  bool tell(const void* data);
+};
+
+}  // namespace mauve

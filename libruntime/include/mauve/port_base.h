@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What all ports have in common.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include <mauve/binding.h>
+#include <mauve/data_status.h>
+#include <mauve/service.h>
+#include <mauve/trace.h>
+
+namespace mauve {
+
+class Shell;
+
+/// What the runtime sees of a port. Use is [rt] by the component's own thread.
+class PortBase {
+ public:
+  PortBase(Shell& shell, std::string_view name, Signature signature);
+  PortBase(const PortBase&) = delete;
+  PortBase& operator=(const PortBase&) = delete;
+  virtual ~PortBase() = default;
+
+  [[nodiscard]] std::string_view name() const { return name_; }
+  [[nodiscard]] const Signature& signature() const { return signature_; }
+  [[nodiscard]] std::size_t index() const { return index_; }
+  /// Dotted address, such as "control.ports.scan".
+  [[nodiscard]] std::string address() const;
+
+  /// Connects in code, before deployment: `shell().scan.connect(scan.interface().read)`.
+  Status connect(ServiceBase& service, Duration max_age = Duration{0});
+  [[nodiscard]] bool connected() const;
+
+  /// Writes the declared safe value, if any, to a service: at stop, fault and disconnect. [rt]
+  virtual void write_safe(ServiceBase& /*service*/) const {}
+  [[nodiscard]] virtual bool has_safe_value() const { return false; }
+  /// Accesses that found no connection, or a resource busy beyond the bound.
+  [[nodiscard]] std::uint64_t failures() const { return failures_; }
+  /// Runtime only: what it is called in a trace, "control.scan". Off the real-time threads.
+  void name_in_trace(std::string_view name) { trace_name_ = trace_name_id(name); }
+
+ protected:
+  /// The connection in force, or null. Forgets where it stood when it changed. [rt]
+  [[nodiscard]] const Binding* binding();
+  /// Where the value lies, when it can be read or written there without a call: connected as at the
+  /// last use, to a SharedData in which this port has a place of its own, and nothing to trace.
+  [[nodiscard]] Exchange* at_hand() const {
+    const bool as_before = !detail::traces(TraceMode::detail) && version_ == seen_version_ &&
+                           !this_job().detached.load(std::memory_order_relaxed);
+    return as_before ? at_hand_ : nullptr;
+  }
+  /// There is more to do: at_hand() is null.
+  void always_call() { calls_ = true; }
+  /// How old a value may be; zero: no limit.
+  [[nodiscard]] Duration max_age() const { return max_age_; }
+  void count_failure() { ++failures_; }
+  [[nodiscard]] TracedCall call_begins() const { return TracedCall(trace_name_); }
+  Cursor cursor_;
+
+ private:
+  const std::uint64_t& version_;    // of the connections of the shell
+  std::uint64_t seen_version_ = 0;  // at the last use
+  Exchange* at_hand_ = nullptr;     // of the connection then
+  Duration max_age_{0};             // too
+  std::uint64_t seen_ = 0;          // id of the connection that the cursor belongs to
+  bool calls_ = false;
+  std::size_t index_;
+  std::uint64_t failures_ = 0;
+  std::uint32_t trace_name_ = 0;
+  Shell& shell_;
+  std::string_view name_;
+  Signature signature_;
+};
+
+}  // namespace mauve
