@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "exec/safe_values.h"
+#include "rt/fence.h"
 
 #include <mauve/job.h>
 
@@ -43,10 +44,11 @@ unsigned make_safe(System& system, Instant until) {
   for (Deployed& deployed : system.deployed) {
     if (has_safe_values(*deployed.component)) deployed.task->fence();
   }
+  rt::fence_all_threads();
   for (Deployed& deployed : system.deployed) {
     if (system.runner->now() > until) break;
     if (!has_safe_values(*deployed.component)) continue;
-    write_safe_values(*deployed.component->bundle());
+    write_safe_values(*deployed.component->bundle(), true);
     ++safe;
   }
   return safe;

@@ -44,7 +44,7 @@ void add_safe_writes(const PreparedMember& member, Published& next) {
     const PortBase* same = member.next->shell->find_port(port->name());
     const auto after = same != nullptr ? (*member.next->bindings)[same->index()] : nullptr;
     if (after == before || goes_on_at_heir(*before, after.get())) continue;
-    next.safe_writes.emplace_back(port, &before->service());
+    next.safe_writes.emplace_back(port, before.get());
   }
 }
 

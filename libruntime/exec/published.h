@@ -48,7 +48,7 @@ struct Published {
   HandOver hand_over;
   std::vector<std::pair<ObservableBase*, const ObservableBase*>> observables;
   /// Ports that lose their service: their safe values are written first.
-  std::vector<std::pair<const PortBase*, ServiceBase*>> safe_writes;
+  std::vector<std::pair<const PortBase*, const Binding*>> safe_writes;
 
   /// On probation: where this one leads back to when somebody fails. Both null: no probation.
   std::unique_ptr<Published> back;

@@ -8,15 +8,15 @@
 namespace mauve::exec {
 namespace {
 
-std::vector<std::pair<const PortBase*, ServiceBase*>> lost_services(const ResourceBase& resource,
-                                                                    const Bindings* next) {
-  std::vector<std::pair<const PortBase*, ServiceBase*>> lost;
+std::vector<std::pair<const PortBase*, const Binding*>> lost_connections(
+    const ResourceBase& resource, const Bindings* next) {
+  std::vector<std::pair<const PortBase*, const Binding*>> lost;
   if (next == nullptr) return lost;
   for (const PortBase* port : resource.shell().ports()) {
     const auto& before = resource.bindings()[port->index()];
     const auto& after = (*next)[port->index()];
     if (before == nullptr || before == after || goes_on_at_heir(*before, after.get())) continue;
-    lost.emplace_back(port, &before->service());
+    lost.emplace_back(port, before.get());
   }
   return lost;
 }
@@ -30,7 +30,7 @@ ResourceFlip::ResourceFlip(ResourceBase& resource, ResourceParts parts, StatePol
       replaced_{parts_.core != nullptr ? resource.shared_core() : nullptr,
                 parts_.bindings != nullptr ? resource.shared_bindings() : nullptr},
       transaction_(transaction),
-      safe_writes_(lost_services(resource, parts_.bindings.get())) {
+      safe_writes_(lost_connections(resource, parts_.bindings.get())) {
   if (parts_.core != nullptr) {
     // Refused only on the way back to a core that cannot take the state of a later one: it goes on
     // from the value it had.
@@ -64,7 +64,7 @@ bool ResourceFlip::visit(Instant release) {
 /// Under the gate.
 void ResourceFlip::take() {
   const Instant begin = MonotonicClock().now();
-  for (const auto& [port, service] : safe_writes_) write_quietly(*port, *service);
+  for (const auto& [port, before] : safe_writes_) write_quietly(*port, *before, true);
   if (!resource_.gate().poisoned()) {  // else it may be half written: the new core begins anew
     hand_over_.run();
     bytes_ = hand_over_.bytes;

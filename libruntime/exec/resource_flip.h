@@ -70,7 +70,7 @@ class ResourceFlip final : public Deferred {
   std::vector<std::pair<ObservableBase*, const ObservableBase*>> observables_;
   Transaction& transaction_;
   /// Ports that lose their service: their safe values are written first.
-  std::vector<std::pair<const PortBase*, ServiceBase*>> safe_writes_;
+  std::vector<std::pair<const PortBase*, const Binding*>> safe_writes_;
   std::atomic<State> state_{State::waiting};
   bool armed_ = true;
   std::size_t bytes_ = 0;

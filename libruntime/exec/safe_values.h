@@ -9,11 +9,11 @@
 
 namespace mauve::exec {
 
-/// To all that it is connected to now.
-inline void write_safe_values(const Bundle& bundle) {
+/// To all that it is connected to now. `by_owner`: see PortBase::write_safe.
+inline void write_safe_values(const Bundle& bundle, bool by_owner) {
   for (const PortBase* port : bundle.shell->ports()) {
     const Binding* binding = (*bundle.bindings)[port->index()].get();
-    if (binding != nullptr) write_quietly(*port, binding->service());
+    if (binding != nullptr) write_quietly(*port, *binding, by_owner);
   }
 }
 

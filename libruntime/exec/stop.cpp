@@ -163,7 +163,7 @@ void Stop::take_answer(const Commit& commit) {
 void Stop::give_up(Deployed& deployed) {
   if (deployed.component == nullptr || !hung_.insert(&deployed).second) return;
   // Its thread is stuck in user code: the outputs get their safe values from here.
-  write_safe_values(*deployed.component->bundle());
+  write_safe_values(*deployed.component->bundle(), false);
 }
 
 void Stop::begin_reading() {

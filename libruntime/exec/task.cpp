@@ -16,23 +16,30 @@ Instant next_on_grid(Instant base, Duration step, Instant instant) {
   return base + (past + step.count() - 1) / step.count() * step.count();
 }
 
+}  // namespace
+
 /// What take() touches was written by the coordinator, often on another CPU, from where each cache
-/// line takes 100 ns. It is brought here while the old bundle is still in force.
-void fetch(const Published& next, const FsmState* state) {
+/// line takes 100 ns, or was not used since the last job. It is brought here while the old bundle
+/// is still in force.
+void Task::fetch(const Published& next) {
   if (next.barrier != Published::Barrier::none) return;
+  trace().ring.fetch();
   rt::touch(&next, sizeof next);
   rt::touch(next.answer.get(), sizeof *next.answer);
   rt::touch(next.bundle.get(), sizeof *next.bundle);
   rt::touch(next.bundle->measured.get(), sizeof *next.bundle->measured);
   rt::touch(next.state_map.data(), next.state_map.size() * sizeof next.state_map[0]);
-  if (state != nullptr) rt::touch(state, sizeof *state);
+  if (state_ != nullptr) rt::touch(state_, sizeof *state_);
   next.hand_over.fetch();
   for (const auto& [into, from] : next.observables) rt::touch(into, sizeof *into);
   rt::touch(next.bundle->shell.get(), sizeof *next.bundle->shell);
+  rt::touch(current_, sizeof *current_);
+  rt::touch(current_->bundle.get(), sizeof *current_->bundle);
+  rt::touch(&counters_, sizeof counters_);
+  const auto* const rest = reinterpret_cast<const std::byte*>(&bound_);
+  rt::touch(rest, static_cast<std::size_t>(reinterpret_cast<const std::byte*>(this + 1) - rest));
   rt::touch_swap_code();
 }
-
-}  // namespace
 
 Task::Task(std::string name, const Clock& clock)
     : name_(std::move(name)),
@@ -102,8 +109,7 @@ void Task::serve() {
     if (next->transaction->state() == Transaction::State::aborted) {
       give_back(*next);
     } else if (early(*next) && claim(*next)) {
-      trace().ring.fetch();
-      fetch(*next, state_);
+      fetch(*next);
       take(*next, state_time());
       acknowledge();
     }
@@ -178,7 +184,7 @@ MAUVE_RUNS_AT_A_SWAP void Task::take(Published& next, Instant begin) {
   if (next.mode_only) keep_bundle(next);
   const bool waited = std::exchange(waiting_, false);
   const bool was_running = running_ = running_ || waited;
-  for (const auto& [port, service] : next.safe_writes) write_quietly(*port, *service);
+  for (const auto& [port, before] : next.safe_writes) write_quietly(*port, *before, true);
   if (next.mode == Mode::park) write_safe_values();
   // Nothing is taken from a core that a lost thread may still be inside.
   if (current_->bundle->core.get() != lost_) {
@@ -235,13 +241,6 @@ void Task::keep_bundle(Published& next) const {
   next.bound = current_->bound;
 }
 
-/// What stood there before. Mostly nothing does, and nothing comes: no exchange then.
-MAUVE_RUNS_AT_A_SWAP Published* Task::put(std::atomic<Published*>& place,
-                                          std::unique_ptr<Published>& next) {
-  if (next == nullptr && place.load(std::memory_order_acquire) == nullptr) return nullptr;
-  return place.exchange(next.release(), std::memory_order_acq_rel);
-}
-
 /// What stood ready for the old bundle is of no use for another one.
 MAUVE_RUNS_AT_A_SWAP void Task::put_in_place(Published& next) {
   const bool same_bundle = next.bundle == current_->bundle;
@@ -254,8 +253,11 @@ MAUVE_RUNS_AT_A_SWAP void Task::put_in_place(Published& next) {
   }
   if (same_bundle && next.back == nullptr && next.relief == nullptr) return;
   overran_ = held_up_ = 0;
-  if (Published* before = put(back_, next.back)) pile_up(*before);
-  if (Published* relief = put(relief_, next.relief)) {
+  if (next.back != nullptr || back_.load(std::memory_order_acquire) != nullptr) {
+    Published* const before = back_.exchange(next.back.release(), std::memory_order_acq_rel);
+    if (before != nullptr) pile_up(*before);
+  }
+  if (Published* relief = relief_.exchange(next.relief.release(), std::memory_order_acq_rel)) {
     relief->answer->progress.store(Published::Progress::given_back, std::memory_order_release);
     pile_up(*relief);
   }

@@ -109,8 +109,8 @@ class Task {
   [[nodiscard]] bool early(const Published& next) const;
   [[nodiscard]] bool claim(Published& next) { return empty(pending_, next); }
   [[nodiscard]] Published* take_over();
+  void fetch(const Published& next);
   void put_in_place(Published& next);
-  static Published* put(std::atomic<Published*>& place, std::unique_ptr<Published>& next);
   void keep_bundle(Published& next) const;
   void pile_up(Published& unused);
   /// `begin`: when the job that the change delays would have begun.

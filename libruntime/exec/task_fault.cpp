@@ -110,7 +110,7 @@ void Task::on_fault(Cause cause) {
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
 }
 
-void Task::write_safe_values() { exec::write_safe_values(*current_->bundle); }
+void Task::write_safe_values() { exec::write_safe_values(*current_->bundle, true); }
 
 /// The job ran into its bound.
 void Task::hung() {

@@ -8,6 +8,7 @@
 
 #include "exec/runner.h"
 #include "model/left_behind.h"
+#include "rt/fence.h"
 #include "rt/futex.h"
 #include "rt/pi_mutex.h"
 #include "rt/rescue.h"
@@ -61,6 +62,7 @@ class Threads final : public Runner {
   }
   void open() override {
     if (!guard_.running()) start_guard();
+    rt::fence_all_threads();  // the first one takes milliseconds
     rt::futex_bump(gate_);
   }
 

@@ -7,9 +7,9 @@
 namespace mauve::exec {
 
 /// A resource that throws when it is given a safe value cannot take the machine down with it. [any]
-inline void write_quietly(const PortBase& port, ServiceBase& service) {
+inline void write_quietly(const PortBase& port, const Binding& connection, bool by_owner) {
   try {
-    port.write_safe(service);
+    port.write_safe(connection, by_owner);
   } catch (...) {
   }
 }

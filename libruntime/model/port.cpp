@@ -42,11 +42,21 @@ Exchange* Binding::at_hand() const {
 }
 
 bool Binding::write(const void* value) const {
+  const Instant stamp = job_time();
   Exchange* const exchange = at_hand();
-  if (exchange != nullptr && exchange->write_alone(value, exchange->latest.size())) {
-    return exchange->told(value);
+  if (exchange != nullptr && exchange->write_alone(value, exchange->latest.size(), stamp)) {
+    return told(value, stamp);
   }
+  // Given up meanwhile: a safe value may stand there.
+  if (this_job().detached.load(std::memory_order_relaxed)) return false;
   return service_.write(value);
+}
+
+bool Binding::told(const void* value, Instant stamp) const {
+  if (exchange_->taps.empty()) return true;
+  const Entry entry(service_.resource().gate());
+  if (entry) exchange_->taps.push(value, stamp);
+  return true;
 }
 
 PortBase::PortBase(Shell& shell, std::string_view name, Signature signature)
@@ -85,6 +95,8 @@ const Binding* PortBase::binding() {
   if (this_job().detached.load(std::memory_order_relaxed)) return nullptr;
   const Bindings* table = shell_.bindings();
   const Binding* binding = table != nullptr ? (*table)[index_].get() : nullptr;
+  // With the same connections too: what the cursor stood at may have been given back.
+  if (seen_version_ != version_) cursor_.data = nullptr;
   seen_version_ = version_;
   at_hand_ = binding != nullptr && !calls_ ? binding->at_hand() : nullptr;
   max_age_ = binding != nullptr ? binding->max_age() : Duration{0};
@@ -93,6 +105,11 @@ const Binding* PortBase::binding() {
     cursor_ = Cursor{binding->slot()};
   }
   return binding;
+}
+
+bool PortBase::told(const void* value) {
+  const Binding* const connection = binding();
+  return connection == nullptr || connection->told(value, job_time());
 }
 
 PortBase* Shell::find_port(std::string_view name) const { return find_named(ports_, name); }

@@ -10,12 +10,6 @@
 
 namespace mauve {
 
-bool Exchange::tell(const void* data) {
-  const Entry entry(*gate);
-  if (entry) taps.push(data, job_time());
-  return true;
-}
-
 namespace {
 
 /// The exchange lives in the core: it is the inner data of the resource.
@@ -129,9 +123,8 @@ ResourceType shared_data_type(const DataType& data, const std::shared_ptr<void>&
 SharedDataBase::SharedDataBase(std::string name, const DataType& data, const void* initial,
                                std::shared_ptr<void> library)
     : ResourceBase(std::move(name), shared_data_type(data, library)) {
-  exchange_of(interface()).gate = &gate();
   gate().hold_shortly();
-  if (initial != nullptr) write_service().write(initial);
+  if (made() && initial != nullptr) write_service().write(initial);
 }
 
 }  // namespace mauve

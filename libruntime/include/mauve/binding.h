@@ -31,8 +31,11 @@ class Binding {
   /// The same, when the port has a place of its own there: a write port tries to take
   /// it. [rt]
   [[nodiscard]] Exchange* at_hand() const;
-  /// There, or by a call of the service. False: nobody got it. [rt]
+  /// A value of a write port, by the thread of its component or one that has taken its place:
+  /// there, or by a call of the service. False: nobody got it. [rt]
   bool write(const void* value) const;
+  /// Of write_alone(): those who began to listen meanwhile get the value; true. [rt]
+  bool told(const void* value, Instant stamp) const;
 
  private:
   std::shared_ptr<void> keep_alive_;

@@ -3,7 +3,6 @@
 /// writes here without a call.
 #pragma once
 
-#include <mauve/gate.h>
 #include <mauve/job.h>
 #include <mauve/latest_value.h>
 #include <mauve/tap.h>
@@ -23,24 +22,19 @@ struct Exchange {
   void copy(T& into, const Cursor& cursor) const {
     std::memcpy(static_cast<void*>(&into), cursor.data, bytes_of<T>());
   }
-  /// In a job of the writer that has the place; a poisoned gate does not concern it. `size`: of the
-  /// value. False: nothing is written, ask the service; true: see told(). [rt], wait-free.
-  [[gnu::always_inline]] bool write_alone(const void* data, std::size_t size) {
-    const Job& job = this_job();
-    if (!taps.empty() || job.start == 0) [[unlikely]]
+  /// By the writer that has the place; a poisoned gate does not concern it. `size`: of the value.
+  /// False: nothing is written, ask the service. True: who began to listen meanwhile wants to be
+  /// told. [rt], wait-free.
+  [[gnu::always_inline]] bool write_alone(const void* data, std::size_t size, Instant stamp) {
+    if (!taps.empty()) [[unlikely]]
       return false;
+    const Job& job = this_job();
     const auto goes_on = [&job] { return !job.detached.load(std::memory_order_relaxed); };
-    return latest.write_alone(data, size, job.start, goes_on);
+    return latest.write_alone(data, size, stamp, goes_on);
   }
-  /// Those who began to listen meanwhile get what was written; true. [rt]
-  bool told(const void* data) { return taps.empty() || tell(data); }
 
   LatestValue latest;
   TapList taps;
-  Gate* gate = nullptr;  ///< of the resource
-
- private:
-  bool tell(const void* data);
 };
 
 }  // namespace mauve

@@ -59,14 +59,14 @@ class LatestValue {
   }
   void leave_place(std::uint64_t writer) { writer_.compare_exchange_strong(writer, 0); }
 
-  /// Only in the writer's place, by one thread. False when one was thrown out or lost in here, or
-  /// `may` says no, which is asked when it is known what overtakes it: then begin_write(), for
-  /// ever. A value that one from there overtakes is never seen. `size`: known when this is
+  /// Only in the writer's place, by one thread. False when one was thrown out or lost in here and
+  /// did not come back, or `may` says no, which is asked when it is known what overtakes it: then
+  /// begin_write(). A value that one from there overtakes is never seen. `size`: known when this is
   /// compiled, or size(). [rt], wait-free.
   template <typename May>
   [[nodiscard, gnu::always_inline]] bool write_alone(const void* data, std::size_t size,
                                                      Instant stamp, const May& may) {
-    const std::uint64_t before = sequence_.load(std::memory_order_relaxed);
+    const std::uint64_t before = sequence_.load(std::memory_order_acquire);
     if ((before & kInside) != 0) return false;
     sequence_.store(before | kInside, std::memory_order_relaxed);
     const std::uint32_t count = count_.load(std::memory_order_acquire);
@@ -100,6 +100,8 @@ class LatestValue {
     const bool taken = ((word >> (kReaderShift + cursor.slot)) & 1U) != 0;
     if (taken && cursor.data != nullptr) [[likely]]
       return DataStatus::old_data;
+    cursor.data = nullptr;  // who is thrown out of here does not go on with an older one
+    std::atomic_signal_fence(std::memory_order_seq_cst);
     return show(acquire(cursor.slot), cursor);
   }
   /// Moves a cursor to what is there to see.

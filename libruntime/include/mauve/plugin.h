@@ -116,10 +116,11 @@ constexpr std::uint64_t abi_fingerprint() {
   std::uint64_t h = hash(static_cast<std::uint64_t>(kAbi), kHashSeed);
   for (const std::size_t size :
        {sizeof(Configurable), sizeof(PropertyBase), sizeof(ObservableBase), sizeof(Shell),
-        sizeof(PortBase), sizeof(CoreBase), sizeof(StateBase), sizeof(SlowStateBase),
-        sizeof(ConvertsBase), sizeof(FsmBase), sizeof(FsmState), sizeof(InterfaceBase),
-        sizeof(ServiceBase), sizeof(Job), sizeof(Plugin), sizeof(DataType), sizeof(std::string),
-        sizeof(void*)}) {
+        sizeof(PortBase),     sizeof(CoreBase),     sizeof(StateBase),      sizeof(SlowStateBase),
+        sizeof(ConvertsBase), sizeof(FsmBase),      sizeof(FsmState),       sizeof(InterfaceBase),
+        sizeof(ServiceBase),  sizeof(Binding),      sizeof(Cursor),         sizeof(Exchange),
+        sizeof(LatestValue),  sizeof(TapList),      sizeof(Gate),           sizeof(Job),
+        sizeof(Plugin),       sizeof(DataType),     sizeof(std::string),    sizeof(void*)}) {
     h = hash(static_cast<std::uint64_t>(size), h);
   }
 #if defined(_GLIBCXX_USE_CXX11_ABI)

@@ -111,10 +111,11 @@ class WritePort final : public PortBase {
   /// False: nobody got the value.
   bool write(const T& value) {
     Exchange* const exchange = at_hand();
-    if (exchange == nullptr) [[unlikely]]
+    const Instant stamp = this_job().start;
+    if (exchange == nullptr || stamp == 0) [[unlikely]]
       return write_by_call(value);
-    if (!exchange->write_alone(&value, exchange->bytes_of<T>())) return write_by_call(value);
-    return exchange->told(&value);
+    if (!exchange->write_alone(&value, exchange->bytes_of<T>(), stamp)) return write_by_call(value);
+    return exchange->taps.empty() || told(&value);
   }
   /// Calls f(T&) on the storage of the exchange, some older value, then publishes it unchecked.
   template <typename F>
@@ -125,8 +126,9 @@ class WritePort final : public PortBase {
     return call.ended(counted(connection != nullptr && connection->service().fill(Filler(into))));
   }
 
-  void write_safe(ServiceBase& service) const override {
-    if (safe_) service.write(&*safe_);
+  void write_safe(const Binding& connection, bool by_owner) const override {
+    if (!safe_) return;
+    by_owner ? connection.write(&*safe_) : connection.service().write(&*safe_);
   }
   [[nodiscard]] bool has_safe_value() const override { return safe_.has_value(); }
 

@@ -33,8 +33,9 @@ class PortBase {
   Status connect(ServiceBase& service, Duration max_age = Duration{0});
   [[nodiscard]] bool connected() const;
 
-  /// Writes the declared safe value, if any, to a service: at stop, fault and disconnect. [rt]
-  virtual void write_safe(ServiceBase& /*service*/) const {}
+  /// Writes the declared safe value, if any: at stop, fault and disconnect. `by_owner`: on the
+  /// thread of its component, or one that has taken its place. [any]
+  virtual void write_safe(const Binding& /*connection*/, bool /*by_owner*/) const {}
   [[nodiscard]] virtual bool has_safe_value() const { return false; }
   /// Accesses that found no connection, or a resource busy beyond the bound.
   [[nodiscard]] std::uint64_t failures() const { return failures_; }
@@ -51,6 +52,8 @@ class PortBase {
                            !this_job().detached.load(std::memory_order_relaxed);
     return as_before ? at_hand_ : nullptr;
   }
+  /// Who began to listen while a value was written at hand gets it; true. [rt]
+  bool told(const void* value);
   /// There is more to do: at_hand() is null.
   void always_call() { calls_ = true; }
   /// How old a value may be; zero: no limit.

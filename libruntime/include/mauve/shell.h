@@ -20,7 +20,7 @@ class Shell : public Configurable {
   /// Runtime only. The connections in force; exchanged by the component's own thread.
   [[nodiscard]] const Bindings* bindings() const { return bindings_; }
   void use(const Bindings* bindings) {
-    if (bindings != bindings_) ++version_;
+    ++version_;  // also for the same ones: others may have used them meanwhile
     bindings_ = bindings;
   }
 

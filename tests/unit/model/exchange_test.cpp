@@ -20,6 +20,7 @@ namespace {
 TEST(SharedData, TheFirstWriterIsNotHeldUpByAnotherThatHangsInIt) {
   SharedDataBase data("data", data_type<double>());
   Writer port(data);
+  EXPECT_TRUE(port.write(6.0));
   HangingWriter writer(data);
 
   EXPECT_TRUE(port.write(7.0));
@@ -60,6 +61,76 @@ TEST(SharedData, TheNextWriterNeedsNoLockOnceTheFirstIsGone) {
   EXPECT_TRUE(second.write(4.0));
 
   EXPECT_EQ(value_of(data), 4.0);
+}
+
+TEST(SharedData, TheSafeValueOfTheFirstWriterWaitsForNobody) {
+  SharedDataBase data("data", data_type<double>());
+  Writer port(data);
+  EXPECT_TRUE(port.write(7.0));
+  HangingWriter writer(data);
+
+  port.write_safe(true);
+
+  EXPECT_EQ(value_of(data), Writer::kSafe);
+  EXPECT_EQ(data.gate().timeouts(), 0u);
+}
+
+TEST(SharedData, WhoWasGivenUpWritesNothingMore) {
+  SharedDataBase data("data", data_type<double>());
+  Exchange& exchange = *data.write_service().exchange();
+  const double value = 7.0;
+  this_job().detached = true;
+  EXPECT_FALSE(exchange.write_alone(&value, sizeof value, 1));
+  this_job().detached = false;
+
+  EXPECT_FALSE(exchange.write_alone(&value, sizeof value, 1)) << "the first may still be inside";
+
+  EXPECT_EQ(value_of(data), -1.0);
+}
+
+/// As after a change was rolled back: the connection is the same, another shell used it meanwhile.
+TEST(SharedData, AShellThatComesBackReadsTheNewestValue) {
+  struct ReaderShell : Shell {
+    ReadPort<double> in{*this, "in"};
+  };
+  SharedDataBase data("data", data_type<double>());
+  Writer port(data);
+  ReaderShell before;
+  ReaderShell after;
+  ASSERT_TRUE(before.in.connect(data.read_service()));
+  const Bindings table = std::move(before.initial_bindings());
+  this_job().start = 1;
+  before.use(&table);
+  EXPECT_TRUE(port.write(1.0));
+  EXPECT_EQ(before.in.read(), 1.0);
+  EXPECT_EQ(before.in.read(), 1.0);
+  after.use(&table);
+  EXPECT_TRUE(port.write(2.0));
+  this_job().start = 1;
+  EXPECT_EQ(after.in.read(), 2.0);
+  before.use(&table);
+
+  EXPECT_EQ(before.in.read(), 2.0);
+  EXPECT_EQ(before.in.read(), 2.0);
+
+  this_job().start = 0;
+}
+
+TEST(Tap, IsToldAValueThatWasOnItsWayWhenItCame) {
+  SharedDataBase data("data", data_type<double>());
+  Exchange& exchange = *data.write_service().exchange();
+  const Binding binding(data.write_service(), nullptr, Duration{0});
+  const double value = 7.0;
+  ASSERT_TRUE(exchange.write_alone(&value, sizeof value, 1));
+  const auto tap = std::make_shared<Tap>(data_type<double>(), 1);
+  ASSERT_TRUE(exchange.taps.attach(tap, data.gate()));
+
+  EXPECT_TRUE(binding.told(&value, 1));
+
+  EXPECT_TRUE(tap->pop([](const void* told, Instant stamp) {
+    EXPECT_EQ(*static_cast<const double*>(told), 7.0);
+    EXPECT_EQ(stamp, 1);
+  }));
 }
 
 TEST(SharedData, TheFirstWriterGoesOnWhileItIsPoisoned) {
@@ -127,12 +198,11 @@ TEST(LatestValue, NeverShowsATornOrAnOlderValueOfEitherWriter) {
   std::vector<std::thread> threads;
   std::atomic<int> faults{0};
   for (int i = 0; i < 3; ++i) {
-    threads.emplace_back([&, slot = exchange.attach()] {
+    threads.emplace_back([&, cursor = Cursor{exchange.attach()}]() mutable {
       std::array<std::uint64_t, 2> last{};  // odd and even numbers come from two writers
       while (!done) {
-        const auto view = exchange.acquire(slot);
-        if (view.data == nullptr) continue;
-        const std::uint64_t number = number_of(view.data);
+        if (exchange.seek(cursor) == DataStatus::no_data) continue;
+        const std::uint64_t number = number_of(cursor.data);
         faults += number == 0 || number < last[number % 2] ? 1 : 0;
         last[number % 2] = number;
       }

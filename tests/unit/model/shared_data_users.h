@@ -51,11 +51,13 @@ class HangingWriter {
 };
 
 struct WriterShell : Shell {
-  WritePort<double> out{*this, "out"};
+  WritePort<double> out{*this, "out", Safe{0.5}};
 };
 /// A component's port that is connected to it, as used in a job of this thread.
 class Writer {
  public:
+  static constexpr double kSafe = 0.5;
+
   explicit Writer(SharedDataBase& data) {
     connected_ = shell_.out.connect(data.write_service()).has_value();
     table_ = std::move(shell_.initial_bindings());
@@ -68,6 +70,7 @@ class Writer {
     this_job().start = 0;
     return done;
   }
+  void write_safe(bool by_owner) { shell_.out.write_safe(*table_[0], by_owner); }
 
  private:
   WriterShell shell_;
