@@ -23,6 +23,7 @@ Instant next_on_grid(Instant base, Duration step, Instant instant) {
 /// is still in force.
 void Task::fetch(const Published& next) {
   if (next.barrier != Published::Barrier::none) return;
+  rt::ask_for(&back_, sizeof back_ + sizeof relief_);  // others write them too
   trace().ring.fetch();
   rt::touch(&next, sizeof next);
   rt::touch(next.answer.get(), sizeof *next.answer);
@@ -36,8 +37,9 @@ void Task::fetch(const Published& next) {
   rt::touch(current_, sizeof *current_);
   rt::touch(current_->bundle.get(), sizeof *current_->bundle);
   rt::touch(&counters_, sizeof counters_);
-  const auto* const rest = reinterpret_cast<const std::byte*>(&bound_);
-  rt::touch(rest, static_cast<std::size_t>(reinterpret_cast<const std::byte*>(this + 1) - rest));
+  rt::touch(&bound_, sizeof bound_);
+  const auto* const own = reinterpret_cast<const std::byte*>(&current_);
+  rt::touch(own, static_cast<std::size_t>(reinterpret_cast<const std::byte*>(this + 1) - own));
   rt::touch_swap_code();
 }
 

@@ -6,19 +6,30 @@
 
 namespace mauve::rt {
 
+inline constexpr std::size_t kCacheLine = 64;
+
+/// Asks for the cache lines of an object, ready to be written, and waits for nothing. Others may
+/// write it meanwhile. [rt]
+inline void ask_for([[maybe_unused]] const void* object, [[maybe_unused]] std::size_t size) {
+#if defined(__x86_64__)
+  if (size == 0) return;
+  const auto* bytes = static_cast<const volatile std::byte*>(object);
+  // The builtin would ask for a shared line unless the compiler is told of the CPU.
+  for (std::size_t i = 0; i < size; i += kCacheLine) {
+    asm volatile("prefetchw %0" : : "m"(bytes[i]));
+  }
+  asm volatile("prefetchw %0" : : "m"(bytes[size - 1]));  // objects are not aligned to lines
+#endif
+}
+
 /// Returns when the cache lines of an object are in the cache of this CPU, ready to be written.
 /// [rt]
 inline void touch(const void* object, std::size_t size) {
   if (size == 0) return;
-  constexpr std::size_t kLine = 64;
+  ask_for(object, size);
   const auto* bytes = static_cast<const volatile std::byte*>(object);
-#if defined(__x86_64__)
-  // The builtin would ask for a shared line unless the compiler is told of the CPU.
-  for (std::size_t i = 0; i < size; i += kLine) asm volatile("prefetchw %0" : : "m"(bytes[i]));
-  asm volatile("prefetchw %0" : : "m"(bytes[size - 1]));
-#endif
-  for (std::size_t i = 0; i < size; i += kLine) static_cast<void>(bytes[i]);
-  static_cast<void>(bytes[size - 1]);  // objects are not aligned to lines
+  for (std::size_t i = 0; i < size; i += kCacheLine) static_cast<void>(bytes[i]);
+  static_cast<void>(bytes[size - 1]);
 }
 
 /// Functions marked so lie together. After some milliseconds without a swap each line of their code
