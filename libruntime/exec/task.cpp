@@ -31,7 +31,7 @@ void Task::fetch(const Published& next) {
   rt::touch(next.bundle->measured.get(), sizeof *next.bundle->measured);
   rt::touch(next.state_map.data(), next.state_map.size() * sizeof next.state_map[0]);
   if (state_ != nullptr) rt::touch(state_, sizeof *state_);
-  next.hand_over.fetch();
+  if (current_->bundle->core.get() != lost_) next.hand_over.fetch();
   for (const auto& [into, from] : next.observables) rt::touch(into, sizeof *into);
   rt::touch(next.bundle->shell.get(), sizeof *next.bundle->shell);
   rt::touch(current_, sizeof *current_);

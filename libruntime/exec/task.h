@@ -87,7 +87,7 @@ class Task {
 
   // --- [rt] -------------------------------------------------------------------------------------
   /// First and last thing on its thread: its job, or null.
-  void runs_on(Job* job) { job_.store(job); }
+  void runs_on(Job* job);
   /// Takes a change that need not wait for a boundary: an aborted one is given back; a decided one
   /// is taken now when no job lies between its instant and the armed release (realtime 8.4.9).
   void serve();
@@ -160,6 +160,7 @@ class Task {
   std::atomic<Trace*> trace_;
   rt::Watched watched_;
   std::atomic<Job*> job_{nullptr};  // of its thread
+  std::atomic<bool> fenced_{false};
   std::atomic<std::int64_t> bound_{0};
 
   alignas(64) std::atomic<Published*> pending_{nullptr};

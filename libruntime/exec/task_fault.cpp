@@ -136,7 +136,14 @@ void Task::park_for_good(const char* why) {
   park(ComponentState::faulted);
 }
 
+void Task::runs_on(Job* job) {
+  job_.store(job);
+  if (job != nullptr && fenced_.load()) job->detached.store(true);
+}
+
+/// Whichever thread is given to it later, too.
 void Task::fence() {
+  fenced_.store(true);
   if (Job* job = job_.load()) job->detached.store(true);
 }
 

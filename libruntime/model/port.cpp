@@ -43,13 +43,15 @@ Exchange* Binding::at_hand() const {
 
 bool Binding::write(const void* value) const {
   const Instant stamp = job_time();
+  const Job& job = this_job();
+  const auto goes_on = [&job] { return !job.detached.load(std::memory_order_relaxed); };
   Exchange* const exchange = at_hand();
-  if (exchange != nullptr && exchange->write_alone(value, exchange->latest.size(), stamp)) {
+  // Also while somebody listens: the value is out before anybody waits for the gate.
+  if (exchange != nullptr &&
+      exchange->latest.write_alone(value, exchange->latest.size(), stamp, goes_on)) {
     return told(value, stamp);
   }
-  // Given up meanwhile: a safe value may stand there.
-  if (this_job().detached.load(std::memory_order_relaxed)) return false;
-  return service_.write(value);
+  return goes_on() && service_.write(value);
 }
 
 bool Binding::told(const void* value, Instant stamp) const {

@@ -75,6 +75,35 @@ TEST(SharedData, TheSafeValueOfTheFirstWriterWaitsForNobody) {
   EXPECT_EQ(data.gate().timeouts(), 0u);
 }
 
+TEST(SharedData, ASafeValueWaitsForNobodyAlsoWhileSomebodyListens) {
+  SharedDataBase data("data", data_type<double>());
+  const auto tap = std::make_shared<Tap>(data_type<double>(), 4);
+  ASSERT_TRUE(data.write_service().taps()->attach(tap, data.gate()));
+  Writer port(data);
+  data.gate().poison();
+
+  port.write_safe(true);
+
+  EXPECT_EQ(value_of(data), Writer::kSafe);
+}
+
+TEST(SharedData, WhoIsGivenUpWhileHeWaitsForTheLockWritesNothing) {
+  SharedDataBase data("data", data_type<double>());
+  HangingWriter hanging(data);
+  std::atomic<Job*> job{nullptr};
+  std::thread waiting([&] {
+    this_job().running = true;
+    job = &this_job();
+    const double late = 7.0;
+    EXPECT_FALSE(data.write_service().write(&late));
+  });
+  while (job == nullptr) std::this_thread::yield();
+  job.load()->detached = true;
+  hanging.let_go();
+  waiting.join();
+  EXPECT_EQ(value_of(data), 9.0);
+}
+
 TEST(SharedData, WhoWasGivenUpWritesNothingMore) {
   SharedDataBase data("data", data_type<double>());
   Exchange& exchange = *data.write_service().exchange();
