@@ -110,6 +110,7 @@ class LatestValue {
     const bool fresh = view.header.sequence != cursor.seen;
     cursor.seen = view.header.sequence;
     cursor.stamp = view.header.stamp;
+    std::atomic_signal_fence(std::memory_order_seq_cst);  // who is thrown out before begins anew
     cursor.data = view.data;
     return fresh ? DataStatus::new_data : DataStatus::old_data;
   }

@@ -48,8 +48,10 @@ class PortBase {
   /// Where the value lies, when it can be read or written there without a call: connected as at the
   /// last use, to a SharedData in which this port has a place of its own, and nothing to trace.
   [[nodiscard]] Exchange* at_hand() const {
-    const bool as_before = !detail::traces(TraceMode::detail) && version_ == seen_version_ &&
-                           !this_job().detached.load(std::memory_order_relaxed);
+    // Who was given up does not even look: its successor uses this port.
+    if (this_job().detached.load(std::memory_order_relaxed)) [[unlikely]]
+      return nullptr;
+    const bool as_before = !detail::traces(TraceMode::detail) && version_ == seen_version_;
     return as_before ? at_hand_ : nullptr;
   }
   /// Who began to listen while a value was written at hand gets it; true. [rt]
