@@ -53,8 +53,11 @@ bool Gate::enter() {
   Instant waited = 0;
   if (!lock.mutex.try_lock() && !wait_for(lock, waited)) return false;
   if (!hold(lock, waited)) return enter();
-  if (deferred_.load(std::memory_order_acquire) != nullptr) visit_deferred(job.release);
-  if (!poisoned()) return true;
+  // Who was given up while it waited changes nothing any more: a safe value may stand there.
+  const bool given_up = job.running && job.detached.load(std::memory_order_relaxed);
+  if (!given_up && deferred_.load(std::memory_order_acquire) != nullptr)
+    visit_deferred(job.release);
+  if (!given_up && !poisoned()) return true;
   leave();
   return false;
 }

@@ -43,15 +43,12 @@ Exchange* Binding::at_hand() const {
 
 bool Binding::write(const void* value) const {
   const Instant stamp = job_time();
-  const Job& job = this_job();
-  const auto goes_on = [&job] { return !job.detached.load(std::memory_order_relaxed); };
   Exchange* const exchange = at_hand();
   // Also while somebody listens: the value is out before anybody waits for the gate.
-  if (exchange != nullptr &&
-      exchange->latest.write_alone(value, exchange->latest.size(), stamp, goes_on)) {
+  if (exchange != nullptr && exchange->write_alone(value, exchange->latest.size(), stamp)) {
     return told(value, stamp);
   }
-  return goes_on() && service_.write(value);
+  return !this_job().detached.load(std::memory_order_relaxed) && service_.write(value);
 }
 
 bool Binding::told(const void* value, Instant stamp) const {

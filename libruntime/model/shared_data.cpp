@@ -90,7 +90,7 @@ class WriteLatest final : public ServiceBase {
   }
   bool fill(Filler filler) override {
     Entry entry(gate());
-    if (!entry || given_up()) return false;
+    if (!entry) return false;
     const Instant stamp = job_time();
     Exchange& into = *exchange();
     void* const value = into.latest.begin_write();
@@ -98,13 +98,6 @@ class WriteLatest final : public ServiceBase {
     into.latest.end_write(stamp);
     into.taps.push(value, stamp);
     return true;
-  }
-
- private:
-  /// While it waited: a safe value may stand there.
-  static bool given_up() {
-    const Job& job = this_job();
-    return job.running && job.detached.load(std::memory_order_relaxed);
   }
 };
 

@@ -23,11 +23,9 @@ struct Exchange {
     std::memcpy(static_cast<void*>(&into), cursor.data, bytes_of<T>());
   }
   /// By the writer that has the place; a poisoned gate does not concern it. `size`: of the value.
-  /// False: nothing is written, ask the service. True: who began to listen meanwhile wants to be
-  /// told. [rt], wait-free.
+  /// False: nothing is written, ask the service. True: who listens wants to be told. [rt],
+  /// wait-free.
   [[gnu::always_inline]] bool write_alone(const void* data, std::size_t size, Instant stamp) {
-    if (!taps.empty()) [[unlikely]]
-      return false;
     const Job& job = this_job();
     const auto goes_on = [&job] { return !job.detached.load(std::memory_order_relaxed); };
     return latest.write_alone(data, size, stamp, goes_on);

@@ -112,7 +112,7 @@ class WritePort final : public PortBase {
   bool write(const T& value) {
     Exchange* const exchange = at_hand();
     const Instant stamp = this_job().start;
-    if (exchange == nullptr || stamp == 0) [[unlikely]]
+    if (exchange == nullptr || stamp == 0 || !exchange->taps.empty()) [[unlikely]]
       return write_by_call(value);
     if (!exchange->write_alone(&value, exchange->bytes_of<T>(), stamp)) return write_by_call(value);
     return exchange->taps.empty() || told(&value);
