@@ -95,9 +95,9 @@ const Binding* PortBase::binding() {
   const Bindings* table = shell_.bindings();
   const Binding* binding = table != nullptr ? (*table)[index_].get() : nullptr;
   // With the same connections too: what the cursor stood at may have been given back.
-  if (seen_version_ != version_) cursor_.data = nullptr;
-  seen_version_ = version_;
-  at_hand_ = binding != nullptr && !calls_ ? binding->at_hand() : nullptr;
+  if (version_at_hand_ != version_) cursor_.data = nullptr;
+  exchange_ = binding != nullptr && !calls_ ? binding->at_hand() : nullptr;
+  version_at_hand_ = exchange_ != nullptr ? version_ : 0;
   max_age_ = binding != nullptr ? binding->max_age() : Duration{0};
   if (binding != nullptr && binding->id() != seen_) {
     seen_ = binding->id();

@@ -67,8 +67,12 @@ class ReadLatest final : public ServiceBase {
   }
 
  private:
-  static DataStatus show(DataStatus status, const Visitor& visitor, const Cursor& cursor) {
-    if (status != DataStatus::no_data) visitor(cursor.data);
+  static DataStatus show(DataStatus status, const Visitor& visitor, Cursor& cursor) {
+    if (status == DataStatus::no_data) return status;
+    const Cursor after = cursor;
+    if (status == DataStatus::new_data) cursor = Cursor{cursor.slot};  // who throws has not seen it
+    visitor(after.data);
+    cursor = after;
     return status;
   }
   LatestValue& latest() { return exchange_of(owner()).latest; }

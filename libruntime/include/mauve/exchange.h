@@ -25,12 +25,16 @@ struct Exchange {
   /// By the writer that has the place; a poisoned gate does not concern it. `size`: of the value.
   /// False: nothing is written, ask the service. True: who listens wants to be told. [rt],
   /// wait-free.
-  [[gnu::always_inline]] bool write_alone(const void* data, std::size_t size, Instant stamp) {
-    const Job& job = this_job();
-    const auto goes_on = [&job] { return !job.detached.load(std::memory_order_relaxed); };
-    return latest.write_alone(data, size, stamp, goes_on);
+  bool write_alone(const void* data, std::size_t size, Instant stamp) {
+    return latest.write_alone(data, size, stamp, not_given_up);
   }
-
+  /// False: nothing is written, write_alone().
+  [[gnu::always_inline]] bool write_as_expected(const void* data, std::size_t size, Instant stamp) {
+    return latest.write_as_expected(data, size, stamp, not_given_up);
+  }
+  static constexpr auto not_given_up = [] {
+    return !this_job().detached.load(std::memory_order_relaxed);
+  };
   LatestValue latest;
   TapList taps;
 };

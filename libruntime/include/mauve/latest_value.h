@@ -28,10 +28,11 @@ class LatestValue {
   static constexpr unsigned kNoSlot = ~0U;
   /// For readers without a place of their own, which take turns.
   static constexpr unsigned kInTurn = 0;
+  static constexpr unsigned kFirstReader = 1;
 
   /// What a slot holds besides the value.
   struct Header {
-    std::uint64_t sequence = 0;  ///< of no other value; 0: no value
+    std::uint64_t sequence = 0;  ///< of no other value; below kFirstSequence: no value
     Instant stamp = 0;           ///< when it was written
   };
   /// A value that does not move until the same reader asks again.
@@ -60,26 +61,35 @@ class LatestValue {
   void leave_place(std::uint64_t writer) { writer_.compare_exchange_strong(writer, 0); }
 
   /// Only in the writer's place, by one thread. False when one was thrown out or lost in here and
-  /// did not come back, or `may` says no, which is asked when it is known what overtakes it: then
-  /// begin_write(). A value that one from there overtakes is never seen. `size`: known when this is
-  /// compiled, or size(). [rt], wait-free.
+  /// did not come back, or `may` says no, which is asked whenever it is known what this value
+  /// replaces: then begin_write(). A value that one from there overtakes is never seen. `size`:
+  /// known when this is compiled, or size(). [rt], wait-free.
   template <typename May>
-  [[nodiscard, gnu::always_inline]] bool write_alone(const void* data, std::size_t size,
-                                                     Instant stamp, const May& may) {
-    const std::uint64_t before = sequence_.load(std::memory_order_acquire);
-    if ((before & kInside) != 0) return false;
-    sequence_.store(before | kInside, std::memory_order_relaxed);
-    const std::uint32_t count = count_.load(std::memory_order_acquire);
-    // Who takes this place from a lost thread makes all processors pass a barrier in between.
+  [[nodiscard, gnu::noinline]] bool write_alone(const void* data, std::size_t size, Instant stamp,
+                                                const May& may) {
+    std::uint64_t word = expected_.load(std::memory_order_acquire);
+    if (word == kInside || !enter(may)) return false;
+    put(ahead_, data, size, stamp);
+    if (replace(word)) return true;
     std::atomic_signal_fence(std::memory_order_seq_cst);
     if (!may()) return false;
-    const std::uint64_t sequence = before + kNextAlone;
-    std::byte* const at = slot(alone_.next);
-    std::memcpy(at, data, size);
-    describe(at, {sequence, stamp});
-    publish_alone(count);
-    sequence_.store(sequence, std::memory_order_release);
+    // Now it fails once for each reader that takes the newest value meanwhile.
+    for (const std::uint64_t count = word & kCount; (word & kCount) == count;) {
+      if (replace(word)) return true;
+    }
+    leave(word);
     return true;
+  }
+  /// The same for most writes: the word is what was expected, and no reader but the first has ever
+  /// taken a value. False: nothing is published, and it is write_alone() that can.
+  template <typename May>
+  [[nodiscard, gnu::always_inline]] bool write_as_expected(const void* data, std::size_t size,
+                                                           Instant stamp, const May& may) {
+    const std::uint64_t expected = expected_.load(std::memory_order_acquire);
+    if ((expected & unusual_) != 0 || !enter(may)) [[unlikely]]  // kInside is all bits
+      return false;
+    put(ahead_, data, size, stamp);
+    return exchange_slots(expected);
   }
   /// Storage of the next value; holds some older one. One writer at a time: who calls keeps others
   /// out until end_write(). [rt]
@@ -89,16 +99,16 @@ class LatestValue {
 
   /// The newest value, held still until the next call. Only the owner of `reader`. [rt], wait-free.
   [[nodiscard]] View acquire(unsigned reader) {
-    const std::uint64_t me = bit_of(reader);
     std::uint64_t word = word_.load(std::memory_order_acquire);
-    if ((word & me) == 0) word = word_.fetch_add(me, std::memory_order_acq_rel);
+    if (!taken(word, reader)) {
+      word = word_.fetch_add(1ULL << (kReaderShift + 2 * reader), std::memory_order_acq_rel);
+    }
     return view(index_of(word));
   }
   /// Moves the cursor of a reader with a place of its own to the newest value. [rt], wait-free.
   DataStatus seek(Cursor& cursor) {
     const std::uint64_t word = word_.load(std::memory_order_acquire);
-    const bool taken = ((word >> (kReaderShift + cursor.slot)) & 1U) != 0;
-    if (taken && cursor.data != nullptr) [[likely]]
+    if (taken(word, cursor.slot) && cursor.data != nullptr) [[likely]]
       return DataStatus::old_data;
     cursor.data = nullptr;  // who is thrown out of here does not go on with an older one
     std::atomic_signal_fence(std::memory_order_seq_cst);
@@ -120,102 +130,115 @@ class LatestValue {
   [[nodiscard]] std::size_t size() const { return size_; }
   /// The slots that a writer alone uses while there is one reader, with what describes them.
   [[nodiscard]] std::array<const std::byte*, 3> first_slots() const {
-    return {slot(0), slot(1), slot(2)};
+    return {slot(0), slot(1), slot(2 + kFirstReader)};
   }
-  [[nodiscard]] std::size_t slot_size() const { return behind_ + sizeof(Header); }
+  [[nodiscard]] std::size_t slot_size() const { return behind(size_) + sizeof(Header); }
 
  private:
   using Slots = std::uint64_t;  // a bit for each
   /// Two lines of the cache: they are fetched in pairs.
   static constexpr std::size_t kApart = 128;
 
-  // Sequences: of write_alone() multiples of 4, with kInside while it goes on; of others odd.
-  static constexpr std::uint64_t kInside = 2;
-  static constexpr std::uint64_t kNextAlone = 4;
-  static constexpr std::uint64_t kNextCareful = 2;
-
-  // The word: the newest slot, a bit for each reader, and how often end_write() was called.
-  static constexpr std::uint8_t kNone = 63;
-  static constexpr unsigned kReaderShift = 8;
-  static constexpr unsigned kCountShift = 32;
-  static constexpr std::uint64_t kReaders = ((1ULL << (kMaxReaders + 1)) - 1) << kReaderShift;
-  static unsigned index_of(std::uint64_t word) { return word & 0xFFU; }
-  static std::uint64_t bit_of(unsigned reader) { return 1ULL << (kReaderShift + reader); }
-  static std::uint32_t count_of(std::uint64_t word) {
-    return static_cast<std::uint32_t>(word >> kCountShift);
+  // The word: the newest slot; for each reader two bits, not 0 when it has taken that slot; and how
+  // often end_write() was called. A thread that was given up while it took the slot may take it
+  // once more for its successor: hence two bits.
+  static constexpr unsigned kReaderShift = 6;
+  static constexpr unsigned kCountShift = kReaderShift + 2 * (kMaxReaders + 1);
+  static constexpr std::uint64_t kFirstSequence = 1U << kReaderShift;  // more than there are slots
+  static constexpr std::uint64_t kIndex = kFirstSequence - 1;
+  static constexpr std::uint64_t kCount = ~0ULL << kCountShift;
+  static constexpr std::uint64_t kReaders = ~(kCount | kIndex);
+  static constexpr std::uint64_t kFirst = 3U << (kReaderShift + 2 * kFirstReader);
+  static constexpr std::uint64_t kInside = ~0ULL;  // no word: so many slots there are not
+  static std::uint8_t index_of(std::uint64_t word) { return word & kIndex; }
+  static bool taken(std::uint64_t word, unsigned reader) {
+    return (word >> (kReaderShift + 2 * reader) & 3U) != 0;
   }
 
-  /// What a writer owns: the slot for its next value, and for each reader, which holds at most one
-  /// of them, another one. All of it in one line of the cache.
+  /// What a writer owns: the slot for its next value, and for each reader another one, which that
+  /// one may hold. Those that hold the same one leave some free. All in one line of the cache.
   struct Lane {
-    Slots others = 0;
-    Slots held = 0;
+    Slots free = 0;
     std::uint8_t next = 0;
-    std::array<std::uint8_t, kMaxReaders + 1> held_by{};  // kNone: nothing
-
-    Lane() { held_by.fill(kNone); }
-    /// `next` was published in place of the slot in `before`.
-    [[gnu::always_inline]] void exchange_for(std::uint64_t before, unsigned readers) {
-      const auto back = static_cast<std::uint8_t>(index_of(before));
-      const std::uint64_t holders = before & kReaders;
-      next = back;
-      if (holders == 0) return;
-      hold(back, holders >> kReaderShift, readers);
-      others |= Slots{1} << back;
-      next = static_cast<std::uint8_t>(std::countr_zero(others & ~held));
-      others ^= Slots{1} << next;
-    }
-    /// A reader that took this slot has given back what it held of the lane before.
-    [[gnu::always_inline]] void hold(std::uint8_t slot, std::uint64_t holders, unsigned readers) {
-      for (; holders != 0; holders &= holders - 1) {
-        held_by[static_cast<std::size_t>(std::countr_zero(holders))] = slot;
-      }
-      held = 0;
-      for (unsigned reader = 0; reader < readers; ++reader) held |= Slots{1} << held_by[reader];
-    }
+    std::array<std::uint8_t, kMaxReaders + 1> held_by{};
   };
+  /// `lane.next` was published in place of the slot in the word `before`.
+  void take_back(Lane& lane, std::uint64_t before) const;
 
-  [[nodiscard]] std::byte* slot(unsigned index) const { return memory_ + index * stride_; }
+  [[nodiscard]] std::byte* slot(std::size_t index) const { return memory_ + index * stride_; }
   [[nodiscard]] View view(unsigned index) const {
     View view;
-    std::memcpy(&view.header, slot(index) + behind_, sizeof view.header);
-    if (view.header.sequence != 0) view.data = slot(index);
+    std::memcpy(&view.header, slot(index) + behind(size_), sizeof view.header);
+    if (view.header.sequence >= kFirstSequence) view.data = slot(index);
     return view;
   }
-  void describe(std::byte* slot, const Header& header) const {
-    std::memcpy(slot + behind_, &header, sizeof header);
+  /// Where the header is: the value begins a line of the cache.
+  static constexpr std::size_t behind(std::size_t size) {
+    return (size + alignof(Header) - 1) / alignof(Header) * alignof(Header);
+  }
+  /// Each slot counts for itself, from its index on.
+  static void describe(std::byte* slot, std::size_t size, Instant stamp) {
+    Header header;
+    std::memcpy(&header.sequence, slot + behind(size), sizeof header.sequence);
+    header.sequence += kFirstSequence;
+    header.stamp = stamp;
+    std::memcpy(slot + behind(size), &header, sizeof header);
+  }
+  [[gnu::always_inline]] static void put(std::byte* slot, const void* data, std::size_t size,
+                                         Instant stamp) {
+    describe(slot, size, stamp);
+    std::memcpy(slot, data, size);
   }
 
-  /// Unless more often than `count` somebody came from end_write().
-  [[gnu::always_inline]] void publish_alone(std::uint32_t count) {
-    std::uint64_t before = guess_;
-    // The word is another one when it was guessed wrongly, and for each reader that takes the
-    // newest value just now.
-    while (static_cast<std::int32_t>(count_of(before) - count) <= 0) {
-      const std::uint64_t after = (before >> kCountShift << kCountShift) | alone_.next;
-      if (!word_.compare_exchange_strong(before, after, std::memory_order_acq_rel)) continue;
-      alone_.exchange_for(before, used_.load(std::memory_order_relaxed));
-      guess_ = after | (before & kReaders);  // who took this one takes the next one
-      return;
-    }
+  template <typename May>
+  [[gnu::always_inline]] bool enter(const May& may) {
+    expected_.store(kInside, std::memory_order_relaxed);
+    // Who takes this place from a lost thread makes all processors pass a barrier in between.
+    std::atomic_signal_fence(std::memory_order_seq_cst);
+    return may();
+  }
+  [[gnu::always_inline]] void leave(std::uint64_t expected) {
+    expected_.store(expected, std::memory_order_release);
+  }
+  /// Publishes `alone_.next` and leaves, unless there is another word: that is told.
+  bool replace(std::uint64_t& word);
+  /// The same while the first reader is the only one, which makes this the triple buffer.
+  [[gnu::always_inline]] bool exchange_slots(std::uint64_t word) {
+    std::uint64_t before = 0;
+    do {
+      before = word;
+      const std::uint64_t low = before & (kFirst | kIndex);
+      const std::uint64_t after = (before ^ low) | alone_.next;
+      const bool taken = (low & kFirst) != 0;
+      const std::uint8_t back = index_of(low);
+      std::uint8_t& held = alone_.held_by[kFirstReader];
+      const std::uint8_t next = taken ? held : back;
+      if (word_.compare_exchange_strong(word, after, std::memory_order_acq_rel)) [[likely]] {
+        if (taken) held = back;
+        alone_.next = next;
+        ahead_ = slot(next);
+        leave(after | (low & kFirst));  // a reader that took this one takes the next one
+        return true;
+      }
+    } while (((word ^ before) & ~kFirst) == 0 && (word & unusual_) == 0);
+    leave(word);
+    return false;
   }
 
   // Read by all, hardly ever written.
   alignas(kApart) std::size_t size_;
-  std::size_t behind_;  // the value, which begins a line, is the header
   std::size_t stride_;
   std::byte* memory_;
   std::atomic<unsigned> used_{1};         // readers that were ever attached
-  std::atomic<std::uint32_t> count_{0};   // of end_write(), before it is to be seen in the word
   std::atomic<std::uint64_t> writer_{0};  // who needs no lock
   unsigned readers_;                      // with those in turn
   std::unique_ptr<std::atomic<bool>[]> taken_;
   alignas(kApart) std::atomic<std::uint64_t> word_;
-  alignas(kApart) std::atomic<std::uint64_t> sequence_{0};  // of the value in write_alone()
-  std::uint64_t guess_ = 0;                                 // what the word will be there
+  alignas(kApart) std::atomic<std::uint64_t> expected_;  // what the word will be for write_alone()
+  std::byte* ahead_;                                     // the slot for its next value
+  std::uint64_t unusual_ = kReaders & ~kFirst;           // all readers once another one came
   Lane alone_;
   alignas(kApart) Lane careful_;
-  std::uint64_t careful_sequence_ = 1;
 };
 
 }  // namespace mauve

@@ -30,15 +30,14 @@ class ReadPort final : public PortBase {
   }
   /// `into` gets the value, or the default when there is none.
   DataStatus read(T& into) {
-    Exchange* const exchange = at_hand();
-    if (exchange == nullptr) [[unlikely]]
+    if (!at_hand()) [[unlikely]]
       return read_by_call(into);
-    const DataStatus status = aged(exchange->latest.seek(cursor_));
+    const DataStatus status = aged(exchange().latest.seek(cursor_));
     status_ = status;
     if (status == DataStatus::no_data) [[unlikely]] {
       into = default_;
     } else {
-      exchange->copy(into, cursor_);
+      exchange().copy(into, cursor_);
     }
     return status;
   }
@@ -110,12 +109,12 @@ class WritePort final : public PortBase {
 
   /// False: nobody got the value.
   bool write(const T& value) {
-    Exchange* const exchange = at_hand();
     const Instant stamp = this_job().start;
-    if (exchange == nullptr || stamp == 0 || !exchange->taps.empty()) [[unlikely]]
-      return write_by_call(value);
-    if (!exchange->write_alone(&value, exchange->bytes_of<T>(), stamp)) return write_by_call(value);
-    return exchange->taps.empty() || told(&value);
+    if (!at_hand() || stamp == 0 ||
+        !exchange().write_as_expected(&value, exchange().template bytes_of<T>(), stamp))
+        [[unlikely]]
+      return write_otherwise(value);
+    return exchange().taps.empty() || told(&value);
   }
   /// Calls f(T&) on the storage of the exchange, some older value, then publishes it unchecked.
   template <typename F>
@@ -133,7 +132,14 @@ class WritePort final : public PortBase {
   [[nodiscard]] bool has_safe_value() const override { return safe_.has_value(); }
 
  private:
-  [[gnu::noinline]] bool write_by_call(const T& value) {
+  [[gnu::noinline]] bool write_otherwise(const T& value) {
+    const Instant stamp = this_job().start;
+    if (!at_hand() || stamp == 0 ||
+        !exchange().write_alone(&value, exchange().template bytes_of<T>(), stamp))
+      return write_by_call(value);
+    return exchange().taps.empty() || told(&value);
+  }
+  bool write_by_call(const T& value) {
     const TracedCall call = call_begins();
     const Binding* connection = binding();
     const bool may = connection != nullptr && lets_out(value);

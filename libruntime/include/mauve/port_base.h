@@ -45,18 +45,19 @@ class PortBase {
  protected:
   /// The connection in force, or null. Forgets where it stood when it changed. [rt]
   [[nodiscard]] const Binding* binding();
-  /// Where the value lies, when it can be read or written there without a call: connected as at the
+  /// Whether the value can be read or written in exchange() without a call: connected as at the
   /// last use, to a SharedData in which this port has a place of its own, and nothing to trace.
-  [[nodiscard]] Exchange* at_hand() const {
+  /// [rt]
+  [[nodiscard, gnu::always_inline]] bool at_hand() const {
     // Who was given up does not even look: its successor uses this port.
     if (this_job().detached.load(std::memory_order_relaxed)) [[unlikely]]
-      return nullptr;
-    const bool as_before = !detail::traces(TraceMode::detail) && version_ == seen_version_;
-    return as_before ? at_hand_ : nullptr;
+      return false;
+    return !detail::traces(TraceMode::detail) && version_ == version_at_hand_;
   }
+  [[nodiscard]] Exchange& exchange() const { return *exchange_; }
   /// Who began to listen while a value was written at hand gets it; true. [rt]
   bool told(const void* value);
-  /// There is more to do: at_hand() is null.
+  /// There is more to do: it is never at hand.
   void always_call() { calls_ = true; }
   /// How old a value may be; zero: no limit.
   [[nodiscard]] Duration max_age() const { return max_age_; }
@@ -65,11 +66,11 @@ class PortBase {
   Cursor cursor_;
 
  private:
-  const std::uint64_t& version_;    // of the connections of the shell
-  std::uint64_t seen_version_ = 0;  // at the last use
-  Exchange* at_hand_ = nullptr;     // of the connection then
-  Duration max_age_{0};             // too
-  std::uint64_t seen_ = 0;          // id of the connection that the cursor belongs to
+  const std::uint64_t& version_;       // of the connections of the shell
+  std::uint64_t version_at_hand_ = 0;  // at the last use; 0: exchange() is not at hand
+  Exchange* exchange_ = nullptr;       // of the connection then
+  Duration max_age_{0};                // too
+  std::uint64_t seen_ = 0;             // id of the connection that the cursor belongs to
   bool calls_ = false;
   std::size_t index_;
   std::uint64_t failures_ = 0;

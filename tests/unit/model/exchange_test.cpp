@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The wait-free exchange inside a SharedData, and the ports that use it without a call.
+/// Ports that use the exchange inside a SharedData without a call.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <array>
-#include <cstring>
 #include <optional>
+#include <stdexcept>
 #include <thread>
-#include <vector>
 
 #include "unit/model/shared_data_users.h"
 
@@ -171,6 +168,24 @@ TEST(SharedData, TheFirstWriterGoesOnWhileItIsPoisoned) {
   EXPECT_EQ(value_of(data), 2.0);
 }
 
+TEST(SharedData, WhoThrowsWhileItLooksHasNotSeenTheValue) {
+  struct ReaderShell : Shell {
+    ReadPort<double> in{*this, "in"};
+  };
+  SharedDataBase data("data", data_type<double>());
+  Writer port(data);
+  ReaderShell shell;
+  ASSERT_TRUE(shell.in.connect(data.read_service()));
+  const Bindings table = std::move(shell.initial_bindings());
+  shell.use(&table);
+  EXPECT_TRUE(port.write(1.0));
+  EXPECT_THROW(shell.in.look([](double) { throw std::runtime_error("no"); }), std::runtime_error);
+
+  EXPECT_EQ(shell.in.look([](double) {}), DataStatus::new_data);
+
+  EXPECT_EQ(shell.in.look([](double) {}), DataStatus::old_data);
+}
+
 /// What is not yet to be read when somebody begins to listen is told to him.
 TEST(Tap, MissesNothingOfAWriterThatTakesNoLock) {
   constexpr int kTimes = 2000;
@@ -199,174 +214,6 @@ TEST(Tap, MissesNothingOfAWriterThatTakesNoLock) {
   }
   writer.join();
   EXPECT_EQ(missed, 0);
-}
-
-/// Every value carries its number in each word; a torn read would mix two.
-struct Numbered {
-  std::array<std::uint64_t, 64> words{};
-};
-Numbered numbered(std::uint64_t number) {
-  Numbered value;
-  value.words.fill(number);
-  return value;
-}
-/// The number, or 0 for a value that is mixed.
-std::uint64_t number_of(const void* data) {
-  const auto& words = static_cast<const Numbered*>(data)->words;
-  const bool whole = std::all_of(words.begin(), words.end(), [&](auto w) { return w == words[0]; });
-  return whole ? words[0] : 0;
-}
-void write_in_turn(LatestValue& exchange, const Numbered& value) {
-  std::memcpy(exchange.begin_write(), &value, sizeof value);
-  exchange.end_write(0);
-}
-
-TEST(LatestValue, NeverShowsATornOrAnOlderValueOfEitherWriter) {
-  LatestValue exchange(sizeof(Numbered), 4);
-  std::atomic<bool> done{false};
-  std::vector<std::thread> threads;
-  std::atomic<int> faults{0};
-  for (int i = 0; i < 3; ++i) {
-    threads.emplace_back([&, cursor = Cursor{exchange.attach()}]() mutable {
-      std::array<std::uint64_t, 2> last{};  // odd and even numbers come from two writers
-      while (!done) {
-        if (exchange.seek(cursor) == DataStatus::no_data) continue;
-        const std::uint64_t number = number_of(cursor.data);
-        faults += number == 0 || number < last[number % 2] ? 1 : 0;
-        last[number % 2] = number;
-      }
-    });
-  }
-  threads.emplace_back([&] {
-    for (std::uint64_t n = 2; !done; n += 2) write_in_turn(exchange, numbered(n));
-  });
-  for (std::uint64_t n = 1; n < 100'000; n += 2) {
-    const Numbered value = numbered(n);
-    EXPECT_TRUE(exchange.write_alone(&value, sizeof value, 0, [] { return true; }));
-  }
-  done = true;
-  for (auto& thread : threads) thread.join();
-  EXPECT_EQ(faults, 0);
-}
-
-TEST(LatestValue, HoldsAValueStillForEachReaderWhileBothWritersGoOn) {
-  LatestValue exchange(sizeof(Numbered), LatestValue::kMaxReaders);
-  std::vector<const void*> held;
-  std::uint64_t number = 0;
-  const auto write_some = [&] {
-    for (int i = 0; i < 5; ++i) {
-      const Numbered value = numbered(++number);
-      ASSERT_TRUE(exchange.write_alone(&value, sizeof value, 0, [] { return true; }));
-      write_in_turn(exchange, numbered(++number));
-    }
-  };
-  for (unsigned reader = 0; reader < LatestValue::kMaxReaders; ++reader) {
-    write_some();
-    held.push_back(exchange.acquire(exchange.attach()).data);
-  }
-  for (int i = 0; i < 10; ++i) write_some();
-  for (std::size_t i = 0; i < held.size(); ++i) EXPECT_EQ(number_of(held[i]), 10 * (i + 1));
-}
-
-TEST(LatestValue, IsTheSameUntilItIsWrittenAgain) {
-  LatestValue exchange(sizeof(Numbered), 2);
-  const unsigned slot = exchange.attach();
-  EXPECT_EQ(exchange.acquire(slot).data, nullptr);
-  const Numbered value = numbered(1);
-  ASSERT_TRUE(exchange.write_alone(&value, sizeof value, 7, [] { return true; }));
-  const auto first = exchange.acquire(slot);
-  EXPECT_EQ(first.header.stamp, 7);
-  EXPECT_EQ(exchange.acquire(slot).header.sequence, first.header.sequence);
-  ASSERT_TRUE(exchange.write_alone(&value, sizeof value, 8, [] { return true; }));
-  EXPECT_NE(exchange.acquire(slot).header.sequence, first.header.sequence);
-}
-
-TEST(LatestValue, NeverShowsAValueThatAnotherWriterOvertook) {
-  LatestValue exchange(sizeof(Numbered), 2);
-  const unsigned slot = exchange.attach();
-  const Numbered slow = numbered(1);
-  const auto overtaken = [&] {
-    write_in_turn(exchange, numbered(2));
-    return true;
-  };
-
-  EXPECT_TRUE(exchange.write_alone(&slow, sizeof slow, 0, overtaken));
-
-  EXPECT_EQ(number_of(exchange.acquire(slot).data), 2u);
-  const Numbered next = numbered(3);
-  EXPECT_TRUE(exchange.write_alone(&next, sizeof next, 0, [] { return true; }));
-  EXPECT_EQ(number_of(exchange.acquire(slot).data), 3u);
-}
-
-TEST(LatestValue, IsWrittenUnderTheLockForEverOnceAThreadWasLostInIt) {
-  LatestValue exchange(sizeof(Numbered), 2);
-  const unsigned slot = exchange.attach();
-  const Numbered value = numbered(1);
-  EXPECT_FALSE(exchange.write_alone(&value, sizeof value, 0, [] { return false; }));
-  EXPECT_FALSE(exchange.write_alone(&value, sizeof value, 0, [] { return true; }));
-  EXPECT_EQ(exchange.acquire(slot).data, nullptr);
-
-  write_in_turn(exchange, value);
-
-  EXPECT_EQ(number_of(exchange.acquire(slot).data), 1u);
-}
-
-TEST(LatestValue, HasOnePlaceForAWriter) {
-  LatestValue exchange(sizeof(Numbered), 2);
-  EXPECT_TRUE(exchange.take_place(1));
-  EXPECT_TRUE(exchange.take_place(1));
-  EXPECT_FALSE(exchange.take_place(2));
-  exchange.leave_place(2);
-  EXPECT_FALSE(exchange.take_place(2));
-  exchange.leave_place(1);
-  EXPECT_TRUE(exchange.take_place(2));
-}
-
-TEST(LatestValue, TellsACursorWhetherItsValueIsNew) {
-  LatestValue exchange(sizeof(Numbered), 2);
-  Cursor cursor{exchange.attach()};
-  EXPECT_EQ(exchange.seek(cursor), DataStatus::no_data);
-  for (std::uint64_t number = 1; number < 5; ++number) {
-    const Numbered value = numbered(number);
-    ASSERT_TRUE(exchange.write_alone(&value, sizeof value, 10, [] { return true; }));
-    EXPECT_EQ(exchange.seek(cursor), DataStatus::new_data);
-    EXPECT_EQ(exchange.seek(cursor), DataStatus::old_data);
-    EXPECT_EQ(number_of(cursor.data), number);
-    EXPECT_EQ(cursor.stamp, 10);
-  }
-}
-
-/// Small values lie close together.
-template <std::size_t Size>
-void keeps_values_apart() {
-  LatestValue exchange(Size, LatestValue::kMaxReaders);
-  std::vector<Cursor> cursors;
-  for (unsigned i = 0; i < LatestValue::kMaxReaders; ++i) {
-    std::array<std::uint8_t, Size> value{};
-    value.fill(static_cast<std::uint8_t>(i + 1));
-    ASSERT_TRUE(exchange.write_alone(&value, Size, 0, [] { return true; }));
-    cursors.push_back(Cursor{exchange.attach()});
-    EXPECT_EQ(exchange.seek(cursors.back()), DataStatus::new_data);
-  }
-  for (unsigned i = 0; i < LatestValue::kMaxReaders; ++i) {
-    std::array<std::uint8_t, Size> seen{};
-    std::memcpy(&seen, cursors[i].data, Size);
-    EXPECT_TRUE(std::all_of(seen.begin(), seen.end(), [&](int byte) { return byte == int(i) + 1; }))
-        << Size;
-    EXPECT_EQ(
-        reinterpret_cast<std::uintptr_t>(cursors[i].data) % std::min<std::size_t>(16, Size & -Size),
-        0u);
-  }
-}
-
-TEST(LatestValue, KeepsValuesOfEverySizeApart) {
-  keeps_values_apart<1>();
-  keeps_values_apart<10>();
-  keeps_values_apart<16>();
-  keeps_values_apart<100>();
-  keeps_values_apart<112>();
-  keeps_values_apart<113>();
-  keeps_values_apart<1000>();
 }
 
 }  // namespace
