@@ -110,11 +110,12 @@ class WritePort final : public PortBase {
   /// False: nobody got the value.
   bool write(const T& value) {
     const Instant stamp = this_job().start;
-    if (!at_hand() || stamp == 0 ||
-        !exchange().write_as_expected(&value, exchange().template bytes_of<T>(), stamp))
-        [[unlikely]]
+    if (!at_hand() || stamp == 0) [[unlikely]]
       return write_otherwise(value);
-    return exchange().taps.empty() || told(&value);
+    Exchange& into = exchange();
+    if (!into.write_as_expected(&value, into.bytes_of<T>(), stamp)) [[unlikely]]
+      return write_otherwise(value);
+    return into.taps.empty() || told(&value);
   }
   /// Calls f(T&) on the storage of the exchange, some older value, then publishes it unchecked.
   template <typename F>
@@ -134,10 +135,10 @@ class WritePort final : public PortBase {
  private:
   [[gnu::noinline]] bool write_otherwise(const T& value) {
     const Instant stamp = this_job().start;
-    if (!at_hand() || stamp == 0 ||
-        !exchange().write_alone(&value, exchange().template bytes_of<T>(), stamp))
-      return write_by_call(value);
-    return exchange().taps.empty() || told(&value);
+    if (!at_hand() || stamp == 0) return write_by_call(value);
+    Exchange& into = exchange();
+    if (!into.write_alone(&value, into.bytes_of<T>(), stamp)) return write_by_call(value);
+    return into.taps.empty() || told(&value);
   }
   bool write_by_call(const T& value) {
     const TracedCall call = call_begins();
