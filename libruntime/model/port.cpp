@@ -42,6 +42,7 @@ Exchange* Binding::at_hand() const {
 }
 
 bool Binding::write(const void* value) const {
+  if (this_job().detached.load(std::memory_order_relaxed)) return false;
   const Instant stamp = job_time();
   Exchange* const exchange = at_hand();
   // Also while somebody listens: the value is out before anybody waits for the gate.
@@ -94,15 +95,19 @@ const Binding* PortBase::binding() {
   if (this_job().detached.load(std::memory_order_relaxed)) return nullptr;
   const Bindings* table = shell_.bindings();
   const Binding* binding = table != nullptr ? (*table)[index_].get() : nullptr;
+  const bool as_before = version_at_hand_ == version_;
+  version_at_hand_ = 0;  // who is thrown out of here begins anew
+  std::atomic_signal_fence(std::memory_order_seq_cst);
   // With the same connections too: what the cursor stood at may have been given back.
-  if (version_at_hand_ != version_) cursor_.data = nullptr;
-  exchange_ = binding != nullptr && !calls_ ? binding->at_hand() : nullptr;
-  version_at_hand_ = exchange_ != nullptr ? version_ : 0;
-  max_age_ = binding != nullptr ? binding->max_age() : Duration{0};
+  if (!as_before) cursor_.data = nullptr;
   if (binding != nullptr && binding->id() != seen_) {
-    seen_ = binding->id();
     cursor_ = Cursor{binding->slot()};
+    seen_ = binding->id();
   }
+  max_age_ = binding != nullptr ? binding->max_age() : Duration{0};
+  exchange_ = binding != nullptr && !calls_ ? binding->at_hand() : nullptr;
+  std::atomic_signal_fence(std::memory_order_seq_cst);
+  version_at_hand_ = exchange_ != nullptr ? version_ : 0;
   return binding;
 }
 

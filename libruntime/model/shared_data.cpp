@@ -69,17 +69,21 @@ class ReadLatest final : public ServiceBase {
  private:
   static DataStatus show(DataStatus status, const Visitor& visitor, Cursor& cursor) {
     if (status == DataStatus::no_data) return status;
-    const Cursor after = cursor;
-    if (status == DataStatus::new_data) cursor = Cursor{cursor.slot};  // who throws has not seen it
-    visitor(after.data);
-    cursor = after;
+    const void* const data = cursor.data;
+    const std::uint64_t seen = cursor.seen;
+    const bool fresh = status == DataStatus::new_data;
+    if (fresh) cursor = {cursor.slot, 0, cursor.stamp};  // who throws has not seen it
+    visitor(data);
+    // The visitor may have read on, and who was given up in it has a successor that does.
+    const bool still = cursor.seen == 0 && !this_job().detached.load(std::memory_order_relaxed);
+    if (fresh && still) cursor.seen = seen;
     return status;
   }
   LatestValue& latest() { return exchange_of(owner()).latest; }
 };
 
-/// The port that came first writes without a call and without the lock. Others take it, as does who
-/// fills a value in place (the author's code), and everybody while somebody listens.
+/// The port that came first writes without a call and without the lock, which it takes to tell
+/// those who listen. Others write under it, as does who fills a value in place (the author's code).
 class WriteLatest final : public ServiceBase {
  public:
   WriteLatest(InterfaceBase& owner, const DataType& data)
@@ -99,6 +103,9 @@ class WriteLatest final : public ServiceBase {
     Exchange& into = *exchange();
     void* const value = into.latest.begin_write();
     filler(value);
+    // Who was given up in there does not overtake its safe value.
+    const Job& job = this_job();
+    if (job.running && job.detached.load(std::memory_order_relaxed)) return false;
     into.latest.end_write(stamp);
     into.taps.push(value, stamp);
     return true;

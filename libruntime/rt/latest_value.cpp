@@ -77,7 +77,11 @@ bool LatestValue::replace(std::uint64_t& word) {
   if (!word_.compare_exchange_strong(word, after, std::memory_order_acq_rel)) return false;
   take_back(alone_, before);
   ahead_ = slot(alone_.next);
-  if ((before & unusual_) != 0) unusual_ = kReaders;
+  // What the first reader holds is free when it takes another one, unless it is not alone with it.
+  if (taken(before, kFirstReader)) {
+    const bool shared = (before & kReaders & ~kFirst) != 0;
+    unusual_.store(shared ? kReaders : kReaders & ~kFirst, std::memory_order_relaxed);
+  }
   leave(after | (before & kReaders));  // who took this one takes the next one
   return true;
 }

@@ -24,7 +24,7 @@ namespace mauve {
 
 class LatestValue {
  public:
-  static constexpr unsigned kMaxReaders = 16;
+  static constexpr unsigned kMaxReaders = 8;
   static constexpr unsigned kNoSlot = ~0U;
   /// For readers without a place of their own, which take turns.
   static constexpr unsigned kInTurn = 0;
@@ -67,6 +67,7 @@ class LatestValue {
   template <typename May>
   [[nodiscard, gnu::noinline]] bool write_alone(const void* data, std::size_t size, Instant stamp,
                                                 const May& may) {
+    if (!may()) return false;  // does not even go in
     std::uint64_t word = expected_.load(std::memory_order_acquire);
     if (word == kInside || !enter(may)) return false;
     put(ahead_, data, size, stamp);
@@ -80,13 +81,14 @@ class LatestValue {
     leave(word);
     return true;
   }
-  /// The same for most writes: the word is what was expected, and no reader but the first has ever
-  /// taken a value. False: nothing is published, and it is write_alone() that can.
+  /// The same for most writes: the word is what was expected, and of the readers only the first has
+  /// taken the newest value. False: nothing is published, and it is write_alone() that can.
   template <typename May>
   [[nodiscard, gnu::always_inline]] bool write_as_expected(const void* data, std::size_t size,
                                                            Instant stamp, const May& may) {
     const std::uint64_t expected = expected_.load(std::memory_order_acquire);
-    if ((expected & unusual_) != 0 || !enter(may)) [[unlikely]]  // kInside is all bits
+    const std::uint64_t unusual = unusual_.load(std::memory_order_relaxed);
+    if ((expected & unusual) != 0 || !enter(may)) [[unlikely]]  // kInside is all bits
       return false;
     put(ahead_, data, size, stamp);
     return exchange_slots(expected);
@@ -141,7 +143,8 @@ class LatestValue {
 
   // The word: the newest slot; for each reader two bits, not 0 when it has taken that slot; and how
   // often end_write() was called. A thread that was given up while it took the slot may take it
-  // once more for its successor: hence two bits.
+  // once more after its successor did: hence two bits. One that takes a later value in these few
+  // instructions, when its successor still reads the one before, takes that away.
   static constexpr unsigned kReaderShift = 6;
   static constexpr unsigned kCountShift = kReaderShift + 2 * (kMaxReaders + 1);
   static constexpr std::uint64_t kFirstSequence = 1U << kReaderShift;  // more than there are slots
@@ -202,7 +205,7 @@ class LatestValue {
   }
   /// Publishes `alone_.next` and leaves, unless there is another word: that is told.
   bool replace(std::uint64_t& word);
-  /// The same while the first reader is the only one, which makes this the triple buffer.
+  /// The same when the first reader is the only one: this is the triple buffer.
   [[gnu::always_inline]] bool exchange_slots(std::uint64_t word) {
     std::uint64_t before = 0;
     do {
@@ -220,7 +223,8 @@ class LatestValue {
         leave(after | (low & kFirst));  // a reader that took this one takes the next one
         return true;
       }
-    } while (((word ^ before) & ~kFirst) == 0 && (word & unusual_) == 0);
+    } while (((word ^ before) & ~kFirst) == 0 &&
+             (word & unusual_.load(std::memory_order_relaxed)) == 0);
     leave(word);
     return false;
   }
@@ -236,7 +240,7 @@ class LatestValue {
   alignas(kApart) std::atomic<std::uint64_t> word_;
   alignas(kApart) std::atomic<std::uint64_t> expected_;  // what the word will be for write_alone()
   std::byte* ahead_;                                     // the slot for its next value
-  std::uint64_t unusual_ = kReaders & ~kFirst;           // all readers once another one came
+  std::atomic<std::uint64_t> unusual_{kReaders & ~kFirst};  // see replace()
   Lane alone_;
   alignas(kApart) Lane careful_;
 };

@@ -152,8 +152,10 @@ class WritePort final : public PortBase {
   }
   bool lets_out(const T& value) {
     if (!plausible_) return true;
-    if (!plausible_(value, last_ ? *last_ : value)) {
-      Job& job = this_job();
+    const bool accepted = plausible_(value, last_ ? *last_ : value);
+    Job& job = this_job();
+    if (job.detached.load(std::memory_order_relaxed)) return false;  // given up in there
+    if (!accepted) {
       if (job.implausible == nullptr) job.implausible = this;
       return false;
     }

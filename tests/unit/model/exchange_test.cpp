@@ -101,16 +101,33 @@ TEST(SharedData, WhoIsGivenUpWhileHeWaitsForTheLockWritesNothing) {
   EXPECT_EQ(value_of(data), 9.0);
 }
 
-TEST(SharedData, WhoWasGivenUpWritesNothingMore) {
+TEST(SharedData, WhoWasGivenUpWritesNothingMoreAndLeavesThePlaceToItsSuccessor) {
   SharedDataBase data("data", data_type<double>());
-  Exchange& exchange = *data.write_service().exchange();
-  const double value = 7.0;
+  Writer port(data);
+  EXPECT_TRUE(port.write(1.0));
   this_job().detached = true;
-  EXPECT_FALSE(exchange.write_alone(&value, sizeof value, 1));
+  EXPECT_FALSE(port.write(2.0));
+  EXPECT_EQ(value_of(data), 1.0);
   this_job().detached = false;
+  HangingWriter hanging(data);
 
-  EXPECT_FALSE(exchange.write_alone(&value, sizeof value, 1)) << "the first may still be inside";
+  EXPECT_TRUE(port.write(3.0)) << "needs no lock";
 
+  EXPECT_EQ(value_of(data), 3.0);
+}
+
+TEST(SharedData, WhoIsGivenUpWhileHeFillsAValueIsNotSeen) {
+  SharedDataBase data("data", data_type<double>());
+  this_job().running = true;
+  auto filler = [](void* value) {
+    *static_cast<double*>(value) = 9.0;
+    this_job().detached = true;
+  };
+
+  EXPECT_FALSE(data.write_service().fill(Filler(filler)));
+
+  this_job().detached = false;
+  this_job().running = false;
   EXPECT_EQ(value_of(data), -1.0);
 }
 
@@ -168,22 +185,70 @@ TEST(SharedData, TheFirstWriterGoesOnWhileItIsPoisoned) {
   EXPECT_EQ(value_of(data), 2.0);
 }
 
-TEST(SharedData, WhoThrowsWhileItLooksHasNotSeenTheValue) {
+class Look : public testing::Test {
+ protected:
   struct ReaderShell : Shell {
     ReadPort<double> in{*this, "in"};
   };
-  SharedDataBase data("data", data_type<double>());
-  Writer port(data);
-  ReaderShell shell;
-  ASSERT_TRUE(shell.in.connect(data.read_service()));
-  const Bindings table = std::move(shell.initial_bindings());
-  shell.use(&table);
-  EXPECT_TRUE(port.write(1.0));
-  EXPECT_THROW(shell.in.look([](double) { throw std::runtime_error("no"); }), std::runtime_error);
+  void SetUp() override {
+    ASSERT_TRUE(shell_.in.connect(data_.read_service()));
+    table_ = std::move(shell_.initial_bindings());
+    shell_.use(&table_);
+  }
 
-  EXPECT_EQ(shell.in.look([](double) {}), DataStatus::new_data);
+  SharedDataBase data_{"data", data_type<double>()};
+  Writer writer_{data_};
+  ReaderShell shell_;
+  ReadPort<double>& in_ = shell_.in;
 
-  EXPECT_EQ(shell.in.look([](double) {}), DataStatus::old_data);
+ private:
+  Bindings table_;
+};
+
+TEST_F(Look, ShowsAValueAgainToWhoThrew) {
+  EXPECT_TRUE(writer_.write(1.0));
+  EXPECT_THROW(in_.look([](double) { throw std::runtime_error("no"); }), std::runtime_error);
+
+  EXPECT_EQ(in_.look([](double) {}), DataStatus::new_data);
+
+  EXPECT_EQ(in_.look([](double) {}), DataStatus::old_data);
+}
+
+TEST_F(Look, KnowsTheAgeOfWhatItShows) {
+  EXPECT_TRUE(writer_.write(1.0));  // at 1
+  this_job().start = 11;
+
+  in_.look([this](double) { EXPECT_EQ(in_.age(), 10ns); });
+
+  this_job().start = 0;
+}
+
+TEST_F(Look, MayReadOnWhileItShows) {
+  EXPECT_TRUE(writer_.write(1.0));
+  in_.look([this](double) {
+    EXPECT_TRUE(writer_.write(2.0));
+    EXPECT_EQ(in_.read(), 2.0);
+  });
+  EXPECT_TRUE(writer_.write(3.0));
+  EXPECT_EQ(in_.read(), 3.0);
+  EXPECT_EQ(in_.read(), 3.0);
+}
+
+/// The other thread is the successor of one that was given up in its visitor.
+TEST_F(Look, ChangesNothingOnceItsThreadWasGivenUp) {
+  EXPECT_TRUE(writer_.write(1.0));
+  in_.look([this](double) {
+    std::thread([this] {
+      EXPECT_TRUE(writer_.write(2.0));
+      EXPECT_EQ(in_.read(), 2.0);
+      EXPECT_TRUE(writer_.write(3.0));
+      EXPECT_EQ(in_.read(), 3.0);
+    }).join();
+    this_job().detached = true;
+  });
+  this_job().detached = false;
+
+  EXPECT_EQ(in_.look([](double value) { EXPECT_EQ(value, 3.0); }), DataStatus::old_data);
 }
 
 /// What is not yet to be read when somebody begins to listen is told to him.
