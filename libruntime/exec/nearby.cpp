@@ -12,8 +12,8 @@ namespace {
 constexpr std::uintptr_t kLine = 64;
 /// Of an object whose class is not known: where the members are that it uses most.
 constexpr std::size_t kHead = 512;
-/// Of a value: the CPU notices where this leads.
-constexpr std::size_t kBegin = 256;
+/// Of a value: where a longer one leads the CPU notices itself.
+constexpr std::size_t kBegin = 1024;
 /// Asking for them takes the time of some hundred instructions.
 constexpr std::size_t kAtMost = 256;
 
