@@ -58,11 +58,11 @@ class Threads final : public Runner {
   }
 
   void settle() override {
+    rt::fence_all_threads();  // the first one takes milliseconds: before T0 is near
     while (parked_.load() < workers_.size()) std::this_thread::sleep_for(20us);
   }
   void open() override {
     if (!guard_.running()) start_guard();
-    rt::fence_all_threads();  // the first one takes milliseconds
     rt::futex_bump(gate_);
   }
 
