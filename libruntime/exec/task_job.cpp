@@ -150,7 +150,7 @@ FsmState* Task::run_states(JobEnd& job) {
     const FsmState& ran = *state;
     tell_state(TraceKind::begin, ran, job.at);
     state->run(core);
-    if (this_job().detached.load(std::memory_order_relaxed)) break;  // given up meanwhile
+    if (this_job().is_detached()) break;  // given up meanwhile
     state = &state->next(core);
     const Instant ended = state_time();
     const bool preempted = rt::preempted();
@@ -232,9 +232,7 @@ namespace mauve {
 namespace {
 
 /// Null outside a job, and for a thread that was given up.
-exec::Task* speaking() {
-  return this_job().detached.load(std::memory_order_relaxed) ? nullptr : exec::this_task();
-}
+exec::Task* speaking() { return this_job().is_detached() ? nullptr : exec::this_task(); }
 
 }  // namespace
 

@@ -56,7 +56,7 @@ bool Gate::enter() {
   // Who was given up while it waited changes nothing any more: a safe value may stand there. The
   // guard that gives up makes all processors pass a barrier before it looks at what is held.
   std::atomic_signal_fence(std::memory_order_seq_cst);
-  const bool given_up = job.running && job.detached.load(std::memory_order_relaxed);
+  const bool given_up = job.running && job.is_detached();
   if (!given_up && deferred_.load(std::memory_order_acquire) != nullptr)
     visit_deferred(job.release);
   if (!given_up && !poisoned()) return true;

@@ -12,7 +12,7 @@ namespace mauve {
 /// The ring of this job while so much is traced; null: nobody wants to know, or the thread was
 /// given up and has no part in its component any more. [rt]
 [[nodiscard]] inline rt::TraceRing* ring_of(const Job& job, TraceMode needed) {
-  if (!detail::traces(needed) || job.detached.load(std::memory_order_relaxed)) return nullptr;
+  if (!detail::traces(needed) || job.is_detached()) return nullptr;
   return job.trace;
 }
 

@@ -32,9 +32,7 @@ struct Exchange {
   [[gnu::always_inline]] bool write_as_expected(const void* data, std::size_t size, Instant stamp) {
     return latest.write_as_expected(data, size, stamp, not_given_up);
   }
-  static constexpr auto not_given_up = [] {
-    return !this_job().detached.load(std::memory_order_relaxed);
-  };
+  static constexpr auto not_given_up = [] { return !this_job().is_detached(); };
   LatestValue latest;
   TapList taps;
 };

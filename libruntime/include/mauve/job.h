@@ -31,6 +31,7 @@ struct Job {
   /// Every port behaves as if it were not connected: while preparing, and for a thread that was
   /// given up because its job did not return.
   std::atomic<bool> detached{false};
+  [[nodiscard]] bool is_detached() const { return detached.load(std::memory_order_relaxed); }
   rt::TraceRing* trace = nullptr;  ///< where this thread tells what it does; null: nowhere
   /// What this job waited for resources that others held.
   struct LockWaits {

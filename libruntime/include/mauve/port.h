@@ -154,7 +154,7 @@ class WritePort final : public PortBase {
     if (!plausible_) return true;
     const bool accepted = plausible_(value, last_ ? *last_ : value);
     Job& job = this_job();
-    if (job.detached.load(std::memory_order_relaxed)) return false;  // given up in there
+    if (job.is_detached()) return false;  // given up in there
     if (!accepted) {
       if (job.implausible == nullptr) job.implausible = this;
       return false;

@@ -50,7 +50,7 @@ class PortBase {
   /// [rt]
   [[nodiscard, gnu::always_inline]] bool at_hand() const {
     // Who was given up does not even look: its successor uses this port.
-    if (this_job().detached.load(std::memory_order_relaxed)) [[unlikely]]
+    if (this_job().is_detached()) [[unlikely]]
       return false;
     return !detail::traces(TraceMode::detail) && version_ == version_at_hand_;
   }
