@@ -42,14 +42,13 @@ Exchange* Binding::at_hand() const {
 }
 
 bool Binding::write(const void* value) const {
-  if (this_job().detached.load(std::memory_order_relaxed)) return false;
   const Instant stamp = job_time();
   Exchange* const exchange = at_hand();
   // Also while somebody listens: the value is out before anybody waits for the gate.
   if (exchange != nullptr && exchange->write_alone(value, exchange->latest.size(), stamp)) {
     return told(value, stamp);
   }
-  return !this_job().detached.load(std::memory_order_relaxed) && service_.write(value);
+  return !this_job().is_detached() && service_.write(value);
 }
 
 bool Binding::told(const void* value, Instant stamp) const {
@@ -92,14 +91,14 @@ bool PortBase::connected() const {
 }
 
 const Binding* PortBase::binding() {
-  if (this_job().detached.load(std::memory_order_relaxed)) return nullptr;
+  if (this_job().is_detached()) return nullptr;
   const Bindings* table = shell_.bindings();
   const Binding* binding = table != nullptr ? (*table)[index_].get() : nullptr;
   const bool as_before = version_at_hand_ == version_;
   version_at_hand_ = 0;  // who is thrown out of here begins anew
   std::atomic_signal_fence(std::memory_order_seq_cst);
   // With the same connections too: what the cursor stood at may have been given back.
-  if (!as_before) cursor_.data = nullptr;
+  if (!as_before) cursor_.word = Cursor::kNone;
   if (binding != nullptr && binding->id() != seen_) {
     cursor_ = Cursor{binding->slot()};
     seen_ = binding->id();

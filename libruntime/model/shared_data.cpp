@@ -72,10 +72,13 @@ class ReadLatest final : public ServiceBase {
     const void* const data = cursor.data;
     const std::uint64_t seen = cursor.seen;
     const bool fresh = status == DataStatus::new_data;
-    if (fresh) cursor = {cursor.slot, 0, cursor.stamp};  // who throws has not seen it
+    if (fresh) {  // who throws has not seen it
+      cursor.word = Cursor::kNone;
+      cursor.seen = 0;
+    }
     visitor(data);
     // The visitor may have read on, and who was given up in it has a successor that does.
-    const bool still = cursor.seen == 0 && !this_job().detached.load(std::memory_order_relaxed);
+    const bool still = cursor.seen == 0 && !this_job().is_detached();
     if (fresh && still) cursor.seen = seen;
     return status;
   }
@@ -105,7 +108,7 @@ class WriteLatest final : public ServiceBase {
     filler(value);
     // Who was given up in there does not overtake its safe value.
     const Job& job = this_job();
-    if (job.running && job.detached.load(std::memory_order_relaxed)) return false;
+    if (job.running && job.is_detached()) return false;
     into.latest.end_write(stamp);
     into.taps.push(value, stamp);
     return true;

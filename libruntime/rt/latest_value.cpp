@@ -4,22 +4,12 @@
 #include <new>
 
 namespace mauve {
-namespace {
-
-constexpr std::size_t round_up(std::size_t value, std::size_t step) {
-  return (value + step - 1) / step * step;
-}
-
-/// Small ones share lines: a writer and a reader on two CPUs then move fewer lines than values.
-constexpr std::size_t stride_of(std::size_t slot, std::size_t apart) {
-  return slot < apart ? std::bit_ceil(slot) : round_up(slot, apart);
-}
-
-}  // namespace
 
 LatestValue::LatestValue(std::size_t size, unsigned readers)
     : size_(size),
-      stride_(stride_of(slot_size(), kApart)),
+      // Small ones share lines: a writer and a reader on two CPUs then move fewer lines than
+      // values.
+      stride_(slot_size() < kApart ? std::bit_ceil(slot_size()) : round_up(slot_size(), kApart)),
       readers_((readers < kMaxReaders ? readers : kMaxReaders) + 1),
       taken_(std::make_unique<std::atomic<bool>[]>(readers_)) {
   const unsigned slots = 2 * readers_ + 3;

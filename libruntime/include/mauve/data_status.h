@@ -37,6 +37,8 @@ struct Cursor {
   Instant stamp = 0;       ///< when the value read was written (start of the writing job)
   /// The value itself, held still, in an exchange in which the reader has a place of its own.
   const void* data = nullptr;
+  static constexpr std::uint64_t kNone = ~0ULL;
+  std::uint64_t word = kNone;  ///< of that exchange; the same: `data` is still its newest value
 };
 
 enum class PortKind : std::uint8_t { read, write, call, event };

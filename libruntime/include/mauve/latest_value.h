@@ -46,7 +46,6 @@ class LatestValue {
   ~LatestValue();
   LatestValue(const LatestValue&) = delete;
   LatestValue& operator=(const LatestValue&) = delete;
-
   /// A private place for one reader, or kNoSlot when all are taken. [control]
   [[nodiscard]] unsigned attach();
   void detach(unsigned reader);
@@ -100,21 +99,18 @@ class LatestValue {
   void end_write(Instant stamp);
 
   /// The newest value, held still until the next call. Only the owner of `reader`. [rt], wait-free.
-  [[nodiscard]] View acquire(unsigned reader) {
-    std::uint64_t word = word_.load(std::memory_order_acquire);
-    if (!taken(word, reader)) {
-      word = word_.fetch_add(1ULL << (kReaderShift + 2 * reader), std::memory_order_acq_rel);
-    }
-    return view(index_of(word));
-  }
+  [[nodiscard]] View acquire(unsigned reader) { return view(index_of(take(reader))); }
   /// Moves the cursor of a reader with a place of its own to the newest value. [rt], wait-free.
   DataStatus seek(Cursor& cursor) {
-    const std::uint64_t word = word_.load(std::memory_order_acquire);
-    if (taken(word, cursor.slot) && cursor.data != nullptr) [[likely]]
+    if (word_.load(std::memory_order_acquire) == cursor.word) [[likely]]
       return DataStatus::old_data;
-    cursor.data = nullptr;  // who is thrown out of here does not go on with an older one
+    cursor.word = Cursor::kNone;  // who is thrown out of here does not go on with an older one
     std::atomic_signal_fence(std::memory_order_seq_cst);
-    return show(acquire(cursor.slot), cursor);
+    const std::uint64_t word = take(cursor.slot);
+    const DataStatus status = show(view(index_of(word)), cursor);
+    std::atomic_signal_fence(std::memory_order_seq_cst);
+    if (status != DataStatus::no_data) cursor.word = word;
+    return status;
   }
   /// Moves a cursor to what is there to see.
   static DataStatus show(const View& view, Cursor& cursor) {
@@ -122,7 +118,6 @@ class LatestValue {
     const bool fresh = view.header.sequence != cursor.seen;
     cursor.seen = view.header.sequence;
     cursor.stamp = view.header.stamp;
-    std::atomic_signal_fence(std::memory_order_seq_cst);  // who is thrown out before begins anew
     cursor.data = view.data;
     return fresh ? DataStatus::new_data : DataStatus::old_data;
   }
@@ -142,9 +137,8 @@ class LatestValue {
   static constexpr std::size_t kApart = 128;
 
   // The word: the newest slot; for each reader two bits, not 0 when it has taken that slot; and how
-  // often end_write() was called. A thread that was given up while it took the slot may take it
-  // once more after its successor did: hence two bits. One that takes a later value in these few
-  // instructions, when its successor still reads the one before, takes that away.
+  // often end_write() was called. Two bits: a lost thread may take it again after its successor
+  // did. One that takes a later value takes the one before away, until its successor looks again.
   static constexpr unsigned kReaderShift = 6;
   static constexpr unsigned kCountShift = kReaderShift + 2 * (kMaxReaders + 1);
   static constexpr std::uint64_t kFirstSequence = 1U << kReaderShift;  // more than there are slots
@@ -165,6 +159,13 @@ class LatestValue {
     std::uint8_t next = 0;
     std::array<std::uint8_t, kMaxReaders + 1> held_by{};
   };
+  /// The word in which the reader has taken the newest slot.
+  std::uint64_t take(unsigned reader) {
+    const std::uint64_t word = word_.load(std::memory_order_acquire);
+    if (taken(word, reader)) return word;
+    const std::uint64_t its = 1ULL << (kReaderShift + 2 * reader);
+    return word_.fetch_add(its, std::memory_order_acq_rel) + its;
+  }
   /// `lane.next` was published in place of the slot in the word `before`.
   void take_back(Lane& lane, std::uint64_t before) const;
 
@@ -176,8 +177,9 @@ class LatestValue {
     return view;
   }
   /// Where the header is: the value begins a line of the cache.
-  static constexpr std::size_t behind(std::size_t size) {
-    return (size + alignof(Header) - 1) / alignof(Header) * alignof(Header);
+  static constexpr std::size_t behind(std::size_t size) { return round_up(size, alignof(Header)); }
+  static constexpr std::size_t round_up(std::size_t size, std::size_t step) {
+    return (size + step - 1) / step * step;
   }
   /// Each slot counts for itself, from its index on.
   static void describe(std::byte* slot, std::size_t size, Instant stamp) {

@@ -132,14 +132,15 @@ TEST(SharedData, WhoIsGivenUpWhileHeFillsAValueIsNotSeen) {
 }
 
 /// As after a change was rolled back: the connection is the same, another shell used it meanwhile.
+struct ReadsInTurn : Shell {
+  ReadPort<double> in{*this, "in"};
+};
+
 TEST(SharedData, AShellThatComesBackReadsTheNewestValue) {
-  struct ReaderShell : Shell {
-    ReadPort<double> in{*this, "in"};
-  };
   SharedDataBase data("data", data_type<double>());
   Writer port(data);
-  ReaderShell before;
-  ReaderShell after;
+  ReadsInTurn before;
+  ReadsInTurn after;
   ASSERT_TRUE(before.in.connect(data.read_service()));
   const Bindings table = std::move(before.initial_bindings());
   this_job().start = 1;
@@ -157,6 +158,35 @@ TEST(SharedData, AShellThatComesBackReadsTheNewestValue) {
   EXPECT_EQ(before.in.read(), 2.0);
 
   this_job().start = 0;
+}
+
+/// The word of the exchange may be the same again, with another value.
+TEST(SharedData, AShellThatComesBackSeesWhatIsNewAlsoInTheSameSlot) {
+  SharedDataBase data("data", data_type<double>());
+  Writer port(data);
+  ReadsInTurn before;
+  ReadsInTurn after;
+  ASSERT_TRUE(before.in.connect(data.read_service()));
+  const Bindings table = std::move(before.initial_bindings());
+  double written = 0;
+  for (int writes = 1; writes <= 6; ++writes) {
+    before.use(&table);
+    EXPECT_TRUE(port.write(++written));
+    EXPECT_EQ(before.in.read(), written);
+    EXPECT_EQ(before.in.read(), written) << "at hand";
+    after.use(&table);
+    for (int i = 0; i < writes; ++i) {
+      EXPECT_TRUE(port.write(++written));
+      EXPECT_EQ(after.in.read(), written);
+    }
+
+    before.use(&table);
+
+    EXPECT_EQ(before.in.read(), written);
+    EXPECT_EQ(before.in.status(), DataStatus::new_data) << writes;
+    EXPECT_EQ(before.in.read(), written);
+    EXPECT_EQ(before.in.status(), DataStatus::old_data);
+  }
 }
 
 TEST(Tap, IsToldAValueThatWasOnItsWayWhenItCame) {

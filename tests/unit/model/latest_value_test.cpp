@@ -301,6 +301,26 @@ void keeps_values_apart() {
   }
 }
 
+/// A thread lost before it took a value takes it while its successor stands at an older one.
+TEST(LatestValue, ACursorGoesOnWithTheNewestValueThatALostThreadTookForTheSameReader) {
+  LatestValue exchange(sizeof(Numbered), 2);
+  Cursor cursor{exchange.attach()};
+  write_somehow(exchange, 1);
+  EXPECT_EQ(exchange.seek(cursor), DataStatus::new_data);
+  write_somehow(exchange, 2);
+  static_cast<void>(exchange.acquire(cursor.slot));  // the lost one: 1 is given back
+
+  EXPECT_EQ(exchange.seek(cursor), DataStatus::new_data);
+
+  for (std::uint64_t number = 3; number < 10; ++number) {
+    EXPECT_EQ(number_of(cursor.data), number - 1);
+    EXPECT_EQ(exchange.seek(cursor), DataStatus::old_data);
+    write_somehow(exchange, number);
+    EXPECT_EQ(number_of(cursor.data), number - 1) << "held still";
+    EXPECT_EQ(exchange.seek(cursor), DataStatus::new_data);
+  }
+}
+
 TEST(LatestValue, KeepsValuesOfEverySizeApart) {
   keeps_values_apart<1>();
   keeps_values_apart<10>();
