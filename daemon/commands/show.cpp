@@ -2,6 +2,7 @@
 /// object.get and param.get: everything about one thing, and the value of one thing.
 #include <initializer_list>
 
+#include "arch/describe.h"
 #include "arch/value_json.h"
 #include "base/duration.h"
 #include "commands/answer.h"
@@ -89,6 +90,8 @@ Json task_of(const TaskAttributes& task, const ComponentStatus& status) {
           {"budget", format_duration(task.budget)},
           {"stack", task.stack},
           {"on_overrun", to_string(task.on_overrun)},
+          {"on_fault", arch::to_json(arch::describe_fault_policy(task.on_fault))},
+          {"watchdog", format_duration(status.watchdog)},
           {"start", task.start}};
 }
 
@@ -116,6 +119,7 @@ Json show_component(const Running& running, ComponentBase& component) {
                  {"kind", "component"},
                  {"type", component.type().name},
                  {"core", bundle.core_type.name},
+                 {"fallback_core", arch::to_json(arch::describe_fallback(component.fallback()))},
                  {"contract", bundle.core_type.contract.name},
                  {"fsm", bundle.fsm_type.name},
                  {"fsm_state", status.fsm_state},

@@ -71,13 +71,6 @@ Value overrun_limit(const TaskAttributes& attributes) {
   return static_cast<std::int64_t>(attributes.overrun_limit);
 }
 
-Value fault_policy(const FaultPolicy& policy) {
-  if (policy.action != FaultPolicy::Action::restart) return to_string(policy.action);
-  return Value::Object{{"restart", static_cast<std::int64_t>(policy.restarts)},
-                       {"per", format_duration(policy.per)},
-                       {"back_off", format_duration(policy.back_off)}};
-}
-
 Value describe(const ResourceBase& resource) {
   Value::Object object{{"type", resource.type().name}};
   if (is_built_in(resource.type().name)) {
@@ -137,8 +130,15 @@ std::vector<std::pair<std::string_view, Value>> describe_task(const TaskAttribut
           {"stack", format_size(attributes.stack)},
           {"on_overrun", to_string(attributes.on_overrun)},
           {"overrun_limit", overrun_limit(attributes)},
-          {"on_fault", fault_policy(attributes.on_fault)},
+          {"on_fault", describe_fault_policy(attributes.on_fault)},
           {"watchdog", unless_zero(attributes.watchdog)}};
+}
+
+Value describe_fault_policy(const FaultPolicy& policy) {
+  if (policy.action != FaultPolicy::Action::restart) return to_string(policy.action);
+  return Value::Object{{"restart", static_cast<std::int64_t>(policy.restarts)},
+                       {"per", format_duration(policy.per)},
+                       {"back_off", format_duration(policy.back_off)}};
 }
 
 Value describe_hold(const ResourceBase& resource) {

@@ -22,7 +22,9 @@ using Parked = std::function<bool(const ComponentBase&)>;
 /// where nothing would be said. [any]
 [[nodiscard]] std::vector<std::pair<std::string_view, Value>> describe_task(
     const TaskAttributes& attributes);
-/// A declared hold, a connection and a fallback core as in the file; null: there is none. [control]
+/// A fault policy, a declared hold, a connection and a fallback core as in the file; null: there is
+/// none. [control]
+[[nodiscard]] Value describe_fault_policy(const FaultPolicy& policy);
 [[nodiscard]] Value describe_hold(const ResourceBase& resource);
 [[nodiscard]] Value describe_connection(const Binding* binding);
 [[nodiscard]] Value describe_fallback(const std::optional<ComponentBase::Fallback>& fallback);

@@ -183,6 +183,7 @@ ComponentStatus look_at(const System& system, const Deployed& deployed) {
   status.execution_last = Duration{counters.execution_last.load(std::memory_order_relaxed)};
   status.period = bundle.fsm->grid();
   status.next_release = Duration{counters.next_release.load(std::memory_order_relaxed)};
+  status.watchdog = deployed.task->bound(deployed.realtime);
   if (status.state == ComponentState::running) {
     status.late = lateness_of(bundle, status.next_release, system.runner->now() - system.t0);
   }

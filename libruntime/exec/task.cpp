@@ -58,6 +58,13 @@ Task::~Task() {
   static_cast<void>(reclaim());
 }
 
+Duration Task::bound(bool realtime) const {
+  // An ordinary thread shares its processor: a healthy job may be kept waiting for so long.
+  constexpr Duration kShortestOrdinary = 500ms;
+  const Duration bound{bound_.load(std::memory_order_relaxed)};
+  return realtime || bound == Duration{0} ? bound : std::max(bound, kShortestOrdinary);
+}
+
 void Task::begin(std::unique_ptr<Published> first, Instant t0) {
   t0_ = t0;
   current_ = first.release();

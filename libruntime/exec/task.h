@@ -71,8 +71,8 @@ class Task {
   /// All that the thread still tries to write or read is dropped from now on. [any]
   void fence();
 
-  /// How long its job may run, and since when it does (0: none). [guard]
-  [[nodiscard]] Duration bound() const { return Duration{bound_.load(std::memory_order_relaxed)}; }
+  /// How long its job may run, on a thread of which kind; and since when it does. 0: none. [guard]
+  [[nodiscard]] Duration bound(bool realtime) const;
   [[nodiscard]] Instant busy_since() const { return watched_.busy_since.load(); }
   /// The job that began then shall end where it is, when its thread is told to look.
   void interrupt(Instant since) { watched_.interrupt.store(since); }

@@ -26,8 +26,6 @@ constexpr Duration kBetweenCalls{100us};
 /// The last tenth of its bound tells whether a job runs on and on, or others keep it from running.
 constexpr Instant kShareToJudge = 10;
 constexpr Duration kBetweenLooks{1ms};
-/// An ordinary thread shares its processor: a healthy job may be kept waiting for so long.
-constexpr Duration kShortestOrdinaryBound{500ms};
 
 class Threads final : public Runner {
  public:
@@ -206,11 +204,6 @@ class Threads final : public Runner {
     }
   }
 
-  static Duration bound_of(const Worker& worker) {
-    const bool realtime = worker.attributes.priority > 0;
-    return realtime ? worker.task.bound() : std::max(worker.task.bound(), kShortestOrdinaryBound);
-  }
-
   /// Past its bound: because its job goes on and on, or sleeps? Not one that more urgent threads,
   /// or a host that stood still, keep from the processor.
   [[nodiscard]] static bool is_to_blame(const Worker& worker, Instant bound) {
@@ -221,9 +214,9 @@ class Threads final : public Runner {
   /// When to look again.
   Instant look_at(std::unique_ptr<Worker>& worker) {
     Task& task = worker->task;
-    if (worker->quit.load() || task.bound() <= Duration{0}) return rt::kForever;
+    const Instant bound = task.bound(worker->attributes.priority > 0).count();
+    if (worker->quit.load() || bound <= 0) return rt::kForever;
     const Instant since = task.busy_since();
-    const Instant bound = bound_of(*worker).count();
     const Instant unjudged = bound - bound / kShareToJudge;
     if (since <= 0) return now() + unjudged;
     if (now() < since + unjudged) return since + unjudged;

@@ -263,6 +263,22 @@ std::string with_meter() {
                       period + R"(, "task": { "watchdog": "500ms" })");
 }
 
+TEST(Show, TellsWhatHappensWhenAJobDoesNotReturnOrFaults) {
+  std::string text(kTrial);
+  const std::string first = R"("first":  { "type": "trial/unit",)";
+  TrialDaemon daemon(
+      text.replace(text.find(first), first.size(), first + R"( "fallback_core": "trial/other",
+                                  "task": { "on_fault": "fallback", "watchdog": "700ms" },)"));
+  const auto show = [&](const char* name) { return daemon.ask("object.get", {{"address", name}}); };
+
+  EXPECT_EQ(show("first")["task"]["watchdog"], "700ms");
+  EXPECT_EQ(show("first")["task"]["on_fault"], "fallback");
+  EXPECT_EQ(show("first")["fallback_core"], "trial/other");
+  EXPECT_EQ(show("second")["task"]["watchdog"], "10.005s") << "no budget, 5 ms a wait";
+  EXPECT_EQ(show("second")["task"]["on_fault"], "stop");
+  EXPECT_EQ(show("second")["fallback_core"], nullptr);
+}
+
 TEST(Poisoned, IsAResourceThatItsCallerWasThrownOutOf) {
   TrialDaemon daemon(with_meter());
   const auto show = [&] { return daemon.ask("object.get", {{"address", "meter"}})["poisoned"]; };

@@ -35,6 +35,7 @@ struct ComponentStatus {
   Duration execution_last{0};
   Duration next_release{0};  ///< since T0
   Duration period{0};        ///< the grid that its releases lie on
+  Duration watchdog{0};      ///< a job that runs longer is given up
   bool changing = false;     ///< a change, or an order to stop, waits for the end of its job
   /// How long ago the job under way should have ended, once that is more than its longest wait;
   /// else zero. A core that hangs is running and late.
