@@ -112,7 +112,8 @@ struct Contenders {
   alignas(64) T other{};
 };
 
-/// Nanoseconds for each operation alone on a CPU: medians of batches in turn.
+/// Nanoseconds for each operation alone on a CPU: medians of batches in turn. One during which
+/// another machine used the same core is made again.
 [[nodiscard]] std::vector<double> alone(const std::vector<Operation>& operations, int times,
                                         int batches);
 
