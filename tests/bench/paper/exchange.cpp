@@ -359,10 +359,8 @@ void measure_exchange(Book& book, const Setting& setting) {
       "all of them in the same seconds on CPU " +
       std::to_string(setting.cpu) +
       ", two readings of the clock included (20 ns each). Full rate, contended: medians of batches "
-      "in "
-      "six rounds, seconds and memory apart; contended is a writer and a reader on two CPUs that "
-      "do "
-      "nothing else.");
+      "in six rounds, seconds and memory apart; contended is a writer and a reader on two CPUs "
+      "that do nothing else.");
   print(book, "Table 5: write", "table5", sides[0]);
   print(book, "Table 6: read", "table6", sides[1]);
   state_goals(book, "Table 5, write", sides[0]);

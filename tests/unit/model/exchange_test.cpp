@@ -132,17 +132,24 @@ TEST(SharedData, WhoIsGivenUpWhileHeFillsAValueIsNotSeen) {
 }
 
 /// As after a change was rolled back: the connection is the same, another shell used it meanwhile.
-struct ReadsInTurn : Shell {
-  ReadPort<double> in{*this, "in"};
+struct AShellThatComesBack : testing::Test {
+  struct ReaderShell : Shell {
+    ReadPort<double> in{*this, "in"};
+  };
+
+  void SetUp() override {
+    ASSERT_TRUE(before.in.connect(data.read_service()));
+    table = std::move(before.initial_bindings());
+  }
+
+  SharedDataBase data{"data", data_type<double>()};
+  Writer port{data};
+  ReaderShell before;
+  ReaderShell after;
+  Bindings table;
 };
 
-TEST(SharedData, AShellThatComesBackReadsTheNewestValue) {
-  SharedDataBase data("data", data_type<double>());
-  Writer port(data);
-  ReadsInTurn before;
-  ReadsInTurn after;
-  ASSERT_TRUE(before.in.connect(data.read_service()));
-  const Bindings table = std::move(before.initial_bindings());
+TEST_F(AShellThatComesBack, ReadsTheNewestValue) {
   this_job().start = 1;
   before.use(&table);
   EXPECT_TRUE(port.write(1.0));
@@ -161,13 +168,7 @@ TEST(SharedData, AShellThatComesBackReadsTheNewestValue) {
 }
 
 /// The word of the exchange may be the same again, with another value.
-TEST(SharedData, AShellThatComesBackSeesWhatIsNewAlsoInTheSameSlot) {
-  SharedDataBase data("data", data_type<double>());
-  Writer port(data);
-  ReadsInTurn before;
-  ReadsInTurn after;
-  ASSERT_TRUE(before.in.connect(data.read_service()));
-  const Bindings table = std::move(before.initial_bindings());
+TEST_F(AShellThatComesBack, SeesWhatIsNewAlsoInTheSameSlot) {
   double written = 0;
   for (int writes = 1; writes <= 6; ++writes) {
     before.use(&table);
