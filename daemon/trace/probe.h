@@ -1,30 +1,25 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Probe: a thread above all others that notes when it was woken late itself. Then the host, or
-/// foreign work, held up everything on that CPU, and what was late there is not the components'
-/// fault.
+/// The probe of a trace: notes in the trace when the host, or foreign work, held up everything on
+/// its CPU. What was late there then is not the components' fault.
 #pragma once
-
-#include <atomic>
 
 #include "mauve/result.h"
 #include "mauve/trace.h"
-#include "rt/thread.h"
+#include "rt/probe.h"
 #include "rt/trace_ring.h"
 
 namespace mauve::daemon {
 
 class Probe {
  public:
-  static constexpr Instant kPeriod = 1'000'000;  ///< costs 0.3 % of a CPU
-  static constexpr Instant kLate = 200'000;
+  static constexpr Duration kPeriod{1ms};  ///< costs 0.3 % of a CPU
+  static constexpr Duration kLate{200us};
 
-  explicit Probe(int cpu) : cpu_(cpu) {}
-  ~Probe();
-  Probe(const Probe&) = delete;
-  Probe& operator=(const Probe&) = delete;
+  explicit Probe(int cpu)
+      : probe_(cpu, kPeriod, [this](Instant due, Instant ran) { note(due, ran); }) {}
 
   /// Refused without the rights for it.
-  Status start();
+  Status start() { return probe_.start(); }
   /// What was noted since the last time. One caller.
   template <typename Visit>
   void drain(Instant t0, Visit&& visit) {
@@ -37,12 +32,12 @@ class Probe {
   }
 
  private:
-  void run();
+  void note(Instant due, Instant ran) {
+    if (ran - due > kLate.count()) ring_.push(TraceKind::disturbed, ran, 0, 0, ran - due);
+  }
 
-  const int cpu_;
   rt::TraceRing ring_;
-  std::atomic<bool> quit_{false};
-  rt::Thread thread_;
+  rt::Probe probe_;
 };
 
 }  // namespace mauve::daemon
