@@ -147,6 +147,12 @@ std::string troubles(const Json& status, Look look) {
     const std::string hook = word(one, "hook");
     add("left behind: " + (hook.empty() ? "user code" : hook) + " since " + word(one, "since"));
   }
+  const Json& lost = member(status, "lost_to_quarantine");
+  for (const Json& one : lost.is_array() ? lost : Json::array()) {
+    add(word(one, "user") + ": does not work, because " + word(one, "core") +
+        " is in quarantine (it " + word(one, "reason") + "): mauvectl quarantine release " +
+        word(one, "core"));
+  }
   return text;
 }
 

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/quarantine.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "commands/answer.h"
 #include "commands/model.h"
 #include "keeper.h"
+#include "supervisor.h"
 
 namespace mauve::daemon {
 
@@ -29,6 +33,38 @@ void save(Running& running) {
   if (running.keeper != nullptr) {
     running.keeper->quarantine(listed(running));
   }
+}
+
+/// Collects the users of cores that are in quarantine.
+class Losses {
+ public:
+  explicit Losses(const Running& running) : running_(running) {}
+
+  void look_at(const std::string& user, const std::string& core) {
+    const auto found = running_.quarantined.find(version_of(core, build_of(running_, core)));
+    if (found != running_.quarantined.end()) {
+      rows_.push_back({{"user", user}, {"core", core}, {"reason", found->second}});
+    }
+  }
+  void look_at(const std::string& user, const rules::Steps& steps) {
+    for (const auto& step : steps) {
+      if (step.action == rules::Action::swap) {
+        look_at(user, step.object);
+      }
+    }
+  }
+  [[nodiscard]] Json take() { return std::move(rows_); }
+
+ private:
+  const Running& running_;
+  Json rows_ = Json::array();
+};
+
+/// A transaction that only rules apply is reported with its rules.
+bool may_be_requested(const rules::Supervision& supervision, const std::string& transaction) {
+  return std::ranges::any_of(supervision.may_request, [&](const auto& entry) {
+    return std::ranges::find(entry.second, transaction) != entry.second.end();
+  });
 }
 
 Status check_core(const Running& running, const std::string& component, const std::string& core) {
@@ -89,6 +125,24 @@ Status check_quarantine(const Running& running, const Change& change) {
     }
   }
   return ok();
+}
+
+Json lost_to_quarantine(const Running& running) {
+  if (running.quarantined.empty()) {
+    return Json::array();
+  }
+  Losses losses(running);
+  const auto& supervision = running.supervisor.supervision();
+  for (const auto& rule : supervision.rules) {
+    const auto* named = supervision.find(rule.transaction);
+    losses.look_at("rule " + rule.name, named != nullptr ? *named : rule.steps);
+  }
+  for (const auto& [name, steps] : supervision.transactions) {
+    if (may_be_requested(supervision, name)) {
+      losses.look_at("transaction " + name, steps);
+    }
+  }
+  return losses.take();
 }
 
 Result<Json> list_quarantine(Running& running, const Call& /*call*/) {

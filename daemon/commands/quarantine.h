@@ -24,4 +24,10 @@ bool quarantine(Running& running, const std::string& core, const std::string& re
 /// [control] Refuses a change that would put a core in force that is in quarantine.
 [[nodiscard]] Status check_quarantine(const Running& running, const Change& change);
 
+/// [control] For `status`: rules and transactions that fail while a core is in quarantine, a row
+/// each
+/// `{"user","core","reason"}`. `user` is "rule in_the_building", or "transaction slow_down" where a
+/// component may request it. A fallback core takes over also from quarantine.
+[[nodiscard]] Json lost_to_quarantine(const Running& running);
+
 }  // namespace mauve::daemon

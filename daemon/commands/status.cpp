@@ -6,6 +6,7 @@
 #include "commands/given_up.h"
 #include "commands/log_json.h"
 #include "commands/model.h"
+#include "commands/quarantine.h"
 #include "keeper.h"
 #include "mauve/version.h"
 
@@ -88,7 +89,8 @@ Result<Json> status(Running& running, const Call& /*call*/) {
                  {"log_levels", log_levels_json(running)},
                  {"components", std::move(rows)},
                  {"poisoned", poisoned(running)},
-                 {"left_behind", left_behind(running)}};
+                 {"left_behind", left_behind(running)},
+                 {"lost_to_quarantine", lost_to_quarantine(running)}};
   if (running.keeper != nullptr) {
     result["saved"] = running.keeper->saved();
   }
