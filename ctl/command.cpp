@@ -49,11 +49,11 @@ constexpr Argument kProbation =
     also("off",
          maybe("--probation", "so many jobs of each member before it counts as good (3000), or off",
                Kind::none));
-constexpr Argument kMisses = maybe(
-    "--misses",
-    "late jobs tolerated on probation, M of the last K such as 2/64 (0/64); a late job counts "
-    "once, however many releases it cost",
-    Kind::none);
+constexpr Argument kMisses = maybe("--misses",
+                                   "late jobs tolerated on probation, M of the last K such as 1/64 "
+                                   "(2/64; M is at least 1); a late "
+                                   "job counts once, however many releases it cost",
+                                   Kind::none);
 constexpr Argument kConfirmWithin =
     maybe("--confirm-within", "rolled back unless confirmed in this time, such as 30s", Kind::none);
 

@@ -95,7 +95,7 @@ int check_file(const Options& options) {
   }
   std::cout << options.architecture << ": no errors\n";
   if (architecture != nullptr && !architecture->components().empty()) {
-    const auto timing = exec::analyze(*architecture);
+    const auto timing = exec::analyze(*architecture, options.machine);
     print(timing);
     if (options.admission == Admission::strict && !timing.problems.empty()) {
       std::cerr << "not admitted: " << timing.problems.front() << "\n";

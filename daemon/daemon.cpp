@@ -166,7 +166,8 @@ Status Daemon::enter_folder() {
 
 Status Daemon::deploy() {
   deployer_ = std::make_unique<Deployer>(
-      *architecture_, DeployOptions{options_.realtime, false, options_.admission});
+      *architecture_,
+      DeployOptions{options_.realtime, false, options_.admission, options_.machine});
   if (auto deployed = deployer_->deploy(); !deployed) {
     return deployed;
   }

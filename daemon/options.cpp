@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <sstream>
 
 #include "base/duration.h"
 #include "mauve/version.h"
@@ -51,6 +52,48 @@ std::function<void(const std::string&)> chosen(const std::map<std::string, T>& w
   return [&words, &into](const std::string& word) { into = words.at(word); };
 }
 
+/// The names of --machine.
+const std::map<std::string, Duration MachineCosts::*, std::less<>> kCosts = {
+    {"wake", &MachineCosts::wake},
+    {"switch", &MachineCosts::activation},
+    {"timer", &MachineCosts::interrupt},
+    {"kernel", &MachineCosts::kernel}};
+
+/// "wake=20us,kernel=10us": what is not named stays. Returns what is wrong with it; empty: nothing.
+std::string read_machine(const std::string& text, MachineCosts& costs) {
+  std::istringstream parts(text);
+  for (std::string part; std::getline(parts, part, ',');) {
+    const auto equals = part.find('=');
+    const auto cost = kCosts.find(part.substr(0, equals));
+    if (equals == std::string::npos || cost == kCosts.end()) {
+      return "'" + part + "' is none of wake=, switch=, timer=, kernel= and a duration";
+    }
+    const auto time = parse_duration(part.substr(equals + 1));
+    if (!time) {
+      return part + ": " + time.error().message + ", " + time.error().hint;
+    }
+    if (*time >= MachineCosts::window) {
+      return part + ": must be less than " + format_duration(MachineCosts::window);
+    }
+    costs.*cost->second = *time;
+  }
+  return "";
+}
+
+/// The refusal that CLI11 prints; empty: none.
+std::string is_a_machine(const std::string& text) {
+  MachineCosts costs;
+  return text.empty() ? "names no cost" : read_machine(text, costs);
+}
+
+std::string machine_text() {
+  std::string text;
+  for (const auto& [name, cost] : kCosts) {
+    text += (text.empty() ? "" : ",") + name + "=" + format_duration(MachineCosts{}.*cost);
+  }
+  return text;
+}
+
 /// What CLI11 says when it is refused.
 std::string is_some_time(const std::string& text) {
   const auto time = parse_duration(text);
@@ -58,6 +101,27 @@ std::string is_some_time(const std::string& text) {
     return time.error().message + ", " + time.error().hint;
   }
   return *time > Duration{0} ? "" : "must be more than zero";
+}
+
+void declare_admission(CLI::App& app, Options& options) {
+  app.add_option_function("--admission", chosen(kAdmission, options.admission),
+                          "What is not proved to meet its deadlines: strict refuses it, warn says "
+                          "so, off does not look")
+      ->type_name("strict|warn|off")
+      ->check(CLI::IsMember(kAdmission))
+      ->default_str("warn");
+  app.add_option_function<std::string>(
+         "--machine",
+         [&options](const std::string& text) {
+           static_cast<void>(read_machine(text, options.machine));
+         },
+         "The costs of the machine that admission assumes: to wake a thread up, to switch to it "
+         "and "
+         "back, of a timer, and of kernel and host in each 4ms. mauvectl analyze compares them "
+         "with measurements, mauvectl doctor --wake 10s proposes values")
+      ->type_name("COSTS")
+      ->check(is_a_machine, "", "COSTS")
+      ->default_str(machine_text());
 }
 
 void declare(CLI::App& app, Options& options) {
@@ -83,12 +147,7 @@ void declare(CLI::App& app, Options& options) {
       ->type_name("require|prefer|off")
       ->check(CLI::IsMember(kRealtime))
       ->default_str("prefer");
-  app.add_option_function("--admission", chosen(kAdmission, options.admission),
-                          "What is not proved to meet its deadlines: strict refuses it, warn says "
-                          "so, off does not look")
-      ->type_name("strict|warn|off")
-      ->check(CLI::IsMember(kAdmission))
-      ->default_str("warn");
+  declare_admission(app, options);
   app.add_option_function<std::string>(
          "--prepare-within",
          [&options](const std::string& text) { options.prepare_within = *parse_duration(text); },

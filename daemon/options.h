@@ -19,6 +19,7 @@ struct Options {
   std::vector<std::string> plugin_dirs;  ///< where plugins may come from, and nowhere else
   Realtime realtime = Realtime::prefer;
   Admission admission = Admission::warn;
+  MachineCosts machine = {};     ///< what admission assumes of the machine
   Duration prepare_within{10s};  ///< what user code may take while a change is prepared
   bool check = false;            ///< only say what is wrong with the file
   std::string log_file;          ///< JSON lines; empty for none

@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <set>
 
 #include "actions.h"
+#include "base/duration.h"
 #include "doctor/checks.h"
 #include "doctor/wake.h"
+#include "rt/machine_costs.h"
 #include "rt/thread.h"
 #include "table.h"
 #include "words.h"
@@ -80,6 +83,13 @@ std::string render(const Named& one, Look look) {
   return text;
 }
 
+/// In the form that mauved takes.
+std::string option_for(const MachineCosts& costs) {
+  return "--machine wake=" + format_duration(costs.wake) +
+         ",switch=" + format_duration(costs.activation) +
+         ",timer=" + format_duration(costs.interrupt) + ",kernel=" + format_duration(costs.kernel);
+}
+
 std::string lower(std::string_view text) {
   std::string result(text);
   for (char& c : result) c = static_cast<char>(c | 0x20);
@@ -122,6 +132,10 @@ int run_doctor(Session& session) {
     wakes = doctor::measure_wakes(*time, measured_cpus(facts));
     all.push_back({"wake-up latency", doctor::judge_wakes(wakes)});
   }
+  std::optional<MachineCosts> costs;
+  if (time && facts.status.is_null()) {  // beside components it would hold them up
+    costs = rt::measure_machine(measured_cpus(facts), doctor::kWakePriority);
+  }
   Grade worst = Grade::ok;
   std::string text;
   for (const Named& one : all) {
@@ -130,7 +144,14 @@ int run_doctor(Session& session) {
   }
   Json result = json_of(all, worst);
   if (time) result["wake"] = doctor::wakes_json(wakes);
-  session.print(result, text + doctor::render_wakes(wakes, session.look()) + summary(all));
+  std::string proposal;
+  if (costs) {
+    result["machine"] = option_for(*costs);
+    proposal = "admission may assume twice what was measured just now: mauved " +
+               option_for(*costs) + "\n";
+  }
+  session.print(result,
+                text + doctor::render_wakes(wakes, session.look()) + proposal + summary(all));
   return worst == Grade::fail ? 1 : 0;
 }
 

@@ -18,7 +18,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int kPriority = 94;  // components have at most 90, the guard 95
 constexpr std::int64_t kPeriod = 1'000'000;
 constexpr std::int64_t kUsual = 100'000;    // p99 of a machine that is fit for 1 kHz
 constexpr std::int64_t kWorst = 1'000'000;  // a whole period of 1 kHz
@@ -110,13 +109,13 @@ std::vector<Wakes> measure_wakes(std::chrono::nanoseconds time, const std::vecto
     Wakes wakes;
     rt::Thread thread;
   };
-  const bool fifo = rt::may_use_fifo(kPriority).has_value();
+  const bool fifo = rt::may_use_fifo(kWakePriority).has_value();
   const auto count = static_cast<std::size_t>(std::max<std::int64_t>(time / 1ms, 1));
   std::vector<std::unique_ptr<Sleeper>> sleepers;
   for (const int cpu : cpus) {
     auto sleeper = std::make_unique<Sleeper>();
     sleeper->wakes = {cpu, fifo, std::vector<std::int64_t>(count)};
-    const rt::ThreadAttributes attributes{"mauve-wake", fifo ? kPriority : 0, {cpu}};
+    const rt::ThreadAttributes attributes{"mauve-wake", fifo ? kWakePriority : 0, {cpu}};
     Wakes& its = sleeper->wakes;
     if (!sleeper->thread.start(attributes, [&its] { sleep_and_look(its); })) continue;
     sleepers.push_back(std::move(sleeper));
@@ -151,7 +150,7 @@ std::string render_wakes(const std::vector<Wakes>& all, Look look) {
       {{"CPU", true}, {"POLICY"}, {"WAKE-UPS", true}, {"P50", true}, {"P99", true}, {"MAX", true}});
   for (const Wakes& one : all) {
     table.add({{std::to_string(one.cpu)},
-               {one.fifo ? "SCHED_FIFO " + std::to_string(kPriority) : "SCHED_OTHER"},
+               {one.fifo ? "SCHED_FIFO " + std::to_string(kWakePriority) : "SCHED_OTHER"},
                {std::to_string(one.late_ns.size())},
                {time(one.percentile(50))},
                {time(one.percentile(99))},

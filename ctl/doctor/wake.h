@@ -12,6 +12,8 @@
 
 namespace mauve::ctl::doctor {
 
+inline constexpr int kWakePriority = 94;  ///< components have at most 90, the guard 95
+
 /// The wake-ups of one thread, 1000 a second at absolute instants.
 struct Wakes {
   int cpu = 0;

@@ -22,6 +22,31 @@ Json row_of(const ComponentTiming& one) {
           {"problem", one.problem}};
 }
 
+/// The costs that all of it assumes, and the noise that probes measure.
+Json machine_of(const Timing& timing) {
+  const auto& assumed = timing.machine;
+  Json measured = Json::array();
+  for (const auto& one : timing.noise) {
+    measured.push_back({{"cpu", one.cpu},
+                        {"span_ns", one.span.count()},
+                        {"count", one.late.count},
+                        {"p50_ns", one.late.percentile(50).count()},
+                        {"p99_ns", one.late.percentile(99).count()},
+                        {"p99_9_ns", one.late.percentile(99.9).count()},
+                        {"max_ns", one.late.max.count()},
+                        {"beyond", one.beyond},
+                        {"worst_ns", one.worst.count()},
+                        {"worst_ago_ns", one.worst_ago.count()}});
+  }
+  return {{"assumed",
+           {{"wake_ns", assumed.wake.count()},
+            {"switch_ns", assumed.activation.count()},
+            {"timer_ns", assumed.interrupt.count()},
+            {"kernel_ns", assumed.kernel.count()},
+            {"window_ns", MachineCosts::window.count()}}},
+          {"measured", std::move(measured)}};
+}
+
 }  // namespace
 
 Result<Json> analyze(Running& running, const Call& /*call*/) {
@@ -42,7 +67,8 @@ Result<Json> analyze(Running& running, const Call& /*call*/) {
   return Json{
       {"components", std::move(rows)}, {"locks", std::move(locks)},
       {"cpus", std::move(cpus)},       {"factor", timing.factor ? Json(*timing.factor) : Json()},
-      {"problems", timing.problems},   {"notes", timing.notes}};
+      {"problems", timing.problems},   {"notes", timing.notes},
+      {"machine", machine_of(timing)}};
 }
 
 }  // namespace mauve::daemon

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// change.confirm and change.undo: what becomes of the change on probation. Served before
 /// everything that waits.
+#include <algorithm>
 #include <charconv>
 #include <system_error>
 
@@ -28,6 +29,12 @@ Status read_misses(const std::string& text, Probation& probation) {
     return refuse(Errc::invalid_value, "misses",
                   "'" + text.substr(0, 64) + "' is no M/K with M below K, and K at most 64",
                   "2/64: two late jobs of the last 64 are tolerated");
+  }
+  if (misses == 0) {
+    return refuse(Errc::invalid_value, "misses",
+                  "0 would roll back at a single late job, and a machine that stands still makes "
+                  "any job late",
+                  "1/" + std::to_string(std::max(window, 2U)) + " is the strictest");
   }
   probation.misses = misses;
   probation.window = window;

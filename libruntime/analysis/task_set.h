@@ -11,8 +11,8 @@
 
 namespace mauve::analysis {
 
-/// What the machine itself costs. The defaults are those of a slow virtual machine; a daemon
-/// measures its own at start.
+/// What the machine itself costs, as the analysis takes it; mauve/machine.h has the values that a
+/// deployer assumes.
 struct Overheads {
   Duration wake{60us};       ///< lambda: from a timer's instant until the thread could run
   Duration activation{3us};  ///< c_act: the switches to a job and back

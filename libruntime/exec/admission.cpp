@@ -2,6 +2,8 @@
 #include "exec/admission.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <optional>
 #include <set>
 
@@ -10,12 +12,21 @@
 #include "exec/placement.h"
 #include "exec/relaxation.h"
 #include "exec/timing_model.h"
-#include "rt/machine_costs.h"
 
 namespace mauve::exec {
 namespace {
 
 using analysis::Problem;
+
+analysis::Overheads overheads_of(const MachineCosts& machine) {
+  analysis::Overheads overheads;
+  overheads.wake = machine.wake;
+  overheads.activation = machine.activation;
+  overheads.interrupt = machine.interrupt;
+  overheads.tick = machine.kernel;
+  overheads.tick_period = MachineCosts::window;
+  return overheads;
+}
 
 /// Where it is not known what a job used, as long as it took.
 Duration measured(const Deployed& deployed) {
@@ -48,7 +59,7 @@ bool runs(const System& system, const Deployed& deployed) {
 }
 
 TimingModel model_of(System& system) {
-  TimingModel model(system.overheads);
+  TimingModel model(overheads_of(system.options.machine));
   const std::lock_guard lock(system.members);
   for (const Deployed& deployed : system.deployed) {
     if (runs(system, deployed)) model.add(timed(deployed));
@@ -83,7 +94,7 @@ TimingModel model_after(System& system, const PreparedChange::Content& change,
     const bool relieved = relief != nullptr && relief->component == member.component;
     return relieved ? *relief->next : *member.next;
   };
-  TimingModel model(system.overheads, holds_after(change));
+  TimingModel model(overheads_of(system.options.machine), holds_after(change));
   const std::lock_guard lock(system.members);
   for (const Deployed& deployed : system.deployed) {
     const bool ran = runs(system, deployed);
@@ -201,14 +212,49 @@ std::vector<std::string> changed_tasks(const PreparedChange::Content& change) {
   return names;
 }
 
-/// What the machine takes, in words.
-std::string overheads_of(const System& system) {
-  const analysis::Overheads& costs = system.overheads;
-  return "the machine takes " + format_duration(costs.wake) + " to wake a thread up, " +
-         format_duration(costs.activation) + " to switch to it and back, " +
-         format_duration(costs.interrupt) + " for a timer, " + format_duration(costs.tick) +
-         " of each " + format_duration(costs.tick_period) +
-         (system.overheads_measured ? " (measured when it was deployed)" : " (assumed)");
+/// What the proof assumes of the machine, in words.
+std::string assumption_of(const MachineCosts& machine) {
+  return "assumed of the machine: " + format_duration(machine.wake) + " to wake a thread up, " +
+         format_duration(machine.activation) + " to switch to it and back, " +
+         format_duration(machine.interrupt) + " for a timer, " + format_duration(machine.kernel) +
+         " of each " + format_duration(MachineCosts::window) +
+         " for kernel and host (mauved --machine declares other costs)";
+}
+
+std::string per_cent(double share) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g %%", 100 * share);
+  return text.data();
+}
+
+/// In microseconds, or longer units where that suffices.
+std::string in_words(Duration duration) {
+  return format_duration(std::chrono::ceil<std::chrono::microseconds>(duration));
+}
+
+/// "measured on CPU 0 in the last 90 s: ..."
+std::string noise_of(const WakeNoise& noise, const MachineCosts& machine) {
+  const auto whole = [](Duration time) {
+    return format_duration(std::chrono::round<std::chrono::seconds>(time));
+  };
+  const double beyond = static_cast<double>(noise.beyond) /
+                        static_cast<double>(std::max<std::uint64_t>(1, noise.late.count));
+  return "measured on CPU " + std::to_string(noise.cpu) + " in the last " + whole(noise.span) +
+         ": threads woke up within " + in_words(noise.late.percentile(50)) + " (50 %), " +
+         in_words(noise.late.percentile(99)) + " (99 %), " + in_words(noise.late.percentile(99.9)) +
+         " (99.9 %); " + per_cent(beyond) + " of " + std::to_string(noise.late.count) +
+         " later than the assumed " + format_duration(machine.wake) + "; worst since the start " +
+         in_words(noise.worst) + ", " + whole(noise.worst_ago) + " ago";
+}
+
+/// A refusal names the assumed machine when the same would pass on a machine that takes no time.
+Error with_assumption(Error error, const System& system, analysis::TaskSet set,
+                      const analysis::Passes& passes) {
+  set.overheads = analysis::no_overheads();
+  if (passes(set)) {
+    error.hint += (error.hint.empty() ? "" : "; ") + assumption_of(system.options.machine);
+  }
+  return error;
 }
 
 Timing timing_of(const System& system, const TimingModel& model) {
@@ -228,27 +274,21 @@ Timing timing_of(const System& system, const TimingModel& model) {
   timing.locks = model.locks();
   timing.problems = sentences(problems);
   timing.notes = model.notes();
-  timing.notes.push_back(overheads_of(system));
+  timing.machine = system.options.machine;
+  timing.notes.push_back(assumption_of(timing.machine));
+  if (const auto noise = system.runner->noise()) timing.noise = noise->look(system.runner->now());
+  for (const WakeNoise& one : timing.noise) {
+    timing.notes.push_back(noise_of(one, timing.machine));
+  }
+  if (system.realtime && timing.noise.empty()) {
+    timing.notes.push_back(
+        "no probe measures the machine: it needs SCHED_FIFO 99 (LimitRTPRIO=99); without it a core "
+        "on probation is also blamed for time that a host takes");
+  }
   return timing;
 }
 
 }  // namespace
-
-void measure_overheads(System& system, int priority) {
-  if (!system.realtime || system.options.admission == Admission::off) return;
-  std::set<int> cpus;
-  for (const Deployed& deployed : system.deployed) {
-    cpus.insert(deployed.cpus.begin(), deployed.cpus.end());
-  }
-  const auto costs = rt::measure_machine({cpus.begin(), cpus.end()}, priority);
-  if (!costs) return;
-  system.overheads.wake = costs->wake;
-  system.overheads.activation = costs->activation;
-  system.overheads.interrupt = costs->interrupt;
-  system.overheads.tick = costs->kernel;
-  system.overheads.tick_period = rt::MachineCosts::window;
-  system.overheads_measured = true;
-}
 
 Status admit_deployment(System& system) {
   if (system.options.admission == Admission::off) return ok();
@@ -258,8 +298,9 @@ Status admit_deployment(System& system) {
   if (system.options.admission == Admission::strict) {
     std::vector<std::string> tasks;
     if (problems.front().kind == Problem::Kind::late) tasks.push_back(problems.front().error.at);
-    return refusal_of(problems.front(), model.set(), tasks,
-                      [](const analysis::TaskSet& set) { return problems_of(set).empty(); });
+    const auto passes = [](const analysis::TaskSet& set) { return problems_of(set).empty(); };
+    return with_assumption(refusal_of(problems.front(), model.set(), tasks, passes), system,
+                           model.set(), passes);
   }
   for (const std::string& warning : warnings_of(problems)) {
     system.warnings.push_back("admission: " + warning);
@@ -277,8 +318,9 @@ Result<std::vector<std::string>> admit_change(System& system,
   if (system.options.admission == Admission::strict) {
     if (problems.empty()) problems = lasting;
     if (problems.empty()) return std::vector<std::string>{};
-    return refusal_of(problems.front(), after.set(), changed_tasks(change),
-                      [&](const analysis::TaskSet& set) { return admits(before.set(), set); });
+    const auto passes = [&](const analysis::TaskSet& set) { return admits(before.set(), set); };
+    return with_assumption(refusal_of(problems.front(), after.set(), changed_tasks(change), passes),
+                           system, after.set(), passes);
   }
   // Of members it is said again what stays so.
   for (const Problem& problem : lasting) {
@@ -307,8 +349,8 @@ std::map<std::string, Duration> responses(System& system) {
 
 Timing analyze(System& system) { return timing_of(system, model_of(system)); }
 
-Timing analyze(Architecture& architecture) {
-  System system(architecture, {.realtime = Realtime::off, .simulated = true});
+Timing analyze(Architecture& architecture, const MachineCosts& machine) {
+  System system(architecture, {.realtime = Realtime::off, .simulated = true, .machine = machine});
   for (ComponentBase* component : architecture.components()) {
     static_cast<void>(component->fsm().configure());
     Deployed deployed;

@@ -12,9 +12,6 @@
 
 namespace mauve::exec {
 
-/// What the machine takes for itself, for all that is admitted later. Where components are no
-/// real-time threads nothing is proved anyway, and something is assumed.
-void measure_overheads(System& system, int priority);
 /// Before the first release; what is not proved goes to the warnings of the system. [control]
 Status admit_deployment(System& system);
 
@@ -34,6 +31,6 @@ Status admit_deployment(System& system);
 [[nodiscard]] std::map<std::string, Duration> responses(System& system);
 /// Of an architecture that is not deployed, from what it declares; where a component names no CPUs
 /// as a deployer would choose. Its state machines are configured, and cleaned up afterwards.
-[[nodiscard]] Timing analyze(Architecture& architecture);
+[[nodiscard]] Timing analyze(Architecture& architecture, const MachineCosts& machine);
 
 }  // namespace mauve::exec

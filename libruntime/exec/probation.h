@@ -21,7 +21,8 @@ struct WayBackOfMember {
   std::uint64_t releases_before = 0;
   std::uint64_t looks_after = 0;  ///< when it was withdrawn
   std::unique_ptr<Published> withdrawn;
-  bool in_force = true;  ///< the change is
+  bool in_force = true;            ///< the change is
+  std::uint64_t last_release = 0;  ///< until which it may be judged; 0: its time has not passed
 };
 
 /// One change on probation. [control]
@@ -63,6 +64,7 @@ class OnProbation {
   enum class Phase : std::uint8_t { watching, going_back, withdrawing, over };
 
   void watch();
+  [[nodiscard]] bool awaits_verdict();
   void end(Outcome::Kind kind, const std::string& reason);
   void go_back();
   [[nodiscard]] bool all_are_back() const;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "exec/task.h"
+#include "rt/noise.h"
 #include "rt/thread.h"
 
 namespace mauve::exec {
@@ -19,6 +20,8 @@ class Runner {
 
   [[nodiscard]] virtual const Clock& clock() const = 0;
   [[nodiscard]] Instant now() const { return clock().now(); }
+  /// The noise of the machine, as probes see it; null: time is simulated.
+  [[nodiscard]] virtual std::shared_ptr<const rt::Noise> noise() const { return nullptr; }
   /// Creates what runs the task, parked until open(). The task outlives the runner.
   virtual Status add(Task& task, const rt::ThreadAttributes& attributes) = 0;
   /// Waits until everything that was added is parked.
@@ -47,7 +50,8 @@ class Runner {
   virtual void run_until(Instant /*instant*/) {}
 };
 
-[[nodiscard]] std::unique_ptr<Runner> make_threads();
+/// `assumed`: how late a thread wakes up at most, as admission assumes it.
+[[nodiscard]] std::unique_ptr<Runner> make_threads(Duration assumed = MachineCosts{}.wake);
 [[nodiscard]] std::unique_ptr<Runner> make_simulation();
 
 }  // namespace mauve::exec

@@ -58,6 +58,10 @@ void release_all(System& system) {
   system.runner->open();
 }
 
+std::unique_ptr<Runner> make_runner(const DeployOptions& options) {
+  return options.simulated ? make_simulation() : make_threads(options.machine.wake);
+}
+
 }  // namespace
 
 std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mode) {
@@ -72,7 +76,7 @@ std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mod
 }
 
 std::shared_ptr<Task> new_task(const System& system, const ComponentBase& component) {
-  return std::make_shared<Task>(component.name(), system.runner->clock());
+  return std::make_shared<Task>(component.name(), system.runner->clock(), system.runner->noise());
 }
 
 Status start_thread(System& system, Deployed& deployed) {
@@ -87,9 +91,7 @@ Status start_thread(System& system, Deployed& deployed) {
 }
 
 System::System(Architecture& its_architecture, DeployOptions its_options)
-    : architecture(its_architecture),
-      options(its_options),
-      runner(options.simulated ? make_simulation() : make_threads()) {}
+    : architecture(its_architecture), options(its_options), runner(make_runner(options)) {}
 System::~System() = default;
 
 Deployed* System::find(std::string_view component) {
@@ -139,14 +141,13 @@ Status bring_up(System& system) {
   }
   for (Deployed& deployed : system.deployed) place(system, deployed);
   Status ready = check_privileges(system, highest);
-  if (ready) measure_overheads(system, highest);
   if (ready) ready = admit_deployment(system);
   for (Deployed& deployed : system.deployed) {
     if (ready) ready = start_thread(system, deployed);
   }
   if (ready && !system.options.simulated) ready = prepare_last_words(system);
   if (!ready) {
-    system.runner = system.options.simulated ? make_simulation() : make_threads();
+    system.runner = make_runner(system.options);
     system.deployed.clear();
     return ready;
   }

@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "analysis/task_set.h"
 #include "exec/model_lock.h"
 #include "exec/prepared.h"
 #include "exec/runner.h"
@@ -79,8 +78,6 @@ class System {
   Instant t0 = 0;
   bool up = false;
   bool realtime = false;
-  analysis::Overheads overheads;              ///< of this machine, for admission
-  bool overheads_measured = false;            ///< else assumed
   std::unique_ptr<rt::LastWords> last_words;  ///< while it is up
 
   [[nodiscard]] Deployed* find(std::string_view component);

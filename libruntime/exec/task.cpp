@@ -43,11 +43,12 @@ void Task::fetch(const Published& next) {
   rt::touch_swap_code();
 }
 
-Task::Task(std::string name, const Clock& clock)
+Task::Task(std::string name, const Clock& clock, std::shared_ptr<const rt::Noise> noise)
     : name_(std::move(name)),
       trace_name_(trace_name_id(name_)),
       clock_(clock),
       simulated_(dynamic_cast<const MonotonicClock*>(&clock) == nullptr ? &clock : nullptr),
+      noise_(std::move(noise)),
       trace_(new Trace{rt::TraceRing(simulated_), nullptr}) {}
 
 Task::~Task() {
@@ -261,7 +262,8 @@ MAUVE_RUNS_AT_A_SWAP void Task::put_in_place(Published& next) {
     counters_.used_max.store(0, std::memory_order_relaxed);
   }
   if (same_bundle && next.back == nullptr && next.relief == nullptr) return;
-  overran_ = held_up_ = 0;
+  evidence_.begin_anew(back_.load(std::memory_order_relaxed) == nullptr);
+  suspected_.store(false, std::memory_order_relaxed);
   if (next.back != nullptr || back_.load(std::memory_order_acquire) != nullptr) {
     Published* const before = back_.exchange(next.back.release(), std::memory_order_acq_rel);
     if (before != nullptr) pile_up(*before);

@@ -6,14 +6,17 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "exec/counters.h"
+#include "exec/evidence.h"
 #include "exec/published.h"
 #include "rt/event_ring.h"
 #include "rt/measured.h"
+#include "rt/noise.h"
 #include "rt/request_ring.h"
 #include "rt/rescue.h"
 #include "rt/trace_ring.h"
@@ -28,7 +31,8 @@ namespace mauve::exec {
 
 class Task {
  public:
-  Task(std::string name, const Clock& clock);
+  /// `noise`: the noise of the machine; null: it is not known.
+  Task(std::string name, const Clock& clock, std::shared_ptr<const rt::Noise> noise = nullptr);
   ~Task();
   Task(const Task&) = delete;
   Task& operator=(const Task&) = delete;
@@ -67,6 +71,12 @@ class Task {
   [[nodiscard]] std::uint64_t looks() const { return looks_.load(std::memory_order_acquire); }
   /// Tells the thread to look at its mailbox.
   [[nodiscard]] std::atomic<std::uint32_t>& command() { return command_; }
+
+  /// It runs a core whose last jobs exceeded their budget, without a verdict yet. [any]
+  [[nodiscard]] bool suspected() const {
+    return suspected_.load(std::memory_order_relaxed) &&
+           counters_.state.load(std::memory_order_relaxed) == ComponentState::running;
+  }
 
   /// All that the thread still tries to write or read is dropped from now on. [any]
   void fence();
@@ -134,11 +144,23 @@ class Task {
     return simulated_ == nullptr ? rt::fast_now() : simulated_->now();
   }
   void account(Instant start, const JobEnd& job);
-  void measure(Instant start, const JobEnd& job);
+  [[nodiscard]] std::optional<Duration> measure(Instant start, const JobEnd& job);
+  [[nodiscard]] Duration held_up_since(Instant instant) const {
+    return noise_ == nullptr ? Duration{0} : noise_->held_up_since(instant);
+  }
+  [[nodiscard]] Duration excuse(Instant released, Instant end);
   void park(ComponentState state);
   void count_overrun(const TaskAttributes& task, Instant by);
-  void watch_over(const TaskAttributes& task, Instant start, Instant end, bool late);
-  [[nodiscard]] bool used_too_much(const TaskAttributes& task) const;
+  /// The end of a job on probation; `used`: processor time, none when it is not known.
+  struct JobUse {
+    Instant released = 0;
+    Instant start = 0;
+    Instant end = 0;
+    Duration late{0};  ///< after its deadline; zero: in time
+    std::optional<Duration> used;
+  };
+  void watch_over(const JobUse& job);
+  [[nodiscard]] JobTiming timing_of(const JobUse& job);
   void give_up_core(Cause cause, const char* what);
   void on_fault(Cause cause);
   [[nodiscard]] bool leads_back() const;
@@ -149,10 +171,13 @@ class Task {
   void tell_taken(const Published& next, Instant time);
   void miss(std::uint64_t releases, Instant time, bool planned = false);
 
+  static constexpr std::int64_t kUnknown = -1;
+
   std::string name_;
   const std::uint32_t trace_name_;
   const Clock& clock_;
   const Clock* const simulated_;  // null: the time is that of the machine
+  const std::shared_ptr<const rt::Noise> noise_;
   rt::EventRing events_;
   rt::RequestRing requests_;
   Counters counters_;
@@ -161,6 +186,7 @@ class Task {
   rt::Watched watched_;
   std::atomic<Job*> job_{nullptr};  // of its thread
   std::atomic<bool> fenced_{false};
+  std::atomic<bool> suspected_{false};
   std::atomic<std::int64_t> bound_{0};
 
   alignas(64) std::atomic<Published*> pending_{nullptr};
@@ -182,10 +208,13 @@ class Task {
   Instant parked_at_ = 0;
   std::uint64_t number_ = 0;   // of the last change it took
   Instant relief_from_ = 0;    // not before
-  std::uint64_t overran_ = 0;  // a bit for each of the last jobs
-  std::uint64_t held_up_ = 0;  // the same, of those that only began too late
-  Duration cpu_before_{0};     // of this thread, when the job began; zero: was not asked for
-  bool preempted_ = false;     // the last job was
+  Evidence evidence_;          // against the core, on probation
+  Duration excused_{0};        // for so long the machine was held up during the job before
+  Instant excused_until_ = 0;  // jobs released before this instant wait behind that one
+  std::int64_t waits_before_ =
+      kUnknown;             // how often the thread waited before the job, on probation
+  Duration cpu_before_{0};  // of this thread, when the job began; zero: was not asked for
+  bool preempted_ = false;  // the last job was
   bool running_ = false;
   bool waiting_ = false;  // at a barrier; it runs again after it
   bool failed_ = false;   // waits for its way back or its relief; no job runs meanwhile

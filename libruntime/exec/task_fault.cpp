@@ -2,7 +2,6 @@
 /// What a task does about a core that fails, or does not prove itself.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdio>
 #include <string_view>
 
@@ -19,10 +18,6 @@ namespace {
 /// In place of when a job began: nobody runs the task.
 constexpr Instant kLost = -1;
 
-/// One in so many jobs may be late because it began too late: a host that stands still for some
-/// milliseconds, and not what was changed. More than that, and the change starves it.
-constexpr unsigned kExcused = 8;
-
 /// A job that took no longer would have been in time, had it begun in time.
 Instant longest_span(const TaskAttributes& task, Duration wait) {
   return (task.deadline > Duration{0} ? std::min(wait, task.deadline) : wait).count();
@@ -36,34 +31,51 @@ bool Task::leads_back() const {
   return back != nullptr && back->transaction->instant() != kClosed;
 }
 
-/// On probation: what is no fault by itself leads back as well.
-void Task::watch_over(const TaskAttributes& task, Instant start, Instant end, bool late) {
-  const bool held_up = late && end - start <= longest_span(task, wait_);
-  overran_ = overran_ << 1U | (late && !held_up ? 1U : 0U);
-  held_up_ = held_up_ << 1U | (held_up ? 1U : 0U);
-  const auto count = [this](std::uint64_t jobs) {
-    return static_cast<unsigned>(std::popcount(jobs & current_->window));
-  };
-  const unsigned excused = static_cast<unsigned>(std::popcount(current_->window)) / kExcused;
-  const PortBase* port = this_job().implausible;
-  if (port != nullptr) {
-    std::array<char, 64> name{};
-    port->name().copy(name.data(), name.size() - 1);
-    give_up_core(Cause::implausible, name.data());
-  } else if (count(overran_) > current_->tolerated ||
-             count(overran_ | held_up_) > current_->tolerated + excused) {
-    give_up_core(Cause::overruns, "");
-  } else if (task.budget > Duration{0} && end - start > task.budget.count() &&
-             used_too_much(task)) {
-    give_up_core(Cause::over_budget, "");
-  }
+/// For how long the machine may have been held up during this job: twice as long as a probe saw,
+/// since a hold-up begins before the instant at which the probe was due. A job that was released
+/// before such a job ended had to wait behind it, and has the same excuse.
+Duration Task::excuse(Instant released, Instant end) {
+  Duration held_up = 2 * held_up_since(released);
+  if (held_up == Duration{0} && released < excused_until_) held_up = excused_;
+  excused_ = held_up;
+  excused_until_ = held_up > Duration{0} ? end : 0;
+  return held_up;
 }
 
-/// Longer than its budget it took. On the processor's clock too? A job that others preempt is not
-/// to blame; one whose time nobody asked for is not judged, but the next one will be.
-bool Task::used_too_much(const TaskAttributes& task) const {
-  if (!preempted_) return true;
-  return cpu_before_ > Duration{0} && rt::cpu_time() - cpu_before_ > task.budget;
+JobTiming Task::timing_of(const JobUse& job) {
+  const TaskAttributes& task = current_->bundle->task;
+  const Duration excused = excuse(job.released, job.end);
+  const Duration used = std::max(job.used.value_or(Duration{0}) - excused, Duration{0});
+  JobTiming timing;
+  timing.over_budget = task.budget > Duration{0} && used > task.budget;
+  timing.late = job.late > excused;
+  if (!timing.late) return timing;
+  const Duration span{longest_span(task, wait_)};
+  const bool took_long = Duration{job.end - job.start} > span;
+  const bool waited = took_long && waits_before_ != kUnknown &&
+                      rt::waits_so_far() - waits_before_ > this_job().lock_waits.count;
+  timing.too_long = used > span || waited;
+  return timing;
+}
+
+/// On probation a core is judged also where it does not fail.
+void Task::watch_over(const JobUse& job) {
+  if (const PortBase* port = this_job().implausible) {
+    std::array<char, 64> name{};
+    port->name().copy(name.data(), name.size() - 1);
+    return give_up_core(Cause::implausible, name.data());
+  }
+  const Evidence::Verdict verdict =
+      evidence_.judge(timing_of(job), {current_->tolerated, current_->window});
+  suspected_.store(evidence_.suspicious(), std::memory_order_relaxed);
+  if (verdict == Evidence::Verdict::overruns) give_up_core(Cause::overruns, "");
+  if (verdict == Evidence::Verdict::over_budget) {
+    std::array<char, 96> text{};
+    std::snprintf(text.data(), text.size(), "job after job, the last one %lld us of %lld us",
+                  static_cast<long long>(job.used.value_or(Duration{0}) / 1us),
+                  static_cast<long long>(current_->bundle->task.budget / 1us));
+    give_up_core(Cause::over_budget, text.data());
+  }
 }
 
 /// Sets the way back off. The core goes on until its next release.

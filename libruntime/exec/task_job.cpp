@@ -100,10 +100,12 @@ void Task::begin_job(Instant now) {
   times_->lateness.add(lateness);
   const bool watched = back_.load(std::memory_order_relaxed) != nullptr;
   const bool has_budget = current_->bundle->task.budget > Duration{0};
-  // A system call, so only where it counts: measured times stand in for a budget, and the longest
-  // job may be just the one that is preempted. Else where the best guess is that it will be needed.
-  const bool ask = rt::preemption_is_told() ? preempted_ || !has_budget : watched && has_budget;
+  // A system call, so only where it counts: on probation, where the core is judged by it; without a
+  // budget, where measured times stand in for it, and the longest job may be just the one that is
+  // preempted; and after a preempted job, as the next one may be preempted as well.
+  const bool ask = watched || !has_budget || (preempted_ && rt::preemption_is_told());
   cpu_before_ = ask ? rt::cpu_time() : Duration{0};
+  waits_before_ = watched && simulated_ == nullptr ? rt::waits_so_far() : kUnknown;
   rt::watch_for_preemption();
 }
 
@@ -167,8 +169,9 @@ FsmState* Task::run_states(JobEnd& job) {
   return state;
 }
 
-/// What the job itself used of the processor, as far as it can be told.
-void Task::measure(Instant start, const JobEnd& job) {
+/// What the job itself used of the processor, without what preempted it and without the time that
+/// the host reports as stolen; none: it was preempted, and the processor time was not asked for.
+std::optional<Duration> Task::measure(Instant start, const JobEnd& job) {
   const Instant took = job.at - start;
   preempted_ = job.preempted;
   (preempted_ ? times_->preempted : times_->clean).add(took);
@@ -176,11 +179,16 @@ void Task::measure(Instant start, const JobEnd& job) {
   if (const Job::LockWaits& waits = this_job().lock_waits; waits.count != 0) {
     times_->lock_waits.add({waits.count, waits.sum, waits.longest});
   }
-  if (!preempted_) {
-    raise(counters_.used_max, took);
-  } else if (cpu_before_ > Duration{0}) {
-    raise(counters_.used_max, (rt::cpu_time() - cpu_before_).count());
+  std::optional<Duration> used;
+  if (!preempted_ || simulated_ != nullptr) used = Duration{took};
+  const bool watched = back_.load(std::memory_order_relaxed) != nullptr;
+  if (simulated_ == nullptr && cpu_before_ > Duration{0} && (preempted_ || watched)) {
+    const Duration on_processor = rt::cpu_time() - cpu_before_;
+    used = used ? std::min(*used, on_processor) : on_processor;
   }
+  const bool longest = used && used->count() > counters_.used_max.load(std::memory_order_relaxed);
+  if (longest && held_up_since(release_) == Duration{0}) raise(counters_.used_max, used->count());
+  return used;
 }
 
 /// Advances the component's clock by the wait, and counts a job that ended too late.
@@ -188,7 +196,7 @@ void Task::account(Instant start, const JobEnd& job) {
   const TaskAttributes& task = current_->bundle->task;
   const Instant released = release_;
   const Instant end = job.at;
-  measure(start, job);
+  const std::optional<Duration> used = measure(start, job);
   wait_ = state_->duration();
   release_ = released + wait_.count();
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
@@ -206,7 +214,11 @@ void Task::account(Instant start, const JobEnd& job) {
   const bool late = end > deadline;
   if (late) count_overrun(task, end - deadline);
   if (this_job().implausible != nullptr) add<std::uint64_t>(counters_.implausible, 1);
-  if (back_.load(std::memory_order_relaxed) != nullptr) watch_over(task, start, end, late);
+  if (back_.load(std::memory_order_relaxed) != nullptr) {
+    watch_over({released, start, end, Duration{late ? end - deadline : 0}, used});
+  } else {
+    evidence_.note(late);
+  }
 }
 
 void Task::count_overrun(const TaskAttributes& task, Instant by) {

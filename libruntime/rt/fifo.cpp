@@ -13,8 +13,8 @@ Error refused_to_user(const FifoFacts& facts, const std::string& what) {
     return refuse(Errc::not_permitted, "realtime",
                   "no permission for " + what + ": RLIMIT_RTPRIO is " +
                       std::to_string(facts.priority_limit) + ", and CAP_SYS_NICE is missing",
-                  "raise the limit: `@mauve - rtprio 90` in /etc/security/limits.conf, "
-                  "LimitRTPRIO=90 in a unit; or lower task.priority; or grant CAP_SYS_NICE");
+                  "raise the limit: `@mauve - rtprio 99` in /etc/security/limits.conf, "
+                  "LimitRTPRIO=99 in a unit; or lower task.priority; or grant CAP_SYS_NICE");
   }
   if (facts.root) {
     return refuse(
@@ -22,12 +22,12 @@ Error refused_to_user(const FifoFacts& facts, const std::string& what) {
         "no permission for " + what +
             ": CAP_SYS_NICE is missing, although the user is root, and RLIMIT_RTPRIO is 0",
         "keep CAP_SYS_NICE where it was taken away: CapabilityBoundingSet= in a unit, "
-        "--cap-add=SYS_NICE for a container; or set LimitRTPRIO=90");
+        "--cap-add=SYS_NICE for a container; or set LimitRTPRIO=99");
   }
   return refuse(Errc::not_permitted, "realtime",
                 "no permission for " + what + ": CAP_SYS_NICE is missing, and RLIMIT_RTPRIO is 0",
-                "grant CAP_SYS_NICE, or a limit: `@mauve - rtprio 90` in "
-                "/etc/security/limits.conf, LimitRTPRIO=90 in a unit");
+                "grant CAP_SYS_NICE, or a limit: `@mauve - rtprio 99` in "
+                "/etc/security/limits.conf, LimitRTPRIO=99 in a unit");
 }
 
 }  // namespace

@@ -24,6 +24,10 @@ constexpr int kSwitches = 200;
 constexpr int kExpiries = 20;
 constexpr Duration kUntilExpiry = 50us;
 constexpr int kWindows = 5;
+/// A window is looked at in slices, with a pause after each.
+constexpr int kSlices = 20;
+constexpr Duration kSlice = MachineCosts::window / kSlices;
+constexpr Duration kPause = 2ms;
 /// Between two readings of the clock: shorter ones are the readings themselves.
 constexpr Duration kHole = 500ns;
 /// How much worse than in so short a time it may become.
@@ -37,6 +41,13 @@ Duration nearly_largest(std::array<Duration, N> samples) {
   static_assert(N > 2);
   std::nth_element(samples.begin(), samples.begin() + 2, samples.end(), std::greater<>());
   return samples[2];
+}
+
+/// Others run meanwhile.
+void pause() {
+  const std::atomic<std::uint32_t> nobody{0};
+  const Instant end = now() + kPause.count();
+  while (now() < end) futex_wait_until(nobody, 0, end);
 }
 
 Duration measure_wake() {
@@ -77,6 +88,7 @@ Duration measure_interrupt() {
     once.it_value.tv_nsec = kUntilExpiry.count();
     timerfd_settime(timer, 0, &once, nullptr);
     sample = holes_until(now() + 2 * kUntilExpiry.count());
+    pause();
   }
   close(timer);
   // The median: the kernel's own tick is in some, and is counted apart.
@@ -87,7 +99,12 @@ Duration measure_interrupt() {
 /// The median: its tick is in every window, what a host takes in some.
 Duration measure_kernel() {
   std::array<Duration, kWindows> taken{};
-  for (Duration& sample : taken) sample = holes_until(now() + MachineCosts::window.count());
+  for (Duration& sample : taken) {
+    for (int i = 0; i < kSlices; ++i) {
+      sample += holes_until(now() + kSlice.count());
+      pause();
+    }
+  }
   std::nth_element(taken.begin(), taken.begin() + kWindows / 2, taken.end());
   return taken[kWindows / 2];
 }
@@ -141,7 +158,7 @@ std::optional<MachineCosts> measure_machine(const std::vector<int>& cpus, int pr
       return std::nullopt;
     }
   }
-  MachineCosts worst;
+  MachineCosts worst{0ns, 0ns, 0ns, 0ns};
   for (Measuring& one : all) {
     one.first.join();
     one.second.join();

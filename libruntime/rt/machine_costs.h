@@ -1,26 +1,18 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the machine itself takes from real-time threads: measured, since it differs by a factor of
-/// ten between a virtual machine and bare metal.
+/// Measures the costs of the machine that a proof assumes: they differ by a factor of ten between a
+/// virtual machine and bare metal.
 #pragma once
 
 #include <optional>
 #include <vector>
 
-#include <mauve/time.h>
+#include <mauve/machine.h>
 
 namespace mauve::rt {
 
-struct MachineCosts {
-  Duration wake{0};        ///< from the instant of a timer until the thread that waits for it runs
-  Duration activation{0};  ///< the switches to another thread and back
-  Duration interrupt{0};   ///< of a timer
-  Duration kernel{0};      ///< what the kernel takes in each `window`, its ticks above all
-  static constexpr Duration window = 4ms;
-};
-
-/// The largest on any of these CPUs, each measured for some 30 ms at this SCHED_FIFO priority. A
-/// few outliers are left out: that somebody else's machine stood in the way says nothing about the
-/// next time. None when the process may not use SCHED_FIFO. [control], before components run
+/// The largest on any of these CPUs, with a margin of two, each measured for some 300 ms by threads
+/// of this SCHED_FIFO priority. They use a tenth of the CPU, 200 us at a time, and once about 1 ms.
+/// A few outliers are left out. None when the process may not use SCHED_FIFO. [any]
 [[nodiscard]] std::optional<MachineCosts> measure_machine(const std::vector<int>& cpus,
                                                           int priority);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// What a daemon says about response times, and what it refuses because of them.
+#include "rt/thread.h"
 #include "trial_daemon.h"
 
 namespace mauve::test {
@@ -42,7 +43,42 @@ TEST(Analyze, TellsTheBoundOfEveryComponentAndWhatTheMachineTakes) {
             first["deadline_ns"].get<std::int64_t>() - first["response_ns"].get<std::int64_t>());
   EXPECT_THAT(timing["problems"], IsEmpty());
   EXPECT_GT(timing["factor"].get<double>(), 1.0);
-  EXPECT_THAT(timing["notes"].dump(), HasSubstr("(assumed)")) << "ordinary threads";
+  EXPECT_THAT(timing["notes"].dump(),
+              HasSubstr("assumed of the machine: 120us to wake a thread up"));
+  EXPECT_EQ(timing["machine"]["assumed"]["wake_ns"], 120'000);
+  EXPECT_THAT(timing["machine"]["measured"], IsEmpty()) << "ordinary threads have no probe";
+}
+
+TEST(Analyze, TellsTheNoiseOfTheMachineBesideWhatIsAssumed) {
+  if (!rt::may_use_fifo(99)) GTEST_SKIP() << "NOT TESTED: no SCHED_FIFO here";
+  TrialDaemon daemon(budgeted("200us"), {"--machine", "wake=1ns"});
+
+  Json measured;
+  EXPECT_TRUE(eventually([&] {
+    measured = daemon.ask("system.analyze")["machine"]["measured"];
+    return measured.size() == 1U && measured[0]["count"] > 10;
+  })) << "both components run on CPU 0";
+
+  EXPECT_NEAR(measured[0]["beyond"].get<double>(), measured[0]["count"].get<double>(), 1)
+      << "no thread wakes up within 1 ns";
+  EXPECT_GE(measured[0]["worst_ns"], measured[0]["p50_ns"]);
+  EXPECT_THAT(daemon.ask("system.analyze")["notes"].dump(), HasSubstr("100 % of")) << "and says so";
+}
+
+TEST(StrictAdmission, NamesTheAssumptionWhereItDecidesAndStartAndCheckAgree) {
+  const std::vector<std::string> slow{"--machine", "wake=1.9ms"};
+  auto strict = kStrict;
+  strict.insert(strict.end(), slow.begin(), slow.end());
+  TrialDaemon daemon(budgeted("200us"), strict);
+  EXPECT_TRUE(eventually([&] { return !daemon.process().running(); }));
+  EXPECT_THAT(daemon.errors(), HasSubstr("assumed of the machine: 1.9ms to wake a thread up"));
+
+  auto words = daemon.command();
+  words.emplace_back("--check");
+  Process check(words, (daemon.place() / "check.txt").string());
+  static_cast<void>(check.all_output());
+  EXPECT_EQ(check.wait(), 1);
+  EXPECT_THAT(TempDir::read(daemon.place() / "check.txt"), HasSubstr("not admitted: first"));
 }
 
 TEST(Swap, DeclaresTheBudgetOfTheNewCore) {

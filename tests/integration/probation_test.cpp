@@ -65,7 +65,7 @@ TEST(Probation, ToleratesAsManyLateJobsAsItIsTold) {
   EXPECT_EQ(daemon.ask("core.swap", swap_to("trial/other", {{"misses", "2/64"}}))["state"],
             "applied");
 
-  for (const char* wrong : {"2", "2/", "/64", "3/65", "4/4", "-1/8", "2/64x", ""}) {
+  for (const char* wrong : {"2", "2/", "/64", "3/65", "4/4", "-1/8", "2/64x", "", "0/64"}) {
     const auto refused = daemon.ask("core.swap", swap_to("trial/steady", {{"misses", wrong}}));
     EXPECT_EQ(refused["data"]["where"], "misses") << wrong << refused;
     EXPECT_EQ(refused["data"]["state"], "unchanged");

@@ -5,9 +5,11 @@
 #include <mauve/plugin.h>
 #include <mauve/request.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -194,6 +196,50 @@ class Nagging final : public Steady {
   }
 };
 
+/// Uses so much time of its processor in every job, as the system counts it.
+class Hungry final : public Steady {
+  mauve::Property<mauve::Duration> uses{*this, "uses", std::chrono::microseconds(100)};
+
+  static std::int64_t used() {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return now.tv_sec * 1'000'000'000LL + now.tv_nsec;
+  }
+  void update() override {
+    const std::int64_t end = used() + uses.get().count();
+    Steady::update();
+    while (used() < end) {
+    }
+  }
+};
+
+/// Does work that takes so much time of an undisturbed processor in every job. The work is fixed:
+/// what a host takes meanwhile comes on top.
+class HardWorking final : public Steady {
+  mauve::Property<mauve::Duration> uses{*this, "uses", std::chrono::microseconds(100)};
+  std::int64_t rounds_ = 0;
+
+  static std::int64_t work(std::int64_t rounds) {
+    const auto begin = std::chrono::steady_clock::now();
+    volatile std::uint64_t result = 1;
+    std::uint64_t value = result;
+    for (std::int64_t i = 0; i < rounds; ++i) value = value * 6364136223846793005U + 1;
+    result = value;
+    return (std::chrono::steady_clock::now() - begin).count();
+  }
+  mauve::Status on_configure() override {
+    constexpr std::int64_t kRounds = 100'000;
+    std::int64_t shortest = work(kRounds);
+    for (int i = 0; i < 100; ++i) shortest = std::min(shortest, work(kRounds));
+    rounds_ = uses.get().count() * kRounds / std::max<std::int64_t>(shortest, 1);
+    return mauve::ok();
+  }
+  void update() override {
+    Steady::update();
+    work(rounds_);
+  }
+};
+
 class Hanging final : public Steady {
   void update() override {
     shell().output.write(9.0);
@@ -282,6 +328,8 @@ MAUVE_PLUGIN(plugin) {
   plugin.core<trial::ThrowingHook>("throwing_hook");
   plugin.core<trial::ThrowingJob>("throwing_job");
   plugin.core<trial::Requesting>("requesting");
+  plugin.core<trial::Hungry>("hungry");
+  plugin.core<trial::HardWorking>("hard_working");
   plugin.core<trial::Hanging>("hanging");
   plugin.core<trial::Forgetful>("forgetful");
   plugin.core<trial::AnotherCore>("another");

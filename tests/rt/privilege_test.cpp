@@ -60,7 +60,7 @@ TEST(FifoRefusal, NamesTheMissingCapabilityAndItsRemedy) {
   const Error user = rt::fifo_refusal({.priority = 40});
   EXPECT_EQ(user.code, Errc::not_permitted);
   EXPECT_TRUE(has(user.message, "SCHED_FIFO priority 40: CAP_SYS_NICE is missing"));
-  EXPECT_TRUE(has(user.hint, "rtprio 90"));
+  EXPECT_TRUE(has(user.hint, "rtprio 99"));
   const Error root = rt::fifo_refusal({.priority = 40, .root = true, .group_runtime = 0});
   EXPECT_TRUE(has(root.message, "CAP_SYS_NICE is missing, although the user is root"));
   EXPECT_TRUE(has(root.hint, "CapabilityBoundingSet"));
@@ -70,7 +70,7 @@ TEST(FifoRefusal, NamesTheMissingCapabilityAndItsRemedy) {
 TEST(FifoRefusal, NamesALimitThatIsTooLow) {
   const Error error = rt::fifo_refusal({.priority = 40, .priority_limit = 39});
   EXPECT_TRUE(has(error.message, "RLIMIT_RTPRIO is 39"));
-  EXPECT_TRUE(has(error.hint, "LimitRTPRIO=90"));
+  EXPECT_TRUE(has(error.hint, "LimitRTPRIO=99"));
 }
 
 TEST(FifoRefusal, NamesAControlGroupWithoutRunTimeOnlyWhenAllElseAllows) {

@@ -86,14 +86,18 @@ struct NewFallback {
 };
 
 /// After the commit the old bundles stay ready until every member ran so many jobs with the new
-/// ones, or for so long, whichever is first. A core that throws, implausible outputs, misses and
-/// overruns of the budget lead back to them at the next release.
+/// ones, or for so long, whichever is first. A core that fails (it throws, crashes, hangs, writes
+/// an implausible value) leads back to them at the next release. So does a core that takes too
+/// long; that needs several jobs as evidence (exec/evidence.h), and the probation goes on for some
+/// jobs while a core is under suspicion.
 struct Probation {
   std::uint64_t activations = 3000;  ///< rule of three: fails less than once in 1000 at 95 %
   Duration time{10s};
   Duration confirm_within{0};  ///< zero: nobody needs to confirm
-  unsigned misses = 0;         ///< overruns of a member that are tolerated in `window` jobs of it
-  unsigned window = 64;        ///< at most 64
+  /// Late jobs of a member that are tolerated in `window` jobs of it. At least 1: a single late job
+  /// is no evidence.
+  unsigned misses = 2;
+  unsigned window = 64;  ///< at most 64
 };
 
 /// All of it takes effect at one logical instant, or nothing does.

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include <mauve/machine.h>
+
 namespace mauve {
 
 /// What to do when the process may not use SCHED_FIFO or lock memory.
@@ -27,6 +29,7 @@ struct DeployOptions {
   /// order of release and priority.
   bool simulated = false;
   Admission admission = Admission::warn;
+  MachineCosts machine = {};  ///< what admission assumes of the machine
 };
 
 }  // namespace mauve

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <mauve/machine.h>
 #include <mauve/time.h>
 
 namespace mauve {
@@ -46,6 +47,8 @@ struct Timing {
   std::optional<double> factor;
   std::vector<std::string> problems;  ///< all, also of CPUs and locks
   std::vector<std::string> notes;     ///< what was not counted, and what the machine itself costs
+  MachineCosts machine;               ///< the costs of the machine that all this assumes
+  std::vector<WakeNoise> noise;       ///< what probes saw of it; empty: there are none
 };
 
 }  // namespace mauve

@@ -38,7 +38,7 @@ void sweep_components(Book& book, const Options& options) {
       "All are released at the same instants. Busy is the process: jobs, the kernel's wake-ups, "
       "and "
       "the runtime's own threads, which are most of it at two components; its slope divided by 100 "
-      "is what one more job costs. deploy() measures the machine for 20 ms first.");
+      "is what one more job costs.");
 }
 
 }  // namespace bench::scale

@@ -116,5 +116,19 @@ TEST(Options, ShowExamplesInTheHelp) {
   EXPECT_THAT(leave.text, testing::HasSubstr("--plugin-dir"));
 }
 
+TEST(Options, DeclareTheCostsOfTheMachine) {
+  EXPECT_EQ(accepted({"rover.json"}).machine, MachineCosts{});
+
+  const auto machine = accepted({"a.json", "--machine", "wake=20us,kernel=1.5us"}).machine;
+
+  EXPECT_EQ(machine.wake, 20us);
+  EXPECT_EQ(machine.kernel, 1500ns);
+  EXPECT_EQ(machine.activation, MachineCosts{}.activation) << "not named";
+  for (const char* wrong :
+       {"", "wake", "wake=", "wake=20", "sleep=1us", "wake=4ms", "wake=1us,x"}) {
+    EXPECT_EQ(left({"a.json", "--machine", wrong}).exit, 2) << wrong;
+  }
+}
+
 }  // namespace
 }  // namespace mauve::daemon

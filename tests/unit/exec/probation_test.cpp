@@ -137,6 +137,44 @@ TEST_F(OnProbation, MoreLateJobsThanToleratedLeadBack) {
   EXPECT_EQ(deployer.status("control").overruns, 3u) << "two were tolerated";
 }
 
+/// Takes 350 us in every job.
+struct Costly : ramp::Down {
+  void update() override {
+    ramp::Down::update();
+    Tardy::clock()->advance(350us);
+  }
+};
+
+class WithABudget : public OnProbation {
+ protected:
+  void SetUp() override {
+    architecture.control.task().budget = 300us;
+    OnProbation::SetUp();
+    Tardy::clock() = const_cast<ManualClock*>(dynamic_cast<const ManualClock*>(&deployer.clock()));
+  }
+};
+
+TEST_F(WithABudget, ACoreThatTakesLongerThanItsBudgetIsRolledBackAfterSixteenJobs) {
+  const std::string before = core();
+  const std::uint64_t jobs = deployer.status("control").over_budget;
+  ASSERT_TRUE(swap_to<Costly>());
+
+  rolled_back_after(300ms, before,
+                    "took longer than its budget: job after job, the last one 350 us of 300 us");
+
+  EXPECT_EQ(deployer.status("control").over_budget - jobs, 16U);
+}
+
+TEST_F(WithABudget, ItDoesNotEndBeforeACoreUnderSuspicionIsJudged) {
+  const std::string before = core();
+  ASSERT_TRUE(swap_to<Costly>({.activations = 2, .time = 20ms}));
+  deployer.run_for(50ms);
+  EXPECT_TRUE(tend().empty()) << "five jobs are not enough";
+
+  EXPECT_EQ(end_after(200ms).kind, Outcome::Kind::rolled_back);
+  EXPECT_EQ(core(), before);
+}
+
 TEST_F(OnProbation, AsManyLateJobsAsToleratedDoNot) {
   Tardy::clock() = const_cast<ManualClock*>(dynamic_cast<const ManualClock*>(&deployer.clock()));
 
@@ -168,9 +206,9 @@ TEST_F(WithADeadline, AHostThatStandsStillNowAndThenLeadsNobodyBack) {
   ASSERT_TRUE(swap_to<ramp::Down>({.activations = 100}));
   deployer.run_for(40ms);
 
-  stand_still(8);
+  stand_still(10);
 
-  EXPECT_EQ(deployer.status("control").overruns, 8u);
+  EXPECT_EQ(deployer.status("control").overruns, 10u);
   EXPECT_EQ(end_after(1s).kind, Outcome::Kind::passed);
 }
 
@@ -179,7 +217,7 @@ TEST_F(WithADeadline, AMemberThatIsStarvedLeadsBack) {
   ASSERT_TRUE(swap_to<ramp::Down>({.activations = 100}));
   deployer.run_for(40ms);
 
-  stand_still(9);
+  stand_still(11);
 
   rolled_back_after(40ms, before, "overran too often");
 }

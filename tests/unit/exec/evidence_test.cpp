@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/evidence.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+namespace mauve::exec {
+namespace {
+
+using Verdict = Evidence::Verdict;
+
+constexpr JobTiming kSound{};
+constexpr JobTiming kOverBudget{.over_budget = true};
+constexpr JobTiming kTooLong{.late = true, .too_long = true};
+constexpr JobTiming kHeldUp{.late = true};
+constexpr int kNever = 100'000;
+
+class EvidenceTest : public testing::Test {
+ protected:
+  Verdict judge(const JobTiming& job) { return evidence.judge(job, rules); }
+  /// After how many jobs like these, in turn, there is a verdict; kNever: not within so many.
+  int jobs_until(Verdict verdict, const std::vector<JobTiming>& jobs) {
+    for (int i = 0; i < kNever; ++i) {
+      const Verdict found = judge(jobs[static_cast<std::size_t>(i) % jobs.size()]);
+      if (found == verdict) return i + 1;
+      EXPECT_EQ(found, Verdict::none);
+    }
+    return kNever;
+  }
+  /// In how many of 100 probations of 3000 jobs a core is blamed whose jobs exceed the budget by
+  /// chance.
+  static int blamed_of_100(double share) {
+    std::mt19937 random(19);
+    std::bernoulli_distribution exceeds(share);
+    int blamed = 0;
+    for (int i = 0; i < 100; ++i) {
+      Evidence fresh;
+      bool found = false;
+      for (int job = 0; job < 3000 && !found; ++job) {
+        found = fresh.judge(exceeds(random) ? kOverBudget : kSound, {}) != Verdict::none;
+      }
+      blamed += found ? 1 : 0;
+    }
+    return blamed;
+  }
+
+  Evidence evidence;
+  Evidence::Rules rules;
+};
+
+TEST_F(EvidenceTest, DetectsACoreThatAlwaysExceedsItsBudgetAtTheSixteenthJob) {
+  EXPECT_EQ(jobs_until(Verdict::over_budget, {kOverBudget}), 16);
+}
+
+TEST_F(EvidenceTest, DetectsACoreThatExceedsItsBudgetInEverySecondJob) {
+  EXPECT_LE(jobs_until(Verdict::over_budget, {kSound, kOverBudget}), 64);
+}
+
+TEST_F(EvidenceTest, IgnoresExcessInEveryThirdJob) {
+  EXPECT_EQ(jobs_until(Verdict::over_budget, {kOverBudget, kSound, kSound}), kNever);
+}
+
+TEST_F(EvidenceTest,
+       BlamesNoCoreForAHostThatHitsOneJobInFiveAndDetectsOneThatIsTooSlowHalfTheTime) {
+  EXPECT_EQ(blamed_of_100(0.1), 0);
+  EXPECT_LE(blamed_of_100(0.2), 1);
+  EXPECT_EQ(blamed_of_100(0.5), 100);
+}
+
+TEST_F(EvidenceTest, NeedsASecondLateJobWhateverIsTolerated) {
+  rules = {.tolerated = 0};
+  EXPECT_EQ(jobs_until(Verdict::overruns, {kTooLong}), 2);
+}
+
+TEST_F(EvidenceTest, ToleratesSoManyLateJobsOfTheWindow) {
+  rules = {.tolerated = 2, .window = 0b1111};
+  EXPECT_EQ(jobs_until(Verdict::overruns, {kTooLong, kSound}), kNever);
+  EXPECT_EQ(jobs_until(Verdict::overruns, {kTooLong}), 2) << "three of the last four";
+}
+
+TEST_F(EvidenceTest, ExcusesOneOfEightJobsThatOthersHeldUp) {
+  std::vector<JobTiming> jobs(8, kSound);
+  jobs[0] = kHeldUp;
+  EXPECT_EQ(jobs_until(Verdict::overruns, jobs), kNever);
+  EXPECT_EQ(jobs_until(Verdict::overruns, {kHeldUp}), 4) << "the eleventh of 64";
+}
+
+TEST_F(EvidenceTest, DoesNotCallACoreStarvedThatWasLateAsOftenBeforeTheChange) {
+  const auto one_of_five = [](const auto& job) {
+    for (int i = 0; i < 320; ++i) job(i % 5 == 0);
+  };
+  one_of_five([this](bool late) { evidence.note(late); });
+  evidence.begin_anew(true);
+
+  one_of_five([this](bool late) { ASSERT_EQ(judge(late ? kHeldUp : kSound), Verdict::none); });
+
+  evidence.begin_anew(false);
+  EXPECT_LE(jobs_until(Verdict::overruns, {kHeldUp}), 64) << "more often than before";
+}
+
+TEST_F(EvidenceTest, IsSuspiciousUntilSoundJobsSpeakForTheCore) {
+  EXPECT_FALSE(evidence.suspicious());
+  static_cast<void>(judge(kOverBudget));
+  EXPECT_TRUE(evidence.suspicious());
+  static_cast<void>(judge(kSound));
+  static_cast<void>(judge(kSound));
+  EXPECT_FALSE(evidence.suspicious());
+}
+
+}  // namespace
+}  // namespace mauve::exec
