@@ -48,7 +48,9 @@ class Evidence {
   /// inspection schemes, Biometrika 41 (1954).
   [[nodiscard]] Verdict judge(const JobTiming& job, const Rules& rules);
   /// There is evidence, not yet enough for a verdict.
-  [[nodiscard]] bool suspicious() const { return sum_ > 0 || too_long_ != 0; }
+  [[nodiscard]] bool suspicious(const Rules& rules) const {
+    return sum_ > 0 || (too_long_ & rules.window) != 0;
+  }
 
  private:
   int sum_ = 0;

@@ -65,9 +65,9 @@ void Task::watch_over(const JobUse& job) {
     port->name().copy(name.data(), name.size() - 1);
     return give_up_core(Cause::implausible, name.data());
   }
-  const Evidence::Verdict verdict =
-      evidence_.judge(timing_of(job), {current_->tolerated, current_->window});
-  suspected_.store(evidence_.suspicious(), std::memory_order_relaxed);
+  const Evidence::Rules rules{current_->tolerated, current_->window};
+  const Evidence::Verdict verdict = evidence_.judge(timing_of(job), rules);
+  suspected_.store(evidence_.suspicious(rules), std::memory_order_relaxed);
   if (verdict == Evidence::Verdict::overruns) give_up_core(Cause::overruns, "");
   if (verdict == Evidence::Verdict::over_budget) {
     std::array<char, 96> text{};

@@ -79,7 +79,8 @@ Json swap_to(const std::string& core, const std::string& uses, const std::string
 std::string end_of_probation(TrialDaemon& daemon) {
   std::string end;
   static_cast<void>(eventually([&] {
-    for (const auto& record : daemon.ask("log.tail", {{"n", 1000}})["records"]) {
+    const auto told = daemon.ask("log.tail", {{"n", 1000}});
+    for (const auto& record : told["records"]) {
       const std::string event = record["event"];
       if (event == "rolled_back" || event == "probation_passed") end = record["text"];
     }

@@ -14,7 +14,7 @@ namespace {
 
 /// Sleeps through the next release in every eighth job: a share that would be excused when others
 /// kept it from the processor.
-struct Sleeper final : ramp::Down {
+struct SleepsNowAndThen final : ramp::Down {
   void update() override {
     ramp::Down::update();
     if (++own_jobs % 8 == 0) std::this_thread::sleep_for(15ms);
@@ -26,7 +26,7 @@ TEST(BlockingCore, IsRolledBackAlsoWhenItSleepsInOneOfEightJobs) {
   ramp::Architecture architecture;
   Deployer deployer(architecture, {.realtime = Realtime::off});
   ASSERT_TRUE(deployer.deploy());
-  Change change{{ramp::to_core<Sleeper>("Sleeper")}};
+  Change change{{ramp::to_core<SleepsNowAndThen>("SleepsNowAndThen")}};
   change.probation = Probation{.activations = 200, .time = 1h};
 
   ASSERT_TRUE(deployer.apply(change));
