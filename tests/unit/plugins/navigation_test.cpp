@@ -134,6 +134,22 @@ TEST_F(NavigationCore, PlansAnewWhenSomethingStandsOnThePath) {
   EXPECT_GT(std::hypot(target().x - first.x, target().y - first.y), 0.1) << "another way";
 }
 
+TEST_F(NavigationCore, MarksNothingWhileItTurns) {
+  set_out();
+  const Point2D first = target();
+  const double ahead = std::atan2(first.y - 2.0, first.x - 5.0);
+  for (int i = 1; i <= 20; ++i) {
+    stand_at(5.0, 2.0, ahead + 0.1 * (i % 2));  // to and fro, the obstacle would be on the path
+    see(2.0);
+    follow_after(100ms);
+    ASSERT_FALSE(core().must_plan()) << "job " << i;
+  }
+
+  follow_after(100ms);
+
+  EXPECT_TRUE(core().must_plan()) << "it looks again when it stands";
+}
+
 TEST_F(NavigationCore, IsNotTroubledByWhatIsOnTheMapOrFarAway) {
   set_out();
   see(4.9);
@@ -149,6 +165,7 @@ TEST_F(NavigationCore, ForgetsWhatItHasNotSeenForAWhile) {
   set_out();
   const Point2D first = target();
   stand_at(5.0, 2.0, std::atan2(first.y - 2.0, first.x - 5.0));
+  follow_after(100ms);  // it has turned
   see(2.0);
   follow_after(2s);
   ASSERT_TRUE(core().must_plan());
