@@ -3,9 +3,12 @@
 
 #include <mauve/job.h>
 
+#include <algorithm>
+
 namespace navigation {
 namespace {
 
+constexpr int kSteady = 3;             // jobs without a turn before it looks
 constexpr double kTurning = 0.05;      // rad from job to job: at the horizon half of scan_margin
 constexpr double kHorizon = 3.0;       // m, how far the scan is looked at, and the path
 constexpr double kMoved = 0.05;        // m, from which on a goal is another one
@@ -121,14 +124,15 @@ bool Navigation::look_at_map() {
   return taken;
 }
 
-/// Remembers what is seen and is not on the map. A scan is older than the pose, the more so on a
-/// machine that stands still now and then: while the robot turns, the walls of the map would be
-/// seen beside their place, and close a door for as long as they are remembered.
+/// Remembers what is seen and is not on the map. A scan is older than the pose, by some jobs on a
+/// machine that stands still now and then: while the robot turns, and just after, the walls of the
+/// map would be seen beside their place, and close a door for as long as they are remembered.
 void Navigation::look_at_scan() {
   planner_->forget(now_);
   const double turned = std::abs(rover::wrap(pose_.heading - heading_before_));
   heading_before_ = pose_.heading;
-  if (!usable(shell().scan.read(scan_)) || turned > kTurning) return;
+  steady_ = turned > kTurning ? 0 : std::min(steady_ + 1, kSteady);
+  if (!usable(shell().scan.read(scan_)) || steady_ < kSteady) return;
   const double until = now_ + seconds(remember);
   for (std::size_t beam = 0; beam < scan_.ranges.size(); ++beam) {
     const double range = static_cast<double>(scan_.ranges[beam]);
