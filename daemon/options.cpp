@@ -59,7 +59,7 @@ const std::map<std::string, Duration MachineCosts::*, std::less<>> kCosts = {
     {"timer", &MachineCosts::interrupt},
     {"kernel", &MachineCosts::kernel}};
 
-/// "wake=20us,kernel=10us": what is not named stays. Returns what is wrong with it; empty: nothing.
+/// "wake=20us,kernel=10us": the other costs stay. Returns the mistake in the text; empty: none.
 std::string read_machine(const std::string& text, MachineCosts& costs) {
   std::istringstream parts(text);
   for (std::string part; std::getline(parts, part, ',');) {

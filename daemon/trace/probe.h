@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The probe of a trace: notes in the trace when the host, or foreign work, held up everything on
-/// its CPU. What was late there then is not the components' fault.
+/// its CPU. Components that were late there then are not to blame.
 #pragma once
 
 #include "mauve/result.h"

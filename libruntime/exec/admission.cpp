@@ -212,7 +212,7 @@ std::vector<std::string> changed_tasks(const PreparedChange::Content& change) {
   return names;
 }
 
-/// What the proof assumes of the machine, in words.
+/// The assumed costs of the machine, in words.
 std::string assumption_of(const MachineCosts& machine) {
   return "assumed of the machine: " + format_duration(machine.wake) + " to wake a thread up, " +
          format_duration(machine.activation) + " to switch to it and back, " +

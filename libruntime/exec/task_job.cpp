@@ -169,7 +169,7 @@ FsmState* Task::run_states(JobEnd& job) {
   return state;
 }
 
-/// What the job itself used of the processor, without what preempted it and without the time that
+/// The processor time of the job itself, without the threads that preempted it and the time that
 /// the host reports as stolen; none: it was preempted, and the processor time was not asked for.
 std::optional<Duration> Task::measure(Instant start, const JobEnd& job) {
   const Instant took = job.at - start;

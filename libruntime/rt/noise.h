@@ -72,7 +72,7 @@ class Noise {
   /// Starts the probes of these CPUs that do not run yet; none given: of all usable CPUs. Without
   /// the rights for a probe the CPU has none, and nothing is known of it. One caller at a time.
   void watch(const std::vector<int>& cpus);
-  /// Ends all probes; what they reported stays. One caller at a time.
+  /// Ends all probes; their reports stay. One caller at a time.
   void stop();
 
   /// For how long the probe of the caller's CPU was held up at this instant or later; zero: it was

@@ -124,7 +124,7 @@ bool Navigation::look_at_map() {
   return taken;
 }
 
-/// Remembers what is seen and is not on the map. A scan is older than the pose, by some jobs on a
+/// Remembers obstacles that are not on the map. A scan is older than the pose, by some jobs on a
 /// machine that stands still now and then: while the robot turns, and just after, the walls of the
 /// map would be seen beside their place, and close a door for as long as they are remembered.
 void Navigation::look_at_scan() {
