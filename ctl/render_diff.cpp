@@ -34,7 +34,7 @@ std::string text_of(const Json& line, Look look) {
   return text + "\n";
 }
 
-std::string lines_of(const Json& result, Look look) {
+std::string difference_lines(const Json& result, Look look) {
   std::string text;
   for (const Json& line : list_in(result, "lines")) text += text_of(line, look);
   return text;
@@ -66,20 +66,20 @@ std::string same_as(std::string_view file, const Json& result) {
 }  // namespace
 
 std::string render_diff(std::string_view file, const Json& result, Look look) {
-  const std::string lines = lines_of(result, look);
+  const std::string lines = difference_lines(result, look);
   if (lines.empty()) return same_as(file, result);
   return "--- what runs, generation " + word(result, "generation") + "\n+++ " + harmless(file) +
          "\n" + lines;
 }
 
 std::string render_applied(std::string_view file, const Json& result, Look look) {
-  const std::string lines = lines_of(result, look);
+  const std::string lines = difference_lines(result, look);
   return lines + at_barrier(result, false, look) +
          render_receipt("applied " + harmless(file), result, look);
 }
 
 std::string render_plan(std::string_view file, const Json& result, Look look) {
-  const std::string lines = lines_of(result, look);
+  const std::string lines = difference_lines(result, look);
   if (lines.empty()) return same_as(file, result);
   std::string members;
   for (const Json& member : list_in(result, "components")) {

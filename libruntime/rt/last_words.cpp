@@ -11,7 +11,7 @@ namespace mauve::rt {
 namespace {
 
 constexpr Duration kMayTake{500ms};
-constexpr int kPriority = 96;  // above every component and the guard
+constexpr int kLastWordsPriority = 96;  // above every component and the guard
 
 std::atomic<std::uint32_t> bell{0};  // rung when the process dies, and when a speaker shall end
 std::atomic<bool> dying{false};
@@ -53,7 +53,7 @@ void LastWords::wait() {
     if (!death_told.load()) futex_wait_until(bell, seen, kForever);
   }
   i_speak() = true;
-  const Boost urgent(kPriority);
+  const Boost urgent(kLastWordsPriority);
   speak_(death);
   futex_bump(silent);
 }

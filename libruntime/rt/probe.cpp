@@ -10,7 +10,7 @@
 namespace mauve::rt {
 namespace {
 
-constexpr int kPriority = 99;
+constexpr int kProbePriority = 99;
 constexpr std::size_t kStack = 64 * 1024;
 
 }  // namespace
@@ -24,7 +24,7 @@ Probe::~Probe() {
 }
 
 Status Probe::start() {
-  return thread_.start({"mauve-probe", kPriority, {cpu_}, kStack}, [this] { run(); });
+  return thread_.start({"mauve-probe", kProbePriority, {cpu_}, kStack}, [this] { run(); });
 }
 
 /// Instants that passed while it was held up are left out.

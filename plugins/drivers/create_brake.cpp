@@ -24,7 +24,7 @@
 namespace drivers {
 namespace {
 
-constexpr std::size_t kMostWaiting = 96;  // a dozen orders to stand
+constexpr std::size_t kMostBrakeOrders = 96;  // a dozen orders to stand
 
 class CreateBrake final : public mauve::Core<mauve::EmptyShell> {
  public:
@@ -49,7 +49,7 @@ class CreateBrake final : public mauve::Core<mauve::EmptyShell> {
     port_.choose(device, 0, SerialPort::Use::both);
     own_.choose(device, 0, SerialPort::Use::both);
     thread_.when_unsent([this] { count_failed(); });
-    return thread_.start(port_, kMostWaiting, LineThread::Lost::opened_to_send);
+    return thread_.start(port_, kMostBrakeOrders, LineThread::Lost::opened_to_send);
   }
   void on_cleanup() override {
     thread_.stop();

@@ -53,7 +53,7 @@ struct Sharing : Architecture {
   }
 };
 
-constexpr DeployOptions options(Admission admission) {
+constexpr DeployOptions hold_options(Admission admission) {
   return {.realtime = Realtime::off, .simulated = true, .admission = admission};
 }
 
@@ -74,7 +74,7 @@ ComponentTiming of_urgent(const Timing& timing) {
 
 TEST(Hold, CountsAsBlockingInsteadOfTheWholeJob) {
   Sharing architecture(50us);
-  Deployer deployer(architecture, options(Admission::strict));
+  Deployer deployer(architecture, hold_options(Admission::strict));
 
   const Status deployed = deployer.deploy();
 
@@ -90,7 +90,7 @@ TEST(Hold, CountsAsBlockingInsteadOfTheWholeJob) {
 
 TEST(Hold, ThatNobodyKnowsCountsAsAWholeJobAndTheRefusalSaysWhatToDeclare) {
   Sharing architecture;
-  Deployer strict(architecture, options(Admission::strict));
+  Deployer strict(architecture, hold_options(Admission::strict));
 
   const Status deployed = strict.deploy();
 
@@ -100,7 +100,7 @@ TEST(Hold, ThatNobodyKnowsCountsAsAWholeJobAndTheRefusalSaysWhatToDeclare) {
       << deployed.error().hint;
 
   Sharing other;
-  Deployer warning(other, options(Admission::warn));
+  Deployer warning(other, hold_options(Admission::warn));
   ASSERT_TRUE(warning.deploy());
   const Timing timing = warning.analyze();
   EXPECT_GE(of_urgent(timing).blocking, 12ms);
@@ -112,7 +112,7 @@ TEST(Hold, ThatNobodyKnowsCountsAsAWholeJobAndTheRefusalSaysWhatToDeclare) {
 TEST(Hold, IsNotBlamedForAJobThatIsLateWithoutIt) {
   Sharing architecture(50us);
   architecture.urgent.task().budget = 11ms;
-  Deployer deployer(architecture, options(Admission::strict));
+  Deployer deployer(architecture, hold_options(Admission::strict));
 
   const Status deployed = deployer.deploy();
 
@@ -122,7 +122,7 @@ TEST(Hold, IsNotBlamedForAJobThatIsLateWithoutIt) {
 
 TEST(Hold, ChangesInATransactionWithoutAnyThread) {
   Sharing architecture(50us);
-  Deployer deployer(architecture, options(Admission::strict));
+  Deployer deployer(architecture, hold_options(Admission::strict));
   ASSERT_TRUE(deployer.deploy());
   deployer.run_for(20ms);
 
@@ -138,7 +138,7 @@ TEST(Hold, ChangesInATransactionWithoutAnyThread) {
 
 TEST(Hold, ThatWouldMakeAJobLateIsRefusedAndChangesNothing) {
   Sharing architecture(50us);
-  Deployer deployer(architecture, options(Admission::strict));
+  Deployer deployer(architecture, hold_options(Admission::strict));
   ASSERT_TRUE(deployer.deploy());
 
   const Result<Receipt> longer = deployer.apply(with_hold("table", 11ms));
@@ -153,7 +153,7 @@ TEST(Hold, ThatWouldMakeAJobLateIsRefusedAndChangesNothing) {
 
 TEST(Hold, ComesBackWhenTheChangeIsTakenBack) {
   Sharing architecture(50us);
-  Deployer deployer(architecture, options(Admission::strict));
+  Deployer deployer(architecture, hold_options(Admission::strict));
   ASSERT_TRUE(deployer.deploy());
   Change change = with_hold("table", 1ms);
   change.probation.emplace();
@@ -172,7 +172,7 @@ TEST(Hold, ComesBackWhenTheChangeIsTakenBack) {
 
 TEST(Hold, IsRefusedWhereItHasNoMeaning) {
   Sharing architecture(50us);
-  Deployer deployer(architecture, options(Admission::warn));
+  Deployer deployer(architecture, hold_options(Admission::warn));
   ASSERT_TRUE(deployer.deploy());
 
   for (const Change& change : {with_hold("table", -1us), with_hold("table", 1001ms),

@@ -19,10 +19,10 @@ namespace {
 
 TEST_F(Line, TheCoreThatRanLastIsTheOnlyOneThatReads) {
   // Each with bytes of its own: what was before them is dropped, lost, or restarted.
+  LineBytes of_first;  // The line fills them until its core is gone.
+  LineBytes of_second;
   Core first(far_.device());
   Core second(far_.device());
-  LineBytes of_first;
-  LineBytes of_second;
   for (int change = 0; change < 50; ++change) {
     Core& core = change % 2 == 0 ? first : second;
     LineBytes& bytes = change % 2 == 0 ? of_first : of_second;
