@@ -52,6 +52,11 @@ Status Configurable::cleanup() {
   return call_hook(address_, "on_cleanup", [this] { return on_cleanup(), ok(); });
 }
 
+void Configurable::adopt(std::string address) {
+  address_ = std::move(address);
+  if (told_address_) told_address_(address_);
+}
+
 PropertyBase* Configurable::find_property(std::string_view name) const {
   return find_named(properties_, name);
 }

@@ -7,15 +7,19 @@
 
 namespace mauve::plugin {
 
-Hold::Hold(std::shared_ptr<Library> library, const Configurable* element, std::string what)
-    : library_(std::move(library)) {
+Hold::Hold(std::shared_ptr<Library> library, std::string user) : library_(std::move(library)) {
   const std::lock_guard lock(library_->mutex_);
-  user_ = library_->users_.insert(library_->users_.end(), {element, std::move(what)});
+  user_ = library_->users_.insert(library_->users_.end(), {{}, std::move(user)});
 }
 
 Hold::~Hold() {
   const std::lock_guard lock(library_->mutex_);
   library_->users_.erase(user_);
+}
+
+void Hold::place(const std::string& address) {
+  const std::lock_guard lock(library_->mutex_);
+  user_->address = address;
 }
 
 namespace {
@@ -35,13 +39,16 @@ struct Release {
 template <typename Base>
 std::shared_ptr<Base> made(const std::shared_ptr<Library>& library, std::shared_ptr<Base> object,
                            const std::string& name) {
-  auto hold = std::make_shared<Hold>(library, object.get(), name);
+  auto hold = std::make_shared<Hold>(library, name);
+  // The list owns a copy of the address: the element may go while somebody reads the list. The
+  // element is destroyed before its hold (Release), so a bare pointer does.
+  object->when_adopted([held = hold.get()](const std::string& address) { held->place(address); });
   if constexpr (std::is_same_v<Base, CoreBase>) {
     if (StateBase* state = object->state()) {
-      state->keep_alive(std::make_shared<Hold>(library, nullptr, "state " + state->type().name));
+      state->keep_alive(std::make_shared<Hold>(library, "state " + state->type().name));
     }
     if (SlowStateBase* state = object->slow_state()) {
-      state->keep_alive(std::make_shared<Hold>(library, nullptr, "state " + state->type().name));
+      state->keep_alive(std::make_shared<Hold>(library, "state " + state->type().name));
     }
   }
   Base* raw = object.get();
@@ -85,7 +92,7 @@ detail::Make<InterfaceBase> keep(const std::shared_ptr<Library>& library,
 
 std::shared_ptr<const DataType> keep(const std::shared_ptr<Library>& library,
                                      const DataType& type) {
-  return {std::make_shared<Hold>(library, nullptr, "data type " + type.name), &type};
+  return {std::make_shared<Hold>(library, "data type " + type.name), &type};
 }
 
 }  // namespace mauve::plugin

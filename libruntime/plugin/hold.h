@@ -13,11 +13,14 @@ namespace mauve::plugin {
 /// One registered user of a library, for as long as it lives.
 class Hold {
  public:
-  /// `element` may be null: `what` says all.
-  Hold(std::shared_ptr<Library> library, const Configurable* element, std::string what);
+  /// `user` is the name of a type, or says everything.
+  Hold(std::shared_ptr<Library> library, std::string user);
   Hold(const Hold&) = delete;
   Hold& operator=(const Hold&) = delete;
   ~Hold();
+
+  /// From now on the user is listed with this address. [factory]
+  void place(const std::string& address);
 
  private:
   std::shared_ptr<Library> library_;

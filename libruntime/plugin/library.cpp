@@ -125,8 +125,7 @@ std::vector<std::string> Library::users() const {
   const std::lock_guard lock(mutex_);
   std::vector<std::string> found;
   for (const User& user : users_) {
-    const bool placed = user.element != nullptr && !user.element->address().empty();
-    found.push_back(placed ? user.element->address() + " (" + user.what + ")" : user.what);
+    found.push_back(user.address.empty() ? user.name : user.address + " (" + user.name + ")");
   }
   return found;
 }

@@ -50,7 +50,7 @@ class Library {
   /// As the plugin wrote it. Only hold.cpp may call its makers.
   [[nodiscard]] const Plugin& declared() const { return *declared_; }
 
-  /// What still needs the code: addresses of elements, states, data types. [control]
+  /// What still needs the code: addresses of elements, states, data types. [any but rt]
   [[nodiscard]] std::vector<std::string> users() const;
 
   /// From now on nothing new is made from it: a newer version took its names. [control]
@@ -63,8 +63,8 @@ class Library {
  private:
   friend class Hold;
   struct User {
-    const Configurable* element;  // null: `what` says all
-    std::string what;
+    std::string address;  // of an element that was adopted
+    std::string name;     // of its type, or the whole text
   };
   using Users = std::list<User>;
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -38,8 +39,13 @@ class Configurable {
   [[nodiscard]] PropertyBase* find_property(std::string_view name) const;
   [[nodiscard]] ObservableBase* find_observable(std::string_view name) const;
 
-  /// Runtime only: gives the element its address.
-  void adopt(std::string address) { address_ = std::move(address); }
+  /// Runtime only: gives the element its address, and tells it to the observer. [factory]
+  void adopt(std::string address);
+  /// Runtime only: `told` is called with each address that the element is given; set before the
+  /// first.
+  void when_adopted(std::function<void(const std::string& address)> told) {
+    told_address_ = std::move(told);
+  }
 
  protected:
   /// Called by configure(): open, allocate, compute; return an error to refuse. [factory]
@@ -56,6 +62,7 @@ class Configurable {
   friend class ObservableBase;
 
   std::string address_;
+  std::function<void(const std::string& address)> told_address_;
   std::atomic<bool> configured_{false};
   std::optional<Error> deferred_;  // a refused `property = value`, reported by configure()
   std::vector<PropertyBase*> properties_;
