@@ -17,6 +17,9 @@ constexpr unsigned kLooks = 10;  // periods between two looks whether what is ta
 /// A resource that was held for so long that it could not be tapped is left alone for a while.
 constexpr std::chrono::seconds kBusy{1};
 constexpr std::size_t kTapBytes = 4 * 1024 * 1024;
+/// Notifications of one round, over all clients: some milliseconds of work. More samples wait in
+/// their taps, and are told as lost when those are full.
+constexpr std::size_t kPerRound = 8192;
 
 /// A second's worth of a fast small value, a few of a large one.
 std::size_t capacity_for(const DataType& data) {
@@ -111,7 +114,7 @@ Status Watches::add(const Running& running, const std::string& address, const Su
   found->subscribers.push_back(who);
   auto params = *std::move(now);
   params.emplace("t_ns", running.deployer.clock().now() - running.deployer.t0());
-  who.outbox->push(who.sub, address, "value", std::move(params));
+  who.outbox->push(who.sub, address, "value", params);
   const std::lock_guard lock(mutex_);
   has_polled_ = true;
   return ok();
@@ -171,20 +174,20 @@ void Watches::forget(std::uint64_t client) {
 }
 
 void Watches::remove(const Leaves& leaves) {
-  const auto clean = [&](auto& watched) {
+  const auto clean = [&](auto& watched, const auto* in_use) {
     std::remove_cvref_t<decltype(watched)> unwatched;
     for (auto one = watched.begin(); one != watched.end();) {
       const auto here = one++;
       std::erase_if(here->subscribers,
                     [&](const Subscriber& who) { return leaves(who.client, who.sub); });
-      if (here->subscribers.empty()) {
+      if (here->subscribers.empty() && &*here != in_use) {
         unwatched.splice(unwatched.end(), watched, here);
       }
     }
     return unwatched;
   };
-  clean(polled_);
-  clean(lost_);
+  clean(polled_, static_cast<const Polled*>(nullptr));
+  clean(lost_, static_cast<const Lost*>(nullptr));
   std::erase_if(followers_, [&](const LogFollower& one) {
     const bool gone = leaves(one.client, one.sub);
     if (gone) {
@@ -195,7 +198,7 @@ void Watches::remove(const Leaves& leaves) {
   std::list<Tapped> detached;  // without mutex_: the gate of a resource may be held for long
   const std::lock_guard lock(mutex_);
   has_polled_ = !polled_.empty() || !lost_.empty();
-  detached = clean(tapped_);
+  detached = clean(tapped_, reading_);
 }
 
 void Watches::run() {
@@ -205,7 +208,7 @@ void Watches::run() {
       wake_.wait(lock);
       continue;
     }
-    bring_values();
+    bring_round(lock);
     const bool due = ++rounds_ % kLooks == 0;
     if ((has_polled_ || due) && !std::exchange(poll_pending_, true)) {
       running_->control.read([this] { poll(); });
@@ -214,26 +217,46 @@ void Watches::run() {
   }
 }
 
-void Watches::bring_values() {
-  const auto t0 = running_->deployer.t0();
-  for (auto& one : tapped_) {
-    const auto& type = one.tap->data();
-    while (one.tap->pop([&](const void* value, Instant stamp) {
-      const Json params = {{"address", one.address},
-                           {"value", arch::to_json(type.to_value(value))},
-                           {"status", to_string(DataStatus::new_data)},
-                           {"t_ns", stamp - t0}};
-      for (const auto& who : one.subscribers) {
-        who.outbox->push(who.sub, one.address, "value", params);
-      }
-    })) {
+/// Each round begins where the one before ended, so that no tap waits for ever. [watch]
+void Watches::bring_round(std::unique_lock<std::mutex>& lock) {
+  std::size_t room = kPerRound;
+  for (std::size_t taps = tapped_.size(); taps > 0 && room > 0 && !tapped_.empty(); --taps) {
+    tapped_.splice(tapped_.end(), tapped_, tapped_.begin());
+    Tapped& one = tapped_.back();
+    const auto subscribers = one.subscribers;  // they may change while the lock is given back
+    reading_ = &one;
+    lock.unlock();
+    room -= bring_some(one, subscribers, room);
+    lock.lock();
+    reading_ = nullptr;
+  }
+}
+
+/// Every sample is written out once, for all who watch it. Returns the notifications it made, at
+/// most `room`, but at least one sample's.
+std::size_t Watches::bring_some(const Tapped& one, const std::vector<Subscriber>& subscribers,
+                                std::size_t room) const {
+  const auto& type = one.tap->data();
+  const auto bring = [&](const void* value, Instant stamp) {
+    const protocol::NotificationText text(Json{{"address", one.address},
+                                               {"value", arch::to_json(type.to_value(value))},
+                                               {"status", to_string(DataStatus::new_data)},
+                                               {"t_ns", stamp - running_->deployer.t0()}});
+    for (const auto& who : subscribers) {
+      who.outbox->push(who.sub, one.address, "value", text);
     }
-    if (const auto lost = one.tap->take_lost(); lost > 0) {
-      for (const auto& who : one.subscribers) {
-        who.outbox->lose(who.sub, one.address, lost);
-      }
+  };
+  const std::size_t each = std::max<std::size_t>(subscribers.size(), 1);
+  std::size_t brought = 0;
+  while (brought < room && one.tap->pop(bring)) {
+    brought += each;
+  }
+  if (const auto lost = one.tap->take_lost(); lost > 0) {
+    for (const auto& who : subscribers) {
+      who.outbox->lose(who.sub, one.address, lost);
     }
   }
+  return std::min(brought, room);
 }
 
 void Watches::poll() {
@@ -245,18 +268,25 @@ void Watches::poll() {
   poll_pending_ = false;
 }
 
-/// Its last values are brought first. [control]
+/// Also takes away the taps that nobody watches any more. One that [watch] reads just now stays
+/// until the next look. [control]
 void Watches::leave_replaced() {
   std::list<Tapped> left;  // goes without mutex_, as in remove()
-  const std::lock_guard lock(mutex_);
-  for (auto one = tapped_.begin(); one != tapped_.end();) {
-    const auto here = one++;
-    if (here->is_there()) {
+  {
+    const std::lock_guard lock(mutex_);
+    for (auto one = tapped_.begin(); one != tapped_.end();) {
+      const auto here = one++;
+      if (&*here != reading_ && (here->subscribers.empty() || !here->is_there())) {
+        left.splice(left.end(), tapped_, here);
+      }
+    }
+  }
+  for (auto& one : left) {
+    if (one.subscribers.empty()) {
       continue;
     }
-    bring_values();
-    lost_.push_back({here->address, std::move(here->subscribers)});
-    left.splice(left.end(), tapped_, here);
+    bring_some(one, one.subscribers, kPerRound);  // its last values
+    lost_.push_back({one.address, std::move(one.subscribers)});
   }
 }
 
@@ -269,7 +299,7 @@ void Watches::find_replacements() {
       }
       const auto found = add(*running_, one.address, who);
       if (found) {
-        who.outbox->push(who.sub, one.address, "replaced", {{"address", one.address}});
+        who.outbox->push(who.sub, one.address, "replaced", Json{{"address", one.address}});
       } else if (found.error().code == Errc::timed_out) {
         one.not_before = now + kBusy;
       }
@@ -283,7 +313,7 @@ void Watches::find_replacements() {
     }
     for (const auto& who : one.subscribers) {
       who.outbox->push(who.sub, one.address, "value",
-                       {{"address", one.address}, {"value", nullptr}, {"status", "no_data"}});
+                       Json{{"address", one.address}, {"value", nullptr}, {"status", "no_data"}});
     }
   }
 }
@@ -300,8 +330,9 @@ void Watches::poll_values() {
     }
     one.last = params;
     params.emplace("t_ns", time);
+    const protocol::NotificationText text(params);
     for (const auto& who : one.subscribers) {
-      who.outbox->push(who.sub, one.address, "value", params);
+      who.outbox->push(who.sub, one.address, "value", text);
     }
   }
 }

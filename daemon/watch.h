@@ -21,9 +21,10 @@
 namespace mauve::daemon {
 
 /// Values written to shared data or a queue are all seen, through a bounded tap that its writer
-/// never waits for. Everything else (properties, observables, ports, services that compute their
-/// value) is looked at 50 times a second and told when it differs. Who watches a resource that is
-/// replaced is told, and goes on at the one that has its name; when none has it, one value is null.
+/// never waits for. [watch] takes a bounded number of them in a round; for more, the tap tells a
+/// loss. Everything else (properties, observables, ports, services that compute their value) is
+/// looked at 50 times a second and told when it differs. Who watches a resource that is replaced is
+/// told, and goes on at the one that has its name; when none has it, one value is null.
 class Watches {
  public:
   explicit Watches(logging::Log& log) : log_(log) {}
@@ -99,7 +100,9 @@ class Watches {
   void leave_replaced();
   void find_replacements();
   void run();
-  void bring_values();
+  void bring_round(std::unique_lock<std::mutex>& lock);
+  std::size_t bring_some(const Tapped& one, const std::vector<Subscriber>& subscribers,
+                         std::size_t room) const;
   void remove(const Leaves& leaves);
 
   logging::Log& log_;
@@ -108,9 +111,10 @@ class Watches {
   std::list<Lost> lost_;                ///< [control]
   std::vector<LogFollower> followers_;  ///< [control]
 
-  std::mutex mutex_;  ///< guards what follows
+  std::mutex mutex_;  ///< guards the following; never held while a value is read or written out
   std::condition_variable wake_;
   std::list<Tapped> tapped_;
+  const Tapped* reading_ = nullptr;  ///< [watch] reads it without mutex_; nobody else takes it away
   bool has_polled_ = false;
   bool poll_pending_ = false;
   unsigned rounds_ = 0;

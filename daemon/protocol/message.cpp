@@ -198,6 +198,17 @@ Json make_notification(std::string_view method, Json params) {
   return {{"jsonrpc", "2.0"}, {"method", method}, {"params", std::move(params)}};
 }
 
+NotificationText::NotificationText(const Json& params) : members_(to_line(params)) {
+  members_ = members_.substr(1, members_.size() - 2);
+}
+
+std::string NotificationText::line(std::string_view method, std::uint64_t sub) const {
+  std::string text = R"({"jsonrpc":"2.0","method":")";
+  text.append(method).append(R"(","params":{)").append(members_);
+  if (!members_.empty()) text += ',';
+  return text.append(R"("sub":)").append(std::to_string(sub)).append("}}\n");
+}
+
 Json to_json(const Fault& fault) {
   Json data = {{"name", fault.name},   {"exit", fault.exit}, {"state", fault.state},
                {"where", fault.where}, {"hint", fault.hint}, {"generation", nullptr}};

@@ -85,6 +85,18 @@ struct Refusal {
 [[nodiscard]] Json make_error(Json id, const Fault& fault);
 [[nodiscard]] Json make_notification(std::string_view method, Json params);
 
+/// Parameters of a notification as text, so that many receivers share the work of writing them.
+class NotificationText {
+ public:
+  /// `params` is an object without "sub". Not explicit: a notification for one receiver is one too.
+  NotificationText(const Json& params);
+  /// The whole line for one subscription, with its end.
+  [[nodiscard]] std::string line(std::string_view method, std::uint64_t sub) const;
+
+ private:
+  std::string members_;  ///< the object without its braces
+};
+
 /// The object under "error": {"code","message","data":{"name","exit","state","where",...}}.
 [[nodiscard]] Json to_json(const Fault& fault);
 

@@ -41,7 +41,7 @@ void Outbox::shut() {
 }
 
 bool Outbox::push(std::uint64_t sub, const std::string& address, std::string_view method,
-                  Json params) {
+                  const protocol::NotificationText& params) {
   {
     const std::lock_guard lock(mutex_);
     if (open_.count(sub) == 0) {
@@ -53,9 +53,7 @@ bool Outbox::push(std::uint64_t sub, const std::string& address, std::string_vie
       return true;
     }
   }
-  // Written out of the lock: it is long work, and the [io] thread must not wait for it.
-  params["sub"] = sub;
-  auto line = protocol::to_line(protocol::make_notification(method, std::move(params))) + '\n';
+  auto line = params.line(method, sub);  // out of the lock, so that [io] does not wait for it
   bool tell = false;
   {
     const std::lock_guard lock(mutex_);

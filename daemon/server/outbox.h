@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "protocol/framing.h"
+#include "protocol/message.h"
 
 namespace mauve::server {
 
@@ -34,7 +35,7 @@ class Outbox {
   /// [any but rt] Queues {"method","params":{"sub",...}}. `address` names the source in a `dropped`
   /// notification, empty for none. False when the subscription has ended: stop producing.
   bool push(std::uint64_t sub, const std::string& address, std::string_view method,
-            protocol::Json params);
+            const protocol::NotificationText& params);
 
   /// [any but rt] Tells the client that `count` values were lost before they came here.
   void lose(std::uint64_t sub, const std::string& address, std::uint64_t count);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // Many clients at once on a mauved whose components are real-time threads.
 #include <array>
+#include <atomic>
 #include <deque>
 #include <thread>
 
@@ -115,6 +116,38 @@ TEST(Watchers, ThirtyTwoAtOnceCostNoRelease) {
   EXPECT_EQ(told.missed, 0U) << told.disturbed << " more were disturbed";
   EXPECT_EQ(missed(after) - missed(before), told.missed + told.disturbed)
       << "each that is counted is told";
+}
+
+TEST(Watchers, WithAllTheirSubscriptionsDoNotHoldUpAStop) {
+  constexpr std::size_t kClients = 7;
+  constexpr int kSubscriptions = 64;
+  TrialDaemon daemon(counting());
+  std::deque<RawClient> clients;
+  for (std::size_t i = 0; i < kClients; ++i) clients.push_back(daemon.client());
+  std::atomic<int> open{0};
+  std::atomic<bool> end{false};
+  std::vector<std::thread> readers;
+  for (auto& client : clients) {
+    readers.emplace_back([&] {
+      for (int i = 0; i < kSubscriptions; ++i) {
+        if (client.ask("watch.subscribe", {{"addresses", {"signal.read"}}}).contains("result"))
+          ++open;
+      }
+      while (!end && client.line()) {
+      }
+    });
+  }
+  auto operating = daemon.client();
+  EXPECT_TRUE(eventually([&] { return open == kSubscriptions * static_cast<int>(kClients); }));
+
+  const auto stopped = operating.ask("component.stop", {{"components", {"second"}}});
+
+  EXPECT_EQ(stopped["result"]["state"], "applied") << stopped;
+  EXPECT_EQ(daemon.ask("client.list")["items"].size(), kClients + 2) << "they watch on";
+  daemon.process().signal(SIGTERM);
+  EXPECT_EQ(daemon.process().wait(), 0) << daemon.errors();
+  end = true;
+  for (auto& reader : readers) reader.join();
 }
 
 }  // namespace

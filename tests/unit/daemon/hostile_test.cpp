@@ -223,7 +223,7 @@ TEST(HostileClient, WatchesWithoutReading) {
 
   std::size_t most = 0;
   std::uint64_t pushed = 0;
-  while (outbox->push(sub, "a", "value", {{"value", std::string(1000, 'x')}})) {
+  while (outbox->push(sub, "a", "value", Json{{"value", std::string(1000, 'x')}})) {
     most = std::max(most, outbox->bytes());
     if (++pushed % 100 == 0) {
       ASSERT_TRUE(served.dispatcher.outbox(1)->push(other_sub, "a", "value", {{"value", pushed}}));
@@ -242,7 +242,7 @@ TEST(HostileClient, LearnsHowManyNotificationsItWasTooSlowFor) {
   const auto outbox = served.dispatcher.outbox(0);
   std::uint64_t pushed = 0;
   while (outbox->dropped() < 10) {
-    ASSERT_TRUE(outbox->push(sub, "a", "value", {{"value", std::string(1000, 'x')}}));
+    ASSERT_TRUE(outbox->push(sub, "a", "value", Json{{"value", std::string(1000, 'x')}}));
     ++pushed;
   }
 
@@ -299,7 +299,8 @@ TEST(HostileClient, ConnectsFortyTimes) {
       ++admitted;
     }
   }
-  const std::size_t allowed = geteuid() == 0 ? 9 : 8;  // one more for root
+  // One more for root, and one that may only stop.
+  const std::size_t allowed = geteuid() == 0 ? 10 : 9;
 
   EXPECT_EQ(admitted, allowed);
   EXPECT_EQ(refused, 40 - allowed);
