@@ -150,10 +150,14 @@ void Server::admit(Protocol::socket socket) {
     return;
   }
   const auto role = role_of(*peer, options_.roles);
-  if (auto allowed = may_enter(*peer, role); !allowed) {
-    return turn_away(std::move(socket), *peer, allowed.error());
+  const auto entry = entry_of(*peer, role);
+  if (!entry) {
+    return turn_away(std::move(socket), *peer, entry.error());
   }
-  Caller caller{next_client_++, std::move(*peer), role, nullptr};
+  if (entry->displaced != 0) {
+    displace(entry->displaced, role);
+  }
+  Caller caller{next_client_++, std::move(*peer), role, nullptr, entry->only_urgent};
   const auto id = caller.client;
   log_.write(Event::client_connected, {{"client", number(id)},
                                        {"uid", number(caller.peer.uid)},
@@ -169,7 +173,9 @@ void Server::admit(Protocol::socket socket) {
   sweep();
 }
 
-Status Server::may_enter(const Peer& peer, Role role) const {
+/// Whoever may operate the machine is never kept out by those who may only look, and may stop it
+/// even when its own places are taken.
+Result<Server::Entry> Server::entry_of(const Peer& peer, Role role) const {
   if (role == Role::none) {
     return refuse(Errc::not_permitted, "uid " + std::to_string(peer.uid),
                   "this user has no role here",
@@ -180,15 +186,46 @@ Status Server::may_enter(const Peer& peer, Role role) const {
   const auto same_uid = static_cast<std::size_t>(std::count_if(
       sessions_.begin(), sessions_.end(),
       [&](const auto& entry) { return entry.second->caller().peer.uid == peer.uid; }));
-  if (same_uid >= limits.clients_per_uid + extra) {
+  const auto places = limits.clients_per_uid + extra;
+  const bool may_stop = role >= Role::operator_ && same_uid <= places &&
+                        sessions_.size() < limits.clients + extra + limits.reserved_for_stop;
+  if (same_uid >= places) {
+    if (may_stop) {
+      return Entry{true, 0};
+    }
     return refuse(Errc::limit, "uid " + std::to_string(peer.uid),
                   "this user has too many connections", "close some; mauvectl list clients");
   }
-  if (sessions_.size() >= limits.clients + extra) {
-    return refuse(Errc::limit, "clients", "too many clients are connected",
-                  "close some; root can always connect");
+  if (sessions_.size() < limits.clients + extra) {
+    return Entry{};
   }
-  return ok();
+  if (const auto displaced = oldest_below(role); displaced != 0) {
+    return Entry{false, displaced};
+  }
+  if (may_stop) {
+    return Entry{true, 0};
+  }
+  return refuse(Errc::limit, "clients", "too many clients are connected",
+                "close some; operators, admins and root get the places of viewers");
+}
+
+/// The oldest client of the lowest role below this one; 0 when there is none.
+std::uint64_t Server::oldest_below(Role role) const {
+  std::uint64_t found = 0;
+  Role lowest = role;
+  for (const auto& [client, session] : sessions_) {
+    if (session->caller().role < lowest) {
+      lowest = session->caller().role;
+      found = client;
+    }
+  }
+  return found;
+}
+
+void Server::displace(std::uint64_t client, Role by) {
+  const auto session = sessions_.at(client);  // end() takes it out of the map
+  session->end("all places were taken, and a client of role " + std::string(to_string(by)) +
+               " got this one");
 }
 
 void Server::turn_away(Protocol::socket socket, const Peer& peer, const Error& why) {

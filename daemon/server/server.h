@@ -65,7 +65,14 @@ class Server {
   void pause_accept();
   void resume_accept();
   void admit(Protocol::socket socket);
-  [[nodiscard]] Status may_enter(const Peer& peer, Role role) const;
+  /// How a newcomer is admitted.
+  struct Entry {
+    bool only_urgent = false;
+    std::uint64_t displaced = 0;  ///< the client whose place it gets; 0: nobody's
+  };
+  [[nodiscard]] Result<Entry> entry_of(const Peer& peer, Role role) const;
+  [[nodiscard]] std::uint64_t oldest_below(Role role) const;
+  void displace(std::uint64_t client, Role by);
   void turn_away(Protocol::socket socket, const Peer& peer, const Error& why);
   void on_end(std::uint64_t client, const std::string& reason);
   void sweep();

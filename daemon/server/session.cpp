@@ -124,6 +124,13 @@ void Session::dispatch(protocol::Request request) {
   if (const auto fault = protocol::check_params(*method, request.params)) {
     return turn_down(*method, std::move(request), *fault);
   }
+  if (caller_.only_urgent && !method->out_of_band) {
+    const auto fault = protocol::fault_of(
+        refuse(Errc::limit, "uid " + std::to_string(caller_.peer.uid),
+               "all places are taken, so this connection may only stop, confirm and undo",
+               "close other connections; mauvectl list clients"));
+    return turn_down(*method, std::move(request), fault);
+  }
   // Stopping is never refused for having been asked too often.
   if (method->mutation && !method->out_of_band &&
       !context_.rate.allow(caller_.peer.uid, Clock::now())) {

@@ -98,9 +98,9 @@ class FakeDispatcher final : public server::Dispatcher {
 
 /// A server on a socket of its own, for as long as the test lasts.
 struct ServedSocket {
-  explicit ServedSocket(server::Limits limits = {}) : log(logging::Level::debug) {
+  explicit ServedSocket(server::Limits limits = {}, server::RoleRules rules = {})
+      : log(logging::Level::debug) {
     log.start();
-    server::RoleRules rules;
     rules.own_uid = geteuid();
     server =
         std::make_unique<server::Server>(server::ServerOptions{limits, rules}, dispatcher, log);

@@ -126,12 +126,12 @@ TEST(Server, KeepsSendingToAHalfClosedSubscriberUntilItIsGone) {
   client.half_close();
   const auto outbox = served.dispatcher.outbox(0);
 
-  ASSERT_TRUE(outbox->push(sub, "a", "value", {{"value", 1}}));
+  ASSERT_TRUE(outbox->push(sub, "a", "value", Json{{"value", 1}}));
   EXPECT_EQ(client.notification("value")["params"]["value"], 1);
   client.close();
 
   EXPECT_TRUE(eventually([&] { return served.server->clients().empty(); }));
-  EXPECT_FALSE(outbox->push(sub, "a", "value", {{"value", 2}}));
+  EXPECT_FALSE(outbox->push(sub, "a", "value", Json{{"value", 2}}));
 }
 
 TEST(Server, SendsAnAnswerLargerThanTheHardLimit) {
@@ -197,6 +197,54 @@ TEST(Server, ClosesTheRestWhenTheGraceIsOver) {
   served.server->stop(milliseconds(30));
 
   EXPECT_TRUE(client.closed_by_peer());
+}
+
+TEST(Server, LetsAUserWhosePlacesAreTakenStopButNothingElse) {
+  server::Limits limits;
+  limits.clients_per_uid = 2;
+  limits.reserved_for_root = 0;
+  ServedSocket served(limits);
+  const auto first = served.client();
+  const auto second = served.client();
+  auto third = served.client();
+  RawClient fourth(served.path());
+
+  EXPECT_EQ(third.ask("param.set", {{"values", {{"a.b", 1}}}})["error"]["data"]["name"], "limit");
+  EXPECT_EQ(third.ask("status.get")["error"]["data"]["name"], "limit");
+  ASSERT_TRUE(third.send(
+      protocol::to_line(protocol::make_request(7, "component.stop", {{"all", true}})) + '\n'));
+  ASSERT_TRUE(eventually([&] { return served.dispatcher.kept() == 1; }));
+  served.dispatcher.answer_all();
+  EXPECT_EQ(third.json()["result"]["late"], true);
+  EXPECT_EQ(fourth.json()["error"]["data"]["name"], "limit") << "one of each user";
+}
+
+TEST(Server, GivesAnAdminThePlaceOfTheOldestViewerWhenAllAreTaken) {
+  if (geteuid() != 0) GTEST_SKIP() << "SKIPPED: needs root, for clients of another user";
+  server::Limits limits;
+  limits.clients = 2;
+  limits.reserved_for_root = 0;
+  server::RoleRules rules;
+  rules.viewers = getegid();
+  ServedSocket served(limits, rules);
+  const auto viewer = [&] {
+    std::filesystem::permissions(served.path().parent_path(), std::filesystem::perms::all);
+    std::filesystem::permissions(served.path(), std::filesystem::perms::all);
+    EXPECT_EQ(seteuid(50'001), 0);
+    RawClient client(served.path());
+    EXPECT_EQ(seteuid(0), 0);
+    EXPECT_EQ(client.json()["params"]["role"], "viewer");
+    return client;
+  };
+  auto oldest = viewer();
+  auto other = viewer();
+
+  auto admin = served.client();
+
+  EXPECT_EQ(admin.ask("ping")["result"]["pong"], true);
+  EXPECT_TRUE(oldest.closed_by_peer());
+  EXPECT_EQ(other.ask("ping")["result"]["pong"], true);
+  EXPECT_THAT(served.log_text(), testing::HasSubstr("a client of role admin got this one"));
 }
 
 TEST(Server, ListsItsClients) {
