@@ -118,12 +118,26 @@ void Keeper::write_waiting() {
   write_lines(text);
 }
 
-void Keeper::mark(std::uint64_t generation, Mark mark) {
-  disk_.post_urgent([this, generation, mark] {
-    if (auto marked = generations_->mark(generation, mark); !marked) {
-      report(Event::generation_not_saved, marked.error());
-    }
+void Keeper::confirm(std::uint64_t generation, Json line, std::function<void(bool saved)> then) {
+  disk_.post_urgent([this, generation, line = std::move(line), then = std::move(then)]() mutable {
+    const bool saved = mark_now(generation, Mark::confirmed);
+    line["saved"] = saved;
+    write_lines(protocol::to_line(line));
+    then(saved);
   });
+}
+
+void Keeper::mark(std::uint64_t generation, Mark mark) {
+  disk_.post_urgent([this, generation, mark] { mark_now(generation, mark); });
+}
+
+/// [disk]
+bool Keeper::mark_now(std::uint64_t generation, Mark mark) {
+  const auto marked = generations_->mark(generation, mark);
+  if (!marked) {
+    report(Event::generation_not_saved, marked.error());
+  }
+  return marked.has_value();
 }
 
 void Keeper::confirm_like(std::uint64_t generation, std::uint64_t earlier) {

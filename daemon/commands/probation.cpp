@@ -7,6 +7,7 @@
 
 #include "base/duration.h"
 #include "commands/answer.h"
+#include "commands/audit.h"
 #include "commands/change.h"
 #include "commands/unproven.h"
 #include "keeper.h"
@@ -122,7 +123,17 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
   if (auto done = running.deployer.confirm(); !done && !confirm_unproven(running)) {
     return answer(running, *call, done.error());
   }
-  answer(running, *call, Json{{"generation", running.generation.load()}, {"changed", true}});
+  Json result = {{"generation", running.generation.load()}, {"changed", true}};
+  if (running.keeper == nullptr) {
+    return answer(running, *call, std::move(result));
+  }
+  // A confirmation that a power cut could take back is none: the answer waits for its mark.
+  auto line = audit_applied(running, *call, result);
+  running.keeper->confirm(running.generation, std::move(line),
+                          [reply = call->reply, result = std::move(result)](bool saved) mutable {
+                            result["saved"] = saved;
+                            reply(std::move(result));
+                          });
 }
 
 void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
