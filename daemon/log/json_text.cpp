@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "log/json_text.h"
 
+#include <algorithm>
 #include <cstdint>
 
 #include <fmt/format.h>
@@ -66,7 +67,51 @@ bool must_escape(char c) {
   return c == '"' || c == '\\' || static_cast<std::uint8_t>(c) < 0x20 || c == 0x7F;
 }
 
+/// C1 controls, line and paragraph separators, and the marks that reorder what follows them.
+bool commands_a_terminal(std::string_view sequence) {
+  if (sequence.size() == 1) {
+    return static_cast<std::uint8_t>(sequence[0]) < 0x20 || sequence[0] == 0x7F;
+  }
+  const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(sequence[i]); };
+  if (sequence.size() == 2) {
+    return (byte(0) == 0xC2 && byte(1) < 0xA0) || sequence == "\u061C";
+  }
+  const bool general = byte(0) == 0xE2 && (byte(1) == 0x80 || byte(1) == 0x81);  // U+2000 to U+207F
+  return general &&
+         (sequence == "\u200E" || sequence == "\u200F" ||
+          (sequence >= std::string_view("\u2028") && sequence <= std::string_view("\u202E")) ||
+          (sequence >= std::string_view("\u2066") && sequence <= std::string_view("\u2069")));
+}
+
+std::string escaped_sequence(std::string_view sequence) {
+  if (sequence.size() == 1) {
+    return escaped(sequence[0]);
+  }
+  std::string out;
+  for (const char byte : sequence) {
+    out += fmt::format("\\x{:02x}", static_cast<unsigned>(static_cast<std::uint8_t>(byte)));
+  }
+  return out;
+}
+
 }  // namespace
+
+std::string printable(std::string_view text) {
+  std::string out;
+  while (!text.empty()) {
+    const auto length = utf8_length(text);
+    const auto sequence = text.substr(0, std::max<std::size_t>(length, 1));
+    if (length == 0) {
+      out += kReplacement;
+    } else if (commands_a_terminal(sequence)) {
+      out += escaped_sequence(sequence);
+    } else {
+      out += sequence;
+    }
+    text.remove_prefix(sequence.size());
+  }
+  return out;
+}
 
 std::string json_string(std::string_view text) {
   std::string out = "\"";

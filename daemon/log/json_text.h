@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Just enough JSON to write a log line: a quoted string.
+/// Texts of others in a log line: as a quoted string of JSON, or for a terminal.
 #pragma once
 
 #include <string>
@@ -10,5 +10,10 @@ namespace mauve::logging {
 /// [any] `text` quoted for JSON. Bytes that are not UTF-8 become U+FFFD, so that a line from a
 /// broken plugin can still be read by every tool.
 [[nodiscard]] std::string json_string(std::string_view text);
+
+/// [any] `text` as one line that no terminal obeys: control characters, and those that turn the
+/// direction of writing, are written as escapes ("\\n", "\\u001b"); bytes that are not UTF-8 become
+/// U+FFFD.
+[[nodiscard]] std::string printable(std::string_view text);
 
 }  // namespace mauve::logging

@@ -15,6 +15,8 @@
 #include <spdlog/sinks/ansicolor_sink.h>
 #include <spdlog/sinks/basic_file_sink.h>
 
+#include "log/json_text.h"
+
 namespace mauve::logging {
 
 namespace {
@@ -71,8 +73,10 @@ class TerminalSink final : public SpdlogSink {
                    "%Y-%m-%dT%H:%M:%S.%eZ %^%-7l%$ %v", "the terminal") {}
 
  private:
+  /// Texts of clients and cores are among it: none of them may forge a line or colour the terminal.
   std::string line(const Record& record) override {
-    return record.component.empty() ? record.text : record.component + ": " + record.text;
+    return printable(record.component.empty() ? record.text
+                                              : record.component + ": " + record.text);
   }
 };
 

@@ -97,6 +97,18 @@ TEST(JsonText, KeepsWhatIsUtf8AndReplacesWhatIsNot) {
   }
 }
 
+TEST(Printable, IsOneLineThatNoTerminalObeys) {
+  EXPECT_EQ(printable("a\n2026-01-01 error forged\x1B[31m\x7F"),
+            "a\\n2026-01-01 error forged\\u001b[31m\\u007f");
+  EXPECT_EQ(printable("\xC2\x9B"  // CSI in one character
+                      "\u202E\u2066\u2028"),
+            "\\xc2\\x9b\\xe2\\x80\\xae\\xe2\\x81\\xa6\\xe2\\x80\\xa8");
+  EXPECT_EQ(printable("\x80"), "\xEF\xBF\xBD");
+  EXPECT_EQ(printable("3 \u00B5s, \u201Cgain\u201D, \u2020, \u206A \\n"),
+            "3 \u00B5s, \u201Cgain\u201D, \u2020, \u206A \\n")
+      << "everything else stays as it is";
+}
+
 TEST(Record, TellsTheTimeInUtc) {
   EXPECT_EQ(utc(std::chrono::system_clock::time_point(std::chrono::microseconds(1'500'000))),
             "1970-01-01T00:00:01.500000Z");
