@@ -15,6 +15,7 @@
 #include "happenings.h"
 #include "mauve/version.h"
 #include "notify.h"
+#include "rt/last_words.h"
 
 namespace mauve::daemon {
 
@@ -300,8 +301,10 @@ std::vector<std::string> Daemon::stop_components() {
   return stopped.get_future().get();
 }
 
-/// The process ends right afterwards. The log may be what hangs, so nothing waits for it.
+/// The process ends right afterwards. The safe values come first: [control], the log or the disk
+/// may be what hangs, and no end that mauved itself decides leaves an output as it was.
 void Daemon::leave_by_force(const std::string& cause) {
+  rt::speak_last_words({.sent = true});
   log_.write(Event::daemon_hurried, {{"cause", cause}});
   unlink(options_.socket.c_str());
   std::this_thread::sleep_for(kLastWordsMayTake);

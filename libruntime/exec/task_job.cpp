@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "exec/task.h"
+#include "model/guard.h"
 #include "model/traced.h"
 #include "rt/cpu_time.h"
 #include "rt/preemption.h"
@@ -50,7 +51,7 @@ struct Task::JobEnd {
     try {
       end.state = end.task.run_states(end);
     } catch (const std::exception& error) {
-      end.keep(error.what());
+      end.keep(text_of(error));
     } catch (...) {
       end.keep("something that is no std::exception");
     }

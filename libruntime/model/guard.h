@@ -11,6 +11,12 @@
 
 namespace mauve {
 
+/// The text of an exception of user code, which may have none. [any]
+inline const char* text_of(const std::exception& error) noexcept {
+  const char* const text = error.what();
+  return text != nullptr ? text : "an exception without a text";
+}
+
 namespace detail {
 
 template <typename Body>
@@ -18,7 +24,7 @@ Status caught(const std::string& at, const char* hook, Body&& body) {
   try {
     return body();
   } catch (const std::exception& error) {
-    return refuse(Errc::hook_threw, at, std::string(hook) + " threw: " + error.what());
+    return refuse(Errc::hook_threw, at, std::string(hook) + " threw: " + text_of(error));
   } catch (...) {
     return refuse(Errc::hook_threw, at,
                   std::string(hook) + " threw something that is no std::exception");

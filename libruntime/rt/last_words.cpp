@@ -29,6 +29,7 @@ bool& i_speak() {
 
 LastWords::~LastWords() {
   if (!thread_.running()) return;
+  ends_.reset();
   speakers.fetch_sub(1);
   quit_.store(true);
   futex_bump(bell);
@@ -36,17 +37,18 @@ LastWords::~LastWords() {
 }
 
 Status LastWords::start(std::function<void(const Death&)> speak) {
-  if constexpr (!kCanRescue) return ok();
   speak_ = std::move(speak);
   Status started = thread_.start({"mauve-last", 0, {}, 64 * 1024}, [this] { wait(); });
   if (!started) return started;
   speakers.fetch_add(1);
-  handlers_.emplace();
+  if constexpr (kCanRescue) faults_.emplace();
+  ends_.emplace();
   return started;
 }
 
 void LastWords::wait() {
   const FaultStack stack;
+  EndHandlers::keep_away_from_this_thread();
   while (!death_told.load()) {
     const std::uint32_t seen = bell.load();
     if (quit_.load()) return;

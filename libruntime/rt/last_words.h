@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 
+#include "rt/ends.h"
 #include "rt/rescue.h"
 #include "rt/thread.h"
 
@@ -19,7 +20,8 @@ struct Death {
   std::array<char, 16> thread{};  ///< its name
 };
 
-/// A thread that sleeps until the process must die. While one lives, faults are handled.
+/// A thread that sleeps until the process must die. While one lives, faults are handled (not under
+/// a sanitizer, which handles them itself), and so is every end of the process that it can see.
 class LastWords {
  public:
   LastWords() = default;
@@ -34,14 +36,15 @@ class LastWords {
  private:
   void wait();
 
-  std::optional<FaultHandlers> handlers_;
+  std::optional<FaultHandlers> faults_;
+  std::optional<EndHandlers> ends_;
   std::function<void(const Death&)> speak_;
   std::atomic<bool> quit_{false};
   Thread thread_;
 };
 
-/// Lets all of them speak, and waits for the end of it; not longer than 500 ms.
-/// Async-signal-safe.
+/// Lets all of them speak, and waits for the end of it; not longer than 500 ms. A fault whose
+/// signal is 0 is an exit(). Async-signal-safe.
 void speak_last_words(const Fault& fault);
 
 }  // namespace mauve::rt

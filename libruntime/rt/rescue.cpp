@@ -165,16 +165,13 @@ void install(Installed& before) {
 }  // namespace
 
 void describe(const Fault& fault, char* text, std::size_t room) {
-  const char* name = fault.signal == SIGSEGV   ? "SIGSEGV"
-                     : fault.signal == SIGBUS  ? "SIGBUS"
-                     : fault.signal == SIGFPE  ? "SIGFPE"
-                     : fault.signal == SIGILL  ? "SIGILL"
-                     : fault.signal == SIGABRT ? "SIGABRT"
-                                               : "a signal";
-  if (fault.sent) {
-    std::snprintf(text, room, "%s", name);
+  const char* const name = sigabbrev_np(fault.signal);
+  if (fault.signal == 0) {
+    std::snprintf(text, room, "exit()");
+  } else if (fault.sent) {
+    std::snprintf(text, room, "SIG%s", name != nullptr ? name : "NAL");
   } else {
-    std::snprintf(text, room, "%s at address 0x%lx", name,
+    std::snprintf(text, room, "SIG%s at address 0x%lx", name != nullptr ? name : "NAL",
                   static_cast<unsigned long>(fault.address));
   }
 }

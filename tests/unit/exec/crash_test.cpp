@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
+#include <functional>
 
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "rt/rescue.h"
@@ -210,6 +213,51 @@ TEST_F(CrashDeathTest, ByGivingUpInAJobEndsTheProcessWithItsOutputsSafe) {
   };
   EXPECT_EXIT(die(), testing::KilledBySignal(SIGABRT),
               "mauve: SIGABRT in thread left: the safe values of 2 components are written");
+}
+
+/// Runs two components with safe values until `end` ends the process.
+void run_until(const std::function<void()>& end) {
+  ramp::FallingBack<ramp::Up> architecture;
+  Deployer deployer(architecture);
+  if (!deployer.deploy()) std::_Exit(2);
+  end();
+  std::this_thread::sleep_for(20s);
+  kill(getpid(), SIGKILL);
+}
+
+TEST_F(CrashDeathTest, ByASignalThatNobodyHandlesEndsTheProcessWithItsOutputsSafe) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  for (const int signal : {SIGQUIT, SIGUSR1, SIGALRM, SIGXCPU, SIGTERM, SIGPROF}) {
+    EXPECT_EXIT(run_until([&] { kill(getpid(), signal); }), testing::KilledBySignal(signal),
+                "mauve: SIG[A-Z0-9]+ in thread .*: the safe values of 2 components are written");
+  }
+}
+
+TEST_F(CrashDeathTest, ByAnExitEndsTheProcessWithItsOutputsSafe) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  constexpr const char* kSafe = "mauve: exit.. in thread .*: the safe values of 2 components";
+  EXPECT_EXIT(run_until([] { std::exit(0); }), testing::ExitedWithCode(0), kSafe);
+  EXPECT_EXIT(run_until([] { _exit(0); }), testing::ExitedWithCode(0), kSafe);
+  EXPECT_EXIT(run_until([] { std::quick_exit(0); }), testing::ExitedWithCode(0), kSafe);
+}
+
+/// Forks a child that leaves at once; ends with the code of the child if the components run on.
+void leave_by_child() {
+  ramp::FallingBack<ramp::Up> architecture;
+  Deployer deployer(architecture);
+  if (!deployer.deploy()) std::_Exit(2);
+  const pid_t child = fork();
+  if (child == 0) _exit(7);
+  int status = 0;
+  waitpid(child, &status, 0);
+  const bool runs_on = deployer.status("left").state == ComponentState::running;
+  static_cast<void>(deployer.shutdown());
+  std::_Exit(runs_on ? WEXITSTATUS(status) : 1);
+}
+
+TEST_F(CrashDeathTest, OfAChildIsNoEndOfItsParent) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(leave_by_child(), testing::ExitedWithCode(7), "");
 }
 
 TEST_F(CrashDeathTest, OutsideAJobEndsTheProcessWithItsOutputsSafe) {

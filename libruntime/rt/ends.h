@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Ends of the process that nobody handles: exit() wherever it is called, and signals whose default
+/// is to end it. While an object lives they speak the last words first (last_words.h).
+#pragma once
+
+namespace mauve::rt {
+
+/// A signal that the program handles or ignores itself stays as it is. SIGKILL, SIGSTOP and exec()
+/// cannot be seen from inside. Not on real-time threads.
+class EndHandlers {
+ public:
+  EndHandlers();
+  ~EndHandlers();
+  EndHandlers(const EndHandlers&) = delete;
+  EndHandlers& operator=(const EndHandlers&) = delete;
+
+  /// The calling thread is given none of these signals from now on.
+  static void keep_away_from_this_thread();
+};
+
+}  // namespace mauve::rt

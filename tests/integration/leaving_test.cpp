@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// The end of mauved: no end that it decides itself leaves an output as it was.
+#include <cstdlib>
+
+#include "trial_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using Json = protocol::Json;
+
+/// `second` notes in `file` the sign of what `first` writes; `mute` never tells its value.
+std::string with_a_driver(const std::string& file) {
+  auto architecture = Json::parse(std::string(kTrial));
+  architecture["resources"]["mute"] = {{"type", "trial/mute"}};
+  architecture["components"]["second"]["core"] = "trial/noting";
+  architecture["components"]["second"]["properties"]["core.file"] = file;
+  return architecture.dump();
+}
+
+TEST(Leaving, WritesTheSafeValuesAlsoWhenNoCommandIsServedAnyMore) {
+  const TempDir files;
+  const auto gate = files.write("gate", "closed").string();
+  const auto noted = (files / "noted").string();
+  setenv("MAUVE_TRIAL_WAITS", gate.c_str(), 1);
+  TrialDaemon daemon(with_a_driver(noted));
+  const auto asking = daemon.client();
+  unsetenv("MAUVE_TRIAL_WAITS");
+  ASSERT_TRUE(eventually([&] { return TempDir::read(noted) == "+"; }));
+  const auto request = protocol::make_request(1, "param.get", {{"address", "mute.read"}});
+  ASSERT_TRUE(asking.send(protocol::to_line(request) + '\n'));
+  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(gate + ".met"); }));
+
+  daemon.process().signal(SIGTERM);
+  daemon.process().signal(SIGINT);  // the second one: it does not wait for what hangs
+
+  EXPECT_EQ(daemon.process().wait(), 1);
+  EXPECT_EQ(TempDir::read(noted), "-");
+  EXPECT_THAT(daemon.errors(), testing::HasSubstr("the safe values of 1 components are written"));
+}
+
+}  // namespace
+}  // namespace mauve::test
