@@ -54,6 +54,21 @@ TEST(Swap, ChangesNothingWhenAHookThrowsWhatIsNoException) {
   EXPECT_EQ(daemon.ask("status.get")["generation"], 1);
 }
 
+TEST(Swap, SurvivesAnExceptionWithoutATextInAHookAndInAJob) {
+  TrialDaemon daemon;
+  Json swap = {{"component", "first"}, {"core", "trial/throwing_no_text"}};
+
+  const auto error = daemon.ask("core.swap", swap);
+
+  EXPECT_EQ(error["data"]["name"], "hook_threw") << error;
+  EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("an exception without a text"));
+  swap["set"] = {{"in_job", true}};
+  EXPECT_EQ(daemon.ask("core.swap", swap)["state"], "applied");
+  EXPECT_TRUE(eventually([&] { return daemon.component("first")["core"] == "trial/steady"; }))
+      << "rolled back";
+  EXPECT_EQ(daemon.component("first")["state"], "running");
+}
+
 TEST(Swap, KeepsTheReleaseGridWhenConfigureTakesFiveSeconds) {
   TrialDaemon daemon;
   auto client = slow_swap(daemon, "5s");

@@ -5,6 +5,9 @@
 #include <mauve/plugin.h>
 #include <mauve/request.h>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -85,6 +88,23 @@ class Steady : public TrialCore {
 };
 
 class Other final : public Steady {};
+
+/// Leaves what it read in a file, as a driver does in its device.
+class Noting final : public Steady {
+  mauve::Property<std::string> file{*this, "file", "", "its path"};
+  int open_ = -1;
+
+  mauve::Status on_configure() override {
+    open_ = ::open(file.get().c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+    return open_ < 0 ? mauve::invalid(file, "cannot be opened") : mauve::ok();
+  }
+  void on_cleanup() override { ::close(open_); }
+  void update() override {
+    Steady::update();
+    const char sign = shell().input.read() < 0 ? '-' : '+';
+    if (::pwrite(open_, &sign, 1, 0) < 0) throw std::runtime_error("cannot be written");
+  }
+};
 
 /// Writes its count: every value differs from the one before.
 class Counting final : public Steady {
@@ -170,6 +190,18 @@ class Regressing final : public Steady {
     if (NUMBER == 2) throw std::runtime_error("it was well before");
     Steady::update();
   }
+};
+
+struct NoText final : std::exception {
+  [[nodiscard]] const char* what() const noexcept override { return nullptr; }
+};
+class ThrowingNoText final : public Steady {
+  mauve::Property<bool> in_job{*this, "in_job", false, "else when it is configured"};
+  mauve::Status on_configure() override {
+    if (!in_job) throw NoText();
+    return mauve::ok();
+  }
+  void update() override { throw NoText(); }
 };
 
 class ThrowingAnything final : public Steady {
@@ -300,6 +332,25 @@ struct TallyInterface : mauve::Interface<TallyCore> {
   mauve::WriteService<double> note{*this, "note", &TallyCore::note};
 };
 
+/// A resource whose value is computed, and that never answers while the file of the environment is
+/// there.
+class MuteCore final : public mauve::Core<mauve::EmptyShell> {
+ public:
+  double value() {
+    if (const char* const path = std::getenv("MAUVE_TRIAL_WAITS"); path != nullptr) {
+      std::ofstream(std::string(path) + ".met") << "waiting";
+    }
+    wait_for_file_to_go();
+    return 1.0;
+  }
+
+ private:
+  mauve::Stateless stateless_{*this};
+};
+struct MuteInterface : mauve::Interface<MuteCore> {
+  mauve::ReadService<double> read{*this, "read", &MuteCore::value};
+};
+
 struct AnotherShell : mauve::Shell {};
 class AnotherCore : public mauve::Core<AnotherShell> {
  public:
@@ -314,6 +365,7 @@ class AnotherCore : public mauve::Core<AnotherShell> {
 MAUVE_PLUGIN(plugin) {
   plugin.core<trial::Steady>("steady");
   plugin.core<trial::Other>("other");
+  plugin.core<trial::Noting>("noting");
   plugin.core<trial::Counting>("counting");
   plugin.core<trial::Talking>("talking");
   plugin.core<trial::Slow>("slow");
@@ -323,6 +375,7 @@ MAUVE_PLUGIN(plugin) {
   plugin.core<trial::Brittle>("brittle");
   plugin.core<trial::Regressing>("regressing");
   plugin.core<trial::ThrowingAnything>("throwing_anything");
+  plugin.core<trial::ThrowingNoText>("throwing_no_text");
   plugin.core<trial::Nagging>("nagging");
   plugin.core<trial::Refusing>("refusing");
   plugin.core<trial::ThrowingHook>("throwing_hook");
@@ -335,5 +388,6 @@ MAUVE_PLUGIN(plugin) {
   plugin.core<trial::AnotherCore>("another");
   plugin.component<trial::TrialShell, mauve::PeriodicFsm<trial::TrialCore>>("unit", "steady");
   plugin.resource<mauve::EmptyShell, trial::MeterCore, trial::MeterInterface>("meter");
+  plugin.resource<mauve::EmptyShell, trial::MuteCore, trial::MuteInterface>("mute");
   plugin.resource<trial::TallyShell, trial::TallyCore, trial::TallyInterface>("tally");
 }
