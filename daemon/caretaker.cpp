@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/duration.h"
+#include "commands/audit.h"
 #include "commands/change.h"
 #include "commands/given_up.h"
 #include "commands/model.h"
@@ -94,6 +95,7 @@ void Caretaker::look() {
     running_->control.in_factory([free] { static_cast<void>(free->release()); }, [] {});
   }
   look_at_unproven(*running_);
+  tell_counted_refusals(*running_);
   make_reliefs();
   looking_ = false;
 }

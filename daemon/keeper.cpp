@@ -193,8 +193,25 @@ bool Keeper::save(const Generation& about, const Value& architecture) {
   return done.has_value();
 }
 
+/// Two files of this size at most: the present one, and the one before it.
+Status Keeper::rotate_audit() const {
+  constexpr std::uintmax_t kLargest = 64 * 1024 * 1024;
+  const auto file = audit_in(directory_);
+  std::error_code failed;
+  const auto size = std::filesystem::file_size(file, failed);
+  if (failed || size < kLargest) {
+    return ok();
+  }
+  std::filesystem::rename(file, file.string() + ".1", failed);
+  return failed ? refuse(Errc::system, file.string(), "cannot be renamed: " + failed.message())
+                : ok();
+}
+
 void Keeper::write_lines(const std::string& lines) {
-  const auto written = append_lines(audit_in(directory_), lines);
+  auto written = rotate_audit();
+  if (written) {
+    written = append_lines(audit_in(directory_), lines);
+  }
   if (!written && !audit_broken_) {
     report(Event::audit_failed, written.error());
   }

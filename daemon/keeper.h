@@ -73,6 +73,7 @@ class Keeper {
   bool mark_now(std::uint64_t generation, Mark mark);
   void read_quarantine();
   void write_waiting();
+  [[nodiscard]] Status rotate_audit() const;
   void write_lines(const std::string& lines);
   void report(logging::Event event, const Error& error);
 

@@ -98,12 +98,12 @@ void answer(Running& running, const Call& call, Result<Json> result, const std::
 void answer_fault(Running& running, const Call& call, Fault fault) {
   if (call.method->mutation) {
     auto line = audit_refused(running, call, fault);
-    if (running.keeper != nullptr && fault.state != "unchanged") {
+    if (line && running.keeper != nullptr && fault.state != "unchanged") {
       // Nobody shall start with a mixture of old and new.
       const auto mark = fault.state == "partly" ? Mark::unconfirmed : call.mark;
-      keep(running, call, mark, std::move(line), {});
-    } else if (running.keeper != nullptr) {
-      running.keeper->audit(line);
+      keep(running, call, mark, *std::move(line), {});
+    } else if (line && running.keeper != nullptr) {
+      running.keeper->audit(*line);
     }
   }
   call.reply(std::move(fault));

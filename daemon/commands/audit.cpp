@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "commands/answer.h"
+#include "keeper.h"
 
 namespace mauve::daemon {
 
@@ -79,16 +80,33 @@ Json audit_applied(Running& running, const Call& call, const Json& result) {
   return std::move(line.json);
 }
 
-Json audit_refused(Running& running, const Call& call, const Fault& fault) {
+std::optional<Json> audit_refused(Running& running, const Call& call, const Fault& fault) {
+  const bool unsafe = fault.state != "unchanged";
+  if (!unsafe &&
+      !running.refusals.may_write(call.caller.peer.uid, std::chrono::steady_clock::now())) {
+    return std::nullopt;
+  }
   auto line = begin(call);
   line.add("text", bounded((fault.where.empty() ? "" : fault.where + ": ") + fault.message));
   line.add("error", fault.name);
   line.json["state"] = fault.state;
   line.json["outcome"] = "refused";
   line.json["generation"] = running.generation.load();
-  const bool unsafe = fault.state != "unchanged";
   running.log.write(unsafe ? Event::change_unsafe : Event::change_refused, std::move(line.fields));
   return std::move(line.json);
+}
+
+void tell_counted_refusals(Running& running) {
+  for (const auto& [uid, count] : running.refusals.take_counted(std::chrono::steady_clock::now())) {
+    running.log.write(Event::refusals_counted, {{"uid", number(uid)}, {"count", number(count)}});
+    if (running.keeper != nullptr) {
+      running.keeper->audit({{"time", logging::utc(std::chrono::system_clock::now())},
+                             {"uid", uid},
+                             {"outcome", "refused"},
+                             {"state", "unchanged"},
+                             {"count", count}});
+    }
+  }
 }
 
 }  // namespace mauve::daemon

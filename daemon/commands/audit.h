@@ -3,6 +3,7 @@
 /// an event; what is returned is the same for the audit log of the state directory.
 #pragma once
 
+#include <optional>
 #include <string_view>
 
 #include "commands/command.h"
@@ -15,7 +16,12 @@ inline constexpr std::string_view kSupervision = "supervision";
 /// [control] `result` as it will be answered.
 [[nodiscard]] Json audit_applied(Running& running, const Call& call, const Json& result);
 
-/// [any]
-[[nodiscard]] Json audit_refused(Running& running, const Call& call, const Fault& fault);
+/// [any] Nothing when this user was refused too often in this second, so that it is only counted;
+/// never of a refusal that changed something.
+[[nodiscard]] std::optional<Json> audit_refused(Running& running, const Call& call,
+                                                const Fault& fault);
+
+/// [control] Writes down how many were only counted, in seconds that are over.
+void tell_counted_refusals(Running& running);
 
 }  // namespace mauve::daemon

@@ -14,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "commands/refusals.h"
 #include "control.h"
 #include "failures.h"
 #include "generations.h"
@@ -82,6 +83,7 @@ struct Running {
   Maker maker = {};                      ///< [control]
   Realtime realtime = Realtime::prefer;  ///< what mauved was started with
   Failures failures = {};                ///< [control] see commands/notice.h
+  Refusals refusals = {};                ///< [any]
 };
 
 /// One request under way. Dropped unanswered only when the daemon ends.

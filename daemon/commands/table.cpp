@@ -119,8 +119,8 @@ void CommandTable::refused(const server::Caller& caller, const protocol::Method&
                            protocol::Request request, const Fault& fault) {
   const auto call = call_of(caller, method, std::move(request), {});
   const auto line = audit_refused(running_, *call, fault);
-  if (running_.keeper != nullptr) {
-    running_.keeper->audit(line);
+  if (line && running_.keeper != nullptr) {
+    running_.keeper->audit(*line);
   }
 }
 

@@ -121,9 +121,6 @@ void Session::dispatch(protocol::Request request) {
   if (method == nullptr) {
     return answer(protocol::make_error(request.id, protocol::unknown_method(request.method)));
   }
-  if (const auto fault = protocol::check_params(*method, request.params)) {
-    return turn_down(*method, std::move(request), *fault);
-  }
   if (caller_.only_urgent && !method->out_of_band) {
     const auto fault = protocol::fault_of(
         refuse(Errc::limit, "uid " + std::to_string(caller_.peer.uid),
@@ -138,6 +135,10 @@ void Session::dispatch(protocol::Request request) {
                                                  "too many changes a second from this user",
                                                  "put several values into one param.set"));
     return turn_down(*method, std::move(request), fault);
+  }
+  // After the limits: checking arguments is work too.
+  if (const auto fault = protocol::check_params(*method, request.params)) {
+    return turn_down(*method, std::move(request), *fault);
   }
   ++in_flight_;
   auto reply = [weak = weak_from_this(), executor = socket_.get_executor(),

@@ -153,8 +153,9 @@ TEST_F(TableTest, WritesWhoItWasOnceIntoTheAuditLog) {
 
   const auto line = audit_refused(running, call, {});
 
-  EXPECT_EQ(line["uid"], 1000);
-  EXPECT_FALSE(line.contains("by")) << line;
+  ASSERT_TRUE(line);
+  EXPECT_EQ((*line)["uid"], 1000);
+  EXPECT_FALSE(line->contains("by")) << *line;
 }
 
 TEST_F(TableTest, LimitsTheSubscriptionsOfAClient) {

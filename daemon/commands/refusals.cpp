@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "commands/refusals.h"
+
+namespace mauve::daemon {
+
+bool Refusals::may_write(std::uint32_t uid, Time now) {
+  const std::lock_guard lock(mutex_);
+  auto [found, first] = users_.try_emplace(uid, Second{now});
+  auto& second = found->second;
+  const bool over = now - second.begin >= std::chrono::seconds(1);
+  if (over && second.counted == 0) {  // what was counted is told first
+    second = Second{now};
+  }
+  if (second.written < kPerSecond) {
+    ++second.written;
+    return true;
+  }
+  ++second.counted;
+  return false;
+}
+
+std::vector<Refusals::Counted> Refusals::take_counted(Time now) {
+  const std::lock_guard lock(mutex_);
+  std::vector<Counted> told;
+  std::erase_if(users_, [&](const auto& entry) {
+    const auto& [uid, second] = entry;
+    const bool over = now - second.begin >= std::chrono::seconds(1);
+    if (over && second.counted > 0) {
+      told.push_back({uid, second.counted});
+    }
+    return over;
+  });
+  return told;
+}
+
+}  // namespace mauve::daemon

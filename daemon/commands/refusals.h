@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// How many refused changes of one user are written down one by one. A client that is refused
+/// thousands of times a second must fill neither the log nor the disk.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace mauve::daemon {
+
+class Refusals {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  static constexpr unsigned kPerSecond = 20;  ///< of one user
+
+  /// Refused changes that were not written down one by one.
+  struct Counted {
+    std::uint32_t uid;
+    std::uint64_t count;
+  };
+
+  /// [any but rt] False: counted only.
+  [[nodiscard]] bool may_write(std::uint32_t uid, Time now);
+  /// [any but rt] What was counted in seconds that are over; it is forgotten then.
+  [[nodiscard]] std::vector<Counted> take_counted(Time now);
+
+ private:
+  struct Second {
+    Time begin;
+    unsigned written = 0;
+    std::uint64_t counted = 0;
+  };
+
+  std::mutex mutex_;
+  std::map<std::uint32_t, Second> users_;  ///< of the last second
+};
+
+}  // namespace mauve::daemon
