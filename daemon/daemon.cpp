@@ -30,6 +30,8 @@ constexpr milliseconds kLastAnswers{500};
 /// All of the above, the change under way (its commit is bounded too), and some air.
 constexpr milliseconds kWholeEndMayTake{8'000};
 constexpr milliseconds kLastWordsMayTake{150};
+/// Exit code when code of a plugin called exit(0): a service manager starts mauved again.
+constexpr int kUnexpectedEnd = 70;
 
 std::string random_id() {
   std::random_device random;
@@ -187,6 +189,7 @@ Status Daemon::serve() {
                              supervisor_, [this] { return server_->clients(); }, random_id(),
                              std::chrono::steady_clock::now()});
   running_->realtime = options_.realtime;
+  rt::EndHandlers::set_unexpected_status(kUnexpectedEnd);
   running_->recorder = &recorder_;
   keep_the_first();
   recorder_.start(*running_);
@@ -304,8 +307,10 @@ std::vector<std::string> Daemon::stop_components() {
 /// The process ends right afterwards. The safe values come first: [control], the log or the disk
 /// may be what hangs, and no end that mauved itself decides leaves an output as it was.
 void Daemon::leave_by_force(const std::string& cause) {
-  rt::speak_last_words({.sent = true});
-  log_.write(Event::daemon_hurried, {{"cause", cause}});
+  const bool safe = rt::speak_last_words({.sent = true});
+  log_.write(Event::daemon_hurried, {{"cause", cause},
+                                     {"text", safe ? "after the safe values were written"
+                                                   : "and no safe values could be written now"}});
   unlink(options_.socket.c_str());
   std::this_thread::sleep_for(kLastWordsMayTake);
 }

@@ -69,12 +69,25 @@ void Keeper::end() {
 
 void Keeper::keep(Generation about, Value architecture, Json line,
                   std::function<void(bool saved)> then) {
+  save_then(std::move(about), std::move(architecture), false, std::move(line), std::move(then));
+}
+
+void Keeper::confirm(Generation about, Value architecture, Json line,
+                     std::function<void(bool saved)> then) {
+  save_then(std::move(about), std::move(architecture), true, std::move(line), std::move(then));
+}
+
+void Keeper::save_then(Generation about, Value architecture, bool confirm, Json line,
+                       std::function<void(bool saved)> then) {
   std::error_code unknown;
   about.folder = std::filesystem::current_path(unknown).string();
   // Before the lines of refused changes, of which anybody can make many.
   disk_.post_urgent([this, about = std::move(about), architecture = std::move(architecture),
-                     line = std::move(line), then = std::move(then)]() mutable {
-    const bool saved = save(about, architecture);
+                     confirm, line = std::move(line), then = std::move(then)]() mutable {
+    bool saved = save(about, architecture);
+    if (saved && confirm) {
+      saved = mark_now(about.number, Mark::confirmed);
+    }
     line["saved"] = saved;
     write_lines(protocol::to_line(line));
     if (then) {
@@ -116,15 +129,6 @@ void Keeper::write_waiting() {
                {{"count", static_cast<std::int64_t>(lost)}, {"source", "the audit log"}});
   }
   write_lines(text);
-}
-
-void Keeper::confirm(std::uint64_t generation, Json line, std::function<void(bool saved)> then) {
-  disk_.post_urgent([this, generation, line = std::move(line), then = std::move(then)]() mutable {
-    const bool saved = mark_now(generation, Mark::confirmed);
-    line["saved"] = saved;
-    write_lines(protocol::to_line(line));
-    then(saved);
-  });
 }
 
 void Keeper::mark(std::uint64_t generation, Mark mark) {

@@ -45,9 +45,10 @@ class Keeper {
   /// Adds a line to the audit log, for which nobody waits. When too many are on their way, lines
   /// are lost and counted. [any but rt]
   void audit(const Json& line);
-  /// Confirms a saved generation, adds `line` to the audit log with "saved" (the mark is on the
-  /// disk), then calls `then` on [disk]. [any but rt]
-  void confirm(std::uint64_t generation, Json line, std::function<void(bool saved)> then);
+  /// The same for a generation that was saved already, or could not be; then it is confirmed.
+  /// "saved" tells of both. [any but rt]
+  void confirm(Generation about, Value architecture, Json line,
+               std::function<void(bool saved)> then);
   /// Marks a saved generation, after what waits for [disk]. [any but rt]
   void mark(std::uint64_t generation, Mark mark);
   /// Confirms a saved generation if an earlier one, to which it goes back, is. [any but rt]
@@ -70,6 +71,8 @@ class Keeper {
   Keeper(std::string directory, logging::Log& log) : directory_(std::move(directory)), log_(log) {}
 
   bool save(const Generation& about, const Value& architecture);
+  void save_then(Generation about, Value architecture, bool confirm, Json line,
+                 std::function<void(bool saved)> then);
   bool mark_now(std::uint64_t generation, Mark mark);
   void read_quarantine();
   void write_waiting();

@@ -17,10 +17,6 @@ constexpr unsigned kLooks = 10;  // periods between two looks whether what is ta
 /// A resource that was held for so long that it could not be tapped is left alone for a while.
 constexpr std::chrono::seconds kBusy{1};
 constexpr std::size_t kTapBytes = 4 * 1024 * 1024;
-/// Notifications of one round, over all clients: some milliseconds of work. More samples wait in
-/// their taps, and are told as lost when those are full.
-constexpr std::size_t kPerRound = 8192;
-
 /// A second's worth of a fast small value, a few of a large one.
 std::size_t capacity_for(const DataType& data) {
   return std::clamp<std::size_t>(kTapBytes / std::max<std::size_t>(data.size, 1), 16, 2048);
@@ -114,7 +110,7 @@ Status Watches::add(const Running& running, const std::string& address, const Su
   found->subscribers.push_back(who);
   auto params = *std::move(now);
   params.emplace("t_ns", running.deployer.clock().now() - running.deployer.t0());
-  who.outbox->push(who.sub, address, "value", params);
+  who.outbox->push(who.sub, address, "value", protocol::NotificationText(params));
   const std::lock_guard lock(mutex_);
   has_polled_ = true;
   return ok();
@@ -151,8 +147,10 @@ Result<std::uint64_t> Watches::follow_log(const server::Caller& caller,
   }
   const auto following = log_.history().follow(
       count, filter,
-      [outbox = caller.outbox, sub = *sub, encode = std::move(encode)](
-          const logging::Record& record) { outbox->push(sub, {}, "log", encode(record)); });
+      [outbox = caller.outbox, sub = *sub,
+       encode = std::move(encode)](const logging::Record& record) {
+        outbox->push(sub, {}, "log", protocol::NotificationText(encode(record)));
+      });
   for (const auto& record : following.kept) {
     kept(record);
   }
@@ -219,44 +217,54 @@ void Watches::run() {
 
 /// Each round begins where the one before ended, so that no tap waits for ever. [watch]
 void Watches::bring_round(std::unique_lock<std::mutex>& lock) {
-  std::size_t room = kPerRound;
-  for (std::size_t taps = tapped_.size(); taps > 0 && room > 0 && !tapped_.empty(); --taps) {
+  Round round;
+  const auto goes_on = [&] { return round.goes_on() && !stopping_ && !tapped_.empty(); };
+  for (std::size_t taps = tapped_.size(); taps > 0 && goes_on(); --taps) {
     tapped_.splice(tapped_.end(), tapped_, tapped_.begin());
     Tapped& one = tapped_.back();
     const auto subscribers = one.subscribers;  // they may change while the lock is given back
     reading_ = &one;
     lock.unlock();
-    room -= bring_some(one, subscribers, room);
+    bring_some(one, subscribers, round);
     lock.lock();
     reading_ = nullptr;
   }
 }
 
-/// Every sample is written out once, for all who watch it. Returns the notifications it made, at
-/// most `room`, but at least one sample's.
-std::size_t Watches::bring_some(const Tapped& one, const std::vector<Subscriber>& subscribers,
-                                std::size_t room) const {
+bool Watches::Round::goes_on() const {
+  return notifications > 0 && std::chrono::steady_clock::now() < until;
+}
+
+/// Every sample is written out once, for all who watch it; at least one sample. [watch], or
+/// [control] for a tap that [watch] does not know any more.
+void Watches::bring_some(const Tapped& one, const std::vector<Subscriber>& subscribers,
+                         Round& round) const {
   const auto& type = one.tap->data();
+  bool wanted = false;
   const auto bring = [&](const void* value, Instant stamp) {
     const protocol::NotificationText text(Json{{"address", one.address},
                                                {"value", arch::to_json(type.to_value(value))},
                                                {"status", to_string(DataStatus::new_data)},
                                                {"t_ns", stamp - running_->deployer.t0()}});
+    wanted = false;
     for (const auto& who : subscribers) {
-      who.outbox->push(who.sub, one.address, "value", text);
+      wanted = who.outbox->push(who.sub, one.address, "value", text) || wanted;
     }
+    round.notifications -= std::min(round.notifications, subscribers.size());
   };
-  const std::size_t each = std::max<std::size_t>(subscribers.size(), 1);
-  std::size_t brought = 0;
-  while (brought < room && one.tap->pop(bring)) {
-    brought += each;
+  while (one.tap->pop(bring) && wanted && round.goes_on()) {
   }
-  if (const auto lost = one.tap->take_lost(); lost > 0) {
-    for (const auto& who : subscribers) {
-      who.outbox->lose(who.sub, one.address, lost);
-    }
+  tell_lost(one, subscribers, one.tap->take_lost());
+}
+
+void Watches::tell_lost(const Tapped& one, const std::vector<Subscriber>& subscribers,
+                        std::uint64_t lost) {
+  if (lost == 0) {
+    return;
   }
-  return std::min(brought, room);
+  for (const auto& who : subscribers) {
+    who.outbox->lose(who.sub, one.address, lost);
+  }
 }
 
 void Watches::poll() {
@@ -281,11 +289,17 @@ void Watches::leave_replaced() {
       }
     }
   }
+  Round round;
   for (auto& one : left) {
     if (one.subscribers.empty()) {
       continue;
     }
-    bring_some(one, one.subscribers, kPerRound);  // its last values
+    bring_some(one, one.subscribers, round);  // its last values; the rest is told as lost
+    std::uint64_t rest = 0;
+    while (one.tap->pop([](const void*, Instant) {})) {
+      ++rest;
+    }
+    tell_lost(one, one.subscribers, rest);
     lost_.push_back({one.address, std::move(one.subscribers)});
   }
 }
@@ -299,7 +313,8 @@ void Watches::find_replacements() {
       }
       const auto found = add(*running_, one.address, who);
       if (found) {
-        who.outbox->push(who.sub, one.address, "replaced", Json{{"address", one.address}});
+        who.outbox->push(who.sub, one.address, "replaced",
+                         protocol::NotificationText(Json{{"address", one.address}}));
       } else if (found.error().code == Errc::timed_out) {
         one.not_before = now + kBusy;
       }
@@ -313,7 +328,8 @@ void Watches::find_replacements() {
     }
     for (const auto& who : one.subscribers) {
       who.outbox->push(who.sub, one.address, "value",
-                       Json{{"address", one.address}, {"value", nullptr}, {"status", "no_data"}});
+                       protocol::NotificationText(Json{
+                           {"address", one.address}, {"value", nullptr}, {"status", "no_data"}}));
     }
   }
 }

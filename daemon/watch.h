@@ -101,8 +101,18 @@ class Watches {
   void find_replacements();
   void run();
   void bring_round(std::unique_lock<std::mutex>& lock);
-  std::size_t bring_some(const Tapped& one, const std::vector<Subscriber>& subscribers,
-                         std::size_t room) const;
+  /// What one round may cost, over all clients. More samples wait in their taps, and are told as
+  /// lost when those are full.
+  struct Round {
+    std::size_t notifications = 8192;
+    std::chrono::steady_clock::time_point until =
+        std::chrono::steady_clock::now() + std::chrono::milliseconds(5);
+    [[nodiscard]] bool goes_on() const;
+  };
+  void bring_some(const Tapped& one, const std::vector<Subscriber>& subscribers,
+                  Round& round) const;
+  static void tell_lost(const Tapped& one, const std::vector<Subscriber>& subscribers,
+                        std::uint64_t lost);
   void remove(const Leaves& leaves);
 
   logging::Log& log_;

@@ -22,6 +22,10 @@ void keep(Running& running, const Call& call, Mark mark, Json line,
   about.command = call.method->name;
   about.reason = text_or(call.params, "reason");
   about.mark = running.deployer.on_probation() ? Mark::unconfirmed : mark;
+  if (call.confirms) {
+    return running.keeper->confirm(std::move(about), described(running), std::move(line),
+                                   std::move(then));
+  }
   running.keeper->keep(std::move(about), described(running), std::move(line), std::move(then));
 }
 

@@ -95,6 +95,7 @@ struct Call {
   std::chrono::steady_clock::time_point received;
   std::uint64_t before = 0;     ///< the generation that the request met
   Mark mark = Mark::confirmed;  ///< of the generation that it makes
+  bool confirms = false;        ///< the generation that runs is confirmed before the answer
   bool given_up = false;        ///< a hook did not return, and keeps a thread
 };
 using CallPtr = std::shared_ptr<Call>;

@@ -88,8 +88,8 @@ struct Refusal {
 /// Parameters of a notification as text, so that many receivers share the work of writing them.
 class NotificationText {
  public:
-  /// `params` is an object without "sub". Not explicit: a notification for one receiver is one too.
-  NotificationText(const Json& params);
+  /// `params` is an object without "sub".
+  explicit NotificationText(const Json& params);
   /// The whole line for one subscription, with its end.
   [[nodiscard]] std::string line(std::string_view method, std::uint64_t sub) const;
 

@@ -59,7 +59,7 @@ constexpr Param kEveryMutation[] = {
     {"if_generation", integer}, {"reason", string}, {"deadline_ms", integer}};
 
 constexpr Method kMethods[] = {
-    {"ping", "answers at once", {}, false, true},
+    {"ping", "answers at once", {}, false, true, false, true},
     {"version", "server, protocol and plugin ABI", {}},
     {"status.get", "generation and one row a component (alias: status)", {}},
     {"component.list", "all components", {}},
@@ -82,12 +82,12 @@ constexpr Method kMethods[] = {
     {"watch.subscribe", "every new value of the addresses", kAddresses},
     {"watch.unsubscribe", "ends a watch or a log", kSub},
     {"component.start", "starts at the next instant of the grid", kStart, true},
-    {"component.stop", "ends the job, writes safe values, parks", kStop, true, true},
+    {"component.stop", "ends the job, writes safe values, parks", kStop, true, true, false, true},
     {"core.swap", "replaces the core of a component", kSwap, true},
     {"port.connect", "connects a port to a service", kConnect, true},
     {"port.disconnect", "disconnects a port", kDisconnect, true},
-    {"change.confirm", "the change on probation stays", {}, true},
-    {"change.undo", "back to before the change on probation", {}, true},
+    {"change.confirm", "the change on probation stays", {}, true, false, false, true},
+    {"change.undo", "back to before the change on probation", {}, true, false, false, true},
     {"quarantine.list", "cores that were rolled back, and why", {}},
     {"quarantine.release", "lets a core be used again", kCore, true},
     {"plugin.load", "loads a plugin by name", kPlugin, true},

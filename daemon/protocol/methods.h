@@ -25,6 +25,7 @@ struct Method {
   bool mutation = false;          ///< changes the system: also if_generation, reason, deadline_ms
   bool out_of_band = false;       ///< served even while a long change is prepared
   bool harmless = false;          ///< a mutation that touches nothing that runs: under any lock
+  bool when_full = false;         ///< also of a connection beyond the limits
 };
 
 [[nodiscard]] std::span<const Method> methods();

@@ -20,7 +20,7 @@ struct Caller {
   Peer peer;
   Role role = Role::none;
   std::shared_ptr<Outbox> outbox;
-  bool only_urgent = false;  ///< admitted beyond the limits: only what is served out of band
+  bool only_urgent = false;  ///< admitted beyond the limits: only stop, confirm, undo and ping
 };
 
 using Outcome = std::variant<protocol::Json, protocol::Fault>;

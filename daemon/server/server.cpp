@@ -183,20 +183,17 @@ Result<Server::Entry> Server::entry_of(const Peer& peer, Role role) const {
   }
   const auto& limits = options_.limits;
   const auto extra = peer.uid == 0 ? limits.reserved_for_root : 0;
-  const auto same_uid = static_cast<std::size_t>(std::count_if(
-      sessions_.begin(), sessions_.end(),
-      [&](const auto& entry) { return entry.second->caller().peer.uid == peer.uid; }));
-  const auto places = limits.clients_per_uid + extra;
-  const bool may_stop = role >= Role::operator_ && same_uid <= places &&
-                        sessions_.size() < limits.clients + extra + limits.reserved_for_stop;
-  if (same_uid >= places) {
+  const Taken taken = places_taken(peer.uid);
+  const bool may_stop =
+      role >= Role::operator_ && !taken.urgent_of_uid && taken.urgent < limits.reserved_for_stop;
+  if (taken.ordinary_of_uid >= limits.clients_per_uid + extra) {
     if (may_stop) {
       return Entry{true, 0};
     }
     return refuse(Errc::limit, "uid " + std::to_string(peer.uid),
                   "this user has too many connections", "close some; mauvectl list clients");
   }
-  if (sessions_.size() < limits.clients + extra) {
+  if (taken.ordinary < limits.clients + extra) {
     return Entry{};
   }
   if (const auto displaced = oldest_below(role); displaced != 0) {
@@ -209,12 +206,29 @@ Result<Server::Entry> Server::entry_of(const Peer& peer, Role role) const {
                 "close some; operators, admins and root get the places of viewers");
 }
 
-/// The oldest client of the lowest role below this one; 0 when there is none.
+Server::Taken Server::places_taken(uid_t uid) const {
+  Taken taken;
+  for (const auto& [client, session] : sessions_) {
+    const auto& caller = session->caller();
+    const bool same_uid = caller.peer.uid == uid;
+    if (caller.only_urgent) {
+      ++taken.urgent;
+      taken.urgent_of_uid = taken.urgent_of_uid || same_uid;
+    } else {
+      ++taken.ordinary;
+      taken.ordinary_of_uid += same_uid ? 1 : 0;
+    }
+  }
+  return taken;
+}
+
+/// The oldest client of the lowest role below this one that has an ordinary place; 0: there is
+/// none.
 std::uint64_t Server::oldest_below(Role role) const {
   std::uint64_t found = 0;
   Role lowest = role;
   for (const auto& [client, session] : sessions_) {
-    if (session->caller().role < lowest) {
+    if (!session->caller().only_urgent && session->caller().role < lowest) {
       lowest = session->caller().role;
       found = client;
     }

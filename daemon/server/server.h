@@ -70,6 +70,13 @@ class Server {
     bool only_urgent = false;
     std::uint64_t displaced = 0;  ///< the client whose place it gets; 0: nobody's
   };
+  struct Taken {
+    std::size_t ordinary = 0;
+    std::size_t ordinary_of_uid = 0;
+    std::size_t urgent = 0;
+    bool urgent_of_uid = false;
+  };
+  [[nodiscard]] Taken places_taken(uid_t uid) const;
   [[nodiscard]] Result<Entry> entry_of(const Peer& peer, Role role) const;
   [[nodiscard]] std::uint64_t oldest_below(Role role) const;
   void displace(std::uint64_t client, Role by);

@@ -121,7 +121,7 @@ void Session::dispatch(protocol::Request request) {
   if (method == nullptr) {
     return answer(protocol::make_error(request.id, protocol::unknown_method(request.method)));
   }
-  if (caller_.only_urgent && !method->out_of_band) {
+  if (caller_.only_urgent && !method->when_full) {
     const auto fault = protocol::fault_of(
         refuse(Errc::limit, "uid " + std::to_string(caller_.peer.uid),
                "all places are taken, so this connection may only stop, confirm and undo",

@@ -28,12 +28,17 @@ void say(const char* format, Arguments... arguments) {
   std::array<char, 256> line{};
   const int length = std::snprintf(line.data(), line.size(), format, arguments...);
   const auto end = std::min<std::size_t>(static_cast<std::size_t>(length), line.size() - 1);
+  for (std::size_t i = 0; i + 1 < end; ++i) {  // no text of a core forges a line
+    if (static_cast<unsigned char>(line[i]) < 0x20 || line[i] == 0x7F) line[i] = '?';
+  }
   if (length > 0 && write(STDERR_FILENO, line.data(), end) < 0) return;
 }
 
-bool has_safe_values(const ComponentBase& component) {
-  for (const PortBase* port : component.shell().ports()) {
-    if (port->has_safe_value() && (*component.bundle()->bindings)[port->index()]) return true;
+/// Null: it is leaving, and has stopped.
+bool has_safe_values(const ComponentBase* component) {
+  if (component == nullptr) return false;
+  for (const PortBase* port : component->shell().ports()) {
+    if (port->has_safe_value() && (*component->bundle()->bindings)[port->index()]) return true;
   }
   return false;
 }
@@ -42,12 +47,12 @@ bool has_safe_values(const ComponentBase& component) {
 unsigned make_safe(System& system, Instant until) {
   unsigned safe = 0;
   for (Deployed& deployed : system.deployed) {
-    if (has_safe_values(*deployed.component)) deployed.task->fence();
+    if (has_safe_values(deployed.component)) deployed.task->fence();
   }
   rt::fence_all_threads();
   for (Deployed& deployed : system.deployed) {
     if (system.runner->now() > until) break;
-    if (!has_safe_values(*deployed.component)) continue;
+    if (!has_safe_values(deployed.component)) continue;
     write_safe_values(*deployed.component->bundle(), true);
     ++safe;
   }
@@ -61,7 +66,7 @@ void let_others_act(const System& system, Instant until) {
   for (const Deployed& deployed : system.deployed) {
     const Counters& counters = deployed.task->counters();
     const bool acts = deployed.state() == ComponentState::running &&
-                      !has_safe_values(*deployed.component) &&
+                      !has_safe_values(deployed.component) &&
                       system.t0 + counters.next_release.load() < until;
     if (acts && count < others.size()) others[count++] = {&counters, counters.releases.load()};
   }

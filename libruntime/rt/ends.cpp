@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "rt/ends.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <csignal>
@@ -16,30 +17,54 @@
 namespace mauve::rt {
 namespace {
 
-/// All that end a process by default, but those of rescue.cpp and the two that nobody can handle.
-constexpr std::array<int, 17> kEnds{SIGHUP,    SIGINT,    SIGQUIT, SIGTRAP, SIGUSR1, SIGUSR2,
-                                    SIGPIPE,   SIGALRM,   SIGTERM, SIGXCPU, SIGXFSZ, SIGSYS,
-                                    SIGVTALRM, SIGSTKFLT, SIGPROF, SIGPOLL, SIGPWR};
-
-std::atomic<pid_t> owner{0};  // the process that has something to say; a child of it has not
-
-void speak_as_owner(const Fault& fault) {
-  if (owner.load() == getpid()) speak_last_words(fault);
+/// Does it end a process by default? Not those of rescue.cpp, nor the two that nobody can handle.
+bool is_end(int signal) {
+  constexpr std::array<int, 17> kEnds{SIGHUP,    SIGINT,    SIGQUIT, SIGTRAP, SIGUSR1, SIGUSR2,
+                                      SIGPIPE,   SIGALRM,   SIGTERM, SIGXCPU, SIGXFSZ, SIGSYS,
+                                      SIGVTALRM, SIGSTKFLT, SIGPROF, SIGPOLL, SIGPWR};
+  return std::find(kEnds.begin(), kEnds.end(), signal) != kEnds.end() ||
+         (signal >= SIGRTMIN && signal <= SIGRTMAX);
 }
 
-void at_exit() { speak_as_owner({.sent = true}); }
+std::atomic<pid_t> owner{0};  // the process that has something to say; a child of it has not
+std::atomic<int> unexpected{0};
+
+/// True in the process that had something to say.
+bool speak_as_owner(const Fault& fault) {
+  if (owner.load() != getpid()) return false;
+  speak_last_words(fault);
+  return true;
+}
+
+[[noreturn]] void end_now(int status) {
+  for (;;) syscall(SYS_exit_group, status);
+}
+
+/// Before an exit() with this status.
+void before_exit(int status) {
+  if (speak_as_owner({.sent = true}) && status == 0 && unexpected.load() != 0) {
+    end_now(unexpected.load());
+  }
+}
+
+void at_exit(int status, void* /*unused*/) { before_exit(status); }
+void at_quick_exit_of_any_status() { before_exit(0); }
 
 void on_end(int signal) {
   speak_as_owner({.signal = signal, .sent = true});
   std::signal(signal, SIG_DFL);
   raise(signal);
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, signal);
+  pthread_sigmask(SIG_UNBLOCK, &set, nullptr);  // dies here
+  end_now(128 + signal);                        // but as the first process of a container
 }
 
 struct Installed {
   std::mutex mutex;
   std::size_t users = 0;
   bool exit_seen = false;
-  std::array<struct sigaction, kEnds.size()> before{};
 };
 
 Installed& installed() {
@@ -50,12 +75,25 @@ Installed& installed() {
 sigset_t all_ends() {
   sigset_t set;
   sigemptyset(&set);
-  for (const int signal : kEnds) sigaddset(&set, signal);
+  for (int signal = 1; signal <= SIGRTMAX; ++signal) {
+    if (is_end(signal)) sigaddset(&set, signal);
+  }
   return set;
 }
 
-bool ends_the_process(const struct sigaction& action) {
-  return (action.sa_flags & SA_SIGINFO) == 0 && action.sa_handler == SIG_DFL;
+/// Puts `handler` where `present` is; a signal that the program handles or ignores keeps its own.
+void replace_handlers(void (*present)(int), void (*handler)(int)) {
+  struct sigaction action {};
+  action.sa_flags = SA_ONSTACK | SA_RESTART;
+  action.sa_mask = all_ends();
+  action.sa_handler = handler;
+  for (int signal = 1; signal <= SIGRTMAX; ++signal) {
+    struct sigaction now {};
+    if (!is_end(signal) || sigaction(signal, nullptr, &now) != 0) continue;
+    if ((now.sa_flags & SA_SIGINFO) == 0 && now.sa_handler == present) {
+      sigaction(signal, &action, nullptr);
+    }
+  }
 }
 
 }  // namespace
@@ -65,19 +103,12 @@ EndHandlers::EndHandlers() {
   const std::lock_guard lock(now.mutex);
   if (now.users++ > 0) return;
   if (!now.exit_seen) {
-    std::atexit(at_exit);
-    at_quick_exit(at_exit);
+    on_exit(at_exit, nullptr);
+    at_quick_exit(at_quick_exit_of_any_status);
     now.exit_seen = true;
   }
   owner.store(getpid());
-  struct sigaction action {};
-  action.sa_flags = SA_ONSTACK | SA_RESTART;
-  action.sa_mask = all_ends();
-  action.sa_handler = on_end;
-  for (std::size_t i = 0; i < kEnds.size(); ++i) {
-    sigaction(kEnds[i], nullptr, &now.before[i]);
-    if (ends_the_process(now.before[i])) sigaction(kEnds[i], &action, nullptr);
-  }
+  replace_handlers(SIG_DFL, on_end);
 }
 
 EndHandlers::~EndHandlers() {
@@ -85,15 +116,17 @@ EndHandlers::~EndHandlers() {
   const std::lock_guard lock(now.mutex);
   if (--now.users > 0) return;
   owner.store(0);
-  for (std::size_t i = 0; i < kEnds.size(); ++i) {
-    if (ends_the_process(now.before[i])) sigaction(kEnds[i], &now.before[i], nullptr);
-  }
+  replace_handlers(on_end, SIG_DFL);
 }
 
-void EndHandlers::keep_away_from_this_thread() {
+sigset_t EndHandlers::keep_away_from_this_thread() {
   const sigset_t set = all_ends();
-  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  sigset_t before;
+  pthread_sigmask(SIG_BLOCK, &set, &before);
+  return before;
 }
+
+void EndHandlers::set_unexpected_status(int status) { unexpected.store(status); }
 
 }  // namespace mauve::rt
 
@@ -102,8 +135,8 @@ extern "C" {
 
 /// Stands before that of the C library, for plugins that leave without exit().
 void _exit(int status) {
-  mauve::rt::speak_as_owner({.sent = true});
-  for (;;) syscall(SYS_exit_group, status);
+  mauve::rt::before_exit(status);
+  mauve::rt::end_now(status);
 }
 
 void _Exit(int status) noexcept { _exit(status); }

@@ -3,6 +3,8 @@
 /// is to end it. While an object lives they speak the last words first (last_words.h).
 #pragma once
 
+#include <csignal>
+
 namespace mauve::rt {
 
 /// A signal that the program handles or ignores itself stays as it is. SIGKILL, SIGSTOP and exec()
@@ -14,8 +16,11 @@ class EndHandlers {
   EndHandlers(const EndHandlers&) = delete;
   EndHandlers& operator=(const EndHandlers&) = delete;
 
-  /// The calling thread is given none of these signals from now on.
-  static void keep_away_from_this_thread();
+  /// The calling thread is given none of these signals from now on. Returns its mask before.
+  static sigset_t keep_away_from_this_thread();
+  /// A call of exit(0) or _exit(0) while one of these lives ends the process with this status, so
+  /// that a service manager sees that nobody asked for it. 0, the default: it stays 0. [any]
+  static void set_unexpected_status(int status);
 };
 
 }  // namespace mauve::rt

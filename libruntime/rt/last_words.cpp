@@ -38,7 +38,9 @@ LastWords::~LastWords() {
 
 Status LastWords::start(std::function<void(const Death&)> speak) {
   speak_ = std::move(speak);
+  const sigset_t before = EndHandlers::keep_away_from_this_thread();  // the new thread inherits it
   Status started = thread_.start({"mauve-last", 0, {}, 64 * 1024}, [this] { wait(); });
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
   if (!started) return started;
   speakers.fetch_add(1);
   if constexpr (kCanRescue) faults_.emplace();
@@ -48,7 +50,6 @@ Status LastWords::start(std::function<void(const Death&)> speak) {
 
 void LastWords::wait() {
   const FaultStack stack;
-  EndHandlers::keep_away_from_this_thread();
   while (!death_told.load()) {
     const std::uint32_t seen = bell.load();
     if (quit_.load()) return;
@@ -60,8 +61,8 @@ void LastWords::wait() {
   futex_bump(silent);
 }
 
-void speak_last_words(const Fault& fault) {
-  if (i_speak()) return;  // it failed in its last words
+bool speak_last_words(const Fault& fault) {
+  if (i_speak()) return false;  // it failed in its last words
   const Instant until = MonotonicClock().now() + kMayTake.count();
   if (!dying.exchange(true)) {
     death.fault = fault;
@@ -71,9 +72,10 @@ void speak_last_words(const Fault& fault) {
   }
   while (MonotonicClock().now() < until) {
     const std::uint32_t seen = silent.load();
-    if (seen >= speakers.load()) return;
+    if (seen >= speakers.load()) return speakers.load() > 0;
     futex_wait_until(silent, seen, until);
   }
+  return false;
 }
 
 }  // namespace mauve::rt

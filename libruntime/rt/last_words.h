@@ -45,6 +45,7 @@ class LastWords {
 
 /// Lets all of them speak, and waits for the end of it; not longer than 500 ms. A fault whose
 /// signal is 0 is an exit(). Async-signal-safe.
-void speak_last_words(const Fault& fault);
+/// True when there was somebody to speak, and all have spoken.
+bool speak_last_words(const Fault& fault);
 
 }  // namespace mauve::rt

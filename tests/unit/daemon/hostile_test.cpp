@@ -223,10 +223,12 @@ TEST(HostileClient, WatchesWithoutReading) {
 
   std::size_t most = 0;
   std::uint64_t pushed = 0;
-  while (outbox->push(sub, "a", "value", Json{{"value", std::string(1000, 'x')}})) {
+  while (outbox->push(sub, "a", "value",
+                      protocol::NotificationText(Json{{"value", std::string(1000, 'x')}}))) {
     most = std::max(most, outbox->bytes());
     if (++pushed % 100 == 0) {
-      ASSERT_TRUE(served.dispatcher.outbox(1)->push(other_sub, "a", "value", {{"value", pushed}}));
+      ASSERT_TRUE(served.dispatcher.outbox(1)->push(
+          other_sub, "a", "value", protocol::NotificationText(Json{{"value", pushed}})));
       EXPECT_EQ(other.notification("value")["params"]["value"], pushed);
     }
   }
@@ -242,7 +244,8 @@ TEST(HostileClient, LearnsHowManyNotificationsItWasTooSlowFor) {
   const auto outbox = served.dispatcher.outbox(0);
   std::uint64_t pushed = 0;
   while (outbox->dropped() < 10) {
-    ASSERT_TRUE(outbox->push(sub, "a", "value", Json{{"value", std::string(1000, 'x')}}));
+    ASSERT_TRUE(outbox->push(sub, "a", "value",
+                             protocol::NotificationText(Json{{"value", std::string(1000, 'x')}})));
     ++pushed;
   }
 

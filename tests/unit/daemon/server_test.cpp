@@ -126,12 +126,12 @@ TEST(Server, KeepsSendingToAHalfClosedSubscriberUntilItIsGone) {
   client.half_close();
   const auto outbox = served.dispatcher.outbox(0);
 
-  ASSERT_TRUE(outbox->push(sub, "a", "value", Json{{"value", 1}}));
+  ASSERT_TRUE(outbox->push(sub, "a", "value", protocol::NotificationText(Json{{"value", 1}})));
   EXPECT_EQ(client.notification("value")["params"]["value"], 1);
   client.close();
 
   EXPECT_TRUE(eventually([&] { return served.server->clients().empty(); }));
-  EXPECT_FALSE(outbox->push(sub, "a", "value", Json{{"value", 2}}));
+  EXPECT_FALSE(outbox->push(sub, "a", "value", protocol::NotificationText(Json{{"value", 2}})));
 }
 
 TEST(Server, SendsAnAnswerLargerThanTheHardLimit) {
@@ -211,11 +211,15 @@ TEST(Server, LetsAUserWhosePlacesAreTakenStopButNothingElse) {
 
   EXPECT_EQ(third.ask("param.set", {{"values", {{"a.b", 1}}}})["error"]["data"]["name"], "limit");
   EXPECT_EQ(third.ask("status.get")["error"]["data"]["name"], "limit");
-  ASSERT_TRUE(third.send(
-      protocol::to_line(protocol::make_request(7, "component.stop", {{"all", true}})) + '\n'));
-  ASSERT_TRUE(eventually([&] { return served.dispatcher.kept() == 1; }));
-  served.dispatcher.answer_all();
-  EXPECT_EQ(third.json()["result"]["late"], true);
+  const std::vector<std::pair<std::string, Json>> urgent = {{"component.stop", {{"all", true}}},
+                                                            {"change.confirm", Json::object()},
+                                                            {"change.undo", Json::object()}};
+  for (const auto& [method, params] : urgent) {
+    ASSERT_TRUE(third.send(protocol::to_line(protocol::make_request(7, method, params)) + '\n'));
+    ASSERT_TRUE(eventually([&] { return served.dispatcher.kept() == 1; }));
+    served.dispatcher.answer_all();
+    EXPECT_EQ(third.json()["result"]["late"], true) << method;
+  }
   EXPECT_EQ(fourth.json()["error"]["data"]["name"], "limit") << "one of each user";
 }
 
