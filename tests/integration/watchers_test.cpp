@@ -126,20 +126,19 @@ TEST(Watchers, WithAllTheirSubscriptionsDoNotHoldUpAStop) {
   std::deque<RawClient> clients;
   for (std::size_t i = 0; i < kClients; ++i) clients.push_back(daemon.client());
   std::atomic<int> open{0};
-  std::atomic<bool> end{false};
-  std::vector<std::thread> readers;
+  std::vector<std::jthread> readers;
   for (auto& client : clients) {
-    readers.emplace_back([&] {
+    readers.emplace_back([&](const std::stop_token& end) {
       for (int i = 0; i < kSubscriptions; ++i) {
         if (client.ask("watch.subscribe", {{"addresses", {"signal.read"}}}).contains("result"))
           ++open;
       }
-      while (!end && client.line()) {
+      while (!end.stop_requested() && client.line()) {
       }
     });
   }
-  auto operating = daemon.client();
   EXPECT_TRUE(eventually([&] { return open == kSubscriptions * static_cast<int>(kClients); }));
+  auto operating = daemon.client();
 
   const auto stopped = operating.ask("component.stop", {{"components", {"second"}}});
 
@@ -148,8 +147,6 @@ TEST(Watchers, WithAllTheirSubscriptionsDoNotHoldUpAStop) {
       << "they watch on";
   daemon.process().signal(SIGTERM);
   EXPECT_EQ(daemon.process().wait(), 0) << daemon.errors();
-  end = true;
-  for (auto& reader : readers) reader.join();
 }
 
 }  // namespace
