@@ -294,7 +294,8 @@ void Watches::leave_replaced() {
     if (one.subscribers.empty()) {
       continue;
     }
-    bring_some(one, one.subscribers, round);  // its last values; the rest is told as lost
+    // Its last values. The subscribers are told how many more are lost.
+    bring_some(one, one.subscribers, round);
     std::uint64_t rest = 0;
     while (one.tap->pop([](const void*, Instant) {})) {
       ++rest;

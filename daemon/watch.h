@@ -101,7 +101,7 @@ class Watches {
   void find_replacements();
   void run();
   void bring_round(std::unique_lock<std::mutex>& lock);
-  /// What one round may cost, over all clients. More samples wait in their taps, and are told as
+  /// The budget of one round, over all clients. More samples wait in their taps, and are told as
   /// lost when those are full.
   struct Round {
     std::size_t notifications = 8192;

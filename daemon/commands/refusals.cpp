@@ -8,7 +8,7 @@ bool Refusals::may_write(std::uint32_t uid, Time now) {
   auto [found, first] = users_.try_emplace(uid, Second{now});
   auto& second = found->second;
   const bool over = now - second.begin >= std::chrono::seconds(1);
-  if (over && second.counted == 0) {  // what was counted is told first
+  if (over && second.counted == 0) {  // the count is told first
     second = Second{now};
   }
   if (second.written < kPerSecond) {

@@ -26,7 +26,7 @@ class Refusals {
 
   /// [any but rt] False: counted only.
   [[nodiscard]] bool may_write(std::uint32_t uid, Time now);
-  /// [any but rt] What was counted in seconds that are over; it is forgotten then.
+  /// [any but rt] The counts of seconds that are over; they are forgotten then.
   [[nodiscard]] std::vector<Counted> take_counted(Time now);
 
  private:

@@ -173,8 +173,8 @@ void Server::admit(Protocol::socket socket) {
   sweep();
 }
 
-/// Whoever may operate the machine is never kept out by those who may only look, and may stop it
-/// even when its own places are taken.
+/// Viewers never keep an operator or admin out, and an operator or admin may stop the machine even
+/// when all places of this user are taken.
 Result<Server::Entry> Server::entry_of(const Peer& peer, Role role) const {
   if (role == Role::none) {
     return refuse(Errc::not_permitted, "uid " + std::to_string(peer.uid),

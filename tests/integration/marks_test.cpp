@@ -25,7 +25,7 @@ TEST_F(Generations, ThatWereConfirmedAreStartedAfterACrash) {
   const Json change = {{"values", Json{{"first.core.gain", 3.0}}}, {"confirm_within", "600s"}};
   ASSERT_EQ(daemon.ask("param.set", change)["saved"], true);
   const auto confirmed = daemon.ask("change.confirm");
-  crash(daemon);  // at once: what was answered is on the disk
+  crash(daemon);  // at once: the confirmation is on the disk when its answer comes
 
   EXPECT_EQ(confirmed["changed"], true);
   EXPECT_EQ(confirmed["saved"], true) << confirmed;

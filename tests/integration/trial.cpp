@@ -89,7 +89,7 @@ class Steady : public TrialCore {
 
 class Other final : public Steady {};
 
-/// Leaves what it read in a file, as a driver does in its device.
+/// Writes the sign of its input to a file, as a driver writes to its device.
 class Noting final : public Steady {
   mauve::Property<std::string> file{*this, "file", "", "its path"};
   int open_ = -1;
