@@ -15,7 +15,7 @@ namespace mauve::daemon {
 
 namespace {
 
-using plugin::Descriptor;
+using rt::Descriptor;
 using std::filesystem::path;
 
 constexpr mode_t kDirectoryMode = 0750;

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "mauve/result.h"
-#include "plugin/descriptor.h"
+#include "rt/descriptor.h"
 
 namespace mauve::daemon {
 
@@ -17,7 +17,7 @@ namespace mauve::daemon {
 
 /// The directory, locked for as long as the result lives. Refused (conflict): another process
 /// holds it.
-[[nodiscard]] Result<plugin::Descriptor> hold_directory(const std::filesystem::path& directory);
+[[nodiscard]] Result<rt::Descriptor> hold_directory(const std::filesystem::path& directory);
 
 /// Gives a file new content: all of it or, when this is refused, none.
 [[nodiscard]] Status replace_file(const std::filesystem::path& file, std::string_view content);

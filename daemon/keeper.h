@@ -15,8 +15,8 @@
 #include "generations.h"
 #include "log/log.h"
 #include "mauve/value.h"
-#include "plugin/descriptor.h"
 #include "protocol/framing.h"
+#include "rt/descriptor.h"
 
 namespace mauve::daemon {
 
@@ -82,7 +82,7 @@ class Keeper {
 
   const std::string directory_;
   logging::Log& log_;
-  plugin::Descriptor held_;
+  rt::Descriptor held_;
   std::unique_ptr<Generations> generations_;
   bool crashed_ = false;
   Json quarantined_ = Json::array();

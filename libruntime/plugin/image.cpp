@@ -46,7 +46,7 @@ Result<Image> Image::seal(std::span<const std::byte> bytes, const std::string& l
   image.serial_ = ++serials;
   const std::string name = "mauve:" + label + "." + std::to_string(image.serial_);
   image.mapping_ = "/memfd:" + name;
-  image.file_ = Descriptor(memory_file(name));
+  image.file_ = rt::Descriptor(memory_file(name));
   if (!image.file_) return failed("make a memory file for the plugin");
   if (Status written = write_all(image.file_.get(), bytes); !written) return written.error();
   constexpr int kSeals = F_SEAL_WRITE | F_SEAL_GROW | F_SEAL_SHRINK | F_SEAL_SEAL;

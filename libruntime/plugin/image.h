@@ -7,7 +7,7 @@
 #include <string>
 
 #include "mauve/result.h"
-#include "plugin/descriptor.h"
+#include "rt/descriptor.h"
 
 namespace mauve::plugin {
 
@@ -29,7 +29,7 @@ class Image {
   void abandon() { file_.release(); }
 
  private:
-  Descriptor file_;
+  rt::Descriptor file_;
   std::string mapping_;  // "/memfd:mauve:guidance-1.0.0-1f2e3d4c.7"
   std::size_t serial_ = 0;
 };

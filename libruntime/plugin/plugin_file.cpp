@@ -14,7 +14,7 @@
 
 #include "base/address.h"
 #include "base/name.h"
-#include "plugin/descriptor.h"
+#include "rt/descriptor.h"
 
 namespace mauve::plugin {
 
@@ -28,10 +28,10 @@ Error system_error(std::string at, std::string_view doing) {
 }
 
 /// Opens one step below `parent` (the root when `name` is "/") and checks who owns it.
-Result<Descriptor> step(const Descriptor& parent, const std::string& name, const std::string& path,
-                        const Trust& trust) {
-  Descriptor opened(openat(parent ? parent.get() : AT_FDCWD, name.c_str(),
-                           O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+Result<rt::Descriptor> step(const rt::Descriptor& parent, const std::string& name,
+                            const std::string& path, const Trust& trust) {
+  rt::Descriptor opened(openat(parent ? parent.get() : AT_FDCWD, name.c_str(),
+                               O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   struct stat status {};
   if (!opened || fstat(opened.get(), &status) != 0) return system_error(path, "opened");
   if (Status trusted = trust.check(status, path); !trusted) return trusted.error();
@@ -39,8 +39,8 @@ Result<Descriptor> step(const Descriptor& parent, const std::string& name, const
 }
 
 /// Walks from the root, so that no directory on the way can have been exchanged unnoticed.
-Result<Descriptor> open_directory(const std::string& path, const Trust& trust) {
-  Result<Descriptor> at = step({}, "/", "/", trust);
+Result<rt::Descriptor> open_directory(const std::string& path, const Trust& trust) {
+  Result<rt::Descriptor> at = step({}, "/", "/", trust);
   for (std::size_t begin = 1; at && begin < path.size();) {
     const std::size_t end = std::min(path.find('/', begin), path.size());
     at = step(*at, path.substr(begin, end - begin), path.substr(0, end), trust);
@@ -93,11 +93,11 @@ std::optional<Result<PluginFile>> read_from(const std::string& directory, std::s
   plugin.path += kSuffix;
   struct stat link {};
   if (lstat(plugin.path.c_str(), &link) != 0 && errno == ENOENT) return std::nullopt;
-  const Result<Descriptor> folder = open_directory(real, trust);
+  const Result<rt::Descriptor> folder = open_directory(real, trust);
   if (!folder) return folder.error();
   const std::string file_name = plugin.name + std::string(kSuffix);
-  const Descriptor file(openat(folder->get(), file_name.c_str(),
-                               O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
+  const rt::Descriptor file(openat(folder->get(), file_name.c_str(),
+                                   O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   if (!file && errno == ELOOP) {
     return refuse(Errc::plugin_refused, plugin.path, "is a symbolic link", "copy the file itself");
   }

@@ -6,7 +6,7 @@
 
 #include <utility>
 
-namespace mauve::plugin {
+namespace mauve::rt {
 
 class Descriptor {
  public:
@@ -29,4 +29,4 @@ class Descriptor {
   int number_ = -1;
 };
 
-}  // namespace mauve::plugin
+}  // namespace mauve::rt
