@@ -10,6 +10,7 @@
 #include <random>
 
 #include "arch/load.h"
+#include "base/duration.h"
 #include "commands/model.h"
 #include "commands/quarantine.h"
 #include "happenings.h"
@@ -44,6 +45,16 @@ std::string random_id() {
 
 std::string counted(std::size_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+/// This program again, with the options that a file is judged with.
+std::vector<std::string> judge_command(const Options& options) {
+  std::vector<std::string> words = {"/proc/self/exe", "-", "--judge", "--prepare-within",
+                                    format_duration(options.prepare_within)};
+  for (const auto& directory : options.plugin_dirs) {
+    words.insert(words.end(), {"--plugin-dir", directory});
+  }
+  return words;
 }
 
 /// "core 'x' is unknown (did you mean 'y'?)", with its address in front.
@@ -191,6 +202,9 @@ Status Daemon::serve() {
   running_->realtime = options_.realtime;
   rt::EndHandlers::set_unexpected_status(kUnexpectedEnd);
   running_->recorder = &recorder_;
+  running_->judge = [this](uid_t user, const Question& question, const Judge::Then& then) {
+    judge_.ask(user, question, then);
+  };
   keep_the_first();
   recorder_.start(*running_);
   table_ = std::make_unique<CommandTable>(*running_);
@@ -199,6 +213,7 @@ Status Daemon::serve() {
   const auto state = state_line();
   supervisor_.start(*running_);
   control_.start();
+  judge_.start(judge_command(options_), options_.prepare_within);
   watches_.start(*running_);
   caretaker_.start(*running_);
   if (auto opened = server_->open(std::move(*endpoint_)); !opened) {
@@ -271,6 +286,7 @@ int Daemon::shut_down(const std::string& cause) {
     log_.write(Event::component_stuck, {{"component", name}});
   }
   recorder_.stop();
+  judge_.stop();
   server_->stop(kLastAnswers);
   supervisor_.stop();
   control_.stop();

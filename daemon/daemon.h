@@ -10,6 +10,7 @@
 #include "caretaker.h"
 #include "commands/command.h"
 #include "commands/table.h"
+#include "judge/judge.h"
 #include "keeper.h"
 #include "options.h"
 #include "recovery.h"
@@ -65,6 +66,7 @@ class Daemon {
   Supervisor supervisor_{control_};
   Caretaker caretaker_;
   Recorder recorder_{options_.flight_recorder};
+  Judge judge_{control_};
   std::unique_ptr<Running> running_;
   std::unique_ptr<CommandTable> table_;
   std::unique_ptr<server::Server> server_;

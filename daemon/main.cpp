@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "daemon.h"
+#include "judge/child.h"
 #include "options.h"
 
 int main(int argc, char** argv) {
@@ -14,6 +15,9 @@ int main(int argc, char** argv) {
       return leave->exit;
     }
     const auto& options = std::get<Options>(parsed);
+    if (options.judge) {
+      return judge_as_child(options);
+    }
     return options.check ? check_file(options) : Daemon(options).run();
   } catch (const std::exception& error) {
     // Every other door is shut: this is a fault of mauved or of the machine (out of memory).

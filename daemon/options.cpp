@@ -156,6 +156,8 @@ void declare(CLI::App& app, Options& options) {
       ->check(is_some_time, "", "DURATION")
       ->default_str("10s");
   app.add_flag("--check", options.check, "Only say what is wrong with the file; needs no root");
+  app.add_flag("--judge", options.judge,
+               "mauved runs itself so, in a process with limits, to look at the files of clients");
   app.add_option("--log-file", options.log_file, "Also write the log as JSON lines to this file")
       ->type_name("FILE");
   app.add_option("--state-dir", options.state_dir,

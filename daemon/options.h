@@ -22,6 +22,7 @@ struct Options {
   MachineCosts machine = {};     ///< what admission assumes of the machine
   Duration prepare_within{10s};  ///< what user code may take while a change is prepared
   bool check = false;            ///< only say what is wrong with the file
+  bool judge = false;            ///< judge the question on standard input, for a mauved that runs
   std::string log_file;          ///< JSON lines; empty for none
   std::string state_dir;         ///< what outlives a run; empty: nothing is kept
   bool fresh = false;            ///< start the file, also after a crash

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// architecture.apply and architecture.diff.
+/// architecture.apply and architecture.diff. The latter is judged in a process of its own; the
+/// former:
 ///
 ///   [factory] parse, load plugins beside the running ones, make all elements
 ///   [control] compare with what runs
@@ -8,15 +9,17 @@
 ///   [factory] free the rest
 #include "commands/architecture.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
-#include "arch/describe_rules.h"
-#include "arch/diff.h"
+#include "arch/diff_rules.h"
 #include "arch/load.h"
 #include "arch/value_json.h"
 #include "commands/answer.h"
 #include "commands/change.h"
 #include "commands/given_up.h"
+#include "commands/model.h"
 #include "supervisor.h"
 
 namespace mauve::daemon {
@@ -24,14 +27,6 @@ namespace mauve::daemon {
 namespace {
 
 using logging::Event;
-
-Json line_json(const arch::Line& line) {
-  return {{"op", to_string(line.op)},
-          {"kind", line.kind},
-          {"address", line.address},
-          {"old", arch::to_json(line.before)},
-          {"new", arch::to_json(line.after)}};
-}
 
 /// Another architecture beside the running one.
 class Application final : public Companion {
@@ -113,10 +108,10 @@ class Application final : public Companion {
   void complete(Json& result) override {
     auto lines = Json::array();
     for (const auto& name : plugins_) {
-      lines.push_back(line_json(arch::make_line("plugin", name, {}, name)));
+      lines.push_back(to_json(arch::make_line("plugin", name, {}, name)));
     }
     for (const auto& line : difference_.lines) {
-      lines.push_back(line_json(line));
+      lines.push_back(to_json(line));
     }
     result["lines"] = std::move(lines);
     if (!difference_.exchanged.empty()) {
@@ -130,67 +125,9 @@ class Application final : public Companion {
 
  private:
   void compare_supervision() {
-    const auto& present = running_.supervisor.supervision();
-    compare_named("transactions", arch::describe_transactions(present),
-                  arch::describe_transactions(supervision_));
-    compare_named("rules", rules_by_name(present), rules_by_name(supervision_));
-    compare_named("may_request", permissions(present), permissions(supervision_));
-    const auto order_before = names_of(present.rules);
-    const auto order_after = names_of(supervision_.rules);
-    if (std::ranges::is_permutation(order_before, order_after) && order_before != order_after) {
-      say_supervision("rules", "rules", order_before, order_after);
-    }
-  }
-
-  void say_supervision(const char* kind, std::string address, Value before, Value after) {
-    difference_.lines.push_back(
-        arch::make_line(kind, std::move(address), std::move(before), std::move(after)));
-    supervises_ = true;
-  }
-
-  /// A line for each one that differs; the order in the file says nothing.
-  void compare_named(const char* kind, const Value& before, const Value& after) {
-    const auto address = [kind](const std::string& name) { return std::string(kind) + "." + name; };
-    for (const auto& [name, wanted] : *after.get_if<Value::Object>()) {
-      const auto* present = before.find(name);
-      if (present == nullptr || !arch::same_value(*present, wanted)) {
-        say_supervision(kind, address(name), present == nullptr ? Value() : *present, wanted);
-      }
-    }
-    for (const auto& [name, present] : *before.get_if<Value::Object>()) {
-      if (after.find(name) == nullptr) {
-        say_supervision(kind, address(name), present, {});
-      }
-    }
-  }
-
-  static Value rules_by_name(const rules::Supervision& supervision) {
-    Value::Object all;
-    auto described = arch::describe_rules(supervision);
-    for (std::size_t i = 0; i < described.size(); ++i) {
-      all.emplace_back(supervision.rules[i].name, std::move(described[i]));
-    }
-    return all;
-  }
-
-  static Value::Array names_of(const std::vector<rules::Rule>& rules) {
-    Value::Array names;
-    for (const auto& rule : rules) {
-      names.emplace_back(rule.name);
-    }
-    return names;
-  }
-
-  static Value permissions(const rules::Supervision& supervision) {
-    Value::Object all;
-    for (const auto& [component, transactions] : supervision.may_request) {
-      Value::Array names;
-      for (const auto& name : transactions) {
-        names.emplace_back(name);
-      }
-      all.emplace_back(component, std::move(names));
-    }
-    return all;
+    auto lines = arch::compare(running_.supervisor.supervision(), supervision_);
+    supervises_ = !lines.empty();
+    std::ranges::move(lines, std::back_inserter(difference_.lines));
   }
 
   Running& running_;
@@ -214,14 +151,14 @@ void free_in_factory(Running& running, ApplicationPtr application, Ticket ticket
       [ticket = std::move(ticket)] {});
 }
 
-void refuse_file(Running& running, const Call& call, const arch::Problems& problems) {
-  const auto count = problems.size();
+void refuse_file(Running& running, const Call& call, Json errors) {
+  const auto count = errors.size();
   auto fault = protocol::fault_of(
       refuse(Errc::invalid_value, text_or(call.params, "file", "text"),
              "the file has " + std::to_string(count) + (count == 1 ? " error" : " errors"),
              "mend the file; mauvectl check looks at it again"),
       "unchanged", running.generation.load());
-  fault.errors = to_json(problems);
+  fault.errors = std::move(errors);
   answer_fault(running, call, std::move(fault));
 }
 
@@ -265,28 +202,18 @@ void go_on(Running& running, const CallPtr& call, ApplicationPtr application, Ti
   free_in_factory(running, std::move(application), std::move(ticket));
 }
 
-/// [control] The lines are the answer.
-void tell_difference(Running& running, const CallPtr& call, ApplicationPtr application,
+/// [factory] makes its elements, then it is compared.
+void load_then_go_on(Running& running, const CallPtr& call, ApplicationPtr application,
                      Ticket ticket) {
-  Json result = {{"generation", running.generation.load()}, {"same", application->same()}};
-  application->complete(result);
-  answer(running, *call, std::move(result));
-  free_in_factory(running, std::move(application), std::move(ticket));
-}
-
-using ApplicationStep = void (*)(Running&, const CallPtr&, ApplicationPtr, Ticket);
-
-void load_then(Running& running, const CallPtr& call, ApplicationPtr application, Ticket ticket,
-               ApplicationStep next) {
   auto work = [application] { application->load(); };
-  auto then = [&running, call, application = std::move(application), ticket = std::move(ticket),
-               next]() mutable {
+  auto then = [&running, call, application = std::move(application),
+               ticket = std::move(ticket)]() mutable {
     if (!application->problems().empty()) {
-      refuse_file(running, *call, application->problems());
+      refuse_file(running, *call, to_json(application->problems()));
       return free_in_factory(running, std::move(application), std::move(ticket));
     }
     application->compare();
-    next(running, call, std::move(application), std::move(ticket));
+    go_on(running, call, std::move(application), std::move(ticket));
   };
   running.control.in_factory(std::move(work), std::move(then),
                              [&running, call](const std::string& hook) {
@@ -303,35 +230,43 @@ void apply_architecture(Running& running, const CallPtr& call, Ticket ticket, st
   }
   auto application =
       std::make_shared<Application>(running, std::move(text), flag(call->params, "dry_run"));
-  load_then(running, call, std::move(application), std::move(ticket), go_on);
+  load_then_go_on(running, call, std::move(application), std::move(ticket));
 }
 
 void apply_file(Running& running, const CallPtr& call, Ticket ticket) {
   apply_architecture(running, call, std::move(ticket), text_or(call->params, "text"), "");
 }
 
-void diff_architecture(Running& running, const CallPtr& call, Ticket ticket) {
-  auto application = std::make_shared<Application>(running, text_or(call->params, "text"), false);
-  load_then(running, call, std::move(application), std::move(ticket), tell_difference);
+/// In a process of its own, so that a viewer may ask: nothing that the file names is made here.
+void diff_architecture(Running& running, const CallPtr& call, Ticket /*none*/) {
+  auto question = question_of(running, *call);
+  question.running = arch::to_json(described(running)).dump();
+  running.judge(call->caller.peer.uid, question, [&running, call](Result<Json> judged) {
+    if (!judged) {
+      return answer(running, *call, judged.error());
+    }
+    if (!(*judged)["errors"].empty()) {
+      return refuse_file(running, *call, (*judged)["errors"]);
+    }
+    judged->erase("errors");
+    (*judged)["generation"] = running.generation.load();
+    answer(running, *call, std::move(judged));
+  });
+}
+
+Question question_of(const Running& running, const Call& call) {
+  Question question{text_or(call.params, "text")};
+  for (const auto* plugin : running.catalog.plugins()) {
+    question.loaded.push_back(plugin->info().name);
+  }
+  question.loads = call.caller.role >= server::Role::admin;
+  return question;
 }
 
 arch::Parked parked_now(const Running& running) {
   return [&running](const ComponentBase& component) {
     return running.deployer.status(component.name()).state == ComponentState::stopped;
   };
-}
-
-Json to_json(const arch::Problems& problems) {
-  Json errors = Json::array();
-  for (const auto& problem : problems.sorted()) {
-    errors.push_back({{"line", problem.where.line},
-                      {"column", problem.where.column},
-                      {"at", problem.error.at},
-                      {"code", to_string(problem.error.code)},
-                      {"message", problem.error.message},
-                      {"hint", problem.error.hint}});
-  }
-  return errors;
 }
 
 }  // namespace mauve::daemon

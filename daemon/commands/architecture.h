@@ -20,7 +20,8 @@ void apply_architecture(Running& running, const CallPtr& call, Ticket ticket, st
 /// [control] Which components do not run now.
 [[nodiscard]] arch::Parked parked_now(const Running& running);
 
-/// [{"line","column","at","code","message","hint"}], in the order of the file.
-[[nodiscard]] Json to_json(const arch::Problems& problems);
+/// [control] The file of this call, with the rights of its caller: code that no admin let in runs
+/// for nobody else.
+[[nodiscard]] Question question_of(const Running& running, const Call& call);
 
 }  // namespace mauve::daemon

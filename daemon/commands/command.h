@@ -18,6 +18,7 @@
 #include "control.h"
 #include "failures.h"
 #include "generations.h"
+#include "judge/judgement.h"
 #include "log/log.h"
 #include "mauve/architecture.h"
 #include "mauve/deploy_options.h"
@@ -84,6 +85,9 @@ struct Running {
   Realtime realtime = Realtime::prefer;  ///< what mauved was started with
   Failures failures = {};                ///< [control] see commands/notice.h
   Refusals refusals = {};                ///< [any]
+  /// [any] Judges a file of this user beside what runs, then calls the function on [control]: see
+  /// Judge::ask().
+  std::function<void(uid_t, const Question&, std::function<void(Result<Json>)>)> judge = {};
 };
 
 /// One request under way. Dropped unanswered only when the daemon ends.
@@ -149,7 +153,7 @@ Result<Json> show(Running&, const Call&);
 Result<Json> why(Running&, const Call&);
 Result<Json> get(Running&, const Call&);
 Result<Json> export_architecture(Running&, const Call&);
-Result<Json> check_architecture(Running&, const Call&);
+void check_architecture(Running&, const CallPtr&, Ticket);
 Result<Json> history(Running&, const Call&);
 Result<Json> doctor(Running&, const Call&);
 Result<Json> watch(Running&, const Call&);

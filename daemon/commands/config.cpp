@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// config.get: the running system as a file. config.check: everything wrong with another one.
 #include "arch/describe.h"
-#include "arch/load.h"
 #include "arch/value_json.h"
 #include "commands/answer.h"
 #include "commands/architecture.h"
@@ -19,12 +18,11 @@ Result<Json> export_architecture(Running& running, const Call& /*call*/) {
   return Json{{"architecture", arch::to_json(described(running))}};
 }
 
-/// With a catalog of its own: nothing it loads or makes touches the running system.
-Result<Json> check_architecture(Running& running, const Call& call) {
-  plugin::Catalog catalog(running.catalog.directories());
-  arch::Problems problems;
-  static_cast<void>(arch::load(text_or(call.params, "text"), catalog, problems));
-  return Json{{"errors", to_json(problems)}};
+/// In a process of its own: nothing that the file names is made here.
+void check_architecture(Running& running, const CallPtr& call, Ticket /*none*/) {
+  running.judge(
+      call->caller.peer.uid, question_of(running, *call),
+      [&running, call](Result<Json> judged) { answer(running, *call, std::move(judged)); });
 }
 
 }  // namespace mauve::daemon

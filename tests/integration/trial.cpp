@@ -2,7 +2,6 @@
 /// Plugin "trial" of the integration tests: one component and cores that behave well or badly.
 /// Built with NUMBER 1 and 2, so that a rebuilt file can be told from the one before, and with 3,
 /// whose state is of a later revision.
-#include <mauve/plugin.h>
 #include <mauve/request.h>
 
 #include <fcntl.h>
@@ -10,43 +9,20 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <type_traits>
 #include <utility>
 
-namespace trial {
-
-struct MemoryV1 {
-  std::int64_t count = 0;
-};
-struct MemoryV2 {
-  double spare = 0;
-  std::int64_t count = 0;
-};
-using Memory = std::conditional_t<NUMBER == 3, MemoryV2, MemoryV1>;
-
-}  // namespace trial
-
-template <>
-struct mauve::Described<trial::MemoryV1> {
-  static constexpr std::string_view name = "trial_memory/1";
-  static constexpr auto fields() { return std::tuple{field("count", &trial::MemoryV1::count)}; }
-};
-template <>
-struct mauve::Described<trial::MemoryV2> {
-  static constexpr std::string_view name = "trial_memory/2";
-  static constexpr auto fields() {
-    return std::tuple{field("spare", &trial::MemoryV2::spare),
-                      field("count", &trial::MemoryV2::count)};
-  }
-};
+#include "trial_resources.h"
 
 namespace trial {
 namespace {
@@ -147,13 +123,7 @@ class Stuck final : public Steady {
   void on_cleanup() override { std::ofstream(cleaned.get()) << "cleaned"; }
 };
 
-/// Never comes into being, or never ends, while the file that is named in the environment is there.
-void wait_for_file_to_go() {
-  const char* const path = std::getenv("MAUVE_TRIAL_WAITS");
-  while (path != nullptr && std::filesystem::exists(path)) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-}
+/// Never comes into being, or never ends, while that file is there.
 class StuckConstructor final : public Steady {
  public:
   StuckConstructor() { wait_for_file_to_go(); }
@@ -161,6 +131,24 @@ class StuckConstructor final : public Steady {
 class StuckDestructor final : public Steady {
  public:
   ~StuckDestructor() override { wait_for_file_to_go(); }
+};
+
+/// Constructors that do harm.
+class CrashingConstructor final : public Steady {
+ public:
+  CrashingConstructor() { raise(SIGSEGV); }
+};
+class ExitingConstructor final : public Steady {
+ public:
+  ExitingConstructor() { std::exit(3); }
+};
+class HoardingConstructor final : public Steady {
+  /// A sixteenth of the machine's memory, reserved and not used.
+  static std::size_t share() {
+    return static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) *
+           static_cast<std::size_t>(sysconf(_SC_PAGESIZE)) / 16;
+  }
+  const std::unique_ptr<char[]> memory_{new char[share()]};
 };
 
 class Refusing final : public Steady {
@@ -287,70 +275,6 @@ class Forgetful final : public TrialCore {
   void update() override {}
 };
 
-/// A resource that does not let its caller go when it is given this value.
-class MeterCore final : public mauve::Core<mauve::EmptyShell> {
- public:
-  void note(const double& value) {
-    for (volatile bool for_ever = value == breaks_at.get(); for_ever;) {
-    }
-  }
-  double limit() { return breaks_at.get(); }
-
- private:
-  mauve::Stateless stateless_{*this};
-  mauve::Property<double> breaks_at{*this, "breaks_at", 4.0, "hangs when it is given this value"};
-};
-struct MeterInterface : mauve::Interface<MeterCore> {
-  mauve::WriteService<double> write{*this, "write", &MeterCore::note};
-  mauve::ReadService<double> read{*this, "read", &MeterCore::limit};
-};
-
-/// A resource that counts what it is given, and shows which build it is of.
-struct TallyShell : mauve::Shell {
-  mauve::Property<std::int64_t> size{*this, "size", 7, "of the shell"};
-};
-class TallyCore final : public mauve::Core<TallyShell> {
- public:
-  void note(const double& /*value*/) {
-    count = ++state->count;
-    number = NUMBER;
-    size = shell().size;
-  }
-
- private:
-  mauve::State<Memory> state{*this};
-#if NUMBER == 3
-  mauve::Converts<MemoryV1, Memory> from_v1{
-      state, [](const MemoryV1& old, Memory& now) noexcept { now.count = old.count; }};
-#endif
-  mauve::Property<double> gain{*this, "gain", 1.0, "kept"};
-  mauve::Observable<std::int64_t> count{*this, "count", 0, "calls so far"};
-  mauve::Observable<std::int64_t> number{*this, "number", 0, "of the build"};
-  mauve::Observable<std::int64_t> size{*this, "size", 0, "of the shell, as met"};
-};
-struct TallyInterface : mauve::Interface<TallyCore> {
-  mauve::WriteService<double> note{*this, "note", &TallyCore::note};
-};
-
-/// A resource whose value is computed, and that never answers while the file of the environment is
-/// there.
-class MuteCore final : public mauve::Core<mauve::EmptyShell> {
- public:
-  double value() {
-    if (const char* const path = std::getenv("MAUVE_TRIAL_WAITS"); path != nullptr) {
-      std::ofstream(std::string(path) + ".met") << "waiting";
-    }
-    wait_for_file_to_go();
-    return 1.0;
-  }
-
- private:
-  mauve::Stateless stateless_{*this};
-};
-struct MuteInterface : mauve::Interface<MuteCore> {
-  mauve::ReadService<double> read{*this, "read", &MuteCore::value};
-};
-
 struct AnotherShell : mauve::Shell {};
 class AnotherCore : public mauve::Core<AnotherShell> {
  public:
@@ -372,6 +296,9 @@ MAUVE_PLUGIN(plugin) {
   plugin.core<trial::Stuck>("stuck");
   plugin.core<trial::StuckConstructor>("stuck_constructor");
   plugin.core<trial::StuckDestructor>("stuck_destructor");
+  plugin.core<trial::CrashingConstructor>("crashing_constructor");
+  plugin.core<trial::ExitingConstructor>("exiting_constructor");
+  plugin.core<trial::HoardingConstructor>("hoarding_constructor");
   plugin.core<trial::Brittle>("brittle");
   plugin.core<trial::Regressing>("regressing");
   plugin.core<trial::ThrowingAnything>("throwing_anything");

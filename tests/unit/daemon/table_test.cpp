@@ -112,6 +112,24 @@ TEST_F(TableTest, LetsAnAdminApplyAFileAndAViewerCompareOne) {
   EXPECT_EQ(std::get<Json>(same)["same"], true);
 }
 
+/// A viewer's file runs no code that no admin let in.
+TEST_F(TableTest, LooksForAdminsOnlyAtPluginsThatAreNotLoaded) {
+  const Json params = {
+      {"text", R"({"schema": "mauve/architecture/1", "name": "empty", "plugins": ["a"]})"}};
+
+  for (const auto role : {Role::viewer, Role::operator_}) {
+    const auto checked = ask(role, "config.check", params);
+    ASSERT_TRUE(std::holds_alternative<Json>(checked));
+    const auto& errors = std::get<Json>(checked)["errors"];
+    ASSERT_EQ(errors.size(), 1U) << errors;
+    EXPECT_EQ(errors[0]["code"], "not_permitted");
+    EXPECT_EQ(errors[0]["at"], "plugins.a");
+    EXPECT_EQ(refused(role, "architecture.diff", params).errors, errors);
+  }
+  const auto errors = std::get<Json>(ask(Role::admin, "config.check", params))["errors"];
+  EXPECT_EQ(errors[0]["code"], "plugin_refused");
+}
+
 TEST_F(TableTest, TellsEveryErrorOfAFileThatIsRefused) {
   const std::string text =
       R"({"schema": "mauve/architecture/1", "name": "empty", "plugins": ["a", "a", "B"]})";

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "judge/child.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <iostream>
+#include <iterator>
+#include <new>
+#include <string>
+
+#include "judge/judgement.h"
+#include "model/leavable.h"
+#include "rt/child.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+constexpr std::uint64_t kLongestAnswer = std::uint64_t{64} << 20;
+constexpr unsigned kHandlerMayTake = 1;  // seconds, when what it needs is locked
+constexpr std::array kEnds = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTERM, SIGXCPU};
+
+/// Its standard error, which a plugin does not get.
+int words = -1;
+
+/// Async-signal-safe enough for a process that is lost: should it hang, the alarm ends it.
+void say_the_hook() {
+  alarm(kHandlerMayTake);
+  const auto* here = Leavable::here();
+  const auto hook = here == nullptr ? std::string() : here->hook();
+  static_cast<void>(!write(words, hook.data(), hook.size()));
+}
+
+void say_the_hook_and_end(int signal) {
+  say_the_hook();
+  raise(signal);  // its handler is the default one again
+}
+
+void catch_ends() {
+  static std::array<char, 65536> stack;
+  const stack_t its_own{stack.data(), 0, stack.size()};
+  sigaltstack(&its_own, nullptr);
+  struct sigaction action {};
+  action.sa_handler = say_the_hook_and_end;
+  action.sa_flags = SA_ONSTACK | static_cast<int>(SA_RESETHAND);
+  for (const int signal : kEnds) {
+    sigaction(signal, &action, nullptr);
+  }
+  std::atexit(say_the_hook);
+}
+
+/// What a plugin prints goes nowhere. Returns the descriptor for the answer.
+int keep_streams() {
+  const int answer = dup(STDOUT_FILENO);
+  words = dup(STDERR_FILENO);
+  const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+  dup2(nowhere, STDOUT_FILENO);
+  dup2(nowhere, STDERR_FILENO);
+  return answer;
+}
+
+Result<Json> answer_to(const std::string& text, const Options& options) {
+  try {
+    const auto question = question_of(text);
+    if (!question) {
+      return refuse(Errc::invalid_value, "--judge", "standard input holds no question",
+                    "mauved runs this by itself; to check a file: mauved --check FILE");
+    }
+    return judge(*question, plugin::Catalog(options.plugin_dirs));
+  } catch (const std::bad_alloc&) {
+    return refuse(Errc::limit, "file",
+                  "its elements need more than a quarter of the memory of this machine",
+                  "a file of that size is checked with mauved --check FILE");
+  }
+}
+
+Json to_json(const Error& error) {
+  return {{"name", to_string(error.code)},
+          {"where", error.at},
+          {"message", error.message},
+          {"hint", error.hint}};
+}
+
+void write_all(int file, const std::string& text) {
+  std::size_t written = 0;
+  while (written < text.size()) {
+    const auto part = write(file, text.data() + written, text.size() - written);
+    if (part <= 0) {
+      return;
+    }
+    written += static_cast<std::size_t>(part);
+  }
+}
+
+}  // namespace
+
+int judge_as_child(const Options& options) {
+  rt::confine({rt::quarter_of_memory(), kLongestAnswer, options.prepare_within});
+  const int answer = keep_streams();
+  catch_ends();
+  Leavable here;
+  here.begin_here();
+  const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
+  const auto judged = answer_to(text, options);
+  const Json said =
+      judged ? Json{{"judgement", *judged}} : Json{{"refused", to_json(judged.error())}};
+  write_all(answer, said.dump());
+  _exit(0);  // no code of a plugin runs after the answer
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "judge/judge.h"
+
+#include <string.h>
+
+#include <memory>
+#include <utility>
+
+#include "base/duration.h"
+#include "protocol/message.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+constexpr const char* kUntouched =
+    "the running system is untouched: mend the plugin or the file, then check it again";
+
+/// "first.core constructor": the address becomes that of the refusal.
+Error lost(Errc code, const std::string& hook, const std::string& happened) {
+  const auto space = hook.find(' ');
+  const bool placed = space != std::string::npos;
+  const std::string what = placed ? hook.substr(space + 1) : hook.empty() ? "its code" : hook;
+  return refuse(code, placed ? hook.substr(0, space) : "file", what + " " + happened, kUntouched);
+}
+
+Error error_of(const Json& said) {
+  return refuse(protocol::errc_named(said.value("name", "")).value_or(Errc::system),
+                said.value("where", ""), said.value("message", ""), said.value("hint", ""));
+}
+
+std::string name_of(int signal) {
+  const char* name = sigabbrev_np(signal);
+  return name == nullptr ? "signal " + std::to_string(signal) : std::string("SIG") + name;
+}
+
+}  // namespace
+
+Result<Json> verdict_of(const rt::ChildEnd& end, Duration within) {
+  using How = rt::ChildEnd::How;
+  if (end.how == How::cancelled) {
+    return refuse(Errc::wrong_state, "mauved", "is about to end, so the file was not judged");
+  }
+  if (end.how == How::late) {
+    return lost(Errc::timed_out, end.errors,
+                "did not return within " + format_duration(within) +
+                    ", so the process that judged the file was ended");
+  }
+  if (end.how == How::signalled) {
+    return lost(Errc::plugin_refused, end.errors,
+                "ended the process that judged the file: " + name_of(end.code));
+  }
+  const auto said = Json::parse(end.output, nullptr, false);
+  if (said.is_object() && said.contains("judgement")) {
+    return said["judgement"];
+  }
+  if (said.is_object() && said.contains("refused")) {
+    return error_of(said["refused"]);
+  }
+  return lost(Errc::plugin_refused, end.errors,
+              "ended the process that judged the file, with exit code " + std::to_string(end.code));
+}
+
+void Judge::start(std::vector<std::string> command, Duration within) {
+  command_ = std::move(command);
+  within_ = within;
+  thread_.start();
+}
+
+void Judge::stop() {
+  runner_.cancel();
+  thread_.stop();
+}
+
+void Judge::ask(uid_t user, const Question& question, Then then) {
+  if (auto place = take_place(user); !place) {
+    control_.read([then = std::move(then), error = place.error()] { then(error); });
+    return;
+  }
+  thread_.post([this, user, text = to_json(question).dump(), then = std::move(then)]() mutable {
+    auto result = std::make_shared<Result<Json>>(judged(text));
+    give_place_back(user);
+    control_.read([then = std::move(then), result] { then(std::move(*result)); });
+  });
+}
+
+Result<Json> Judge::judged(const std::string& question) {
+  const auto end = runner_.run(command_, question, within_);
+  if (!end) {
+    return end.error();
+  }
+  return verdict_of(*end, within_);
+}
+
+Status Judge::take_place(uid_t user) {
+  const std::lock_guard lock(mutex_);
+  auto& waiting = waiting_[user];
+  if (waiting == kMostOfOneUser) {
+    return refuse(Errc::limit, "file",
+                  std::to_string(kMostOfOneUser) + " files of yours are being judged already",
+                  "try again when they are done");
+  }
+  ++waiting;
+  return ok();
+}
+
+void Judge::give_place_back(uid_t user) {
+  const std::lock_guard lock(mutex_);
+  if (--waiting_[user] == 0) {
+    waiting_.erase(user);
+  }
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// [judge]: files of clients are judged in a process of their own, one after another.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "control.h"
+#include "judge/judgement.h"
+#include "mauve/time.h"
+#include "rt/child.h"
+
+namespace mauve::daemon {
+
+/// A file that a client sends names plugins, elements and values. To say whether it is good all of
+/// it must be made, so constructors, converters and checks of plugins run, with any size. Nothing
+/// of that happens in mauved itself: it starts itself anew as `mauved --judge`, which has limits on
+/// memory and time, no privileges, and only its answer to give.
+class Judge {
+ public:
+  using Then = std::function<void(Result<Json>)>;
+
+  explicit Judge(Control& control) : control_(control) {}
+  ~Judge() { stop(); }
+  Judge(const Judge&) = delete;
+  Judge& operator=(const Judge&) = delete;
+
+  /// `command`: a mauved with its options, but for `--judge`. [main]
+  void start(std::vector<std::string> command, Duration within);
+  /// Kills the process that judges now; what waits is dropped. [main]
+  void stop();
+
+  /// [any] Judges, then calls `then` on [control]: with judge()'s result, or with the reason why
+  /// there is none. Refused at once when this user has kMostOfOneUser files waiting.
+  void ask(uid_t user, const Question& question, Then then);
+
+  static constexpr std::size_t kMostOfOneUser = 2;
+
+ private:
+  [[nodiscard]] Result<Json> judged(const std::string& question);
+  [[nodiscard]] Status take_place(uid_t user);
+  void give_place_back(uid_t user);
+
+  Control& control_;
+  std::vector<std::string> command_;
+  Duration within_{0};
+  rt::ChildRunner runner_;
+  std::mutex mutex_;
+  std::map<uid_t, std::size_t> waiting_;  // under mutex_
+  WorkerThread thread_{"mauve-judge"};
+};
+
+/// What the end of that process says: its answer, or why it gave none. [any]
+[[nodiscard]] Result<Json> verdict_of(const rt::ChildEnd& end, Duration within);
+
+}  // namespace mauve::daemon

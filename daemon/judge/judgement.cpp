@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "judge/judgement.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "arch/build.h"
+#include "arch/diff_rules.h"
+#include "arch/load.h"
+#include "arch/parse.h"
+#include "arch/value_json.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+/// An architecture and its rules, not configured.
+struct Made {
+  std::unique_ptr<Architecture> architecture;
+  rules::Supervision supervision;
+};
+
+bool is_loaded(const Question& question, const std::string& plugin) {
+  return std::ranges::find(question.loaded, plugin) != question.loaded.end();
+}
+
+/// What the caller may not have loaded is an error at its place, and is not loaded.
+void leave_out_unloaded(const Question& question, arch::Spec& spec, arch::Problems& problems) {
+  if (question.loads) {
+    return;
+  }
+  std::erase_if(spec.plugins, [&](const arch::PlacedText& plugin) {
+    if (is_loaded(question, plugin.value)) {
+      return false;
+    }
+    problems.add(plugin.where,
+                 refuse(Errc::not_permitted, "plugins." + plugin.value,
+                        "is not loaded, and its code runs for nobody but an admin",
+                        "ask an admin to check the file or to load the plugin; mauved --check FILE "
+                        "looks at it with your own rights"));
+    return true;
+  });
+}
+
+Made make(const Question& question, plugin::Catalog& catalog, arch::Problems& problems) {
+  Made made;
+  auto spec = arch::parse(question.text, problems);
+  if (spec) {
+    leave_out_unloaded(question, *spec, problems);
+    arch::load_plugins(*spec, catalog, problems);
+    made.architecture = arch::build(*spec, catalog, problems, &made.supervision);
+  }
+  return made;
+}
+
+Result<Made> make_running(const std::string& text, plugin::Catalog& catalog) {
+  Made made;
+  arch::Problems problems;
+  made.architecture = arch::load(text, catalog, problems, &made.supervision);
+  if (problems.empty()) {
+    return made;
+  }
+  const auto first = problems.sorted().front().error;
+  return refuse(
+      Errc::wrong_state, first.at,
+      "what runs cannot be made again from the plugin files of now: " + first.message,
+      "the files have changed since they were loaded: mauvectl reload takes the new ones");
+}
+
+void compare(const Question& question, const Made& running, Made& wanted,
+             const plugin::Catalog& catalog, Json& result) {
+  auto lines = Json::array();
+  for (const auto* plugin : catalog.plugins()) {
+    const auto& name = plugin->info().name;
+    if (!is_loaded(question, name)) {
+      lines.push_back(to_json(arch::make_line("plugin", name, {}, name)));
+    }
+  }
+  const auto difference = arch::compare(*running.architecture, *wanted.architecture);
+  for (const auto& line : difference.lines) {
+    lines.push_back(to_json(line));
+  }
+  for (const auto& line : arch::compare(running.supervision, wanted.supervision)) {
+    lines.push_back(to_json(line));
+  }
+  result["same"] = lines.empty();
+  result["lines"] = std::move(lines);
+  if (!difference.exchanged.empty()) {
+    result["exchanged"] = difference.exchanged;
+  }
+}
+
+}  // namespace
+
+Json to_json(const Question& question) {
+  Json json{{"text", question.text}, {"loaded", question.loaded}, {"loads", question.loads}};
+  if (question.running) {
+    json["running"] = *question.running;
+  }
+  return json;
+}
+
+std::optional<Question> question_of(const std::string& text) {
+  const auto json = Json::parse(text, nullptr, false);
+  if (!json.is_object() || !json.contains("text")) {
+    return std::nullopt;
+  }
+  Question question{json["text"], std::nullopt, json.value("loaded", std::vector<std::string>()),
+                    json.value("loads", false)};
+  if (json.contains("running")) {
+    question.running = json["running"];
+  }
+  return question;
+}
+
+Result<Json> judge(const Question& question, plugin::Catalog catalog) {
+  arch::Problems problems;
+  auto wanted = make(question, catalog, problems);
+  Json result{{"errors", to_json(problems)}};
+  if (problems.empty() && question.running) {
+    const auto running = make_running(*question.running, catalog);
+    if (!running) {
+      return running.error();
+    }
+    compare(question, *running, wanted, catalog, result);
+  }
+  return result;
+}
+
+Json to_json(const arch::Problems& problems) {
+  Json errors = Json::array();
+  for (const auto& problem : problems.sorted()) {
+    errors.push_back({{"line", problem.where.line},
+                      {"column", problem.where.column},
+                      {"at", problem.error.at},
+                      {"code", to_string(problem.error.code)},
+                      {"message", problem.error.message},
+                      {"hint", problem.error.hint}});
+  }
+  return errors;
+}
+
+Json to_json(const arch::Line& line) {
+  return {{"op", to_string(line.op)},
+          {"kind", line.kind},
+          {"address", line.address},
+          {"old", arch::to_json(line.before)},
+          {"new", arch::to_json(line.after)}};
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What can be said about an architecture file before anything of it runs. Making its elements runs
+/// code of plugins, so this is done in a process of its own: see judge.h.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "arch/diff.h"
+#include "arch/problem.h"
+#include "plugin/catalog.h"
+#include "protocol/framing.h"
+
+namespace mauve::daemon {
+
+using protocol::Json;
+
+/// A file, and with which eyes it is looked at.
+struct Question {
+  std::string text;
+  /// The architecture that `text` is compared with, also as the text of a file; none: `text` is
+  /// only checked.
+  std::optional<std::string> running = std::nullopt;
+  std::vector<std::string> loaded = {};  ///< plugins that run already
+  bool loads = false;  ///< the file may name others too: the caller may load plugins
+};
+
+[[nodiscard]] Json to_json(const Question& question);
+/// Of the text that to_json() gives; nothing when it makes no sense.
+[[nodiscard]] std::optional<Question> question_of(const std::string& text);
+
+/// {"errors":[...]} and, when the files are compared and good, {"same","lines","exchanged"?}.
+/// Refused when the running architecture cannot be made from the plugin files of now. Loads plugins
+/// into `catalog` and makes all elements.
+[[nodiscard]] Result<Json> judge(const Question& question, plugin::Catalog catalog);
+
+/// [{"line","column","at","code","message","hint"}], in the order of the file.
+[[nodiscard]] Json to_json(const arch::Problems& problems);
+/// {"op","kind","address","old","new"}
+[[nodiscard]] Json to_json(const arch::Line& line);
+
+}  // namespace mauve::daemon

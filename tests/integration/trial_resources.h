@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Resources of the plugin "trial", and the state that it keeps: NUMBER says which build this is.
+#pragma once
+
+#include <mauve/plugin.h>
+
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <tuple>
+#include <type_traits>
+
+namespace trial {
+
+struct MemoryV1 {
+  std::int64_t count = 0;
+};
+struct MemoryV2 {
+  double spare = 0;
+  std::int64_t count = 0;
+};
+using Memory = std::conditional_t<NUMBER == 3, MemoryV2, MemoryV1>;
+
+}  // namespace trial
+
+template <>
+struct mauve::Described<trial::MemoryV1> {
+  static constexpr std::string_view name = "trial_memory/1";
+  static constexpr auto fields() { return std::tuple{field("count", &trial::MemoryV1::count)}; }
+};
+template <>
+struct mauve::Described<trial::MemoryV2> {
+  static constexpr std::string_view name = "trial_memory/2";
+  static constexpr auto fields() {
+    return std::tuple{field("spare", &trial::MemoryV2::spare),
+                      field("count", &trial::MemoryV2::count)};
+  }
+};
+
+namespace trial {
+namespace {
+
+/// Returns when the file that is named in the environment is gone.
+void wait_for_file_to_go() {
+  const char* const path = std::getenv("MAUVE_TRIAL_WAITS");
+  while (path != nullptr && std::filesystem::exists(path)) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+}
+
+/// A resource that does not let its caller go when it is given this value.
+class MeterCore final : public mauve::Core<mauve::EmptyShell> {
+ public:
+  void note(const double& value) {
+    for (volatile bool for_ever = value == breaks_at.get(); for_ever;) {
+    }
+  }
+  double limit() { return breaks_at.get(); }
+
+ private:
+  mauve::Stateless stateless_{*this};
+  mauve::Property<double> breaks_at{*this, "breaks_at", 4.0, "hangs when it is given this value"};
+};
+struct MeterInterface : mauve::Interface<MeterCore> {
+  mauve::WriteService<double> write{*this, "write", &MeterCore::note};
+  mauve::ReadService<double> read{*this, "read", &MeterCore::limit};
+};
+
+/// A resource that counts what it is given, and shows which build it is of.
+struct TallyShell : mauve::Shell {
+  mauve::Property<std::int64_t> size{*this, "size", 7, "of the shell"};
+};
+class TallyCore final : public mauve::Core<TallyShell> {
+ public:
+  void note(const double& /*value*/) {
+    count = ++state->count;
+    number = NUMBER;
+    size = shell().size;
+  }
+
+ private:
+  mauve::State<Memory> state{*this};
+#if NUMBER == 3
+  mauve::Converts<MemoryV1, Memory> from_v1{
+      state, [](const MemoryV1& old, Memory& now) noexcept { now.count = old.count; }};
+#endif
+  mauve::Property<double> gain{*this, "gain", 1.0, "kept"};
+  mauve::Observable<std::int64_t> count{*this, "count", 0, "calls so far"};
+  mauve::Observable<std::int64_t> number{*this, "number", 0, "of the build"};
+  mauve::Observable<std::int64_t> size{*this, "size", 0, "of the shell, as met"};
+};
+struct TallyInterface : mauve::Interface<TallyCore> {
+  mauve::WriteService<double> note{*this, "note", &TallyCore::note};
+};
+
+/// A resource whose value is computed, and that never answers while the file of the environment is
+/// there.
+class MuteCore final : public mauve::Core<mauve::EmptyShell> {
+ public:
+  double value() {
+    if (const char* const path = std::getenv("MAUVE_TRIAL_WAITS"); path != nullptr) {
+      std::ofstream(std::string(path) + ".met") << "waiting";
+    }
+    wait_for_file_to_go();
+    return 1.0;
+  }
+
+ private:
+  mauve::Stateless stateless_{*this};
+};
+struct MuteInterface : mauve::Interface<MuteCore> {
+  mauve::ReadService<double> read{*this, "read", &MuteCore::value};
+};
+
+}  // namespace
+}  // namespace trial
