@@ -6,13 +6,13 @@
 #include <iterator>
 #include <utility>
 
+#include "plugin/checksum.h"
 #include "plugin/elf_file.h"
 
 namespace mauve::plugin {
 
 namespace {
 
-constexpr const char* kEntry = "mauve_plugin";
 constexpr const char* kHouseBuild = "build it with mauve_add_plugin()";
 
 // The compiler's own frame_dummy; sanitizers add one for each source file.
@@ -47,27 +47,17 @@ bool is_exported(const GElf_Sym& symbol) {
          (visibility == STV_DEFAULT || visibility == STV_PROTECTED);
 }
 
-/// The entry that dlsym will give out must be the manifest that is checked here.
-Result<PluginManifest> read_manifest(const ElfFile& file, const GElf_Sym& entry) {
-  const auto section = file.section(".mauve.manifest");
-  if (!section) return bad("is not a mauve plugin: it has no section .mauve.manifest", kHouseBuild);
-  const GElf_Xword offset = entry.st_value - section->header.sh_addr;
-  const std::size_t size = section->bytes.size();
-  if (entry.st_value < section->header.sh_addr || offset > size ||
-      size - offset < sizeof(PluginEntry) || entry.st_size < sizeof(PluginEntry)) {
-    return bad("is damaged: its manifest is too short", "build or copy it again");
+Status check_damage(const ElfFile& file, std::span<const std::byte> bytes, std::size_t manifest,
+                    std::uint64_t checksum) {
+  if (checksum == 0) {
+    return bad("has no checksum, so damage of the file would not be noticed",
+               "mauve_add_plugin() writes one after linking; by hand: mauve-stamp FILE");
   }
-  PluginManifest manifest;
-  std::memcpy(&manifest, section->bytes.data() + offset, sizeof manifest);
-  return manifest;
-}
-
-Result<GElf_Sym> find_entry(const std::vector<ElfSymbol>& symbols) {
-  for (const ElfSymbol& at : symbols) {
-    if (at.name == kEntry && is_exported(at.symbol)) return at.symbol;
+  if (checksum_of(file, bytes, manifest) != checksum) {
+    return bad("is damaged: its checksum does not fit",
+               "build or copy it again; after a tool that changed it: mauve-stamp FILE");
   }
-  return bad("is not a mauve plugin: it does not export mauve_plugin",
-             "write MAUVE_PLUGIN(plugin) { ... } in one of its sources");
+  return ok();
 }
 
 Status check_exports(const std::vector<ElfSymbol>& symbols) {
@@ -188,18 +178,19 @@ Status check_manifest(const PluginManifest& manifest, std::string_view name) {
 Result<Facts> inspect(std::span<const std::byte> bytes, std::string_view name) {
   const Result<ElfFile> file = ElfFile::open(bytes);
   if (!file) return file.error();
-  const std::vector<ElfSymbol> symbols = file->symbols(SHT_DYNSYM);
-  const Result<GElf_Sym> entry = find_entry(symbols);
-  if (!entry) return entry.error();
-  Result<PluginManifest> manifest = read_manifest(*file, *entry);
-  if (!manifest) return manifest.error();
-  Status good = check_manifest(*manifest, name);
-  if (good) good = check_exports(symbols);
+  const Result<std::size_t> at = find_manifest(*file);
+  if (!at) return at.error();
+  PluginManifest manifest;
+  std::memcpy(&manifest, bytes.data() + *at, sizeof manifest);
+  Status good = check_manifest(manifest, name);
+  if (good) good = check_damage(*file, bytes, *at, manifest.checksum);
+  if (!good) return good.error();
+  good = check_exports(file->symbols(SHT_DYNSYM));
   if (good) good = check_segments(*file);
   if (good) good = check_dynamic(*file);
   if (!good) return good.error();
 
-  Facts facts{*manifest, build_id(*file), {}};
+  Facts facts{manifest, build_id(*file), {}};
   if ((file->dynamic(DT_FLAGS_1).value_or(0) & DF_1_NODELETE) != 0) {
     facts.warnings.emplace_back("linked with -z nodelete: a reload cannot unmap it");
   }

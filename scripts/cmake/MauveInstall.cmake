@@ -8,7 +8,7 @@ set(mauve_cmake_dir "${CMAKE_INSTALL_LIBDIR}/cmake/mauve")
 set(MAUVE_SYSTEMD_DIR "lib" CACHE STRING "Holds systemd/system, sysusers.d and tmpfiles.d")
 
 # Programs and libmauve.
-foreach(program mauved mauvectl)
+foreach(program mauved mauvectl mauve_stamp)
   if(TARGET ${program})
     set_target_properties(${program} PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
   endif()
@@ -19,7 +19,8 @@ endif()
 if(TARGET mauvectl)
   install(TARGETS mauvectl RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 endif()
-install(TARGETS mauve_runtime EXPORT mauveTargets LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+install(TARGETS mauve_runtime mauve_stamp EXPORT mauveTargets
+  LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 
 # Plugins of plugins/, and the headers of their types and contracts.
 get_property(mauve_plugins GLOBAL PROPERTY MAUVE_PLUGIN_TARGETS)

@@ -3,8 +3,8 @@
 #                  [OUTPUT_DIRECTORY dir])
 #
 # Builds NAME.so as mauved wants its plugins: one exported symbol, everything resolved at link time,
-# nothing that would pin the code in memory after dlclose, no search path of its own. The target is
-# called NAME unless TARGET says otherwise. Works in this tree and after find_package(mauve).
+# nothing that would pin the code in memory after dlclose, no search path of its own, and a checksum
+# in its manifest by which mauved notices damage (mauve-stamp, after linking). The target is called NAME unless TARGET says otherwise. Works in this tree and after find_package(mauve).
 set(MAUVE_PLUGIN_VERSION_SCRIPT "${CMAKE_CURRENT_LIST_DIR}/mauve_plugin.map")
 
 function(mauve_add_plugin name)
@@ -59,6 +59,8 @@ function(mauve_add_plugin name)
     target_link_options(${ARG_TARGET} PRIVATE LINKER:-z,defs)
   endif()
   target_link_libraries(${ARG_TARGET} PRIVATE mauve::runtime ${ARG_LINKS})
+  add_custom_command(TARGET ${ARG_TARGET} POST_BUILD
+    COMMAND mauve::stamp "$<TARGET_FILE:${ARG_TARGET}>" VERBATIM)
   # Types and contracts of other plugins, spelled alike here and after installation: "types/pose.h".
   target_include_directories(${ARG_TARGET} PRIVATE "${MAUVE_PLUGIN_INCLUDE_DIR}")
   if(TARGET mauve_warnings)

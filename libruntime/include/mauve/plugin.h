@@ -100,7 +100,8 @@ struct PluginManifest {
   char name[64] = {};
   char version[32] = {};
   char compiler[64] = {};
-  std::uint64_t reserved[8] = {};
+  std::uint64_t checksum = 0;  ///< of what is mapped, written after linking; 0: not yet
+  std::uint64_t reserved[7] = {};
 };
 
 /// The one exported symbol of a plugin, `mauve_plugin`. The manifest comes first.

@@ -6,12 +6,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstddef>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "plugin/checksum.h"
 #include "plugin/elf_file.h"
 #include "support/temp_dir.h"
 #include "unit/plugin/zoo.h"
@@ -128,14 +132,63 @@ class Mutation {
   std::vector<std::pair<std::size_t, std::byte>> undo_;
 };
 
+/// Every second file is stamped, so that the checks behind the checksum see it too.
 TEST(ElfCheck, NeverCrashesOnChangedBytes) {
   Mutation mutation(good());
   int refused = 0;
   constexpr int kRounds = 3000;
   for (int i = 0; i < kRounds; ++i) {
-    if (!inspect(mutation.next(), "good")) ++refused;
+    std::vector<std::byte> bytes = mutation.next();
+    if (i % 2 == 0) static_cast<void>(stamp(bytes));
+    if (!inspect(bytes, "good")) ++refused;
   }
   EXPECT_GT(refused, kRounds / 10);
+}
+
+/// The bytes that are mapped, but for the names of the section headers and the checksum.
+std::vector<std::size_t> mapped_bytes() {
+  const Result<ElfFile> file = ElfFile::open(good());
+  std::vector<std::size_t> mapped;
+  for (const GElf_Phdr& segment : file->segments()) {
+    if (segment.p_type != PT_LOAD) continue;
+    for (std::size_t at = 0; at < segment.p_filesz; ++at) mapped.push_back(segment.p_offset + at);
+  }
+  const std::size_t own = *find_manifest(*file) + offsetof(PluginManifest, checksum);
+  std::erase_if(mapped, [own](std::size_t at) {
+    return (at >= offsetof(Elf64_Ehdr, e_shoff) && at < offsetof(Elf64_Ehdr, e_flags)) ||
+           (at >= offsetof(Elf64_Ehdr, e_shnum) && at < sizeof(Elf64_Ehdr)) ||
+           (at >= own && at < own + sizeof(PluginManifest::checksum));
+  });
+  return mapped;
+}
+
+TEST(ElfCheck, RefusesAnyChangedBitOfWhatIsMapped) {
+  std::vector<std::byte> bytes = good();
+  const std::vector<std::size_t> mapped = mapped_bytes();
+  std::mt19937_64 random(7);
+  for (int i = 0; i < 2000; ++i) {
+    const std::size_t at = mapped[random() % mapped.size()];
+    const auto bit = std::byte{1} << (random() % 8);
+    bytes[at] ^= bit;
+    EXPECT_FALSE(inspect(bytes, "good")) << "bit " << static_cast<int>(bit) << " of byte " << at;
+    bytes[at] ^= bit;
+  }
+  EXPECT_TRUE(inspect(bytes, "good")) << "as it was";
+}
+
+/// strip(1) takes sections away and moves their headers; what is mapped stays.
+TEST(ElfCheck, AcceptsAPluginThatWasStripped) {
+  const mauve::test::TempDir folder;
+  const auto stripped = folder / "good.so";
+  std::filesystem::copy_file(zoo_file("1/good.so"), stripped);
+  const std::string command = "strip --strip-unneeded " + stripped.string();
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  const std::string text = mauve::test::TempDir::read(stripped);
+  ASSERT_LT(text.size(), good().size());
+
+  const Result<Facts> facts = inspect(std::as_bytes(std::span(text)), "good");
+
+  EXPECT_TRUE(facts) << to_string(facts.error());
 }
 
 TEST(ElfCheck, SpeaksInPrintableWordsAboutBadNames) {

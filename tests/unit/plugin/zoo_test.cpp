@@ -56,6 +56,7 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"search_path", Errc::plugin_refused, "RPATH or RUNPATH"},
         Fault{"executable_stack", Errc::plugin_refused, "executable stack"},
         Fault{"needs_neighbour", Errc::plugin_refused, "needs neighbour.so"},
+        Fault{"not_stamped", Errc::plugin_refused, "has no checksum"},
         Fault{"two_symbols", Errc::plugin_refused, "must be its only exported symbol"}),
     [](const auto& each) { return std::string(each.param.plugin); });
 
