@@ -9,6 +9,7 @@
 #include <mutex>
 
 #include "model/leavable.h"
+#include "rt/rescue.h"
 
 namespace mauve::daemon {
 
@@ -58,6 +59,7 @@ void Factory::begin() {
   }
   thread_ = std::thread([shared = shared_, fresh] {
     prctl(PR_SET_NAME, "mauve-factory");
+    const rt::FaultStack stack;  // a hook may fill its own
     fresh->leavable.begin_here();
     run(shared, fresh);
   });

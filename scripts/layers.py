@@ -47,7 +47,7 @@ ROOMS = {
     "yaml-cpp/": "plugins/",
     **{f"{room}/": "plugins/ros/" for room in
        ("ros", "geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs")},
-    "dlfcn.h": "libruntime/plugin/",
+    "dlfcn.h": "libruntime/plugin/ libruntime/rt/ends",
     "link.h": "libruntime/plugin/ libruntime/rt/rescue",
     "csetjmp": "libruntime/rt/rescue",
     "setjmp.h": "libruntime/rt/rescue",

@@ -156,11 +156,23 @@ bool Barrier::hand_over(const std::vector<PreparedResource>& changed) {
     }
   }
   MAUVE_FAIL_POINT("barrier.before_hand_over");
-  for (Heir& heir : heirs_) {
-    heir.bytes = heir.plan.run();
-    go_on_counting(*heir.from, *heir.into);
-  }
+  if (!hand_over()) return false;
   MAUVE_FAIL_POINT("barrier.after_hand_over");
+  return true;
+}
+
+/// All, or nothing: what was moved before one fails is moved back.
+bool Barrier::hand_over() {
+  for (std::size_t i = 0; i < heirs_.size(); ++i) {
+    const auto bytes = heirs_[i].plan.run(heirs_[i].into->name());
+    if (!bytes) {
+      while (i > 0) heirs_[--i].plan.undo();
+      call_off(bytes.error());
+      return false;
+    }
+    heirs_[i].bytes = *bytes;
+  }
+  for (const Heir& heir : heirs_) go_on_counting(*heir.from, *heir.into);
   return true;
 }
 

@@ -70,6 +70,7 @@ class Barrier {
     std::uint64_t missed_before;
   };
 
+  [[nodiscard]] bool hand_over();
   void part();
   [[nodiscard]] std::string absent() const;
 

@@ -73,6 +73,7 @@ class Commit final : public Ongoing {
   void refuse_all(Error error);
   void change_membership();
   void begin_probation();
+  [[nodiscard]] std::string failed() const;
   [[nodiscard]] Error not_applied() const;
 
   System& system_;

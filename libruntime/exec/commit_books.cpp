@@ -124,7 +124,8 @@ void Commit::conclude() {
   receipt_.commit = Duration{swapped.instant - system_.t0};
   receipt_.attempts = swapped.attempts;
   receipt_.warnings = content_->warnings;
-  if (swapped.state == SwapResult::State::partly && way_back_ != nullptr) return take_back();
+  const bool whole = swapped.state == SwapResult::State::committed && failed().empty();
+  if (!whole && way_back_ != nullptr) return take_back();
   receipt_.generation = ++system_.generation;
   exchange_fallbacks(system_.architecture, content_->fallbacks);
   if (barrier_ != nullptr) {
@@ -132,7 +133,7 @@ void Commit::conclude() {
     barrier_->end();
   }
   change_membership();
-  if (swapped.state == SwapResult::State::committed) {
+  if (whole) {
     result_ = receipt_;
     if (way_back_ != nullptr) return begin_probation();
   } else {
@@ -174,7 +175,11 @@ bool Commit::all_went_back() {
   if (under_way && system_.runner->now() < back_by_) return false;
   if (under_way) system_.probation->tell_after_all();
   result_ = not_applied();
-  if (!under_way) {
+  if (!under_way && !failed().empty()) {
+    result_ = refuse(Errc::hook_threw, failed(),
+                     "could not convert the state of the core before, so the change was taken back",
+                     "mend its converter: the log says how it failed");
+  } else if (!under_way) {
     result_ = refuse(Errc::timed_out, result_->error().at,
                      "did not end its job within 2 s, so the change was taken back on all others",
                      "look at `status`: a core that never returns holds its component");
@@ -217,7 +222,24 @@ void Commit::begin_probation() {
                                                     way_back_, std::move(retired_), back_number_);
 }
 
+/// The names of members whose state was not converted.
+std::string Commit::failed() const {
+  std::string names;
+  for (std::size_t i = 0; i < swap_->members().size() && i < deployed_.size(); ++i) {
+    if (!swap_->members()[i].failed) continue;
+    names += (names.empty() ? "" : ", ") + deployed_[i]->task->name();
+  }
+  return names;
+}
+
 Error Commit::not_applied() const {
+  if (const std::string names = failed(); !names.empty()) {
+    return refuse(Errc::partly, names,
+                  "could not convert the state of the core before, so it failed with its safe "
+                  "values written; the change is in force",
+                  "mend its converter, then swap again; without --probation off it would have been "
+                  "taken back");
+  }
   std::string names;
   for (const Deployed* one : silent()) {
     names += (names.empty() ? "" : ", ") + one->task->name();

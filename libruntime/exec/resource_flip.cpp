@@ -66,7 +66,8 @@ void ResourceFlip::take() {
   const Instant begin = MonotonicClock().now();
   for (const auto& [port, before] : safe_writes_) write_quietly(*port, *before, true);
   if (!resource_.gate().poisoned()) {  // else it may be half written: the new core begins anew
-    hand_over_.run();
+    // Half a state is not for its users: they are told, as after a caller that crashed in it.
+    if (hand_over_.run().happened()) resource_.gate().poison();
     bytes_ = hand_over_.bytes;
   }
   for (const auto& [into, from] : observables_) into->continue_from(*from);

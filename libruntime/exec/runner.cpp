@@ -18,7 +18,7 @@ class Simulation final : public Runner {
     return ok();
   }
   void open() override {}
-  void wake(Task& task) override { task.serve(); }
+  void wake(Task& task) override { static_cast<void>(task.serve()); }
 
   bool await(const std::function<bool()>& condition, Instant deadline) override {
     while (!condition()) {

@@ -134,6 +134,7 @@ void Swap::settle(Member& member) {
   if (progress == Progress::done) {
     member.pause = member.published->answer->pause;
     member.bytes = member.published->answer->bytes;
+    member.failed = member.published->answer->failed;
     member.in_force = true;
     static_cast<void>(member.task->reclaim());  // what it ran with before: words, no elements
   } else {

@@ -34,6 +34,7 @@ struct Member {
   bool in_force = false;            ///< it runs with `next` now
   Duration pause{0};                ///< the answer of its thread
   std::size_t bytes = 0;
+  bool failed = false;  ///< it runs with `next`, whose state was not converted
 };
 
 /// One resource's part.

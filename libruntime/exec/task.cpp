@@ -114,30 +114,31 @@ bool Task::early(const Published& next) const {
   return !running_ || (release_ >= decision.instant() && !due());
 }
 
-void Task::serve() {
+bool Task::serve() {
   if (Published* next = pending_.load(std::memory_order_acquire)) {
     if (next->transaction->state() == Transaction::State::aborted) {
       give_back(*next);
     } else if (early(*next) && claim(*next)) {
       fetch(*next);
-      take(*next, state_time());
+      if (!take(*next, state_time())) return false;
       acknowledge();
     }
   }
   if (Published* back = back_.load(std::memory_order_acquire)) {
     if (early(*back) && empty(back_, *back)) {
-      take(*back, clock_.now());
+      if (!take(*back, clock_.now())) return false;
       acknowledge();
     }
   }
   add<std::uint64_t>(looks_, 1);
+  return true;
 }
 
 bool Task::release() {
   if (current_->nearby != nullptr) current_->nearby->ask();
   const Instant now = clock_.now();
   drop_missed(now);
-  meet_boundary(now);
+  if (!meet_boundary(now)) return false;
   if (running_ && release_ <= now) {
     if (failed_) {
       skip_job();
@@ -163,16 +164,18 @@ void Task::drop_missed(Instant now) {
 }
 
 /// The one place where a running component changes. Before it everything is old, after it new.
-void Task::meet_boundary(Instant now) {
+bool Task::meet_boundary(Instant now) {
   Published* next = pending_.load(std::memory_order_acquire);
   if (next != nullptr) {
     // The coordinator is late: a member at its instant decides for all that nothing happens.
     const Transaction::Verdict verdict = next->transaction->meet(release_);
     if (verdict == Transaction::Verdict::give_back) give_back(*next);
-    if (verdict == Transaction::Verdict::take && claim(*next)) take(*next, now);
+    const bool takes = verdict == Transaction::Verdict::take && claim(*next);
+    if (takes && !take(*next, now)) return false;
   }
-  if (waiting_) return;  // a relief waits as well
-  if (Published* other = take_over()) take(*other, now);
+  if (waiting_) return true;  // a relief waits as well
+  Published* const other = take_over();
+  return other == nullptr || take(*other, now);
 }
 
 /// The way back once it was set off, or the relief of a core that failed; null: go on.
@@ -187,34 +190,61 @@ Published* Task::take_over() {
   return ready ? relief : nullptr;
 }
 
-MAUVE_RUNS_AT_A_SWAP void Task::take(Published& next, Instant begin) {
+MAUVE_RUNS_AT_A_SWAP bool Task::take(Published& next, Instant begin) {
   acknowledge();  // of a change that is overtaken at the same boundary
   tell_taken(next, begin);
-  if (next.barrier != Published::Barrier::none) return wait_or_go_on(next);
+  if (next.barrier != Published::Barrier::none) return wait_or_go_on(next), true;
   if (next.mode_only) keep_bundle(next);
   const bool waited = std::exchange(waiting_, false);
-  const bool was_running = running_ = running_ || waited;
+  running_ = running_ || waited;
   for (const auto& [port, before] : next.safe_writes) write_quietly(*port, *before, true);
   if (next.mode == Mode::park) write_safe_values();
   // Nothing is taken from a core that a lost thread may still be inside.
-  if (current_->bundle->core.get() != lost_) {
-    next.hand_over.run();
-    next.answer->bytes = next.hand_over.bytes;
-    for (const auto& [into, from] : next.observables) into->continue_from(*from);
+  const bool whole = current_->bundle->core.get() != lost_;
+  if (whole && !take_state(next)) return false;
+  const bool was_running = running_;
+  take_rest(next);
+  next.answer->pause = Duration{next.count_gap ? release_ - parked_at_ : state_time() - begin};
+  if (waited) next.answer->pause = skip_gap(next.transaction->instant());
+  if (was_running && running_) {
+    note(rt::EventKind::swapped, LogLevel::info, next.answer->pause.count(),
+         static_cast<std::int64_t>(next.answer->bytes));
   }
+  if (next.answer->failed) fail_in_hand_over(hand_over_fault_);
+  return true;
+}
+
+/// A converter is code of the new core, so the guard looks at it as at a job. False: it did not
+/// return, and this thread was given up in it.
+MAUVE_RUNS_AT_A_SWAP bool Task::take_state(Published& next) {
+  const bool converts = next.hand_over.convert != nullptr;
+  Instant begun = state_time();
+  if (converts) {
+    taking_ = &next;
+    watched_.busy_since.store(begun, std::memory_order_release);
+  }
+  const rt::Fault fault = next.hand_over.run(watched_);
+  if (converts) {
+    if (!watched_.busy_since.compare_exchange_strong(begun, 0)) return false;
+    taking_ = nullptr;
+  }
+  next.answer->bytes = next.hand_over.bytes;
+  next.answer->failed = fault.happened();
+  hand_over_fault_ = fault;
+  for (const auto& [into, from] : next.observables) into->continue_from(*from);
+  return true;
+}
+
+/// All of it but what the core before hands over.
+MAUVE_RUNS_AT_A_SWAP void Task::take_rest(Published& next) {
+  const bool was_running = running_;
   next.bundle->shell->use(next.bundle->bindings.get());
   map_state(next);
   Published* const old = current_;
   put_in_place(next);
   rearm(next, was_running);
   unacknowledged_ = &next;
-  next.answer->pause = Duration{next.count_gap ? release_ - parked_at_ : state_time() - begin};
-  if (waited) next.answer->pause = skip_gap(next.transaction->instant());
   pile_up(*old);
-  if (running_ && was_running) {
-    note(rt::EventKind::swapped, LogLevel::info, next.answer->pause.count(),
-         static_cast<std::int64_t>(next.answer->bytes));
-  }
 }
 
 /// A task that does not run has nothing to wait with.

@@ -91,7 +91,7 @@ class Task {
   /// False: the job has ended. The thread must not end meanwhile.
   bool lose_thread(Instant since);
   /// What the lost thread still uses.
-  [[nodiscard]] std::shared_ptr<const Bundle> bundle() const { return current_->bundle; }
+  [[nodiscard]] std::vector<std::shared_ptr<const Bundle>> bundles() const;
   /// There is no other thread.
   void park_for_good(const char* why);
 
@@ -100,7 +100,8 @@ class Task {
   void runs_on(Job* job);
   /// Takes a change that need not wait for a boundary: an aborted one is given back; a decided one
   /// is taken now when no job lies between its instant and the armed release (realtime 8.4.9).
-  void serve();
+  /// False: as of release().
+  bool serve();
   [[nodiscard]] bool running() const { return running_; }
   /// When the next job is due (monotonic); only while running.
   [[nodiscard]] Instant next_release() const { return release_; }
@@ -115,7 +116,7 @@ class Task {
  private:
   static bool empty(std::atomic<Published*>& slot, Published& content);
   void drop_missed(Instant now);
-  void meet_boundary(Instant now);
+  [[nodiscard]] bool meet_boundary(Instant now);
   [[nodiscard]] bool early(const Published& next) const;
   [[nodiscard]] bool claim(Published& next) { return empty(pending_, next); }
   [[nodiscard]] Published* take_over();
@@ -123,8 +124,11 @@ class Task {
   void put_in_place(Published& next);
   void keep_bundle(Published& next) const;
   void pile_up(Published& unused);
-  /// `begin`: when the job that the change delays would have begun.
-  void take(Published& next, Instant begin);
+  /// `begin`: when the job that the change delays would have begun. False: as of release().
+  [[nodiscard]] bool take(Published& next, Instant begin);
+  [[nodiscard]] bool take_state(Published& next);
+  void take_rest(Published& next);
+  void fail_in_hand_over(const rt::Fault& fault);
   void wait_or_go_on(Published& step);
   Duration skip_gap(Instant until);
   void give_back(Published& next);
@@ -200,6 +204,7 @@ class Task {
   Published* current_ = nullptr;
   rt::JobTimes* times_ = nullptr;        // where this job counts
   Published* unacknowledged_ = nullptr;  // taken, its first job not yet done
+  Published* taking_ = nullptr;          // its converter runs
   const CoreBase* lost_ = nullptr;       // a thread that was given up may still be inside
   FsmState* state_ = nullptr;            // the wait the task is in; null: before the initial state
   Instant t0_ = 0;
@@ -208,6 +213,7 @@ class Task {
   Instant parked_at_ = 0;
   std::uint64_t number_ = 0;   // of the last change it took
   Instant relief_from_ = 0;    // not before
+  rt::Fault hand_over_fault_;  // of the last converter
   Evidence evidence_;          // against the core, on probation
   Duration excused_{0};        // for so long the machine was held up during the job before
   Instant excused_until_ = 0;  // jobs released before this instant wait behind that one

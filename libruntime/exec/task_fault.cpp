@@ -143,6 +143,26 @@ bool Task::lose_thread(Instant since) {
   return true;
 }
 
+/// The new core is in place, with a state that may be half written.
+void Task::fail_in_hand_over(const rt::Fault& fault) {
+  write_safe_values();
+  const auto text = std::string_view("its converter: ").copy(fault_.data(), fault_.size());
+  if (fault.interrupted) {
+    std::snprintf(&fault_.at(text), fault_.size() - text, "ran longer than %lld ms",
+                  static_cast<long long>(current_->bound / 1ms));
+  } else {
+    rt::describe(fault, &fault_.at(text), fault_.size() - text);
+  }
+  on_fault(fault.interrupted ? Cause::hung : Cause::crashed);
+}
+
+/// A lost thread may be between two of them.
+std::vector<std::shared_ptr<const Bundle>> Task::bundles() const {
+  std::vector<std::shared_ptr<const Bundle>> all{current_->bundle};
+  if (taking_ != nullptr) all.push_back(taking_->bundle);
+  return all;
+}
+
 void Task::park_for_good(const char* why) {
   std::snprintf(fault_.data(), fault_.size(), "%s", why);
   park(ComponentState::faulted);

@@ -65,7 +65,7 @@ bool Task::run_job(Instant now) {
   JobEnd end{*this, now};
   watched_.busy_since.store(now, std::memory_order_release);
   const rt::Fault fault = rt::rescued(&JobEnd::run, &end, watched_);
-  if (fault.signal != 0) Gate::poison_and_leave_all();
+  if (fault.happened()) Gate::poison_and_leave_all();
   Instant begun = now;
   const bool ours = watched_.busy_since.compare_exchange_strong(begun, 0);
   if (ours) conclude(now, end, fault);
@@ -111,10 +111,10 @@ void Task::begin_job(Instant now) {
 }
 
 void Task::conclude(Instant start, const JobEnd& end, const rt::Fault& fault) {
-  if (fault.signal != 0 || end.threw) write_safe_values();  // before anything is said about it
+  if (fault.happened() || end.threw) write_safe_values();  // before anything is said about it
   if (fault.interrupted) {
     hung();
-  } else if (fault.signal != 0) {
+  } else if (fault.happened()) {
     rt::describe(fault, fault_.data(), fault_.size());
     on_fault(Cause::crashed);
   } else if (end.threw) {
@@ -131,6 +131,10 @@ void Task::conclude(Instant start, const JobEnd& end, const rt::Fault& fault) {
 void Task::go_on() {
   this_job().lock_bound = current_->shortest_wait;
   this_task() = this;
+  if (Published* const next = std::exchange(taking_, nullptr)) {
+    take_rest(*next);
+    next->answer->failed = true;
+  }
   lost_ = current_->bundle->core.get();
   write_safe_values();
   hung();

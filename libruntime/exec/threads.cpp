@@ -132,7 +132,7 @@ class Threads final : public Runner {
     Task& task;
     rt::ThreadAttributes attributes;
     std::atomic<bool> quit{false};
-    std::shared_ptr<const Bundle> inside;  // once lost: what it may still use
+    std::vector<std::shared_ptr<const Bundle>> inside;  // once lost: what it may still use
     bool ending = false;
     Instant judged = 0;       // when the job began that the next two are about
     Duration used_before{0};  // of the processor, when its last tenth began
@@ -165,7 +165,7 @@ class Threads final : public Runner {
     bool ours = true;
     while (ours && !worker.quit.load(std::memory_order_relaxed)) ours = step(worker.task);
     const std::lock_guard lock(mutex_);  // the guard is not looking at this thread's job
-    if (worker.inside == nullptr) worker.task.runs_on(nullptr);
+    if (worker.inside.empty()) worker.task.runs_on(nullptr);
     worker.ending = true;
     look_again();
   }
@@ -173,7 +173,7 @@ class Threads final : public Runner {
   /// One look at the mailbox and at the clock; sleeps until there is something to do.
   static bool step(Task& task) {
     const std::uint32_t seen = task.command().load(std::memory_order_acquire);
-    task.serve();
+    if (!task.serve()) return false;
     if (task.due()) return task.release();  // a wait for the past would cost 15 us
     rt::futex_wait_until(task.command(), seen, task.running() ? task.next_release() : rt::kForever);
     return true;
@@ -257,7 +257,7 @@ class Threads final : public Runner {
   void replace(std::unique_ptr<Worker>& worker) {
     static_cast<void>(worker->thread.set_priority(0));
     auto next = std::make_unique<Worker>(worker->task, worker->attributes);
-    worker->inside = worker->task.bundle();
+    worker->inside = worker->task.bundles();
     Worker& self = *next;
     lost_.push_back(std::exchange(worker, std::move(next)));
     const Status started = self.thread.start(self.attributes, [this, &self] {

@@ -2,16 +2,31 @@
 /// Safe values are written when something ends; nothing may come of it but the write.
 #pragma once
 
+#include "rt/rescue.h"
+
+#include <mauve/gate.h>
 #include <mauve/port.h>
 
 namespace mauve::exec {
 
-/// A resource that throws when it is given a safe value cannot take the machine down with it. [any]
+/// A resource that throws or crashes when it is given a safe value cannot take the machine down
+/// with it; one that crashes is poisoned. [any]
 inline void write_quietly(const PortBase& port, const Binding& connection, bool by_owner) {
-  try {
-    port.write_safe(connection, by_owner);
-  } catch (...) {
-  }
+  struct Write {
+    const PortBase& port;
+    const Binding& connection;
+    bool by_owner;
+
+    static void run(void* self) {
+      const auto& write = *static_cast<Write*>(self);
+      try {
+        write.port.write_safe(write.connection, write.by_owner);
+      } catch (...) {
+      }
+    }
+  };
+  Write write{port, connection, by_owner};
+  if (rt::rescued(&Write::run, &write, rt::kUnwatched).happened()) Gate::poison_and_leave_all();
 }
 
 }  // namespace mauve::exec

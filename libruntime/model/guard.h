@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The door behind which user constructors and hooks may throw what they like, or never return.
+/// The door behind which user constructors and hooks may throw what they like, crash, or never
+/// return.
 #pragma once
 
 #include <exception>
 #include <string>
+#include <utility>
 
 #include "model/leavable.h"
+#include "rt/rescue.h"
 
 #include <mauve/result.h>
 
@@ -19,26 +22,44 @@ inline const char* text_of(const std::exception& error) noexcept {
 
 namespace detail {
 
+/// What a hook leaves.
 template <typename Body>
-Status caught(const std::string& at, const char* hook, Body&& body) {
-  try {
-    return body();
-  } catch (const std::exception& error) {
-    return refuse(Errc::hook_threw, at, std::string(hook) + " threw: " + text_of(error));
-  } catch (...) {
-    return refuse(Errc::hook_threw, at,
-                  std::string(hook) + " threw something that is no std::exception");
+struct HookRun {
+  const std::string& at;
+  const char* hook;
+  Body& body;
+  Status done = ok();
+
+  static void run(void* self) {
+    auto& hook = *static_cast<HookRun*>(self);
+    hook.done = hook.caught();
   }
-}
+  Status caught() {
+    try {
+      return body();
+    } catch (const std::exception& error) {
+      return refuse(Errc::hook_threw, at, std::string(hook) + " threw: " + text_of(error));
+    } catch (...) {
+      return refuse(Errc::hook_threw, at,
+                    std::string(hook) + " threw something that is no std::exception");
+    }
+  }
+};
+
+/// The refusal of a hook that did not end by itself.
+[[nodiscard]] Error crashed(const std::string& at, const char* hook, const rt::Fault& fault);
 
 }  // namespace detail
 
-/// Runs `body` (returning Status); whatever it throws becomes an Error that names the hook. So does
-/// a return to a thread that was left behind in it: whoever gets that must not touch the model.
+/// Runs `body` (returning Status). Whatever it throws becomes an Error that names the hook, and so
+/// does a crash in its own code, or a call that would end the process. A return to a thread that
+/// was left behind in it is an Error too: its caller must not touch the model.
 template <typename Body>
 Status call_hook(const std::string& at, const char* hook, Body&& body) {
   InHook in_hook(at, hook);
-  Status done = detail::caught(at, hook, body);
+  detail::HookRun<Body> run{at, hook, body};
+  const rt::Fault fault = rt::rescued(&detail::HookRun<Body>::run, &run, rt::kUnwatched);
+  Status done = fault.happened() ? Status(detail::crashed(at, hook, fault)) : std::move(run.done);
   if (in_hook.back()) return done;
   return refuse(Errc::timed_out, at, std::string(hook) + " returned when it had been given up");
 }

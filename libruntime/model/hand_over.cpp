@@ -57,13 +57,19 @@ Status hand_over_slow(const CoreBase& from, const CoreBase& into) {
 
 }  // namespace
 
-MAUVE_RUNS_AT_A_SWAP void HandOver::run() const noexcept {
-  if (from == nullptr) return;
+MAUVE_RUNS_AT_A_SWAP rt::Fault HandOver::run(const rt::Watched& watched) const {
+  if (from == nullptr) return {};
   if (convert == nullptr) {
     into->exchange(*from);
-  } else {
-    into->convert(*from, *convert);
+    return {};
   }
+  HandOver copy = *this;  // a thread that never returns from the converter outlives the original
+  return rt::rescued(&HandOver::run_converter, &copy, watched);
+}
+
+void HandOver::run_converter(void* self) {
+  const auto& plan = *static_cast<const HandOver*>(self);
+  plan.into->convert(*plan.from, *plan.convert);
 }
 
 void HandOver::fetch() const {

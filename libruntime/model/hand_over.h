@@ -11,6 +11,8 @@
 
 #include <cstddef>
 
+#include "rt/rescue.h"
+
 #include <mauve/change.h>
 #include <mauve/core.h>
 #include <mauve/resource.h>
@@ -24,10 +26,14 @@ struct HandOver {
   const ConvertsBase* convert = nullptr;  ///< null: the objects change owner
   std::size_t bytes = 0;                  ///< size of the state handed over
 
-  /// At the boundary. [rt], no heap; two pointer stores, or the converter.
-  void run() const noexcept;
+  /// At the boundary. [rt], no heap; two pointer stores, or the converter: a fault of that is
+  /// returned, and `into` may be half written then. `watched`: see rt::rescued().
+  [[nodiscard]] rt::Fault run(const rt::Watched& watched = rt::kUnwatched) const;
   /// Brings near what run() will touch. [rt]
   void fetch() const;
+
+ private:
+  static void run_converter(void* self);
 };
 
 /// Errors: type_mismatch, with both types. [any], not on a real-time thread.

@@ -3,6 +3,8 @@
 
 #include <new>
 
+#include "model/guard.h"
+
 namespace mauve {
 namespace {
 
@@ -76,14 +78,25 @@ std::size_t transfer(const ValueStore& from, ValueStore& into) {
 
 }  // namespace
 
-std::size_t Succession::run() const {
-  if (from != nullptr) return transfer(*from, *into);
-  if (copies) {
-    hand_over.into->copy(*hand_over.from);
-  } else {
-    hand_over.run();
-  }
-  return hand_over.bytes;
+Result<std::size_t> Succession::run(const std::string& at) const {
+  std::size_t bytes = hand_over.bytes;
+  const Status done = call_hook(at, "converter", [&] {
+    if (from != nullptr) {
+      bytes = transfer(*from, *into);
+    } else if (copies) {
+      hand_over.into->copy(*hand_over.from);
+    } else if (const rt::Fault fault = hand_over.run(); fault.happened()) {
+      return Status(detail::crashed(at, "converter", fault));
+    }
+    return ok();
+  });
+  if (!done) return done.error();
+  return bytes;
+}
+
+void Succession::undo() const {
+  const bool moved = from == nullptr && !copies && hand_over.convert == nullptr;
+  if (moved) static_cast<void>(hand_over.run());
 }
 
 Result<Succession> plan_succession(const ResourceBase& from, const ResourceBase& into,

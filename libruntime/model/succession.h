@@ -10,6 +10,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "model/hand_over.h"
 
@@ -38,8 +39,11 @@ struct Succession {
   const ValueStore* from = nullptr;
   ValueStore* into = nullptr;
 
-  /// Nobody uses either resource. Cannot fail. Bytes that were handed over. [control]
-  [[nodiscard]] std::size_t run() const;
+  /// Nobody uses either resource. Bytes that were handed over; an error, of `at`, when a converter
+  /// fails. [control]
+  [[nodiscard]] Result<std::size_t> run(const std::string& at) const;
+  /// After run(): the old resource has again what was moved.
+  void undo() const;
 };
 
 /// `way_back`: the old resource may come back, with what it holds now. Errors: type_mismatch,

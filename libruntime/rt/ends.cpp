@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <mutex>
 
+#include <dlfcn.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -131,15 +132,65 @@ void EndHandlers::set_unexpected_status(int status) { unexpected.store(status); 
 }  // namespace mauve::rt
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which have their own
+namespace {
+
+/// The function of this name in the C library.
+template <typename Function>
+Function* next(const char* name) {
+  return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
+}
+
+/// A child that a job forked ends as it asked for.
+void end_body_of_owner(const mauve::rt::Fault& fault) {
+  if (mauve::rt::owner.load() == getpid()) mauve::rt::end_body(fault);
+}
+
+}  // namespace
+
+// These stand before those of the C library. A job or hook that calls one of them ends, and not the
+// process; everywhere else they do what they always do, the last words first.
 extern "C" {
 
-/// Stands before that of the C library, for plugins that leave without exit().
+void abort() noexcept {
+  end_body_of_owner({.call = "abort"});
+  next<void()>("abort")();
+  mauve::rt::end_now(128 + SIGABRT);
+}
+
+void exit(int status) noexcept {
+  end_body_of_owner({.call = "exit", .status = status});
+  next<void(int)>("exit")(status);
+  mauve::rt::end_now(status);
+}
+
+void quick_exit(int status) noexcept {
+  end_body_of_owner({.call = "quick_exit", .status = status});
+  next<void(int)>("quick_exit")(status);
+  mauve::rt::end_now(status);
+}
+
 void _exit(int status) {
+  end_body_of_owner({.call = "_exit", .status = status});
   mauve::rt::before_exit(status);
   mauve::rt::end_now(status);
 }
 
 void _Exit(int status) noexcept { _exit(status); }
+
+void pthread_exit(void* value) {
+  end_body_of_owner({.call = "pthread_exit"});
+  next<void(void*)>("pthread_exit")(value);
+  for (;;) pause();
+}
+
+/// assert() of C and C++.
+void __assert_fail(const char* assertion, const char* file, unsigned line,
+                   const char* function) noexcept {
+  end_body_of_owner({.call = "assert"});
+  next<void(const char*, const char*, unsigned, const char*)>("__assert_fail")(assertion, file,
+                                                                               line, function);
+  mauve::rt::end_now(128 + SIGABRT);
+}
 
 }  // extern "C"
 #endif

@@ -25,10 +25,11 @@ constexpr std::array<int, 5> kFaults{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 struct Frame {
   sigjmp_buf buffer;
   const Watched* watched;
+  Frame* outer;
   Fault fault;
 };
 
-/// Of the body that this thread runs; null: none.
+/// Of the innermost body that this thread runs; null: none.
 Frame*& this_frame() {
   [[gnu::tls_model("initial-exec")]] static thread_local Frame* frame = nullptr;
   return frame;
@@ -108,7 +109,7 @@ sigset_t all_of_ours() {
 /// Back to where the body was called.
 [[noreturn]] void throw_out(Frame& frame, const Fault& fault) {
   frame.fault = fault;
-  this_frame() = nullptr;
+  this_frame() = frame.outer;
   const sigset_t set = all_of_ours();
   pthread_sigmask(SIG_UNBLOCK, &set, nullptr);
   siglongjmp(frame.buffer, 1);
@@ -128,13 +129,14 @@ void on_fault(int signal, siginfo_t* info, void* context) {
 }
 
 void on_interrupt(int signal, siginfo_t* /*info*/, void* context) {
-  Frame* const frame = this_frame();
-  if (frame == nullptr) return;
-  const Instant wanted = frame->watched->interrupt.load();
-  if (wanted == 0 || wanted != frame->watched->busy_since.load()) return;
   const std::uintptr_t at = instruction_of(context);
   if (code.system.contain(at) || code.runtime.contain(at)) return;
-  throw_out(*frame, {signal, at, true, false});
+  // The job may be in a body of its own, which ends with it.
+  for (Frame* frame = this_frame(); frame != nullptr; frame = frame->outer) {
+    const Instant wanted = frame->watched->interrupt.load();
+    const bool meant = wanted != 0 && wanted == frame->watched->busy_since.load();
+    if (meant) throw_out(*frame, {signal, at, true, false});
+  }
 }
 
 struct Installed {
@@ -166,7 +168,11 @@ void install(Installed& before) {
 
 void describe(const Fault& fault, char* text, std::size_t room) {
   const char* const name = sigabbrev_np(fault.signal);
-  if (fault.signal == 0) {
+  if (fault.call != nullptr && fault.status != 0) {
+    std::snprintf(text, room, "%s(%d)", fault.call, fault.status);
+  } else if (fault.call != nullptr) {
+    std::snprintf(text, room, "%s()", fault.call);
+  } else if (fault.signal == 0) {
     std::snprintf(text, room, "exit()");
   } else if (fault.sent) {
     std::snprintf(text, room, "SIG%s", name != nullptr ? name : "NAL");
@@ -183,11 +189,16 @@ Fault rescued(void (*body)(void*), void* argument, const Watched& watched) {
   }
   Frame frame;
   frame.watched = &watched;
+  frame.outer = this_frame();
   if (sigsetjmp(frame.buffer, 0) != 0) return frame.fault;
   this_frame() = &frame;
   body(argument);
-  this_frame() = nullptr;
+  this_frame() = frame.outer;
   return {};
+}
+
+void end_body(const Fault& fault) {
+  if (Frame* const frame = this_frame()) throw_out(*frame, fault);
 }
 
 FaultHandlers::FaultHandlers() {

@@ -31,13 +31,18 @@ inline constexpr int kInterrupt = SIGURG;
 
 /// Why a body did not end by itself.
 struct Fault {
-  int signal = 0;  ///< 0: it did; else the signal
+  int signal = 0;  ///< 0: none
   std::uintptr_t address = 0;
-  bool interrupted = false;  ///< by the guard
-  bool sent = false;         ///< by somebody's kill(), not by an instruction
+  bool interrupted = false;    ///< by the guard
+  bool sent = false;           ///< by somebody's kill(), not by an instruction
+  const char* call = nullptr;  ///< it called this function, which ends a thread or the process
+  int status = 0;              ///< what it gave to exit()
+
+  [[nodiscard]] bool happened() const { return signal != 0 || call != nullptr; }
 };
 
-/// "SIGSEGV at address 0x10", cut to the room there is. Async-signal-safe enough for a last word.
+/// "SIGSEGV at address 0x10" or "exit(3)", cut to the room there is. Async-signal-safe enough for a
+/// last word.
 void describe(const Fault& fault, char* text, std::size_t room);
 
 /// What a guard sees of a thread that runs bodies.
@@ -46,8 +51,17 @@ struct Watched {
   std::atomic<Instant> interrupt{0};   ///< the body that began then shall not go on
 };
 
-/// Runs `body`, which must not throw. About 2 ns. [rt]
+/// Of a body that no guard looks at.
+inline const Watched kUnwatched;
+
+/// Runs `body`, which must not throw; one body may run others. A fault in its own code ends it, and
+/// so does a call of abort(), exit(), quick_exit(), _exit() or pthread_exit(), a failed assertion
+/// or std::terminate(). A fault inside the C library does not: that may hold locks of its own.
+/// About 2 ns. [rt]
 [[nodiscard]] Fault rescued(void (*body)(void*), void* argument, const Watched& watched);
+
+/// Ends the body that the calling thread runs with this fault; without one it returns.
+void end_body(const Fault& fault);
 
 /// While one lives, the process handles faults; what was handled before is handled again after the
 /// last one. Not on real-time threads.

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <functional>
+#include <stdexcept>
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -56,8 +57,43 @@ struct CrashInLibc final : Wrong {
   void go_wrong() override { length = std::strlen(nothing); }
 };
 
+struct SentAbort final : Wrong {
+  void go_wrong() override { raise(SIGABRT); }
+};
+
+// Calls that end a thread or a process.
 struct Aborting final : Wrong {
   void go_wrong() override { std::abort(); }
+};
+struct Terminating final : Wrong {
+  static void throws() { throw 1; }
+  static void must_not_throw() noexcept { throws(); }
+  void go_wrong() override { must_not_throw(); }
+};
+struct Asserting final : Wrong {
+  void go_wrong() override { __assert_fail("false", __FILE__, __LINE__, "go_wrong"); }
+};
+struct Exiting final : Wrong {
+  void go_wrong() override { std::exit(3); }
+};
+struct QuickExiting final : Wrong {
+  void go_wrong() override { std::quick_exit(0); }
+};
+struct UnderscoreExiting final : Wrong {
+  void go_wrong() override { _exit(0); }
+};
+struct ThreadExiting final : Wrong {
+  void go_wrong() override { pthread_exit(nullptr); }
+};
+/// Its child leaves; so must not the job of the parent, nor go on in the child.
+struct Forking final : Wrong {
+  void go_wrong() override {
+    const pid_t child = fork();
+    if (child == 0) _exit(7);
+    int status = 0;
+    waitpid(child, &status, 0);
+    if (WEXITSTATUS(status) == 7) throw std::runtime_error("the child has left with 7");
+  }
 };
 
 class Crash : public testing::Test {
@@ -95,6 +131,18 @@ TEST_F(Crash, ADivisionByZeroIsContained) {
 }
 
 TEST_F(Crash, AFullStackIsContained) { falls_back<StackOverflow>("SIGSEGV at address 0x"); }
+
+TEST_F(Crash, ACallThatWouldEndTheProcessEndsItsJobOnly) {
+  falls_back<Aborting>("abort()");
+  falls_back<Terminating>("abort()");
+  falls_back<Asserting>("assert()");
+  falls_back<Exiting>("exit(3)");
+  falls_back<QuickExiting>("quick_exit()");
+  falls_back<UnderscoreExiting>("_exit()");
+  falls_back<ThreadExiting>("pthread_exit()");
+}
+
+TEST_F(Crash, AChildOfAJobLeavesAsItAskedFor) { falls_back<Forking>("the child has left with 7"); }
 
 TEST_F(Crash, WithoutAFallbackCoreItsComponentIsParkedAndItsOutputsAreSafe) {
   ramp::FallingBack<NullDereference> architecture(FaultPolicy::Action::stop);
@@ -202,10 +250,11 @@ TEST_F(CrashDeathTest, InTheCLibraryEndsTheProcessWithItsOutputsSafe) {
               "values of 2 components are written");
 }
 
-TEST_F(CrashDeathTest, ByGivingUpInAJobEndsTheProcessWithItsOutputsSafe) {
+/// As glibc does when it finds the heap damaged: it may hold locks.
+TEST_F(CrashDeathTest, ByASignalOfTheCLibraryEndsTheProcessWithItsOutputsSafe) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto die = [] {
-    ramp::FallingBack<Aborting> architecture;
+    ramp::FallingBack<SentAbort> architecture;
     Deployer deployer(architecture);
     if (!deployer.deploy()) std::exit(2);
     std::this_thread::sleep_for(20s);

@@ -167,7 +167,7 @@ std::unique_ptr<exec::Published> way_back(ComponentBase& component,
   member.base = component.bundle();
   member.next = std::move(old);
   auto published = exec::make_published(member);
-  published->hand_over.run();
+  EXPECT_FALSE(published->hand_over.run().happened());
   return published;
 }
 

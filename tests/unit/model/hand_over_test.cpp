@@ -182,7 +182,7 @@ TEST(ResourceHandOver, FollowsTheSamePlan) {
 
   const Result<mauve::HandOver> plan = plan_hand_over(resource.core(), *next, StatePolicy::keep);
   ASSERT_TRUE(plan) << to_string(plan.error());
-  plan->run();
+  EXPECT_FALSE(plan->run().happened());
 
   EXPECT_EQ(plan->bytes, sizeof(ramp::PositionV1));
   EXPECT_EQ(next->newer->metres, 7.0);
@@ -195,7 +195,7 @@ TEST(ResourceHandOver, LeavesTheOldObjectAsItWasWhenItConverts) {
   old.state->metres = 7;
   NewAmplifier next;
 
-  plan_hand_over(old, next, StatePolicy::keep)->run();
+  EXPECT_FALSE(plan_hand_over(old, next, StatePolicy::keep)->run().happened());
   next.newer->metres = 9;
 
   EXPECT_EQ(old.state->metres, 7.0);

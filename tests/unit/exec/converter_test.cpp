@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Converters that crash or never return, at the boundary of a component on real threads.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "rt/rescue.h"
+#include "support/block.h"
+#include "support/outcomes.h"
+#include "support/positions.h"
+
+namespace mauve {
+namespace {
+
+using ramp::PositionV1;
+using ramp::PositionV2;
+using test::Block;
+using test::block;
+using test::runs_on;
+
+struct OldRevision : ramp::RampCore {
+  State<PositionV1> state{*this};
+  void update() override {
+    state->metres = 20;
+    shell().out.write(state->metres);
+  }
+};
+
+using Converter = void (*)(const PositionV1&, PositionV2&) noexcept;
+
+template <Converter Convert>
+struct NewRevision : ramp::RampCore {
+  State<PositionV2> state{*this};
+  Converts<PositionV1, PositionV2> from_v1{state, Convert};
+  void update() override { shell().out.write(7); }
+};
+
+void crash(const PositionV1& /*old*/, PositionV2& now) noexcept {
+  int* volatile nobody = nullptr;
+  now.jobs = 13;
+  *nobody = 1;
+}
+void give_up(const PositionV1& /*old*/, PositionV2& /*now*/) noexcept { std::abort(); }
+void spin(const PositionV1& /*old*/, PositionV2& /*now*/) noexcept {
+  for (volatile bool for_ever = true; for_ever;) {
+  }
+}
+void wait_for_ever(const PositionV1& /*old*/, PositionV2& /*now*/) noexcept { block()->wait(); }
+
+struct Converting : ramp::Two<OldRevision> {
+  Converting() { left.task().watchdog = 300ms; }
+};
+
+class Converters : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!rt::kCanRescue) GTEST_SKIP() << "the sanitizer handles faults itself";
+    block() = &blocks;
+    ASSERT_TRUE(deployer.deploy());
+    ASSERT_TRUE(runs_on(deployer, "left"));
+  }
+  template <Converter Convert>
+  Result<Receipt> swap(bool on_probation) {
+    Edit edit;
+    edit.component = "left";
+    edit.core = CoreType::of<NewRevision<Convert>>("new");
+    Change change;
+    change.edits.push_back(std::move(edit));
+    if (on_probation) change.probation = Probation{};
+    return deployer.apply(change);
+  }
+  template <Converter Convert>
+  void expect_taken_back() {
+    const auto result = swap<Convert>(true);
+
+    ASSERT_FALSE(result) << "it is not told to be applied";
+    EXPECT_EQ(result.error().code, Errc::hook_threw) << to_string(result.error());
+    EXPECT_EQ(result.error().at, "left");
+    EXPECT_TRUE(test::eventually([&] {
+      static_cast<void>(test::tend(deployer));
+      return !deployer.on_probation();
+    }));
+    EXPECT_TRUE(runs_on(deployer, "left"));
+    EXPECT_TRUE(runs_on(deployer, "right"));
+    EXPECT_EQ(deployer.status("left").state, ComponentState::running);
+    EXPECT_NE(deployer.status("left").core, "new");
+    EXPECT_EQ(ramp::read(architecture.left_position), 20.0);
+  }
+
+  Block blocks;
+  Converting architecture;
+  Deployer deployer{architecture};
+};
+
+TEST_F(Converters, ThatCrashTakeTheirChangeBack) { expect_taken_back<crash>(); }
+
+TEST_F(Converters, ThatGiveUpTakeTheirChangeBack) { expect_taken_back<give_up>(); }
+
+TEST_F(Converters, ThatRunForEverTakeTheirChangeBack) { expect_taken_back<spin>(); }
+
+TEST_F(Converters, ThatWaitForEverLoseTheirThreadAndTakeTheirChangeBack) {
+  expect_taken_back<wait_for_ever>();
+  blocks.let_go();
+}
+
+TEST_F(Converters, ThatCrashWithoutProbationStopTheirComponentWithSafeValues) {
+  const auto result = swap<crash>(false);
+
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, Errc::partly) << to_string(result.error());
+  EXPECT_EQ(deployer.status("left").state, ComponentState::faulted);
+  EXPECT_EQ(deployer.status("left").fault, "its converter: SIGSEGV at address 0x0");
+  EXPECT_EQ(ramp::read(architecture.left_position), -1.0);
+  EXPECT_TRUE(runs_on(deployer, "right"));
+}
+
+/// One that writes its safe values into a resource which crashes at them.
+struct FragileMotor final : Core<EmptyShell> {
+  Stateless stateless{*this};
+  int* volatile nobody = nullptr;
+  void drive(const double& value) {
+    if (value < 0) *nobody = 1;
+  }
+};
+struct FragileMotorInterface : Interface<FragileMotor> {
+  WriteService<double> drive{*this, "drive", &FragileMotor::drive};
+};
+struct WithFragileMotor : Architecture {
+  Resource<EmptyShell, FragileMotor, FragileMotorInterface> motor{*this, "motor"};
+  Component<ramp::Shell, ramp::Up, ramp::Fsm> left{*this, "left"};
+  Component<ramp::Shell, ramp::Up, ramp::Fsm> right{*this, "right"};
+  Status on_configure() override { return left.shell().out.connect(motor.interface().drive); }
+};
+
+TEST(SafeValues, ThatCrashTheirResourcePoisonItAndNothingElse) {
+  if (!rt::kCanRescue) GTEST_SKIP() << "the sanitizer handles faults itself";
+  WithFragileMotor architecture;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(runs_on(deployer, "left"));
+
+  ASSERT_TRUE(deployer.stop({"left"}));
+
+  EXPECT_TRUE(architecture.motor.gate().poisoned());
+  EXPECT_EQ(deployer.status("left").state, ComponentState::stopped);
+  EXPECT_TRUE(runs_on(deployer, "right"));
+}
+
+}  // namespace
+}  // namespace mauve
