@@ -14,6 +14,7 @@
 #include "commands/model.h"
 #include "commands/quarantine.h"
 #include "happenings.h"
+#include "heartbeat.h"
 #include "mauve/version.h"
 #include "notify.h"
 #include "rt/last_words.h"
@@ -26,6 +27,7 @@ using logging::Event;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kStatusEvery{2'000};
+constexpr int kBeatsInAWatchdog = 4;
 constexpr Duration kComponentsMayTake = 2s;
 constexpr milliseconds kLastAnswers{500};
 /// All of the above, the change under way (its commit is bounded too), and some air.
@@ -205,6 +207,9 @@ Status Daemon::serve() {
   running_->judge = [this](uid_t user, const Question& question, const Judge::Then& then) {
     judge_.ask(user, question, then);
   };
+  running_->try_out = [this](const Question& question, const Judge::Then& then) {
+    trials_.ask(geteuid(), question, then);
+  };
   keep_the_first();
   recorder_.start(*running_);
   table_ = std::make_unique<CommandTable>(*running_);
@@ -214,6 +219,7 @@ Status Daemon::serve() {
   supervisor_.start(*running_);
   control_.start();
   judge_.start(judge_command(options_), options_.prepare_within);
+  trials_.start(judge_command(options_), options_.prepare_within);
   watches_.start(*running_);
   caretaker_.start(*running_);
   if (auto opened = server_->open(std::move(*endpoint_)); !opened) {
@@ -246,16 +252,34 @@ void Daemon::keep_the_first() {
   keeper_->begin(first, described(*running_));
 }
 
-/// Under a service manager the line of `systemctl status` is kept true; else nothing wakes up.
+/// Under a service manager the line of `systemctl status` is kept true, and its watchdog is told
+/// that all is well; else nothing wakes up.
 std::string Daemon::wait_for_signal() {
   if (std::getenv("NOTIFY_SOCKET") == nullptr) {
     return signals_.wait();
   }
+  const auto watchdog = notify::watchdog();
+  Heartbeat heartbeat(*running_, [this](auto job) { server_->post(std::move(job)); });
+  bool well = true;
   for (;;) {
-    if (auto signal = signals_.wait(kStatusEvery)) {
+    const bool watched = watchdog.count() > 0;
+    const auto pause = std::chrono::ceil<milliseconds>(watchdog / kBeatsInAWatchdog);
+    if (auto signal = signals_.wait(watched ? std::min(pause, kStatusEvery) : kStatusEvery)) {
       return *signal;
     }
     control_.read([this] { notify::status(state_line()); });
+    if (!watched) {
+      continue;
+    }
+    const auto wrong = heartbeat.look();
+    if (wrong.empty()) {
+      notify::alive();
+    } else {
+      notify::status("the watchdog is not told that all is well: " + wrong);
+    }
+    if (std::exchange(well, wrong.empty()) && !wrong.empty()) {
+      log_.write(Event::watchdog_silent, {{"text", wrong}});
+    }
   }
 }
 
@@ -287,6 +311,7 @@ int Daemon::shut_down(const std::string& cause) {
   }
   recorder_.stop();
   judge_.stop();
+  trials_.stop();
   server_->stop(kLastAnswers);
   supervisor_.stop();
   control_.stop();

@@ -67,6 +67,7 @@ class Daemon {
   Caretaker caretaker_;
   Recorder recorder_{options_.flight_recorder};
   Judge judge_{control_};
+  Judge trials_{control_};  ///< of changes, which wait for no client's file
   std::unique_ptr<Running> running_;
   std::unique_ptr<CommandTable> table_;
   std::unique_ptr<server::Server> server_;

@@ -3,6 +3,8 @@
 
 #include <systemd/sd-daemon.h>
 
+#include <cstdint>
+
 namespace mauve::daemon::notify {
 
 namespace {
@@ -24,6 +26,13 @@ void tell(const std::string& state) { sd_notify(0, state.c_str()); }
 void ready(const std::string& status) { tell("READY=1\nSTATUS=" + one_line(status)); }
 
 void status(const std::string& status) { tell("STATUS=" + one_line(status)); }
+
+std::chrono::microseconds watchdog() {
+  std::uint64_t time = 0;
+  return std::chrono::microseconds(sd_watchdog_enabled(0, &time) > 0 ? time : 0);
+}
+
+void alive() { tell("WATCHDOG=1"); }
 
 void stopping(const std::string& status) { tell("STOPPING=1\nSTATUS=" + one_line(status)); }
 

@@ -10,6 +10,9 @@ namespace mauve::daemon::notify {
 /// All threads run with the asked policy and the socket is open. `status` is one line of truth.
 void ready(const std::string& status);
 void status(const std::string& status);
+/// The time in which the service manager wants to hear alive() again; zero: it does not ask.
+[[nodiscard]] std::chrono::microseconds watchdog();
+void alive();
 /// The orderly end has begun.
 void stopping(const std::string& status);
 /// Start or stop take longer than the unit allows: this much more, from now.

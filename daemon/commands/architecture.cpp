@@ -2,6 +2,7 @@
 /// architecture.apply and architecture.diff. The latter is judged in a process of its own; the
 /// former:
 ///
+///   [trial]   make everything in a process of its own, in case that it crashes or hangs
 ///   [factory] parse, load plugins beside the running ones, make all elements
 ///   [control] compare with what runs
 ///   [factory] prepare what is new
@@ -20,6 +21,7 @@
 #include "commands/change.h"
 #include "commands/given_up.h"
 #include "commands/model.h"
+#include "commands/trial.h"
 #include "supervisor.h"
 
 namespace mauve::daemon {
@@ -228,9 +230,15 @@ void apply_architecture(Running& running, const CallPtr& call, Ticket ticket, st
   if (!reason.empty() && text_or(call->params, "reason").empty()) {
     call->params["reason"] = reason;
   }
+  auto question = question_of(running, *call);
+  question.text = text;
+  question.loads = true;
   auto application =
       std::make_shared<Application>(running, std::move(text), flag(call->params, "dry_run"));
-  load_then_go_on(running, call, std::move(application), std::move(ticket));
+  try_out(running, call, question, text_or(call->params, "file", "text"),
+          [&running, call, application, ticket = std::move(ticket)] {
+            load_then_go_on(running, call, application, ticket);
+          });
 }
 
 void apply_file(Running& running, const CallPtr& call, Ticket ticket) {

@@ -88,6 +88,8 @@ struct Running {
   /// [any] Judges a file of this user beside what runs, then calls the function on [control]: see
   /// Judge::ask().
   std::function<void(uid_t, const Question&, std::function<void(Result<Json>)>)> judge = {};
+  /// [any] The same for the change under way: see commands/trial.h.
+  std::function<void(const Question&, std::function<void(Result<Json>)>)> try_out = {};
 };
 
 /// One request under way. Dropped unanswered only when the daemon ends.

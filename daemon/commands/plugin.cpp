@@ -5,6 +5,7 @@
 #include "commands/answer.h"
 #include "commands/change.h"
 #include "commands/given_up.h"
+#include "commands/trial.h"
 
 namespace mauve::daemon {
 
@@ -73,6 +74,21 @@ Error why_in_use(const Running& running, const std::string& plugin, Error error)
   return error;
 }
 
+/// [control] It did no harm elsewhere.
+void load_in_factory(Running& running, const CallPtr& call, const std::shared_ptr<Load>& load,
+                     Ticket ticket) {
+  running.control.in_factory(
+      [&running, load] { load->loaded = running.catalog.prepare_load(load->name); },
+      [&running, call, load, ticket = std::move(ticket)] {
+        finish_load(running, *call, *load);
+        // A plugin that was refused is unmapped where it was mapped.
+        running.control.in_factory([load] { load->loaded.reset(); }, [ticket] {});
+      },
+      [&running, call, name = load->name](const std::string& hook) {
+        answer(running, *call, given_up(running, hook, name));
+      });
+}
+
 }  // namespace
 
 void load_plugin(Running& running, const CallPtr& call, Ticket ticket) {
@@ -84,16 +100,10 @@ void load_plugin(Running& running, const CallPtr& call, Ticket ticket) {
         refuse(Errc::duplicate, load->name, "is loaded already, version " + there->info().version,
                "mauvectl reload " + load->name + " takes the file of now"));
   }
-  running.control.in_factory(
-      [&running, load] { load->loaded = running.catalog.prepare_load(load->name); },
-      [&running, call, load, ticket = std::move(ticket)] {
-        finish_load(running, *call, *load);
-        // A plugin that was refused is unmapped where it was mapped.
-        running.control.in_factory([load] { load->loaded.reset(); }, [ticket] {});
-      },
-      [&running, call, name = load->name](const std::string& hook) {
-        answer(running, *call, given_up(running, hook, name));
-      });
+  try_out(running, call, question_of_plugin(load->name), load->name,
+          [&running, call, load, ticket = std::move(ticket)] {
+            load_in_factory(running, call, load, ticket);
+          });
 }
 
 void unload_plugin(Running& running, const CallPtr& call, Ticket ticket) {

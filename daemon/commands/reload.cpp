@@ -2,16 +2,19 @@
 /// plugin.reload: everything that components run, and all resources, move to the new code in one
 /// transaction, then the old code is unmapped, or it is said why not.
 ///
+///   [trial]   make everything that runs from the new file in a process of its own
 ///   [factory] map the new file, make and configure the new elements
 ///   [control] the names change hands, all members swap at one instant; with resources at a barrier
 ///   [factory] the old elements are cleaned up and freed, the old code unmapped
 #include <optional>
 
+#include "arch/value_json.h"
 #include "commands/answer.h"
 #include "commands/change.h"
 #include "commands/given_up.h"
 #include "commands/model.h"
 #include "commands/quarantine.h"
+#include "commands/trial.h"
 #include "commands/unproven.h"
 
 namespace mauve::daemon {
@@ -226,6 +229,18 @@ void put_reload_in_force(Running& running, const CallPtr& call, ReloadPtr reload
                 });
 }
 
+/// [control] The elements of now, made by the new file, did no harm elsewhere.
+void reload_in_factory(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket) {
+  running.control.in_factory([&running, reload] { prepare(running, *reload); },
+                             [&running, call, reload, ticket = std::move(ticket)]() mutable {
+                               put_reload_in_force(running, call, std::move(reload),
+                                                   std::move(ticket));
+                             },
+                             [&running, call, name = reload->name](const std::string& hook) {
+                               answer(running, *call, given_up(running, hook, name));
+                             });
+}
+
 }  // namespace
 
 Change members_of(const Running& running, const std::string& plugin, StatePolicy state) {
@@ -280,14 +295,12 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
   if (auto free = check_barred(running, reload->change); !free) {
     return answer(running, *call, free.error());
   }
-  running.control.in_factory([&running, reload] { prepare(running, *reload); },
-                             [&running, call, reload, ticket = std::move(ticket)]() mutable {
-                               put_reload_in_force(running, call, std::move(reload),
-                                                   std::move(ticket));
-                             },
-                             [&running, call, name = reload->name](const std::string& hook) {
-                               answer(running, *call, given_up(running, hook, name));
-                             });
+  Question question{arch::to_json(described(running)).dump()};
+  question.loads = true;
+  try_out(running, call, question, reload->name,
+          [&running, call, reload, ticket = std::move(ticket)] {
+            reload_in_factory(running, call, reload, ticket);
+          });
 }
 
 }  // namespace mauve::daemon

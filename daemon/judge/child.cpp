@@ -25,14 +25,14 @@ constexpr unsigned kHandlerMayTake = 1;  // seconds, when what it needs is locke
 constexpr std::array kEnds = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTERM, SIGXCPU};
 
 /// Its standard error, which a plugin does not get.
-int words = -1;
+int its_errors = -1;
 
 /// Async-signal-safe enough for a process that is lost: should it hang, the alarm ends it.
 void say_the_hook() {
   alarm(kHandlerMayTake);
   const auto* here = Leavable::here();
   const auto hook = here == nullptr ? std::string() : here->hook();
-  static_cast<void>(!write(words, hook.data(), hook.size()));
+  static_cast<void>(!write(its_errors, hook.data(), hook.size()));
 }
 
 void say_the_hook_and_end(int signal) {
@@ -56,7 +56,7 @@ void catch_ends() {
 /// What a plugin prints goes nowhere. Returns the descriptor for the answer.
 int keep_streams() {
   const int answer = dup(STDOUT_FILENO);
-  words = dup(STDERR_FILENO);
+  its_errors = dup(STDERR_FILENO);
   const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
   dup2(nowhere, STDOUT_FILENO);
   dup2(nowhere, STDERR_FILENO);
@@ -78,7 +78,7 @@ Result<Json> answer_to(const std::string& text, const Options& options) {
   }
 }
 
-Json to_json(const Error& error) {
+Json error_json(const Error& error) {
   return {{"name", to_string(error.code)},
           {"where", error.at},
           {"message", error.message},
@@ -107,7 +107,7 @@ int judge_as_child(const Options& options) {
   const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
   const auto judged = answer_to(text, options);
   const Json said =
-      judged ? Json{{"judgement", *judged}} : Json{{"refused", to_json(judged.error())}};
+      judged ? Json{{"judgement", *judged}} : Json{{"refused", error_json(judged.error())}};
   write_all(answer, said.dump());
   _exit(0);  // no code of a plugin runs after the answer
 }

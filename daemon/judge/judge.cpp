@@ -14,14 +14,15 @@ namespace mauve::daemon {
 namespace {
 
 constexpr const char* kUntouched =
-    "the running system is untouched: mend the plugin or the file, then check it again";
+    "nothing of it came near the running system: mend the plugin, or take another file";
 
 /// "first.core constructor": the address becomes that of the refusal.
 Error lost(Errc code, const std::string& hook, const std::string& happened) {
   const auto space = hook.find(' ');
   const bool placed = space != std::string::npos;
   const std::string what = placed ? hook.substr(space + 1) : hook.empty() ? "its code" : hook;
-  return refuse(code, placed ? hook.substr(0, space) : "file", what + " " + happened, kUntouched);
+  return refuse(code, placed ? hook.substr(0, space) : kWholeFile, what + " " + happened,
+                kUntouched);
 }
 
 Error error_of(const Json& said) {
@@ -29,7 +30,7 @@ Error error_of(const Json& said) {
                 said.value("where", ""), said.value("message", ""), said.value("hint", ""));
 }
 
-std::string name_of(int signal) {
+std::string signal_name(int signal) {
   const char* name = sigabbrev_np(signal);
   return name == nullptr ? "signal " + std::to_string(signal) : std::string("SIG") + name;
 }
@@ -44,11 +45,11 @@ Result<Json> verdict_of(const rt::ChildEnd& end, Duration within) {
   if (end.how == How::late) {
     return lost(Errc::timed_out, end.errors,
                 "did not return within " + format_duration(within) +
-                    ", so the process that judged the file was ended");
+                    ", so the process in which it was tried was ended");
   }
   if (end.how == How::signalled) {
     return lost(Errc::plugin_refused, end.errors,
-                "ended the process that judged the file: " + name_of(end.code));
+                "ended the process in which it was tried: " + signal_name(end.code));
   }
   const auto said = Json::parse(end.output, nullptr, false);
   if (said.is_object() && said.contains("judgement")) {
@@ -57,8 +58,9 @@ Result<Json> verdict_of(const rt::ChildEnd& end, Duration within) {
   if (said.is_object() && said.contains("refused")) {
     return error_of(said["refused"]);
   }
-  return lost(Errc::plugin_refused, end.errors,
-              "ended the process that judged the file, with exit code " + std::to_string(end.code));
+  return lost(
+      Errc::plugin_refused, end.errors,
+      "ended the process in which it was tried, with exit code " + std::to_string(end.code));
 }
 
 void Judge::start(std::vector<std::string> command, Duration within) {

@@ -16,6 +16,9 @@ namespace mauve::daemon {
 
 using protocol::Json;
 
+/// Where a refusal is that knows no nearer place.
+inline constexpr const char* kWholeFile = "file";
+
 /// A file, and with which eyes it is looked at.
 struct Question {
   std::string text;

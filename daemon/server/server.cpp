@@ -91,6 +91,8 @@ void Server::stop(std::chrono::milliseconds grace) {
   endpoint_.reset();
 }
 
+void Server::post(std::function<void()> job) { asio::post(io_, std::move(job)); }
+
 std::vector<ClientInfo> Server::clients() const {
   const std::lock_guard lock(clients_mutex_);
   std::vector<ClientInfo> out;

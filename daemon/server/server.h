@@ -54,6 +54,8 @@ class Server {
   /// [io] thread and removes the socket. The second time does nothing. [main]
   void stop(std::chrono::milliseconds grace);
 
+  /// [any] Runs `job` on [io].
+  void post(std::function<void()> job);
   /// [any] Who is connected.
   [[nodiscard]] std::vector<ClientInfo> clients() const;
 

@@ -58,6 +58,24 @@ TEST_F(Judging, OutlivesAConstructorThatDoesNotReturn) {
   expect_refused("trial/stuck_constructor", "timed_out", "constructor did not return within 1s");
 }
 
+/// In mauved itself, where they are no part of a file.
+TEST_F(Judging, HooksThatCrashOrLeaveAreRefusedAndTheDaemonRunsOn) {
+  if (!rt::kCanRescue) GTEST_SKIP() << "a sanitizer tells of a crash in its own way";
+  const std::vector<std::pair<std::string, std::string>> hooks = {
+      {"trial/crashing_hook", "on_configure crashed: SIGSEGV at address 0x0"},
+      {"trial/leaving_hook", "on_configure called exit()"},
+      {"trial/exiting_constructor", "constructor called exit(3)"}};
+  for (const auto& [core, said] : hooks) {
+    const auto error = daemon_->ask("core.swap", {{"component", "first"}, {"core", core}});
+    EXPECT_EQ(error["data"]["name"], "hook_threw") << error;
+    EXPECT_EQ(error["data"]["where"], "first.core");
+    EXPECT_EQ(error["data"]["state"], "unchanged");
+    EXPECT_THAT(error["message"].get<std::string>(), HasSubstr(said));
+  }
+  EXPECT_EQ(daemon_->component("first")["core"], "trial/steady");
+  EXPECT_EQ(daemon_->component("first")["state"], "running");
+}
+
 TEST_F(Judging, OutlivesAConstructorThatEndsTheProcess) {
   expect_refused("trial/exiting_constructor", "plugin_refused", "exit code 3");
 }
@@ -122,6 +140,20 @@ TEST_F(Judging, DoesNotHoldUpTheEnd) {
   daemon_->process().signal(SIGTERM);
 
   EXPECT_EQ(daemon_->process().wait(), 0) << daemon_->errors();
+}
+
+/// What an apply would make is tried first.
+TEST_F(Judging, TriesTheElementsOfAnApplyBeforeTheyAreMadeInTheDaemon) {
+  auto cores = std::vector<std::string>{"trial/exiting_constructor", "trial/stuck_constructor"};
+  if (rt::kCanRescue) cores.emplace_back("trial/crashing_constructor");
+  for (const auto& core : cores) {
+    const auto error = ask("architecture.apply", with_core(core));
+    EXPECT_EQ(error["data"]["where"], "first.core") << error;
+    EXPECT_EQ(error["data"]["state"], "unchanged");
+    EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("process in which it was tried"));
+  }
+  EXPECT_EQ(daemon_->ask("status.get")["left_behind"], Json::array());
+  EXPECT_EQ(ask("architecture.apply", with_core("trial/other"))["state"], "applied");
 }
 
 TEST_F(Judging, ComparesAFileWithWhatRunsAndSaysWhatStoppedIs) {

@@ -155,6 +155,17 @@ class Refusing final : public Steady {
   mauve::Status on_configure() override { return mauve::invalid(gain, "is not to its liking"); }
 };
 
+class CrashingHook final : public Steady {
+  mauve::Status on_configure() override {
+    volatile int* volatile nobody = nullptr;
+    *nobody = 1;
+    return mauve::ok();
+  }
+};
+class LeavingHook final : public Steady {
+  mauve::Status on_configure() override { std::exit(0); }
+};
+
 class ThrowingHook final : public Steady {
   mauve::Status on_configure() override { throw std::runtime_error("no such device"); }
 };
@@ -306,6 +317,8 @@ MAUVE_PLUGIN(plugin) {
   plugin.core<trial::Nagging>("nagging");
   plugin.core<trial::Refusing>("refusing");
   plugin.core<trial::ThrowingHook>("throwing_hook");
+  plugin.core<trial::CrashingHook>("crashing_hook");
+  plugin.core<trial::LeavingHook>("leaving_hook");
   plugin.core<trial::ThrowingJob>("throwing_job");
   plugin.core<trial::Requesting>("requesting");
   plugin.core<trial::Hungry>("hungry");

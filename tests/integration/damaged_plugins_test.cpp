@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// Damaged plugin files end no daemon: MAUVE_DAMAGED_FILES of them (100) are loaded, one after
+// another.
+#include <elf.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <random>
+#include <span>
+
+#include "plugin/checksum.h"
+#include "rt/rescue.h"
+#include "trial_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using testing::HasSubstr;
+
+int number_in(const char* variable, int otherwise) {
+  const char* given = std::getenv(variable);
+  return given == nullptr ? otherwise : std::atoi(given);
+}
+
+/// How many files, MAUVE_CAMPAIGN_SECONDS at most.
+class Rounds {
+ public:
+  [[nodiscard]] bool go_on() {
+    return done_ < number_in("MAUVE_DAMAGED_FILES", 100) &&
+           std::chrono::steady_clock::now() < end_ && ++done_ > 0;
+  }
+  [[nodiscard]] int done() const { return done_; }
+
+ private:
+  const std::chrono::steady_clock::time_point end_ =
+      std::chrono::steady_clock::now() +
+      std::chrono::seconds(number_in("MAUVE_CAMPAIGN_SECONDS", 3600));
+  int done_ = 0;
+};
+
+/// A plugin with some bytes changed, preferably in the tables that the dynamic linker trusts.
+class Damage {
+ public:
+  explicit Damage(std::string sound) : sound_(std::move(sound)) {
+    Elf64_Ehdr header;
+    std::memcpy(&header, sound_.data(), sizeof header);
+    places_ = {{0, sizeof header},
+               {header.e_phoff, std::size_t{header.e_phnum} * sizeof(Elf64_Phdr)},
+               {0, sound_.size()}};
+    for (std::size_t i = 0; i < header.e_shnum; ++i) {
+      Elf64_Shdr section;
+      std::memcpy(&section, &sound_[header.e_shoff + i * sizeof section], sizeof section);
+      const bool table = section.sh_type == SHT_DYNAMIC || section.sh_type == SHT_RELA ||
+                         section.sh_type == SHT_DYNSYM || section.sh_type == SHT_STRTAB ||
+                         section.sh_type == SHT_GNU_HASH || section.sh_type == SHT_INIT_ARRAY ||
+                         section.sh_type == SHT_FINI_ARRAY || section.sh_type == SHT_PROGBITS;
+      if (table && section.sh_size > 0) places_.emplace_back(section.sh_offset, section.sh_size);
+    }
+  }
+
+  [[nodiscard]] std::string next() {
+    std::string text = sound_;
+    for (std::size_t changes = 1 + below(3); changes > 0; --changes) {
+      const auto& [from, size] = places_[below(places_.size())];
+      text[from + below(size)] = static_cast<char>(below(256));
+    }
+    return text;
+  }
+
+ private:
+  std::size_t below(std::size_t limit) { return random_() % limit; }
+
+  std::mt19937_64 random_{20241122};
+  std::string sound_;
+  std::vector<std::pair<std::size_t, std::size_t>> places_;
+};
+
+/// mauved, and the file good.so in its plugin directory.
+class DamagedPlugins : public testing::Test {
+ protected:
+  void put(const std::string& text) {
+    const auto file = files_.write("good.so", text);
+    std::filesystem::rename(file, daemon_.plugins() / "good.so");
+  }
+  /// Loads it, and unloads it again when that works.
+  protocol::Json load() {
+    auto answer = daemon_.ask("plugin.load", {{"plugin", "good"}});
+    if (answer.contains("loaded")) {
+      const auto unloaded = daemon_.ask("plugin.unload", {{"plugin", "good"}});
+      EXPECT_EQ(unloaded["loaded"], false) << unloaded;
+    }
+    return answer;
+  }
+  void expect_unharmed() {
+    EXPECT_TRUE(daemon_.process().running()) << daemon_.errors();
+    EXPECT_EQ(daemon_.component("first")["state"], "running");
+  }
+
+  TempDir files_;
+  TrialDaemon daemon_{kTrial, {"--realtime", "off", "--prepare-within", "2s"}};
+  Damage damage_{TempDir::read(std::filesystem::path(MAUVE_ZOO) / "1" / "good.so")};
+};
+
+TEST_F(DamagedPlugins, AreRefusedBeforeTheDynamicLinkerReadsThem) {
+  int loaded = 0;
+  Rounds rounds;
+  while (rounds.go_on()) {
+    put(damage_.next());
+    const auto answer = load();
+    if (answer.contains("loaded")) ++loaded;  // it hit a byte that nobody maps
+    ASSERT_TRUE(daemon_.process().running()) << "file " << rounds.done() << daemon_.errors();
+  }
+  EXPECT_LT(loaded, rounds.done() / 2);
+  expect_unharmed();
+}
+
+/// As if somebody ran mauve-stamp over the damage: only the trial in another process is left.
+TEST_F(DamagedPlugins, ThatAreStampedAgainAreTriedElsewhereFirst) {
+  if (!rt::kCanRescue) GTEST_SKIP() << "a sanitizer looks into a damaged plugin by itself";
+  Rounds rounds;
+  while (rounds.go_on()) {
+    auto text = damage_.next();
+    static_cast<void>(plugin::stamp(std::as_writable_bytes(std::span(text))));
+    put(text);
+    static_cast<void>(load());
+    ASSERT_TRUE(daemon_.process().running()) << "file " << rounds.done() << daemon_.errors();
+  }
+  expect_unharmed();
+}
+
+}  // namespace
+}  // namespace mauve::test
