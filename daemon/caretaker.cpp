@@ -90,6 +90,7 @@ void Caretaker::look() {
   }
   if (++looks_ % kLooksANotice == 0) {
     notice_parked(*running_);
+    tell_of_scheduling();
   }
   if (!free->empty()) {
     running_->control.in_factory([free] { static_cast<void>(free->release()); }, [] {});
@@ -125,6 +126,21 @@ void Caretaker::tell_of_holds() {
                                                {"held", format_duration(held)},
                                                {"hold", format_duration(gate.declared_hold())},
                                                {"count", to_signed(count)}});
+  }
+}
+
+void Caretaker::tell_of_scheduling() {
+  for (const auto& one : running_->deployer.status()) {
+    auto& told = restored_[one.name];
+    if (one.restored < told) {
+      told = 0;
+    }
+    if (one.restored == 0 || one.restored < 10 * told) {
+      continue;
+    }
+    told = one.restored;
+    running_->log.write(Event::scheduling_restored,
+                        {{"component", one.name}, {"count", to_signed(one.restored)}});
   }
 }
 

@@ -33,6 +33,7 @@ class Caretaker {
   void save(const Outcome& outcome);
   void tell_of_factory();
   void tell_of_holds();
+  void tell_of_scheduling();
   void make_reliefs();
   [[nodiscard]] bool refused_before(const Change& relief) const;
   void refuse_relief(const Change& relief, const Error& error, bool for_ever);
@@ -49,6 +50,8 @@ class Caretaker {
   std::map<std::string, std::uint64_t> refused_;
   /// [control] By resource: how many calls of it were longer than declared when it was told last.
   std::map<std::string, std::uint64_t> over_hold_;
+  /// [control] By component: how often its scheduling was put back when it was told last.
+  std::map<std::string, std::uint64_t> restored_;
   unsigned looks_ = 0;  ///< [control]
   std::thread thread_;
 };

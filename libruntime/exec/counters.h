@@ -17,6 +17,7 @@ struct Counters {
   std::atomic<std::uint64_t> over_budget{0};
   std::atomic<std::uint64_t> implausible{0};
   std::atomic<std::uint64_t> faults{0};
+  std::atomic<std::uint64_t> restored{0};  ///< its scheduling; written by the guard
   std::atomic<std::int64_t> lateness_last{0};
   std::atomic<std::int64_t> lateness_max{0};
   std::atomic<std::int64_t> execution_last{0};

@@ -63,14 +63,19 @@ bool is_other_code(const Configurable& before, const Configurable& after) {
 }
 
 Duration bound_of(const Bundle& bundle) {
-  // Throttling and virtual machines hold healthy threads up for tens of milliseconds.
+  // Virtual machines hold healthy threads up for tens of milliseconds. After 950 ms of a second the
+  // kernel stops all real-time threads of a CPU for the rest of it (sched_rt_runtime_us), also more
+  // urgent ones: a job that loops is to end long before, beside others that use half of the CPU.
   constexpr Duration kShortest = 100ms;
-  constexpr Duration kUndeclared = 10s;
-  if (bundle.task.watchdog > Duration{0}) return bundle.task.watchdog;
-  if (bundle.task.budget > Duration{0}) return std::max(10 * bundle.task.budget, kShortest);
+  constexpr Duration kLongest = 400ms;
+  const TaskAttributes& task = bundle.task;
+  if (task.watchdog > Duration{0}) return task.watchdog;
+  if (task.budget > Duration{0}) {
+    return std::clamp(10 * task.budget, kShortest, std::max(kLongest, 2 * task.budget));
+  }
   Duration longest{0};
   for (const FsmState* state : bundle.fsm->states()) longest = std::max(longest, state->duration());
-  return longest + kUndeclared;
+  return std::clamp(10 * longest, kShortest, kLongest);
 }
 
 std::unique_ptr<Published> make_published(const PreparedMember& member) {

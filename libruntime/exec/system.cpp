@@ -2,9 +2,11 @@
 #include "exec/system.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <optional>
 
+#include "base/duration.h"
 #include "base/name.h"
 #include "exec/admission.h"
 #include "exec/commit.h"
@@ -14,6 +16,7 @@
 #include "exec/relief.h"
 #include "rt/measured.h"
 #include "rt/memory.h"
+#include "rt/process.h"
 
 namespace mauve::exec {
 namespace {
@@ -36,11 +39,47 @@ Status check_privileges(System& system, int highest) {
   return ok();
 }
 
+Duration longest_wait(const Bundle& bundle) {
+  Duration longest{0};
+  for (const FsmState* state : bundle.fsm->states()) longest = std::max(longest, state->duration());
+  return longest;
+}
+
+/// A job that loops is ended at its bound; before that the kernel may stop all its neighbours.
+void warn_of_throttling(System& system) {
+  const auto runtime = rt::file_text("/proc/sys/kernel/sched_rt_runtime_us");
+  if (!runtime || runtime->starts_with("-")) return;
+  const Duration limit = std::chrono::microseconds(std::atoll(runtime->c_str()));
+  std::string names;
+  for (const Deployed& deployed : system.deployed) {
+    const Bundle& bundle = *deployed.component->bundle();
+    if (bound_of(bundle) < limit) continue;
+    names += (names.empty() ? "" : ", ") + deployed.component->name();
+  }
+  if (names.empty()) return;
+  system.warnings.push_back(
+      "throttling: a job of " + names + " that loops is ended later than after " +
+      format_duration(limit) +
+      ", when the kernel stops all real-time threads of its CPU for the rest of "
+      "the second (declare a shorter watchdog, or set sched_rt_runtime_us)");
+}
+
+/// Releases that pass while its thread is late or in a job: it counts them when it comes to them.
+/// The newest one still runs, and so does the one whose job is under way.
+std::uint64_t passing(const Deployed& deployed, const ComponentStatus& status, Instant since_t0) {
+  const Bundle& bundle = *deployed.component->bundle();
+  const Duration overdue = Duration{since_t0} - status.next_release;
+  const Duration wait = longest_wait(bundle);
+  const bool skips = bundle.task.on_overrun == OnOverrun::skip;
+  if (!skips || wait <= Duration{0} || overdue < wait) return 0;
+  const auto due = static_cast<std::uint64_t>(overdue / wait);
+  return deployed.task->busy_since() > 0 ? due - 1 : due;
+}
+
 /// Until a job ends, `release` is its own; which wait it will end in is not known before. So the
 /// longest one is its time, and as much again passes before it is called late.
 Duration lateness_of(const Bundle& bundle, Duration release, Instant since_t0) {
-  Duration longest{0};
-  for (const FsmState* state : bundle.fsm->states()) longest = std::max(longest, state->duration());
+  const Duration longest = longest_wait(bundle);
   const Duration time = bundle.task.deadline > Duration{0} ? bundle.task.deadline : longest;
   const Duration late = Duration{since_t0} - release - time;
   return late > longest ? late : Duration{0};
@@ -141,6 +180,7 @@ Status bring_up(System& system) {
   }
   for (Deployed& deployed : system.deployed) place(system, deployed);
   Status ready = check_privileges(system, highest);
+  if (ready && system.realtime) warn_of_throttling(system);
   if (ready) ready = admit_deployment(system);
   for (Deployed& deployed : system.deployed) {
     if (ready) ready = start_thread(system, deployed);
@@ -185,7 +225,9 @@ ComponentStatus look_at(const System& system, const Deployed& deployed) {
   status.period = bundle.fsm->grid();
   status.next_release = Duration{counters.next_release.load(std::memory_order_relaxed)};
   status.watchdog = deployed.task->bound(deployed.realtime);
+  status.restored = counters.restored.load(std::memory_order_relaxed);
   if (status.state == ComponentState::running) {
+    status.missed += passing(deployed, status, system.runner->now() - system.t0);
     status.late = lateness_of(bundle, status.next_release, system.runner->now() - system.t0);
   }
   if (status.state == ComponentState::faulted) status.fault = deployed.task->fault();

@@ -92,6 +92,8 @@ class Task {
   bool lose_thread(Instant since);
   /// What the lost thread still uses.
   [[nodiscard]] std::vector<std::shared_ptr<const Bundle>> bundles() const;
+  /// Its thread had another priority or other CPUs than its component asked for. [guard]
+  void count_restored() { add<std::uint64_t>(counters_.restored, 1); }
   /// There is no other thread.
   void park_for_good(const char* why);
 

@@ -226,8 +226,21 @@ class Threads final : public Runner {
     return true;
   }
 
+  /// Code of a core may have changed it: how urgent a component is, is not for that to say.
+  static void restore_scheduling(Worker& worker) {
+    const int priority = worker.attributes.priority;
+    if (worker.quit.load() || priority <= 0) return;
+    if (worker.thread.keeps(priority, worker.attributes.cpus)) return;
+    static_cast<void>(worker.thread.set_priority(priority));
+    if (!worker.attributes.cpus.empty()) {
+      static_cast<void>(worker.thread.set_cpus(worker.attributes.cpus));
+    }
+    worker.task.count_restored();
+  }
+
   /// When to look again.
   Instant look_at(std::unique_ptr<Worker>& worker) {
+    restore_scheduling(*worker);
     Task& task = worker->task;
     const Instant bound = task.bound(worker->attributes.priority > 0).count();
     if (worker->quit.load() || bound <= 0) return rt::kForever;

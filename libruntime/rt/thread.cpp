@@ -150,6 +150,21 @@ bool Thread::is_fifo(int priority) const {
          policy == SCHED_FIFO && parameter.sched_priority == priority;
 }
 
+bool Thread::keeps(int priority, const std::vector<int>& cpus) const {
+  const int id = id_.load();
+  if (!running() || id == 0) return true;
+  sched_param parameter{};
+  const int policy = sched_getscheduler(id);
+  if (policy < 0 || sched_getparam(id, &parameter) != 0) return true;  // it has just ended
+  if ((policy & ~SCHED_RESET_ON_FORK) != SCHED_FIFO || parameter.sched_priority != priority) {
+    return false;
+  }
+  cpu_set_t now{};
+  const cpu_set_t wanted = to_set(cpus);
+  return cpus.empty() || sched_getaffinity(id, sizeof now, &now) != 0 ||
+         CPU_EQUAL(&now, &wanted) != 0;
+}
+
 Status Thread::set_priority(int priority) {
   sched_param parameter{};
   parameter.sched_priority = priority;

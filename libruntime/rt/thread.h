@@ -40,6 +40,9 @@ class Thread {
   void abandon();
   /// The policy and priority the system really gave it: true when SCHED_FIFO at `priority`.
   [[nodiscard]] bool is_fifo(int priority) const;
+  /// It is SCHED_FIFO of this priority and on these CPUs (empty: any), also for a system that was
+  /// asked past the C library, which remembers only what it was told itself. [any]
+  [[nodiscard]] bool keeps(int priority, const std::vector<int>& cpus) const;
   /// Changes the priority of a running thread (also demotion to 0). [control]
   Status set_priority(int priority);
   /// Processor time that its body used so far. [any]

@@ -52,7 +52,7 @@ TEST(Service, EndsWhileClientsAreConnectedAndWatching) {
 }
 
 TEST(Service, EndsInBoundedTimeWhenACoreHangs) {
-  TrialDaemon daemon;
+  TrialDaemon daemon(unguarded());
   auto client = daemon.client();
   ASSERT_TRUE(client.send(R"({"jsonrpc":"2.0","id":1,"method":"core.swap","params":)"
                           R"({"component":"first","core":"trial/hanging"}})"

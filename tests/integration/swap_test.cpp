@@ -196,7 +196,7 @@ TEST(Connect, RefusesALimitThatMeansNothing) {
 }
 
 TEST(Status, SaysHowLateAJobIsThatDoesNotEnd) {
-  TrialDaemon daemon;
+  TrialDaemon daemon(unguarded());
   EXPECT_TRUE(eventually([&] { return daemon.component("second")["late_ns"] == 0; }));
 
   static_cast<void>(daemon.ask("core.swap", swap("trial/hanging")));
@@ -268,7 +268,7 @@ TEST(Stop, IsNotUndoneByASwapInPlaceThatBeganBeforeIt) {
 }
 
 TEST(Stop, OfAllIsServedWhileAChangeWaitsForACoreThatHangs) {
-  TrialDaemon daemon;
+  TrialDaemon daemon(unguarded());
   static_cast<void>(daemon.ask("core.swap", {{"component", "first"}, {"core", "trial/hanging"}}));
   ASSERT_TRUE(daemon.becomes("signal.read", 9.0)) << "it hangs";
   auto waiting = daemon.client();

@@ -26,7 +26,7 @@ struct ComponentStatus {
   std::vector<int> cpus;
   bool realtime = false;          ///< the system really runs it with SCHED_FIFO
   std::uint64_t releases = 0;     ///< jobs that ran
-  std::uint64_t missed = 0;       ///< releases that never ran
+  std::uint64_t missed = 0;       ///< releases that never ran, also those that are passing just now
   std::uint64_t overruns = 0;     ///< jobs that ended after their wait or deadline
   std::uint64_t over_budget = 0;  ///< jobs longer than the declared budget, on the wall clock
   Duration lateness_max{0};       ///< of job starts
@@ -41,6 +41,8 @@ struct ComponentStatus {
   /// else zero. A core that hangs is running and late.
   Duration late{0};
   std::string fault;  ///< what was thrown, when faulted
+  /// How often its code had changed its priority or CPUs, and the guard put that back.
+  std::uint64_t restored = 0;
 };
 
 /// Something that happened on a real-time thread, as told to the [log] thread.

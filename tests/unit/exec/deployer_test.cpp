@@ -86,7 +86,10 @@ struct Hanging : ramp::Up {
   }
 };
 
-using HangingArchitecture = ramp::One<Hanging>;
+/// No guard ends its jobs.
+struct HangingArchitecture : ramp::One<Hanging> {
+  HangingArchitecture() { control.task().watchdog = 1h; }
+};
 
 TEST(Deployer, TakesAChangeBackWhenTheComponentNeverEndsItsJob) {
   Hanging::released() = false;

@@ -5,6 +5,10 @@
 
 #include <thread>
 
+#include <sched.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
 #include "rt/rescue.h"
 #include "rt/thread.h"
 #include "support/block.h"
@@ -65,6 +69,20 @@ struct Displaced final : ramp::Up {
   }
 };
 
+/// In its fourth job it makes itself the most urgent thread, and moves, past the C library.
+struct Pushing final : ramp::Up {
+  void update() override {
+    ramp::Up::update();
+    if (state->value != 4) return;
+    sched_param most{};
+    most.sched_priority = 99;
+    syscall(SYS_sched_setscheduler, 0, SCHED_FIFO, &most);
+    cpu_set_t all{};
+    for (const int cpu : rt::usable_cpus()) CPU_SET(cpu, &all);
+    syscall(SYS_sched_setaffinity, 0, sizeof all, &all);
+  }
+};
+
 /// `left` does not return.
 template <typename Core>
 struct TwoWatched : ramp::FallingBack<Core, ramp::Down> {
@@ -83,6 +101,35 @@ class Guard : public testing::Test {
   }
   Block block_;
 };
+
+TEST_F(Guard, PutsBackThePriorityAndCpusThatACoreChanged) {
+  if (!rt::may_use_fifo(99)) GTEST_SKIP() << "NOT TESTED: needs SCHED_FIFO";
+  TwoWatched<Pushing> architecture;
+  architecture.left.task().cpus = {rt::usable_cpus().front()};
+  Deployer deployer(architecture, {.realtime = Realtime::require});
+  ASSERT_TRUE(deployer.deploy());
+
+  ASSERT_TRUE(eventually([&] { return deployer.status("left").restored > 0; }));
+  EXPECT_TRUE(runs_on(deployer, "left"));
+  EXPECT_EQ(deployer.status("left").restored, 1u) << "once for what it did once";
+}
+
+/// What the job under way has not come to yet.
+TEST_F(Guard, CountsReleasesThatPassWhileAJobDoesNotReturn) {
+  TwoWatched<Blocked> architecture;
+  architecture.left.task().watchdog = 1h;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(eventually([&] { return block_.entered.load(); }));
+  const auto before = deployer.status("left").missed;
+
+  EXPECT_TRUE(eventually([&] { return deployer.status("left").missed > before + 5; }));
+  const auto seen = deployer.status("left").missed;
+
+  block_.let_go();
+  ASSERT_TRUE(runs_on(deployer, "left"));
+  EXPECT_GE(deployer.status("left").missed, seen) << "it counts them too when it comes to them";
+}
 
 TEST_F(Guard, DoesNotBlameAJobThatAMoreUrgentThreadKeepsFromItsProcessor) {
   if (!rt::may_use_fifo(90))
