@@ -13,6 +13,7 @@
 #include "base/duration.h"
 #include "commands/model.h"
 #include "commands/quarantine.h"
+#include "commands/unproven.h"
 #include "happenings.h"
 #include "heartbeat.h"
 #include "mauve/version.h"
@@ -65,6 +66,9 @@ std::string sentence(const Error& error) { return to_string(error); }
 Event event_of(const std::string& warning) {
   if (warning.starts_with("timing")) {
     return Event::realtime_missing;
+  }
+  if (warning.starts_with("throttling")) {
+    return Event::throttling_first;
   }
   return warning.starts_with("admission") ? Event::not_admitted : Event::task_placed;
 }
@@ -246,10 +250,13 @@ void Daemon::keep_the_first() {
   first.boot = running_->boot;
   first.time = logging::utc(std::chrono::system_clock::now());
   first.uid = geteuid();
-  first.command = origin_.generation == 0 ? "start" : "recover";
+  first.command = origin_.generation == 0 ? kStart : kRecover;
+  first.mark = Mark::unconfirmed;
+  first.crashes = origin_.crashes;
   first.reason =
       origin_.generation == 0 ? origin_.file : "generation " + std::to_string(origin_.generation);
   keeper_->begin(first, described(*running_));
+  begin_start(*running_, origin_.replaces, origin_.crashes);
 }
 
 /// Under a service manager the line of `systemctl status` is kept true, and its watchdog is told

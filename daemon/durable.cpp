@@ -137,19 +137,4 @@ Status append_lines(const path& file, std::string_view lines) {
   return fresh ? sync_directory(file.parent_path()) : ok();
 }
 
-Status put_marker(const path& file) {
-  const Descriptor fd(::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, kFileMode));
-  if (!fd) {
-    return failed(file, "make");
-  }
-  return sync_directory(file.parent_path());
-}
-
-Status remove_marker(const path& file) {
-  if (::unlink(file.c_str()) != 0 && errno != ENOENT) {
-    return failed(file, "remove");
-  }
-  return sync_directory(file.parent_path());
-}
-
 }  // namespace mauve::daemon

@@ -26,8 +26,4 @@ namespace mauve::daemon {
 /// A line that was cut off before stays alone on its line.
 [[nodiscard]] Status append_lines(const std::filesystem::path& file, std::string_view lines);
 
-/// Makes an empty file, or removes one; fine when that is so already.
-[[nodiscard]] Status put_marker(const std::filesystem::path& file);
-[[nodiscard]] Status remove_marker(const std::filesystem::path& file);
-
 }  // namespace mauve::daemon

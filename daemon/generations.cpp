@@ -45,6 +45,9 @@ std::string content_of(const Generation& about, const std::string& text) {
   if (!about.folder.empty()) {
     head["folder"] = about.folder;
   }
+  if (about.crashes > 0) {
+    head["crashes"] = about.crashes;
+  }
   // As a reader will see it: texts that are no UTF-8 have been mended by then.
   if (auto seen = protocol::parse_json(protocol::to_line(head))) {
     head = *std::move(seen);
@@ -77,6 +80,10 @@ Read read_of(const Json& head, std::string_view text) {
   read.about.mark = mark_named(head["mark"].get<std::string>()).value_or(Mark::unconfirmed);
   if (const auto folder = head.find("folder"); folder != head.end() && folder->is_string()) {
     read.about.folder = folder->get<std::string>();
+  }
+  if (const auto crashes = head.find("crashes");
+      crashes != head.end() && crashes->is_number_unsigned()) {
+    read.about.crashes = crashes->get<unsigned>();
   }
   read.text = text;
   return read;
@@ -207,6 +214,27 @@ Status Generations::mark(std::uint64_t number, Mark mark) {
   }
   read->about.mark = mark;
   return write(read->about, read->text);
+}
+
+Status Generations::set_crashes(std::uint64_t number, unsigned crashes) {
+  auto read = read_generation(file(number), number);
+  if (!read) {
+    return read.error();
+  }
+  if (read->about.crashes == crashes) {
+    return ok();
+  }
+  read->about.crashes = crashes;
+  return write(read->about, read->text);
+}
+
+void Generations::remove(std::uint64_t number) {
+  {
+    const std::lock_guard lock(mutex_);
+    known_.erase(number);
+  }
+  std::error_code ignored;
+  std::filesystem::remove(file(number), ignored);
 }
 
 Status Generations::confirm_like(std::uint64_t number, std::uint64_t earlier) {

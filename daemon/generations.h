@@ -22,6 +22,10 @@ enum class Mark : std::uint8_t { unconfirmed, confirmed, rolled_back };
 /// "unconfirmed", "confirmed", "rolled_back".
 [[nodiscard]] std::string_view to_string(Mark mark);
 
+/// The commands of a generation that a start made, of the file or after a crash.
+inline constexpr const char* kStart = "start";
+inline constexpr const char* kRecover = "recover";
+
 /// One saved generation.
 struct Generation {
   std::uint64_t number = 0;  ///< goes on over restarts
@@ -32,6 +36,7 @@ struct Generation {
   std::string reason;        ///< as given, may be empty
   std::string folder;        ///< where its relative paths begin; empty: not known
   Mark mark = Mark::confirmed;
+  unsigned crashes = 0;  ///< runs in a row that ended by a crash soon after they started it
   bool damaged = false;  ///< its file cannot be read, so that nothing but the number is known
 };
 
@@ -54,6 +59,11 @@ class Generations {
   Status mark(std::uint64_t number, Mark mark);
   /// [disk] Confirms a generation if an earlier one of the same content is; the same refusals.
   Status confirm_like(std::uint64_t number, std::uint64_t earlier);
+
+  /// [disk], or [main] before that runs. The same refusals.
+  Status set_crashes(std::uint64_t number, unsigned crashes);
+  /// [disk], or [main] before that runs.
+  void remove(std::uint64_t number);
 
   /// [any] Newest first.
   [[nodiscard]] std::vector<Generation> list() const;

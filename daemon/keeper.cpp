@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <filesystem>
 #include <future>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "arch/load.h"
 #include "arch/value_json.h"
 #include "durable.h"
+#include "rt/process.h"
 
 namespace mauve::daemon {
 
@@ -19,6 +21,19 @@ using logging::Event;
 
 std::filesystem::path marker_in(const std::string& directory) {
   return std::filesystem::path(directory) / "running";
+}
+
+constexpr std::string_view kEnded = "ended";
+
+/// Another one after each power cut or restart of the machine. A sandbox may hide its number: then
+/// the minute in which it began, which is another one too when the clock was set.
+std::string run_of_the_machine() {
+  if (auto number = rt::file_text("/proc/sys/kernel/random/boot_id")) {
+    return *std::move(number);
+  }
+  timespec up{};
+  clock_gettime(CLOCK_BOOTTIME, &up);
+  return "since minute " + std::to_string((std::time(nullptr) - up.tv_sec) / 60);
 }
 
 std::filesystem::path quarantine_in(const std::string& directory) {
@@ -41,20 +56,51 @@ Result<std::unique_ptr<Keeper>> Keeper::open(const std::string& directory, loggi
     return held.error();
   }
   keeper->held_ = std::move(*held);
-  auto generations = Generations::open(std::filesystem::path(directory) / "generations");
+  const auto folder = std::filesystem::path(directory) / "generations";
+  keeper->put_aside(folder);
+  auto generations = Generations::open(folder);
   if (!generations) {
     return generations.error();
   }
   keeper->generations_ = std::move(*generations);
-  std::error_code ignored;
-  keeper->crashed_ = std::filesystem::exists(marker_in(directory), ignored);
+  keeper->read_marker();
   keeper->read_quarantine();
   return keeper;
 }
 
+/// "ended" after an orderly end; else the number of the machine's run in which mauved ran. What was
+/// saved by a run whose marker is lost counts as a crash, since an end leaves one.
+void Keeper::read_marker() {
+  const auto marker = rt::file_text(marker_in(directory_));
+  crashed_ = marker ? *marker != kEnded : !generations_->list().empty();
+  process_crashed_ = marker && crashed_ && *marker == run_of_the_machine();
+}
+
+/// Damage keeps nothing from starting: a file where a folder belongs gets another name.
+void Keeper::put_aside(const std::filesystem::path& folder) {
+  std::error_code failed;
+  const auto kind = std::filesystem::symlink_status(folder, failed).type();
+  if (kind == std::filesystem::file_type::not_found ||
+      kind == std::filesystem::file_type::directory) {
+    return;
+  }
+  const auto other = folder.string() + ".damaged";
+  std::filesystem::rename(folder, other, failed);
+  report(Event::generation_not_saved,
+         refuse(Errc::invalid_value, folder.string(),
+                failed ? "is no folder, and cannot be renamed: " + failed.message()
+                       : "is no folder: it is now " + other + ", and no generation is known"));
+}
+
 void Keeper::begin(const Generation& first, const Value& architecture) {
+  for (const auto& one : generations_->list()) {
+    const bool started = one.command == kStart || one.command == kRecover;
+    if (crashed_ && started && one.mark == Mark::unconfirmed) {
+      generations_->remove(one.number);  // else a crash loop would push out the others
+    }
+  }
   save(first, architecture);
-  if (auto put = put_marker(marker_in(directory_)); !put) {
+  if (auto put = replace_file(marker_in(directory_), run_of_the_machine() + "\n"); !put) {
     report(Event::generation_not_saved, put.error());
   }
   disk_.start();
@@ -62,8 +108,9 @@ void Keeper::begin(const Generation& first, const Value& architecture) {
 
 void Keeper::end() {
   disk_.stop();
-  if (auto removed = remove_marker(marker_in(directory_)); !removed) {
-    report(Event::generation_not_saved, removed.error());
+  const auto ended = std::string(kEnded) + "\n";
+  if (auto put = replace_file(marker_in(directory_), ended); !put) {
+    report(Event::generation_not_saved, put.error());
   }
 }
 
@@ -142,6 +189,29 @@ bool Keeper::mark_now(std::uint64_t generation, Mark mark) {
     report(Event::generation_not_saved, marked.error());
   }
   return marked.has_value();
+}
+
+void Keeper::forget_crashes(std::uint64_t generation) {
+  disk_.post_urgent([this, generation] {
+    if (auto done = generations_->set_crashes(generation, 0); !done) {
+      report(Event::generation_not_saved, done.error());
+    }
+  });
+}
+
+void Keeper::confirm_same(std::uint64_t generation, std::uint64_t other) {
+  disk_.post_urgent([this, generation, other] {
+    const auto one = generations_->text(generation);
+    const auto two = generations_->text(other);
+    if (one && two && *one == *two) {
+      mark_now(generation, Mark::confirmed);
+      mark_now(other, Mark::confirmed);
+    }
+  });
+}
+
+void Keeper::drop(std::uint64_t generation) {
+  disk_.post_urgent([this, generation] { generations_->remove(generation); });
 }
 
 void Keeper::confirm_like(std::uint64_t generation, std::uint64_t earlier) {

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -30,11 +31,16 @@ class Keeper {
 
   /// [any] The run before this one did not come to its end: a crash, a power cut.
   [[nodiscard]] bool crashed() const { return crashed_; }
+  /// [any] It crashed while the machine ran on.
+  [[nodiscard]] bool process_crashed() const { return process_crashed_; }
   [[nodiscard]] const Generations& generations() const { return *generations_; }
+  /// [main], before begin()
+  [[nodiscard]] Generations& generations() { return *generations_; }
   [[nodiscard]] const std::string& directory() const { return directory_; }
 
   /// Saves what this run starts with, waiting for the disk, and begins to write on [disk]. From now
   /// on an end without end() is a crash. [main]
+  /// After a crash the starts that nobody confirmed go.
   void begin(const Generation& first, const Value& architecture);
   /// Writes what waits, then says that the run has come to its end. [main]
   void end();
@@ -53,6 +59,12 @@ class Keeper {
   void mark(std::uint64_t generation, Mark mark);
   /// Confirms a saved generation if an earlier one, to which it goes back, is. [any but rt]
   void confirm_like(std::uint64_t generation, std::uint64_t earlier);
+  /// Its run did not end by a crash soon after its start. [any but rt]
+  void forget_crashes(std::uint64_t generation);
+  /// Confirms both when they are the same architecture. [any but rt]
+  void confirm_same(std::uint64_t generation, std::uint64_t other);
+  /// A generation is needed no more, since a confirmed one has the same architecture. [any but rt]
+  void drop(std::uint64_t generation);
   /// Runs this on [disk], after what waits there. [any but rt]
   void on_disk(std::function<void()> work) { disk_.post(std::move(work)); }
   /// Saves the list of cores in quarantine. [any but rt]
@@ -74,6 +86,8 @@ class Keeper {
   void save_then(Generation about, Value architecture, bool confirm, Json line,
                  std::function<void(bool saved)> then);
   bool mark_now(std::uint64_t generation, Mark mark);
+  void put_aside(const std::filesystem::path& folder);
+  void read_marker();
   void read_quarantine();
   void write_waiting();
   [[nodiscard]] Status rotate_audit() const;
@@ -85,6 +99,7 @@ class Keeper {
   rt::Descriptor held_;
   std::unique_ptr<Generations> generations_;
   bool crashed_ = false;
+  bool process_crashed_ = false;
   Json quarantined_ = Json::array();
   std::atomic<bool> saved_{true};
   bool audit_broken_ = false;  ///< [disk] one complaint each until it works again

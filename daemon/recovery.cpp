@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "recovery.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "arch/load.h"
 
@@ -35,15 +37,50 @@ std::string folder_of(const Generation& one, const Options& options) {
                                                          : folder_of(options.architecture);
 }
 
+/// The newest generation is what ran: its crash counts for the newest confirmed one of the same
+/// architecture. What was never confirmed is not started anyway.
+void count_crash(Generations& generations, logging::Log& log) {
+  const auto all = generations.list();
+  const auto ran = all.empty() ? std::nullopt : std::optional(generations.text(all.front().number));
+  if (!ran || !*ran) {
+    return;
+  }
+  for (const auto& one : all) {
+    const auto text = generations.text(one.number);
+    if (one.mark != Mark::confirmed || !text || *text != **ran) {
+      continue;
+    }
+    if (auto counted = generations.set_crashes(one.number, one.crashes + 1); !counted) {
+      log.write(Event::generation_not_saved, {{"text", to_string(counted.error())}});
+    }
+    return;
+  }
+}
+
 std::optional<Origin> last_confirmed(const Options& options, const Generations& generations,
                                      logging::Log& log) {
+  std::vector<std::string> passed_over;
   for (const auto& one : generations.list()) {
     const auto number = static_cast<std::int64_t>(one.number);
     if (one.mark != Mark::confirmed && !one.damaged) {
       continue;
     }
-    Origin origin{generations.file(one.number).string(), {}, folder_of(one, options), one.number};
+    Origin origin{generations.file(one.number).string(),
+                  {},
+                  folder_of(one, options),
+                  one.number,
+                  one.crashes,
+                  one.command == kRecover ? one.number : 0};
     auto text = generations.text(one.number);
+    if (text && std::ranges::find(passed_over, *text) != passed_over.end()) {
+      continue;
+    }
+    if (text && one.crashes >= kMostCrashes) {
+      log.write(Event::generation_passed_over,
+                {{"generation", number}, {"count", static_cast<std::int64_t>(one.crashes)}});
+      passed_over.push_back(*std::move(text));
+      continue;
+    }
     auto usable = text ? ok() : Status(text.error());
     if (usable) {
       origin.text = *std::move(text);
@@ -63,7 +100,10 @@ std::optional<Origin> last_confirmed(const Options& options, const Generations& 
 
 }  // namespace
 
-Result<Origin> what_to_start(const Options& options, const Keeper* keeper, logging::Log& log) {
+Result<Origin> what_to_start(const Options& options, Keeper* keeper, logging::Log& log) {
+  if (keeper != nullptr && keeper->process_crashed()) {
+    count_crash(keeper->generations(), log);
+  }
   if (keeper != nullptr && keeper->crashed() && !options.fresh) {
     if (auto origin = last_confirmed(options, keeper->generations(), log)) {
       return *std::move(origin);
@@ -73,7 +113,7 @@ Result<Origin> what_to_start(const Options& options, const Keeper* keeper, loggi
   if (!text) {
     return text.error();
   }
-  return Origin{options.architecture, *std::move(text), folder_of(options.architecture), 0};
+  return Origin{options.architecture, *std::move(text), folder_of(options.architecture)};
 }
 
 }  // namespace mauve::daemon

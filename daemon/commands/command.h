@@ -48,11 +48,20 @@ struct Maker {
   std::string command;
 };
 
-/// A generation in force that has no way back, after a reload or a swap in place.
+/// A generation in force that has no way back: after a start, a reload or a swap in place.
 struct Unproven {
   std::uint64_t generation = 0;
   std::chrono::steady_clock::time_point since = {};
   std::vector<std::string> components = {};
+  std::uint64_t replaces = 0;  ///< a saved one that goes when this one is confirmed; 0: none
+};
+
+/// What this run began with.
+struct Started {
+  std::uint64_t generation = 0;
+  std::chrono::steady_clock::time_point since = {};
+  unsigned crashes = 0;  ///< of the runs before
+  bool proves = true;    ///< none of its components has failed yet, and its time is not over
 };
 
 /// The running system as commands see it. Owned by Daemon, which outlives every command. The model
@@ -77,6 +86,7 @@ struct Running {
   /// [control] Components that a thread which was left behind may still be in, and its hook.
   std::map<std::string, std::string> barred = {};
   Unproven unproven = {};     ///< [control] see unproven.h
+  Started started = {};       ///< [control]
   std::uint64_t earlier = 0;  ///< the last generation of earlier runs: numbers go on from there
   Keeper* keeper = nullptr;   ///< null: nothing is kept
   Recorder* recorder = nullptr;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "keeper.h"
+#include "recovery.h"
 
 namespace mauve::daemon {
 
@@ -17,7 +18,40 @@ void begin_unproven(Running& running, Call& call, const Change& change) {
   }
 }
 
+void begin_start(Running& running, std::uint64_t replaces, unsigned crashes) {
+  const auto now = std::chrono::steady_clock::now();
+  running.started = {running.generation, now, crashes};
+  running.unproven = {running.generation, now, {}, replaces};
+  for (const auto* component : running.architecture.components()) {
+    running.unproven.components.push_back(component->name());
+  }
+}
+
+namespace {
+
+/// Who changed something and went back before the start was confirmed runs the start again.
+void look_at_start(Running& running) {
+  auto& started = running.started;
+  const auto ran = std::chrono::steady_clock::now() - started.since;
+  if (started.generation == 0) {
+    return;
+  }
+  if (started.proves && ran >= Probation{}.time) {
+    started.proves = false;
+    if (started.generation != running.generation) {
+      running.keeper->confirm_same(started.generation, running.generation);
+    }
+  }
+  if (started.crashes > 0 && ran >= kSoon) {
+    started.crashes = 0;
+    running.keeper->forget_crashes(started.generation);
+  }
+}
+
+}  // namespace
+
 void look_at_unproven(Running& running) {
+  look_at_start(running);
   const auto& unproven = running.unproven;
   if (unproven.generation == 0) {
     return;
@@ -26,6 +60,9 @@ void look_at_unproven(Running& running) {
       std::any_of(unproven.components.begin(), unproven.components.end(), [&](const auto& name) {
         return running.deployer.status(name).state == ComponentState::faulted;
       });
+  if (failed && unproven.generation == running.started.generation) {
+    running.started.proves = false;
+  }
   if (failed || unproven.generation != running.generation) {
     running.unproven = {};
   } else if (std::chrono::steady_clock::now() - unproven.since >= Probation{}.time) {
@@ -34,12 +71,15 @@ void look_at_unproven(Running& running) {
 }
 
 bool confirm_unproven(Running& running) {
-  const auto generation = std::exchange(running.unproven, {}).generation;
-  if (generation == 0 || generation != running.generation) {
+  const auto unproven = std::exchange(running.unproven, {});
+  if (unproven.generation == 0 || unproven.generation != running.generation) {
     return false;
   }
   if (running.keeper != nullptr) {
-    running.keeper->mark(generation, Mark::confirmed);
+    running.keeper->mark(unproven.generation, Mark::confirmed);
+    if (unproven.replaces != 0) {
+      running.keeper->drop(unproven.replaces);
+    }
   }
   return true;
 }

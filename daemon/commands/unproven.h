@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// New code without a probation, from a reload or a swap in place: nothing leads back, but its
-/// generation is started after a crash only when it ran for a while, or somebody confirmed it.
+/// New code without a probation, from a start, a reload or a swap in place: nothing leads back, but
+/// its generation is started after a crash only when it ran for a while, or somebody confirmed it.
 #pragma once
 
 #include "commands/command.h"
@@ -9,6 +9,10 @@ namespace mauve::daemon {
 
 /// [control] This change is in force; the generation it made is unconfirmed from now on.
 void begin_unproven(Running& running, Call& call, const Change& change);
+
+/// [main], before [control] runs: what the run begins with is unconfirmed. `replaces`: a copy of it
+/// that goes when it is confirmed (0: none). `crashes`: of the runs before.
+void begin_start(Running& running, std::uint64_t replaces, unsigned crashes);
 
 /// [control] Confirms it when none of its components failed for as long as a probation lasts. What
 /// came after it decides about itself.

@@ -169,11 +169,11 @@ TEST_F(Generations, AreTheOldOnesOrTheNewOnesAfterAPowerCutAtAnyPoint) {
   const std::vector<std::pair<std::string, bool>> points = {
       {"commit.before_decide", false},
       {"commit.after_decide", false},
-      {"generations.before_write@2", false},
-      {"generations.after_write@2", false},
-      {"generations.after_fsync@2", false},
-      {"generations.after_rename@2", true},
-      {"generations.after_directory_fsync@2", true}};
+      {"generations.before_write@4", false},
+      {"generations.after_write@4", false},
+      {"generations.after_fsync@4", false},
+      {"generations.after_rename@4", true},
+      {"generations.after_directory_fsync@4", true}};
   for (const auto& [point, in_force] : points) {
     std::filesystem::remove_all(state());
     setenv("MAUVE_FAIL", point.c_str(), 1);
@@ -185,6 +185,7 @@ TEST_F(Generations, AreTheOldOnesOrTheNewOnesAfterAPowerCutAtAnyPoint) {
     if (in_force) {
       expected["components"]["first"]["properties"]["core.gain"] = 3.0;
     }
+    ASSERT_EQ(daemon.ask("change.confirm")["saved"], true) << "it has just been started";
     auto client = daemon.client();
 
     static_cast<void>(client.ask("param.set", gain(3.0)));  // no answer comes
@@ -259,6 +260,7 @@ TEST_F(Generations, AreNotSavedForARefusedChange) {
 TEST_F(Generations, KnowThePluginsThatAreLoaded) {
   TrialDaemon daemon(kEmpty, options());
   ASSERT_EQ(daemon.ask("plugin.load", {{"plugin", "trial"}})["saved"], true);
+  ASSERT_EQ(daemon.ask("change.confirm")["saved"], true) << "it has just been started";
 
   crash(daemon);
   daemon.start();

@@ -37,6 +37,7 @@ TEST_F(Generations, ThatWereConfirmedAreStartedAfterACrash) {
 TEST_F(Generations, ThatWereRolledBackAreMarkedAndTheOldOneIsSavedAgain) {
   TrialDaemon daemon(kTrial, options());
   const auto before = exported(daemon);
+  ASSERT_EQ(daemon.ask("change.confirm")["saved"], true) << "it has just been started";
   ASSERT_EQ(daemon.ask("param.set", {{"values", Json{{"first.core.gain", 3.0}}}})["saved"], true);
   ASSERT_EQ(daemon.ask("change.undo")["state"], "applied");
 
@@ -49,6 +50,66 @@ TEST_F(Generations, ThatWereRolledBackAreMarkedAndTheOldOneIsSavedAgain) {
   daemon.start();
 
   EXPECT_EQ(exported(daemon), before);
+}
+
+/// A start is on probation too.
+TEST_F(Generations, ThatCrashSoonAfterTheirStartAreNotStartedAgain) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
+  end_and_start(daemon);
+  ASSERT_EQ(daemon.value("first.core.gain"), 1.0) << "after an orderly end the file is started";
+  EXPECT_EQ(newest(daemon)["mark"], "unconfirmed");
+
+  crash(daemon);
+  daemon.start();
+
+  EXPECT_EQ(daemon.value("first.core.gain"), 3.0) << "the last one that had proved itself";
+  EXPECT_EQ(newest(daemon)["command"], "recover");
+}
+
+TEST_F(Generations, OfAStartAreConfirmedWhenNothingFailed) {
+  TrialDaemon daemon(kTrial, options());
+  EXPECT_EQ(newest(daemon)["mark"], "unconfirmed");
+  ASSERT_EQ(daemon.ask("param.set", {{"values", Json{{"first.core.gain", 3.0}}}})["saved"], true);
+  ASSERT_EQ(daemon.ask("change.undo")["state"], "applied");
+
+  EXPECT_TRUE(eventually([&] {
+    const auto items = daemon.ask("config.history")["items"];
+    return items.size() == 3U && items[0]["mark"] == "confirmed" && items[2]["mark"] == "confirmed";
+  })) << "it runs again what was started";
+}
+
+/// Generation 2 is good; what a file brings crashes again and again, each time after it was
+/// confirmed.
+TEST_F(Generations, ThatCrashThriceInARowArePassedOverAndPushNobodyOut) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_EQ(daemon.ask("param.set", gain(2.0))["saved"], true);
+  ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
+  for (int crashes = 1; crashes <= 3; ++crashes) {
+    ASSERT_EQ(daemon.value("first.core.gain"), 3.0) << crashes;
+    crash(daemon);
+    daemon.start();
+    if (crashes < 3) {
+      ASSERT_EQ(daemon.ask("change.confirm")["saved"], true) << crashes;
+    }
+  }
+
+  EXPECT_EQ(daemon.value("first.core.gain"), 2.0);
+  EXPECT_TRUE(was_logged(daemon, "generation_passed_over"));
+  EXPECT_EQ(daemon.ask("config.history")["items"].size(), 4U)
+      << "2, 3, one copy of it, and the one that runs";
+}
+
+TEST_F(Generations, ThatCrashAtOnceInALoopPushNobodyOut) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_EQ(daemon.ask("param.set", gain(2.0))["saved"], true);
+  for (int i = 0; i < 6; ++i) {
+    crash(daemon);
+    daemon.start();
+    static_cast<void>(daemon.client());
+  }
+
+  EXPECT_EQ(daemon.ask("config.history")["items"].size(), 2U) << "2 and the last start";
 }
 
 TEST_F(Generations, ThatGoBackToAnUnconfirmedOneAreUnconfirmed) {

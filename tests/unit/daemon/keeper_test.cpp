@@ -70,6 +70,45 @@ TEST_F(KeeperTest, KnowsACrashByAMissingEnd) {
   EXPECT_EQ(keeper->generations().newest(), 2U);
 }
 
+TEST_F(KeeperTest, TakesALostMarkerForACrashWhenSomethingWasSaved) {
+  keeper->begin(with_number(1), named("a"));
+  keeper->end();
+  std::filesystem::remove(dir / "state" / "running");
+
+  open();
+
+  EXPECT_TRUE(keeper->crashed());
+  EXPECT_FALSE(keeper->process_crashed()) << "nobody knows whether the machine ran on";
+}
+
+TEST_F(KeeperTest, DropsWhatEarlierRecoveriesDidNotConfirm) {
+  for (std::uint64_t number = 1; number <= 3; ++number) {
+    auto about = with_number(number);
+    about.command = number == 1 ? "start" : kRecover;
+    about.mark = number == 1 ? Mark::confirmed : Mark::unconfirmed;
+    keeper->begin(about, named("a"));
+    open();
+  }
+
+  const auto all = keeper->generations().list();
+
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[0].number, 3U);
+  EXPECT_EQ(all[1].number, 1U);
+}
+
+TEST_F(KeeperTest, PutsAFileAsideThatLiesWhereTheGenerationsBelong) {
+  keeper.reset();
+  std::filesystem::remove_all(dir / "state" / "generations");
+  std::ofstream(dir / "state" / "generations") << "damage";
+
+  open();
+
+  keeper->begin(with_number(1), named("a"));
+  EXPECT_EQ(keeper->generations().newest(), 1U);
+  EXPECT_TRUE(std::filesystem::exists(dir / "state" / "generations.damaged"));
+}
+
 TEST_F(KeeperTest, KeepsTheListOfCoresInQuarantine) {
   const Json cores = {{{"core", "guidance/gap"}, {"build_id", "12ab"}, {"reason", "threw"}}};
   EXPECT_TRUE(keeper->quarantined().empty());
@@ -159,7 +198,7 @@ TEST_F(KeeperTest, WritesWhatWaitsBeforeItEnds) {
   keeper->end();
 
   EXPECT_EQ(lines(), 20U);
-  EXPECT_FALSE(std::filesystem::exists(dir / "state" / "running"));
+  EXPECT_EQ(test::TempDir::read(dir / "state" / "running"), "ended\n");
 }
 
 }  // namespace
