@@ -92,6 +92,9 @@ int Daemon::run() {
   const auto signal = guard.finish();
   if (!started) {
     report_refusal(started.error());
+    if (keeper_) {
+      keeper_->refused();
+    }
     return 1;
   }
   if (auto serving = serve(); !serving) {
@@ -148,6 +151,9 @@ Status Daemon::load() {
     return origin.error();
   }
   origin_ = *std::move(origin);
+  if (keeper_) {
+    keeper_->try_generation(origin_.generation);
+  }
   if (auto entered = enter_folder(); !entered) {
     return entered;
   }
@@ -274,7 +280,9 @@ std::string Daemon::wait_for_signal() {
     if (auto signal = signals_.wait(watched ? std::min(pause, kStatusEvery) : kStatusEvery)) {
       return *signal;
     }
-    control_.read([this] { notify::status(state_line()); });
+    if (well) {
+      control_.read([this] { notify::status(state_line()); });
+    }
     if (!watched) {
       continue;
     }

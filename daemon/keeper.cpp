@@ -2,10 +2,12 @@
 #include "keeper.h"
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
-#include <ctime>
+#include <cstdlib>
 #include <filesystem>
 #include <future>
+#include <random>
 #include <utility>
 
 #include "arch/load.h"
@@ -23,17 +25,30 @@ std::filesystem::path marker_in(const std::string& directory) {
   return std::filesystem::path(directory) / "running";
 }
 
+// What the marker says, but for a run that began not long ago: "machine RUN started GENERATION".
 constexpr std::string_view kEnded = "ended";
+constexpr std::string_view kRanLong = "ran long";
+constexpr std::string_view kRefused = "refused after a crash";
+constexpr std::string_view kMachine = "machine ";
+constexpr std::string_view kStarted = " started ";
 
-/// Another one after each power cut or restart of the machine. A sandbox may hide its number: then
-/// the minute in which it began, which is another one too when the clock was set.
+/// Another one after each power cut or restart of the machine; empty: not known. A sandbox may hide
+/// the number of the system: then one in the directory that the service manager makes anew.
 std::string run_of_the_machine() {
   if (auto number = rt::file_text("/proc/sys/kernel/random/boot_id")) {
     return *std::move(number);
   }
-  timespec up{};
-  clock_gettime(CLOCK_BOOTTIME, &up);
-  return "since minute " + std::to_string((std::time(nullptr) - up.tv_sec) / 60);
+  const char* directory = std::getenv("RUNTIME_DIRECTORY");
+  if (directory == nullptr) {
+    return "";
+  }
+  const auto file = std::filesystem::path(directory) / "machine";
+  if (auto number = rt::file_text(file)) {
+    return *std::move(number);
+  }
+  std::random_device random;
+  const auto number = std::to_string(random()) + "-" + std::to_string(random());
+  return replace_file(file, number + "\n") ? number : "";
 }
 
 std::filesystem::path quarantine_in(const std::string& directory) {
@@ -68,12 +83,26 @@ Result<std::unique_ptr<Keeper>> Keeper::open(const std::string& directory, loggi
   return keeper;
 }
 
-/// "ended" after an orderly end; else the number of the machine's run in which mauved ran. What was
-/// saved by a run whose marker is lost counts as a crash, since an end leaves one.
+/// What was saved by a run whose marker is lost counts as a crash, since an end leaves one.
 void Keeper::read_marker() {
   const auto marker = rt::file_text(marker_in(directory_));
   crashed_ = marker ? *marker != kEnded : !generations_->list().empty();
-  process_crashed_ = marker && crashed_ && *marker == run_of_the_machine();
+  const std::string_view text = marker ? std::string_view(*marker) : std::string_view();
+  const auto started = text.rfind(kStarted);
+  if (!text.starts_with(kMachine) || started == std::string_view::npos) {
+    return;
+  }
+  const auto machine = text.substr(kMachine.size(), started - kMachine.size());
+  const bool ran_on = !machine.empty() && machine == run_of_the_machine();
+  const auto number = text.substr(started + kStarted.size());
+  std::uint64_t generation = 0;
+  std::from_chars(number.data(), number.data() + number.size(), generation);
+  crashed_generation_ = ran_on ? generation : 0;
+}
+
+void Keeper::try_generation(std::uint64_t generation) {
+  put_marker(std::string(kMachine) + run_of_the_machine() + std::string(kStarted) +
+             std::to_string(generation));
 }
 
 /// Damage keeps nothing from starting: a file where a folder belongs gets another name.
@@ -94,24 +123,20 @@ void Keeper::put_aside(const std::filesystem::path& folder) {
 
 void Keeper::begin(const Generation& first, const Value& architecture) {
   for (const auto& one : generations_->list()) {
-    const bool started = one.command == kStart || one.command == kRecover;
-    if (crashed_ && started && one.mark == Mark::unconfirmed) {
+    const bool by_itself = one.command.find('.') == std::string::npos;  // methods have one
+    if (crashed_ && by_itself && one.mark == Mark::unconfirmed) {
       generations_->remove(one.number);  // else a crash loop would push out the others
     }
   }
-  save(first, architecture);
-  if (auto put = replace_file(marker_in(directory_), run_of_the_machine() + "\n"); !put) {
-    report(Event::generation_not_saved, put.error());
+  if (save(first, architecture)) {
+    try_generation(first.number);
   }
   disk_.start();
 }
 
 void Keeper::end() {
   disk_.stop();
-  const auto ended = std::string(kEnded) + "\n";
-  if (auto put = replace_file(marker_in(directory_), ended); !put) {
-    report(Event::generation_not_saved, put.error());
-  }
+  put_marker(kEnded);
 }
 
 void Keeper::keep(Generation about, Value architecture, Json line,
@@ -210,8 +235,24 @@ void Keeper::confirm_same(std::uint64_t generation, std::uint64_t other) {
   });
 }
 
-void Keeper::drop(std::uint64_t generation) {
-  disk_.post_urgent([this, generation] { generations_->remove(generation); });
+void Keeper::confirm_start(std::uint64_t generation, std::uint64_t replaced) {
+  disk_.post_urgent([this, generation, replaced] {
+    if (mark_now(generation, Mark::confirmed) && replaced != 0) {
+      generations_->remove(replaced);
+    }
+  });
+}
+
+void Keeper::ran_long() {
+  disk_.post_urgent([this] { put_marker(kRanLong); });
+}
+
+void Keeper::refused() { put_marker(crashed_ ? kRefused : kEnded); }
+
+void Keeper::put_marker(std::string_view text) {
+  if (auto put = replace_file(marker_in(directory_), std::string(text) + "\n"); !put) {
+    report(Event::generation_not_saved, put.error());
+  }
 }
 
 void Keeper::confirm_like(std::uint64_t generation, std::uint64_t earlier) {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "control.h"
@@ -31,15 +32,18 @@ class Keeper {
 
   /// [any] The run before this one did not come to its end: a crash, a power cut.
   [[nodiscard]] bool crashed() const { return crashed_; }
-  /// [any] It crashed while the machine ran on.
-  [[nodiscard]] bool process_crashed() const { return process_crashed_; }
+  /// [any] What it had started with when it crashed soon after that, while the machine ran on; 0:
+  /// nothing of that kind.
+  [[nodiscard]] std::uint64_t crashed_generation() const { return crashed_generation_; }
+  /// From now on an end without end() or refused() is a crash of this generation (0: of the file).
+  /// [main], before any code of a plugin runs
+  void try_generation(std::uint64_t generation);
   [[nodiscard]] const Generations& generations() const { return *generations_; }
   /// [main], before begin()
   [[nodiscard]] Generations& generations() { return *generations_; }
   [[nodiscard]] const std::string& directory() const { return directory_; }
 
-  /// Saves what this run starts with, waiting for the disk, and begins to write on [disk]. From now
-  /// on an end without end() is a crash. [main]
+  /// Saves what this run starts with, waiting for the disk, and begins to write on [disk]. [main]
   /// After a crash the starts that nobody confirmed go.
   void begin(const Generation& first, const Value& architecture);
   /// Writes what waits, then says that the run has come to its end. [main]
@@ -63,8 +67,14 @@ class Keeper {
   void forget_crashes(std::uint64_t generation);
   /// Confirms both when they are the same architecture. [any but rt]
   void confirm_same(std::uint64_t generation, std::uint64_t other);
-  /// A generation is needed no more, since a confirmed one has the same architecture. [any but rt]
-  void drop(std::uint64_t generation);
+  /// Confirms a saved generation; then `replaced`, which has the same architecture, is needed no
+  /// more (0: none). [any but rt]
+  void confirm_start(std::uint64_t generation, std::uint64_t replaced);
+  /// The run has gone on for so long that its end would be no crash soon after a start. [any but
+  /// rt]
+  void ran_long();
+  /// The run is refused before it began. [main]
+  void refused();
   /// Runs this on [disk], after what waits there. [any but rt]
   void on_disk(std::function<void()> work) { disk_.post(std::move(work)); }
   /// Saves the list of cores in quarantine. [any but rt]
@@ -88,6 +98,7 @@ class Keeper {
   bool mark_now(std::uint64_t generation, Mark mark);
   void put_aside(const std::filesystem::path& folder);
   void read_marker();
+  void put_marker(std::string_view text);
   void read_quarantine();
   void write_waiting();
   [[nodiscard]] Status rotate_audit() const;
@@ -99,7 +110,7 @@ class Keeper {
   rt::Descriptor held_;
   std::unique_ptr<Generations> generations_;
   bool crashed_ = false;
-  bool process_crashed_ = false;
+  std::uint64_t crashed_generation_ = 0;
   Json quarantined_ = Json::array();
   std::atomic<bool> saved_{true};
   bool audit_broken_ = false;  ///< [disk] one complaint each until it works again

@@ -37,17 +37,16 @@ std::string folder_of(const Generation& one, const Options& options) {
                                                          : folder_of(options.architecture);
 }
 
-/// The newest generation is what ran: its crash counts for the newest confirmed one of the same
-/// architecture. What was never confirmed is not started anyway.
-void count_crash(Generations& generations, logging::Log& log) {
-  const auto all = generations.list();
-  const auto ran = all.empty() ? std::nullopt : std::optional(generations.text(all.front().number));
-  if (!ran || !*ran) {
+/// The crash counts for the newest confirmed generation of the architecture that was started. What
+/// was never confirmed is not started anyway.
+void count_crash(Generations& generations, std::uint64_t started, logging::Log& log) {
+  const auto ran = generations.text(started);
+  if (!ran) {
     return;
   }
-  for (const auto& one : all) {
+  for (const auto& one : generations.list()) {
     const auto text = generations.text(one.number);
-    if (one.mark != Mark::confirmed || !text || *text != **ran) {
+    if (one.mark != Mark::confirmed || !text || *text != *ran) {
       continue;
     }
     if (auto counted = generations.set_crashes(one.number, one.crashes + 1); !counted) {
@@ -101,8 +100,8 @@ std::optional<Origin> last_confirmed(const Options& options, const Generations& 
 }  // namespace
 
 Result<Origin> what_to_start(const Options& options, Keeper* keeper, logging::Log& log) {
-  if (keeper != nullptr && keeper->process_crashed()) {
-    count_crash(keeper->generations(), log);
+  if (keeper != nullptr && keeper->crashed_generation() != 0) {
+    count_crash(keeper->generations(), keeper->crashed_generation(), log);
   }
   if (keeper != nullptr && keeper->crashed() && !options.fresh) {
     if (auto origin = last_confirmed(options, keeper->generations(), log)) {

@@ -47,8 +47,8 @@ ROOMS = {
     "yaml-cpp/": "plugins/",
     **{f"{room}/": "plugins/ros/" for room in
        ("ros", "geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs")},
-    "dlfcn.h": "libruntime/plugin/ libruntime/rt/ends",
-    "link.h": "libruntime/plugin/ libruntime/rt/rescue",
+    "dlfcn.h": "libruntime/plugin/ libruntime/rt/ends libruntime/rt/user_threads",
+    "link.h": "libruntime/plugin/ libruntime/rt/rescue libruntime/rt/user_threads",
     "csetjmp": "libruntime/rt/rescue",
     "setjmp.h": "libruntime/rt/rescue",
     "elf.h": "libruntime/plugin/ libruntime/include/mauve/plugin.h",

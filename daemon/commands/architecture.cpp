@@ -174,7 +174,11 @@ void answer_unchanged(Running& running, const Call& call, Application& applicati
 
 /// [control] Plugins are all that the file adds: no component takes part, no new generation.
 void load_only(Running& running, const Call& call, Application& application) {
-  if (auto good = application.ready(); !good) {
+  auto good = check_conditions(running, call);
+  if (good) {
+    good = application.ready();
+  }
+  if (!good) {
     return answer(running, call, good.error());
   }
   application.in_force();
@@ -248,7 +252,7 @@ void apply_file(Running& running, const CallPtr& call, Ticket ticket) {
 /// In a process of its own, so that a viewer may ask: nothing that the file names is made here.
 void diff_architecture(Running& running, const CallPtr& call, Ticket /*none*/) {
   auto question = question_of(running, *call);
-  question.running = arch::to_json(described(running)).dump();
+  question.running = arch::to_json_text(described(running));
   running.judge(call->caller.peer.uid, question, [&running, call](Result<Json> judged) {
     if (!judged) {
       return answer(running, *call, judged.error());

@@ -82,12 +82,15 @@ bool changes_modes_only(const Change& change) {
                      [](const Edit& one) { return one.mode != Mode::keep && !one.core; });
 }
 
-std::uint64_t stops_of(Running& running, const Change& change) {
-  std::uint64_t stops = 0;
+using Stops = std::map<std::string, std::uint64_t>;
+
+std::uint64_t stops_of(const Stops& stops, const Change& change) {
+  std::uint64_t sum = 0;
   for (const auto& edit : change.edits) {
-    stops += running.stops[edit.component];
+    const auto found = stops.find(edit.component);
+    sum += found == stops.end() ? 0 : found->second;
   }
-  return stops;
+  return sum;
 }
 
 bool starts_something(const Change& change) {
@@ -108,7 +111,7 @@ bool may_go_on(Running& running, const Call& call, const Journey& journey) {
   }
   auto met = check_conditions(running, call);
   if (met && starts_something(journey.change) &&
-      stops_of(running, journey.change) != journey.stops) {
+      stops_of(running.stops, journey.change) != journey.stops) {
     met = stopped_meanwhile(journey);
   }
   if (met && journey.companion != nullptr) {
@@ -189,7 +192,7 @@ void end_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Tic
 
 void resume_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
   auto& change = **journey->prepared;
-  const bool stopped = stops_of(running, journey->change) != journey->stops;
+  const bool stopped = stops_of(running.stops, journey->change) != journey->stops;
   if (stopped && journey->exchanged) {
     // The new core takes its place, but the component stays where the stop put it.
     call->mark = Mark::unconfirmed;
@@ -328,7 +331,7 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
   journey->change = std::move(change);
   const bool dry_run = companion != nullptr && companion->dry_run();
   journey->companion = std::move(companion);
-  journey->stops = stops_of(running, journey->change);
+  journey->stops = stops_of(call->stops ? *call->stops : running.stops, journey->change);
   auto& edits = journey->change;
   prepare_then(
       running, call, std::move(journey), std::move(ticket),
@@ -348,7 +351,7 @@ void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit e
   if (!free) {
     return answer(running, *call, free.error());
   }
-  journey->stops = stops_of(running, journey->change);
+  journey->stops = stops_of(call->stops ? *call->stops : running.stops, journey->change);
   auto& only = journey->change.edits[0];
   prepare_then(
       running, call, std::move(journey), std::move(ticket),

@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -61,7 +62,8 @@ struct Started {
   std::uint64_t generation = 0;
   std::chrono::steady_clock::time_point since = {};
   unsigned crashes = 0;  ///< of the runs before
-  bool proves = true;    ///< none of its components has failed yet, and its time is not over
+  bool long_ago = false;
+  bool proves = true;  ///< none of its components has failed yet, and its time is not over
 };
 
 /// The running system as commands see it. Owned by Daemon, which outlives every command. The model
@@ -109,7 +111,9 @@ struct Call {
   Json params;
   server::Reply reply;
   std::chrono::steady_clock::time_point received;
-  std::uint64_t before = 0;     ///< the generation that the request met
+  std::uint64_t before = 0;  ///< the generation that the request met
+  /// How often each component was stopped by request when this one began: see Running::stops.
+  std::optional<std::map<std::string, std::uint64_t>> stops = std::nullopt;
   Mark mark = Mark::confirmed;  ///< of the generation that it makes
   bool confirms = false;        ///< the generation that runs is confirmed before the answer
   bool given_up = false;        ///< a hook did not return, and keeps a thread

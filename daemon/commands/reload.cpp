@@ -291,14 +291,14 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
   if (!policy) {
     return answer(running, *call, policy.error());
   }
-  reload->change = members_of(running, reload->name, *policy);
-  if (auto free = check_barred(running, reload->change); !free) {
-    return answer(running, *call, free.error());
-  }
-  Question question{arch::to_json(described(running)).dump()};
+  Question question{arch::to_json_text(described(running))};
   question.loads = true;
   try_out(running, call, question, reload->name,
-          [&running, call, reload, ticket = std::move(ticket)] {
+          [&running, call, reload, policy = *policy, ticket = std::move(ticket)] {
+            reload->change = members_of(running, reload->name, policy);
+            if (auto free = check_barred(running, reload->change); !free) {
+              return answer(running, *call, free.error());
+            }
             reload_in_factory(running, call, reload, ticket);
           });
 }

@@ -157,6 +157,7 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
   }
   const bool queued = running_.control.change([this, &command, call](Ticket ticket) {
     call->before = running_.generation;
+    call->stops = running_.stops;
     auto met = check_conditions(running_, *call);
     if (met) {
       met = may_prepare(running_);

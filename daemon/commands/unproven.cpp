@@ -42,9 +42,12 @@ void look_at_start(Running& running) {
       running.keeper->confirm_same(started.generation, running.generation);
     }
   }
-  if (started.crashes > 0 && ran >= kSoon) {
-    started.crashes = 0;
-    running.keeper->forget_crashes(started.generation);
+  if (!started.long_ago && ran >= kSoon) {
+    started.long_ago = true;
+    running.keeper->ran_long();
+    if (started.crashes > 0) {
+      running.keeper->forget_crashes(started.generation);
+    }
   }
 }
 
@@ -76,10 +79,7 @@ bool confirm_unproven(Running& running) {
     return false;
   }
   if (running.keeper != nullptr) {
-    running.keeper->mark(unproven.generation, Mark::confirmed);
-    if (unproven.replaces != 0) {
-      running.keeper->drop(unproven.replaces);
-    }
+    running.keeper->confirm_start(unproven.generation, unproven.replaces);
   }
   return true;
 }

@@ -20,7 +20,7 @@ namespace mauve::daemon {
 
 namespace {
 
-constexpr std::uint64_t kLongestAnswer = std::uint64_t{64} << 20;
+constexpr std::uint64_t kLongestAnswer = std::uint64_t{8} << 20;
 constexpr unsigned kHandlerMayTake = 1;  // seconds, when what it needs is locked
 constexpr std::array kEnds = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTERM, SIGXCPU};
 
@@ -108,7 +108,7 @@ int judge_as_child(const Options& options) {
   const auto judged = answer_to(text, options);
   const Json said =
       judged ? Json{{"judgement", *judged}} : Json{{"refused", error_json(judged.error())}};
-  write_all(answer, said.dump());
+  write_all(answer, protocol::to_line(said));
   _exit(0);  // no code of a plugin runs after the answer
 }
 

@@ -79,11 +79,12 @@ void Judge::ask(uid_t user, const Question& question, Then then) {
     control_.read([then = std::move(then), error = place.error()] { then(error); });
     return;
   }
-  thread_.post([this, user, text = to_json(question).dump(), then = std::move(then)]() mutable {
-    auto result = std::make_shared<Result<Json>>(judged(text));
-    give_place_back(user);
-    control_.read([then = std::move(then), result] { then(std::move(*result)); });
-  });
+  thread_.post(
+      [this, user, text = protocol::to_line(to_json(question)), then = std::move(then)]() mutable {
+        auto result = std::make_shared<Result<Json>>(judged(text));
+        give_place_back(user);
+        control_.read([then = std::move(then), result] { then(std::move(*result)); });
+      });
 }
 
 Result<Json> Judge::judged(const std::string& question) {

@@ -129,8 +129,19 @@ Result<Json> judge(const Question& question, plugin::Catalog catalog) {
 }
 
 Json to_json(const arch::Problems& problems) {
+  constexpr std::size_t kMost = 200;  // a file of 1 MiB can have a hundred thousand
   Json errors = Json::array();
   for (const auto& problem : problems.sorted()) {
+    if (errors.size() == kMost) {
+      errors.push_back(
+          {{"line", problem.where.line},
+           {"column", problem.where.column},
+           {"at", problem.error.at},
+           {"code", to_string(Errc::limit)},
+           {"message", "and " + std::to_string(problems.size() - kMost) + " more errors"},
+           {"hint", "mend the first ones"}});
+      break;
+    }
     errors.push_back({{"line", problem.where.line},
                       {"column", problem.where.column},
                       {"at", problem.error.at},

@@ -38,7 +38,8 @@ struct Question {
 /// into `catalog` and makes all elements.
 [[nodiscard]] Result<Json> judge(const Question& question, plugin::Catalog catalog);
 
-/// [{"line","column","at","code","message","hint"}], in the order of the file.
+/// [{"line","column","at","code","message","hint"}], in the order of the file: the first 200, and
+/// then how many more.
 [[nodiscard]] Json to_json(const arch::Problems& problems);
 /// {"op","kind","address","old","new"}
 [[nodiscard]] Json to_json(const arch::Line& line);

@@ -125,13 +125,13 @@ void Commit::conclude() {
   receipt_.attempts = swapped.attempts;
   receipt_.warnings = content_->warnings;
   const bool whole = swapped.state == SwapResult::State::committed && failed().empty();
-  if (!whole && way_back_ != nullptr) return take_back();
-  receipt_.generation = ++system_.generation;
-  exchange_fallbacks(system_.architecture, content_->fallbacks);
+  exchange_fallbacks(system_.architecture, content_->fallbacks);  // the way back does so again
   if (barrier_ != nullptr) {
     barrier_->tell(receipt_);
     barrier_->end();
   }
+  if (!whole && way_back_ != nullptr) return take_back();
+  receipt_.generation = ++system_.generation;
   change_membership();
   if (whole) {
     result_ = receipt_;
@@ -225,6 +225,10 @@ void Commit::begin_probation() {
 /// The names of members whose state was not converted.
 std::string Commit::failed() const {
   std::string names;
+  for (const ResourceMember& one : swap_->resources()) {
+    if (!one.flip->failed()) continue;
+    names += (names.empty() ? "" : ", ") + one.resource->name();
+  }
   for (std::size_t i = 0; i < swap_->members().size() && i < deployed_.size(); ++i) {
     if (!swap_->members()[i].failed) continue;
     names += (names.empty() ? "" : ", ") + deployed_[i]->task->name();
@@ -233,12 +237,13 @@ std::string Commit::failed() const {
 }
 
 Error Commit::not_applied() const {
-  if (const std::string names = failed(); !names.empty()) {
-    return refuse(Errc::partly, names,
-                  "could not convert the state of the core before, so it failed with its safe "
-                  "values written; the change is in force",
-                  "mend its converter, then swap again; without --probation off it would have been "
-                  "taken back");
+  if (const std::string names = failed(); !names.empty() && way_back_ == nullptr) {
+    return refuse(
+        Errc::partly, names,
+        "could not convert the state of the core before: a component failed with its safe "
+        "values written, a resource is poisoned; the change is in force",
+        "mend its converter, then swap again; without --probation off it would have been "
+        "taken back");
   }
   std::string names;
   for (const Deployed* one : silent()) {

@@ -75,7 +75,8 @@ Duration bound_of(const Bundle& bundle) {
   }
   Duration longest{0};
   for (const FsmState* state : bundle.fsm->states()) longest = std::max(longest, state->duration());
-  return std::clamp(10 * longest, kShortest, kLongest);
+  // What declares nothing may use a whole wait of a second, nearly.
+  return std::clamp(10 * longest, kShortest, std::clamp(longest, kLongest, 2 * kLongest));
 }
 
 std::unique_ptr<Published> make_published(const PreparedMember& member) {

@@ -66,18 +66,37 @@ void ResourceFlip::take() {
   const Instant begin = MonotonicClock().now();
   for (const auto& [port, before] : safe_writes_) write_quietly(*port, *before, true);
   if (!resource_.gate().poisoned()) {  // else it may be half written: the new core begins anew
-    // Half a state is not for its users: they are told, as after a caller that crashed in it.
-    if (hand_over_.run().happened()) resource_.gate().poison();
-    bytes_ = hand_over_.bytes;
+    converting_.store(true);
+    const bool failed = hand_over_.run().happened();
+    if (!converting_.exchange(false)) return;  // its thread was given up: see finish_for_lost()
+    failed_ = failed;
+    bytes_ = failed ? 0 : hand_over_.bytes;
   }
   for (const auto& [into, from] : observables_) into->continue_from(*from);
-  resource_.meet(parts_.core, parts_.bindings);
-  if (parts_.core != nullptr) resource_.gate().forget_holds();
+  meet();
   pause_ = Duration{MonotonicClock().now() - begin};
   state_.store(State::in_force, std::memory_order_release);
 }
 
+/// Half a state is not for its users: they are told, as after a caller that crashed in it.
+void ResourceFlip::meet() {
+  resource_.meet(parts_.core, parts_.bindings);
+  if (failed_) resource_.gate().poison();
+  if (parts_.core != nullptr) resource_.gate().forget_holds();
+}
+
+/// A caller never returned from the converter; the guard took its lock away and poisoned the
+/// resource.
+void ResourceFlip::finish_for_lost() {
+  if (state() != State::taking || !resource_.gate().poisoned()) return;
+  if (!converting_.exchange(false)) return;
+  failed_ = lost_ = true;
+  meet();
+  state_.store(State::in_force, std::memory_order_release);
+}
+
 void ResourceFlip::help(Instant now) {
+  finish_for_lost();
   if (state() != State::waiting) return;
   if (transaction_.given_up()) return revoke();
   if (transaction_.state() != Transaction::State::committed || now < transaction_.instant()) return;

@@ -57,11 +57,17 @@ class ResourceFlip final : public Deferred {
   /// What it had before; valid when in force.
   [[nodiscard]] const ResourceParts& replaced() const { return replaced_; }
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
+  /// Its state was not converted: it is in force and poisoned.
+  [[nodiscard]] bool failed() const { return failed_; }
+  /// A thread that never returned is still inside: it must not be freed.
+  [[nodiscard]] bool lost() const { return lost_; }
   /// How long callers were kept out.
   [[nodiscard]] Duration pause() const { return pause_; }
 
  private:
   void take();
+  void meet();
+  void finish_for_lost();
 
   ResourceBase& resource_;
   ResourceParts parts_;
@@ -73,6 +79,9 @@ class ResourceFlip final : public Deferred {
   std::vector<std::pair<const PortBase*, const Binding*>> safe_writes_;
   std::atomic<State> state_{State::waiting};
   bool armed_ = true;
+  std::atomic<bool> converting_{false};  // by a caller, which may be given up in it
+  bool failed_ = false;
+  bool lost_ = false;
   std::size_t bytes_ = 0;
   Duration pause_{0};
 };

@@ -34,7 +34,7 @@ Swap::~Swap() {
   bool in_use = given_up_;
   for (ResourceMember& member : resources_) old_flips_.push_back(std::move(member.flip));
   for (auto& flip : old_flips_) {
-    if (flip->disarm()) continue;
+    if (!flip->lost() && flip->disarm()) continue;
     leave_behind(std::shared_ptr<ResourceFlip>(std::move(flip)));
     in_use = true;
   }

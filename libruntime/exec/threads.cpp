@@ -235,7 +235,7 @@ class Threads final : public Runner {
     if (!worker.attributes.cpus.empty()) {
       static_cast<void>(worker.thread.set_cpus(worker.attributes.cpus));
     }
-    worker.task.count_restored();
+    if (worker.thread.keeps(priority, worker.attributes.cpus)) worker.task.count_restored();
   }
 
   /// When to look again.

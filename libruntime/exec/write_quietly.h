@@ -26,7 +26,9 @@ inline void write_quietly(const PortBase& port, const Binding& connection, bool 
     }
   };
   Write write{port, connection, by_owner};
-  if (rt::rescued(&Write::run, &write, rt::kUnwatched).happened()) Gate::poison_and_leave_all();
+  const std::size_t held = Gate::held();
+  const rt::Fault fault = rt::rescued(&Write::run, &write, rt::kUnwatched);
+  if (fault.happened()) Gate::poison_and_leave_all(held);
 }
 
 }  // namespace mauve::exec

@@ -155,9 +155,11 @@ void Gate::leave_renewed(GateLock& lock) {
   lock.mutex.unlock();
 }
 
-void Gate::poison_and_leave_all() {
+std::size_t Gate::held() { return this_job().held_count.load(std::memory_order_relaxed); }
+
+void Gate::poison_and_leave_all(std::size_t kept) {
   const Job& job = this_job();
-  while (const std::size_t count = job.held_count.load(std::memory_order_relaxed)) {
+  for (std::size_t count = held(); count > kept; count = held()) {
     GateLock& innermost = *job.held[count - 1].load(std::memory_order_relaxed);
     const bool still_holds = innermost.holder.load(std::memory_order_relaxed) == &job;
     if (still_holds) innermost.gate.poison();

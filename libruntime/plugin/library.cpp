@@ -91,6 +91,7 @@ Status Library::map(const std::string& name) {
   const std::string path = image_.path();
   handle_ = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle_ == nullptr) return cannot_link(dlerror(), path);
+  code_ = rt::code_around(dlsym(handle_, "mauve_plugin"));
   declared_ = std::make_unique<Plugin>(name);
   return ok();
 }
@@ -117,6 +118,10 @@ Status Library::declare(const PluginManifest& checked) {
 Library::~Library() {
   declared_.reset();
   if (handle_ == nullptr) return;
+  if (!rt::threads_started_by(code_).empty()) {
+    image_.abandon();
+    return;
+  }
   dlclose(handle_);
   if (is_mapped(image_.mapping())) image_.abandon();
 }
@@ -135,11 +140,17 @@ Unmapped Library::release(std::shared_ptr<Library> library) {
   if (library->handle_ == nullptr) return {false, "it is part of the program"};
   const std::string held_by = joined(library->users());
   const std::string mapping = library->image_.mapping();
+  const rt::CodeRange code = library->code_;
   const std::weak_ptr<Library> rest = library;
   library.reset();
   if (!rest.expired()) {
     return {false, held_by.empty() ? "something that was made by it is still in use"
                                    : "still used by " + held_by};
+  }
+  if (const auto left = rt::threads_started_by(code); !left.empty()) {
+    return {false, "it left " + std::to_string(left.size()) +
+                       (left.size() == 1 ? " thread" : " threads") + " running: " + joined(left) +
+                       " (end them in on_cleanup)"};
   }
   if (is_mapped(mapping)) return {false, "the dynamic linker keeps it for the life of the process"};
   return {true, {}};

@@ -13,6 +13,7 @@
 #include "mauve/plugin.h"
 #include "plugin/image.h"
 #include "plugin/plugin_file.h"
+#include "rt/user_threads.h"
 
 namespace mauve::plugin {
 
@@ -57,7 +58,8 @@ class Library {
   void retire() { retired_.store(true, std::memory_order_release); }
   [[nodiscard]] bool retired() const { return retired_.load(std::memory_order_acquire); }
 
-  /// Drops this reference and says what became of the code. Null: nothing was mapped. [factory]
+  /// Drops this reference and says what became of the code. Code whose threads still run stays
+  /// mapped for the life of the process. Null: nothing was mapped. [factory]
   static Unmapped release(std::shared_ptr<Library> library);
 
  private:
@@ -75,6 +77,7 @@ class Library {
   PluginInfo info_;
   Image image_;
   void* handle_ = nullptr;
+  rt::CodeRange code_;
   std::unique_ptr<Plugin> declared_;  // destroyed before the code is unmapped
   std::atomic<bool> retired_{false};
   mutable std::mutex mutex_;  // of users_; never taken by a real-time thread

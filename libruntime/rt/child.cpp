@@ -184,15 +184,23 @@ Result<pid_t> ChildRunner::spawn(const std::vector<std::string>& command, int in
 
 ChildEnd ChildRunner::wait(pid_t child, Duration within) {
   ChildEnd end;
+  // Code in it may have left the group: the process itself gets each signal too.
+  const auto tell = [child](int signal) {
+    kill(-child, signal);
+    kill(child, signal);
+  };
   const Descriptor handle(static_cast<int>(syscall(SYS_pidfd_open, child, 0)));
   const auto most = std::chrono::ceil<std::chrono::milliseconds>(within).count();
   if (!handle || !ended_within(handle, static_cast<int>(most))) {
     end.how = ChildEnd::How::late;
-    kill(-child, SIGTERM);
+    tell(SIGTERM);
     if (handle) ended_within(handle, kLastWordsMs);
   }
+  tell(SIGKILL);  // also those that it started; its number is not free yet
+  siginfo_t ended{};
+  while (waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOWAIT) < 0 && errno == EINTR) {
+  }
   const std::lock_guard lock(mutex_);
-  kill(-child, SIGKILL);  // also of those that it started; its number is not free yet
   child_ = 0;
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
@@ -211,7 +219,9 @@ ChildEnd ChildRunner::wait(pid_t child, Duration within) {
 void ChildRunner::cancel() {
   const std::lock_guard lock(mutex_);
   cancelled_ = true;
-  if (child_ != 0) kill(-child_, SIGKILL);
+  if (child_ == 0) return;
+  kill(-child_, SIGKILL);
+  kill(child_, SIGKILL);
 }
 
 }  // namespace mauve::rt

@@ -2,6 +2,7 @@
 #include "rt/rescue.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <csetjmp>
 #include <csignal>
@@ -57,6 +58,9 @@ class Ranges {
   std::array<Range, 24> ranges_{};
   std::size_t count_ = 0;
 };
+
+/// The process whose bodies these are: a child that one forked has nothing to go on with.
+std::atomic<pid_t> owner{0};
 
 struct Code {
   Ranges system;   // may hold locks of its own
@@ -119,8 +123,8 @@ void on_fault(int signal, siginfo_t* info, void* context) {
   const Fault fault{signal, reinterpret_cast<std::uintptr_t>(info->si_addr), false,
                     info->si_code <= 0};
   Frame* const frame = this_frame();
-  const bool contained =
-      frame != nullptr && !fault.sent && !code.system.contain(instruction_of(context));
+  const bool contained = frame != nullptr && getpid() == owner.load() && !fault.sent &&
+                         !code.system.contain(instruction_of(context));
   if (contained) throw_out(*frame, fault);
   speak_last_words(fault);
   std::signal(signal, SIG_DFL);
@@ -131,11 +135,12 @@ void on_fault(int signal, siginfo_t* info, void* context) {
 void on_interrupt(int signal, siginfo_t* /*info*/, void* context) {
   const std::uintptr_t at = instruction_of(context);
   if (code.system.contain(at) || code.runtime.contain(at)) return;
-  // The job may be in a body of its own, which ends with it.
-  for (Frame* frame = this_frame(); frame != nullptr; frame = frame->outer) {
+  // The job may be in a body within its own, whose caller has to know that it did not end: that one
+  // ends first, and the job when the guard tells it again.
+  for (const Frame* frame = this_frame(); frame != nullptr; frame = frame->outer) {
     const Instant wanted = frame->watched->interrupt.load();
     const bool meant = wanted != 0 && wanted == frame->watched->busy_since.load();
-    if (meant) throw_out(*frame, {signal, at, true, false});
+    if (meant) throw_out(*this_frame(), {signal, at, true, false});
   }
 }
 
@@ -152,6 +157,7 @@ Installed& installed() {
 }
 
 void install(Installed& before) {
+  owner.store(getpid());
   code = Code{};
   dl_iterate_phdr(collect, nullptr);
   struct sigaction action {};
@@ -196,6 +202,8 @@ Fault rescued(void (*body)(void*), void* argument, const Watched& watched) {
   this_frame() = frame.outer;
   return {};
 }
+
+bool in_body() { return this_frame() != nullptr; }
 
 void end_body(const Fault& fault) {
   if (Frame* const frame = this_frame()) throw_out(*frame, fault);

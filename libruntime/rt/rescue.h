@@ -60,6 +60,9 @@ inline const Watched kUnwatched;
 /// About 2 ns. [rt]
 [[nodiscard]] Fault rescued(void (*body)(void*), void* argument, const Watched& watched);
 
+/// Does the calling thread run a body?
+[[nodiscard]] bool in_body();
+
 /// Ends the body that the calling thread runs with this fault; without one it returns.
 void end_body(const Fault& fault);
 

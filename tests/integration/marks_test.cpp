@@ -85,13 +85,13 @@ TEST_F(Generations, ThatCrashThriceInARowArePassedOverAndPushNobodyOut) {
   TrialDaemon daemon(kTrial, options());
   ASSERT_EQ(daemon.ask("param.set", gain(2.0))["saved"], true);
   ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
+  crash(daemon);  // of a run that had started with another one: it does not count
+  daemon.start();
   for (int crashes = 1; crashes <= 3; ++crashes) {
     ASSERT_EQ(daemon.value("first.core.gain"), 3.0) << crashes;
+    ASSERT_EQ(daemon.ask("change.confirm")["saved"], true) << crashes;
     crash(daemon);
     daemon.start();
-    if (crashes < 3) {
-      ASSERT_EQ(daemon.ask("change.confirm")["saved"], true) << crashes;
-    }
   }
 
   EXPECT_EQ(daemon.value("first.core.gain"), 2.0);

@@ -74,8 +74,11 @@ class Gate {
   /// Under the gate: its core is new, or known to be whole.
   void heal() { poisoned_.store(false, std::memory_order_release); }
 
-  /// Runtime only: of all that this thread holds, which it was thrown out of: poisoned, then left.
-  static void poison_and_leave_all();
+  /// Runtime only: how many this thread holds.
+  [[nodiscard]] static std::size_t held();
+  /// Runtime only: of all that this thread holds but for the first `kept`, which it was thrown out
+  /// of: poisoned, then left.
+  static void poison_and_leave_all(std::size_t kept = 0);
   /// Runtime only: of all that a thread holds that never returns: poisoned, and given a new lock in
   /// place of the one that only that thread could unlock. Takes memory; the thread must not end
   /// meanwhile. [guard]

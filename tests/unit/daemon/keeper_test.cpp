@@ -78,7 +78,25 @@ TEST_F(KeeperTest, TakesALostMarkerForACrashWhenSomethingWasSaved) {
   open();
 
   EXPECT_TRUE(keeper->crashed());
-  EXPECT_FALSE(keeper->process_crashed()) << "nobody knows whether the machine ran on";
+  EXPECT_EQ(keeper->crashed_generation(), 0U) << "nobody knows what it had started";
+}
+
+TEST_F(KeeperTest, CountsACrashOnceAndOnlySoonAfterTheStart) {
+  keeper->try_generation(7);
+  open();
+  EXPECT_EQ(keeper->crashed_generation(), 7U);
+
+  keeper->refused();  // a start after the crash that a hook refused
+  open();
+  EXPECT_TRUE(keeper->crashed()) << "what ran last is tried again";
+  EXPECT_EQ(keeper->crashed_generation(), 0U) << "but it has not crashed again";
+
+  keeper->begin(with_number(8), named("a"));
+  keeper->ran_long();
+  keeper->flush();
+  open();
+  EXPECT_TRUE(keeper->crashed());
+  EXPECT_EQ(keeper->crashed_generation(), 0U);
 }
 
 TEST_F(KeeperTest, DropsWhatEarlierRecoveriesDidNotConfirm) {

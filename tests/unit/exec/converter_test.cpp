@@ -114,6 +114,55 @@ TEST_F(Converters, ThatCrashWithoutProbationStopTheirComponentWithSafeValues) {
   EXPECT_TRUE(runs_on(deployer, "right"));
 }
 
+/// A resource whose new core cannot take the state over.
+struct MotorCore : Core<EmptyShell> {
+  using Contract = MotorCore;
+  static constexpr const char* contract = "motor/core/1";
+  virtual void drive(const double& value) = 0;
+};
+struct OldMotor final : MotorCore {
+  State<PositionV1> state{*this};
+  void drive(const double& value) override { state->metres = value; }
+};
+template <Converter Convert>
+struct NewMotor final : MotorCore {
+  State<PositionV2> state{*this};
+  Converts<PositionV1, PositionV2> from_v1{state, Convert};
+  void drive(const double& /*value*/) override {}
+};
+struct MotorInterface : Interface<MotorCore> {
+  WriteService<double> drive{*this, "drive", &MotorCore::drive};
+};
+struct WithMotor : Architecture {
+  Resource<EmptyShell, OldMotor, MotorInterface> motor{*this, "motor"};
+  Component<ramp::Shell, ramp::Up, ramp::Fsm> left{*this, "left"};
+  Status on_configure() override { return left.shell().out.connect(motor.interface().drive); }
+};
+
+/// It is exchanged at a barrier, so nothing of it came into force.
+TEST(ResourceConverters, ThatCrashLeaveTheirResourceAsItWas) {
+  if (!rt::kCanRescue) GTEST_SKIP() << "the sanitizer handles faults itself";
+  WithMotor architecture;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(runs_on(deployer, "left"));
+  Edit edit;
+  edit.component = "motor";
+  edit.resource = architecture.motor.type();
+  edit.resource->core = CoreType::of<NewMotor<crash>>("new");
+  Change change;
+  change.edits.push_back(std::move(edit));
+
+  const auto result = deployer.apply(change);
+
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, Errc::hook_threw) << to_string(result.error());
+  EXPECT_EQ(result.error().at, "motor");
+  EXPECT_FALSE(architecture.motor.gate().poisoned());
+  EXPECT_TRUE(runs_on(deployer, "left"));
+  EXPECT_GT(architecture.motor.core().state->metres, 0.0) << "the state that it had";
+}
+
 /// One that writes its safe values into a resource which crashes at them.
 struct FragileMotor final : Core<EmptyShell> {
   Stateless stateless{*this};

@@ -6,12 +6,16 @@
 #include <sys/mman.h>
 #include <sys/resource.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <string>
 #include <thread>
 #include <utility>
 
+#include "model/guard.h"
+#include "rt/rescue.h"
 #include "unit/plugin/zoo.h"
 
 namespace mauve::plugin::test {
@@ -59,6 +63,27 @@ TEST_F(Reload, StartsWithFreshStaticDataEveryTime) {
     ASSERT_TRUE(unloaded) << to_string(unloaded.error());
     EXPECT_TRUE(unloaded->unmapped) << unloaded->reason;
   }
+}
+
+/// Code whose thread runs on must not be unmapped under it.
+TEST_F(Reload, KeepsTheCodeOfAThreadThatWasLeftRunning) {
+  if (!rt::kCanRescue) GTEST_SKIP() << "a sanitizer has a pthread_create() of its own";
+  const mauve::test::TempDir files;
+  const auto file = files.write("lingers", "");
+  setenv("ZOO_LINGERS", file.c_str(), 1);
+  folder_.put("lingering.so", "lingering.so");
+  ASSERT_TRUE(catalog_.load("lingering"));
+  EXPECT_TRUE(call_hook("lingering", "constructor",
+                        [&] { return make_core(catalog_, "lingering/number").reset(), ok(); }));
+  unsetenv("ZOO_LINGERS");
+
+  const Result<Unmapped> unloaded = catalog_.unload("lingering");
+
+  ASSERT_TRUE(unloaded) << to_string(unloaded.error());
+  EXPECT_FALSE(unloaded->unmapped);
+  EXPECT_THAT(unloaded->reason, HasSubstr("left 1 thread running"));
+  EXPECT_GT(mappings_of("lingering"), 0U);
+  std::filesystem::remove(file);  // the thread reads code that is still there, and ends
 }
 
 TEST_F(Reload, FindsNothingOfAPluginThatWasUnloaded) {

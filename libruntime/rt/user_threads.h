@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Threads that jobs and hooks start: while one runs, the code that started it must stay mapped.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace mauve::rt {
+
+/// Code of one shared object.
+struct CodeRange {
+  std::uintptr_t begin = 0;
+  std::uintptr_t end = 0;
+
+  [[nodiscard]] bool contains(std::uintptr_t address) const {
+    return begin <= address && address < end;
+  }
+};
+
+/// The object that `address` lies in; nothing: empty. Not on a real-time thread.
+[[nodiscard]] CodeRange code_around(const void* address);
+
+/// The names of threads that are still running and that code of this range started, in a job or a
+/// hook, itself or by a thread of such a kind. libmauve sees each pthread_create(), and looks who
+/// called; under a sanitizer it does not. Not on a real-time thread.
+[[nodiscard]] std::vector<std::string> threads_started_by(const CodeRange& code);
+
+}  // namespace mauve::rt
