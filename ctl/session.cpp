@@ -16,12 +16,17 @@ using namespace std::chrono_literals;
 
 constexpr std::chrono::nanoseconds kQuestion = 5s;
 // A change is prepared, proved and committed before its answer: constructing a core may take long.
+// So may judging a file, in whose process all its elements are made.
 constexpr std::chrono::nanoseconds kChange = 30s;
 constexpr std::chrono::nanoseconds kLongestWait = 24h;
 
 bool is_change(std::string_view method) {
   const protocol::Method* known = protocol::find_method(method);
   return known != nullptr && known->mutation;
+}
+
+bool is_judged(std::string_view method) {
+  return method == "config.check" || method == "architecture.diff";
 }
 
 /// A command may change something in one form only, as stats does.
@@ -67,7 +72,8 @@ std::variant<Json, Fault> Session::call(std::string_view method, Json params) {
     if (auto fault = client_.connect()) return std::move(*fault);
     connected_ = true;
   }
-  const auto timeout = timeout_of(globals.timeout).value_or(changes ? kChange : kQuestion);
+  const bool long_work = changes || is_judged(method);
+  const auto timeout = timeout_of(globals.timeout).value_or(long_work ? kChange : kQuestion);
   if (changes) {
     if (globals.if_generation) params["if_generation"] = *globals.if_generation;
     if (!globals.reason.empty()) params["reason"] = globals.reason;

@@ -3,9 +3,11 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <cstdlib>
 #include <iostream>
 #include <iterator>
@@ -22,7 +24,7 @@ namespace {
 
 constexpr std::uint64_t kLongestAnswer = std::uint64_t{8} << 20;
 constexpr unsigned kHandlerMayTake = 1;  // seconds, when what it needs is locked
-constexpr std::array kEnds = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTERM, SIGXCPU};
+constexpr std::array kEnds = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTERM, SIGXCPU, SIGALRM};
 
 /// Its standard error, which a plugin does not get.
 int its_errors = -1;
@@ -51,6 +53,14 @@ void catch_ends() {
     sigaction(signal, &action, nullptr);
   }
   std::atexit(say_the_hook);
+}
+
+/// From now on, without the time that the process took to begin.
+void end_after(Duration time) {
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(time);
+  const auto rest = std::chrono::duration_cast<std::chrono::microseconds>(time - seconds);
+  const itimerval once{{0, 0}, {seconds.count(), rest.count()}};
+  setitimer(ITIMER_REAL, &once, nullptr);
 }
 
 /// What a plugin prints goes nowhere. Returns the descriptor for the answer.
@@ -105,6 +115,7 @@ int judge_as_child(const Options& options) {
   Leavable here;
   here.begin_here();
   const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
+  end_after(options.prepare_within);
   const auto judged = answer_to(text, options);
   const Json said =
       judged ? Json{{"judgement", *judged}} : Json{{"refused", error_json(judged.error())}};

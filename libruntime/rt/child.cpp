@@ -30,7 +30,7 @@ constexpr bool kSanitized = false;
 #endif
 
 constexpr int kLastWordsMs = 200;
-constexpr int kLeastUrgent = 10;
+constexpr int kLessUrgent = 5;
 
 Error failed(const char* doing, int number) {
   return refuse(Errc::system, {}, std::string("cannot ") + doing + ": " + std::strerror(number));
@@ -131,7 +131,7 @@ bool ended_within(const Descriptor& child, int milliseconds) {
 void confine(const ChildLimits& limits) {
   static_cast<void>(prctl(PR_SET_PDEATHSIG, SIGKILL));
   static_cast<void>(prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0));
-  static_cast<void>(setpriority(PRIO_PROCESS, 0, kLeastUrgent));
+  static_cast<void>(setpriority(PRIO_PROCESS, 0, kLessUrgent));
   std::ofstream("/proc/self/oom_score_adj") << "1000";
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_RTPRIO, 0);

@@ -24,9 +24,10 @@ struct ChildLimits {
 };
 
 /// [the child, its first statement] Ends the process together with its parent. Takes its
-/// capabilities and its right to real-time scheduling away, makes it less urgent than all else and
-/// the first process that a kernel without memory ends. A limit that the kernel refuses stays as it
-/// was. A build with a sanitizer has no limit on memory, because the sanitizer reserves terabytes.
+/// capabilities and its right to real-time scheduling away, makes it less urgent than others (nice
+/// 5) and the first process that a kernel without memory ends. A limit that the kernel refuses
+/// stays as it was. A build with a sanitizer has no limit on memory, because the sanitizer reserves
+/// terabytes.
 void confine(const ChildLimits& limits);
 
 /// A quarter of the memory of the machine.

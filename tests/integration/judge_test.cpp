@@ -22,7 +22,7 @@ std::string with_core(const std::string& core) {
 /// mauved with a core that hangs while a file of the test is there.
 class Judging : public testing::Test {
  protected:
-  void SetUp() override { begin("1s"); }
+  void SetUp() override { begin("4s"); }
   void begin(const std::string& within) {
     setenv("MAUVE_TRIAL_WAITS", gate_.c_str(), 1);
     daemon_ = std::make_unique<TrialDaemon>(
@@ -55,7 +55,7 @@ class Judging : public testing::Test {
 };
 
 TEST_F(Judging, OutlivesAConstructorThatDoesNotReturn) {
-  expect_refused("trial/stuck_constructor", "timed_out", "constructor did not return within 1s");
+  expect_refused("trial/stuck_constructor", "timed_out", "constructor did not return within 4s");
 }
 
 /// In mauved itself, where they are no part of a file.

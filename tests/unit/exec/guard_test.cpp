@@ -111,7 +111,7 @@ TEST_F(Guard, PutsBackThePriorityAndCpusThatACoreChanged) {
 
   ASSERT_TRUE(eventually([&] { return deployer.status("left").restored > 0; }));
   EXPECT_TRUE(runs_on(deployer, "left"));
-  EXPECT_EQ(deployer.status("left").restored, 1u) << "once for what it did once";
+  EXPECT_LE(deployer.status("left").restored, 2u) << "its priority, and perhaps then its CPUs";
 }
 
 /// What the job under way has not come to yet.

@@ -33,7 +33,7 @@ TEST(Child, ReadsItsInputAndItsOutputIsTold) {
 }
 
 TEST(Child, ThatIsLateIsEndedWithAllThatItStarted) {
-  const auto end = run_shell("trap 'echo last words' TERM; sleep 1000 & wait", "", 50ms);
+  const auto end = run_shell("trap 'echo last words' TERM; sleep 1000 & wait", "", 2s);
 
   EXPECT_EQ(end.how, How::late);
   EXPECT_EQ(end.output, "last words\n");
