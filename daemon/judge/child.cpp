@@ -16,13 +16,14 @@
 
 #include "judge/judgement.h"
 #include "model/leavable.h"
+#include "plugin/plugin_file.h"
 #include "rt/child.h"
 
 namespace mauve::daemon {
 
 namespace {
 
-constexpr std::uint64_t kLongestAnswer = std::uint64_t{8} << 20;
+constexpr std::size_t kLongestAnswer = std::size_t{8} << 20;
 constexpr unsigned kHandlerMayTake = 1;  // seconds, when what it needs is locked
 constexpr std::array kEnds = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTERM, SIGXCPU, SIGALRM};
 
@@ -95,6 +96,17 @@ Json error_json(const Error& error) {
           {"hint", error.hint}};
 }
 
+/// What it has to say has a bound too.
+std::string line_of(const Json& said) {
+  auto line = protocol::to_line(said);
+  if (line.size() <= kLongestAnswer) {
+    return line;
+  }
+  return protocol::to_line(Json{
+      {"refused", error_json(refuse(Errc::limit, kWholeFile, "there is more to say of it than fits",
+                                    "compare a smaller file"))}});
+}
+
 void write_all(int file, const std::string& text) {
   std::size_t written = 0;
   while (written < text.size()) {
@@ -109,7 +121,8 @@ void write_all(int file, const std::string& text) {
 }  // namespace
 
 int judge_as_child(const Options& options) {
-  rt::confine({rt::quarter_of_memory(), kLongestAnswer, options.prepare_within});
+  // The longest file that it writes is the sealed copy of a plugin.
+  rt::confine({rt::quarter_of_memory(), plugin::kLargestPlugin, options.prepare_within});
   const int answer = keep_streams();
   catch_ends();
   Leavable here;
@@ -119,7 +132,7 @@ int judge_as_child(const Options& options) {
   const auto judged = answer_to(text, options);
   const Json said =
       judged ? Json{{"judgement", *judged}} : Json{{"refused", error_json(judged.error())}};
-  write_all(answer, protocol::to_line(said));
+  write_all(answer, line_of(said));
   _exit(0);  // no code of a plugin runs after the answer
 }
 
