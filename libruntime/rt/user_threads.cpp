@@ -69,14 +69,14 @@ CodeRange code_around(const void* address) {
   return search.found;
 }
 
-std::vector<std::string> threads_started_by(const CodeRange& code) {
+std::vector<std::string> threads_started_by(const CodeRange& range) {
   std::vector<std::string> names;
   Registry& all = registry();
   const std::lock_guard lock(all.mutex);
   for (const Started& one : all.threads) {
     const auto* const end = one.callers.data() + one.count;
     const bool ours = std::any_of(one.callers.data(), end, [&](const void* caller) {
-      return code.contains(reinterpret_cast<std::uintptr_t>(caller));
+      return range.contains(reinterpret_cast<std::uintptr_t>(caller));
     });
     if (!ours) continue;
     std::array<char, 16> name{};

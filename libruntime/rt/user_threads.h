@@ -25,6 +25,6 @@ struct CodeRange {
 /// The names of threads that are still running and that code of this range started, in a job or a
 /// hook, itself or by a thread of such a kind. libmauve sees each pthread_create(), and looks who
 /// called; under a sanitizer it does not. Not on a real-time thread.
-[[nodiscard]] std::vector<std::string> threads_started_by(const CodeRange& code);
+[[nodiscard]] std::vector<std::string> threads_started_by(const CodeRange& range);
 
 }  // namespace mauve::rt
