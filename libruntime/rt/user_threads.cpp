@@ -35,12 +35,6 @@ Registry& registry() {
   return *one;
 }
 
-/// Is the calling thread one of them?
-bool& started_by_user_code() {
-  [[gnu::tls_model("initial-exec")]] static thread_local bool started = false;
-  return started;
-}
-
 struct Search {
   std::uintptr_t address;
   CodeRange found;
@@ -94,6 +88,12 @@ namespace {
 using mauve::rt::registry;
 using mauve::rt::Started;
 
+/// Is the calling thread one of them?
+bool& started_by_user_code() {
+  [[gnu::tls_model("initial-exec")]] static thread_local bool started = false;
+  return started;
+}
+
 /// What such a thread begins with.
 struct Start {
   void* (*function)(void*);
@@ -113,7 +113,7 @@ void* run_started(void* start_of) {
   const Start start = *static_cast<Start*>(start_of);
   delete static_cast<Start*>(start_of);
   const Entry entry{start.entry};
-  mauve::rt::started_by_user_code() = true;
+  started_by_user_code() = true;
   {
     const std::lock_guard lock(registry().mutex);
     start.entry->thread = pthread_self();
@@ -131,7 +131,7 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
                    void* argument) noexcept {
   using Create = int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*);
   static auto* const create = reinterpret_cast<Create*>(dlsym(RTLD_NEXT, "pthread_create"));
-  if (!mauve::rt::in_body() && !mauve::rt::started_by_user_code()) {
+  if (!mauve::rt::in_body() && !started_by_user_code()) {
     return create(thread, attributes, function, argument);
   }
   Started started;
