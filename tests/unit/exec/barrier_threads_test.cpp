@@ -17,6 +17,7 @@ class BarrierOfThreads : public testing::Test {
   void SetUp() override {
     store::forget_counts();
     architecture.left.fsm().period = 3ms;
+    architecture.left.task().watchdog = 1h;  // no guard ends the job that is held
     architecture.right.fsm().period = 1ms;
     ASSERT_TRUE(deployer.deploy());
     ASSERT_TRUE(eventually([] { return store::counts().written > 10; }));
