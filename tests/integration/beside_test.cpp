@@ -44,12 +44,14 @@ std::vector<Question> all_reads(TrialDaemon& daemon) {
   return found;
 }
 
-/// Asks everything again and again. Returns the answers, errors among them; a question that is not
-/// answered ends it.
+/// Asks everything again and again; files are judged once. Returns the answers, errors among them;
+/// a question that is not answered ends it.
 int ask_all(RawClient& client, const std::vector<Question>& questions, int times) {
   int answers = 0;
   for (int i = 0; i < times; ++i) {
     for (const auto& [method, params] : questions) {
+      const bool judged = method == "config.check" || method == "architecture.diff";
+      if (judged && i > 0) continue;  // each of them starts a process
       if (client.ask(method, params).is_null()) return answers;
       ++answers;
     }
@@ -95,7 +97,8 @@ TEST(Beside, EveryReadIsServedWhileEverythingChanges) {
   end = true;
   changer.join();
 
-  EXPECT_THAT(answers, testing::Each(kTimes * static_cast<int>(questions.size())));
+  const int often = static_cast<int>(questions.size()) - 2;
+  EXPECT_THAT(answers, testing::Each(kTimes * often + 2));
   EXPECT_GT(applied, 10);
   ASSERT_TRUE(daemon.process().running()) << daemon.errors();
   EXPECT_EQ(daemon.component("first")["state"], "running");
