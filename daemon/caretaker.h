@@ -50,7 +50,7 @@ class Caretaker {
   std::map<std::string, std::uint64_t> refused_;
   /// [control] By resource: how many calls of it were longer than declared when it was told last.
   std::map<std::string, std::uint64_t> over_hold_;
-  /// [control] By component: how often its scheduling was put back when it was told last.
+  /// [control] By component: the count of put-back schedulings that the log told last.
   std::map<std::string, std::uint64_t> restored_;
   unsigned looks_ = 0;  ///< [control]
   std::thread thread_;

@@ -265,8 +265,8 @@ void Daemon::keep_the_first() {
   begin_start(*running_, origin_.replaces, origin_.crashes);
 }
 
-/// Under a service manager the line of `systemctl status` is kept true, and its watchdog is told
-/// that all is well; else nothing wakes up.
+/// Under a service manager this keeps the line of `systemctl status` true and tells the watchdog
+/// that all is well; without one it only waits.
 std::string Daemon::wait_for_signal() {
   if (std::getenv("NOTIFY_SOCKET") == nullptr) {
     return signals_.wait();

@@ -13,7 +13,7 @@ namespace mauve::daemon {
 /// `go_on` is called on [control]; its errors are not looked at, since the change finds them again
 /// among the elements that run. When code of a plugin crashes, hangs or ends that process, the call
 /// is answered so, and nothing has touched mauved.
-/// `at`: what is tried, for a refusal that knows no nearer place.
+/// `at`: the name of the file or plugin, for a refusal that knows no nearer place.
 void try_out(Running& running, const CallPtr& call, const Question& question, const std::string& at,
              std::function<void()> go_on);
 

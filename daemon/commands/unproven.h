@@ -10,8 +10,9 @@ namespace mauve::daemon {
 /// [control] This change is in force; the generation it made is unconfirmed from now on.
 void begin_unproven(Running& running, Call& call, const Change& change);
 
-/// [main], before [control] runs: what the run begins with is unconfirmed. `replaces`: a copy of it
-/// that goes when it is confirmed (0: none). `crashes`: of the runs before.
+/// [main], before [control] runs: the generation that the run begins with is unconfirmed.
+/// `replaces`: a copy of it that goes when it is confirmed (0: none). `crashes`: of the runs
+/// before.
 void begin_start(Running& running, std::uint64_t replaces, unsigned crashes);
 
 /// [control] Confirms it when none of its components failed for as long as a probation lasts. What

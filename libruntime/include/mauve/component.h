@@ -58,8 +58,9 @@ struct TaskAttributes {
   unsigned overrun_limit = 1;  ///< for OnOverrun::stop and fallback
   FaultPolicy on_fault;
   /// A job that runs longer never returns: its thread is given up (see on_fault). Zero: ten
-  /// budgets, else ten times the longest wait, at least 100 ms and at most 400 ms (or two budgets),
-  /// so that a job that loops ends before the kernel throttles all real-time threads of its CPU.
+  /// budgets, else ten times the longest wait, at least 100 ms and at most 400 ms (two budgets, or
+  /// a wait of up to 800 ms), so that a job that loops ends before the kernel throttles all
+  /// real-time threads of its CPU.
   Duration watchdog{0};
   bool start = true;  ///< false: parked after deployment
 
