@@ -4,9 +4,7 @@
 #include <fcntl.h>
 #include <linux/capability.h>
 #include <poll.h>
-#include <sched.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -19,6 +17,8 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+
+#include "rt/spawn.h"
 
 namespace mauve::rt {
 namespace {
@@ -78,44 +78,6 @@ std::string text_of(const Descriptor& file) {
   }
 }
 
-/// What posix_spawn needs to know; it owns memory.
-class Settings {
- public:
-  Settings(int input, int output, int errors) {
-    posix_spawn_file_actions_init(&files_);
-    posix_spawn_file_actions_adddup2(&files_, input, STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&files_, output, STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&files_, errors, STDERR_FILENO);
-    posix_spawn_file_actions_addclosefrom_np(&files_, STDERR_FILENO + 1);
-    posix_spawnattr_init(&attributes_);
-    sigset_t none{};
-    sigset_t all{};
-    sigemptyset(&none);
-    sigfillset(&all);
-    posix_spawnattr_setsigmask(&attributes_, &none);
-    posix_spawnattr_setsigdefault(&attributes_, &all);
-    posix_spawnattr_setpgroup(&attributes_, 0);
-    const sched_param ordinary{};
-    posix_spawnattr_setschedpolicy(&attributes_, SCHED_OTHER);
-    posix_spawnattr_setschedparam(&attributes_, &ordinary);
-    posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF |
-                                               POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSCHEDULER);
-  }
-  ~Settings() {
-    posix_spawn_file_actions_destroy(&files_);
-    posix_spawnattr_destroy(&attributes_);
-  }
-  Settings(const Settings&) = delete;
-  Settings& operator=(const Settings&) = delete;
-
-  [[nodiscard]] const posix_spawn_file_actions_t& files() const { return files_; }
-  [[nodiscard]] const posix_spawnattr_t& attributes() const { return attributes_; }
-
- private:
-  posix_spawn_file_actions_t files_{};
-  posix_spawnattr_t attributes_{};
-};
-
 /// Whether the child ended within the time; it is not reaped.
 bool ended_within(const Descriptor& child, int milliseconds) {
   pollfd one{child.get(), POLLIN, 0};
@@ -165,20 +127,10 @@ Result<ChildEnd> ChildRunner::run(const std::vector<std::string>& command, const
 
 Result<pid_t> ChildRunner::spawn(const std::vector<std::string>& command, int input, int output,
                                  int errors) {
-  std::vector<char*> words;
-  words.reserve(command.size() + 1);
-  for (const auto& word : command) {
-    words.push_back(const_cast<char*>(word.c_str()));
-  }
-  words.push_back(nullptr);
-  const Settings settings(input, output, errors);
   const std::lock_guard lock(mutex_);
   if (cancelled_) return refuse(Errc::wrong_state, {}, "mauved is about to end");
-  pid_t child = 0;
-  const int refused = posix_spawn(&child, words.front(), &settings.files(), &settings.attributes(),
-                                  words.data(), environ);
-  if (refused != 0) return failed("start a process", refused);
-  child_ = child;
+  auto child = rt::spawn(command, {input, output, errors});
+  if (child) child_ = *child;
   return child;
 }
 
