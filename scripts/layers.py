@@ -24,14 +24,15 @@ MAY_USE = {
     "protocol": "public base",
     "log": "public base rt",
     "daemon": RUNTIME + " protocol log",
+    "guardian": "rt",
     "ctl": "public base rt protocol",
     "plugins": "public",
     "man": RUNTIME + " protocol log daemon ctl",
-    "tests": RUNTIME + " protocol log daemon ctl plugins man",
+    "tests": RUNTIME + " protocol log daemon ctl plugins man guardian",
 }
 # Folder: its layer. The longest match counts; a folder below libruntime that is not here is an error.
 FOLDERS = {"libruntime/include": "public", "daemon/protocol": "protocol", "daemon/log": "log",
-           "daemon": "daemon", "ctl": "ctl", "man": "man", "plugins": "plugins", "tests": "tests", "scripts": "tests",
+           "daemon": "daemon", "guardian": "guardian", "ctl": "ctl", "man": "man", "plugins": "plugins", "tests": "tests", "scripts": "tests",
            **{f"libruntime/{name}": name for name in RUNTIME.split()[1:]}}
 # Third-party or system header (a prefix of what is included): the rooms it may be in. tests/ may use all.
 ROOMS = {
@@ -55,11 +56,11 @@ ROOMS = {
     "libelf.h": "libruntime/plugin/",
     "gelf.h": "libruntime/plugin/",
     "pthread.h": "libruntime/rt/ plugins/drivers/line_thread",
-    "sched.h": "libruntime/rt/",
+    "sched.h": "libruntime/rt/ guardian/sandbox",
     "linux/futex.h": "libruntime/rt/",
     "linux/membarrier.h": "libruntime/rt/",
-    "sys/mman.h": "libruntime/rt/ libruntime/plugin/",
-    "sys/syscall.h": "libruntime/rt/",
+    "sys/mman.h": "libruntime/rt/ libruntime/plugin/ guardian/",
+    "sys/syscall.h": "libruntime/rt/ guardian/",
     "systemd/": "daemon/",
     "iostream": "daemon/ ctl/",
     "syslog.h": "",
@@ -67,7 +68,7 @@ ROOMS = {
     "gmock/": "",
     "benchmark/": "",
 }
-INCLUDE_ROOTS = ("libruntime/include", "libruntime", "daemon", "ctl", "man", "plugins", "tests", "")
+INCLUDE_ROOTS = ("libruntime/include", "libruntime", "daemon", "ctl", "man", "plugins", "tests", "guardian", "")
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^">]+)[">]', re.MULTILINE)
 MEMBER = re.compile(r'\b(\w+?)_?\s*\{\s*\*this\s*,\s*"([^"]*)"')
 SUFFIXES = (".h", ".cpp")

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// mauve-guardian: puts outputs into their safe state when mauved cannot any more (README.md).
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string_view>
+
+#include "sandbox.h"
+#include "say.h"
+#include "session.h"
+
+namespace {
+
+using mauve::guardian::say;
+using mauve::guardian::Session;
+
+constexpr int kWrongUse = 2;
+constexpr const char* kHelp =
+    "Usage: mauve-guardian --socket PATH     serves one mauved after another on this socket\n"
+    "       mauve-guardian --connected FD    serves the mauved at the other end of a descriptor\n"
+    "Holds a descriptor and some bytes for each output, and sends them when mauved ends without\n"
+    "having said so, or falls silent. mauved --guardian looks for it beside its own socket, at\n"
+    "PATH.guardian, and starts one when there is none.\n";
+
+int wrong_use(const char* text) {
+  std::fprintf(stderr, "error: %s\nhint: mauve-guardian --help\n", text);
+  return kWrongUse;
+}
+
+/// -1, and it has said why.
+int failed(const char* doing, const char* path) {
+  say("cannot %s %s: %s.", doing, path, std::strerror(errno));
+  return -1;
+}
+
+/// The place of one that is gone is taken, that of one that serves is not.
+bool is_free(const sockaddr_un& address) {
+  const int socket = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+  const bool served =
+      connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  close(socket);
+  struct stat there {};
+  if (served || lstat(address.sun_path, &there) != 0) return !served;
+  if (!S_ISSOCK(there.st_mode)) return false;
+  unlink(address.sun_path);
+  return true;
+}
+
+/// The socket that a mauved connects to; -1: it has said why there is none.
+int listen_at(const char* path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (std::strlen(path) >= sizeof address.sun_path) {
+    errno = ENAMETOOLONG;
+    return failed("listen at", path);
+  }
+  std::strcpy(address.sun_path, path);
+  if (!is_free(address)) {
+    errno = EADDRINUSE;
+    return failed("listen at", path);
+  }
+  const int socket = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+  umask(0177);
+  if (bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+      listen(socket, 4) != 0) {
+    close(socket);
+    return failed("listen at", path);
+  }
+  return socket;
+}
+
+/// The service manager is told that mauved may connect, where there is one (sd_notify(3)).
+void tell_ready() {
+  const char* const place = std::getenv("NOTIFY_SOCKET");
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (place == nullptr || std::strlen(place) >= sizeof address.sun_path) return;
+  std::strcpy(address.sun_path, place);
+  if (*place == '@') address.sun_path[0] = '\0';
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + std::strlen(place));
+  const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  constexpr std::string_view kReady = "READY=1";
+  if (sendto(socket, kReady.data(), kReady.size(), MSG_NOSIGNAL,
+             reinterpret_cast<const sockaddr*>(&address), size) < 0) {
+    say("the service manager does not hear that it is ready: %s.", std::strerror(errno));
+  }
+  close(socket);
+}
+
+/// One mauved after another, for ever. A mauved that comes meanwhile waits for its turn.
+void serve_all(int listener) {
+  for (;;) {
+    const int socket = accept4(listener, nullptr, nullptr, SOCK_CLOEXEC);
+    if (socket < 0) {
+      pollfd next{listener, POLLIN, 0};
+      poll(&next, 1, 1000);  // out of descriptors: some may be closed
+      continue;
+    }
+    if (!mauve::guardian::is_of_this_user(socket)) {
+      say("turned away a process of another user.");
+      close(socket);
+      continue;
+    }
+    Session(socket).run();
+  }
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  const std::string_view option = count > 1 ? words[1] : "";
+  if (option == "--help" || option == "-h") return std::fputs(kHelp, stdout) < 0 ? 1 : 0;
+  if (count != 3) return wrong_use("one option and its value are needed");
+  if (option == "--connected") {
+    int socket = -1;
+    const std::string_view number = words[2];
+    const auto end = number.data() + number.size();
+    if (std::from_chars(number.data(), end, socket).ptr != end || fcntl(socket, F_GETFD) < 0) {
+      return wrong_use("--connected needs the number of an open descriptor");
+    }
+    mauve::guardian::become_urgent();
+    mauve::guardian::confine_calls();
+    Session(socket).run();
+    return 0;
+  }
+  if (option != "--socket") return wrong_use("there is no such option");
+  const int listener = listen_at(words[2]);
+  if (listener < 0) return 1;
+  mauve::guardian::become_urgent();
+  tell_ready();
+  mauve::guardian::confine_calls();
+  serve_all(listener);
+}

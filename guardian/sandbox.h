@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What the guardian's process may do, and how urgent it is.
+#pragma once
+
+namespace mauve::guardian {
+
+/// Locks all memory, asks for SCHED_FIFO above all threads of mauved but its probes, and for the
+/// last place before the killer of a kernel without memory. Tells on standard error what is not
+/// permitted; the guardian works without it, but later.
+void become_urgent();
+
+/// From now on only the system calls that a session makes; all others fail with EPERM. Not in a
+/// build with a sanitizer, which makes calls of its own.
+void confine_calls();
+
+}  // namespace mauve::guardian

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "session.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+#include "clock.h"
+#include "say.h"
+
+namespace mauve::guardian {
+namespace {
+
+constexpr std::int64_t kBetweenLooks = 10 * kMillisecond;
+/// A look that came later was held up itself: the rest of that time accuses nobody.
+constexpr std::int64_t kOnTime = 2 * kBetweenLooks;
+
+/// Receives one message, with the descriptor that came along (-1: none). What recvmsg(2) returns.
+ssize_t receive(int socket, wire::Request& request, int& descriptor) {
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> room{};
+  iovec part{&request, sizeof request};
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  message.msg_control = room.data();
+  message.msg_controllen = room.size();
+  const ssize_t got = recvmsg(socket, &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
+  descriptor = -1;
+  const cmsghdr* with = CMSG_FIRSTHDR(&message);
+  if (got > 0 && with != nullptr && with->cmsg_type == SCM_RIGHTS) {
+    std::memcpy(&descriptor, CMSG_DATA(with), sizeof descriptor);
+  }
+  return got;
+}
+
+/// Null when it is none that can be read for ever without a fault.
+const wire::Page* map_page(int file) {
+  const int seals = fcntl(file, F_GET_SEALS);
+  struct stat facts {};
+  if (seals < 0 || (seals & F_SEAL_SHRINK) == 0 || fstat(file, &facts) != 0) return nullptr;
+  if (facts.st_size < static_cast<off_t>(sizeof(wire::Page))) return nullptr;
+  void* const page = mmap(nullptr, sizeof(wire::Page), PROT_READ, MAP_SHARED, file, 0);
+  return page == MAP_FAILED ? nullptr : static_cast<const wire::Page*>(page);
+}
+
+}  // namespace
+
+Session::~Session() {
+  if (page_ != nullptr) munmap(const_cast<wire::Page*>(page_), sizeof(wire::Page));
+  close(socket_);
+}
+
+void Session::run() {
+  looked_ = now();
+  Over over = Over::no;
+  while (over == Over::no) {
+    wait();
+    over = look();
+  }
+  if (over == Over::in_order) {
+    say("mauved (process %d) ended in order: its outputs are let go.", peer_.process());
+    return;
+  }
+  if (orders_.count() == 0) {
+    say("mauved (process %d) %s; it had no outputs.", peer_.process(), cause_);
+    return;
+  }
+  const std::int64_t noticed = now();
+  const Sent sent = orders_.send();
+  say("mauved (process %d) %s: %u of %u outputs were put into their safe state within %lld ms.",
+      peer_.process(), cause_, sent.whole, sent.total,
+      static_cast<long long>((now() - noticed) / kMillisecond));
+}
+
+/// For a death, at once; for messages and beats until the next look.
+void Session::wait() const {
+  if (page_ == nullptr || spoilt_) {
+    pollfd socket{socket_, POLLIN, 0};
+    poll(&socket, 1, static_cast<int>(kBetweenLooks / kMillisecond));
+    return;
+  }
+  const timespec time = duration(kBetweenLooks);
+  syscall(SYS_futex, &page_->owner, FUTEX_WAIT, owner_, &time, nullptr, 0);
+}
+
+Session::Over Session::look() {
+  if (page_ != nullptr) {
+    if (!spoilt_ && page_->owner.load(std::memory_order_relaxed) != owner_ && !peer_.gone()) {
+      spoilt_ = true;
+      say("mauved (process %d) overwrote the page that it shares with its guardian: its end is "
+          "noticed some 30 ms later from now on.",
+          peer_.process());
+    }
+  }
+  const bool gone = page_ != nullptr && peer_.gone();
+  const Over over = serve();  // also of one that is gone: it may have said so
+  if (gone && over != Over::in_order) {
+    cause_ = "ended without having said so";
+    return Over::ended;
+  }
+  if (over == Over::no && page_ != nullptr) watch_beats();
+  return over;
+}
+
+Session::Over Session::serve() {
+  for (;;) {
+    wire::Request request;
+    int descriptor = -1;
+    const ssize_t got = receive(socket_, request, descriptor);
+    if (got < 0 && (errno == EAGAIN || errno == EINTR)) return Over::no;
+    if (got <= 0) {
+      cause_ = "closed its connection without having said so";
+      return Over::ended;
+    }
+    if (got != sizeof request || request.version != wire::kVersion) {
+      if (descriptor >= 0) close(descriptor);
+      answer(request, "another version of mauved and its guardian");
+      continue;
+    }
+    if (const Over over = serve_one(request, descriptor); over != Over::no) return over;
+  }
+}
+
+/// `descriptor` is taken in any case.
+Session::Over Session::serve_one(const wire::Request& request, int descriptor) {
+  const char* refused = nullptr;
+  if (request.kind == wire::Kind::hello) {
+    refused = greet(request, descriptor);
+  } else if (page_ == nullptr) {
+    refused = "the first message is a greeting";
+  } else if (request.kind == wire::Kind::hold) {
+    refused = orders_.hold(request.slot, request.order, std::exchange(descriptor, -1));
+  } else if (request.kind == wire::Kind::drop) {
+    orders_.drop(request.slot);
+  } else if (request.kind == wire::Kind::again) {
+    orders_.send();
+  } else if (request.kind == wire::Kind::bye) {
+    orders_.drop_all();
+  } else {
+    refused = "no such message";
+  }
+  if (descriptor >= 0) close(descriptor);
+  answer(request, refused);
+  return request.kind == wire::Kind::bye ? Over::in_order : Over::no;
+}
+
+const char* Session::greet(const wire::Request& request, int page) {
+  if (page_ != nullptr) return "it has greeted already";
+  if (!peer_.open(socket_, request.thread)) return "/proc does not show the process";
+  page_ = map_page(page);
+  if (page_ == nullptr) return "the page must be a sealed file in memory";
+  owner_ = wire::owner_word(request.thread);
+  limit_ = std::int64_t{request.silence_ms} * kMillisecond;
+  say("watches mauved (process %d)%s.", peer_.process(),
+      limit_ == 0 ? " for its end; not for silence, because it is not real time" : "");
+  return nullptr;
+}
+
+void Session::answer(const wire::Request& request, const char* refused) const {
+  wire::Answer answer;
+  answer.number = request.number;
+  answer.done = refused == nullptr ? 1 : 0;
+  if (refused != nullptr) std::snprintf(answer.text.data(), answer.text.size(), "%s", refused);
+  if (::send(socket_, &answer, sizeof answer, MSG_DONTWAIT | MSG_NOSIGNAL) < 0) return;
+}
+
+/// A silence counts as far as this process looked on time itself: a machine that stood still
+/// accuses nobody.
+void Session::watch_beats() {
+  const std::int64_t time = now();
+  const std::int64_t passed = std::min(time - looked_, kOnTime);
+  looked_ = time;
+  const std::uint64_t beats = page_->beats.load(std::memory_order_relaxed);
+  if (beats != beats_ || beats == 0) {
+    if (told_silent_) say("mauved (process %d) is heard again.", peer_.process());
+    told_silent_ = false;
+    silent_ = 0;
+    beats_ = beats;
+    return;
+  }
+  silent_ += passed;
+  if (limit_ == 0 || silent_ < limit_ || told_silent_) return;
+  told_silent_ = true;
+  const Sent sent = orders_.send();
+  say("mauved (process %d) was silent for %lld ms: %u of %u outputs were put into their safe state.",
+      peer_.process(), static_cast<long long>(silent_ / kMillisecond), sent.whole, sent.total);
+  tell_silence(sent);
+}
+
+void Session::tell_silence(const Sent& sent) const {
+  wire::Answer answer;
+  answer.kind = wire::Kind::silence;
+  answer.done = sent.whole;
+  answer.total = sent.total;
+  answer.lasted_ms = static_cast<std::uint32_t>(silent_ / kMillisecond);
+  if (::send(socket_, &answer, sizeof answer, MSG_DONTWAIT | MSG_NOSIGNAL) < 0) return;
+}
+
+}  // namespace mauve::guardian
