@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -84,6 +85,11 @@ class Task {
   /// How long its job may run, on a thread of which kind; and since when it does. 0: none. [guard]
   [[nodiscard]] Duration bound(bool realtime) const;
   [[nodiscard]] Instant busy_since() const { return watched_.busy_since.load(); }
+  /// When its next job is due (monotonic); far away: it does not run. [guard]
+  [[nodiscard]] Instant told_release() const {
+    const bool runs = counters_.state.load() == ComponentState::running;
+    return runs ? t0_ + counters_.next_release.load() : std::numeric_limits<Instant>::max() / 2;
+  }
   /// The job that began then shall end where it is, when its thread is told to look.
   void interrupt(Instant since) { watched_.interrupt.store(since); }
   /// The job that began then never returns: its thread has no part in the component any more, what

@@ -10,6 +10,7 @@
 #include "model/left_behind.h"
 #include "rt/fence.h"
 #include "rt/futex.h"
+#include "rt/guardian_page.h"
 #include "rt/pi_mutex.h"
 #include "rt/rescue.h"
 
@@ -26,6 +27,7 @@ constexpr Duration kBetweenCalls{100us};
 /// The last tenth of its bound tells whether a job runs on and on, or others keep it from running.
 constexpr Instant kShareToJudge = 10;
 constexpr Duration kBetweenLooks{1ms};
+constexpr Duration kBeyondBound{1s};
 
 class Threads final : public Runner {
  public:
@@ -191,22 +193,41 @@ class Threads final : public Runner {
     const rt::ThreadAttributes ordinary{"mauve-guard", 0, {}, 64 * 1024};
     rt::ThreadAttributes attributes = ordinary;
     attributes.priority = realtime ? kGuardPriority : 0;
+    beats_ = realtime;
     if (guard_.start(attributes, body)) return;
+    beats_ = false;                                   // it may be late by itself
     static_cast<void>(guard_.start(ordinary, body));  // without it no job is ever given up
   }
 
-  /// Sleeps until the earliest moment at which any job may run into its bound.
+  /// Sleeps until the earliest moment at which any job may run into its bound, or the guardian of
+  /// the process wants to hear of it.
   void guard() {
     while (!guard_quits_.load()) {
       const std::uint32_t seen = bell_.load();
       Instant next = rt::kForever;
+      bool served = true;
       {
         const std::lock_guard lock(mutex_);
-        for (auto& [task, worker] : workers_) next = std::min(next, look_at(worker));
+        for (auto& [task, worker] : workers_) {
+          next = std::min(next, look_at(worker));
+          served = served && is_served(*worker);
+        }
         next = std::min(next, join_lost());
+      }
+      if (beats_ && rt::beats_are_heard()) {
+        if (served) rt::beat();
+        next = std::min(next, now() + rt::kBeatPeriod.count());
       }
       rt::futex_wait_until(bell_, seen, next);
     }
+  }
+
+  /// A release that is overdue by more than the bound of a job is one that this guard, which would
+  /// have ended that job, cannot bring about either.
+  [[nodiscard]] bool is_served(const Worker& worker) const {
+    const Instant bound = worker.task.bound(worker.attributes.priority > 0).count();
+    return bound <= 0 || worker.quit.load() ||
+           now() < worker.task.told_release() + bound + kBeyondBound.count();
   }
 
   /// Past its bound: because its job goes on and on, or sleeps? Not one that more urgent threads,
@@ -303,6 +324,7 @@ class Threads final : public Runner {
   std::map<const Task*, std::unique_ptr<Worker>> workers_;
   std::vector<std::unique_ptr<Worker>> lost_;
   std::atomic<bool> guard_quits_{false};
+  bool beats_ = false;  // the guard is real-time, so that its silence means something
   rt::Thread guard_;
 };
 

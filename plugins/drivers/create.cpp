@@ -8,6 +8,7 @@
 /// soon as there is no command, a stale one, one older than `command_timeout`, or one that is not a
 /// number, and when it is cleaned up. A driver that is stopped, faulted or gone cannot do that:
 /// connect its port `brake` to a resource "drivers/create_brake", which the runtime tells then.
+/// When mauved itself is killed or stands still, its guardian sends that zero (`stand`).
 ///
 /// While the bumper is pressed the base is not driven forward. When a wheel drops or a cliff is
 /// there the base stops by itself and obeys no more (`mode` 1): it is armed again by `mauvectl
@@ -55,6 +56,7 @@ class CreateOi final : public BaseCore {
   using Counter = mauve::Observable<std::uint64_t>;
 
   mauve::State<BaseLine> state{*this};
+  mauve::Guarded stand{*this, "stand"};
   mauve::Property<std::string> device{*this, "device", "/dev/ttyUSB0",
                                       "serial device, or pty:NAME of a simulated base"};
   mauve::Property<int> baud{*this,
@@ -93,6 +95,8 @@ class CreateOi final : public BaseCore {
 
   mauve::Status on_configure() override {
     wheels_ = {wheel_diameter, wheel_base, counts, speed_max};
+    const auto standing = create::drive_text(0, 0);
+    line_.guard(stand, {.bytes = {standing.data(), standing.size()}, .times = 3, .apart = 20ms});
     return line_.open(device, baud, SerialPort::Use::both);
   }
   /// Who has handed its state over to a successor does not stop the base under it.

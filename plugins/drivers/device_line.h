@@ -28,6 +28,11 @@ class DeviceLine {
   DeviceLine(Counter& errors, Counter& reopened, Counter& received)
       : errors_(errors), reopened_(reopened), received_(received) {}
 
+  /// The guardian of the process sends this to the device when the process cannot. Before open();
+  /// `guarded` outlives the line. [factory]
+  void guard(mauve::Guarded& guarded, const mauve::SafeOrder& order) {
+    port_.guard(guarded, order);
+  }
   /// One that is not there is waited for: then lost() is true. [factory]
   mauve::Status open(const std::string& device, int baud, SerialPort::Use use);
   /// What was sent before is written first. Then nobody writes into `line` any more. [factory]

@@ -144,6 +144,7 @@ std::string line_path(const std::string& name) {
 void SerialPort::choose(const std::string& device, int baud, Use use) {
   close();
   path_ = line_path(device);
+  lasts_ = path_ == device;
   baud_ = baud;
   use_ = use;
 }
@@ -172,7 +173,24 @@ Status SerialPort::open(const std::string& device, int baud, Missing missing, Us
   choose(device, baud, use);
   device_ = std::move(opened);
   terminal_ = terminal;
-  return mauve::ok();
+  return be_guarded();
+}
+
+void SerialPort::guard(mauve::Guarded& guarded, const mauve::SafeOrder& order) {
+  guarded_ = &guarded;
+  order_bytes_ = order.bytes;
+  order_ = order;
+  order_.bytes = order_bytes_;
+}
+
+Status SerialPort::be_guarded() {
+  if (guarded_ == nullptr || !lasts_) return mauve::ok();
+  return guarded_->hold(device_.number(), order_);
+}
+
+void SerialPort::close() {
+  if (guarded_ != nullptr) guarded_->drop();
+  device_ = Descriptor();
 }
 
 bool SerialPort::reopen() {
@@ -182,6 +200,7 @@ bool SerialPort::reopen() {
   if (use_ == Use::both && !terminal) return false;
   terminal_ = terminal;
   device_ = std::move(opened);
+  static_cast<void>(be_guarded());  // a command that nobody guards is better than none
   return true;
 }
 

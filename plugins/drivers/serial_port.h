@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include <mauve/guarded.h>
 #include <mauve/result.h>
 
 namespace drivers {
@@ -67,9 +68,12 @@ class SerialPort final : public LineEnd {
   /// reopen() to try. [factory]
   mauve::Status open(const std::string& device, int baud, Missing missing = Missing::refused,
                      Use use = Use::reading);
+  /// While the device is open, the guardian of the process holds this order for it, unless it is a
+  /// "pty:NAME", which ends with the process. Before open(); `guarded` outlives the port. [factory]
+  void guard(mauve::Guarded& guarded, const mauve::SafeOrder& order);
   /// For reopen() to open it. [factory]
   void choose(const std::string& device, int baud, Use use);
-  void close() override { device_ = Descriptor(); }
+  void close() override;
   bool reopen() override;
   [[nodiscard]] std::string name() const override { return path_; }
   bool tune() override;
@@ -79,8 +83,14 @@ class SerialPort final : public LineEnd {
   [[nodiscard]] std::ptrdiff_t write(std::string_view bytes) const override;
 
  private:
+  mauve::Status be_guarded();
+
   Descriptor device_;
   std::string path_;
+  mauve::Guarded* guarded_ = nullptr;
+  mauve::SafeOrder order_;
+  std::string order_bytes_;
+  bool lasts_ = false;  // longer than this process
   int baud_ = 0;
   Use use_ = Use::reading;
   bool terminal_ = false;

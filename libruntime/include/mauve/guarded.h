@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Guarded: bytes that put an output into its safe state, sent by the guardian process when this
+/// process ends without having said so, or falls silent. For devices that go on with the last
+/// command they were given. A device that stops by itself when commands cease is better: switch
+/// that on where there is one. Neither is an emergency stop.
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <string_view>
+
+#include <mauve/configurable.h>
+#include <mauve/result.h>
+#include <mauve/time.h>
+
+namespace mauve {
+
+/// What is sent to a device, and how.
+struct SafeOrder {
+  /// 1 to 256; the same at any time, so no protocol with a counter or a time in its frames.
+  std::string_view bytes;
+  /// Sent so often, 1 to 10: more than once where one frame may be lost.
+  int times = 1;
+  /// From one time to the next; all of them within 100 ms.
+  Duration apart{0};
+  /// Of a terminal: what waits to be sent is dropped first, so that no older command follows.
+  bool drop_unsent = true;
+};
+
+/// Declared as a member of a core or shell: `mauve::Guarded stand{*this, "stand"};`. No code of the
+/// plugin runs in the guardian: it has a copy of the descriptor and of the bytes. Without a
+/// guardian (mauved --guardian off, a simulation, another program) nothing happens. [factory], or
+/// an ordinary thread of the plugin; never [rt].
+class Guarded {
+ public:
+  Guarded(const Configurable& owner, std::string_view name) : owner_(owner), name_(name) {}
+  ~Guarded() { drop(); }
+  Guarded(const Guarded&) = delete;
+  Guarded& operator=(const Guarded&) = delete;
+
+  /// After the device was opened, or opened again: the order is sent to this descriptor from now
+  /// on, in place of the one before. The descriptor stays the caller's, must have been opened with
+  /// O_NONBLOCK, and may be closed after drop(). Refused when the order cannot be one, and under
+  /// `mauved --guardian require` when there is no guardian.
+  Status hold(int descriptor, const SafeOrder& order);
+  /// Before the device is closed: when it returns, nothing is sent to it any more.
+  void drop();
+
+ private:
+  const Configurable& owner_;
+  const std::string_view name_;
+};
+
+}  // namespace mauve
