@@ -153,6 +153,15 @@ std::string troubles(const Json& status, Look look) {
         " is in quarantine (it " + word(one, "reason") + "): mauvectl quarantine release " +
         word(one, "core"));
   }
+  const Json& guardian = member(status, "guardian");
+  if (guardian.is_object() && member(guardian, "present") == false) {
+    std::string outputs;
+    for (const Json& name : list_in(guardian, "outputs")) {
+      outputs += (outputs.empty() ? "" : ", ") + harmless(compact(name));
+    }
+    add(outputs + ": no guardian holds it for " + seconds_in_words(number(guardian, "absent_s")) +
+        ", so it stays as it is should mauved be killed: " + word(guardian, "why"));
+  }
   return text;
 }
 

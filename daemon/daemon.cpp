@@ -127,6 +127,9 @@ Status Daemon::start() {
   if (auto opened = open_keeper(); !opened) {
     return opened;
   }
+  if (auto begun = guardian_.start(options_); !begun) {
+    return begun;
+  }
   if (auto loaded = load(); !loaded) {
     return loaded;
   }
@@ -220,6 +223,7 @@ Status Daemon::serve() {
   running_->try_out = [this](const Question& question, const Judge::Then& then) {
     trials_.ask(geteuid(), question, then);
   };
+  running_->guardian = &guardian_;
   keep_the_first();
   recorder_.start(*running_);
   table_ = std::make_unique<CommandTable>(*running_);
@@ -228,6 +232,7 @@ Status Daemon::serve() {
   const auto state = state_line();
   supervisor_.start(*running_);
   control_.start();
+  guardian_.serve(*running_);
   judge_.start(judge_command(options_), options_.prepare_within);
   trials_.start(judge_command(options_), options_.prepare_within);
   watches_.start(*running_);
@@ -323,6 +328,9 @@ int Daemon::shut_down(const std::string& cause) {
   const auto left_behind = stop_components();
   for (const auto& name : left_behind) {
     log_.write(Event::component_stuck, {{"component", name}});
+  }
+  if (left_behind.empty()) {
+    guardian_.stop(true);  // else it sends its orders when this process is gone
   }
   recorder_.stop();
   judge_.stop();

@@ -10,6 +10,7 @@
 #include "caretaker.h"
 #include "commands/command.h"
 #include "commands/table.h"
+#include "guardian.h"
 #include "judge/judge.h"
 #include "keeper.h"
 #include "options.h"
@@ -55,6 +56,7 @@ class Daemon {
   const Options options_;
   Signals signals_;
   logging::Log log_;
+  Guardian guardian_{log_};
   std::optional<server::Endpoint> endpoint_;
   std::unique_ptr<Keeper> keeper_;  ///< null: nothing is kept
   Origin origin_;

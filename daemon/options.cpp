@@ -21,6 +21,9 @@ constexpr int kWrongUse = 2;
 
 const std::map<std::string, Realtime> kRealtime = {
     {"require", Realtime::require}, {"prefer", Realtime::prefer}, {"off", Realtime::off}};
+const std::map<std::string, rt::GuardianUse> kGuardian = {{"require", rt::GuardianUse::require},
+                                                          {"prefer", rt::GuardianUse::prefer},
+                                                          {"off", rt::GuardianUse::off}};
 const std::map<std::string, Admission> kAdmission = {
     {"strict", Admission::strict}, {"warn", Admission::warn}, {"off", Admission::off}};
 const std::map<std::string, logging::Level> kLevels = {{"debug", logging::Level::debug},
@@ -103,6 +106,16 @@ std::string is_some_time(const std::string& text) {
   return *time > Duration{0} ? "" : "must be more than zero";
 }
 
+void declare_guardian(CLI::App& app, Options& options) {
+  app.add_option_function(
+         "--guardian", chosen(kGuardian, options.guardian),
+         "Outputs that are to be safe also when mauved is killed: require refuses them without a "
+         "guardian, prefer says so, off looks for none (in a debugger)")
+      ->type_name("require|prefer|off")
+      ->check(CLI::IsMember(kGuardian))
+      ->default_str("prefer");
+}
+
 void declare_admission(CLI::App& app, Options& options) {
   app.add_option_function("--admission", chosen(kAdmission, options.admission),
                           "What is not proved to meet its deadlines: strict refuses it, warn says "
@@ -147,6 +160,7 @@ void declare(CLI::App& app, Options& options) {
       ->type_name("require|prefer|off")
       ->check(CLI::IsMember(kRealtime))
       ->default_str("prefer");
+  declare_guardian(app, options);
   declare_admission(app, options);
   app.add_option_function<std::string>(
          "--prepare-within",

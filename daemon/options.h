@@ -10,6 +10,7 @@
 #include "log/event.h"
 #include "mauve/deploy_options.h"
 #include "mauve/time.h"
+#include "rt/guarded_outputs.h"
 
 namespace mauve::daemon {
 
@@ -18,6 +19,7 @@ struct Options {
   std::string socket;                    ///< never empty
   std::vector<std::string> plugin_dirs;  ///< where plugins may come from, and nowhere else
   Realtime realtime = Realtime::prefer;
+  rt::GuardianUse guardian = rt::GuardianUse::prefer;
   Admission admission = Admission::warn;
   MachineCosts machine = {};     ///< what admission assumes of the machine
   Duration prepare_within{10s};  ///< what user code may take while a change is prepared

@@ -95,4 +95,22 @@ Finding check_locked(const Facts& facts) {
   return bad("nothing of mauved is locked: page faults stop components", kRequire);
 }
 
+Finding check_guardian(const Facts& facts) {
+  if (facts.status.is_null()) return no_daemon();
+  const auto guardian = facts.status.find("guardian");
+  if (guardian == facts.status.end() || !guardian->is_object()) {
+    return good("no output asks for a guardian");
+  }
+  std::string outputs;
+  for (const Json& name : list_in(*guardian, "outputs")) join(outputs, name.get<std::string>());
+  if (word(*guardian, "present") != "true") {
+    return bad("no guardian holds " + outputs + ": " + word(*guardian, "why"),
+               "systemctl start mauve-guardian");
+  }
+  if (word(*guardian, "service") == "true") return good("a service holds " + outputs);
+  return doubt("mauved started the guardian of " + outputs +
+                   " itself: what ends all processes of its service ends both",
+               "systemctl start mauve-guardian, then restart mauved");
+}
+
 }  // namespace mauve::ctl::doctor

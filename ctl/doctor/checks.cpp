@@ -15,6 +15,7 @@ constexpr Check kChecks[] = {
     {"policy in force", check_policy},
     {"guard", check_guard},
     {"locked memory", check_locked},
+    {"guardian", check_guardian},
     {"throttling", check_throttling},
     {"preemption", check_preemption},
     {"foreign threads", check_foreign},

@@ -29,6 +29,7 @@ Finding check_group(const Facts& facts);
 Finding check_policy(const Facts& facts);
 Finding check_guard(const Facts& facts);
 Finding check_locked(const Facts& facts);
+Finding check_guardian(const Facts& facts);
 // The kernel, and what else runs on it.
 Finding check_throttling(const Facts& facts);
 Finding check_preemption(const Facts& facts);

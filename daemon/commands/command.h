@@ -30,6 +30,7 @@
 
 namespace mauve::daemon {
 
+class Guardian;
 class Keeper;
 class Recorder;
 class Supervisor;
@@ -91,6 +92,7 @@ struct Running {
   Started started = {};       ///< [control]
   std::uint64_t earlier = 0;  ///< the last generation of earlier runs: numbers go on from there
   Keeper* keeper = nullptr;   ///< null: nothing is kept
+  Guardian* guardian = nullptr;
   Recorder* recorder = nullptr;
   Lock lock = Lock::none;                ///< [control], see gate.h
   Maker maker = {};                      ///< [control]

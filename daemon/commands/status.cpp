@@ -7,6 +7,7 @@
 #include "commands/log_json.h"
 #include "commands/model.h"
 #include "commands/quarantine.h"
+#include "guardian.h"
 #include "keeper.h"
 #include "mauve/version.h"
 
@@ -91,6 +92,9 @@ Result<Json> status(Running& running, const Call& /*call*/) {
                  {"poisoned", poisoned(running)},
                  {"left_behind", left_behind(running)},
                  {"lost_to_quarantine", lost_to_quarantine(running)}};
+  if (running.guardian != nullptr) {
+    result["guardian"] = running.guardian->json();
+  }
   if (running.keeper != nullptr) {
     result["saved"] = running.keeper->saved();
   }

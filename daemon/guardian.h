@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The guardian as mauved sees it: a process that puts outputs into their safe state when mauved
+/// ends without having said so, or falls silent (guardian/README.md).
+#pragma once
+
+#include "commands/command.h"
+#include "options.h"
+#include "rt/guardian_link.h"
+
+namespace mauve::daemon {
+
+class Guardian {
+ public:
+  explicit Guardian(logging::Log& log) : log_(log) {}
+
+  /// Before elements are made: their configure hooks say which outputs are to be guarded. [main]
+  Status start(const Options& options);
+  /// From now on a silence that the guardian took for an end stops all components. [main]
+  void serve(Running& running) { running_ = &running; }
+  /// In order: all components stand with their safe values, so that the guardian lets go. [main]
+  void stop(bool in_order) { link_.stop(in_order); }
+  /// Of `status`: who guards which outputs, or why nobody does. [any]
+  [[nodiscard]] Json json() const;
+
+ private:
+  void tell(const rt::GuardianNews& news);
+  void stop_all();
+
+  logging::Log& log_;
+  std::atomic<Running*> running_{nullptr};
+  rt::GuardianLink link_;
+};
+
+}  // namespace mauve::daemon

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// A base that drives on at the last speed it was told, and a mauved that cannot tell it any more:
+// the bytes on its line are looked at from outside.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "rt/thread.h"
+#include "support/daemon_process.h"
+#include "support/outlet.h"
+
+namespace mauve::test {
+namespace {
+
+using testing::HasSubstr;
+using Json = nlohmann::json;
+
+const std::string kStand("\x91\0\0\0\0", 5);
+
+Json architecture(const std::string& device) {
+  const Json cruise = {{"type", "safety/cruise"},
+                       {"task", {{"priority", 20}}},
+                       {"properties", {{"core.velocity", {{"linear", 0.4}, {"angular", 0.0}}}}},
+                       {"ports", {{"command", "command.write"}}}};
+  const Json base = {{"type", "drivers/create"},
+                     {"task", {{"priority", 30}}},
+                     {"properties", {{"core.device", device}, {"core.baud", 0}}},
+                     {"ports", {{"command", "command.read"}}}};
+  return {{"schema", "mauve/architecture/1"},
+          {"name", "guarded"},
+          {"plugins", {"types", "drivers", "safety"}},
+          {"resources", {{"command", {{"type", "shared_data"}, {"data", "velocity/1"}}}}},
+          {"components", {{"cruise", cruise}, {"base", base}}}};
+}
+
+class GuardedBase : public testing::Test {
+ protected:
+  void start(std::vector<std::string> more = {"--realtime", "off"}) {
+    const auto file = place_.write("guarded.json", architecture(base_.path()).dump());
+    daemon_.emplace(file, std::move(more));
+    ASSERT_TRUE(daemon_->up()) << daemon_->errors();
+  }
+  /// It was told to drive since this was asked last.
+  [[nodiscard]] bool drives() {
+    return eventually([&] {
+      const std::string& all = base_.bytes();
+      bool driven = false;
+      for (auto at = all.find('\x91', seen_); at != std::string::npos && at + 5 <= all.size();
+           at = all.find('\x91', at + 5)) {
+        driven = driven || all.compare(at, 5, kStand) != 0;
+        seen_ = at + 5;
+      }
+      return driven;
+    });
+  }
+  /// The last that it was told is to stand.
+  [[nodiscard]] bool stands() {
+    return eventually([&] {
+      const std::string& all = base_.bytes();
+      return all.size() >= 5 && all.compare(all.size() - 5, 5, kStand) == 0;
+    });
+  }
+  [[nodiscard]] Json guardian() const {
+    const Json status = daemon_->ask({"status"});
+    return status.value("guardian", Json());
+  }
+
+  TempDir place_;
+  Outlet base_;
+  std::size_t seen_ = 0;
+  std::optional<DaemonProcess> daemon_;
+};
+
+TEST_F(GuardedBase, StandsWhateverSignalEndsMauved) {
+  for (const int signal : {SIGKILL, SIGQUIT, SIGXCPU, SIGSEGV, SIGABRT, SIGTRAP}) {
+    start();
+    ASSERT_TRUE(drives()) << daemon_->errors();
+
+    daemon_->process().signal(signal);
+
+    EXPECT_NE(daemon_->process().wait(), 0);
+    EXPECT_TRUE(daemon_->says("1 of 1 outputs were put into their safe state")) << signal;
+    EXPECT_TRUE(stands()) << "after signal " << signal;
+    daemon_.reset();
+  }
+}
+
+TEST_F(GuardedBase, IsLetGoAtAnOrderlyEnd) {
+  start();
+  ASSERT_TRUE(drives());
+
+  daemon_->process().signal(SIGTERM);
+
+  EXPECT_EQ(daemon_->process().wait(), 0);
+  EXPECT_TRUE(daemon_->says("ended in order: its outputs are let go"));
+  EXPECT_TRUE(stands()) << "by the driver itself";
+}
+
+TEST_F(GuardedBase, StandsWhileMauvedStandsStillAndUntilSomebodyStartsIt) {
+  if (!rt::may_use_fifo(95)) GTEST_SKIP() << "NOT TESTED: silence is watched in real time only";
+  start({"--realtime", "require"});
+  ASSERT_TRUE(drives());
+
+  daemon_->process().signal(SIGSTOP);
+  EXPECT_TRUE(daemon_->says("was silent for")) << daemon_->errors();
+  EXPECT_TRUE(stands());
+  daemon_->process().signal(SIGCONT);
+
+  EXPECT_TRUE(daemon_->says("all components are stopped"));
+  EXPECT_TRUE(eventually([&] {
+    const Json status = daemon_->ask({"status"});
+    return status["components"][0]["state"] == "stopped" &&
+           status["components"][1]["state"] == "stopped";
+  }));
+  EXPECT_TRUE(stands()) << "whatever jobs sent before they were stopped";
+  EXPECT_EQ(daemon_->client({"start", "cruise", "base"}).wait(), 0);
+  static_cast<void>(base_.bytes());
+  EXPECT_TRUE(drives());
+}
+
+TEST_F(GuardedBase, IsGuardedAgainWhenItsGuardianWasLost) {
+  start();
+  const Json before = guardian();
+  ASSERT_EQ(before["outputs"], Json::array({"base.core.stand"})) << daemon_->errors();
+  ASSERT_EQ(before["present"], true);
+
+  kill(before["process"], SIGKILL);
+  EXPECT_TRUE(daemon_->says("the guardian of base.core.stand is lost"));
+  EXPECT_TRUE(eventually([&] { return guardian()["process"] != before["process"]; }));
+  EXPECT_TRUE(daemon_->says("there was none"));
+  ASSERT_TRUE(drives());
+
+  daemon_->process().signal(SIGKILL);
+  EXPECT_TRUE(stands());
+}
+
+TEST_F(GuardedBase, PrefersAGuardianThatIsAServiceOfItsOwn) {
+  const auto log = (place_ / "guardian.log").string();
+  const auto socket = (place_ / "mauved.sock").string();
+  Process service({MAUVE_BIN_DIR "/mauve-guardian", "--socket", socket + ".guardian"}, log);
+  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(socket + ".guardian"); }));
+  for (int run = 0; run < 2; ++run) {
+    const auto file = place_.write("guarded.json", architecture(base_.path()).dump());
+    Process mauved({MAUVE_BIN_DIR "/mauved", file.string(), "--socket", socket, "--plugin-dir",
+                    MAUVE_PLUGIN_DIR, "--realtime", "off"},
+                   log);
+    ASSERT_TRUE(drives()) << TempDir::read(log);
+    EXPECT_THAT(TempDir::read(log), HasSubstr("the guardian service (process " +
+                                              std::to_string(service.id()) + ") holds"));
+    mauved.signal(SIGKILL);
+    EXPECT_TRUE(stands()) << "run " << run;
+  }
+  EXPECT_TRUE(service.running());
+}
+
+/// A copy of mauved in a folder where no guardian lies beside it.
+TEST_F(GuardedBase, IsRefusedWithoutAGuardianThatIsRequired) {
+  std::filesystem::copy_file(MAUVE_BIN_DIR "/mauved", place_ / "mauved");
+  const auto file = place_.write("guarded.json", architecture(base_.path()).dump());
+  const auto log = (place_ / "log").string();
+  Process mauved(
+      {(place_ / "mauved").string(), file.string(), "--socket", (place_ / "mauved.sock").string(),
+       "--plugin-dir", MAUVE_PLUGIN_DIR, "--realtime", "off", "--guardian", "require"},
+      log);
+
+  EXPECT_EQ(mauved.wait(), 1);
+  EXPECT_THAT(TempDir::read(log), HasSubstr("base.core.stand"));
+  EXPECT_THAT(TempDir::read(log), HasSubstr("no guardian holds this output"));
+}
+
+}  // namespace
+}  // namespace mauve::test
