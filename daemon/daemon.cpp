@@ -76,7 +76,10 @@ Event event_of(const std::string& warning) {
 }  // namespace
 
 Daemon::Daemon(Options options)
-    : options_(std::move(options)), log_(options_.log_level), catalog_(options_.plugin_dirs) {}
+    : options_(std::move(options)),
+      deciding_(deciding_paths(options_)),
+      log_(options_.log_level),
+      catalog_(options_.plugin_dirs) {}
 
 Daemon::~Daemon() = default;
 
@@ -119,6 +122,9 @@ Status Daemon::open_log() {
 
 /// The socket first: two daemons must not hold the same hardware, not even for a moment.
 Status Daemon::start() {
+  if (auto trusted = check_trust(deciding_, options_.realtime, log_); !trusted) {
+    return trusted;
+  }
   auto endpoint = server::Endpoint::open(options_.socket);
   if (!endpoint) {
     return endpoint.error();
@@ -215,6 +221,7 @@ Status Daemon::serve() {
                              supervisor_, [this] { return server_->clients(); }, random_id(),
                              std::chrono::steady_clock::now()});
   running_->realtime = options_.realtime;
+  running_->deciding = deciding_;
   rt::EndHandlers::set_unexpected_status(kUnexpectedEnd);
   running_->recorder = &recorder_;
   running_->judge = [this](uid_t user, const Question& question, const Judge::Then& then) {

@@ -11,6 +11,7 @@
 #include "commands/command.h"
 #include "commands/table.h"
 #include "guardian.h"
+#include "deciding_paths.h"
 #include "judge/judge.h"
 #include "keeper.h"
 #include "options.h"
@@ -54,6 +55,7 @@ class Daemon {
   [[nodiscard]] std::string state_line() const;  // [control], or [main] before that runs
 
   const Options options_;
+  const std::vector<DecidingPath> deciding_;
   Signals signals_;
   logging::Log log_;
   Guardian guardian_{log_};

@@ -11,6 +11,7 @@
 #include "arch/json.h"
 #include "arch/load.h"
 #include "durable.h"
+#include "plugin/trust.h"
 #include "protocol/framing.h"
 
 namespace mauve::daemon {
@@ -107,7 +108,7 @@ bool is_whole(const Json& head, std::string_view text) {
 }
 
 Result<Read> read_generation(const std::filesystem::path& file, std::uint64_t number) {
-  const auto content = arch::read_file(file.string());
+  const auto content = arch::read_file(file.string(), &plugin::Trust::of_this_process());
   if (!content) {
     return content.error();
   }

@@ -13,6 +13,7 @@
 #include "arch/load.h"
 #include "arch/value_json.h"
 #include "durable.h"
+#include "plugin/trust.h"
 #include "rt/process.h"
 
 namespace mauve::daemon {
@@ -85,9 +86,14 @@ Result<std::unique_ptr<Keeper>> Keeper::open(const std::string& directory, loggi
 
 /// What was saved by a run whose marker is lost counts as a crash, since an end leaves one.
 void Keeper::read_marker() {
-  const auto marker = rt::file_text(marker_in(directory_));
-  crashed_ = marker ? *marker != kEnded : !generations_->list().empty();
-  const std::string_view text = marker ? std::string_view(*marker) : std::string_view();
+  const auto marker =
+      arch::read_file(marker_in(directory_).string(), &plugin::Trust::of_this_process());
+  if (!marker && marker.error().code == Errc::not_permitted) {
+    report(Event::path_distrusted, marker.error());
+  }
+  std::string_view text = marker ? std::string_view(*marker) : std::string_view();
+  text = text.substr(0, text.find_last_not_of(" \t\r\n") + 1);
+  crashed_ = marker ? text != kEnded : !generations_->list().empty();
   const auto started = text.rfind(kStarted);
   if (!text.starts_with(kMachine) || started == std::string_view::npos) {
     return;
@@ -279,7 +285,7 @@ void Keeper::read_quarantine() {
   if (!std::filesystem::exists(file, ignored)) {
     return;
   }
-  const auto text = arch::read_file(file.string());
+  const auto text = arch::read_file(file.string(), &plugin::Trust::of_this_process());
   auto list = text ? protocol::parse_json(*text) : Result<Json>(text.error());
   const bool whole = list && list->is_object() && list->contains("cores") &&
                      (*list)["cores"].is_array() &&

@@ -56,6 +56,24 @@ Finding check_plugins(const Facts& facts) {
   return good(sound);
 }
 
+Finding check_trust(const Facts& facts) {
+  if (facts.daemon.is_null()) return no_daemon();
+  std::string unsound;
+  std::string remedy;
+  for (const Json& path : list_in(facts.daemon, "distrusted")) {
+    const std::string one = word(path, "path") + " " + word(path, "problem");
+    if (unsound.find(one) != std::string::npos) continue;
+    join(unsound, one, "; ");
+    if (remedy.find(word(path, "hint")) == std::string::npos) {
+      join(remedy, word(path, "hint"), "; ");
+    }
+  }
+  if (unsound.empty()) {
+    return good("nobody else may exchange architecture file, state directory or socket");
+  }
+  return doubt(unsound, remedy.empty() ? "see to its owner and mode" : remedy);
+}
+
 Finding check_socket(const Facts& facts) {
   const std::filesystem::path socket(facts.socket);
   const auto below = facts.root / socket.relative_path();

@@ -27,6 +27,7 @@ constexpr Check kChecks[] = {
     {"sleep states", check_sleep},
     {"virtual machine", check_virtual},
     {"plugin directories", check_plugins},
+    {"trusted paths", check_trust},
     {"socket", check_socket},
     {"state directory", check_state},
     {"disk space", check_space},

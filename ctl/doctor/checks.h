@@ -44,6 +44,7 @@ Finding check_sleep(const Facts& facts);
 Finding check_virtual(const Facts& facts);
 // Directories.
 Finding check_plugins(const Facts& facts);
+Finding check_trust(const Facts& facts);
 Finding check_socket(const Facts& facts);
 Finding check_state(const Facts& facts);
 Finding check_space(const Facts& facts);

@@ -17,6 +17,7 @@
 
 #include "commands/refusals.h"
 #include "control.h"
+#include "deciding_paths.h"
 #include "failures.h"
 #include "generations.h"
 #include "judge/judgement.h"
@@ -94,11 +95,12 @@ struct Running {
   Keeper* keeper = nullptr;   ///< null: nothing is kept
   Guardian* guardian = nullptr;
   Recorder* recorder = nullptr;
-  Lock lock = Lock::none;                ///< [control], see gate.h
-  Maker maker = {};                      ///< [control]
-  Realtime realtime = Realtime::prefer;  ///< what mauved was started with
-  Failures failures = {};                ///< [control] see commands/notice.h
-  Refusals refusals = {};                ///< [any]
+  Lock lock = Lock::none;                   ///< [control], see gate.h
+  Maker maker = {};                         ///< [control]
+  Realtime realtime = Realtime::prefer;     ///< what mauved was started with
+  std::vector<DecidingPath> deciding = {};  ///< see deciding_paths.h
+  Failures failures = {};                   ///< [control] see commands/notice.h
+  Refusals refusals = {};                   ///< [any]
   /// [any] Judges a file of this user beside what runs, then calls the function on [control]: see
   /// Judge::ask().
   std::function<void(uid_t, const Question&, std::function<void(Result<Json>)>)> judge = {};

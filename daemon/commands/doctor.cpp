@@ -56,6 +56,20 @@ Json state_directory_json(const std::string& path) {
   return directory;
 }
 
+/// Only those that are not trusted.
+Json distrusted_json(const Running& running) {
+  Json all = Json::array();
+  for (const auto& deciding : running.deciding) {
+    if (const auto distrust = distrust_of(deciding)) {
+      all.push_back({{"what", deciding.what},
+                     {"path", distrust->at},
+                     {"problem", distrust->message},
+                     {"hint", distrust->hint}});
+    }
+  }
+  return all;
+}
+
 Json threads_json() {
   Json threads = Json::array();
   for (const auto& one : rt::threads_of("/", "self")) {
@@ -89,6 +103,7 @@ Result<Json> doctor(Running& running, const Call& /*call*/) {
       {"plugin_dirs", std::move(plugin_dirs)},
       {"state_dir",
        running.keeper == nullptr ? Json() : state_directory_json(running.keeper->directory())},
+      {"distrusted", distrusted_json(running)},
       {"glibc", gnu_get_libc_version()}};
 }
 

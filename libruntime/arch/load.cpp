@@ -1,36 +1,51 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "arch/load.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <system_error>
 #include <utility>
 
 #include "arch/build.h"
 #include "arch/json.h"
 #include "arch/parse.h"
+#include "rt/descriptor.h"
 
 namespace mauve::arch {
 
-Result<std::string> read_file(const std::string& path) {
-  std::error_code code;
-  const auto kind = std::filesystem::status(path, code).type();
-  if (kind == std::filesystem::file_type::not_found) {
-    return refuse(Errc::unknown_name, path, "there is no such file");
+namespace {
+
+Error not_readable(const std::string& path) {
+  return errno == ENOENT ? refuse(Errc::unknown_name, path, "there is no such file")
+                         : refuse(Errc::system, path, std::strerror(errno));
+}
+
+}  // namespace
+
+Result<std::string> read_file(const std::string& path, const plugin::Trust* trust) {
+  const int follow = trust == nullptr ? 0 : O_NOFOLLOW;
+  const rt::Descriptor file(
+      ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC | follow));
+  struct stat status {};
+  if (!file || ::fstat(file.get(), &status) != 0) return not_readable(path);
+  if (!S_ISREG(status.st_mode)) return refuse(Errc::invalid_value, path, "is not a regular file");
+  if (Status good = trust == nullptr ? ok() : trust->check(status, path); !good) {
+    good.error().code = Errc::not_permitted;
+    return good.error();
   }
-  if (!code && kind != std::filesystem::file_type::regular) {
-    return refuse(Errc::invalid_value, path, "is not a regular file");
+  std::string text(JsonLimits{}.bytes + 1, '\0');
+  std::size_t done = 0;
+  while (done < text.size()) {
+    const ssize_t got = ::read(file.get(), text.data() + done, text.size() - done);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return not_readable(path);
+    if (got == 0) break;
+    done += static_cast<std::size_t>(got);
   }
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return refuse(Errc::system, path, std::strerror(errno));
-  std::string text;
-  text.resize(JsonLimits{}.bytes + 1);
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  if (file.bad()) return refuse(Errc::system, path, std::strerror(errno));
+  text.resize(done);
   if (text.size() > JsonLimits{}.bytes) {
     return refuse(Errc::limit, path,
                   "is longer than " + std::to_string(JsonLimits{}.bytes) + " bytes");

@@ -10,12 +10,15 @@
 #include "arch/spec.h"
 #include "mauve/architecture.h"
 #include "plugin/catalog.h"
+#include "plugin/trust.h"
 
 namespace mauve::arch {
 
 /// The text of a file. Refused: not there, not readable, no regular file, longer than parse()
-/// takes. `at` of the error is the path.
-[[nodiscard]] Result<std::string> read_file(const std::string& path);
+/// takes; with `trust` also a symbolic link, and a file that Trust::check() refuses. `at` of the
+/// error is the path. Never waits for the other end of a FIFO.
+[[nodiscard]] Result<std::string> read_file(const std::string& path,
+                                            const plugin::Trust* trust = nullptr);
 
 /// Loads the plugins that the file names and the catalog does not have yet. [control] and
 /// [factory] in one: for a daemon that starts, a check, or a program with one thread.

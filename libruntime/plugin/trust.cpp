@@ -4,13 +4,21 @@
 #include <dlfcn.h>
 #include <unistd.h>
 
-#include <climits>
+#include <algorithm>
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
+#include <filesystem>
 #include <memory>
+#include <system_error>
+#include <utility>
+#include <vector>
 
 namespace mauve::plugin {
 
 namespace {
+
+constexpr int kMostLinks = 40;  // as the kernel has it
 
 /// Absolute path of the file that holds this function: libmauve, or a program that contains it.
 std::string own_file() {
@@ -24,8 +32,22 @@ std::string own_file() {
 }
 
 bool others_may_write(mode_t mode, mode_t who) {
+  if (S_ISLNK(mode)) return false;  // nobody writes a link, its mode says nothing
   const bool sticky_directory = S_ISDIR(mode) && (mode & S_ISVTX) != 0;
   return (mode & who) != 0 && !sticky_directory;
+}
+
+/// The names that are still to be followed, the next one last.
+void add_names(const std::string& path, std::vector<std::string>& names) {
+  const std::size_t before = names.size();
+  for (const auto& part : std::filesystem::path(path).relative_path()) {
+    if (!part.empty() && part != ".") names.push_back(part.string());
+  }
+  std::reverse(names.begin() + static_cast<std::ptrdiff_t>(before), names.end());
+}
+
+Error cannot_be_examined(const std::string& path) {
+  return refuse(Errc::system, path, std::string("cannot be examined: ") + std::strerror(errno));
 }
 
 }  // namespace
@@ -59,6 +81,40 @@ Status Trust::check(const struct stat& status, const std::string& path) const {
   if (others_may_write(status.st_mode, S_IWGRP) && !groups.contains(status.st_gid)) {
     return refuse(Errc::plugin_refused, path,
                   "may be written by group " + std::to_string(status.st_gid), "chmod g-w " + path);
+  }
+  return ok();
+}
+
+Status Trust::check_path(const std::string& path) const {
+  std::vector<std::string> names;
+  add_names(path, names);
+  std::string at;  // empty: the root
+  struct stat status {};
+  if (lstat("/", &status) != 0) return cannot_be_examined("/");
+  if (Status trusted = check(status, "/"); !trusted) return trusted;
+  for (int links = 0; !names.empty();) {
+    const std::string name = std::move(names.back());
+    names.pop_back();
+    if (name == "..") {
+      at.erase(std::min(at.rfind('/'), at.size()));
+      continue;
+    }
+    const std::string next = at + "/" + name;
+    if (lstat(next.c_str(), &status) != 0) {
+      return errno == ENOENT || errno == ENOTDIR ? ok() : Status(cannot_be_examined(next));
+    }
+    if (Status trusted = check(status, next); !trusted) return trusted;
+    if (!S_ISLNK(status.st_mode)) {
+      at = next;
+      continue;
+    }
+    std::error_code failed;
+    const auto target = std::filesystem::read_symlink(next, failed);
+    if (failed || ++links > kMostLinks) {
+      return refuse(Errc::plugin_refused, next, "is a symbolic link that leads nowhere");
+    }
+    if (target.is_absolute()) at.clear();
+    add_names(target.string(), names);
   }
   return ok();
 }

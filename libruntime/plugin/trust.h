@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Whose files may become code of this process.
+/// Whose files may become code of this process, or decide what it starts and who reaches it.
 #pragma once
 
 #include <sys/stat.h>
@@ -28,6 +28,12 @@ struct Trust {
   /// Refused: another owner, writable by an untrusted group or by everybody. A sticky directory
   /// may be writable (/tmp): what it holds is checked for itself.
   [[nodiscard]] Status check(const struct stat& status, const std::string& path) const;
+
+  /// The same of `path`, which is absolute, and of each directory above it: who may write one of
+  /// them chooses what the path leads to. A symbolic link on the way counts by its owner, and is
+  /// followed. What is not there yet is not judged, the directories above it are. The error is at
+  /// the file or directory that is to blame. [any but rt]
+  [[nodiscard]] Status check_path(const std::string& path) const;
 };
 
 }  // namespace mauve::plugin

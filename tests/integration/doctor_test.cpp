@@ -43,6 +43,50 @@ TEST(DoctorOfADaemon, SeesAPluginDirectoryThatEverybodyMayWrite) {
   EXPECT_EQ(found["remedy"], "chmod o-w " + daemon.plugins().string());
 }
 
+TEST(DoctorOfADaemon, SeesAndTellsWhatSomebodyElseMayExchange) {
+  TempDir state;
+  std::filesystem::permissions(state.path(), std::filesystem::perms::all);
+  const auto path = state.path().string();
+  TrialDaemon daemon(kTrial, {"--realtime", "off", "--state-dir", path});
+
+  const auto found = findings_of(daemon)["trusted paths"];
+
+  EXPECT_EQ(found["grade"], "warn") << found;
+  EXPECT_EQ(found["remedy"], "chmod o-w " + path);
+  EXPECT_NE(
+      daemon.errors().find(path + ": may be written by everybody (it is the state directory)"),
+      std::string::npos)
+      << daemon.errors();
+}
+
+TEST(DoctorOfADaemon, IsNotAskedByAServiceWhoseFilesOthersMayExchange) {
+  TempDir open;
+  std::filesystem::permissions(open.path(), std::filesystem::perms::all);
+  const auto file =
+      open.write("robot.json", R"({ "schema": "mauve/architecture/1", "name": "r" })");
+  TempDir other;
+  const auto errors = (other / "errors.txt").string();
+  const std::string program = MAUVE_BIN_DIR "/mauved";
+  const auto refused = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), program);
+    words.insert(words.end(), {"--realtime", "require"});
+    Process daemon(words, errors);
+    EXPECT_EQ(daemon.wait(), 1);
+    const auto said = TempDir::read(errors);
+    EXPECT_NE(said.find(open.path().string() + ": may be written by everybody"), std::string::npos)
+        << said;
+    return said;
+  };
+
+  EXPECT_NE(refused({file.string(), "--socket", (other / "s").string()})
+                .find("it holds the architecture file"),
+            std::string::npos);
+  const auto good = other.write("robot.json", TempDir::read(file)).string();
+  EXPECT_NE(refused({good, "--socket", (open / "s").string()}).find("it is the socket directory"),
+            std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(open / "s.lock")) << "nothing was touched";
+}
+
 TEST(DoctorOfADaemon, SeesWhatOutlivesARun) {
   TempDir state;
   TrialDaemon daemon(kTrial, {"--realtime", "off", "--state-dir", state.path().string()});

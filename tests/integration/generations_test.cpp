@@ -56,6 +56,19 @@ TEST_F(Generations, AreNotKeptWithoutAStateDirectory) {
   EXPECT_EQ(daemon.ask("config.rollback", {{"generation", 1}})["data"]["name"], "unsupported");
 }
 
+TEST_F(Generations, ThatSomebodyElseMayHaveWrittenAreNotStartedAfterACrash) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_EQ(daemon.ask("change.confirm")["saved"], true);
+  ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
+  crash(daemon);
+  std::filesystem::permissions(file("2"), std::filesystem::perms(0666));
+
+  daemon.start();
+
+  EXPECT_EQ(daemon.value("first.core.gain"), 1.0) << daemon.errors();
+  EXPECT_THAT(daemon.errors(), HasSubstr("chmod o-w " + file("2").string()));
+}
+
 TEST_F(Generations, AreStartedAfterACrash) {
   TrialDaemon daemon(kTrial, options());
   ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);

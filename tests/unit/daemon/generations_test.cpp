@@ -115,6 +115,23 @@ TEST_F(GenerationsTest, OfWhichAFileIsDamagedAreListedAsSuchAndNotRead) {
   }
 }
 
+TEST_F(GenerationsTest, ThatOthersMayHaveWrittenAreNotRead) {
+  ASSERT_TRUE(kept->save(numbered(1), "{}"));
+  ASSERT_TRUE(kept->save(numbered(2), "{}"));
+  ASSERT_TRUE(kept->save(numbered(3), "{}"));
+  std::filesystem::permissions(kept->file(2), std::filesystem::perms(0666));
+  std::filesystem::rename(kept->file(3), dir / "elsewhere");
+  std::filesystem::create_symlink(dir / "elsewhere", kept->file(3));
+
+  open();
+
+  EXPECT_TRUE(kept->text(1));
+  ASSERT_FALSE(kept->text(2));
+  EXPECT_EQ(kept->text(2).error().code, Errc::not_permitted);
+  EXPECT_EQ(kept->text(2).error().hint, "chmod o-w " + kept->file(2).string());
+  EXPECT_FALSE(kept->text(3)) << "a symbolic link";
+}
+
 TEST_F(GenerationsTest, LeaveNothingOfASaveThatWasCutOff) {
   dir.write("generations/000001.json.new", "// mauve gen");
   dir.write("generations/notes.txt", "not ours");

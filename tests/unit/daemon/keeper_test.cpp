@@ -56,6 +56,19 @@ class KeeperTest : public testing::Test {
   std::unique_ptr<Keeper> keeper;
 };
 
+TEST_F(KeeperTest, DoesNotBelieveAMarkerThatOthersMayHaveWritten) {
+  keeper->begin(with_number(1), named("robot"));
+  keeper->end();
+  const auto marker = dir / "state/running";
+  open();
+  ASSERT_FALSE(keeper->crashed());
+
+  std::filesystem::permissions(marker, std::filesystem::perms(0666));
+  open();
+
+  EXPECT_TRUE(keeper->crashed()) << "as if there were none";
+}
+
 TEST_F(KeeperTest, KnowsACrashByAMissingEnd) {
   EXPECT_FALSE(keeper->crashed());
   keeper->begin(with_number(1), named("a"));

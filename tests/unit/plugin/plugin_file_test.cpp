@@ -182,6 +182,69 @@ TEST(TrustTest, TrustsWhoeverCanReplaceTheRuntime) {
   EXPECT_TRUE(trust.groups.contains(status.st_gid));
 }
 
+/// Where check_path() finds the fault; empty: nowhere.
+std::string blamed(const fs::path& path) {
+  const Status trusted = Trust{{0, geteuid()}, {}}.check_path(path.string());
+  return trusted ? "" : trusted.error().at;
+}
+
+TEST(TrustTest, JudgesEveryDirectoryAboveAPath) {
+  const TempDir folder;
+  const fs::path open = folder / "open";
+  fs::create_directories(open / "state" / "generations");
+  const fs::path file = folder.write("open/state/file.json", "{}");
+  EXPECT_EQ(blamed(file), "");
+
+  fs::permissions(open, fs::perms(0777));
+
+  EXPECT_EQ(blamed(file), open.string());
+  EXPECT_EQ(blamed(open / "state" / "generations"), open.string());
+  EXPECT_EQ(blamed(open), open.string());
+  EXPECT_EQ(blamed(open / "not_there_yet"), open.string());
+  EXPECT_EQ(blamed(folder / "not_there_yet" / "either"), "");
+}
+
+TEST(TrustTest, TakesAStickyDirectoryButNotAFileThatOthersWriteInIt) {
+  const TempDir folder;
+  fs::permissions(folder.path(), fs::perms(01777));
+  const fs::path file = folder.write("file.json", "{}");
+  EXPECT_EQ(blamed(file), "");
+
+  fs::permissions(file, fs::perms(0666));
+
+  EXPECT_EQ(blamed(file), file.string());
+}
+
+TEST(TrustTest, FollowsASymbolicLinkAndJudgesWhereItLeads) {
+  const TempDir folder;
+  fs::create_directories(folder / "open" / "inner");
+  fs::create_directory(folder / "good");
+  fs::create_symlink("../open/inner", folder / "good" / "relative");
+  fs::create_symlink(folder / "open", folder / "absolute");
+  fs::create_symlink("loop", folder / "loop");
+  EXPECT_EQ(blamed(folder / "good" / "relative" / "file"), "");
+  EXPECT_EQ(blamed(folder / "absolute" / ".." / "good"), "");
+
+  fs::permissions(folder / "open", fs::perms(0777));
+
+  EXPECT_EQ(blamed(folder / "good" / "relative" / "file"), (folder / "open").string());
+  EXPECT_EQ(blamed(folder / "absolute"), (folder / "open").string());
+  EXPECT_EQ(blamed(folder / "loop"), (folder / "loop").string());
+}
+
+TEST(TrustTest, TrustsNoDirectoryAndNoLinkOfAnotherUser) {
+  if (geteuid() != 0) GTEST_SKIP() << "SKIPPED: only root can give a file to another user";
+  const TempDir folder;
+  fs::create_directory(folder / "his");
+  fs::create_directory(folder / "good");
+  fs::create_symlink(folder / "good", folder / "link");
+  ASSERT_EQ(lchown((folder / "his").c_str(), 4711, 4711), 0);
+  ASSERT_EQ(lchown((folder / "link").c_str(), 4711, 4711), 0);
+
+  EXPECT_EQ(blamed(folder / "his" / "file"), (folder / "his").string());
+  EXPECT_EQ(blamed(folder / "link" / "file"), (folder / "link").string());
+}
+
 TEST(TrustTest, TakesPluginsFromTheTreeItRunsFrom) {
   EXPECT_TRUE(read_plugin_file({std::string(MAUVE_ZOO) + "/1"}, "good", Trust::of_this_process()));
 }

@@ -32,8 +32,9 @@ TEST_F(DoctorOfMauved, WorksWithoutOne) {
   facts.no_daemon = "mauved is not reachable";
 
   expect(check_daemon(facts), Grade::warn, "no daemon: mauved is not reachable", "mauved FILE");
-  for (const auto look : {check_priority_of_daemon, check_locking_of_daemon, check_policy,
-                          check_guard, check_locked, check_plugins, check_state, check_space}) {
+  for (const auto look :
+       {check_priority_of_daemon, check_locking_of_daemon, check_policy, check_guard, check_locked,
+        check_plugins, check_trust, check_state, check_space}) {
     expect(look(facts), Grade::ok, "no daemon");
   }
   for (const auto& check : checks()) EXPECT_NE(check.look(facts).grade, Grade::fail) << check.name;
@@ -187,6 +188,22 @@ TEST_F(DoctorOfMauved, JudgesTheSpaceOfTheStateDirectory) {
   expect(check_space(facts), Grade::fail, "0 MiB", "audit.log");
   facts.daemon["state_dir"] = nullptr;
   expect(check_space(facts), Grade::ok, "nothing is kept");
+}
+
+TEST_F(DoctorOfMauved, SeesPathsThatSomebodyElseMayExchange) {
+  expect(check_trust(facts), Grade::ok, "nobody else");
+  facts.daemon["distrusted"] = {{{"what", "architecture file"},
+                                 {"path", "/srv"},
+                                 {"problem", "may be written by everybody (it holds the file)"},
+                                 {"hint", "chmod o-w /srv"}},
+                                {{"what", "state directory"},
+                                 {"path", "/srv"},
+                                 {"problem", "may be written by everybody (it holds the state)"},
+                                 {"hint", "chmod o-w /srv"}}};
+  const auto finding = check_trust(facts);
+
+  expect(finding, Grade::warn, "/srv may be written by everybody (it holds the file); /srv");
+  EXPECT_EQ(finding.remedy, "chmod o-w /srv") << "said once";
 }
 
 }  // namespace

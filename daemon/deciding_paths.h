@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The paths that decide what mauved starts and who reaches it: architecture file, state directory
+/// and the directory of the socket. They have the trust rule of plugins (plugin/trust.h).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "log/log.h"
+#include "options.h"
+
+namespace mauve::daemon {
+
+struct DecidingPath {
+  std::string what;  ///< "state directory"
+  std::string path;  ///< absolute
+};
+
+/// Of these options. [main], before mauved changes its working directory
+[[nodiscard]] std::vector<DecidingPath> deciding_paths(const Options& options);
+
+/// Why somebody who is neither root nor the user of this process may exchange the path or what is
+/// in it, at the file or directory that is to blame; nothing: nobody may. [any but rt]
+[[nodiscard]] std::optional<Error> distrust_of(const DecidingPath& deciding);
+
+/// Writes a warning for each that is not trusted. With `Realtime::require`, as a service runs, the
+/// first one is refused instead. [main]
+[[nodiscard]] Status check_trust(const std::vector<DecidingPath>& paths, Realtime realtime,
+                                 logging::Log& log);
+
+}  // namespace mauve::daemon
