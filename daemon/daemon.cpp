@@ -222,6 +222,7 @@ Status Daemon::serve() {
                              std::chrono::steady_clock::now()});
   running_->realtime = options_.realtime;
   running_->deciding = deciding_;
+  running_->path_dirs = options_.path_dirs;
   rt::EndHandlers::set_unexpected_status(kUnexpectedEnd);
   running_->recorder = &recorder_;
   running_->judge = [this](uid_t user, const Question& question, const Judge::Then& then) {

@@ -153,6 +153,11 @@ void declare(CLI::App& app, Options& options) {
                  "Load plugins from this directory and the others given, and from nowhere else")
       ->type_name("DIR")
       ->allow_extra_args(false);
+  app.add_option("--allow-path", options.path_dirs,
+                 "A request may also set a property that is a path to one in this directory; the "
+                 "architecture file may always")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
   app.add_option_function(
          "--realtime", chosen(kRealtime, options.realtime),
          "Without real-time privileges: require refuses to start, prefer warns, off does "
@@ -214,6 +219,7 @@ void make_absolute(Options& options) {
   absolute(options.log_file);
   absolute(options.state_dir);
   std::ranges::for_each(options.plugin_dirs, absolute);
+  std::ranges::for_each(options.path_dirs, absolute);
 }
 
 }  // namespace

@@ -25,10 +25,11 @@ struct Options {
   Duration prepare_within{10s};  ///< what user code may take while a change is prepared
   bool check = false;            ///< only say what is wrong with the file
   bool judge = false;            ///< judge the question on standard input, for a mauved that runs
-  std::string log_file;          ///< JSON lines; empty for none
-  std::string state_dir;         ///< what outlives a run; empty: nothing is kept
-  bool fresh = false;            ///< start the file, also after a crash
-  bool flight_recorder = true;   ///< traces always, and writes recordings by itself
+  std::vector<std::string> path_dirs;  ///< where requests may set paths to, too: path_rule.h
+  std::string log_file;                ///< JSON lines; empty for none
+  std::string state_dir;               ///< what outlives a run; empty: nothing is kept
+  bool fresh = false;                  ///< start the file, also after a crash
+  bool flight_recorder = true;         ///< traces always, and writes recordings by itself
   logging::Level log_level = logging::Level::info;
 };
 

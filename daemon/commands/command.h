@@ -98,6 +98,7 @@ struct Running {
   Lock lock = Lock::none;                   ///< [control], see gate.h
   Maker maker = {};                         ///< [control]
   Realtime realtime = Realtime::prefer;     ///< what mauved was started with
+  std::vector<std::string> path_dirs = {};  ///< what path_rule() allows besides
   std::vector<DecidingPath> deciding = {};  ///< see deciding_paths.h
   Failures failures = {};                   ///< [control] see commands/notice.h
   Refusals refusals = {};                   ///< [any]

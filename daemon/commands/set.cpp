@@ -6,6 +6,7 @@
 #include "commands/answer.h"
 #include "commands/change.h"
 #include "commands/model.h"
+#include "commands/path_rule.h"
 
 namespace mauve::daemon {
 
@@ -50,6 +51,7 @@ Result<Change> change_of(const Running& running, const Json& params) {
     if (edit == change.edits.end()) {
       edit = change.edits.insert(edit, edit_of(owner));
       edit->state = *policy;
+      edit->allows = path_rule(running.path_dirs);
     }
     edit->properties.emplace_back(address.substr(dot + 1), *std::move(value));
   }

@@ -8,6 +8,7 @@
 #include "commands/answer.h"
 #include "commands/change.h"
 #include "commands/model.h"
+#include "commands/path_rule.h"
 
 namespace mauve::daemon {
 
@@ -48,6 +49,7 @@ Result<Edit> edit_from(const Running& running, const Json& params) {
   auto edit = edit_of((*component)->name());
   edit.core = *std::move(core);
   edit.state = *policy;
+  edit.allows = path_rule(running.path_dirs);
   if (auto declared = declare_budget(**component, params, edit); !declared) {
     return declared.error();
   }

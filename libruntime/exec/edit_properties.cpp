@@ -51,6 +51,7 @@ Status set_properties(const Edit& edit, std::string_view name, Configurable& ele
     if (owner != name) continue;
     PropertyBase* found = element.find_property(property);
     if (found == nullptr) return no_property(element, property);
+    if (Status allowed = edit.allows ? edit.allows(*found, value) : ok(); !allowed) return allowed;
     if (Status done = found->set(value); !done) return done;
   }
   return ok();

@@ -57,8 +57,11 @@ class CreateOi final : public BaseCore {
 
   mauve::State<BaseLine> state{*this};
   mauve::Guarded stand{*this, "stand"};
-  mauve::Property<std::string> device{*this, "device", "/dev/ttyUSB0",
-                                      "serial device, or pty:NAME of a simulated base"};
+  mauve::Property<std::string> device{*this,
+                                      "device",
+                                      "/dev/ttyUSB0",
+                                      "serial device, or pty:NAME of a simulated base",
+                                      {.within = "/dev/ pty:"}};
   mauve::Property<int> baud{*this,
                             "baud",
                             115'200,

@@ -40,7 +40,8 @@ class CreateBrake final : public mauve::Core<mauve::EmptyShell> {
 
  private:
   mauve::Stateless stateless{*this};
-  mauve::Property<std::string> device{*this, "device", "/dev/ttyUSB0", "the same as the driver's"};
+  mauve::Property<std::string> device{
+      *this, "device", "/dev/ttyUSB0", "the same as the driver's", {.within = "/dev/ pty:"}};
   mauve::Observable<std::uint64_t> stops{*this, "stops", 0, "orders to stand"};
   mauve::Observable<std::uint64_t> failed{*this, "failed", 0, "of these, found no device"};
 

@@ -47,8 +47,11 @@ class CreateSim final : public mauve::Core<WheelsShell> {
 
  private:
   mauve::Stateless stateless{*this};
-  mauve::Property<std::string> line{*this, "line", "pty:base",
-                                    "serial device to make: pty:NAME, or a path of your choice"};
+  mauve::Property<std::string> line{*this,
+                                    "line",
+                                    "pty:base",
+                                    "serial device to make: pty:NAME, or a path of your choice",
+                                    {.within = "pty:"}};
   mauve::Property<mauve::Duration> step{*this,
                                         "step",
                                         std::chrono::milliseconds(15),

@@ -74,8 +74,11 @@ class FrameDriver : public CoreT {
   mauve::State<Line> state{*this};
 
  private:
-  mauve::Property<std::string> device{*this, "device", CoreT::kDevice,
-                                      "serial device, or pty:NAME of a simulated one"};
+  mauve::Property<std::string> device{*this,
+                                      "device",
+                                      CoreT::kDevice,
+                                      "serial device, or pty:NAME of a simulated one",
+                                      {.within = "/dev/ pty:"}};
   mauve::Property<int> baud{*this,
                             "baud",
                             CoreT::kBaud,

@@ -54,8 +54,11 @@ constexpr std::uint32_t kScans = 3;
 
 class HokuyoScip final : public LaserCore {
   mauve::State<ScannerLine> state{*this};
-  mauve::Property<std::string> device{*this, "device", "/dev/ttyACM0",
-                                      "serial device, or pty:NAME of a simulated scanner"};
+  mauve::Property<std::string> device{*this,
+                                      "device",
+                                      "/dev/ttyACM0",
+                                      "serial device, or pty:NAME of a simulated scanner",
+                                      {.within = "/dev/ pty:"}};
   mauve::Property<int> baud{*this,
                             "baud",
                             0,

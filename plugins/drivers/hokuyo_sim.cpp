@@ -34,8 +34,11 @@ class HokuyoSim final : public mauve::Core<ScannerShell> {
 
  private:
   mauve::Stateless stateless{*this};
-  mauve::Property<std::string> line{*this, "line", "pty:laser",
-                                    "serial device to make: pty:NAME, or a path of your choice"};
+  mauve::Property<std::string> line{*this,
+                                    "line",
+                                    "pty:laser",
+                                    "serial device to make: pty:NAME, or a path of your choice",
+                                    {.within = "pty:"}};
   mauve::Property<int> turns{*this,
                              "turns",
                              2400,

@@ -34,8 +34,11 @@ class ImuSim final : public mauve::Core<ImuSimShell> {
 
  private:
   mauve::Stateless stateless{*this};
-  mauve::Property<std::string> line{*this, "line", "pty:imu",
-                                    "serial device to make: pty:NAME, or a path of your choice"};
+  mauve::Property<std::string> line{*this,
+                                    "line",
+                                    "pty:imu",
+                                    "serial device to make: pty:NAME, or a path of your choice",
+                                    {.within = "pty:"}};
   mauve::Observable<std::uint64_t> sent{*this, "sent", 0, "measurements"};
   mauve::Observable<std::uint64_t> lost{*this, "lost", 0, "not sent: nobody reads the line"};
 

@@ -48,7 +48,8 @@ class LaserReplay final : public mauve::Core<LaserReplayShell> {
 
  private:
   mauve::State<ReplayPosition> state{*this};
-  mauve::Property<std::string> recording{*this, "recording", "", "path of the file"};
+  mauve::Property<std::string> recording{
+      *this, "recording", "", "path of the file", {.within = "./"}};
   mauve::Property<bool> repeat{*this, "repeat", false, "begin again at the end"};
   mauve::Observable<std::uint64_t> scans{*this, "scans", 0, "published"};
   mauve::Observable<bool> finished{*this, "finished", false, "nothing more to come"};

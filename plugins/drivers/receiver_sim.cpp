@@ -35,8 +35,11 @@ class ReceiverSim final : public mauve::Core<ReceiverShell> {
 
  private:
   mauve::Stateless stateless{*this};
-  mauve::Property<std::string> line{*this, "line", "pty:gnss",
-                                    "serial device to make: pty:NAME, or a path of your choice"};
+  mauve::Property<std::string> line{*this,
+                                    "line",
+                                    "pty:gnss",
+                                    "serial device to make: pty:NAME, or a path of your choice",
+                                    {.within = "pty:"}};
   mauve::Property<std::string> protocol{*this, "protocol", "nmea",
                                         "nmea (GGA, GSA, RMC) or ubx (NAV-PVT)"};
   mauve::Observable<std::uint64_t> epochs{*this, "epochs", 0, "sent"};

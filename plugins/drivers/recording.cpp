@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <fstream>
-#include <iterator>
 #include <numbers>
+
+#include "../navigation/regular_file.h"
 
 namespace drivers {
 namespace {
@@ -15,6 +15,8 @@ using mauve::Errc;
 using mauve::refuse;
 using mauve::Status;
 
+/// Hours of scans; the same once more in memory while it is read.
+constexpr std::size_t kLongestRecording = 256UL * 1024UL * 1024UL;
 constexpr float kRangeMin = 0.02F;
 constexpr float kRangeMax = 5.6F;
 constexpr std::size_t kColumns = Recording::kFirstColumn + Recording::kBeams;
@@ -44,13 +46,9 @@ float metres(long millimetres, std::size_t beam) {
 }  // namespace
 
 mauve::Result<Recording> Recording::load(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    return refuse(Errc::system, {}, "cannot open the recording '" + path + "'",
-                  "a path is relative to the directory that mauved was started in");
-  }
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  return parse(text, path);
+  const auto text = navigation::read_regular_file(path, kLongestRecording, "recording");
+  if (!text) return text.error();
+  return parse(*text, path);
 }
 
 mauve::Result<Recording> Recording::parse(std::string_view text, const std::string& name) {

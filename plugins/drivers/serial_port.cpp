@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <stdlib.h>  // NOLINT: posix_openpt and its family
+#include <sys/stat.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -90,7 +91,7 @@ bool is_ours(const fs::path& device) {
   return false;
 }
 
-/// A link that leads nowhere, or to a line that this process made before, may go.
+/// A link of this user that leads nowhere, or to a line that this process made before, may go.
 Status check_place(const std::string& link) {
   std::error_code ignored;
   const fs::file_status there = fs::symlink_status(link, ignored);
@@ -98,6 +99,12 @@ Status check_place(const std::string& link) {
   if (!fs::is_symlink(there)) {
     return refuse(Errc::conflict, {}, "'" + link + "' is there and is not a symbolic link",
                   "choose another path");
+  }
+  struct stat facts {};
+  if (::lstat(link.c_str(), &facts) == 0 && facts.st_uid != ::geteuid()) {
+    return refuse(Errc::conflict, {},
+                  "'" + link + "' is there and belongs to user " + std::to_string(facts.st_uid),
+                  "remove it, or choose another path");
   }
   const fs::path device = fs::read_symlink(link, ignored);
   if (!fs::exists(link, ignored) || is_ours(device)) return mauve::ok();

@@ -105,8 +105,8 @@ class PseudoTerminal final : public LineEnd {
   PseudoTerminal& operator=(const PseudoTerminal&) = delete;
 
   /// Creates the pair and, when `name` is not empty, a symbolic link to the device at its
-  /// line_path(). A link that leads nowhere, or to a line of this process, is replaced; anything
-  /// else there is refused. [factory]
+  /// line_path(). A link of this user that leads nowhere, or to a line of this process, is
+  /// replaced; anything else there is refused. [factory]
   mauve::Status open(const std::string& name);
   void close() override { shut(); }
   /// Nobody else could find the same one: false.

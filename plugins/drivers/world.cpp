@@ -117,7 +117,8 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
   mauve::Property<std::int64_t> seed{*this, "seed", 1, "of everything random", {.min = 0}};
   mauve::Property<Pose2D> start{*this, "start", {}, "where the robot stands at first"};
   mauve::Property<Discs> obstacles{*this, "obstacles", {}, "discs in the way"};
-  mauve::Property<std::string> map{*this, "map", "", "path of a map's YAML file; none: no walls"};
+  mauve::Property<std::string> map{
+      *this, "map", "", "path of a map's YAML file; none: no walls", {.within = "./"}};
   mauve::Property<int> random_discs{
       *this, "random_discs", 0, "more of them, at random", {.min = 0, .max = 32}};
   mauve::Property<Point2D> random_goal{

@@ -6,13 +6,13 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <numbers>
 #include <system_error>
 
 #include <yaml-cpp/yaml.h>
 
 #include "grid_frame.h"
+#include "regular_file.h"
 
 namespace navigation {
 namespace {
@@ -146,24 +146,6 @@ Result<MapDescription> read_description(const YAML::Node& root, const std::strin
   return map;
 }
 
-Result<std::string> bytes_of(const std::string& file, std::size_t most, const char* what) {
-  std::ifstream stream(file, std::ios::binary | std::ios::ate);
-  const auto size = stream ? static_cast<std::streamoff>(stream.tellg()) : std::streamoff{-1};
-  std::error_code ignored;
-  if (size < 0 || !std::filesystem::is_regular_file(file, ignored)) {
-    return refuse(
-        Errc::system, {}, std::string("cannot open the ") + what + " '" + file + "'",
-        "a path is relative to the directory that mauved was started in, that of an image "
-        "to the file that names it");
-  }
-  if (static_cast<std::size_t>(size) > most) {
-    return refuse(Errc::limit, {}, file + ": has " + std::to_string(size) + " bytes",
-                  std::string("a ") + what + " has at most " + std::to_string(most));
-  }
-  stream.seekg(0);
-  return std::string{std::istreambuf_iterator<char>(stream), {}};
-}
-
 std::string shortest(double value) {
   std::array<char, 32> text{};
   const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
@@ -209,13 +191,13 @@ void fill_grid(const MapDescription& description, const MapImage& image, Occupan
 }
 
 Status load_map(const std::string& file, OccupancyGrid& into) {
-  const Result<std::string> text = bytes_of(file, kLongestDescription, "map");
+  const Result<std::string> text = read_regular_file(file, kLongestDescription, "map");
   if (!text) return text.error();
   const Result<MapDescription> description = parse_description(*text, file);
   if (!description) return description.error();
   const std::string image_file =
       (std::filesystem::path(file).parent_path() / description->image).string();
-  const Result<std::string> bytes = bytes_of(image_file, kLongestImage, "image");
+  const Result<std::string> bytes = read_regular_file(image_file, kLongestImage, "image");
   if (!bytes) return bytes.error();
   const Result<MapImage> image = parse_pgm(*bytes, image_file);
   if (!image) return image.error();

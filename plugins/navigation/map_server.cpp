@@ -29,7 +29,8 @@ class MapServer final : public mauve::Core<MapServerShell> {
 
  private:
   mauve::Stateless stateless{*this};
-  mauve::Property<std::string> file{*this, "file", "", "path of the map's YAML file"};
+  mauve::Property<std::string> file{
+      *this, "file", "", "path of the map's YAML file", {.within = "./"}};
   mauve::Observable<int> width{*this, "width", 0, "cells"};
   mauve::Observable<int> height{*this, "height", 0, "cells"};
 

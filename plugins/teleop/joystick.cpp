@@ -46,8 +46,11 @@ class JoystickDriver final : public mauve::Core<JoystickShell> {
 
  private:
   mauve::Stateless stateless{*this};
-  mauve::Property<std::string> device{*this, "device", "/dev/input/event0",
-                                      "input device, or a FIFO that carries its events"};
+  mauve::Property<std::string> device{*this,
+                                      "device",
+                                      "/dev/input/event0",
+                                      "input device, or a FIFO that carries its events",
+                                      {.within = "/dev/"}};
   mauve::Property<int> axis_min{*this, "axis_min", -32767,
                                 "of axes of a device that does not tell its ranges"};
   mauve::Property<int> axis_max{*this, "axis_max", 32767,

@@ -35,7 +35,7 @@ class Robot:
         self.environment = dict(os.environ, MAUVE_SOCKET=str(place / "mauved.sock"))
         self.command = [str(programs / "mauved"), str(architecture), "--socket",
                         str(place / "mauved.sock"), "--plugin-dir", str(plugins),
-                        "--admission", "strict"]
+                        "--admission", "strict", "--allow-path", str(place)]
         self.place = place
         self.out = out
         self.picture = out / "path.svg"

@@ -63,7 +63,8 @@ class WholeRover : public testing::Test {
            rover_.ask({"rules"}).dump() + "\n" + rover_.errors();
   }
 
-  DaemonProcess rover_{kArchitecture, {}};
+  TempDir place_;
+  DaemonProcess rover_{kArchitecture, {"--allow-path", place_.path().string()}};
 };
 
 TEST_F(WholeRover, DrivesFromTheYardIntoTheBuildingAndChangesItsCoreOnTheWay) {
@@ -97,8 +98,7 @@ TEST_F(WholeRover, GoesOnWithoutSatellitesAndTakesThemBack) {
 }
 
 TEST_F(WholeRover, ObeysAJoystickAtOnceAndStandsWhenThatIsPulledOut) {
-  TempDir place;
-  const std::string device = (place / "joystick").string();
+  const std::string device = (place_ / "joystick").string();
   ASSERT_EQ(mkfifo(device.c_str(), 0600), 0);
   set("joystick.core.device=" + device);
   ASSERT_TRUE(within([&] { return number("world.core.x") > 0.5; })) << where();

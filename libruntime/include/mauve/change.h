@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include <mauve/component.h>
 #include <mauve/element_type.h>
+#include <mauve/property.h>
 #include <mauve/time.h>
 #include <mauve/value.h>
 
@@ -65,6 +67,9 @@ struct Edit {
   std::optional<Duration> hold = {};
   Mode mode = Mode::keep;
   StatePolicy state = StatePolicy::keep;
+  /// Asked for each of `properties` before the property gets its value and before any hook runs; a
+  /// refusal refuses the change. None: every value that the property accepts. [factory]
+  std::function<Status(const PropertyBase&, const Value&)> allows = {};
 };
 
 /// A resource or component that joins: made, its properties set, neither configured nor connected.

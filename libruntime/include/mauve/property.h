@@ -17,6 +17,11 @@ struct Limits {
   std::string_view unit = {};
   std::optional<T> min = {};
   std::optional<T> max = {};
+  /// Of a path: where it must lie when a request sets it, as words with spaces between them.
+  /// "/dev/" is a directory, "./" that of the architecture, and "pty:" the beginning of a name that
+  /// has no slash. Every property whose value is opened or created as a file declares this. The
+  /// architecture file itself may name any path.
+  std::string_view within = {};
 };
 
 /// What the runtime sees of a property, whatever its type.
@@ -37,6 +42,8 @@ class PropertyBase {
   [[nodiscard]] virtual Value default_value() const = 0;
   [[nodiscard]] virtual Value min() const { return {}; }
   [[nodiscard]] virtual Value max() const { return {}; }
+  /// Where a path must lie that a request sets, see Limits; empty: this is no path.
+  [[nodiscard]] virtual std::string_view within() const { return {}; }
 
   /// Writes the value; refused when the element is configured, of another type, out of range.
   /// [control] or [factory].
@@ -96,6 +103,7 @@ class Property final : public PropertyBase {
   [[nodiscard]] Value default_value() const override { return encode(default_); }
   [[nodiscard]] Value min() const override { return limits_.min ? encode(*limits_.min) : Value(); }
   [[nodiscard]] Value max() const override { return limits_.max ? encode(*limits_.max) : Value(); }
+  [[nodiscard]] std::string_view within() const override { return limits_.within; }
   [[nodiscard]] Status accepts(const Value& value) const override {
     T decoded = default_;
     Status done = decode(value, decoded);

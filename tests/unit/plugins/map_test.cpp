@@ -2,6 +2,7 @@
 #include "../../../plugins/navigation/map_file.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <filesystem>
@@ -135,6 +136,9 @@ TEST_F(MapFile, OfTheProjectHasAYardAndWalls) {
 TEST_F(MapFile, IsRefusedWithFileAndReason) {
   expect_not_loaded((folder_.path() / "none.yaml").string(), "cannot open the map");
   expect_not_loaded(folder_.path().string(), "cannot open the map");
+  const std::string pipe = (folder_ / "pipe").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  expect_not_loaded(pipe, "it is no regular file");
   const std::string file = write("map.yaml", kDescription);
   expect_not_loaded(file, "cannot open the image");
   write("map.pgm", "P5 4 4 255\nabc");

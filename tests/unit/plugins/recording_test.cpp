@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <string>
 
 #include "../../../plugins/drivers/recording.h"
+#include "support/temp_dir.h"
 #include "support/test_data.h"
 
 namespace {
@@ -44,6 +46,17 @@ TEST(Recording, NamesTheLineThatIsNoScan) {
 TEST(Recording, RefusesAnEmptyOrMissingFile) {
   EXPECT_FALSE(Recording::parse("", "empty"));
   EXPECT_FALSE(Recording::load("/nowhere/exp.dat"));
+}
+
+TEST(Recording, IsNotWaitedForWhenItIsNoRegularFile) {
+  const mauve::test::TempDir folder;
+  const std::string pipe = (folder / "pipe").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::string& path : {pipe, std::string("/dev/zero"), folder.path().string()}) {
+    const auto refused = Recording::load(path);
+    ASSERT_FALSE(refused) << path;
+    EXPECT_NE(refused.error().message.find("it is no regular file"), std::string::npos);
+  }
 }
 
 TEST(Recording, LoadsARealRecordingWhole) {

@@ -161,6 +161,22 @@ TEST(PseudoTerminal, ReplacesALinkThatLeadsNowhere) {
   EXPECT_TRUE(line.open(link));
 }
 
+TEST(PseudoTerminal, ReplacesNoLinkOfAnotherUser) {
+  if (geteuid() != 0) GTEST_SKIP() << "SKIPPED: only root can give a link to another user";
+  const std::string link = link_name("foreign");
+  fs::remove(link);
+  fs::create_symlink("/dev/pts/was_here", link);
+  ASSERT_EQ(lchown(link.c_str(), 4711, 4711), 0);
+  PseudoTerminal line;
+
+  const auto opened = line.open(link);
+
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, mauve::Errc::conflict);
+  EXPECT_EQ(fs::read_symlink(link), "/dev/pts/was_here");
+  fs::remove(link);
+}
+
 TEST(PseudoTerminal, RemovesItsLinkAndNothingElse) {
   const std::string link = link_name("link");
   {
