@@ -137,6 +137,25 @@ void declare_admission(CLI::App& app, Options& options) {
       ->default_str(machine_text());
 }
 
+/// What outlives a run.
+void declare_records(CLI::App& app, Options& options) {
+  app.add_option("--log-file", options.log_file, "Also write the log as JSON lines to this file")
+      ->type_name("FILE");
+  app.add_option("--state-dir", options.state_dir,
+                 "Keep generations and the audit log here; else in $STATE_DIRECTORY")
+      ->type_name("DIR");
+  app.add_flag("--fresh", options.fresh,
+               "Start the file, also after a crash, and not the generation that ran last");
+  app.add_option_function<std::string>(
+         "--flight-recorder",
+         [&options](const std::string& text) { options.flight_recorder = text == "on"; },
+         "on traces always, and keeps the seconds before a missed release, a fault or a rollback "
+         "in the state directory")
+      ->type_name("on|off")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->default_str("on");
+}
+
 void declare(CLI::App& app, Options& options) {
   app.name("mauved");
   app.footer(
@@ -177,21 +196,7 @@ void declare(CLI::App& app, Options& options) {
   app.add_flag("--check", options.check, "Only say what is wrong with the file; needs no root");
   app.add_flag("--judge", options.judge,
                "mauved runs itself so, in a process with limits, to look at the files of clients");
-  app.add_option("--log-file", options.log_file, "Also write the log as JSON lines to this file")
-      ->type_name("FILE");
-  app.add_option("--state-dir", options.state_dir,
-                 "Keep generations and the audit log here; else in $STATE_DIRECTORY")
-      ->type_name("DIR");
-  app.add_flag("--fresh", options.fresh,
-               "Start the file, also after a crash, and not the generation that ran last");
-  app.add_option_function<std::string>(
-         "--flight-recorder",
-         [&options](const std::string& text) { options.flight_recorder = text == "on"; },
-         "on traces always, and keeps the seconds before a missed release, a fault or a rollback "
-         "in the state directory")
-      ->type_name("on|off")
-      ->check(CLI::IsMember({"on", "off"}))
-      ->default_str("on");
+  declare_records(app, options);
   app.add_option_function("--log-level", chosen(kLevels, options.log_level),
                           "Report this and worse")
       ->type_name("debug|info|warn|error")

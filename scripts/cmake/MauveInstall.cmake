@@ -7,10 +7,14 @@ set(mauve_cmake_dir "${CMAKE_INSTALL_LIBDIR}/cmake/mauve")
 # Units belong to the prefix: /usr/lib/systemd for a package, /usr/local/lib/systemd by hand.
 set(MAUVE_SYSTEMD_DIR "lib" CACHE STRING "Holds systemd/system, sysusers.d and tmpfiles.d")
 
-# Programs and libmauve.
+# Programs and libmauve. The programs of the build tree have the RUNPATH of the installed ones: CMake
+# lengthens one that it is to replace by a colon, and the empty part behind it is the working directory.
+set(mauve_runpath "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}" "$ORIGIN/../lib")
+list(REMOVE_DUPLICATES mauve_runpath)
 foreach(program mauved mauvectl mauve_stamp mauve_guardian)
   if(TARGET ${program})
-    set_target_properties(${program} PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+    set_target_properties(${program} PROPERTIES
+      INSTALL_RPATH "${mauve_runpath}" BUILD_WITH_INSTALL_RPATH ON)
   endif()
 endforeach()
 if(TARGET mauved)

@@ -156,11 +156,13 @@ TEST_F(GuardedBase, PrefersAGuardianThatIsAServiceOfItsOwn) {
 
 /// A copy of mauved in a folder where no guardian lies beside it.
 TEST_F(GuardedBase, IsRefusedWithoutAGuardianThatIsRequired) {
-  std::filesystem::copy_file(MAUVE_BIN_DIR "/mauved", place_ / "mauved");
+  std::filesystem::create_directory(place_ / "bin");
+  std::filesystem::copy_file(MAUVE_BIN_DIR "/mauved", place_ / "bin/mauved");
+  std::filesystem::create_directory_symlink(MAUVE_BIN_DIR "/../lib", place_ / "lib");
   const auto file = place_.write("guarded.json", architecture(base_.path()).dump());
   const auto log = (place_ / "log").string();
   Process mauved(
-      {(place_ / "mauved").string(), file.string(), "--socket", (place_ / "mauved.sock").string(),
+      {(place_ / "bin/mauved").string(), file.string(), "--socket", (place_ / "mauved.sock").string(),
        "--plugin-dir", MAUVE_PLUGIN_DIR, "--realtime", "off", "--guardian", "require"},
       log);
 
