@@ -10,7 +10,6 @@
 #include <random>
 
 #include "arch/load.h"
-#include "base/duration.h"
 #include "commands/model.h"
 #include "commands/quarantine.h"
 #include "commands/unproven.h"
@@ -48,16 +47,6 @@ std::string random_id() {
 
 std::string counted(std::size_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
-}
-
-/// This program again, with the options that a file is judged with.
-std::vector<std::string> judge_command(const Options& options) {
-  std::vector<std::string> words = {"/proc/self/exe", "-", "--judge", "--prepare-within",
-                                    format_duration(options.prepare_within)};
-  for (const auto& directory : options.plugin_dirs) {
-    words.insert(words.end(), {"--plugin-dir", directory});
-  }
-  return words;
 }
 
 /// "core 'x' is unknown (did you mean 'y'?)", with its address in front.

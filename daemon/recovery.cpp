@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "arch/load.h"
+#include "judge/judge.h"
 
 namespace mauve::daemon {
 
@@ -19,15 +20,31 @@ std::string folder_of(const std::string& file) {
   return std::filesystem::absolute(file).parent_path().string();
 }
 
-/// Built once to see whether it can be, with a catalog of its own: of a generation that cannot,
-/// nothing stays behind.
-Status can_be_built(const Origin& origin, const Options& options) {
-  plugin::Catalog catalog(options.plugin_dirs);
-  arch::Problems problems;
-  if (arch::load(origin.text, catalog, problems) != nullptr) {
-    return ok();
+/// What a start with it would come to.
+struct StartTrial {
+  Status survived = ok();  ///< code of a plugin crashed, hung or ended the process
+  Status good = ok();      ///< the first error of the file
+};
+
+/// Made once in a process of its own: code of a plugin that crashes there does not take mauved with
+/// it, and of a generation that cannot be made nothing stays behind. When there is no such process
+/// to be had, the start itself will tell.
+StartTrial tried(const Origin& origin, const Options& options) {
+  Question question{origin.text};
+  question.loads = true;
+  const auto judged = judge_apart(options, question);
+  StartTrial trial;
+  if (!judged && died(judged.error())) {
+    trial.survived = judged.error();
+    if (judged.error().at == kWholeFile) {
+      trial.survived.error().at = origin.file;
+    }
+  } else if (judged && judged->contains("errors") && !(*judged)["errors"].empty()) {
+    const auto& first = (*judged)["errors"].front();
+    trial.good = refuse(Errc::invalid_value, first.value("at", origin.file),
+                        first.value("message", ""), first.value("hint", ""));
   }
-  return problems.sorted().front().error;
+  return trial;
 }
 
 /// Of one whose folder is no more the file of the command line may still know better.
@@ -83,7 +100,8 @@ std::optional<Origin> last_confirmed(const Options& options, const Generations& 
     auto usable = text ? ok() : Status(text.error());
     if (usable) {
       origin.text = *std::move(text);
-      usable = can_be_built(origin, options);
+      const auto trial = tried(origin, options);
+      usable = trial.survived ? trial.good : trial.survived;
     }
     if (usable) {
       log.write(Event::generation_recovered,
@@ -112,7 +130,11 @@ Result<Origin> what_to_start(const Options& options, Keeper* keeper, logging::Lo
   if (!text) {
     return text.error();
   }
-  return Origin{options.architecture, *std::move(text), folder_of(options.architecture)};
+  Origin origin{options.architecture, *std::move(text), folder_of(options.architecture)};
+  if (auto survived = tried(origin, options).survived; !survived) {
+    return survived.error();
+  }
+  return origin;
 }
 
 }  // namespace mauve::daemon

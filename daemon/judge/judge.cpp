@@ -67,6 +67,26 @@ Result<Json> verdict_of(const rt::ChildEnd& end, Duration within) {
       "ended the process in which it was tried, with exit code " + std::to_string(end.code));
 }
 
+std::vector<std::string> judge_command(const Options& options) {
+  std::vector<std::string> words = {"/proc/self/exe", "-", "--judge", "--prepare-within",
+                                    format_duration(options.prepare_within)};
+  for (const auto& directory : options.plugin_dirs) {
+    words.insert(words.end(), {"--plugin-dir", directory});
+  }
+  return words;
+}
+
+Result<Json> judge_apart(const Options& options, const Question& question) {
+  rt::ChildRunner runner;
+  const auto end = runner.run(judge_command(options), protocol::to_line(to_json(question)),
+                              options.prepare_within + kToBegin);
+  return end ? verdict_of(*end, options.prepare_within) : end.error();
+}
+
+bool died(const Error& verdict) {
+  return verdict.code == Errc::plugin_refused || verdict.code == Errc::timed_out;
+}
+
 void Judge::start(std::vector<std::string> command, Duration within) {
   command_ = std::move(command);
   within_ = within;

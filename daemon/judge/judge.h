@@ -14,6 +14,7 @@
 #include "control.h"
 #include "judge/judgement.h"
 #include "mauve/time.h"
+#include "options.h"
 #include "rt/child.h"
 
 namespace mauve::daemon {
@@ -55,6 +56,16 @@ class Judge {
   std::map<uid_t, std::size_t> waiting_;  // under mutex_
   WorkerThread thread_{"mauve-judge"};
 };
+
+/// This program again, with the options that a file is judged with. [any]
+[[nodiscard]] std::vector<std::string> judge_command(const Options& options);
+
+/// Judges once, by this command: for a daemon that has no threads yet. [main]
+[[nodiscard]] Result<Json> judge_apart(const Options& options, const Question& question);
+
+/// Whether code of a plugin ended the process, or was ended with it; any other refusal says nothing
+/// against the file. [any]
+[[nodiscard]] bool died(const Error& verdict);
 
 /// What the end of that process says: its answer, or why it gave none. [any]
 [[nodiscard]] Result<Json> verdict_of(const rt::ChildEnd& end, Duration within);

@@ -69,6 +69,40 @@ TEST_F(Generations, ThatSomebodyElseMayHaveWrittenAreNotStartedAfterACrash) {
   EXPECT_THAT(daemon.errors(), HasSubstr("chmod o-w " + file("2").string()));
 }
 
+TEST_F(Generations, ThatCannotBeMadeAnyMoreArePassedOverAtOnce) {
+  const auto gate = (place_ / "gate").string();
+  setenv("MAUVE_TRIAL_WAITS", gate.c_str(), 1);
+  TrialDaemon daemon(
+      kTrial, {"--realtime", "off", "--state-dir", state().string(), "--prepare-within", "1s"});
+  ASSERT_EQ(daemon.ask("change.confirm")["saved"], true);
+  ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
+  const auto swapped = daemon.ask(
+      "core.swap",
+      {{"component", "first"}, {"core", "trial/stuck_constructor"}, {"probation", "off"}});
+  ASSERT_EQ(swapped["saved"], true) << swapped;
+  crash(daemon);
+  static_cast<void>(place_.write("gate", "closed"));
+
+  daemon.start();
+
+  EXPECT_EQ(daemon.value("first.core.gain"), 3.0) << daemon.errors();
+  EXPECT_THAT(daemon.errors(), HasSubstr("generation 3 cannot be started"));
+  EXPECT_THAT(daemon.errors(), HasSubstr("constructor did not return within 1s"));
+  unsetenv("MAUVE_TRIAL_WAITS");
+}
+
+TEST_F(Generations, OfAFileWhoseCodeCrashesWhenItIsMadeAreNone) {
+  std::string file(kTrial);
+  const std::string type = R"("trial/unit",)";
+  file.replace(file.find(type), type.size(), type + R"( "core": "trial/crashing_constructor",)");
+  TrialDaemon daemon(file, options());
+
+  EXPECT_EQ(daemon.process().wait(), 1) << "a refusal, and no crash to be counted";
+  EXPECT_THAT(daemon.errors(), HasSubstr("first.core: constructor ended the process in which it "
+                                         "was tried: SIGSEGV"));
+  EXPECT_EQ(TempDir::read(state() / "running"), "ended\n");
+}
+
 TEST_F(Generations, AreStartedAfterACrash) {
   TrialDaemon daemon(kTrial, options());
   ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
