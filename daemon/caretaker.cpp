@@ -213,7 +213,8 @@ void Caretaker::refuse_relief(const Change& relief, const Error& error, bool for
 
 /// A change like any other, so that no two prepare at the same time.
 void Caretaker::make_reliefs() {
-  if (making_ || running_->control.busy() || !may_prepare(*running_)) {
+  if (making_ || running_->control.busy() ||
+      !may_prepare(running_->control.left_behind(), std::nullopt)) {
     return;
   }
   auto wanted = running_->deployer.wanted_reliefs();
@@ -224,6 +225,7 @@ void Caretaker::make_reliefs() {
     return;
   }
   making_ = running_->control.change([this, wanted = std::move(wanted)](Ticket ticket) {
+    running_->control.works_for(std::nullopt);
     using Prepared = std::vector<Result<PreparedChange>>;
     auto prepared = std::make_shared<Prepared>();
     running_->control.in_factory(

@@ -96,6 +96,8 @@ class Control {
   /// [any] Runs `work` on [factory], then `then` on [control]; when the work is given up only
   /// `given_up`, also on [control]. That must not share anything with the work.
   void in_factory(Job work, Job then, Factory::GivenUp given_up = {});
+  /// [control] The change that begins now is of this user; none: of the system itself.
+  void works_for(std::optional<uid_t> user) { factory_.works_for(user); }
   /// [control] Call it some times a second: who was given up now.
   std::vector<LeftBehind> look_after_factory();
   /// [any] Work that was given up and has not returned.

@@ -141,6 +141,7 @@ std::vector<LeftBehind> Factory::look(std::chrono::nanoseconds bound) {
     given_up = std::move(thread->given_up);
     left.since = std::chrono::system_clock::now() -
                  std::chrono::duration_cast<std::chrono::system_clock::duration>(taken);
+    left.user = user_;
     left_.emplace_back(left, thread);
   }
   thread_.detach();

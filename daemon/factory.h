@@ -2,9 +2,12 @@
 /// [factory]: the thread that runs user code, and another one when that does not return.
 #pragma once
 
+#include <sys/types.h>
+
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -16,6 +19,7 @@ namespace mauve::daemon {
 struct LeftBehind {
   std::string hook;  ///< "first.core on_configure"; empty: not known
   std::chrono::system_clock::time_point since;
+  std::optional<uid_t> user = {};  ///< whose change it belongs to; none: of the system itself
 };
 
 /// Runs work one after another. Work that does not return is given up: its thread is left behind
@@ -39,6 +43,8 @@ class Factory {
   /// [any] Runs `work`, then `then` on [control].
   void post(Job work, Job then, GivenUp given_up);
 
+  /// [control] Work that is given up from now on belongs to a change of this user.
+  void works_for(std::optional<uid_t> user) { user_ = user; }
   /// [control] Gives work up that has been under way for `bound`, unless its thread uses the model
   /// just now: so look again. What was given up now; nothing: empty.
   std::vector<LeftBehind> look(std::chrono::nanoseconds bound);
@@ -54,6 +60,7 @@ class Factory {
 
   const std::shared_ptr<Shared> shared_;
   std::thread thread_;
+  std::optional<uid_t> user_;
   std::vector<std::pair<LeftBehind, std::shared_ptr<const Thread>>> left_;
 };
 

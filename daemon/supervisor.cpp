@@ -192,11 +192,12 @@ void Supervisor::carry_out(Order order) {
   const bool queued = control_.change([this, call, steps = std::move(steps)](Ticket ticket) {
     auto met = check_conditions(*running_, *call);
     if (met) {
-      met = may_prepare(*running_);
+      met = may_prepare(control_.left_behind(), std::nullopt);
     }
     if (!met) {
       return answer(*running_, *call, met.error());
     }
+    control_.works_for(std::nullopt);
     auto change =
         arch::change_of(steps, running_->architecture, running_->deployer, running_->catalog);
     if (!change) {

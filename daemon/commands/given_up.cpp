@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/given_up.h"
 
+#include <algorithm>
+#include <cstddef>
+
 #include "base/duration.h"
 
 namespace mauve::daemon {
@@ -9,6 +12,7 @@ namespace {
 
 /// Each keeps a thread and a library: a client that tries again and again shall not use them up.
 constexpr std::size_t kMostLeftBehind = 8;
+constexpr std::ptrdiff_t kMostOfOneUser = 2;
 
 Status check_name(const Running& running, const std::string& name) {
   const auto found = running.barred.find(name);
@@ -62,13 +66,21 @@ Status check_barred(const Running& running, const Change& change) {
   return ok();
 }
 
-Status may_prepare(const Running& running) {
-  const auto left = running.control.left_behind().size();
-  if (left < kMostLeftBehind) {
+Status may_prepare(const std::vector<LeftBehind>& left, std::optional<uid_t> user) {
+  const auto of_user = std::ranges::count(left, user, &LeftBehind::user);
+  if (user && of_user >= kMostOfOneUser) {
+    return refuse(Errc::wrong_state, "mauved",
+                  std::to_string(of_user) +
+                      " hooks of changes of yours have not returned, so nothing new of yours is "
+                      "prepared; what runs goes on",
+                  "`status` names the hooks; wait until they return, or mend them and restart "
+                  "mauved");
+  }
+  if (left.size() < kMostLeftBehind) {
     return ok();
   }
   return refuse(Errc::wrong_state, "mauved",
-                std::to_string(left) +
+                std::to_string(left.size()) +
                     " threads are left behind in hooks that did not return, so "
                     "nothing new is prepared; what runs goes on",
                 "`status` names the hooks; mend them, then restart mauved");

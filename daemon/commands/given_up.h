@@ -2,6 +2,7 @@
 /// User code that did not return in time: what is told of it, and what is refused because of it.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,9 @@ void bar(Running& running, const std::vector<std::string>& components, const std
 /// [control]
 [[nodiscard]] Status check_barred(const Running& running, const Change& change);
 
-/// [any] Refused when too many threads are left behind already.
-[[nodiscard]] Status may_prepare(const Running& running);
+/// [any] Refused when too many threads are left behind already, in all or by changes of this user,
+/// who may not use up those of others. None: only in all.
+[[nodiscard]] Status may_prepare(const std::vector<LeftBehind>& left, std::optional<uid_t> user);
 
 /// [control] For `status`.
 [[nodiscard]] Json left_behind(const Running& running);

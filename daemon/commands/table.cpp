@@ -160,11 +160,12 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
     call->stops = running_.stops;
     auto met = check_conditions(running_, *call);
     if (met) {
-      met = may_prepare(running_);
+      met = may_prepare(running_.control.left_behind(), call->caller.peer.uid);
     }
     if (!met) {
       return answer(running_, *call, met.error());
     }
+    running_.control.works_for(call->caller.peer.uid);
     command.change(running_, call, std::move(ticket));
   });
   if (!queued) {
@@ -175,7 +176,7 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
 }
 
 void CommandTable::run_in_factory(const Command& command, const CallPtr& call) {
-  if (auto free = may_prepare(running_); !free) {
+  if (auto free = may_prepare(running_.control.left_behind(), call->caller.peer.uid); !free) {
     return answer(running_, *call, free.error());
   }
   auto result = std::make_shared<std::optional<Result<Json>>>();

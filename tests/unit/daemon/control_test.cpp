@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "commands/given_up.h"
 #include "model/leavable.h"
 #include "support/eventually.h"
 
@@ -239,6 +240,25 @@ TEST_F(ControlTest, DropsWaitingChangesWhenItStops) {
   EXPECT_THAT(noted(), testing::Not(testing::Contains("third")));
   EXPECT_EQ(held.use_count(), 1);
   EXPECT_FALSE(control.change([&](const Control::Ticket&) { note("third"); }));
+}
+
+TEST(ThreadsLeftBehind, AreAtMostTwoOfOneUserAndEightInAll) {
+  std::vector<LeftBehind> left;
+  const auto leave = [&](std::optional<uid_t> user) { left.push_back({"a hook", {}, user}); };
+  leave(1000);
+  EXPECT_TRUE(may_prepare(left, 1000));
+  leave(1000);
+
+  ASSERT_FALSE(may_prepare(left, 1000));
+  EXPECT_THAT(may_prepare(left, 1000).error().message, testing::HasSubstr("2 hooks of changes"));
+  EXPECT_TRUE(may_prepare(left, 1001)) << "another user does not suffer";
+  for (int i = 0; i < 5; ++i) leave(std::nullopt);
+  EXPECT_TRUE(may_prepare(left, 1001));
+  EXPECT_TRUE(may_prepare(left, std::nullopt)) << "a rule has no share of its own";
+  leave(1001);
+  ASSERT_FALSE(may_prepare(left, 1002));
+  EXPECT_THAT(may_prepare(left, 1002).error().message, testing::HasSubstr("8 threads"));
+  EXPECT_FALSE(may_prepare(left, std::nullopt));
 }
 
 }  // namespace
