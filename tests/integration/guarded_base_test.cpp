@@ -161,10 +161,10 @@ TEST_F(GuardedBase, IsRefusedWithoutAGuardianThatIsRequired) {
   std::filesystem::create_directory_symlink(MAUVE_BIN_DIR "/../lib", place_ / "lib");
   const auto file = place_.write("guarded.json", architecture(base_.path()).dump());
   const auto log = (place_ / "log").string();
-  Process mauved(
-      {(place_ / "bin/mauved").string(), file.string(), "--socket", (place_ / "mauved.sock").string(),
-       "--plugin-dir", MAUVE_PLUGIN_DIR, "--realtime", "off", "--guardian", "require"},
-      log);
+  Process mauved({(place_ / "bin/mauved").string(), file.string(), "--socket",
+                  (place_ / "mauved.sock").string(), "--plugin-dir", MAUVE_PLUGIN_DIR, "--realtime",
+                  "off", "--guardian", "require"},
+                 log);
 
   EXPECT_EQ(mauved.wait(), 1);
   EXPECT_THAT(TempDir::read(log), HasSubstr("base.core.stand"));
