@@ -66,14 +66,20 @@ void Guardian::tell(const rt::GuardianNews& news) {
       log_.write(Event::outputs_taken, {{"lasted", format_duration(news.lasted)},
                                         {"done", static_cast<std::int64_t>(news.done)},
                                         {"total", static_cast<std::int64_t>(news.total)}});
+      silent_ = true;
       return stop_all();
   }
+}
+
+void Guardian::serve(Running& running) {
+  running_ = &running;
+  stop_all();  // it may have been silent before there was anything to stop
 }
 
 /// Until then components may have gone on, with live outputs: so the orders are sent once more.
 void Guardian::stop_all() {
   Running* const running = running_;
-  if (running == nullptr) {
+  if (running == nullptr || !silent_.exchange(false)) {
     return;
   }
   running->control.urgent([running] {

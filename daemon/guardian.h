@@ -16,7 +16,7 @@ class Guardian {
   /// Before elements are made: their configure hooks say which outputs are to be guarded. [main]
   Status start(const Options& options);
   /// From now on a silence that the guardian took for an end stops all components. [main]
-  void serve(Running& running) { running_ = &running; }
+  void serve(Running& running);
   /// In order: all components stand with their safe values, so that the guardian lets go. [main]
   void stop(bool in_order) { link_.stop(in_order); }
   /// Of `status`: who guards which outputs, or why nobody does. [any]
@@ -28,6 +28,7 @@ class Guardian {
 
   logging::Log& log_;
   std::atomic<Running*> running_{nullptr};
+  std::atomic<bool> silent_{false};  // taken for dead, and the components are not told yet
   rt::GuardianLink link_;
 };
 

@@ -9,6 +9,7 @@
 
 #include <cerrno>
 #include <charconv>
+#include <csignal>
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
@@ -45,9 +46,10 @@ int failed(const char* doing, const char* path) {
 
 /// The place of one that is gone is taken, that of one that serves is not.
 bool is_free(const sockaddr_un& address) {
-  const int socket = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+  const int socket = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const bool served =
-      connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+      connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 ||
+      errno == EAGAIN;
   close(socket);
   struct stat there {};
   if (served || lstat(address.sun_path, &there) != 0) return !served;
@@ -118,6 +120,7 @@ void serve_all(int listener) {
 }  // namespace
 
 int main(int count, char** words) {
+  std::signal(SIGPIPE, SIG_IGN);  // of an output, or of the log, whose reader is gone
   const std::string_view option = count > 1 ? words[1] : "";
   if (option == "--help" || option == "-h") return std::fputs(kHelp, stdout) < 0 ? 1 : 0;
   if (count != 3) return wrong_use("one option and its value are needed");

@@ -85,6 +85,7 @@ Sent Orders::send() {
       ++sent.whole;
     } else {
       tell_failure(held);
+      tcflush(held.descriptor, TCOFLUSH);  // else its close may wait for the device
     }
   }
   return sent;

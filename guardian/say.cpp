@@ -28,7 +28,7 @@ void say(const char* format, ...) {
   }
   line[end] = '\n';
   pollfd reader{STDERR_FILENO, POLLOUT, 0};
-  if (poll(&reader, 1, 0) != 1 || (reader.revents & POLLOUT) == 0) return;
+  if (poll(&reader, 1, 0) != 1 || reader.revents != POLLOUT) return;
   if (write(STDERR_FILENO, line.data(), end + 1) < 0) return;
 }
 

@@ -24,6 +24,25 @@ namespace {
 constexpr std::int64_t kBetweenLooks = 10 * kMillisecond;
 /// A look that came later was held up itself: the rest of that time accuses nobody.
 constexpr std::int64_t kOnTime = 2 * kBetweenLooks;
+/// A stranger that says nothing keeps no mauved waiting.
+constexpr std::int64_t kToGreet = kSecond;
+/// Until a process that ends has ended: what its other threads were writing is written then.
+constexpr int kToBeGoneMs = 500;
+
+/// The first descriptor that came along; others are closed. -1: none.
+int descriptor_in(msghdr& message) {
+  int first = -1;
+  for (cmsghdr* with = CMSG_FIRSTHDR(&message); with != nullptr; with = CMSG_NXTHDR(&message, with)) {
+    if (with->cmsg_level != SOL_SOCKET || with->cmsg_type != SCM_RIGHTS) continue;
+    for (std::size_t at = CMSG_LEN(0); at + sizeof(int) <= with->cmsg_len; at += sizeof(int)) {
+      int one = -1;
+      std::memcpy(&one, reinterpret_cast<const char*>(with) + at, sizeof one);
+      if (first >= 0) close(one);
+      if (first < 0) first = one;
+    }
+  }
+  return first;
+}
 
 /// Receives one message, with the descriptor that came along (-1: none). What recvmsg(2) returns.
 ssize_t receive(int socket, wire::Request& request, int& descriptor) {
@@ -35,11 +54,7 @@ ssize_t receive(int socket, wire::Request& request, int& descriptor) {
   message.msg_control = room.data();
   message.msg_controllen = room.size();
   const ssize_t got = recvmsg(socket, &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
-  descriptor = -1;
-  const cmsghdr* with = CMSG_FIRSTHDR(&message);
-  if (got > 0 && with != nullptr && with->cmsg_type == SCM_RIGHTS) {
-    std::memcpy(&descriptor, CMSG_DATA(with), sizeof descriptor);
-  }
+  descriptor = got > 0 ? descriptor_in(message) : -1;
   return got;
 }
 
@@ -61,7 +76,7 @@ Session::~Session() {
 }
 
 void Session::run() {
-  looked_ = now();
+  began_ = looked_ = now();
   Over over = Over::no;
   while (over == Over::no) {
     wait();
@@ -80,6 +95,13 @@ void Session::run() {
   say("mauved (process %d) %s: %u of %u outputs were put into their safe state within %lld ms.",
       peer_.process(), cause_, sent.whole, sent.total,
       static_cast<long long>((now() - noticed) / kMillisecond));
+  send_after_it_is_gone();
+}
+
+/// The futex speaks for one thread: another one may still be in a write to a device.
+void Session::send_after_it_is_gone() {
+  pollfd ended{peer_.handle(), POLLIN, 0};
+  if (poll(&ended, 1, kToBeGoneMs) == 1) orders_.send();
 }
 
 /// For a death, at once; for messages and beats until the next look.
@@ -108,8 +130,14 @@ Session::Over Session::look() {
     cause_ = "ended without having said so";
     return Over::ended;
   }
-  if (over == Over::no && page_ != nullptr) watch_beats();
-  return over;
+  if (over != Over::no) return over;
+  if (page_ != nullptr) {
+    watch_beats();
+  } else if (now() - began_ > kToGreet) {
+    cause_ = "did not say who it is";
+    return Over::ended;
+  }
+  return Over::no;
 }
 
 Session::Over Session::serve() {
@@ -161,8 +189,7 @@ const char* Session::greet(const wire::Request& request, int page) {
   if (page_ == nullptr) return "the page must be a sealed file in memory";
   owner_ = wire::owner_word(request.thread);
   limit_ = std::int64_t{request.silence_ms} * kMillisecond;
-  say("watches mauved (process %d)%s.", peer_.process(),
-      limit_ == 0 ? " for its end; not for silence, because it is not real time" : "");
+  say("watches mauved (process %d) for its end, and for silence once it beats.", peer_.process());
   return nullptr;
 }
 

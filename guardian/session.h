@@ -32,6 +32,7 @@ class Session {
   [[nodiscard]] const char* greet(const wire::Request& request, int page);
   void answer(const wire::Request& request, const char* refused) const;
   void watch_beats();
+  void send_after_it_is_gone();
   void tell_silence(const Sent& sent) const;
 
   const int socket_;
@@ -43,6 +44,7 @@ class Session {
   std::int64_t limit_ = 0;            // a silence that is an end; 0: none is
   std::uint64_t beats_ = 0;           // the last that was seen; 0: none yet
   std::int64_t looked_ = 0;           // when
+  std::int64_t began_ = 0;
   std::int64_t silent_ = 0;           // for so long, as far as this process itself was on time
   bool told_silent_ = false;
   const char* cause_ = "";

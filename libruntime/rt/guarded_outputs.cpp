@@ -54,8 +54,8 @@ void GuardedOutputs::expect(GuardianUse use, std::function<void()> ring) {
   looked_ = use == GuardianUse::off;
 }
 
-Result<GuardedOutputs::Held> GuardedOutputs::made(const std::string& name, int descriptor,
-                                                  const SafeOrder& order) const {
+Result<GuardedOutputs::Held> GuardedOutputs::made(const void* owner, const std::string& name,
+                                                  int descriptor, const SafeOrder& order) const {
   Held held;
   copy_into(held.order.name, name);
   std::copy(order.bytes.begin(), order.bytes.end(), held.order.bytes.begin());
@@ -67,7 +67,12 @@ Result<GuardedOutputs::Held> GuardedOutputs::made(const std::string& name, int d
     return std::any_of(held_.begin(), held_.end(),
                        [&](const auto& one) { return one.second.slot == held.slot; });
   };
-  while (taken()) ++held.slot;
+  const auto before = held_.find(owner);
+  if (before != held_.end()) {
+    held.slot = before->second.slot;
+  } else {
+    while (taken()) ++held.slot;
+  }
   if (held.slot >= guardian::kMostOutputs) {
     return refuse(Errc::limit, {}, "a guardian holds no more than 32 outputs");
   }
@@ -82,25 +87,30 @@ Result<GuardedOutputs::Held> GuardedOutputs::made(const std::string& name, int d
 Status GuardedOutputs::hold(const void* owner, const std::string& name, int descriptor,
                             const SafeOrder& order) {
   if (Status right = check(order); !right) return right;
-  drop(owner);
   Lock lock(mutex_);
   if (use_ == GuardianUse::off) return ok();
-  auto next = made(name, descriptor, order);
+  auto next = made(owner, name, descriptor, order);
   if (!next) return next.error();
-  Held& held = held_[owner] = *std::move(next);
+  held_[owner] = *std::move(next);
   if (socket_ >= 0) {
-    hand_over(held);
+    hand_over(held_[owner]);
   } else if (ring_) {
     ring_();
   }
-  changed_.wait_for(lock, looked_ ? kToAnswer : kToBeFound,
-                    [&] { return held.answered || (looked_ && socket_ < 0); });
-  std::string why = held.refused;
-  if (!held.answered && use_ == GuardianUse::require) {
+  const auto settled = [&] {  // its place may go meanwhile
+    const auto found = held_.find(owner);
+    return found == held_.end() || found->second.answered || !found->second.refused.empty() ||
+           (looked_ && socket_ < 0);
+  };
+  if (!changed_.wait_for(lock, looked_ ? kToAnswer : kToBeFound, settled)) give_it_up();
+  const auto found = held_.find(owner);
+  if (found == held_.end()) return ok();
+  std::string why = found->second.refused;
+  if (why.empty() && !found->second.answered && use_ == GuardianUse::require) {
     why = "no guardian holds this output, and mauved --guardian require asks for one";
   }
   if (why.empty()) return ok();
-  held_.erase(owner);
+  held_.erase(found);
   return refuse(Errc::invalid_value, {}, why, "see mauvectl doctor, and guardian/README.md");
 }
 
@@ -187,15 +197,20 @@ void GuardedOutputs::hand_over(Held& held) {
   held.number = send(request, held.descriptor.get());
 }
 
-/// A guardian that takes no message any more is about to be lost.
 std::uint32_t GuardedOutputs::send(guardian::Request request, int descriptor) {
   request.number = ++number_;
-  static_cast<void>(guardian::send(socket_, request, descriptor));
+  if (!guardian::send(socket_, request, descriptor)) give_it_up();
   return number_;
 }
 
 void GuardedOutputs::await(Lock& lock, std::uint32_t number) {
-  changed_.wait_for(lock, kToAnswer, [&] { return socket_ < 0 || answered_ >= number; });
+  const auto answered = [&] { return socket_ < 0 || answered_ >= number; };
+  if (!changed_.wait_for(lock, kToAnswer, answered)) give_it_up();
+}
+
+/// One that is deaf is as good as none: the link finds the connection ended, and looks for another.
+void GuardedOutputs::give_it_up() {
+  if (socket_ >= 0) shutdown(socket_, SHUT_RDWR);
 }
 
 }  // namespace mauve::rt

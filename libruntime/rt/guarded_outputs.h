@@ -63,8 +63,9 @@ class GuardedOutputs {
     std::string refused;       // what it said
   };
   using Lock = std::unique_lock<std::mutex>;
-  [[nodiscard]] Result<Held> made(const std::string& name, int descriptor,
+  [[nodiscard]] Result<Held> made(const void* owner, const std::string& name, int descriptor,
                                   const SafeOrder& order) const;
+  void give_it_up();
   void hand_over(Held& held);
   std::uint32_t send(guardian::Request request, int descriptor);
   void await(Lock& lock, std::uint32_t number);

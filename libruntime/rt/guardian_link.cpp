@@ -4,12 +4,14 @@
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <system_error>
 #include <utility>
@@ -27,6 +29,8 @@ using What = GuardianNews::What;
 constexpr int kToGreetMs = 1'000;
 constexpr int kBetweenAttemptsMs = 1'000;
 constexpr int kToEndMs = 500;  // of one that was started here
+/// A thread that waits for a descriptor keeps it open after it was closed.
+constexpr int kBetweenLooksMs = 50;
 
 Error system_error(const std::string& doing) {
   return refuse(Errc::system, "guardian", doing + ": " + std::generic_category().message(errno));
@@ -37,6 +41,10 @@ bool readable_within(int descriptor, int milliseconds) {
   pollfd one{descriptor, POLLIN, 0};
   return poll(&one, 1, milliseconds) > 0;
 }
+
+/// Code in this process closed descriptors that it had not opened: no client is heard any more, and
+/// no device is what it was. The last words are spoken, and the process ends.
+[[noreturn]] void lose_all_descriptors() { std::abort(); }
 
 int process_behind(int socket) {
   ucred who{};
@@ -79,13 +87,14 @@ Status GuardianLink::start(GuardianPlan plan, Tell tell) {
 }
 
 void GuardianLink::stop(bool in_order) {
-  if (!thread_.running()) return;
   leaves_.store(true);
-  if (in_order) GuardedOutputs::of_process().say_goodbye();
+  if (in_order && thread_.running()) GuardedOutputs::of_process().say_goodbye();
   quits_.store(true);
   ring();
   thread_.join();
-  GuardedOutputs::of_process().expect(GuardianUse::off, nullptr);
+  if (plan_.use != GuardianUse::off) {
+    GuardedOutputs::of_process().expect(GuardianUse::off, nullptr);
+  }
 }
 
 GuardianState GuardianLink::state() const {
@@ -115,11 +124,12 @@ bool GuardianLink::ask_for_one() {
   reap();
   auto socket = connected();
   How how = How::service;
-  if (!socket && !plan_.command.empty()) {
+  Status greeted = socket ? greet(socket->get()) : Status(socket.error());
+  if (!greeted && !plan_.command.empty()) {  // also when the service is deaf, or has another one
     socket = started();
     how = How::started;
+    greeted = socket ? greet(socket->get()) : Status(socket.error());
   }
-  const Status greeted = socket ? greet(socket->get()) : Status(socket.error());
   if (!greeted) {
     absent(What::absent, greeted.error().message);
     GuardedOutputs::of_process().attach(-1);
@@ -140,7 +150,7 @@ Result<Descriptor> GuardianLink::connected() const {
     return refuse(Errc::wrong_state, "guardian", "there is no socket of a guardian");
   }
   plan_.socket.copy(address.sun_path, sizeof address.sun_path - 1);
-  Descriptor socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+  Descriptor socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const auto* const place = reinterpret_cast<const sockaddr*>(&address);
   if (!socket || connect(socket.get(), place, sizeof address) != 0) {
     return system_error("no guardian serves " + plan_.socket);
@@ -184,9 +194,13 @@ Status GuardianLink::greet(int socket) const {
 
 /// Until the connection ends, or stop().
 void GuardianLink::serve(int socket) {
+  struct stat before {};
+  struct stat now {};
+  fstat(socket, &before);
   for (;;) {
     std::array<pollfd, 2> both{{{socket, POLLIN, 0}, {bell_.get(), POLLIN, 0}}};
-    if (poll(both.data(), both.size(), -1) < 0) continue;
+    poll(both.data(), both.size(), kBetweenLooksMs);
+    if (fstat(socket, &now) != 0 || now.st_ino != before.st_ino) lose_all_descriptors();
     if (both[0].revents != 0 && !read_all(socket)) return;
     static_cast<void>(ring_within(0));
     if (quits_.load()) return;

@@ -8,7 +8,7 @@
 
 #include "rt/thread.h"
 #include "support/daemon_process.h"
-#include "support/outlet.h"
+#include "support/guarded.h"
 
 namespace mauve::test {
 namespace {
@@ -16,28 +16,10 @@ namespace {
 using testing::HasSubstr;
 using Json = nlohmann::json;
 
-const std::string kStand("\x91\0\0\0\0", 5);
-
-Json architecture(const std::string& device) {
-  const Json cruise = {{"type", "safety/cruise"},
-                       {"task", {{"priority", 20}}},
-                       {"properties", {{"core.velocity", {{"linear", 0.4}, {"angular", 0.0}}}}},
-                       {"ports", {{"command", "command.write"}}}};
-  const Json base = {{"type", "drivers/create"},
-                     {"task", {{"priority", 30}}},
-                     {"properties", {{"core.device", device}, {"core.baud", 0}}},
-                     {"ports", {{"command", "command.read"}}}};
-  return {{"schema", "mauve/architecture/1"},
-          {"name", "guarded"},
-          {"plugins", {"types", "drivers", "safety"}},
-          {"resources", {{"command", {{"type", "shared_data"}, {"data", "velocity/1"}}}}},
-          {"components", {{"cruise", cruise}, {"base", base}}}};
-}
-
 class GuardedBase : public testing::Test {
  protected:
   void start(std::vector<std::string> more = {"--realtime", "off"}) {
-    const auto file = place_.write("guarded.json", architecture(base_.path()).dump());
+    const auto file = place_.write("guarded.json", guarded_architecture(base_.path()).dump());
     daemon_.emplace(file, std::move(more));
     ASSERT_TRUE(daemon_->up()) << daemon_->errors();
   }
@@ -46,8 +28,8 @@ class GuardedBase : public testing::Test {
     return eventually([&] {
       const std::string& all = base_.bytes();
       bool driven = false;
-      for (auto at = all.find('\x91', seen_); at != std::string::npos && at + 5 <= all.size();
-           at = all.find('\x91', at + 5)) {
+      for (auto at = all.find(kDrive, seen_); at != std::string::npos && at + 5 <= all.size();
+           at = all.find(kDrive, at + 5)) {
         driven = driven || all.compare(at, 5, kStand) != 0;
         seen_ = at + 5;
       }
@@ -107,7 +89,7 @@ TEST_F(GuardedBase, StandsWhileMauvedStandsStillAndUntilSomebodyStartsIt) {
   EXPECT_TRUE(stands());
   daemon_->process().signal(SIGCONT);
 
-  EXPECT_TRUE(daemon_->says("all components are stopped"));
+  EXPECT_TRUE(daemon_->says("all components are told to stop"));
   EXPECT_TRUE(eventually([&] {
     const Json status = daemon_->ask({"status"});
     return status["components"][0]["state"] == "stopped" &&
@@ -127,7 +109,8 @@ TEST_F(GuardedBase, IsGuardedAgainWhenItsGuardianWasLost) {
 
   kill(before["process"], SIGKILL);
   EXPECT_TRUE(daemon_->says("the guardian of base.core.stand is lost"));
-  EXPECT_TRUE(eventually([&] { return guardian()["process"] != before["process"]; }));
+  EXPECT_TRUE(eventually(
+      [&] { return guardian()["present"] == true && guardian()["process"] != before["process"]; }));
   EXPECT_TRUE(daemon_->says("there was none"));
   ASSERT_TRUE(drives());
 
@@ -141,7 +124,8 @@ TEST_F(GuardedBase, PrefersAGuardianThatIsAServiceOfItsOwn) {
   Process service({MAUVE_BIN_DIR "/mauve-guardian", "--socket", socket + ".guardian"}, log);
   ASSERT_TRUE(eventually([&] { return std::filesystem::exists(socket + ".guardian"); }));
   for (int run = 0; run < 2; ++run) {
-    const auto file = place_.write("guarded.json", architecture(base_.path()).dump());
+    std::filesystem::resize_file(log, 0);
+    const auto file = place_.write("guarded.json", guarded_architecture(base_.path()).dump());
     Process mauved({MAUVE_BIN_DIR "/mauved", file.string(), "--socket", socket, "--plugin-dir",
                     MAUVE_PLUGIN_DIR, "--realtime", "off"},
                    log);
@@ -159,7 +143,7 @@ TEST_F(GuardedBase, IsRefusedWithoutAGuardianThatIsRequired) {
   std::filesystem::create_directory(place_ / "bin");
   std::filesystem::copy_file(MAUVE_BIN_DIR "/mauved", place_ / "bin/mauved");
   std::filesystem::create_directory_symlink(MAUVE_BIN_DIR "/../lib", place_ / "lib");
-  const auto file = place_.write("guarded.json", architecture(base_.path()).dump());
+  const auto file = place_.write("guarded.json", guarded_architecture(base_.path()).dump());
   const auto log = (place_ / "log").string();
   Process mauved({(place_ / "bin/mauved").string(), file.string(), "--socket",
                   (place_ / "mauved.sock").string(), "--plugin-dir", MAUVE_PLUGIN_DIR, "--realtime",

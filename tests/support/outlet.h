@@ -36,6 +36,8 @@ class Outlet {
   [[nodiscard]] int opened(int more = O_NONBLOCK) const {
     return open(path_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC | more);
   }
+  /// Readable when bytes came.
+  [[nodiscard]] int descriptor() const { return near_; }
   /// Nothing more finds room, for good: what is in the kernel is carried on for a while.
   void fill() const {
     const int driver = opened();

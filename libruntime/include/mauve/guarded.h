@@ -19,7 +19,8 @@ namespace mauve {
 struct SafeOrder {
   /// 1 to 256; the same at any time, so no protocol with a counter or a time in its frames.
   std::string_view bytes;
-  /// Sent so often, 1 to 10: more than once where one frame may be lost.
+  /// Sent so often, 1 to 10. More than once where one frame may be lost, as the first may be, whose
+  /// beginning the device takes for the rest of one that was cut.
   int times = 1;
   /// From one time to the next; all of them within 100 ms.
   Duration apart{0};
@@ -43,7 +44,8 @@ class Guarded {
   /// O_NONBLOCK, and may be closed after drop(). Refused when the order cannot be one, and under
   /// `mauved --guardian require` when there is no guardian.
   Status hold(int descriptor, const SafeOrder& order);
-  /// Before the device is closed: when it returns, nothing is sent to it any more.
+  /// Before the device is closed: when it returns, nothing is sent to it any more, unless the
+  /// guardian did not answer within a second.
   void drop();
 
  private:

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// No end leaves an output live: a base that is told to drive, and every way in which the component
+// that tells it, or mauved as a whole, may end. The bytes on its line are looked at from outside.
+// MAUVE_ENDS: how often each (1). With MAUVE_ENDS_LOAD=1 beside ordinary threads that want every
+// CPU.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "rt/rescue.h"
+#include "rt/thread.h"
+#include "support/daemon_process.h"
+#include "support/disturbance.h"
+#include "support/guarded.h"
+
+#include <mauve/clock.h>
+
+namespace mauve::test {
+namespace {
+
+using Json = nlohmann::json;
+
+struct End {
+  const char* name;
+  int signal;  // 0: the component ends in the way of this name
+};
+
+constexpr std::array<End, 25> kEnds{{
+    {"SIGKILL", SIGKILL}, {"SIGSTOP", SIGSTOP}, {"SIGQUIT", SIGQUIT}, {"SIGUSR1", SIGUSR1},
+    {"SIGALRM", SIGALRM}, {"SIGXCPU", SIGXCPU}, {"SIGSEGV", SIGSEGV}, {"SIGABRT", SIGABRT},
+    {"SIGTERM", SIGTERM}, {"throw", 0},         {"write nowhere", 0}, {"full stack", 0},
+    {"abort", 0},         {"terminate", 0},     {"free twice", 0},    {"exit", 0},
+    {"quick_exit", 0},    {"_exit", 0},         {"exit_group", 0},    {"pthread_exit", 0},
+    {"exec", 0},          {"close all", 0},     {"loop", 0},          {"loop above all", 0},
+    {"sleep", 0},
+}};
+
+int times() {
+  const char* const said = std::getenv("MAUVE_ENDS");
+  return said == nullptr ? 1 : std::max(1, std::atoi(said));
+}
+
+/// Notes when each frame came, before all that this machine has to do otherwise.
+class Witness {
+ public:
+  explicit Witness(Outlet& base) : base_(base) {
+    EXPECT_TRUE(thread_.start({"witness", 98, {}, 64 * 1024}, [this] { run(); }));
+  }
+  ~Witness() {
+    quit_ = true;
+    thread_.join();
+  }
+  /// When the base was told to stand, and nothing else since; 0: it drives.
+  [[nodiscard]] Instant stands_since() const { return stands_since_; }
+  [[nodiscard]] std::uint64_t drives() const { return drives_; }
+
+ private:
+  void run() {
+    std::size_t seen = 0;
+    while (!quit_) {
+      pollfd come{base_.descriptor(), POLLIN, 0};
+      poll(&come, 1, 5);
+      const std::string& all = base_.bytes();
+      const Instant now = MonotonicClock().now();
+      for (auto at = all.find(kDrive, seen); at != std::string::npos && at + 5 <= all.size();
+           at = all.find(kDrive, seen)) {
+        const bool stand = all.compare(at, 5, kStand) == 0;
+        if (!stand) ++drives_;
+        if (!stand) stands_since_ = 0;
+        if (stand && stands_since_ == 0) stands_since_ = now;
+        seen = at + 5;
+      }
+    }
+  }
+
+  Outlet& base_;
+  std::atomic<Instant> stands_since_{0};
+  std::atomic<std::uint64_t> drives_{0};
+  std::atomic<bool> quit_{false};
+  rt::Thread thread_;
+};
+
+/// Milliseconds until it stood, for good; nothing: it did not.
+std::optional<double> end_one(const End& end) {
+  const TempDir place;
+  Outlet base;
+  Json file = guarded_architecture(base.path());
+  file["plugins"].push_back("ends");
+  file["components"]["cruise"]["type"] = "ends/ender";
+  file["components"]["cruise"]["properties"] = {{"core.file", (place / "how").string()}};
+  DaemonProcess daemon(place.write("ends.json", file.dump()),
+                       {"--realtime", "require", "--plugin-dir", MAUVE_ENDS_DIR});
+  EXPECT_TRUE(daemon.up()) << daemon.errors();
+  const Witness witness(base);
+  EXPECT_TRUE(eventually([&] { return witness.drives() > 3; })) << daemon.errors();
+
+  const Instant begin = MonotonicClock().now();
+  if (end.signal != 0) {
+    daemon.process().signal(end.signal);
+  } else {
+    place.write("next", end.name);
+    std::filesystem::rename(place / "next", place / "how");
+  }
+  const bool stood = eventually(
+      [&] {
+        const Instant since = witness.stands_since();
+        return since != 0 && MonotonicClock().now() - since > Duration{300ms}.count();
+      },
+      std::chrono::seconds(4));
+  const Instant since = witness.stands_since();
+  daemon.process().signal(SIGKILL);
+  if (!stood || since == 0) {
+    ADD_FAILURE() << end.name << ": it drives on\n" << daemon.errors();
+    return {};
+  }
+  return static_cast<double>(since - begin) * 1e-6;
+}
+
+TEST(NoEnd, LeavesAnOutputLive) {
+  if (!rt::may_use_fifo(98)) GTEST_SKIP() << "NOT TESTED: silence is watched in real time only";
+  if (!rt::kCanRescue) GTEST_SKIP() << "NOT TESTED: a sanitizer handles faults in its own way";
+  std::optional<Load> load;
+  if (std::getenv("MAUVE_ENDS_LOAD") != nullptr) load.emplace();
+  for (const End& end : kEnds) {
+    std::vector<double> taken;
+    for (int i = 0; i < times(); ++i) {
+      if (const auto time = end_one(end)) taken.push_back(*time);
+    }
+    std::sort(taken.begin(), taken.end());
+    if (taken.empty()) continue;
+    std::printf("%-15s safe %2zu of %2d, after p50 %6.1f ms, at most %6.1f ms\n", end.name,
+                taken.size(), times(), taken[taken.size() / 2], taken.back());
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace
+}  // namespace mauve::test

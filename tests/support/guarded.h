@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// A base on a line of the test, and a component that tells it to drive.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "support/outlet.h"
+
+namespace mauve::test {
+
+/// The order to drive, and the whole of the order to stand.
+inline constexpr char kDrive = '\x91';
+inline const std::string kStand("\x91\0\0\0\0", 5);
+
+inline nlohmann::json guarded_architecture(const std::string& device) {
+  using Json = nlohmann::json;
+  const Json cruise = {{"type", "safety/cruise"},
+                       {"task", {{"priority", 20}}},
+                       {"properties", {{"core.velocity", {{"linear", 0.4}, {"angular", 0.0}}}}},
+                       {"ports", {{"command", "command.write"}}}};
+  const Json base = {{"type", "drivers/create"},
+                     {"task", {{"priority", 30}}},
+                     {"properties", {{"core.device", device}, {"core.baud", 0}}},
+                     {"ports", {{"command", "command.read"}}}};
+  return {{"schema", "mauve/architecture/1"},
+          {"name", "guarded"},
+          {"plugins", {"types", "drivers", "safety"}},
+          {"resources", {{"command", {{"type", "shared_data"}, {"data", "velocity/1"}}}}},
+          {"components", {{"cruise", cruise}, {"base", base}}}};
+}
+
+}  // namespace mauve::test
