@@ -172,8 +172,20 @@ bool Barrier::hand_over() {
     }
     heirs_[i].bytes = *bytes;
   }
+  if (const Deployed* const stopped = halted()) {
+    for (std::size_t i = heirs_.size(); i > 0;) heirs_[--i].plan.undo();
+    give_way(*stopped);
+    return false;
+  }
   for (const Heir& heir : heirs_) go_on_counting(*heir.from, *heir.into);
   return true;
+}
+
+/// A converter held [control] up, so that a stop was carried out without it; or none was.
+const Deployed* Barrier::halted() const {
+  const auto found = std::find_if(gathered_.begin(), gathered_.end(),
+                                  [](const Deployed* one) { return one->task->halted(); });
+  return found == gathered_.end() ? nullptr : *found;
 }
 
 std::vector<Member> Barrier::go_on() const {

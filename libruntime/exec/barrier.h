@@ -71,6 +71,7 @@ class Barrier {
   };
 
   [[nodiscard]] bool hand_over();
+  [[nodiscard]] const Deployed* halted() const;
   void part();
   [[nodiscard]] std::string absent() const;
 

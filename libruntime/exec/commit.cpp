@@ -239,6 +239,7 @@ PreparedMember member_of(ComponentBase& component, Mode mode) {
 
 /// Probations first: a stop may make a task forget the way back that it took.
 void System::advance() {
+  looks.fetch_add(1);
   if (const ModelLock::Hold hold(model, std::try_to_lock); hold) look_after_itself();
   std::erase_if(under_way, [](const std::shared_ptr<Commit>& commit) {
     static_cast<void>(commit->advance());

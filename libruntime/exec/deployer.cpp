@@ -3,6 +3,7 @@
 
 #include "exec/admission.h"
 #include "exec/commit.h"
+#include "exec/direct_stop.h"
 #include "exec/relief.h"
 #include "exec/statistics.h"
 #include "exec/stop.h"
@@ -239,6 +240,17 @@ std::shared_ptr<Ongoing> Deployer::begin_stop_all(Duration bound) {
   return std::make_shared<exec::Stop>(*system_, exec::in_order_of_safe_values(*system_),
                                       exec::patience_within(bound));
 }
+
+std::unique_ptr<DirectStop> Deployer::begin_direct_stop(
+    const std::vector<std::string>& components) {
+  return exec::begin_direct_stop(*system_, components);
+}
+
+void Deployer::end_direct_stop(const std::vector<std::string>& components) {
+  exec::end_direct_stop(*system_, components);
+}
+
+std::uint64_t Deployer::looks() const { return system_->looks.load(); }
 
 Result<Receipt> Deployer::stop(const std::vector<std::string>& components) {
   const Result<std::shared_ptr<Ongoing>> stopping = begin_stop(components);

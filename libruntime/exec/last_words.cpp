@@ -35,24 +35,20 @@ void say(const char* format, Arguments... arguments) {
 }
 
 /// Null: it is leaving, and has stopped.
-bool has_safe_values(const ComponentBase* component) {
-  if (component == nullptr) return false;
-  for (const PortBase* port : component->shell().ports()) {
-    if (port->has_safe_value() && (*component->bundle()->bindings)[port->index()]) return true;
-  }
-  return false;
+bool may_be_made_safe(const ComponentBase* component) {
+  return component != nullptr && has_safe_values(*component->bundle());
 }
 
 /// Who writes safe values writes nothing else any more; its core cannot be asked.
 unsigned make_safe(System& system, Instant until) {
   unsigned safe = 0;
   for (Deployed& deployed : system.deployed) {
-    if (has_safe_values(deployed.component)) deployed.task->fence();
+    if (may_be_made_safe(deployed.component)) deployed.task->fence();
   }
   rt::fence_all_threads();
   for (Deployed& deployed : system.deployed) {
     if (system.runner->now() > until) break;
-    if (!has_safe_values(deployed.component)) continue;
+    if (!may_be_made_safe(deployed.component)) continue;
     write_safe_values(*deployed.component->bundle(), true);
     ++safe;
   }
@@ -66,7 +62,7 @@ void let_others_act(const System& system, Instant until) {
   for (const Deployed& deployed : system.deployed) {
     const Counters& counters = deployed.task->counters();
     const bool acts = deployed.state() == ComponentState::running &&
-                      !has_safe_values(deployed.component) &&
+                      !may_be_made_safe(deployed.component) &&
                       system.t0 + counters.next_release.load() < until;
     if (acts && count < others.size()) others[count++] = {&counters, counters.releases.load()};
   }

@@ -5,6 +5,7 @@
 #include <typeinfo>
 
 #include "exec/commit.h"
+#include "exec/safe_values.h"
 
 namespace mauve::exec {
 namespace {
@@ -88,6 +89,7 @@ std::unique_ptr<Published> make_published(const PreparedMember& member) {
   next->restart = member.restart;
   next->count_gap = member.count_gap;
   next->bound = bound_of(*member.next);
+  next->has_safe_values = has_safe_values(*member.next);
   next->grid = member.next->fsm->grid();
   next->shortest_wait = member.next->fsm->shortest_wait();
   next->other_core = is_other_code(*member.base->core, *member.next->core);

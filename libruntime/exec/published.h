@@ -37,8 +37,9 @@ struct Published {
   bool mode_only = false;  ///< whatever the task runs with stays: it may be back at an older bundle
   bool restart = false;    ///< begin at the initial state, on the next instant of the grid
   bool offset_changes = false;
-  bool other_core = false;  ///< other code: what was measured is not about it
-  bool count_gap = false;   ///< releases that passed while parked count as missed (in place)
+  bool other_core = false;       ///< other code: what was measured is not about it
+  bool has_safe_values = false;  ///< of the bundle, on connected ports
+  bool count_gap = false;        ///< releases that passed while parked count as missed (in place)
   Duration grid{0};
   Duration shortest_wait{0};
   Duration bound{0};  ///< a job that runs longer never returns; zero: nobody looks

@@ -9,6 +9,14 @@
 
 namespace mauve::exec {
 
+/// Has it any to write?
+inline bool has_safe_values(const Bundle& bundle) {
+  for (const PortBase* port : bundle.shell->ports()) {
+    if (port->has_safe_value() && (*bundle.bindings)[port->index()] != nullptr) return true;
+  }
+  return false;
+}
+
 /// To all that it is connected to now. `by_owner`: see PortBase::write_safe.
 inline void write_safe_values(const Bundle& bundle, bool by_owner) {
   for (const PortBase* port : bundle.shell->ports()) {

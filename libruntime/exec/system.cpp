@@ -14,6 +14,7 @@
 #include "exec/placement.h"
 #include "exec/probation.h"
 #include "exec/relief.h"
+#include "exec/safe_values.h"
 #include "rt/measured.h"
 #include "rt/memory.h"
 #include "rt/process.h"
@@ -108,6 +109,7 @@ std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mod
   first->bundle = component.bundle();
   first->nearby = std::make_shared<const Nearby>(*first->bundle);
   first->bound = bound_of(*component.bundle());
+  first->has_safe_values = has_safe_values(*component.bundle());
   first->grid = component.fsm().grid();
   first->shortest_wait = component.fsm().shortest_wait();
   first->mode = mode;

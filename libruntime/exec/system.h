@@ -2,6 +2,8 @@
 /// System: a deployed architecture; what the deployer's operations work on.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -71,6 +73,7 @@ class System {
   std::vector<std::unique_ptr<OnProbation>> fading;  ///< over, but a thread may still look
   Retired free;                                      ///< of changes that are over
   std::vector<Outcome> outcomes;                     ///< not yet told
+  std::atomic<std::uint64_t> looks{0};  ///< calls of advance(); a stop can tell that none come
   std::uint64_t generation = 0;
   std::uint64_t changes = 0;  ///< numbers that changes got since deployment, see Published::number
   ControlTrace control_trace;

@@ -62,14 +62,17 @@ Task::~Task() {
 Duration Task::bound(bool realtime) const {
   // An ordinary thread shares its processor: a healthy job may be kept waiting for so long.
   constexpr Duration kShortestOrdinary = 500ms;
-  const Duration bound{bound_.load(std::memory_order_relaxed)};
-  return realtime || bound == Duration{0} ? bound : std::max(bound, kShortestOrdinary);
+  const Duration own{bound_.load(std::memory_order_relaxed)};
+  const Duration bound = realtime || own == Duration{0} ? own : std::max(own, kShortestOrdinary);
+  if (!halted()) return bound;
+  return bound == Duration{0} ? kHaltedJob : std::min(bound, kHaltedJob);
 }
 
 void Task::begin(std::unique_ptr<Published> first, Instant t0) {
   t0_ = t0;
   current_ = first.release();
   bound_.store(current_->bound.count());
+  has_safe_values_.store(current_->has_safe_values);
   const TaskAttributes& attributes = current_->bundle->task;
   release_ = t0_ + attributes.offset.count();
   running_ = attributes.start && current_->mode != Mode::park;
@@ -115,6 +118,7 @@ bool Task::early(const Published& next) const {
 }
 
 bool Task::serve() {
+  bool took = false;
   if (Published* next = pending_.load(std::memory_order_acquire)) {
     if (next->transaction->state() == Transaction::State::aborted) {
       give_back(*next);
@@ -122,16 +126,29 @@ bool Task::serve() {
       fetch(*next);
       if (!take(*next, state_time())) return false;
       acknowledge();
+      took = true;
     }
   }
   if (Published* back = back_.load(std::memory_order_acquire)) {
     if (early(*back) && empty(back_, *back)) {
       if (!take(*back, clock_.now())) return false;
       acknowledge();
+      took = true;
     }
   }
+  if (halted()) stand_still(took);
   add<std::uint64_t>(looks_, 1);
   return true;
+}
+
+/// The last word on a change that it took meanwhile: its outputs may be others, or it may run.
+void Task::stand_still(bool took) {
+  const bool runs = running_ || waiting_;
+  if (!runs && !took) return;
+  waiting_ = false;
+  failed_ = false;
+  write_safe_values();
+  if (runs) park(ComponentState::stopped);
 }
 
 bool Task::release() {
@@ -279,6 +296,7 @@ void Task::keep_bundle(Published& next) const {
   next.grid = current_->grid;
   next.shortest_wait = current_->shortest_wait;
   next.bound = current_->bound;
+  next.has_safe_values = current_->has_safe_values;
 }
 
 /// What stood ready for the old bundle is of no use for another one.
@@ -286,6 +304,7 @@ MAUVE_RUNS_AT_A_SWAP void Task::put_in_place(Published& next) {
   const bool same_bundle = next.bundle == current_->bundle;
   current_ = &next;
   bound_.store(next.bound.count(), std::memory_order_relaxed);
+  has_safe_values_.store(next.has_safe_values, std::memory_order_relaxed);
   failed_ = false;
   if (next.other_core) {
     counters_.execution_max.store(0, std::memory_order_relaxed);

@@ -82,6 +82,17 @@ class Task {
   /// All that the thread still tries to write or read is dropped from now on. [any]
   void fence();
 
+  /// A stop that does without [control] (exec/direct_stop.h): the task parks at its next boundary
+  /// with its safe values written, and stays parked whatever change it takes. The job under way may
+  /// take kHaltedJob. Its thread has to be woken, the guard to look again. [any]
+  void halt() { halted_.store(true, std::memory_order_release); }
+  /// An ordinary stop has taken over. [control]
+  void end_halt() { halted_.store(false, std::memory_order_release); }
+  [[nodiscard]] bool halted() const { return halted_.load(std::memory_order_acquire); }
+  /// What it runs writes safe values when it parks. [any]
+  [[nodiscard]] bool has_safe_values() const { return has_safe_values_.load(); }
+  static constexpr Duration kHaltedJob = 2s;
+
   /// How long its job may run, on a thread of which kind; and since when it does. 0: none. [guard]
   [[nodiscard]] Duration bound(bool realtime) const;
   [[nodiscard]] Instant busy_since() const { return watched_.busy_since.load(); }
@@ -140,6 +151,7 @@ class Task {
   void wait_or_go_on(Published& step);
   Duration skip_gap(Instant until);
   void give_back(Published& next);
+  void stand_still(bool took);
   void acknowledge();
   void map_state(const Published& next);
   void rearm(const Published& next, bool was_running);
@@ -200,8 +212,10 @@ class Task {
   std::atomic<bool> fenced_{false};
   std::atomic<bool> suspected_{false};
   std::atomic<std::int64_t> bound_{0};
+  std::atomic<bool> has_safe_values_{false};
 
   alignas(64) std::atomic<Published*> pending_{nullptr};
+  std::atomic<bool> halted_{false};  // beside what the thread looks at anyway
   alignas(64) std::atomic<Published*> unused_{nullptr};
   alignas(64) std::atomic<std::uint32_t> command_{0};
   alignas(64) std::atomic<Published*> back_{nullptr};  // the way back, while on probation

@@ -47,6 +47,19 @@ class Ongoing {
   virtual Retired& retired() = 0;
 };
 
+/// A stop that goes on without [control]. Used by one thread, which is no component's; destroyed
+/// before the deployer.
+class DirectStop {
+ public:
+  virtual ~DirectStop() = default;
+  /// Looks how far it is and takes the next step; never waits. True when it is over, in bounded
+  /// time.
+  virtual bool advance() = 0;
+  /// Components that ran when it began, and those of them that run still.
+  [[nodiscard]] virtual const std::vector<std::string>& ran() const = 0;
+  [[nodiscard]] virtual const std::vector<std::string>& run_still() const = 0;
+};
+
 /// All calls are [control] unless they say otherwise; none may be made from a component's thread.
 class Deployer {
  public:
@@ -126,6 +139,15 @@ class Deployer {
   /// acts on them. What hangs does not hold up the rest.
   Result<Receipt> stop_all(Duration bound = 2s);
   [[nodiscard]] std::shared_ptr<Ongoing> begin_stop_all(Duration bound = 2s);
+  /// For when [control] is held up: these components (none: all) park at the end of their job with
+  /// their safe values written, a job may take 2 s more, and they stay parked whatever change
+  /// [control] goes on with, until a stop of the same ones has begun there, or
+  /// end_direct_stop(). An unknown name is null. [any], no component's thread.
+  [[nodiscard]] std::unique_ptr<DirectStop> begin_direct_stop(
+      const std::vector<std::string>& components);
+  void end_direct_stop(const std::vector<std::string>& components);
+  /// Grows while [control] looks after what is under way. [any]
+  [[nodiscard]] std::uint64_t looks() const;
   Result<Receipt> swap_core(std::string_view component, const CoreType& core,
                             StatePolicy state = StatePolicy::keep);
   template <typename T>
