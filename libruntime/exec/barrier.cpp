@@ -6,6 +6,7 @@
 
 #include "base/fail_point.h"
 #include "exec/commit.h"
+#include "rt/deadline.h"
 
 namespace mauve::exec {
 namespace {
@@ -161,10 +162,12 @@ bool Barrier::hand_over(const std::vector<PreparedResource>& changed) {
   return true;
 }
 
-/// All, or nothing: what was moved before one fails is moved back.
+/// All, or nothing: what was moved before one fails is moved back. A converter that does not return
+/// fails too: members wait for it, and so does whoever needs [control].
 bool Barrier::hand_over() {
+  const rt::Deadline deadline(kLongestWait);
   for (std::size_t i = 0; i < heirs_.size(); ++i) {
-    const auto bytes = heirs_[i].plan.run(heirs_[i].into->name());
+    const auto bytes = heirs_[i].plan.run(heirs_[i].into->name(), deadline.watched());
     if (!bytes) {
       while (i > 0) heirs_[--i].plan.undo();
       call_off(bytes.error());

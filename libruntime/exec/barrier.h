@@ -25,7 +25,8 @@
 
 namespace mauve::exec {
 
-/// While they wait, outputs stay as they are: nobody waits longer for one that does not come.
+/// While they wait, outputs stay as they are: nobody waits longer for one that does not come, nor
+/// for converters.
 inline constexpr Duration kLongestWait = 500ms;
 
 class Barrier {

@@ -18,10 +18,11 @@ inline bool has_safe_values(const Bundle& bundle) {
 }
 
 /// To all that it is connected to now. `by_owner`: see PortBase::write_safe.
-inline void write_safe_values(const Bundle& bundle, bool by_owner) {
+inline void write_safe_values(const Bundle& bundle, bool by_owner,
+                              const rt::Watched& watched = rt::kUnwatched) {
   for (const PortBase* port : bundle.shell->ports()) {
     const Binding* binding = (*bundle.bindings)[port->index()].get();
-    if (binding != nullptr) write_quietly(*port, *binding, by_owner);
+    if (binding != nullptr) write_quietly(*port, *binding, by_owner, watched);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "exec/safe_values.h"
+#include "rt/deadline.h"
 
 namespace mauve::exec {
 namespace {
@@ -58,6 +59,8 @@ std::map<const Deployed*, std::size_t> stage_numbers(const std::list<Deployed>& 
 constexpr Duration kNearRelease = 100ms;
 /// Nor longer than this for all of them.
 constexpr Duration kReadersMayTake = 500ms;
+/// For the safe values of one component, by services that may be code of a plugin.
+constexpr Duration kWritingMayTake = 200ms;
 
 }  // namespace
 
@@ -164,7 +167,8 @@ void Stop::take_answer(const Commit& commit) {
 void Stop::give_up(Deployed& deployed) {
   if (deployed.component == nullptr || !hung_.insert(&deployed).second) return;
   // Its thread is stuck in user code: the outputs get their safe values from here.
-  write_safe_values(*deployed.component->bundle(), false);
+  const rt::Deadline deadline(kWritingMayTake);
+  write_safe_values(*deployed.component->bundle(), false, deadline.watched());
 }
 
 void Stop::begin_reading() {

@@ -118,33 +118,35 @@ bool Task::early(const Published& next) const {
 }
 
 bool Task::serve() {
-  bool took = false;
   if (Published* next = pending_.load(std::memory_order_acquire)) {
     if (next->transaction->state() == Transaction::State::aborted) {
       give_back(*next);
     } else if (early(*next) && claim(*next)) {
       fetch(*next);
       if (!take(*next, state_time())) return false;
-      acknowledge();
-      took = true;
+      answer_between_jobs();
     }
   }
   if (Published* back = back_.load(std::memory_order_acquire)) {
     if (early(*back) && empty(back_, *back)) {
       if (!take(*back, clock_.now())) return false;
-      acknowledge();
-      took = true;
+      answer_between_jobs();
     }
   }
-  if (halted()) stand_still(took);
+  if (halted() && (running_ || waiting_)) stand_still();
   add<std::uint64_t>(looks_, 1);
   return true;
 }
 
-/// The last word on a change that it took meanwhile: its outputs may be others, or it may run.
-void Task::stand_still(bool took) {
+/// A change took effect, but a direct stop has the last word: the component does not run, and its
+/// outputs, which may be others, have their safe values before [control] goes on.
+void Task::answer_between_jobs() {
+  if (unacknowledged_ != nullptr && halted()) stand_still();
+  acknowledge();
+}
+
+void Task::stand_still() {
   const bool runs = running_ || waiting_;
-  if (!runs && !took) return;
   waiting_ = false;
   failed_ = false;
   write_safe_values();
@@ -272,6 +274,8 @@ void Task::wait_or_go_on(Published& step) {
     running_ = true;
     step.answer->pause = skip_gap(step.transaction->instant());
   }
+  // After a direct stop: what was written during a hand-over that came to nothing may be lost.
+  if (!running_ && !waiting_ && halted()) write_safe_values();
   step.answer->progress.store(Published::Progress::done, std::memory_order_release);
   pile_up(step);  // last: from there it is freed
 }

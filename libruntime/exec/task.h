@@ -151,7 +151,8 @@ class Task {
   void wait_or_go_on(Published& step);
   Duration skip_gap(Instant until);
   void give_back(Published& next);
-  void stand_still(bool took);
+  void answer_between_jobs();
+  void stand_still();
   void acknowledge();
   void map_state(const Published& next);
   void rearm(const Published& next, bool was_running);

@@ -10,8 +10,9 @@
 namespace mauve::exec {
 
 /// A resource that throws or crashes when it is given a safe value cannot take the machine down
-/// with it; one that crashes is poisoned. [any]
-inline void write_quietly(const PortBase& port, const Binding& connection, bool by_owner) {
+/// with it; one that crashes is poisoned. `watched`: see rt::rescued(). [any]
+inline void write_quietly(const PortBase& port, const Binding& connection, bool by_owner,
+                          const rt::Watched& watched = rt::kUnwatched) {
   struct Write {
     const PortBase& port;
     const Binding& connection;
@@ -27,7 +28,7 @@ inline void write_quietly(const PortBase& port, const Binding& connection, bool 
   };
   Write write{port, connection, by_owner};
   const std::size_t held = Gate::held();
-  const rt::Fault fault = rt::rescued(&Write::run, &write, rt::kUnwatched);
+  const rt::Fault fault = rt::rescued(&Write::run, &write, watched);
   if (fault.happened()) Gate::poison_and_leave_all(held);
 }
 

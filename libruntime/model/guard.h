@@ -53,12 +53,14 @@ struct HookRun {
 
 /// Runs `body` (returning Status). Whatever it throws becomes an Error that names the hook, and so
 /// does a crash in its own code, or a call that would end the process. A return to a thread that
-/// was left behind in it is an Error too: its caller must not touch the model.
+/// was left behind in it is an Error too: its caller must not touch the model. `watched`: see
+/// rt::rescued().
 template <typename Body>
-Status call_hook(const std::string& at, const char* hook, Body&& body) {
+Status call_hook(const std::string& at, const char* hook, Body&& body,
+                 const rt::Watched& watched = rt::kUnwatched) {
   InHook in_hook(at, hook);
   detail::HookRun<Body> run{at, hook, body};
-  const rt::Fault fault = rt::rescued(&detail::HookRun<Body>::run, &run, rt::kUnwatched);
+  const rt::Fault fault = rt::rescued(&detail::HookRun<Body>::run, &run, watched);
   Status done = fault.happened() ? Status(detail::crashed(at, hook, fault)) : std::move(run.done);
   if (in_hook.back()) return done;
   return refuse(Errc::timed_out, at, std::string(hook) + " returned when it had been given up");

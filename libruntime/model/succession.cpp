@@ -78,9 +78,9 @@ std::size_t transfer(const ValueStore& from, ValueStore& into) {
 
 }  // namespace
 
-Result<std::size_t> Succession::run(const std::string& at) const {
+Result<std::size_t> Succession::run(const std::string& at, const rt::Watched& watched) const {
   std::size_t bytes = hand_over.bytes;
-  const Status done = call_hook(at, "converter", [&] {
+  const auto body = [&] {
     if (from != nullptr) {
       bytes = transfer(*from, *into);
     } else if (copies) {
@@ -89,8 +89,8 @@ Result<std::size_t> Succession::run(const std::string& at) const {
       return Status(detail::crashed(at, "converter", fault));
     }
     return ok();
-  });
-  if (!done) return done.error();
+  };
+  if (Status done = call_hook(at, "converter", body, watched); !done) return done.error();
   return bytes;
 }
 

@@ -40,8 +40,9 @@ struct Succession {
   ValueStore* into = nullptr;
 
   /// Nobody uses either resource. Bytes that were handed over; an error, of `at`, when a converter
-  /// fails. [control]
-  [[nodiscard]] Result<std::size_t> run(const std::string& at) const;
+  /// fails. `watched`: see rt::rescued(). [control]
+  [[nodiscard]] Result<std::size_t> run(const std::string& at,
+                                        const rt::Watched& watched = rt::kUnwatched) const;
   /// After run(): the old resource has again what was moved.
   void undo() const;
 };

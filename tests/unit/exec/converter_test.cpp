@@ -140,7 +140,8 @@ struct WithMotor : Architecture {
 };
 
 /// It is exchanged at a barrier, so nothing of it came into force.
-TEST(ResourceConverters, ThatCrashLeaveTheirResourceAsItWas) {
+template <Converter Convert>
+void expect_resource_as_it_was(Errc why) {
   if (!rt::kCanRescue) GTEST_SKIP() << "the sanitizer handles faults itself";
   WithMotor architecture;
   Deployer deployer(architecture);
@@ -149,18 +150,26 @@ TEST(ResourceConverters, ThatCrashLeaveTheirResourceAsItWas) {
   Edit edit;
   edit.component = "motor";
   edit.resource = architecture.motor.type();
-  edit.resource->core = CoreType::of<NewMotor<crash>>("new");
+  edit.resource->core = CoreType::of<NewMotor<Convert>>("new");
   Change change;
   change.edits.push_back(std::move(edit));
 
   const auto result = deployer.apply(change);
 
   ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().code, Errc::hook_threw) << to_string(result.error());
+  EXPECT_EQ(result.error().code, why) << to_string(result.error());
   EXPECT_EQ(result.error().at, "motor");
   EXPECT_FALSE(architecture.motor.gate().poisoned());
   EXPECT_TRUE(runs_on(deployer, "left"));
   EXPECT_GT(architecture.motor.core().state->metres, 0.0) << "the state that it had";
+}
+
+TEST(ResourceConverters, ThatCrashLeaveTheirResourceAsItWas) {
+  expect_resource_as_it_was<crash>(Errc::hook_threw);
+}
+
+TEST(ResourceConverters, ThatRunForEverLeaveTheirResourceAsItWas) {
+  expect_resource_as_it_was<spin>(Errc::timed_out);
 }
 
 /// One that writes its safe values into a resource which crashes at them.
@@ -193,6 +202,51 @@ TEST(SafeValues, ThatCrashTheirResourcePoisonItAndNothingElse) {
   EXPECT_TRUE(architecture.motor.gate().poisoned());
   EXPECT_EQ(deployer.status("left").state, ComponentState::stopped);
   EXPECT_TRUE(runs_on(deployer, "right"));
+}
+
+/// The same, but it keeps who gives it one; and a core that never comes back to write its own.
+struct EndlessMotor final : Core<EmptyShell> {
+  Stateless stateless{*this};
+  void drive(const double& value) {
+    for (volatile bool for_ever = value < 0; for_ever;) {
+    }
+  }
+};
+struct EndlessMotorInterface : Interface<EndlessMotor> {
+  WriteService<double> drive{*this, "drive", &EndlessMotor::drive};
+};
+struct WaitingUp final : ramp::Up {
+  void update() override {
+    ramp::Up::update();
+    if (state->value == 4) block()->wait();
+  }
+};
+struct WithEndlessMotor : Architecture {
+  Resource<EmptyShell, EndlessMotor, EndlessMotorInterface> motor{*this, "motor"};
+  Component<ramp::Shell, WaitingUp, ramp::Fsm> left{*this, "left"};
+  Component<ramp::Shell, ramp::Up, ramp::Fsm> right{*this, "right"};
+  Status on_configure() override {
+    left.task().watchdog = 1h;
+    return left.shell().out.connect(motor.interface().drive);
+  }
+};
+
+TEST(SafeValues, ThatNeverReturnDoNotHoldUpAStopOfAHungComponent) {
+  if (!rt::kCanRescue) GTEST_SKIP() << "the sanitizer handles faults itself";
+  Block blocks;
+  block() = &blocks;
+  WithEndlessMotor architecture;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(test::eventually([&] { return blocks.entered.load(); }));
+
+  const auto stopped = deployer.stop({"left"});
+
+  ASSERT_FALSE(stopped) << "it is still in its job";
+  EXPECT_EQ(stopped.error().code, Errc::partly);
+  EXPECT_TRUE(architecture.motor.gate().poisoned()) << "who wrote was thrown out of it";
+  EXPECT_TRUE(runs_on(deployer, "right"));
+  blocks.let_go();
 }
 
 }  // namespace
