@@ -36,20 +36,20 @@ void WorkerThread::stop() {
 }
 
 void WorkerThread::halt() {
-  std::deque<Job> dropped;  // destroyed out of the lock: it may hold the last ticket of a change
+  FairQueue<Job> dropped;  // destroyed out of the lock: it may hold the last ticket of a change
   std::deque<Job> dropped_urgent;
   const std::lock_guard lock(mutex_);
   stopping_ = true;
-  dropped.swap(jobs_);
+  std::swap(dropped, jobs_);
   dropped_urgent.swap(urgent_);
 }
 
-bool WorkerThread::post(Job job) {
+bool WorkerThread::post(Job job, const Asker& asker) {
   const std::lock_guard lock(mutex_);
   if (stopping_) {
     return false;
   }
-  jobs_.push_back(std::move(job));
+  jobs_.push(asker, std::move(job));
   wake_.notify_one();
   return true;
 }
@@ -95,12 +95,15 @@ bool WorkerThread::take(Job& job) {
     pause_ = std::min(2 * pause_, kLongestPause);
     return true;
   }
-  auto& queue = urgent_.empty() ? jobs_ : urgent_;
-  if (queue.empty()) {
+  if (!urgent_.empty()) {
+    job = std::move(urgent_.front());
+    urgent_.pop_front();
+    return true;
+  }
+  if (jobs_.empty()) {
     return false;
   }
-  job = std::move(queue.front());
-  queue.pop_front();
+  job = jobs_.pop();
   return true;
 }
 
@@ -128,28 +131,28 @@ void Control::start() {
 }
 
 void Control::stop() {
-  std::deque<Change> dropped;
+  FairQueue<Change> dropped;
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
-    dropped.swap(waiting_);
+    std::swap(dropped, waiting_);
   }
   // The factory may still post a continuation to [control]: it ends first.
   factory_.stop();
   control_.stop();
 }
 
-void Control::read(Job job) { control_.post(std::move(job)); }
+void Control::read(Job job, const Asker& asker) { control_.post(std::move(job), asker); }
 
 void Control::urgent(Job job) { control_.post_urgent(std::move(job)); }
 
-bool Control::change(Change change) {
+bool Control::change(Change change, const Asker& asker) {
   {
     const std::lock_guard lock(mutex_);
     if (stopping_ || waiting_.size() >= kWaiting) {
       return false;
     }
-    waiting_.push_back(std::move(change));
+    waiting_.push(asker, std::move(change));
   }
   begin_next();
   return true;
@@ -163,8 +166,7 @@ void Control::begin_next() {
       return;
     }
     busy_ = true;
-    next = std::move(waiting_.front());
-    waiting_.pop_front();
+    next = waiting_.pop();
   }
   Ticket ticket(nullptr, [this](void*) { ended(); });
   control_.post(
@@ -179,8 +181,8 @@ void Control::ended() {
   begin_next();
 }
 
-void Control::in_factory(Job work, Job then, Factory::GivenUp given_up) {
-  factory_.post(std::move(work), std::move(then), std::move(given_up));
+void Control::in_factory(Job work, Job then, Factory::GivenUp given_up, const Asker& asker) {
+  factory_.post(std::move(work), std::move(then), std::move(given_up), asker);
 }
 
 std::vector<LeftBehind> Control::look_after_factory() { return factory_.look(prepare_within_); }

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "factory.h"
+#include "fair_queue.h"
 
 namespace mauve::daemon {
 
@@ -32,8 +33,9 @@ class WorkerThread {
   void stop();
   /// [this thread] Drops what is queued: the job that calls this is the last one.
   void halt();
-  /// [any] Behind everything queued before, or in front of it. Dropped (false) after stop().
-  bool post(Job job);
+  /// [any] When it is the turn of whoever asks, or in front of everything queued before. Dropped
+  /// (false) after stop().
+  bool post(Job job, const Asker& asker = {});
   bool post_urgent(Job job);
   [[nodiscard]] bool is_this_thread() const;
   /// [this thread] Runs `then` once `over` says yes. It is asked between other jobs, soon at first,
@@ -54,14 +56,15 @@ class WorkerThread {
   std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<Job> urgent_;
-  std::deque<Job> jobs_;
+  FairQueue<Job> jobs_;
   bool stopping_ = false;
   std::vector<Awaited> awaited_;  // this thread's own
   std::chrono::microseconds pause_{0};
   std::thread thread_;
 };
 
-/// Orders requests: reads run at once, changes one at a time, urgent things before all others.
+/// Orders requests: reads run at once, changes one at a time, urgent things before all others;
+/// where several wait, a FairQueue says which one is next.
 ///
 /// A change may take long: it sends its slow part to [factory] and gives [control] back meanwhile,
 /// so that reads and `component.stop` are served. The next change begins when it is done.
@@ -87,15 +90,15 @@ class Control {
   void halt() { control_.halt(); }
 
   /// [any] Runs on [control] as soon as that is free; a change under way does not hold it up.
-  void read(Job job);
+  void read(Job job, const Asker& asker = {});
   /// [any] The same, before everything that waits.
   void urgent(Job job);
   /// [any] Runs on [control] when no other change is under way. False: too many wait already.
-  [[nodiscard]] bool change(Change change);
+  [[nodiscard]] bool change(Change change, const Asker& asker = {});
 
   /// [any] Runs `work` on [factory], then `then` on [control]; when the work is given up only
   /// `given_up`, also on [control]. That must not share anything with the work.
-  void in_factory(Job work, Job then, Factory::GivenUp given_up = {});
+  void in_factory(Job work, Job then, Factory::GivenUp given_up = {}, const Asker& asker = {});
   /// [control] The change that begins now is of this user; none: of the system itself.
   void works_for(std::optional<uid_t> user) { factory_.works_for(user); }
   /// [control] Call it some times a second: who was given up now.
@@ -119,7 +122,7 @@ class Control {
   void ended();
 
   mutable std::mutex mutex_;
-  std::deque<Change> waiting_;
+  FairQueue<Change> waiting_;
   bool busy_ = false;
   bool stopping_ = false;
   WorkerThread control_{"mauve-control"};

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <condition_variable>
-#include <deque>
 #include <mutex>
 
 #include "model/leavable.h"
@@ -39,7 +38,7 @@ struct Factory::Shared {
   const std::function<void(Job)> go_on;
   std::mutex mutex;
   std::condition_variable wake;
-  std::deque<Piece> queue;
+  FairQueue<Piece> queue;
   bool stopping = false;
   std::shared_ptr<Thread> serving;
 };
@@ -76,12 +75,12 @@ void Factory::stop() {
   }
 }
 
-void Factory::post(Job work, Job then, GivenUp given_up) {
+void Factory::post(Job work, Job then, GivenUp given_up, const Asker& asker) {
   const std::lock_guard lock(shared_->mutex);
   if (shared_->stopping) {
     return;
   }
-  shared_->queue.push_back({std::move(work), std::move(then), std::move(given_up)});
+  shared_->queue.push(asker, {std::move(work), std::move(then), std::move(given_up)});
   shared_->wake.notify_one();
 }
 
@@ -94,11 +93,10 @@ void Factory::run(const std::shared_ptr<Shared>& shared, const std::shared_ptr<T
       if (shared->queue.empty()) {
         return;
       }
-      auto& next = shared->queue.front();
+      auto next = shared->queue.pop();
       work = std::move(next.work);
       self->then = std::move(next.then);
       self->given_up = std::move(next.given_up);
-      shared->queue.pop_front();
       self->busy = true;
       self->since = SteadyClock::now();
     }

@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "fair_queue.h"
+
 namespace mauve::daemon {
 
 /// What [factory] was left behind in.
@@ -22,9 +24,9 @@ struct LeftBehind {
   std::optional<uid_t> user = {};  ///< whose change it belongs to; none: of the system itself
 };
 
-/// Runs work one after another. Work that does not return is given up: its thread is left behind
-/// with all that it may still touch, and a fresh one goes on. Should the work return after all, the
-/// old thread frees what it holds, and ends.
+/// Runs work one after another, that of changes first. Work that does not return is given up: its
+/// thread is left behind with all that it may still touch, and a fresh one goes on. Should the work
+/// return after all, the old thread frees what it holds, and ends.
 class Factory {
  public:
   using Job = std::function<void()>;
@@ -40,8 +42,8 @@ class Factory {
   void start();
   /// Runs what is queued, then ends. Later work is dropped. Does not wait for who is left behind.
   void stop();
-  /// [any] Runs `work`, then `then` on [control].
-  void post(Job work, Job then, GivenUp given_up);
+  /// [any] Runs `work` when it is the turn of whoever asks, then `then` on [control].
+  void post(Job work, Job then, GivenUp given_up, const Asker& asker = {});
 
   /// [control] Work that is given up from now on belongs to a change of this user.
   void works_for(std::optional<uid_t> user) { user_ = user; }

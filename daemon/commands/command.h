@@ -121,9 +121,13 @@ struct Call {
   std::optional<std::map<std::string, std::uint64_t>> stops = std::nullopt;
   Mark mark = Mark::confirmed;  ///< of the generation that it makes
   bool confirms = false;        ///< the generation that runs is confirmed before the answer
-  bool given_up = false;        ///< a hook did not return, and keeps a thread
+  bool given_up = false;                       ///< a hook did not return, and keeps a thread
 };
 using CallPtr = std::shared_ptr<Call>;
+
+[[nodiscard]] inline Asker asker_of(const Call& call) {
+  return {call.caller.role, call.caller.peer.uid};
+}
 
 /// A change holds its ticket until it is over; the next one begins then.
 using Ticket = Control::Ticket;

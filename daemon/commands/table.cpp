@@ -147,7 +147,7 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
     case Lane::any:
       return serve();
     case Lane::read:
-      return running_.control.read(command.read != nullptr ? serve : by_itself);
+      return running_.control.read(command.read != nullptr ? serve : by_itself, asker_of(*call));
     case Lane::urgent:
       return running_.control.urgent(by_itself);
     case Lane::factory:
@@ -155,7 +155,7 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
     case Lane::change:
       break;
   }
-  const bool queued = running_.control.change([this, &command, call](Ticket ticket) {
+  const auto begin = [this, &command, call](Ticket ticket) {
     call->before = running_.generation;
     call->stops = running_.stops;
     auto met = check_conditions(running_, *call);
@@ -167,7 +167,8 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
     }
     running_.control.works_for(call->caller.peer.uid);
     command.change(running_, call, std::move(ticket));
-  });
+  };
+  const bool queued = running_.control.change(begin, asker_of(*call));
   if (!queued) {
     answer(running_, *call,
            refuse(Errc::conflict, std::string(command.method), "too many changes wait already",
@@ -185,7 +186,8 @@ void CommandTable::run_in_factory(const Command& command, const CallPtr& call) {
       [this, call, result] { answer(running_, *call, std::move(**result)); },
       [this, call](const std::string& hook) {
         answer(running_, *call, given_up(running_, hook, std::string(call->method->name)));
-      });
+      },
+      asker_of(*call));
 }
 
 void CommandTable::gone(std::uint64_t client) { running_.watches.forget(client); }

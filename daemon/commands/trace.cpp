@@ -61,7 +61,8 @@ void read_flight(Running& running, const CallPtr& call, const std::string& name,
       },
       [&running, call](const std::string& hook) {
         answer(running, *call, given_up(running, hook, "trace.read"));
-      });
+      },
+      asker_of(*call));
 }
 
 }  // namespace

@@ -108,7 +108,8 @@ void Judge::ask(uid_t user, const Question& question, Then then) {
         auto result = std::make_shared<Result<Json>>(judged(text));
         give_place_back(user);
         control_.read([then = std::move(then), result] { then(std::move(*result)); });
-      });
+      },
+      {server::Role::viewer, user});  // of whatever role: users take turns
 }
 
 Result<Json> Judge::judged(const std::string& question) {

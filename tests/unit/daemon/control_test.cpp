@@ -96,6 +96,59 @@ TEST_F(ControlTest, LetsUrgentJobsOvertake) {
   EXPECT_THAT(noted(), testing::ElementsAre("urgent", "read"));
 }
 
+TEST_F(ControlTest, ServesAnOperatorNextWhateverViewersHaveQueued) {
+  std::promise<void> release;
+  control.read([&] { release.get_future().wait(); });
+  for (uid_t uid = 1; uid <= 3; ++uid) {
+    for (int i = 0; i < 64; ++i) {
+      control.read([&] { note("view"); }, {server::Role::viewer, uid});
+    }
+  }
+  control.read([&] { note("operate"); }, {server::Role::operator_, 4});
+  ASSERT_TRUE(control.change([&](const Control::Ticket&) { note("change"); },
+                             {server::Role::operator_, 4}));
+
+  release.set_value();
+  ASSERT_TRUE(test::eventually([&] { return noted().size() == 3 * 64 + 2; }));
+
+  const auto all = noted();
+  EXPECT_THAT((std::vector<std::string>{all[0], all[1]}),
+              testing::UnorderedElementsAre("operate", "change"));
+}
+
+TEST_F(ControlTest, PreparesAChangeBeforeWhatOthersOnlyLookAt) {
+  std::promise<void> release;
+  control.in_factory([&] { release.get_future().wait(); }, [] {});
+  for (int i = 0; i < 64; ++i) {
+    control.in_factory([&] { note("look"); }, [] {}, {}, {server::Role::viewer, 1});
+  }
+  control.in_factory([&] { note("prepare"); }, [] {});
+
+  release.set_value();
+  ASSERT_TRUE(test::eventually([&] { return noted().size() == 65; }));
+
+  EXPECT_EQ(noted().front(), "prepare");
+}
+
+TEST_F(ControlTest, LetsUsersTakeTurnsWithTheirChanges) {
+  std::promise<void> release;
+  auto released = release.get_future().share();
+  ASSERT_TRUE(control.change([&](Control::Ticket ticket) {
+    control.in_factory([released] { released.wait(); }, [ticket = std::move(ticket)] {});
+  }));
+  for (const auto* name : {"a1", "a2"}) {
+    ASSERT_TRUE(control.change([&, name](const Control::Ticket&) { note(name); },
+                               {server::Role::operator_, 1}));
+  }
+  ASSERT_TRUE(
+      control.change([&](const Control::Ticket&) { note("b1"); }, {server::Role::admin, 2}));
+
+  release.set_value();
+
+  ASSERT_TRUE(test::eventually([&] { return noted().size() == 3; }));
+  EXPECT_THAT(noted(), testing::ElementsAre("a1", "b1", "a2"));
+}
+
 TEST_F(ControlTest, BeginsTheNextChangeAlsoWhenOneIsGivenUp) {
   ASSERT_TRUE(control.change([](const Control::Ticket&) {}));
   ASSERT_TRUE(control.change([&](const Control::Ticket&) { note("second"); }));

@@ -5,10 +5,14 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <future>
+#include <map>
 #include <set>
 
 #include "commands/audit.h"
 #include "commands/gate.h"
+#include "support/eventually.h"
 #include "support/temp_dir.h"
 #include "unit/daemon/front.h"
 
@@ -79,6 +83,49 @@ TEST_F(TableTest, GreetsWithTheRunningGeneration) {
 
   EXPECT_EQ(hello["generation"], 7);
   EXPECT_EQ(hello["boot"], "b007");
+}
+
+/// The arguments that a method must have, of the right type and without a meaning.
+Json arguments_of(const protocol::Method& method) {
+  using protocol::JsonType;
+  const std::map<JsonType, Json> samples = {{JsonType::string, "none"},
+                                            {JsonType::boolean, false},
+                                            {JsonType::integer, 1},
+                                            {JsonType::object, Json::object()},
+                                            {JsonType::strings, {"none"}}};
+  auto params = Json::object();
+  for (const auto& param : method.params) {
+    if (param.required) params[param.name] = samples.at(param.type);
+  }
+  return params;
+}
+
+/// For each method that [control] answers at once. Those of traces and rules need a thread that
+/// this test has not.
+TEST_F(TableTest, AnswersAnOperatorBeforeAllThatViewersHaveQueued) {
+  const server::Caller viewer{1, {100, 1000, {}}, Role::viewer, outbox};
+  for (const auto& command : commands()) {
+    const bool at_once = command.lane == Lane::read && command.read != nullptr;
+    const bool elsewhere = command.method.starts_with("trace.") || command.method == "rules.list";
+    if (!at_once || elsewhere) continue;
+    std::promise<void> release;
+    control.urgent([&] { release.get_future().wait(); });
+    std::atomic<int> viewed{0};
+    for (int i = 0; i < 24; ++i) {
+      table.dispatch(viewer, *protocol::find_method("status.get"),
+                     {1, "status.get", Json::object()}, [&](const server::Outcome&) { ++viewed; });
+    }
+    const server::Caller caller{2, {101, 1001, {}}, Role::admin, outbox};
+    const auto& method = *protocol::find_method(command.method);
+    std::promise<int> before;
+    table.dispatch(caller, method, {1, std::string(method.name), arguments_of(method)},
+                   [&](const server::Outcome&) { before.set_value(viewed); });
+
+    release.set_value();
+
+    EXPECT_EQ(before.get_future().get(), 0) << command.method;
+    EXPECT_TRUE(test::eventually([&] { return viewed == 24; })) << command.method;
+  }
 }
 
 TEST_F(TableTest, LetsAViewerLookAndNothingElse) {
