@@ -15,9 +15,10 @@ struct Limits {
   std::size_t clients = 32;
   std::size_t clients_per_uid = 8;
   std::size_t reserved_for_root = 1;  ///< beyond both limits above
-  std::size_t reserved_for_stop = 8;  ///< beyond all: clients that may only stop, one of each uid
-  std::size_t in_flight = 8;          ///< requests of one client; then it is not read
-  std::size_t subscriptions = 64;     ///< of one client
+  /// Beyond all: clients that may only stop, one of each uid. The newest one gets its place.
+  std::size_t reserved_for_stop = 8;
+  std::size_t in_flight = 8;                 ///< requests of one client; then it is not read
+  std::size_t subscriptions = 64;            ///< of one client
   std::size_t unsent_soft = 256 * 1024;      ///< bytes; notifications are dropped from here on
   std::size_t unsent_hard = 1024 * 1024;     ///< bytes; the client is disconnected
   std::chrono::milliseconds stalled{5'000};  ///< over the soft limit and not a byte taken

@@ -186,11 +186,10 @@ Result<Server::Entry> Server::entry_of(const Peer& peer, Role role) const {
   const auto& limits = options_.limits;
   const auto extra = peer.uid == 0 ? limits.reserved_for_root : 0;
   const Taken taken = places_taken(peer.uid);
-  const bool may_stop =
-      role >= Role::operator_ && !taken.urgent_of_uid && taken.urgent < limits.reserved_for_stop;
+  const bool may_stop = role >= Role::operator_;
   if (taken.ordinary_of_uid >= limits.clients_per_uid + extra) {
     if (may_stop) {
-      return Entry{true, 0};
+      return urgent_entry(taken);
     }
     return refuse(Errc::limit, "uid " + std::to_string(peer.uid),
                   "this user has too many connections", "close some; mauvectl list clients");
@@ -202,10 +201,19 @@ Result<Server::Entry> Server::entry_of(const Peer& peer, Role role) const {
     return Entry{false, displaced};
   }
   if (may_stop) {
-    return Entry{true, 0};
+    return urgent_entry(taken);
   }
   return refuse(Errc::limit, "clients", "too many clients are connected",
                 "close some; operators, admins and root get the places of viewers");
+}
+
+/// There is always one: that of the user's own client which may only stop, else that of the oldest
+/// one when the reserve is used up. A stop that such a client has sent goes on without it.
+Server::Entry Server::urgent_entry(const Taken& taken) const {
+  if (taken.urgent_of_uid != 0) {
+    return {true, taken.urgent_of_uid};
+  }
+  return {true, taken.urgent < options_.limits.reserved_for_stop ? 0 : taken.oldest_urgent};
 }
 
 Server::Taken Server::places_taken(uid_t uid) const {
@@ -215,7 +223,8 @@ Server::Taken Server::places_taken(uid_t uid) const {
     const bool same_uid = caller.peer.uid == uid;
     if (caller.only_urgent) {
       ++taken.urgent;
-      taken.urgent_of_uid = taken.urgent_of_uid || same_uid;
+      taken.oldest_urgent = taken.oldest_urgent == 0 ? client : taken.oldest_urgent;
+      taken.urgent_of_uid = same_uid ? client : taken.urgent_of_uid;
     } else {
       ++taken.ordinary;
       taken.ordinary_of_uid += same_uid ? 1 : 0;

@@ -76,10 +76,12 @@ class Server {
     std::size_t ordinary = 0;
     std::size_t ordinary_of_uid = 0;
     std::size_t urgent = 0;
-    bool urgent_of_uid = false;
+    std::uint64_t oldest_urgent = 0;  ///< client; 0: none
+    std::uint64_t urgent_of_uid = 0;  ///< the same
   };
   [[nodiscard]] Taken places_taken(uid_t uid) const;
   [[nodiscard]] Result<Entry> entry_of(const Peer& peer, Role role) const;
+  [[nodiscard]] Entry urgent_entry(const Taken& taken) const;
   [[nodiscard]] std::uint64_t oldest_below(Role role) const;
   void displace(std::uint64_t client, Role by);
   void turn_away(Protocol::socket socket, const Peer& peer, const Error& why);

@@ -207,7 +207,6 @@ TEST(Server, LetsAUserWhosePlacesAreTakenStopButNothingElse) {
   const auto first = served.client();
   const auto second = served.client();
   auto third = served.client();
-  RawClient fourth(served.path());
 
   EXPECT_EQ(third.ask("param.set", {{"values", {{"a.b", 1}}}})["error"]["data"]["name"], "limit");
   EXPECT_EQ(third.ask("status.get")["error"]["data"]["name"], "limit");
@@ -220,7 +219,54 @@ TEST(Server, LetsAUserWhosePlacesAreTakenStopButNothingElse) {
     served.dispatcher.answer_all();
     EXPECT_EQ(third.json()["result"]["late"], true) << method;
   }
-  EXPECT_EQ(fourth.json()["error"]["data"]["name"], "limit") << "one of each user";
+}
+
+TEST(Server, NeverRefusesAConnectionThatMayOnlyStop) {
+  server::Limits limits;
+  limits.clients_per_uid = 1;
+  limits.reserved_for_root = 0;
+  ServedSocket served(limits);
+  const auto ordinary = served.client();
+  auto before = served.client();  // may only stop, and does not
+
+  auto after = served.client();
+
+  EXPECT_EQ(after.ask("ping")["result"]["pong"], true);
+  EXPECT_EQ(after.ask("status.get")["error"]["data"]["name"], "limit");
+  EXPECT_FALSE(before.line()) << "it lost its place";
+  EXPECT_EQ(served.server->clients().size(), 2U) << "one of each user";
+}
+
+TEST(Server, GivesTheOldestPlaceForAStopToAFurtherUserWhenTheReserveIsUsedUp) {
+  if (geteuid() != 0) GTEST_SKIP() << "SKIPPED: needs root, for clients of other users";
+  server::Limits limits;
+  limits.clients = 2;
+  limits.clients_per_uid = 2;
+  limits.reserved_for_root = 0;
+  limits.reserved_for_stop = 2;
+  server::RoleRules rules;
+  rules.operators = getegid();
+  ServedSocket served(limits, rules);
+  const auto operator_of = [&](uid_t uid) {
+    std::filesystem::permissions(served.path().parent_path(), std::filesystem::perms::all);
+    std::filesystem::permissions(served.path(), std::filesystem::perms::all);
+    EXPECT_EQ(seteuid(uid), 0);
+    RawClient client(served.path());
+    EXPECT_EQ(seteuid(0), 0);
+    EXPECT_EQ(client.json()["params"]["role"], "operator");
+    return client;
+  };
+  const auto first = operator_of(50'001);
+  const auto second = operator_of(50'001);
+  auto third = operator_of(50'002);
+  auto fourth = operator_of(50'003);
+
+  auto fifth = operator_of(50'004);
+
+  EXPECT_FALSE(third.line()) << "the oldest one lost its place";
+  EXPECT_EQ(fourth.ask("ping")["result"]["pong"], true);
+  EXPECT_EQ(fifth.ask("ping")["result"]["pong"], true);
+  EXPECT_EQ(served.server->clients().size(), 4U);
 }
 
 TEST(Server, GivesAnAdminThePlaceOfTheOldestViewerWhenAllAreTaken) {
