@@ -214,6 +214,7 @@ Status Daemon::serve() {
   running_->path_dirs = options_.path_dirs;
   rt::EndHandlers::set_unexpected_status(kUnexpectedEnd);
   running_->recorder = &recorder_;
+  running_->stopper = &stopper_;
   running_->judge = [this](uid_t user, const Question& question, const Judge::Then& then) {
     judge_.ask(user, question, then);
   };
@@ -228,6 +229,7 @@ Status Daemon::serve() {
                                              *table_, log_);
   const auto state = state_line();
   supervisor_.start(*running_);
+  stopper_.start(*deployer_);
   control_.start();
   guardian_.serve(*running_);
   judge_.start(judge_command(options_), options_.prepare_within);
@@ -323,6 +325,7 @@ int Daemon::shut_down(const std::string& cause) {
                       [this](const std::string& why) { leave_by_force(why); });
   caretaker_.stop();
   const auto left_behind = stop_components();
+  stopper_.stop();
   for (const auto& name : left_behind) {
     log_.write(Event::component_stuck, {{"component", name}});
   }
@@ -355,10 +358,13 @@ int Daemon::shut_down(const std::string& cause) {
 }
 
 /// On [control], before everything that waits there, so that no change is under way meanwhile; none
-/// can follow.
+/// can follow. What [control] does not come to, the reaper ends; the components stop at once.
 std::vector<std::string> Daemon::stop_components() {
   std::promise<std::vector<std::string>> stopped;
+  const auto order = std::make_shared<StopOrder>(std::vector<std::string>(), nullptr, nullptr);
+  stopper_.watch(order);
   control_.urgent([&] {
+    order->begin();
     stopped.set_value(deployer_->shutdown(kComponentsMayTake));
     control_.halt();
   });

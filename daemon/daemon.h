@@ -18,6 +18,7 @@
 #include "recovery.h"
 #include "server/server.h"
 #include "signals.h"
+#include "stopper.h"
 #include "supervisor.h"
 #include "trace/recorder.h"
 #include "watch.h"
@@ -65,6 +66,7 @@ class Daemon {
   plugin::Catalog catalog_;
   std::unique_ptr<Architecture> architecture_;
   std::unique_ptr<Deployer> deployer_;
+  Stopper stopper_{log_};
   Control control_{options_.prepare_within};
   Watches watches_{log_};
   Supervisor supervisor_{control_};

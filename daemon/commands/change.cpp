@@ -100,7 +100,7 @@ bool starts_something(const Change& change) {
 
 Error stopped_meanwhile(const Journey& journey) {
   return refuse(Errc::conflict, journey.change.edits[0].component,
-                "was stopped by request while this change was prepared", "start it again");
+                "was stopped by request after this change was asked for", "start it again");
 }
 
 /// [control] False when the change was given up before anything happened.
@@ -110,8 +110,10 @@ bool may_go_on(Running& running, const Call& call, const Journey& journey) {
     return false;
   }
   auto met = check_conditions(running, call);
-  if (met && starts_something(journey.change) &&
-      stops_of(running.stops, journey.change) != journey.stops) {
+  const bool stopped = overtaken_by_stop(running, call, journey.change) ||
+                       (starts_something(journey.change) &&
+                        stops_of(running.stops, journey.change) != journey.stops);
+  if (met && stopped) {
     met = stopped_meanwhile(journey);
   }
   if (met && journey.companion != nullptr) {

@@ -53,6 +53,10 @@ void say_sync(std::optional<Result<PreparedChange>>& prepared, Json& result);
 /// since the rest of the receipt reads as if all was well.
 void say_who_stands(Running& running, const Change& change, Json& result);
 
+/// [control] A stop of a component that it starts was asked for later, and overtook it.
+[[nodiscard]] bool overtaken_by_stop(const Running& running, const Call& call,
+                                     const Change& change);
+
 /// What a change of this component or resource starts from.
 [[nodiscard]] Edit edit_of(std::string_view component);
 

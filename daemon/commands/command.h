@@ -28,6 +28,7 @@
 #include "plugin/catalog.h"
 #include "server/dispatcher.h"
 #include "server/server.h"
+#include "stopper.h"
 
 namespace mauve::daemon {
 
@@ -85,6 +86,8 @@ struct Running {
   /// [control] How often each component was stopped by request: a stop is never undone by a change
   /// that was asked for before it.
   std::map<std::string, std::uint64_t> stops = {};
+  /// [control] When the last of these came; it may have overtaken a change that came before it.
+  std::map<std::string, std::chrono::steady_clock::time_point> stops_came = {};
   /// [control] Cores that were rolled back, by version, and why: see quarantine.h.
   std::map<std::string, std::string> quarantined = {};
   /// [control] Components that a thread which was left behind may still be in, and its hook.
@@ -107,6 +110,7 @@ struct Running {
   std::function<void(uid_t, const Question&, std::function<void(Result<Json>)>)> judge = {};
   /// [any] The same for the change under way: see commands/trial.h.
   std::function<void(const Question&, std::function<void(Result<Json>)>)> try_out = {};
+  Stopper* stopper = nullptr;  ///< [any]; null: stops are served by [control] only
 };
 
 /// One request under way. Dropped unanswered only when the daemon ends.
@@ -121,6 +125,7 @@ struct Call {
   std::optional<std::map<std::string, std::uint64_t>> stops = std::nullopt;
   Mark mark = Mark::confirmed;  ///< of the generation that it makes
   bool confirms = false;        ///< the generation that runs is confirmed before the answer
+  std::shared_ptr<StopOrder> order = nullptr;  ///< of component.stop, where it is watched
   bool given_up = false;                       ///< a hook did not return, and keeps a thread
 };
 using CallPtr = std::shared_ptr<Call>;
@@ -192,6 +197,8 @@ Result<Json> trace_status(Running&, const Call&);
 Result<Json> list_recordings(Running&, const Call&);
 void read_trace(Running&, const CallPtr&, Ticket);
 void stop(Running&, const CallPtr&, Ticket);
+/// [io] Before stop() is on its way to [control]: see Stopper.
+void watch_over_stop(Running&, const CallPtr&);
 void set(Running&, const CallPtr&, Ticket);
 void start(Running&, const CallPtr&, Ticket);
 void swap_core(Running&, const CallPtr&, Ticket);

@@ -149,6 +149,9 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
     case Lane::read:
       return running_.control.read(command.read != nullptr ? serve : by_itself, asker_of(*call));
     case Lane::urgent:
+      if (command.change == stop) {
+        watch_over_stop(running_, call);
+      }
       return running_.control.urgent(by_itself);
     case Lane::factory:
       return run_in_factory(command, call);
