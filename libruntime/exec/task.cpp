@@ -362,9 +362,13 @@ MAUVE_RUNS_AT_A_SWAP void Task::rearm(const Published& next, bool was_running) {
 }
 
 /// Another offset moves the grid: the armed release to the first instant of the new one after it.
+/// A trace tells that as a start, since the wait had announced another instant.
 MAUVE_RUNS_AT_A_SWAP void Task::keep_phase(const Published& next) {
   const Instant base = t0_ + next.bundle->task.offset.count();
-  if (next.offset_changes) release_ = next_on_grid(base, next.grid, release_);
+  if (next.offset_changes) {
+    release_ = next_on_grid(base, next.grid, release_);
+    tell(TraceKind::started, clock_.now(), release_ - t0_);
+  }
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
 }
 

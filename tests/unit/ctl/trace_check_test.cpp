@@ -245,6 +245,30 @@ TEST(TraceCheck, FindsStatesThatNoMachineHas) {
   });
 }
 
+/// A component of 5 ms, whose offset becomes 2 ms and 0 again between two jobs: each time its
+/// release is the first of the new grid. The last of its records is the release at this instant.
+Trace with_an_offset_that_changes_twice(std::int64_t release) {
+  Trace trace;
+  auto& component = trace.header.components.emplace_back();
+  component.name = "c";
+  component.period = 5 * kMs;
+  append_record(trace, 5 * kMs, "c", Event::release, "", 5 * kMs, 1);
+  append_record(trace, 5 * kMs, "c", Event::wait, "period", 10 * kMs, 0);
+  for (const std::int64_t moved : {12 * kMs, 15 * kMs}) {
+    append_record(trace, 6 * kMs, "c", Event::taken, "change", 6 * kMs, 2);
+    append_record(trace, 6 * kMs, "c", Event::started, "", moved, 0);
+  }
+  append_record(trace, release, "c", Event::release, "", release, 2);
+  return trace;
+}
+
+TEST(TraceCheck, FollowsAnOffsetThatChangesTwiceBetweenTwoJobs) {
+  const Verdict follows = check(with_an_offset_that_changes_twice(15 * kMs));
+  EXPECT_TRUE(follows.holds()) << first_violation(follows);
+
+  EXPECT_FALSE(check(with_an_offset_that_changes_twice(20 * kMs)).holds());
+}
+
 TEST(TraceCheck, FindsAJobThatEndsWithALock) {
   expect_found("lock", "still holds world", [](Trace& trace) {
     const auto unlocks = places_of(trace, "c0", Event::unlock);
