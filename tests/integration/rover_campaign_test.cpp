@@ -9,27 +9,22 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <string>
 #include <thread>
-#include <utility>
 
 #include "mtrace/file.h"
-#include "mtrace/findings.h"
 #include "rt/thread.h"
 #include "support/daemon_process.h"
 #include "support/disturbance.h"
 #include "support/foreign_realtime.h"
+#include "support/lost_releases.h"
 
 namespace {
 
-using mauve::ctl::mtrace::Event;
-using mauve::ctl::mtrace::Record;
-using mauve::ctl::mtrace::Trace;
-using mauve::ctl::mtrace::Windows;
 using mauve::test::DaemonProcess;
 using mauve::test::Load;
+using mauve::test::LossWitness;
 using mauve::test::TempDir;
 
 using std::chrono::steady_clock;
@@ -43,49 +38,11 @@ int seconds() {
   return said != nullptr ? std::atoi(said) : 600;
 }
 
-/// Releases that the trace tells to be lost, each counted once.
-class Losses {
- public:
-  /// Slices overlap: what is about to be told of the last moment belongs to the next one.
-  void look(const Trace& slice) {
-    const std::int64_t end = slice.last_time() - kUntold;
-    gaps_ += until_ != kNever && slice.header.from > until_ ? 1 : 0;
-    const Windows disturbed = disturbed_windows(slice);
-    std::map<mauve::ctl::mtrace::Word, std::int64_t> released;  // the last job of each thread
-    for (const Record& record : slice.records) {
-      if (record.event == Event::release) released[record.thread] = record.a;
-      const bool missed = record.event == Event::missed && slice.text(record.name).empty();
-      if (!missed || record.time < until_ || record.time >= end) continue;
-      const auto job = released.find(record.thread);
-      const std::int64_t from = job != released.end() ? job->second : record.time;
-      (disturbed.touch(from, record.time) ? with_machine : alone)[slice.text(record.thread)] +=
-          record.a;
-    }
-    until_ = end;
-  }
-  /// Slices that began after the end of the one before.
-  [[nodiscard]] int gaps() const { return gaps_; }
-
+/// Releases lost by each component.
+struct Losses {
+  LossWitness witness;
   std::map<std::string, std::int64_t> alone;         ///< while the machine ran
   std::map<std::string, std::int64_t> with_machine;  ///< while it stood still
-
- private:
-  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
-  static constexpr std::int64_t kUntold = 500'000'000;
-  static constexpr std::int64_t kAround = 1'000'000;
-
-  Windows disturbed_windows(const Trace& slice) {
-    Windows windows;
-    for (const Record& record : slice.records) {
-      if (record.event != Event::disturbed) continue;
-      windows.add(record.time - record.a - kAround, record.time + kAround);
-    }
-    windows.sort();
-    return windows;
-  }
-
-  std::int64_t until_ = kNever;
-  int gaps_ = 0;
 };
 
 /// Sends the robot on when it is where it should go.
@@ -114,7 +71,9 @@ std::uint64_t look_at_slice(const DaemonProcess& rover, const std::string& file,
   const auto slice = mauve::ctl::mtrace::read_file(file);
   EXPECT_TRUE(slice);
   if (!slice) return 0;
-  losses.look(*slice);
+  for (const auto& lost : losses.witness.look(*slice)) {
+    (lost.disturbed ? losses.with_machine : losses.alone)[lost.component] += lost.count;
+  }
   const auto verdict = mauve::ctl::mtrace::check(*slice);
   EXPECT_EQ(slice->header.lost, 0U) << "and with them what they told";
   EXPECT_TRUE(verdict.holds()) << verdict.found << ", the first: " << verdict.first->message;
@@ -153,7 +112,7 @@ TEST(RoverCampaign, MissesNoReleaseInTenMinutesUnderLoad) {
     ADD_FAILURE() << name << " lost " << count << "; beside it ran "
                   << (foreign.empty() ? "no other real-time program" : foreign);
   }
-  EXPECT_EQ(losses.gaps(), 0) << "slices that do not meet";
+  EXPECT_EQ(losses.witness.gaps(), 0) << "slices that do not meet";
   EXPECT_GT(judged, 100U * static_cast<unsigned>(seconds()));
   EXPECT_GE(errands.done(), seconds() / 120);
   EXPECT_GT(rover.value("world.core.nearest").get<double>(), 0.0);
