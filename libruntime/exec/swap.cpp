@@ -12,6 +12,14 @@ namespace {
 constexpr Duration kShortestLead = 200us;
 constexpr Duration kLeadPerMember = 1us;
 
+/// Decided before it is published. It gets its instant when every member has it, so that nothing
+/// that holds up [control] meanwhile lets a member pass the instant unaware of it.
+class Order final : public Transaction {
+ public:
+  Order() : Transaction(kNever, State::committed) {}
+  using Transaction::claim;
+};
+
 using Progress = Published::Progress;
 
 }  // namespace
@@ -50,13 +58,22 @@ void Swap::attempt() {
   ++result_.attempts;
   const auto urgency = runner_.hurry();
   result_.instant = runner_.now() + lead_.count();
-  deadline_ = result_.instant + bound_.count();
-  const bool decided = kind_ == Kind::order || (members_.empty() && before_ == nullptr);
-  transactions_.push_back(std::make_shared<Transaction>(
-      result_.instant, decided ? Transaction::State::committed : Transaction::State::prepared));
+  const auto order = kind_ == Kind::order ? std::make_shared<Order>() : nullptr;
+  const bool decided = members_.empty() && before_ == nullptr;
+  transactions_.push_back(order);
+  if (order == nullptr) {
+    transactions_.back() = std::make_shared<Transaction>(
+        result_.instant, decided ? Transaction::State::committed : Transaction::State::prepared);
+  }
   if (before_ != nullptr) before_->give_way_to(transactions_.back());
+  MAUVE_FAIL_POINT("commit.before_publish");
   for (Member& member : members_) publish(member);
   for (ResourceMember& resource : resources_) arm(resource);
+  if (order != nullptr) {
+    result_.instant = runner_.now() + lead_.count();
+    static_cast<void>(order->claim(result_.instant));
+  }
+  deadline_ = result_.instant + bound_.count();
   const bool late = !members_.empty() && runner_.now() >= result_.instant - kDecisionMargin.count();
   const bool led_back = before_ != nullptr && before_->leads_back();
   MAUVE_FAIL_POINT("commit.before_decide");

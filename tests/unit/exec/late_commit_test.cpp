@@ -132,6 +132,19 @@ TEST_F(LateCommit, LetsNothingJoinThatRanAJob) {
   EXPECT_EQ(deployer.status().size(), 2u);
 }
 
+TEST_F(LateCommit, StopsBehindTheJobsThatRanBeforeTheOrderWasPublished) {
+  at_fail_point() = [this](std::string_view point) {
+    if (point == "commit.before_publish" && held_up++ == 0) deployer.run_for(10ms);
+  };
+
+  const Result<Receipt> stopped = deployer.stop({"quick"});
+
+  ASSERT_TRUE(stopped) << to_string(stopped.error());
+  EXPECT_EQ(deployer.status("quick").state, ComponentState::stopped);
+  EXPECT_GT(stopped->commit, 60ms) << "a job was released then, and ran";
+  EXPECT_EQ(stopped->attempts, 1u);
+}
+
 class LateCommitOnProbation : public LateCommit {
  protected:
   void SetUp() override {
