@@ -77,6 +77,7 @@ inline ChangeableSystem trial_system() {
   system.values["nobody.core.gain"] = {1.0};
   system.plugins = {"trial"};
   system.builds = 3;
+  system.may_be_more_urgent = true;
   const Json guest = {{"type", "trial/unit"},
                       {"properties", {{"fsm.period", "5ms"}}},
                       {"ports", {{"input", "signal.read"}}},
