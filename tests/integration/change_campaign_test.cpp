@@ -205,7 +205,9 @@ class Witness {
     foreign_slices_ += foreign.empty() ? 0 : 1;
     for (const auto& lost : releases_.look(*slice)) judge(lost, slice->header.t0, foreign);
     const auto verdict = ctl::mtrace::check(*slice);
-    if (verdict.holds() || !foreign.empty() || verdict.first->time <= violated_) return;
+    foreign_until_ = foreign.empty() ? foreign_until_ : slice->last_time();
+    const bool beside = foreign_until_ >= slice->first_time();
+    if (verdict.holds() || beside || verdict.first->time <= violated_) return;
     violated_ = slice->last_time();  // slices overlap
     ADD_FAILURE() << verdict.found
                   << " times against the model, the first: " << verdict.first->thread << " at "
@@ -241,6 +243,7 @@ class Witness {
   LossWitness releases_;
   std::string foreign_;
   std::int64_t violated_ = 0;
+  std::int64_t foreign_until_ = -1;
   std::int64_t disturbed_ = 0;
   std::int64_t beside_ = 0;
   std::int64_t by_fault_ = 0;
