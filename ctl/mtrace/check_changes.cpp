@@ -148,6 +148,11 @@ class ChangesCheck {
       return findings_.left_out("members of changes that did nothing in the trace");
     }
     const std::int64_t instant = change.commit->a;
+    // What [control] tells may come later than the instant, and that before the trace begins.
+    const Record& first = *records->second.front();
+    if (instant != kNoInstant && instant < first.time) {
+      return findings_.left_out("changes before the trace, for members that took part");
+    }
     bool before = false;  // it was there before the change; else it joined with it
     for (const Record* record : records->second) {
       before = before || record->time < change.commit->time;

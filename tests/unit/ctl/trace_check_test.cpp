@@ -262,6 +262,21 @@ Trace with_an_offset_that_changes_twice(std::int64_t release) {
   return trace;
 }
 
+/// What [control] tells of a change may come later than its instant, which lies before the trace.
+TEST(TraceCheck, PassesAChangeThatWasTakenBeforeTheTraceBegins) {
+  Trace trace;
+  trace.header.components.emplace_back().name = "c";
+  append_record(trace, 10 * kMs, "c", Event::release, "", 10 * kMs, 7);
+  append_record(trace, 10 * kMs, "c", Event::wait, "period", 15 * kMs, 0);
+  append_record(trace, 12 * kMs, "[control]", Event::rollback, "core.swap c", 9 * kMs, 7);
+  append_record(trace, 12 * kMs, "[control]", Event::member, "c", 0, 7);
+  append_record(trace, 15 * kMs, "c", Event::release, "", 15 * kMs, 7);
+
+  const Verdict verdict = check(trace);
+
+  EXPECT_TRUE(verdict.holds()) << first_violation(verdict);
+}
+
 TEST(TraceCheck, FollowsAnOffsetThatChangesTwiceBetweenTwoJobs) {
   const Verdict follows = check(with_an_offset_that_changes_twice(15 * kMs));
   EXPECT_TRUE(follows.holds()) << first_violation(follows);
