@@ -27,11 +27,17 @@ class Crowd {
                                      .wait() == 0;
   }
 
-  /// Writes two files into `place`.
-  Crowd(const std::filesystem::path& place, const std::string& mauved)
+  /// Everybody who keeps the group of this process is a viewer.
+  [[nodiscard]] static std::string viewers() {
+    return "mauve-view:x:" + std::to_string(getegid()) + ":\n";
+  }
+
+  /// Writes two files into `place`; mauved sees `known` as the groups of the machine.
+  Crowd(const std::filesystem::path& place, const std::string& mauved,
+        const std::string& known = viewers())
       : program_(place / "mauved_with_viewers") {
     const auto groups = place / "group";
-    std::ofstream(groups) << "mauve-view:x:" << getegid() << ":\n";
+    std::ofstream(groups) << known;
     std::ofstream(program_) << "#!/bin/sh\nexec /usr/bin/unshare --mount /bin/sh -c '"
                             << "/usr/bin/mount --bind " << groups.string() << " /etc/group && "
                             << "exec \"$0\" \"$@\"' " << mauved << " \"$@\"\n";

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// MAUVE_REQUESTS (3000) requests of all methods, most of them wrong, from 24 clients of three
+/// roles, while others change and stop: mauved serves on, nothing is left of the clients, and no
+/// component loses a release by them.
+#include <grp.h>
+#include <sys/syscall.h>
+
+#include <atomic>
+#include <cstdio>
+#include <mutex>
+#include <thread>
+
+#include "changeable_systems.h"
+#include "mtrace/file.h"
+#include "request_mutator.h"
+#include "rt/thread.h"
+#include "support/crowd.h"
+#include "support/foreign_realtime.h"
+#include "support/lost_releases.h"
+#include "support/number_in.h"
+#include "support/sanitized.h"
+#include "trial_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using Json = protocol::Json;
+using std::chrono::steady_clock;
+
+constexpr std::size_t kOfOneRole = 8;
+constexpr const char* kGroups = "mauve-view:x:60001:\nmauve:x:60002:\nmauve-admin:x:60003:\n";
+
+/// The system of the change campaign without the component that hangs.
+Json sound_file() {
+  Json file = trial_system().file;
+  file["components"].erase("weak");
+  file["resources"].erase("meter");
+  return file;
+}
+
+std::map<std::string, std::vector<Json>> sensible_values() {
+  Json other = sound_file();
+  other["components"]["b"]["properties"]["core.gain"] = 3.0;
+  other["components"]["guest"] = trial_system().guests["guest"];
+  const std::vector<Json> components{"a", "b", "c", "d"};
+  return {{"component", components},
+          {"components", {{"a"}, {"b", "c"}, {"d"}}},
+          {"core",
+           {"trial/steady", "trial/other", "trial/counting", "trial/refusing",
+            "trial/throwing_hook", "trial/crashing_hook", "trial/forgetful"}},
+          {"address", {"a", "a.core.gain", "signal.read", "a.ports.output", "b.core.count"}},
+          {"addresses", {{"signal.read", "a.core.count"}, {"level.read"}}},
+          {"port", {"b.ports.input", "c.ports.input", "a.ports.input"}},
+          {"service", {"signal.read", "level.read"}},
+          {"plugin", {"trial"}},
+          {"values", {{{"a.core.gain", 2.0}}, {{"b.core.gain", 3}, {"c.shell.size", 8}}}},
+          {"set", {{{"gain", 2.0}}}},
+          {"text", {sound_file().dump(), other.dump(), "{", ""}},
+          {"generation", {1, 2, 3, 10, 1000}},
+          {"lock", {"none", "params", "all"}},
+          {"level", {"info", "warning", "default"}},
+          {"probation", {"off", "10", "100"}},
+          {"confirm_within", {"50ms", "200ms"}},
+          {"state", {"drop"}},
+          {"sync", {"cut", "barrier"}},
+          {"sub", {1, 2, 3}},
+          {"n", {1, 10, 1000}},
+          {"rule", {"loud", "quiet"}}};
+}
+
+/// Only this thread becomes a member of that group, and another user.
+bool become(gid_t group, uid_t user) {
+  return syscall(SYS_setgroups, 1, &group) == 0 && syscall(SYS_setresuid, -1, user, -1) == 0;
+}
+
+/// What all clients share.
+struct Flood {
+  std::filesystem::path socket;
+  std::uint64_t seed = 1;
+  std::atomic<std::int64_t> left{0};
+  std::atomic<std::uint64_t> sent{0};
+  std::atomic<std::uint64_t> answers{0};
+  std::atomic<std::uint64_t> closed{0};
+  std::atomic<std::uint64_t> silent{0};
+};
+
+/// Sends some lines and then a ping, and reads until that is answered.
+class HostileClient {
+ public:
+  HostileClient(Flood& flood, std::uint64_t seed)
+      : flood_(flood), mutator_(sensible_values(), seed) {}
+
+  void send_some() {
+    constexpr int kLines = 4;
+    if (client_ == nullptr) client_ = std::make_unique<RawClient>(flood_.socket);
+    if (!client_->connected()) ++flood_.silent;
+    std::string lines;
+    for (int i = 0; i < kLines; ++i) lines += mutator_.next() + '\n';
+    const std::string last = "last " + std::to_string(++pings_);
+    lines += protocol::to_line(protocol::make_request(last, "ping", Json::object())) + '\n';
+    flood_.sent += kLines;
+    if (!client_->send(lines) || !read_to(last)) client_.reset();
+  }
+
+ private:
+  bool read_to(const std::string& last) {
+    const auto begin = steady_clock::now();
+    while (const auto line = client_->line()) {
+      if (!line->starts_with("{\"id\"") && line->find("\"id\":") == std::string::npos) continue;
+      ++flood_.answers;
+      if (line->find("\"" + last + "\"") != std::string::npos) return true;
+    }
+    const bool waited = steady_clock::now() - begin >= RawClient::kPatience;
+    ++(waited ? flood_.silent : flood_.closed);
+    return false;
+  }
+
+  Flood& flood_;
+  RequestMutator mutator_;
+  std::unique_ptr<RawClient> client_;
+  std::uint64_t pings_ = 0;
+};
+
+/// Eight clients of one user take turns. `role`: of the three groups; negative: as this user.
+void flood_as(int role, Flood& flood) {
+  const auto number = static_cast<std::uint64_t>(role + 1);
+  if (role >= 0 && !become(60'001 + static_cast<gid_t>(role), 50'001 + static_cast<uid_t>(role))) {
+    ++flood.silent;
+    return;
+  }
+  std::deque<HostileClient> clients;
+  const std::size_t count = role >= 0 ? kOfOneRole : kOfOneRole / 2;
+  for (std::size_t i = 0; i < count; ++i)
+    clients.emplace_back(flood, flood.seed + 100 * number + i);
+  for (std::size_t i = 0; flood.left.fetch_sub(4) > 0; ++i) clients[i % count].send_some();
+}
+
+/// Changes what runs all the time; the changes that were applied.
+int change_on(RawClient client, const std::atomic<bool>& end) {
+  const std::string file = sound_file().dump();
+  const std::vector<std::pair<std::string, Json>> changes = {
+      {"lock.set", {{"lock", "none"}}},
+      {"component.start", {{"components", {"a", "b", "c", "d"}}}},
+      {"param.set", {{"values", {{"a.core.gain", 2.0}}}}},
+      {"core.swap", {{"component", "b"}, {"core", "trial/other"}, {"probation", "off"}}},
+      {"plugin.reload", {{"plugin", "trial"}}},
+      {"config.rollback", {{"generation", 2}, {"state", "drop"}}},
+      {"architecture.apply", {{"text", file}, {"state", "drop"}}}};
+  int applied = 0;
+  for (std::size_t i = 0; !end; ++i) {
+    const auto& [method, params] = changes[i % changes.size()];
+    const auto answer = client.ask(method, params);
+    if (answer.is_null()) return applied;
+    if (answer.contains("result")) ++applied;
+  }
+  return applied;
+}
+
+struct Stops {
+  int answered = 0;
+  int others = 0;  ///< without an answer, or refused
+  std::chrono::milliseconds longest{0};
+  Json refusal;
+};
+
+/// A stop is served whatever else happens.
+Stops stop_on(RawClient client, const std::atomic<bool>& end) {
+  Stops stops;
+  while (!end) {
+    const auto begin = steady_clock::now();
+    const auto answer = client.ask("component.stop", {{"components", {"d"}}});
+    const auto time = std::chrono::ceil<std::chrono::milliseconds>(steady_clock::now() - begin);
+    stops.longest = std::max(stops.longest, time);
+    const bool good = answer.is_object() && answer.contains("result");
+    ++(good ? stops.answered : stops.others);
+    if (!good) stops.refusal = answer;
+    if (answer.is_null()) return stops;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    static_cast<void>(client.ask("component.start", {{"components", {"d"}}}));
+  }
+  return stops;
+}
+
+std::size_t entries(pid_t process, const std::string& what) {
+  const auto folder = std::filesystem::path("/proc") / std::to_string(process) / what;
+  std::error_code gone;
+  std::size_t count = 0;
+  for (auto i = std::filesystem::directory_iterator(folder, gone); i != end(i); ++i) ++count;
+  return count;
+}
+
+class MutatedRequests : public testing::Test {
+ protected:
+  [[nodiscard]] std::vector<std::string> options() const {
+    return {"--realtime",  realtime_ ? "require" : "off", "--admission", "strict",
+            "--state-dir", (place_ / "state").string()};
+  }
+  /// Everything that is made once is there, and then counted.
+  void settle(TrialDaemon& daemon) {
+    const auto file = sound_file().dump();
+    static_cast<void>(daemon.ask("lock.set", {{"lock", "none"}}));
+    static_cast<void>(daemon.ask("change.confirm"));
+    static_cast<void>(daemon.ask("config.check", {{"text", file}}));
+    static_cast<void>(daemon.ask("plugin.reload", {{"plugin", "trial"}}));
+    const auto applied =
+        daemon.ask("architecture.apply", {{"text", file}, {"state", "drop"}, {"probation", "off"}});
+    EXPECT_EQ(applied.value("generation", 0) > 0, true) << applied << daemon.errors();
+    static_cast<void>(daemon.ask("component.start", {{"components", {"a", "b", "c", "d"}}}));
+    if (!realtime_) return;
+    EXPECT_EQ(daemon.ask("trace.start", {{"seconds", 12}})["on"], true);
+  }
+  /// Looks at what the trace tells until the requests are sent.
+  void witness(TrialDaemon& daemon, const std::atomic<bool>& end) {
+    LossWitness releases;
+    const auto file = (place_ / "slice.mtrace").string();
+    for (bool last = false; !last;) {
+      last = end;
+      std::string foreign;
+      for (int i = 0; i < 20 && !end; ++i) {
+        if (foreign.empty()) foreign = foreign_realtime(daemon.process().id());
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));
+      }
+      if (daemon.ctl({"trace", "dump", "-o", file}).exit != 0) continue;
+      const auto slice = ctl::mtrace::read_file(file);
+      if (!slice) continue;
+      for (const auto& lost : releases.look(*slice)) {
+        if (lost.disturbed || !foreign.empty()) {
+          set_apart_ += lost.count;
+          continue;
+        }
+        const auto kept = testing::TempDir() + "lost-beside-requests.mtrace";
+        std::filesystem::copy_file(file, kept, std::filesystem::copy_options::overwrite_existing);
+        ADD_FAILURE() << lost.component << " lost " << lost.count << " releases at " << lost.time
+                      << " ns; the trace: " << kept;
+      }
+    }
+    std::printf(
+        "%lu releases, %ld lost while the machine stood still or beside other real-time "
+        "programs\n",
+        releases.releases(), set_apart_);
+  }
+  /// Sends them all, beside those who change, stop and look.
+  void send_all(TrialDaemon& daemon, Flood& flood, bool roles) {
+    std::atomic<bool> end{false};
+    int applied = 0;
+    Stops stops;
+    std::vector<std::thread> beside;
+    beside.emplace_back([&, client = std::make_shared<RawClient>(daemon.client())] {
+      applied = change_on(std::move(*client), end);
+    });
+    beside.emplace_back([&, client = std::make_shared<RawClient>(daemon.client())] {
+      stops = stop_on(std::move(*client), end);
+    });
+    if (realtime_) beside.emplace_back([&] { witness(daemon, end); });
+    std::vector<std::thread> hostile;
+    for (const int role : roles ? std::vector<int>{0, 1, 2} : std::vector<int>{-1}) {
+      hostile.emplace_back([&flood, role] { flood_as(role, flood); });
+    }
+    for (auto& thread : hostile) thread.join();
+    end = true;
+    for (auto& thread : beside) thread.join();
+
+    std::printf(
+        "%lu lines sent, %lu answers, %lu connections closed; %d changes; %d stops, the "
+        "longest %ld ms\n",
+        flood.sent.load(), flood.answers.load(), flood.closed.load(), applied, stops.answered,
+        static_cast<long>(stops.longest.count()));
+    EXPECT_EQ(flood.silent, 0U) << "clients without an answer, or without their role";
+    EXPECT_GT(applied, 0);
+    EXPECT_GT(stops.answered, 0);
+    EXPECT_EQ(stops.others, 0) << stops.refusal;
+  }
+
+  const TempDir place_;
+  const bool realtime_ = !support::kSanitized && rt::may_use_fifo(99).has_value();
+  std::int64_t set_apart_ = 0;
+};
+
+TEST_F(MutatedRequests, LeaveNothingBehindAndCostNoRelease) {
+  const bool roles = Crowd::possible();
+  if (!roles) std::printf("SKIPPED viewers and operators: %s\n", Crowd::kNotPossible);
+  const std::string program = MAUVE_BIN_DIR "/mauved";
+  TrialDaemon daemon(sound_file().dump(), options(),
+                     roles ? Crowd(place_.path(), program, kGroups).program() : program);
+  settle(daemon);
+  settle(daemon);
+  using std::filesystem::perms;
+  std::filesystem::permissions(daemon.socket().parent_path(), static_cast<perms>(0711));
+  std::filesystem::permissions(daemon.socket(), static_cast<perms>(0666));
+  const pid_t process = daemon.process().id();
+  const auto descriptors = entries(process, "fd");
+  const auto threads = entries(process, "task");
+  Flood flood;
+  flood.socket = daemon.socket();
+  flood.seed = number_in("MAUVE_SEED", 1);
+  flood.left = static_cast<std::int64_t>(number_in("MAUVE_REQUESTS", 3000));
+  std::printf("seed %lu\n", flood.seed);
+
+  send_all(daemon, flood, roles);
+
+  ASSERT_TRUE(daemon.process().running()) << daemon.errors();
+  settle(daemon);
+  EXPECT_TRUE(eventually([&] { return entries(process, "fd") <= descriptors; }))
+      << entries(process, "fd") << " descriptors, before " << descriptors;
+  EXPECT_TRUE(eventually([&] { return entries(process, "task") <= threads; }))
+      << entries(process, "task") << " threads, before " << threads;
+  for (const auto& row : daemon.ask("status.get")["components"]) {
+    EXPECT_EQ(row["state"], "running") << row;
+  }
+  daemon.process().signal(SIGTERM);
+  EXPECT_EQ(daemon.process().wait(), 0) << daemon.errors();
+}
+
+}  // namespace
+}  // namespace mauve::test
