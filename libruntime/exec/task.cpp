@@ -59,15 +59,6 @@ Task::~Task() {
   static_cast<void>(reclaim());
 }
 
-Duration Task::bound(bool realtime) const {
-  // An ordinary thread shares its processor: a healthy job may be kept waiting for so long.
-  constexpr Duration kShortestOrdinary = 500ms;
-  const Duration own{bound_.load(std::memory_order_relaxed)};
-  const Duration bound = realtime || own == Duration{0} ? own : std::max(own, kShortestOrdinary);
-  if (!halted()) return bound;
-  return bound == Duration{0} ? kHaltedJob : std::min(bound, kHaltedJob);
-}
-
 void Task::begin(std::unique_ptr<Published> first, Instant t0) {
   t0_ = t0;
   current_ = first.release();
@@ -136,21 +127,6 @@ bool Task::serve() {
   if (halted() && (running_ || waiting_)) stand_still();
   add<std::uint64_t>(looks_, 1);
   return true;
-}
-
-/// A change took effect, but a direct stop has the last word: the component does not run, and its
-/// outputs, which may be others, have their safe values before [control] goes on.
-void Task::answer_between_jobs() {
-  if (unacknowledged_ != nullptr && halted()) stand_still();
-  acknowledge();
-}
-
-void Task::stand_still() {
-  const bool runs = running_ || waiting_;
-  waiting_ = false;
-  failed_ = false;
-  write_safe_values();
-  if (runs) park(ComponentState::stopped);
 }
 
 bool Task::release() {

@@ -5,7 +5,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -97,10 +96,7 @@ class Task {
   [[nodiscard]] Duration bound(bool realtime) const;
   [[nodiscard]] Instant busy_since() const { return watched_.busy_since.load(); }
   /// When its next job is due (monotonic); far away: it does not run. [guard]
-  [[nodiscard]] Instant told_release() const {
-    const bool runs = counters_.state.load() == ComponentState::running;
-    return runs ? t0_ + counters_.next_release.load() : std::numeric_limits<Instant>::max() / 2;
-  }
+  [[nodiscard]] Instant told_release() const;
   /// The job that began then shall end where it is, when its thread is told to look.
   void interrupt(Instant since) { watched_.interrupt.store(since); }
   /// The job that began then never returns: its thread has no part in the component any more, what
