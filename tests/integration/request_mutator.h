@@ -26,16 +26,17 @@ class RequestMutator {
   [[nodiscard]] std::string next() {
     const protocol::Method& method = some_method();
     Json params = params_of(method);
-    // A trace is the witness of the campaign: these are always refused.
-    if (method.name.starts_with("trace.st") && method.name != "trace.status") params["x"] = 1;
     while (below(3) == 0) mutate(params);
+    // A trace is the witness of the campaign: these are always refused.
+    const bool guarded = method.name == "trace.start" || method.name == "trace.stop";
+    if (guarded) params["x"] = 1;
     Json request = {{"jsonrpc", "2.0"},
                     {"id", static_cast<int>(below(1000))},
                     {"method", std::string(method.name)},
                     {"params", std::move(params)}};
     if (below(20) == 0) request[some_word()] = some_value(3);
     if (below(20) == 0) request["id"] = some_value(2);
-    if (below(40) == 0) request.erase(one_of({"id", "jsonrpc", "method", "params"}));
+    if (!guarded && below(40) == 0) request.erase(one_of({"id", "jsonrpc", "method", "params"}));
     if (below(40) == 0) request = Json::array({request, request});
     std::string line = request.dump(-1, ' ', false, Json::error_handler_t::replace);
     while (below(6) == 0) damage(line);
@@ -44,14 +45,15 @@ class RequestMutator {
   }
 
  private:
-  /// What starts a process or moves all code is rare.
+  /// What starts a process, moves all code, or keeps the system from running or changing is rare.
   const protocol::Method& some_method() {
     for (;;) {
       const auto& method = protocol::methods()[below(protocol::methods().size())];
       const bool slow = method.name == "config.check" || method.name == "architecture.diff" ||
                         method.name == "architecture.apply" || method.name == "config.rollback" ||
                         method.name == "daemon.doctor" || method.name.starts_with("plugin.");
-      if (!slow || below(20) == 0) return method;
+      const bool hinders = method.name == "component.stop" || method.name == "lock.set";
+      if ((!slow && !hinders) || below(20) == 0) return method;
     }
   }
   Json params_of(const protocol::Method& method) {
