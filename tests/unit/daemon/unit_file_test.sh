@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-3.0-or-later
-# The unit is understood by systemd, and its exposure is 1.0 or less. Usage: unit_file_test.sh SOURCE_DIR
+# The units are understood by systemd, and the exposure of each is 1.0 or less. Usage: unit_file_test.sh SOURCE_DIR
 set -euo pipefail
 if ! command -v systemd-analyze >/dev/null; then
   echo "SKIPPED: systemd-analyze is not installed, so the unit file was NOT checked" >&2
@@ -10,13 +10,15 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 # Complaints about a program that is not installed are not what is tested here.
-sed 's#/usr/sbin/mauved#/bin/true#' "$1/systemd/mauved.service" >"$work/mauved.service"
-complaints=$(systemd-analyze verify --man=no "$work/mauved.service" 2>&1)
-if [[ -n $complaints ]]; then
-  echo "systemd-analyze verify: $complaints" >&2
-  exit 1
-fi
-systemd-analyze security --offline=true --threshold=10 "$work/mauved.service" | tail -1
+for unit in mauve-guardian mauved; do
+  sed 's#/usr/sbin/mauve[-a-z]*#/bin/true#' "$1/systemd/$unit.service" >"$work/$unit.service"
+  complaints=$(systemd-analyze verify --man=no "$work/$unit.service" 2>&1)
+  if [[ -n $complaints ]]; then
+    echo "systemd-analyze verify: $complaints" >&2
+    exit 1
+  fi
+  systemd-analyze security --offline=true --threshold=10 "$work/$unit.service" | tail -1
+done
 
 # With the drop-ins in force (comment signs taken away) it must still be understood.
 for drop_in in capabilities devices; do
@@ -40,4 +42,4 @@ if command -v systemd-sysusers >/dev/null; then
   grep -q '^mauve-view:' "$work/root/etc/group"
   grep -q '^mauve-admin:' "$work/root/etc/group"
 fi
-echo "the unit is understood"
+echo "the units are understood"
