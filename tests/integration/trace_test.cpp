@@ -86,7 +86,10 @@ TEST_F(Traces, BeginAndEndAndTellOfAChangeInBetween) {
 
   ASSERT_EQ(daemon.ask("trace.start", {{"detail", true}})["on"], true);
   ASSERT_EQ(daemon.ask("param.set", gain(3.0))["state"], "applied");
-  ASSERT_TRUE(eventually([&] { return daemon.ask("trace.status")["records"] > 50; }));
+  ASSERT_TRUE(eventually([&] {
+    const auto so_far = daemon.ask("trace.read")["records"].get<std::vector<Json>>();
+    return count(so_far, "call", "first") > 0;
+  }));
   const auto stopped = daemon.ask("trace.stop");
   EXPECT_EQ(stopped["on"], false) << stopped;
 
