@@ -27,12 +27,13 @@ bool is_end(int signal) {
          (signal >= SIGRTMIN && signal <= SIGRTMAX);
 }
 
-std::atomic<pid_t> owner{0};  // the process that has something to say; a child of it has not
+std::atomic<pid_t> speaking_process{
+    0};  // the process that has something to say; a child of it has not
 std::atomic<int> unexpected{0};
 
 /// True in the process that had something to say.
 bool speak_as_owner(const Fault& fault) {
-  if (owner.load() != getpid()) return false;
+  if (speaking_process.load() != getpid()) return false;
   speak_last_words(fault);
   return true;
 }
@@ -108,7 +109,7 @@ EndHandlers::EndHandlers() {
     at_quick_exit(at_quick_exit_of_any_status);
     now.exit_seen = true;
   }
-  owner.store(getpid());
+  speaking_process.store(getpid());
   replace_handlers(SIG_DFL, on_end);
 }
 
@@ -116,7 +117,7 @@ EndHandlers::~EndHandlers() {
   Installed& now = installed();
   const std::lock_guard lock(now.mutex);
   if (--now.users > 0) return;
-  owner.store(0);
+  speaking_process.store(0);
   replace_handlers(on_end, SIG_DFL);
 }
 
@@ -142,7 +143,7 @@ Function* next(const char* name) {
 
 /// A child that a job forked ends as it asked for.
 void end_body_of_owner(const mauve::rt::Fault& fault) {
-  if (mauve::rt::owner.load() == getpid()) mauve::rt::end_body(fault);
+  if (mauve::rt::speaking_process.load() == getpid()) mauve::rt::end_body(fault);
 }
 
 }  // namespace
