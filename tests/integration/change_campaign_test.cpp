@@ -315,7 +315,8 @@ class ChangeCampaign : public testing::Test {
     Json all = Json::array();
     for (const auto& [name, component] : system.file["components"].items()) all.push_back(name);
     static_cast<void>(daemon.ask("component.start", {{"components", all}}));
-    for (const auto& row : daemon.ask("status.get")["components"]) {
+    const auto status = daemon.ask("status.get");
+    for (const auto& row : status["components"]) {
       EXPECT_EQ(row["state"], "running") << row;
     }
   }

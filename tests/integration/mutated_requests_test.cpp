@@ -311,7 +311,8 @@ TEST_F(MutatedRequests, LeaveNothingBehindAndCostNoRelease) {
       << entries(process, "fd") << " descriptors, before " << descriptors;
   EXPECT_TRUE(eventually([&] { return entries(process, "task") <= threads; }))
       << entries(process, "task") << " threads, before " << threads;
-  for (const auto& row : daemon.ask("status.get")["components"]) {
+  const auto status = daemon.ask("status.get");
+  for (const auto& row : status["components"]) {
     EXPECT_EQ(row["state"], "running") << row;
   }
   daemon.process().signal(SIGTERM);
