@@ -28,12 +28,17 @@ struct StartTrial {
 
 /// Made once in a process of its own: code of a plugin that crashes there does not take mauved with
 /// it, and of a generation that cannot be made nothing stays behind. When there is no such process
-/// to be had, the start itself will tell.
+/// to be had, or it was late outside of any hook, as on a machine that is busy, the start itself
+/// will tell.
 StartTrial tried(const Origin& origin, const Options& options) {
   Question question{origin.text};
   question.loads = true;
   const auto judged = judge_apart(options, question);
   StartTrial trial;
+  const bool late = !judged && judged.error().code == Errc::timed_out;
+  if (late && judged.error().at == kWholeFile) {
+    return trial;
+  }
   if (!judged && died(judged.error())) {
     trial.survived = judged.error();
     if (judged.error().at == kWholeFile) {
