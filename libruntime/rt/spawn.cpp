@@ -28,11 +28,12 @@ class SpawnSettings {
     sigfillset(&all);
     posix_spawnattr_setsigmask(&attributes_, &none);
     posix_spawnattr_setsigdefault(&attributes_, &all);
+    posix_spawnattr_setpgroup(&attributes_, 0);
     const sched_param ordinary{};
     posix_spawnattr_setschedpolicy(&attributes_, SCHED_OTHER);
     posix_spawnattr_setschedparam(&attributes_, &ordinary);
     posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF |
-                                               POSIX_SPAWN_SETSID | POSIX_SPAWN_SETSCHEDULER);
+                                               POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSCHEDULER);
   }
   ~SpawnSettings() {
     posix_spawn_file_actions_destroy(&files_);

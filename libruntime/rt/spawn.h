@@ -11,7 +11,7 @@
 
 namespace mauve::rt {
 
-/// `command` (its first word is the path of the program) as a process in a session of its own, with
+/// `command` (its first word is the path of the program) as a process in a group of its own, with
 /// default signals and ordinary scheduling. Its descriptor i is descriptors[i]; it has no others.
 /// No page tables are copied, so locked memory costs nothing.
 [[nodiscard]] Result<pid_t> spawn(const std::vector<std::string>& command,
