@@ -33,7 +33,7 @@ class WorkerThread {
   void stop();
   /// [this thread] Drops what is queued: the job that calls this is the last one.
   void halt();
-  /// [any] When it is the turn of whoever asks, or in front of everything queued before. Dropped
+  /// [any] When it is the turn of its user, or in front of everything queued before. Dropped
   /// (false) after stop().
   bool post(Job job, const Asker& asker = {});
   bool post_urgent(Job job);

@@ -42,7 +42,7 @@ class Factory {
   void start();
   /// Runs what is queued, then ends. Later work is dropped. Does not wait for who is left behind.
   void stop();
-  /// [any] Runs `work` when it is the turn of whoever asks, then `then` on [control].
+  /// [any] Runs `work` when it is the turn of the user that asks, then `then` on [control].
   void post(Job work, Job then, GivenUp given_up, const Asker& asker = {});
 
   /// [control] Work that is given up from now on belongs to a change of this user.

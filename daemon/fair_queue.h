@@ -16,7 +16,7 @@
 
 namespace mauve::daemon {
 
-/// Who asks. The default is mauved itself.
+/// The user that a request comes from. The default is mauved itself.
 struct Asker {
   server::Role role = server::Role::none;
   uid_t uid = 0;
