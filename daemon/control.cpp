@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "rt/rescue.h"
+
 namespace mauve::daemon {
 
 namespace {
@@ -20,6 +22,7 @@ WorkerThread::~WorkerThread() { stop(); }
 void WorkerThread::start() {
   thread_ = std::thread([this] {
     prctl(PR_SET_NAME, name_);
+    const rt::FaultStack stack;  // code of a plugin that computes a value may fill its own
     run();
   });
 }

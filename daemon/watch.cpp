@@ -338,7 +338,10 @@ void Watches::find_replacements() {
 /// An address that stopped having a value (a core without that observable) is told as null once.
 void Watches::poll_values() {
   const auto time = running_->deployer.clock().now() - running_->deployer.t0();
-  for (auto& one : polled_) {
+  Round round;
+  for (std::size_t left = polled_.size(); left > 0 && round.goes_on(); --left) {
+    polled_.splice(polled_.end(), polled_, polled_.begin());
+    Polled& one = polled_.back();
     auto now = sample_at(*running_, one.address);
     auto params = now ? *std::move(now)
                       : Json{{"address", one.address}, {"value", nullptr}, {"status", "no_data"}};

@@ -4,6 +4,7 @@
 #include "arch/built_in.h"
 #include "arch/value_json.h"
 #include "base/duration.h"
+#include "model/look_outside.h"
 
 namespace mauve::daemon {
 
@@ -47,9 +48,15 @@ Result<Json> read_service(const Running& running, const std::string& address,
   Slot slot(service);
   Json value;
   auto encode = [&](const void* data) { value = arch::to_json(type->to_value(data)); };
-  const auto status = service.look(Visitor(encode), slot.cursor);
-  auto out = answer_for(address, std::move(value), to_string(status));
-  if (has_value(status)) {
+  const auto status = look_outside(service, Visitor(encode), slot.cursor);
+  if (!status) {
+    if (service.resource().gate().poisoned()) {
+      running.log.write(logging::Event::read_poisoned, {{"text", to_string(status.error())}});
+    }
+    return status.error();
+  }
+  auto out = answer_for(address, std::move(value), to_string(*status));
+  if (has_value(*status)) {
     out["t_ns"] = slot.cursor.stamp - running.deployer.t0();
     out["age_ns"] = running.deployer.clock().now() - slot.cursor.stamp;
   }

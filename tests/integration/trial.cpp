@@ -329,5 +329,6 @@ MAUVE_PLUGIN(plugin) {
   plugin.component<trial::TrialShell, mauve::PeriodicFsm<trial::TrialCore>>("unit", "steady");
   plugin.resource<mauve::EmptyShell, trial::MeterCore, trial::MeterInterface>("meter");
   plugin.resource<mauve::EmptyShell, trial::MuteCore, trial::MuteInterface>("mute");
+  plugin.resource<mauve::EmptyShell, trial::FailingCore, trial::FailingInterface>("failing");
   plugin.resource<trial::TallyShell, trial::TallyCore, trial::TallyInterface>("tally");
 }

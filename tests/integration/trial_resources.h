@@ -5,10 +5,12 @@
 #include <mauve/plugin.h>
 
 #include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <tuple>
@@ -97,15 +99,20 @@ struct TallyInterface : mauve::Interface<TallyCore> {
   mauve::WriteService<double> note{*this, "note", &TallyCore::note};
 };
 
-/// A resource whose value is computed, and that never answers while the file of the environment is
-/// there.
+/// A resource whose value is computed, and that does not answer while the file of the environment
+/// is there. Like code that waits in the system, it cannot be interrupted meanwhile.
 class MuteCore final : public mauve::Core<mauve::EmptyShell> {
  public:
   double value() {
     if (const char* const path = std::getenv("MAUVE_TRIAL_WAITS"); path != nullptr) {
       std::ofstream(std::string(path) + ".met") << "waiting";
     }
+    sigset_t all{};
+    sigset_t before{};
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before);
     wait_for_file_to_go();
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
     return 1.0;
   }
 
@@ -114,6 +121,28 @@ class MuteCore final : public mauve::Core<mauve::EmptyShell> {
 };
 struct MuteInterface : mauve::Interface<MuteCore> {
   mauve::ReadService<double> read{*this, "read", &MuteCore::value};
+};
+
+/// A resource whose value is computed by code that fails as it is told.
+class FailingCore final : public mauve::Core<mauve::EmptyShell> {
+ public:
+  double value() {
+    if (how.get() == "throws") throw std::runtime_error("no bearing");
+    if (how.get() == "crashes") *null = 1;
+    if (how.get() == "exits") std::exit(3);
+    for (volatile bool for_ever = how.get() == "loops"; for_ever;) {
+    }
+    return 1.0;
+  }
+
+ private:
+  volatile int* null = nullptr;
+  mauve::Stateless stateless_{*this};
+  mauve::Property<std::string> how{*this, "how", "answers",
+                                   "answers, throws, crashes, exits, loops"};
+};
+struct FailingInterface : mauve::Interface<FailingCore> {
+  mauve::ReadService<double> read{*this, "read", &FailingCore::value};
 };
 
 }  // namespace
