@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <pthread.h>
 #include <sched.h>
+#include <sys/mman.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -55,8 +56,16 @@ void become_another_program() { execl("/bin/sleep", "sleep", "3", nullptr); }
 
 void close_all() { syscall(SYS_close_range, 0U, ~0U, 0U); }
 
+/// The test has put a limit on it, far below.
+void take_all_memory() {
+  for (int i = 0; i < 64; ++i) {
+    mmap(nullptr, 16 << 20, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_POPULATE, -1,
+         0);
+  }
+}
+
 using Way = void (*)();
-constexpr std::array<std::pair<std::string_view, Way>, 16> kWays{{
+constexpr std::array<std::pair<std::string_view, Way>, 17> kWays{{
     {"throw", [] { throw std::runtime_error("enough"); }},
     {"write nowhere", write_nowhere},
     {"full stack", [] { static_cast<void>(fill_the_stack(0)); }},
@@ -70,6 +79,7 @@ constexpr std::array<std::pair<std::string_view, Way>, 16> kWays{{
     {"pthread_exit", [] { pthread_exit(nullptr); }},
     {"exec", become_another_program},
     {"close all", close_all},
+    {"out of memory", take_all_memory},
     {"loop", [] { loop(); }},
     {"loop above all", [] { loop_above_all(); }},
     {"sleep",

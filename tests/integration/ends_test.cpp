@@ -14,6 +14,7 @@
 #include <cstdlib>
 #include <mutex>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "rt/rescue.h"
@@ -21,6 +22,7 @@
 #include "support/daemon_process.h"
 #include "support/disturbance.h"
 #include "support/guarded.h"
+#include "support/memory_group.h"
 
 #include <mauve/clock.h>
 
@@ -34,15 +36,19 @@ struct End {
   int signal;  // 0: the component ends in the way of this name
 };
 
-constexpr std::array<End, 25> kEnds{{
+constexpr const char* kOutOfMemory = "out of memory";
+
+constexpr std::array<End, 26> kEnds{{
     {"SIGKILL", SIGKILL}, {"SIGSTOP", SIGSTOP}, {"SIGQUIT", SIGQUIT}, {"SIGUSR1", SIGUSR1},
     {"SIGALRM", SIGALRM}, {"SIGXCPU", SIGXCPU}, {"SIGSEGV", SIGSEGV}, {"SIGABRT", SIGABRT},
     {"SIGTERM", SIGTERM}, {"throw", 0},         {"write nowhere", 0}, {"full stack", 0},
     {"abort", 0},         {"terminate", 0},     {"free twice", 0},    {"exit", 0},
     {"quick_exit", 0},    {"_exit", 0},         {"exit_group", 0},    {"pthread_exit", 0},
     {"exec", 0},          {"close all", 0},     {"loop", 0},          {"loop above all", 0},
-    {"sleep", 0},
+    {"sleep", 0},         {kOutOfMemory, 0},
 }};
+
+bool is_out_of_memory(const End& end) { return std::string_view(end.name) == kOutOfMemory; }
 
 int times() {
   const char* const said = std::getenv("MAUVE_ENDS");
@@ -90,7 +96,7 @@ class Witness {
 };
 
 /// Milliseconds until it stood, for good; nothing: it did not.
-std::optional<double> end_one(const End& end) {
+std::optional<double> end_one(const End& end, const MemoryGroup& group) {
   const TempDir place;
   Outlet base;
   Json file = guarded_architecture(base.path());
@@ -102,6 +108,10 @@ std::optional<double> end_one(const End& end) {
   EXPECT_TRUE(daemon.up()) << daemon.errors();
   const Witness witness(base);
   EXPECT_TRUE(eventually([&] { return witness.drives() > 3; })) << daemon.errors();
+
+  if (is_out_of_memory(end)) {
+    EXPECT_TRUE(group.take(daemon.process().id(), 64 << 20));
+  }
 
   const Instant begin = MonotonicClock().now();
   if (end.signal != 0) {
@@ -130,10 +140,15 @@ TEST(NoEnd, LeavesAnOutputLive) {
   if (!rt::kCanRescue) GTEST_SKIP() << "NOT TESTED: a sanitizer handles faults in its own way";
   std::optional<Load> load;
   if (std::getenv("MAUVE_ENDS_LOAD") != nullptr) load.emplace();
+  const MemoryGroup group;
   for (const End& end : kEnds) {
+    if (is_out_of_memory(end) && !group) {
+      std::printf("NOT TESTED: %s: no memory control group can be made here\n", end.name);
+      continue;
+    }
     std::vector<double> taken;
     for (int i = 0; i < times(); ++i) {
-      if (const auto time = end_one(end)) taken.push_back(*time);
+      if (const auto time = end_one(end, group)) taken.push_back(*time);
     }
     std::sort(taken.begin(), taken.end());
     if (taken.empty()) continue;
