@@ -11,6 +11,8 @@
 #include <cerrno>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
@@ -124,6 +126,19 @@ Status replace_link(const std::string& target, const std::string& link) {
   return mauve::ok();
 }
 
+/// Its number and the tick in which it began: a link that a process left behind is never taken for
+/// one of a later process that got its number.
+std::string this_process() {
+  constexpr int kBegan = 22;  // field of /proc/self/stat, see proc(5)
+  std::ifstream file("/proc/self/stat");
+  std::string text;
+  std::getline(file, text);
+  std::istringstream after_name(text.substr(text.rfind(')') + 1));
+  std::string field;
+  for (int number = 3; number <= kBegan; ++number) after_name >> field;
+  return std::to_string(::getpid()) + "-" + field;
+}
+
 }  // namespace
 
 Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
@@ -145,7 +160,7 @@ std::string line_path(const std::string& name) {
     place = said;
     break;
   }
-  return place + "/mauve-" + name.substr(kOwn.size()) + "." + std::to_string(::getpid());
+  return place + "/mauve-" + name.substr(kOwn.size()) + "." + this_process();
 }
 
 void SerialPort::choose(const std::string& device, int baud, Use use) {

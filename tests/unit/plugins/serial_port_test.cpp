@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <thread>
 
 #include "../../../plugins/drivers/serial_port.h"
 
@@ -81,6 +84,31 @@ TEST(SerialPort, FindsTheLineOfItsOwnProcessByName) {
       << "two processes never collide";
   EXPECT_TRUE(port.open("pty:test", 9600));
   EXPECT_EQ(drivers::line_path("/dev/ttyACM0"), "/dev/ttyACM0");
+}
+
+/// What line_path("pty:test") says after the number of the process.
+std::string start_in(const std::string& path) { return path.substr(path.rfind('-')); }
+
+TEST(SerialPort, NamesItsOwnLineAfterTheStartOfItsProcessSinceNumbersAreUsedAgain) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(pipe(ends.data()), 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));  // a start is a tick of 10 ms
+
+  const pid_t child = fork();
+  if (child == 0) {
+    const std::string path = drivers::line_path("pty:test");
+    _exit(::write(ends[1], path.data(), path.size()) > 0 ? 0 : 1);
+  }
+  std::array<char, 256> said{};
+  const ssize_t length = ::read(ends[0], said.data(), said.size());
+  waitpid(child, nullptr, 0);
+  ::close(ends[0]);
+  ::close(ends[1]);
+
+  ASSERT_GT(length, 0);
+  const std::string of_child(said.data(), static_cast<std::size_t>(length));
+  EXPECT_NE(start_in(of_child), start_in(drivers::line_path("pty:test")));
+  EXPECT_EQ(drivers::line_path("pty:test"), drivers::line_path("pty:test"));
 }
 
 TEST(SerialPort, SaysWhyADeviceCannotBeOpened) {
