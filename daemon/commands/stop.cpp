@@ -76,6 +76,10 @@ void answer_directly(const Running& running, const Call& call, const DirectStop&
         "partly", generation));
   }
   Json receipt = {{"generation", generation}, {"commit", 0}, {"attempts", 0}};
+  receipt["warnings"] = Json::array(
+      {"the thread that executes commands is held up, probably by code of a plugin: this stop was "
+       "carried out without it, and all other commands wait until it goes on; SIGTERM ends mauved "
+       "safely all the same"});
   call.reply(directly(std::move(receipt), done.ran()));
 }
 

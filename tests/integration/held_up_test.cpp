@@ -52,6 +52,7 @@ TEST_F(HeldUp, AStopIsCarriedOutAndAnsweredAllTheSame) {
 
   EXPECT_EQ(stopped["state"], "applied") << stopped;
   EXPECT_EQ(stopped["directly"], true);
+  ASSERT_EQ(stopped["warnings"].size(), 1U) << "other commands wait, and the user is told";
   ASSERT_EQ(stopped["components"].size(), 1U);
   EXPECT_EQ(stopped["components"][0]["name"], "first");
   EXPECT_TRUE(is_noted("-")) << "the driver, which was not stopped, acts on the safe value";
