@@ -189,7 +189,13 @@ void Caretaker::save(const Outcome& outcome) {
                {"generation", about.number}, {"outcome", "applied"},
                {"state", about.command}};
   const auto now = about.number;
-  keeper.keep(std::move(about), described(*running_), std::move(line), {});
+  if (now == running_->earlier + running_->deployer.generation()) {
+    keeper.keep(std::move(about), described(*running_), std::move(line), {});
+  } else {
+    // A newer change came before this look: the architecture that runs is that of the newer
+    // generation, which its own answer saves, and nobody may take it for this one.
+    keeper.audit(line);
+  }
   if (outcome.kind != Outcome::Kind::rolled_back) {
     relieved_ = now;
     return;

@@ -242,7 +242,8 @@ Status Generations::confirm_like(std::uint64_t number, std::uint64_t earlier) {
   {
     const std::lock_guard lock(mutex_);
     const auto found = known_.find(earlier);
-    if (found == known_.end() || found->second.damaged || found->second.mark != Mark::confirmed) {
+    if (!known_.contains(number) || found == known_.end() || found->second.damaged ||
+        found->second.mark != Mark::confirmed) {
       return ok();
     }
   }

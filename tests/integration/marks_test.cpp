@@ -52,6 +52,40 @@ TEST_F(Generations, ThatWereRolledBackAreMarkedAndTheOldOneIsSavedAgain) {
   EXPECT_EQ(exported(daemon), before);
 }
 
+/// The look that saves a rollback comes up to 20 ms after it, and a change may be quicker.
+TEST_F(Generations, AreNotConfirmedByTheRollbackOfTheOneBefore) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_EQ(daemon.ask("change.confirm")["saved"], true) << "it has just been started";
+  const auto unproven = [](double value) -> Json {
+    return {{"values", {{"first.core.gain", value}}}, {"confirm_within", "600s"}};
+  };
+  const auto rolled_back = [&] {
+    const auto lines = audit_lines();
+    return std::ranges::count_if(lines,
+                                 [](const Json& line) { return line["method"] == "rolled_back"; });
+  };
+  for (int i = 0; i < 6; ++i) {
+    if (i > 0) {
+      ASSERT_EQ(daemon.ask("change.undo")["state"], "applied");
+    }
+    ASSERT_TRUE(eventually([&] { return rolled_back() == 2 * i; }));
+    ASSERT_EQ(daemon.ask("param.set", unproven(2.0))["saved"], true);
+    ASSERT_EQ(daemon.ask("change.undo")["state"], "applied");
+    ASSERT_EQ(daemon.ask("param.set", unproven(3.0))["saved"], true);
+    ASSERT_TRUE(eventually([&] { return rolled_back() == 2 * i + 1; }));
+    for (const auto& one : daemon.ask("config.history")["items"]) {
+      const auto text = TempDir::read(file(std::to_string(one["generation"].get<int>())));
+      if (text.find("\"core.gain\": 3") != std::string::npos) {
+        EXPECT_EQ(one["mark"] == "confirmed", false) << one;
+      }
+    }
+  }
+  crash(daemon);
+  daemon.start();
+
+  EXPECT_EQ(daemon.value("first.core.gain"), 1.0) << daemon.errors();
+}
+
 /// A start is on probation too.
 TEST_F(Generations, ThatCrashSoonAfterTheirStartAreNotStartedAgain) {
   TrialDaemon daemon(kTrial, options());
