@@ -15,7 +15,6 @@
 #include <string_view>
 #include <vector>
 
-#include "commands/refusals.h"
 #include "control.h"
 #include "deciding_paths.h"
 #include "failures.h"
@@ -104,7 +103,7 @@ struct Running {
   std::vector<std::string> path_dirs = {};  ///< what path_rule() allows besides
   std::vector<DecidingPath> deciding = {};  ///< see deciding_paths.h
   Failures failures = {};                   ///< [control] see commands/notice.h
-  Refusals refusals = {};                   ///< [any]
+  server::Refusals refusals = {};           ///< [any]
   /// [any] Judges a file of this user beside what runs, then calls the function on [control]: see
   /// Judge::ask().
   std::function<void(uid_t, const Question&, std::function<void(Result<Json>)>)> judge = {};

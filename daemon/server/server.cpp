@@ -254,13 +254,22 @@ void Server::displace(std::uint64_t client, Role by) {
 }
 
 void Server::turn_away(Protocol::socket socket, const Peer& peer, const Error& why) {
-  log_.write(Event::client_refused, {{"uid", number(peer.uid)}, {"reason", why.message}});
+  if (refusals_.may_write(peer.uid, std::chrono::steady_clock::now())) {
+    log_.write(Event::client_refused, {{"uid", number(peer.uid)}, {"reason", why.message}});
+  }
+  sweep();  // tells what was only counted
   const auto line =
       protocol::to_line(protocol::make_error(nullptr, protocol::fault_of(why))) + '\n';
   boost::system::error_code ignored;
   // A fresh socket has room for one line; if not, the client learns from the closed connection.
   socket.non_blocking(true, ignored);
   socket.send(asio::buffer(line), 0, ignored);
+}
+
+void Server::tell_counted_refusals() {
+  for (const auto& [uid, count] : refusals_.take_counted(std::chrono::steady_clock::now())) {
+    log_.write(Event::clients_refused, {{"uid", number(uid)}, {"count", number(count)}});
+  }
 }
 
 void Server::on_end(std::uint64_t client, const std::string& reason) {
@@ -291,10 +300,11 @@ void Server::sweep() {
     for (const auto& [id, session] : sessions) {
       session->check_patience(now);
     }
+    tell_counted_refusals();
     if (paused_) {
       accept();
     }
-    if (paused_ || !sessions_.empty()) {
+    if (paused_ || !sessions_.empty() || !refusals_.empty()) {
       sweep();
     }
   });

@@ -21,6 +21,7 @@
 #include "server/dispatcher.h"
 #include "server/endpoint.h"
 #include "server/limits.h"
+#include "server/refusals.h"
 #include "server/session.h"
 
 namespace mauve::server {
@@ -85,6 +86,7 @@ class Server {
   [[nodiscard]] std::uint64_t oldest_below(Role role) const;
   void displace(std::uint64_t client, Role by);
   void turn_away(Protocol::socket socket, const Peer& peer, const Error& why);
+  void tell_counted_refusals();
   void on_end(std::uint64_t client, const std::string& reason);
   void sweep();
 
@@ -97,6 +99,7 @@ class Server {
   Protocol::acceptor acceptor_;
   boost::asio::steady_timer sweeper_;
   RateLimiter rate_;
+  Refusals refusals_;  ///< of connections
   SessionContext context_;
   std::map<std::uint64_t, std::shared_ptr<Session>> sessions_;  ///< [io]
   std::uint64_t next_client_ = 1;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "commands/refusals.h"
+#include "server/refusals.h"
 
 #include <gtest/gtest.h>
 
-namespace mauve::daemon {
+namespace mauve::server {
 namespace {
 
 using namespace std::chrono_literals;
@@ -43,4 +43,4 @@ TEST(Refusals, ThatWereCountedAreNotForgottenWhenNobodyAskedInTime) {
 }
 
 }  // namespace
-}  // namespace mauve::daemon
+}  // namespace mauve::server

@@ -297,6 +297,39 @@ TEST(Server, GivesAnAdminThePlaceOfTheOldestViewerWhenAllAreTaken) {
   EXPECT_THAT(served.log_text(), testing::HasSubstr("a client of role admin got this one"));
 }
 
+TEST(Server, WritesTwentyRefusedConnectionsOfAUserASecondAndCountsTheOthers) {
+  if (geteuid() != 0) GTEST_SKIP() << "SKIPPED: needs root, for a client of another user";
+  constexpr std::int64_t kRefused = 300;
+  ServedSocket served;
+  std::filesystem::permissions(served.path().parent_path(), std::filesystem::perms::all);
+  std::filesystem::permissions(served.path(), std::filesystem::perms::all);
+  const auto begin = std::chrono::steady_clock::now();
+  ASSERT_EQ(seteuid(50'001), 0) << "a user without a role";
+  for (int i = 0; i < kRefused; ++i) {
+    RawClient client(served.path());
+    EXPECT_EQ(client.json()["error"]["data"]["name"], "not_permitted");
+  }
+  ASSERT_EQ(seteuid(0), 0);
+
+  std::int64_t written = 0;
+  std::int64_t counted = 0;
+  EXPECT_TRUE(eventually([&] {
+    written = counted = 0;
+    for (const auto& record : served.log.history().tail(1000, {})) {
+      written += record.event == logging::Event::client_refused ? 1 : 0;
+      if (record.event != logging::Event::clients_refused) continue;
+      for (const auto& field : record.fields) {
+        if (field.name == "count") counted += std::get<std::int64_t>(field.value);
+      }
+    }
+    return written + counted == kRefused;
+  })) << written
+      << " written, " << counted << " counted";
+  const auto seconds =
+      std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - begin);
+  EXPECT_LE(written, 20 * (seconds.count() + 1));
+}
+
 TEST(Server, ListsItsClients) {
   ServedSocket served;
   auto client = served.client();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "commands/refusals.h"
+#include "server/refusals.h"
 
-namespace mauve::daemon {
+namespace mauve::server {
 
 bool Refusals::may_write(std::uint32_t uid, Time now) {
   const std::lock_guard lock(mutex_);
@@ -19,6 +19,11 @@ bool Refusals::may_write(std::uint32_t uid, Time now) {
   return false;
 }
 
+bool Refusals::empty() {
+  const std::lock_guard lock(mutex_);
+  return users_.empty();
+}
+
 std::vector<Refusals::Counted> Refusals::take_counted(Time now) {
   const std::lock_guard lock(mutex_);
   std::vector<Counted> told;
@@ -33,4 +38,4 @@ std::vector<Refusals::Counted> Refusals::take_counted(Time now) {
   return told;
 }
 
-}  // namespace mauve::daemon
+}  // namespace mauve::server

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// How many refused changes of one user are written down one by one. A client that is refused
-/// thousands of times a second must fill neither the log nor the disk.
+/// How many refusals of one user (changes, connections) are written down one by one. A client that
+/// is refused thousands of times a second must fill neither the log nor the disk.
 #pragma once
 
 #include <chrono>
@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-namespace mauve::daemon {
+namespace mauve::server {
 
 class Refusals {
  public:
@@ -18,7 +18,7 @@ class Refusals {
 
   static constexpr unsigned kPerSecond = 20;  ///< of one user
 
-  /// Refused changes that were not written down one by one.
+  /// Refusals that were not written down one by one.
   struct Counted {
     std::uint32_t uid;
     std::uint64_t count;
@@ -28,6 +28,8 @@ class Refusals {
   [[nodiscard]] bool may_write(std::uint32_t uid, Time now);
   /// [any but rt] The counts of seconds that are over; they are forgotten then.
   [[nodiscard]] std::vector<Counted> take_counted(Time now);
+  /// [any but rt] Nothing was refused since take_counted() forgot the last user.
+  [[nodiscard]] bool empty();
 
  private:
   struct Second {
@@ -40,4 +42,4 @@ class Refusals {
   std::map<std::uint32_t, Second> users_;  ///< of the last second
 };
 
-}  // namespace mauve::daemon
+}  // namespace mauve::server
