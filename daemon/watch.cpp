@@ -145,12 +145,16 @@ Result<std::uint64_t> Watches::follow_log(const server::Caller& caller,
   if (!sub) {
     return refuse(Errc::limit, "subscriptions", "this connection has too many", "end some of them");
   }
-  const auto following = log_.history().follow(
-      count, filter,
-      [outbox = caller.outbox, sub = *sub,
-       encode = std::move(encode)](const logging::Record& record) {
-        outbox->push(sub, {}, "log", protocol::NotificationText(encode(record)));
-      });
+  const auto following =
+      log_.history().follow(count, filter,
+                            [outbox = caller.outbox, sub = *sub, encode = std::move(encode),
+                             last = written_](const logging::Record& record) {
+                              if (!last->text || last->seq != record.seq) {
+                                last->text.emplace(encode(record));
+                                last->seq = record.seq;
+                              }
+                              outbox->push(sub, {}, "log", *last->text);
+                            });
   for (const auto& record : following.kept) {
     kept(record);
   }

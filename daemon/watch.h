@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -86,6 +87,11 @@ class Watches {
     bool told = false;
     std::chrono::steady_clock::time_point not_before = {};
   };
+  /// The record that was written out last, once for all who follow the log. [log]
+  struct WrittenRecord {
+    std::uint64_t seq = 0;
+    std::optional<protocol::NotificationText> text;
+  };
   struct LogFollower {
     std::uint64_t client;
     std::uint64_t sub;
@@ -120,6 +126,7 @@ class Watches {
   std::list<Polled> polled_;            ///< [control]
   std::list<Lost> lost_;                ///< [control]
   std::vector<LogFollower> followers_;  ///< [control]
+  std::shared_ptr<WrittenRecord> written_ = std::make_shared<WrittenRecord>();
 
   std::mutex mutex_;  ///< guards the following; never held while a value is read or written out
   std::condition_variable wake_;

@@ -30,14 +30,20 @@ bool Filter::accepts(const Record& record) const {
 }
 
 void History::add(const Record& record) {
-  const std::lock_guard lock(mutex_);
-  records_.push_back(record);
-  if (records_.size() > capacity_) {
-    records_.pop_front();
+  Entries told;
+  {
+    const std::lock_guard lock(mutex_);
+    records_.push_back(record);
+    if (records_.size() > capacity_) {
+      records_.pop_front();
+    }
+    for (const auto& [id, entry] : followers_) {
+      told.push_back(entry);
+    }
   }
-  for (const auto& [id, entry] : followers_) {
-    if (entry.filter.accepts(record)) {
-      entry.follower(record);
+  for (const auto& entry : told) {
+    if (entry->filter.accepts(record)) {
+      entry->follower(record);
     }
   }
 }
@@ -84,7 +90,8 @@ History::Losses History::losses(std::chrono::system_clock::time_point since,
 History::Following History::follow(std::size_t count, Filter filter, Follower follower) {
   const std::lock_guard lock(mutex_);
   Following following{next_id_++, tail_locked(count, filter)};
-  followers_[following.id] = {std::move(filter), std::move(follower)};
+  followers_[following.id] =
+      std::make_shared<const Entry>(Entry{std::move(filter), std::move(follower)});
   return following;
 }
 

@@ -8,6 +8,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -56,10 +57,11 @@ class History {
   };
 
   /// Calls `follower` on the [log] thread for every later record that passes; it must not wait and
-  /// must not call back into the log. No record is missed or seen twice between `kept` and those.
+  /// must not write to the log. No record is missed or seen twice between `kept` and those.
   Following follow(std::size_t count, Filter filter, Follower follower);
 
-  /// After the return the follower is not called any more.
+  /// After the return the follower is not called any more, but for the record that is told just
+  /// now.
   void unfollow(std::uint64_t id);
 
  private:
@@ -67,13 +69,14 @@ class History {
     Filter filter;
     Follower follower;
   };
+  using Entries = std::vector<std::shared_ptr<const Entry>>;
 
   [[nodiscard]] std::vector<Record> tail_locked(std::size_t count, const Filter& filter) const;
 
   const std::size_t capacity_;
-  mutable std::mutex mutex_;
+  mutable std::mutex mutex_;  ///< not held while a follower is called: they may be many
   std::deque<Record> records_;
-  std::map<std::uint64_t, Entry> followers_;
+  std::map<std::uint64_t, std::shared_ptr<const Entry>> followers_;
   std::uint64_t next_id_ = 1;
 };
 

@@ -214,6 +214,18 @@ TEST_F(LogTest, GivesFollowersWhatIsKeptAndThenEveryNewRecord) {
   EXPECT_THAT(followed, testing::ElementsAre("listening on b"));
 }
 
+TEST_F(LogTest, HoldsNobodyUpWhileAFollowerIsTold) {
+  std::size_t found = 0;
+  const auto following = log.history().follow(0, {}, [&](const Record& /*record*/) {
+    found = log.history().tail(10, {}).size();  // of another thread it would wait likewise
+  });
+  log.write(Event::listening, {{"socket", std::string("a")}});
+  log.flush();
+  log.history().unfollow(following.id);
+
+  EXPECT_EQ(found, 1U);
+}
+
 TEST_F(LogTest, NeverWaitsForASinkAndCountsWhatIsLost) {
   seen->stuck = true;
   for (std::size_t i = 0; i < 3 * Log::kQueue; ++i) {
