@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/terminal_text.h"
 #include "render.h"
 
 namespace mauve::ctl {
@@ -48,7 +49,7 @@ OrderedJson in_order(const Json& value) {
 constexpr std::size_t kLongestLine = 100;
 
 std::string text_of(const OrderedJson& value) {
-  return value.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
+  return json_for_terminals(value.dump(-1, ' ', false, OrderedJson::error_handler_t::replace));
 }
 
 /// { "x": 3.2, "y": 0.4 }, [1, 2]

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/terminal_text.h"
+
 namespace mauve::ctl {
 namespace {
 
@@ -45,16 +47,11 @@ std::string shortened(std::string_view text, std::size_t width) {
 }
 
 std::string harmless(std::string_view text) {
-  std::string result(text);
-  for (char& byte : result) {
-    const auto value = static_cast<unsigned char>(byte);
-    if (value < 0x20 || value == 0x7F) byte = '?';
-  }
-  // The C1 controls, two bytes in UTF-8.
-  for (std::size_t at = 0; (at = result.find('\xC2', at)) != std::string::npos; ++at) {
-    if (at + 1 < result.size() && static_cast<unsigned char>(result[at + 1]) < 0xA0) {
-      result.replace(at, 2, "?");
-    }
+  std::string result;
+  while (!text.empty()) {
+    const std::size_t obeyed = terminal_command(text);
+    result += obeyed > 0 ? '?' : text.front();
+    text.remove_prefix(std::max<std::size_t>(obeyed, 1));
   }
   return result;
 }

@@ -22,7 +22,8 @@ namespace mauve::ctl {
 /// The text, its middle replaced by "…" where it is wider than the width.
 [[nodiscard]] std::string shortened(std::string_view text, std::size_t width);
 
-/// The text without what could steer a terminal: control characters become '?'.
+/// The text without what could steer a terminal: control characters, line separators and marks of
+/// direction become '?'.
 [[nodiscard]] std::string harmless(std::string_view text);
 
 struct Cell {

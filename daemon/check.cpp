@@ -8,6 +8,7 @@
 #include "arch/load.h"
 #include "daemon.h"
 #include "exec/admission.h"
+#include "log/json_text.h"
 
 namespace mauve::daemon {
 namespace {
@@ -66,10 +67,10 @@ void print(const Timing& timing) {
   }
   std::cout << verdict(timing) << "\n";
   for (const auto& problem : timing.problems) {
-    std::cout << "warning: " << problem << "\n";
+    std::cout << "warning: " << logging::printable(problem) << "\n";
   }
   for (const auto& note : timing.notes) {
-    std::cout << "note: " << note << "\n";
+    std::cout << "note: " << logging::printable(note) << "\n";
   }
 }
 
@@ -78,27 +79,27 @@ void print(const Timing& timing) {
 int check_file(const Options& options) {
   const auto text = arch::read_file(options.architecture);
   if (!text) {
-    std::cerr << to_string(text.error()) << "\n";
+    std::cerr << logging::printable(to_string(text.error())) << "\n";
     return 1;
   }
   plugin::Catalog catalog(options.plugin_dirs);
   arch::Problems problems;
   const auto architecture = arch::load(*text, catalog, problems);
   for (const auto& problem : problems.sorted()) {
-    std::cerr << arch::to_string(problem, options.architecture) << "\n";
+    std::cerr << logging::printable(arch::to_string(problem, options.architecture)) << "\n";
   }
   if (!problems.empty()) {
     const auto count = problems.size();
-    std::cerr << count << (count == 1 ? " error in " : " errors in ") << options.architecture
-              << "\n";
+    std::cerr << count << (count == 1 ? " error in " : " errors in ")
+              << logging::printable(options.architecture) << "\n";
     return 1;
   }
-  std::cout << options.architecture << ": no errors\n";
+  std::cout << logging::printable(options.architecture) << ": no errors\n";
   if (architecture != nullptr && !architecture->components().empty()) {
     const auto timing = exec::analyze(*architecture, options.machine);
     print(timing);
     if (options.admission == Admission::strict && !timing.problems.empty()) {
-      std::cerr << "not admitted: " << timing.problems.front() << "\n";
+      std::cerr << "not admitted: " << logging::printable(timing.problems.front()) << "\n";
       return 1;
     }
   }

@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 
 #include <fmt/format.h>
+
+#include "base/terminal_text.h"
 
 namespace mauve::logging {
 
@@ -67,22 +70,6 @@ bool must_escape(char c) {
   return c == '"' || c == '\\' || static_cast<std::uint8_t>(c) < 0x20 || c == 0x7F;
 }
 
-/// C1 controls, line and paragraph separators, and the marks that reorder what follows them.
-bool commands_a_terminal(std::string_view sequence) {
-  if (sequence.size() == 1) {
-    return static_cast<std::uint8_t>(sequence[0]) < 0x20 || sequence[0] == 0x7F;
-  }
-  const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(sequence[i]); };
-  if (sequence.size() == 2) {
-    return (byte(0) == 0xC2 && byte(1) < 0xA0) || sequence == "\u061C";
-  }
-  const bool general = byte(0) == 0xE2 && (byte(1) == 0x80 || byte(1) == 0x81);  // U+2000 to U+207F
-  return general &&
-         (sequence == "\u200E" || sequence == "\u200F" ||
-          (sequence >= std::string_view("\u2028") && sequence <= std::string_view("\u202E")) ||
-          (sequence >= std::string_view("\u2066") && sequence <= std::string_view("\u2069")));
-}
-
 std::string escaped_sequence(std::string_view sequence) {
   if (sequence.size() == 1) {
     return escaped(sequence[0]);
@@ -103,7 +90,7 @@ std::string printable(std::string_view text) {
     const auto sequence = text.substr(0, std::max<std::size_t>(length, 1));
     if (length == 0) {
       out += kReplacement;
-    } else if (commands_a_terminal(sequence)) {
+    } else if (terminal_command(sequence) > 0) {
       out += escaped_sequence(sequence);
     } else {
       out += sequence;
@@ -127,7 +114,7 @@ std::string json_string(std::string_view text) {
     text.remove_prefix(length == 0 ? 1 : length);
   }
   out += '"';
-  return out;
+  return json_for_terminals(std::move(out));
 }
 
 }  // namespace mauve::logging

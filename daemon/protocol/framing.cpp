@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/terminal_text.h"
+
 namespace mauve::protocol {
 namespace {
 
@@ -139,7 +141,7 @@ Result<Json> parse_json(std::string_view text) {
 }
 
 std::string to_line(const Json& value) {
-  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_for_terminals(value.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace mauve::protocol

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "base/terminal_text.h"
+
 namespace mauve::arch {
 namespace {
 
@@ -85,7 +87,8 @@ Result<Value> from_json(const nlohmann::json& json) {
 
 std::string to_json_text(const Value& value) {
   constexpr int kIndent = 2;
-  return to_ordered_json(value).dump(kIndent, ' ', false, nlohmann::json::error_handler_t::replace);
+  return json_for_terminals(
+      to_ordered_json(value).dump(kIndent, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 }  // namespace mauve::arch

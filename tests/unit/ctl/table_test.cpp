@@ -57,6 +57,7 @@ TEST(Harmless, TakesEscapesAndControlsAway) {
   EXPECT_EQ(harmless("\xC2\x9B"
                      "31m"),
             "?31m");
+  EXPECT_EQ(harmless("\u202Egnp.exe\u2066 \u2028"), "?gnp.exe? ?");
   EXPECT_EQ(harmless("é µ …"), "é µ …");
 }
 

@@ -103,6 +103,7 @@ TEST(Printable, IsOneLineThatNoTerminalObeys) {
   EXPECT_EQ(printable("\xC2\x9B"  // CSI in one character
                       "\u202E\u2066\u2028"),
             "\\xc2\\x9b\\xe2\\x80\\xae\\xe2\\x81\\xa6\\xe2\\x80\\xa8");
+  EXPECT_EQ(json_string("\u202Egnp.exe\xC2\x9B\x7F"), R"("\u202egnp.exe\u009b\u007f")");
   EXPECT_EQ(printable("\x80"), "\xEF\xBF\xBD");
   EXPECT_EQ(printable("3 \u00B5s, \u201Cgain\u201D, \u2020, \u206A \\n"),
             "3 \u00B5s, \u201Cgain\u201D, \u2020, \u206A \\n")

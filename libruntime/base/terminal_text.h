@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Texts of others, which may hold what a terminal obeys.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace mauve {
+
+/// The length of the UTF-8 sequence at the beginning of `text` if a terminal obeys it: a control
+/// character (C0, DEL, C1), a line or paragraph separator, a mark that reorders what follows. 0: it
+/// is shown. [any]
+[[nodiscard]] std::size_t terminal_command(std::string_view text);
+
+/// The same JSON, in which DEL, C1 controls, separators and marks are written as "\u202e". JSON has
+/// no control characters of C0 within strings. [any]
+[[nodiscard]] std::string json_for_terminals(std::string json);
+
+}  // namespace mauve
