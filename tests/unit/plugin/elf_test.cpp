@@ -176,6 +176,26 @@ TEST(ElfCheck, RefusesAnyChangedBitOfWhatIsMapped) {
   EXPECT_TRUE(inspect(bytes, "good")) << "as it was";
 }
 
+/// As after mauve-stamp on a damaged file: the checksum fits, and the linker would write anywhere.
+TEST(ElfCheck, RefusesARelocationOutsideOfTheDataOfThePlugin) {
+  std::vector<std::byte> bytes = good();
+  const auto table = ElfFile::open(bytes)->section(".rela.dyn");
+  ASSERT_TRUE(table && table->bytes.size() >= sizeof(Elf64_Rela));
+  auto* const first = bytes.data() + (table->bytes.data() - bytes.data());
+  Elf64_Rela one;
+  for (const Elf64_Addr wrong : {Elf64_Addr{0}, Elf64_Addr{1} << 40U, ~Elf64_Addr{0}}) {
+    std::memcpy(&one, first, sizeof one);
+    one.r_offset = wrong;
+    std::memcpy(first, &one, sizeof one);
+    ASSERT_TRUE(stamp(bytes));
+
+    const auto facts = inspect(bytes, "good");
+
+    ASSERT_FALSE(facts) << wrong;
+    EXPECT_THAT(facts.error().message, HasSubstr("a relocation writes outside of its data"));
+  }
+}
+
 /// strip(1) takes sections away and moves their headers; what is mapped stays.
 TEST(ElfCheck, AcceptsAPluginThatWasStripped) {
   const mauve::test::TempDir folder;
