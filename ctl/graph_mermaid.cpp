@@ -56,7 +56,8 @@ std::string escaped_for_mermaid(std::string_view text) {
   constexpr std::string_view kSpecial = "#\"&<>`|;{}[]()\\*~";
   std::string result;
   for (const char letter : text) {
-    const bool special = kSpecial.find(letter) != std::string_view::npos;
+    const bool control = static_cast<unsigned char>(letter) < ' ';
+    const bool special = control || kSpecial.find(letter) != std::string_view::npos;
     result +=
         special ? "#" + std::to_string(static_cast<int>(letter)) + ";" : std::string(1, letter);
   }

@@ -329,7 +329,8 @@ int Daemon::shut_down(const std::string& cause) {
   for (const auto& name : left_behind) {
     log_.write(Event::component_stuck, {{"component", name}});
   }
-  if (left_behind.empty()) {
+  all_stopped_ = left_behind.empty();
+  if (all_stopped_) {
     guardian_.stop(true);  // else it sends its orders when this process is gone
   }
   recorder_.stop();
@@ -375,9 +376,11 @@ std::vector<std::string> Daemon::stop_components() {
 /// may be what hangs, and no end that mauved itself decides leaves an output as it was.
 void Daemon::leave_by_force(const std::string& cause) {
   const bool safe = rt::speak_last_words({.sent = true});
-  log_.write(Event::daemon_hurried, {{"cause", cause},
-                                     {"text", safe ? "after the safe values were written"
-                                                   : "and no safe values could be written now"}});
+  log_.write(Event::daemon_hurried,
+             {{"cause", cause},
+              {"text", all_stopped_ ? "after all components stopped with their safe values written"
+                       : safe       ? "after the safe values were written"
+                                    : "and no safe values could be written now"}});
   unlink(options_.socket.c_str());
   std::this_thread::sleep_for(kLastWordsMayTake);
 }

@@ -2,6 +2,7 @@
 /// The life of mauved: load, check, build, deploy, serve, shut down.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
@@ -57,6 +58,7 @@ class Daemon {
 
   const Options options_;
   const std::vector<DecidingPath> deciding_;
+  std::atomic<bool> all_stopped_{false};  ///< at the end, with their safe values written
   Signals signals_;
   logging::Log log_;
   Guardian guardian_{log_};

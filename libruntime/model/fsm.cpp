@@ -5,6 +5,7 @@
 #include <numeric>
 #include <string>
 
+#include "base/address.h"
 #include "model/find_named.h"
 
 namespace mauve {
@@ -82,6 +83,7 @@ Status FsmBase::verify() {
   mark_reachable(*initial_, reached);
   Marks done(states_.size(), 0);
   for (const FsmState* state : states_) {
+    if (Status named = check_name(state->name(), address()); !named) return named;
     const std::string at = address() + "." + std::string(state->name());
     if (reached[state->index()] == 0) {
       return refuse(Errc::invalid_value, at, "can never be reached from the initial state");

@@ -108,6 +108,7 @@ TEST(Service, HurriesOnASecondSignal) {
   EXPECT_EQ(daemon.process().wait(), 1);
   EXPECT_LT(Clock::now() - begin, std::chrono::seconds(5));
   EXPECT_THAT(daemon.errors(), HasSubstr("second signal"));
+  EXPECT_THAT(daemon.errors(), HasSubstr("after all components stopped"));
 }
 
 TEST(Service, EndsInBoundedTimeWhenAHookHangsAtTheStart) {

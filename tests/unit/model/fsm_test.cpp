@@ -104,6 +104,24 @@ TEST(Fsm, TransitionsAreOrderedTheFirstTrueGuardWins) {
   EXPECT_EQ(&fsm.start.next(core), &fsm.second);
 }
 
+/// State names are printed in graphs, traces and metrics.
+TEST(Fsm, RefusesAStateWhoseNameIsNone) {
+  struct Forging : Fsm<Guidance> {
+    Sync wait{*this, "wait\nsubgraph", 1ms};
+    Status on_configure() override {
+      start_at(wait);
+      wait.then(wait);
+      return ok();
+    }
+  } fsm;
+
+  const Status refused = fsm.configure();
+
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("is not a name"), std::string::npos)
+      << refused.error().message;
+}
+
 TEST(Fsm, RefusesACycleThatNeverWaits) {
   struct Spinning : Fsm<Guidance> {
     Exec a{*this, "a", &Guidance::poll_goal};
