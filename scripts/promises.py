@@ -1,12 +1,25 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Every test that README promises by name exists. Usage: promises.py [ROOT]"""
+"""Every promise of README has a figure and a command, and tests that exist. Usage: promises.py [ROOT]"""
 import pathlib
 import re
 import sys
 
 SECTION = "## What you can rely on"
 TEST = re.compile(r"^TEST(?:_F|_P)?\((\w+),\s*(\w+)\)", re.MULTILINE)
+
+COMMAND = re.compile(r"`[^`]+`")
+
+
+def rows_without_figure(section):
+    """What is wrong with rows of the table: each has a promise, a figure with its command, and tests."""
+    table = [line for line in section.splitlines() if line.startswith("|")]
+    for row in table[2:]:  # behind the head and its line
+        cells = [cell.strip() for cell in row.strip().strip("|").split("|")]
+        if len(cells) != 3:
+            yield f"{len(cells)} cells instead of promise, figure and command, tests: {row[:60]}"
+        elif not COMMAND.search(cells[1]) or not COMMAND.sub("", cells[1]).strip(" ·"):
+            yield f"no figure with a command in backticks for: {cells[0][:60]}"
 
 
 def main():
@@ -15,15 +28,20 @@ def main():
     if SECTION not in text:
         print(f"README.md: there is no section '{SECTION}'")
         return 1
-    promised = re.findall(r"`(\w+\.\w+)`", text.split(SECTION)[1].split("\n## ")[0])
+    section = text.split(SECTION)[1].split("\n## ")[0]
+    promised = re.findall(r"`(\w+\.\w+)`", section)
     there = set()
     for file in (root / "tests").rglob("*.cpp"):
         there |= {f"{suite}.{name}" for suite, name in TEST.findall(file.read_text(encoding="utf-8"))}
     missing = [name for name in promised if name not in there]
     for name in missing:
         print(f"README.md: promises {name}, and there is no such test")
-    print(f"promises: {len(promised)} tests are named, {len(missing)} are missing")
-    return 1 if missing or not promised else 0
+    unfounded = list(rows_without_figure(section))
+    for row in unfounded:
+        print(f"README.md: {row}")
+    print(f"promises: {len(promised)} tests are named, {len(missing)} are missing; "
+          f"{len(unfounded)} rows have no figure")
+    return 1 if missing or unfounded or not promised else 0
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The include rules and the size budget really refuse what they say they refuse."""
+"""The include rules, the size budget and the promises really refuse what they say they refuse."""
 import pathlib
 import subprocess
 import sys
@@ -104,6 +104,32 @@ class Lines(unittest.TestCase):
         body = 'f("{"); g(\'{\'); h(R"({{)"); // {\n /* { */ int big = 1\'000;\n'
         code, output = run("lines.py", {"ctl/a.cpp": f"void f() {{\n{body}}}\n" * 30})
         self.assertEqual(code, 0, output)
+
+
+class Promises(unittest.TestCase):
+    def check(self, row):
+        head = "# mauve\n## What you can rely on\n| promise | figure and command | tests |\n|---|---|---|\n"
+        return run("promises.py", {"README.md": head + row + "\n\n## Next\n",
+                                   "tests/a_test.cpp": "TEST(Swap, Works) {\n}\n"})
+
+    def refused(self, row, words):
+        code, output = self.check(row)
+        self.assertEqual(code, 1, output)
+        self.assertIn(words, output)
+
+    def test_accepts_a_promise_with_figure_command_and_test(self):
+        code, output = self.check("| it works | 3 of 3 · `ctest -R Swap` | `Swap.Works` |")
+        self.assertEqual(code, 0, output)
+
+    def test_refuses_a_test_that_is_not_there(self):
+        self.refused("| it works | 3 of 3 · `ctest` | `Swap.Fails` |", "there is no such test")
+
+    def test_refuses_a_promise_without_figure_or_command(self):
+        for cell in ("", "3 of 3", "`ctest -R Swap`", "· `ctest -R Swap`"):
+            self.refused(f"| it works | {cell} | `Swap.Works` |", "no figure with a command")
+
+    def test_refuses_a_promise_without_a_cell_for_the_figure(self):
+        self.refused("| it works | `Swap.Works` |", "2 cells instead of")
 
 
 if __name__ == "__main__":
