@@ -288,6 +288,13 @@ std::vector<Generation> Generations::list() const {
   return all;
 }
 
+std::optional<Mark> Generations::mark_of(std::uint64_t number) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = known_.find(number);
+  const bool whole = found != known_.end() && !found->second.damaged;
+  return whole ? std::optional(found->second.mark) : std::nullopt;
+}
+
 std::uint64_t Generations::newest() const {
   const std::lock_guard lock(mutex_);
   return newest_;

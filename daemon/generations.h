@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -67,6 +68,8 @@ class Generations {
 
   /// [any] Newest first.
   [[nodiscard]] std::vector<Generation> list() const;
+  /// [any] Nothing: not there, or damaged.
+  [[nodiscard]] std::optional<Mark> mark_of(std::uint64_t number) const;
   /// [any] The highest number ever seen here, 0 for none.
   [[nodiscard]] std::uint64_t newest() const;
 

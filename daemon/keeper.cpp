@@ -137,33 +137,42 @@ void Keeper::begin(const Generation& first, const Value& architecture) {
   if (save(first, architecture)) {
     try_generation(first.number);
   }
+  first_ = first.number;
   disk_.start();
+}
+
+/// A run that came to its end ends the row of crashes of what it began with.
+void Keeper::end_row_of_crashes() {
+  const auto began = generations_->text(first_);
+  for (const auto& one : generations_->list()) {
+    if (one.crashes == 0 || !began) {
+      continue;
+    }
+    const auto text = generations_->text(one.number);
+    if (text && *text == *began) {
+      static_cast<void>(generations_->set_crashes(one.number, 0));
+    }
+  }
 }
 
 void Keeper::end() {
   disk_.stop();
+  end_row_of_crashes();
   put_marker(kEnded);
 }
 
 void Keeper::keep(Generation about, Value architecture, Json line,
-                  std::function<void(bool saved)> then) {
-  save_then(std::move(about), std::move(architecture), false, std::move(line), std::move(then));
-}
-
-void Keeper::confirm(Generation about, Value architecture, Json line,
-                     std::function<void(bool saved)> then) {
-  save_then(std::move(about), std::move(architecture), true, std::move(line), std::move(then));
-}
-
-void Keeper::save_then(Generation about, Value architecture, bool confirm, Json line,
-                       std::function<void(bool saved)> then) {
+                  std::function<void(bool saved)> then, As as) {
   std::error_code unknown;
   about.folder = std::filesystem::current_path(unknown).string();
   // Before the lines of refused changes, of which anybody can make many.
-  disk_.post_urgent([this, about = std::move(about), architecture = std::move(architecture),
-                     confirm, line = std::move(line), then = std::move(then)]() mutable {
+  disk_.post_urgent([this, about = std::move(about), architecture = std::move(architecture), as,
+                     line = std::move(line), then = std::move(then)]() mutable {
+    if (as == As::before) {
+      about.mark = mark_before(about.number);
+    }
     bool saved = save(about, architecture);
-    if (saved && confirm) {
+    if (saved && as == As::confirmed) {
       saved = mark_now(about.number, Mark::confirmed);
     }
     line["saved"] = saved;
@@ -172,6 +181,15 @@ void Keeper::save_then(Generation about, Value architecture, bool confirm, Json 
       then(saved);
     }
   });
+}
+
+/// [disk] What mauved made by itself meanwhile, and nobody has told of yet, is not confirmed.
+Mark Keeper::mark_before(std::uint64_t generation) const {
+  if (generation != newest_ && generation != newest_ + 1) {
+    return Mark::unconfirmed;
+  }
+  const auto mark = generations_->mark_of(newest_).value_or(newest_mark_);
+  return mark == Mark::confirmed ? mark : Mark::unconfirmed;
 }
 
 void Keeper::audit(const Json& line) {
@@ -215,6 +233,9 @@ void Keeper::mark(std::uint64_t generation, Mark mark) {
 
 /// [disk]
 bool Keeper::mark_now(std::uint64_t generation, Mark mark) {
+  if (generation == newest_) {
+    newest_mark_ = mark;
+  }
   const auto marked = generations_->mark(generation, mark);
   if (!marked) {
     report(Event::generation_not_saved, marked.error());
@@ -306,6 +327,10 @@ void Keeper::flush() {
 }
 
 bool Keeper::save(const Generation& about, const Value& architecture) {
+  if (about.number > newest_) {
+    newest_ = about.number;
+    newest_mark_ = about.mark;
+  }
   const auto done = generations_->save(about, arch::to_json_text(architecture) + "\n");
   saved_ = done.has_value();
   if (!done) {

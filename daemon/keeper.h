@@ -49,16 +49,17 @@ class Keeper {
   /// Writes what waits, then says that the run has come to its end. [main]
   void end();
 
+  /// How a generation that is new is marked: as it says, confirmed also when it was saved already,
+  /// or like the one before it.
+  enum class As : std::uint8_t { marked, confirmed, before };
+
   /// Saves a generation, adds `line` to the audit log with "saved", then calls `then` on [disk].
-  /// [any but rt]
-  void keep(Generation about, Value architecture, Json line, std::function<void(bool saved)> then);
+  /// "saved" tells of its mark as well. [any but rt]
+  void keep(Generation about, Value architecture, Json line, std::function<void(bool saved)> then,
+            As as = As::marked);
   /// Adds a line to the audit log, for which nobody waits. When too many are on their way, lines
   /// are lost and counted. [any but rt]
   void audit(const Json& line);
-  /// The same for a generation that was saved already, or could not be; then it is confirmed.
-  /// "saved" tells of both. [any but rt]
-  void confirm(Generation about, Value architecture, Json line,
-               std::function<void(bool saved)> then);
   /// Marks a saved generation, after what waits for [disk]. [any but rt]
   void mark(std::uint64_t generation, Mark mark);
   /// Confirms a saved generation if an earlier one, to which it goes back, is. [any but rt]
@@ -93,8 +94,8 @@ class Keeper {
   Keeper(std::string directory, logging::Log& log) : directory_(std::move(directory)), log_(log) {}
 
   bool save(const Generation& about, const Value& architecture);
-  void save_then(Generation about, Value architecture, bool confirm, Json line,
-                 std::function<void(bool saved)> then);
+  void end_row_of_crashes();
+  [[nodiscard]] Mark mark_before(std::uint64_t generation) const;
   bool mark_now(std::uint64_t generation, Mark mark);
   void put_aside(const std::filesystem::path& folder);
   void read_marker();
@@ -113,6 +114,9 @@ class Keeper {
   std::uint64_t crashed_generation_ = 0;
   Json quarantined_ = Json::array();
   std::atomic<bool> saved_{true};
+  std::uint64_t first_ = 0;   ///< of this run
+  std::uint64_t newest_ = 0;  ///< [disk] that was to be saved, and its mark if it was not
+  Mark newest_mark_ = Mark::unconfirmed;
   bool audit_broken_ = false;  ///< [disk] one complaint each until it works again
   std::mutex mutex_;           ///< guards what follows
   std::vector<std::string> waiting_;

@@ -5,6 +5,7 @@
 #include "commands/gate.h"
 #include "commands/model.h"
 #include "commands/notice.h"
+#include "commands/unproven.h"
 #include "keeper.h"
 
 namespace mauve::daemon {
@@ -12,7 +13,7 @@ namespace mauve::daemon {
 namespace {
 
 /// [control] Saves what runs now, then says in the audit log what was asked and what became of it.
-void keep(Running& running, const Call& call, Mark mark, Json line,
+void keep(Running& running, const Call& call, std::optional<Mark> mark, Json line,
           std::function<void(bool saved)> then) {
   Generation about;
   about.number = running.earlier + running.deployer.generation();
@@ -21,12 +22,13 @@ void keep(Running& running, const Call& call, Mark mark, Json line,
   about.uid = call.caller.peer.uid;
   about.command = call.method->name;
   about.reason = text_or(call.params, "reason");
-  about.mark = running.deployer.on_probation() ? Mark::unconfirmed : mark;
+  const bool tried = running.deployer.on_probation();
+  about.mark = tried ? Mark::unconfirmed : mark.value_or(Mark::unconfirmed);
+  auto as = tried || mark ? Keeper::As::marked : Keeper::As::before;
   if (call.confirms) {
-    return running.keeper->confirm(std::move(about), described(running), std::move(line),
-                                   std::move(then));
+    as = Keeper::As::confirmed;
   }
-  running.keeper->keep(std::move(about), described(running), std::move(line), std::move(then));
+  running.keeper->keep(std::move(about), described(running), std::move(line), std::move(then), as);
 }
 
 void remember_maker(Running& running, const Call& call, std::uint64_t generation) {
@@ -63,6 +65,9 @@ void answer_applied(Running& running, const Call& call, Json result) {
   if (!call.method->harmless) {
     remember_maker(running, call, generation);
     remember_change(running, call, result, its);
+  }
+  if (!call.mark && generation != call.before) {
+    carry_unproven(running, generation);
   }
   auto line = audit_applied(running, call, result);
   if (running.keeper == nullptr) {
@@ -104,7 +109,7 @@ void answer_fault(Running& running, const Call& call, Fault fault) {
     auto line = audit_refused(running, call, fault);
     if (line && running.keeper != nullptr && fault.state != "unchanged") {
       // Nobody shall start with a mixture of old and new.
-      const auto mark = fault.state == "partly" ? Mark::unconfirmed : call.mark;
+      const auto mark = fault.state == "partly" ? std::optional(Mark::unconfirmed) : call.mark;
       keep(running, call, mark, *std::move(line), {});
     } else if (line && running.keeper != nullptr) {
       running.keeper->audit(*line);

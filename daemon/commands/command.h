@@ -122,8 +122,10 @@ struct Call {
   std::uint64_t before = 0;  ///< the generation that the request met
   /// How often each component was stopped by request when this one began: see Running::stops.
   std::optional<std::map<std::string, std::uint64_t>> stops = std::nullopt;
-  Mark mark = Mark::confirmed;  ///< of the generation that it makes
-  bool confirms = false;        ///< the generation that runs is confirmed before the answer
+  /// Of the generation that it makes; nothing: that of the one before. What only stops or starts
+  /// components proves nothing about them.
+  std::optional<Mark> mark = std::nullopt;
+  bool confirms = false;  ///< the generation that runs is confirmed before the answer
   std::shared_ptr<StopOrder> order = nullptr;  ///< of component.stop, where it is watched
   bool given_up = false;                       ///< a hook did not return, and keeps a thread
 };

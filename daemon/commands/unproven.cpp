@@ -63,13 +63,21 @@ void look_at_unproven(Running& running) {
       std::any_of(unproven.components.begin(), unproven.components.end(), [&](const auto& name) {
         return running.deployer.status(name).state == ComponentState::faulted;
       });
-  if (failed && unproven.generation == running.started.generation) {
+  if (failed && unproven.since == running.started.since) {
     running.started.proves = false;
   }
-  if (failed || unproven.generation != running.generation) {
+  if (failed) {
     running.unproven = {};
-  } else if (std::chrono::steady_clock::now() - unproven.since >= Probation{}.time) {
+  } else if (unproven.generation == running.generation &&
+             std::chrono::steady_clock::now() - unproven.since >= Probation{}.time) {
     static_cast<void>(confirm_unproven(running));
+  }
+}
+
+void carry_unproven(Running& running, std::uint64_t generation) {
+  if (running.unproven.generation != 0 && running.unproven.generation + 1 == generation) {
+    running.unproven.generation = generation;
+    running.unproven.replaces = 0;  // the copy is of another architecture
   }
 }
 

@@ -15,6 +15,10 @@ void begin_unproven(Running& running, Call& call, const Change& change);
 /// before.
 void begin_start(Running& running, std::uint64_t replaces, unsigned crashes);
 
+/// [control] A component was stopped or started by request, which made this generation: it proves
+/// itself with what it came from.
+void carry_unproven(Running& running, std::uint64_t generation);
+
 /// [control] Confirms it when none of its components failed for as long as a probation lasts. What
 /// came after it decides about itself.
 void look_at_unproven(Running& running);
