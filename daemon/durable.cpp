@@ -122,9 +122,14 @@ Status replace_file(const path& file, std::string_view content) {
 Status append_lines(const path& file, std::string_view lines) {
   const bool fresh = ::access(file.c_str(), F_OK) != 0;
   const Descriptor fd(::open(
-      file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW | O_NOCTTY, kFileMode));
+      file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW | O_NOCTTY | O_NONBLOCK,
+      kFileMode));
   if (!fd) {
     return failed(file, "open");
+  }
+  struct stat status {};
+  if (::fstat(fd.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
+    return refuse(Errc::system, file.string(), "is not a regular file", "move it away");
   }
   std::string text = ends_within_a_line(fd.get()) ? "\n" : "";
   text.append(lines).append("\n");

@@ -23,6 +23,8 @@ using protocol::Json;
 constexpr std::array<std::string_view, 3> kMarks = {"unconfirmed", "confirmed", "rolled_back"};
 constexpr std::string_view kBegin = "// mauve generation ";
 constexpr std::size_t kDigits = 6;
+/// No run comes near it: such a file is none of ours, and numbers go on after it all the same.
+constexpr std::uint64_t kMostNumber = 1'000'000'000'000;
 
 /// FNV-1a: notices damage, no more is asked of it.
 std::uint64_t checksum(std::string_view text, std::uint64_t sum = 0xcbf29ce484222325U) {
@@ -130,7 +132,8 @@ std::optional<std::uint64_t> number_of(const std::filesystem::path& file) {
   std::uint64_t number = 0;
   const auto* end = name.data() + name.size();
   const auto read = std::from_chars(name.data(), end, number);
-  const bool fits = file.extension() == ".json" && read.ec == std::errc{} && read.ptr == end;
+  const bool fits = file.extension() == ".json" && read.ec == std::errc{} && read.ptr == end &&
+                    number <= kMostNumber;
   return fits ? std::optional(number) : std::nullopt;
 }
 
@@ -156,7 +159,7 @@ void Generations::look() {
       std::error_code ignored;
       std::filesystem::remove(it->path(), ignored);  // of a save that was cut off
     }
-    if (!number) {
+    if (!number || it->path() != file(*number)) {
       continue;
     }
     Generation about;

@@ -119,7 +119,11 @@ void Keeper::put_aside(const std::filesystem::path& folder) {
       kind == std::filesystem::file_type::directory) {
     return;
   }
-  const auto other = folder.string() + ".damaged";
+  const auto first = folder.string() + ".damaged";
+  auto other = first;
+  for (int i = 2; std::filesystem::exists(std::filesystem::symlink_status(other, failed)); ++i) {
+    other = first + "." + std::to_string(i);
+  }
   std::filesystem::rename(folder, other, failed);
   report(Event::generation_not_saved,
          refuse(Errc::invalid_value, folder.string(),
@@ -171,7 +175,7 @@ void Keeper::keep(Generation about, Value architecture, Json line,
     if (as == As::before) {
       about.mark = mark_before(about.number);
     }
-    bool saved = save(about, architecture);
+    bool saved = save(about, architecture) && save_cores();
     if (saved && as == As::confirmed) {
       saved = mark_now(about.number, Mark::confirmed);
     }
@@ -292,18 +296,31 @@ void Keeper::confirm_like(std::uint64_t generation, std::uint64_t earlier) {
 
 void Keeper::quarantine(Json cores) {
   disk_.post_urgent([this, cores = std::move(cores)] {
-    const Json list = {{"cores", cores}};
-    if (auto written = replace_file(quarantine_in(directory_), protocol::to_line(list) + "\n");
-        !written) {
-      report(Event::generation_not_saved, written.error());
-    }
+    unsaved_cores_ = cores;
+    static_cast<void>(save_cores());
   });
+}
+
+/// [disk] What the disk did not take is tried again with the next change.
+bool Keeper::save_cores() {
+  if (!unsaved_cores_) {
+    return true;
+  }
+  const Json list = {{"cores", *unsaved_cores_}};
+  const auto written = replace_file(quarantine_in(directory_), protocol::to_line(list) + "\n");
+  if (!written) {
+    report(Event::generation_not_saved, written.error());
+    saved_ = false;
+    return false;
+  }
+  unsaved_cores_.reset();
+  return true;
 }
 
 void Keeper::read_quarantine() {
   const auto file = quarantine_in(directory_);
   std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored)) {
+  if (!std::filesystem::exists(std::filesystem::symlink_status(file, ignored))) {
     return;
   }
   const auto text = arch::read_file(file.string(), &plugin::Trust::of_this_process());

@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -94,6 +95,7 @@ class Keeper {
   Keeper(std::string directory, logging::Log& log) : directory_(std::move(directory)), log_(log) {}
 
   bool save(const Generation& about, const Value& architecture);
+  bool save_cores();
   void end_row_of_crashes();
   [[nodiscard]] Mark mark_before(std::uint64_t generation) const;
   bool mark_now(std::uint64_t generation, Mark mark);
@@ -114,8 +116,9 @@ class Keeper {
   std::uint64_t crashed_generation_ = 0;
   Json quarantined_ = Json::array();
   std::atomic<bool> saved_{true};
-  std::uint64_t first_ = 0;   ///< of this run
-  std::uint64_t newest_ = 0;  ///< [disk] that was to be saved, and its mark if it was not
+  std::optional<Json> unsaved_cores_;  ///< [disk] in quarantine
+  std::uint64_t first_ = 0;            ///< of this run
+  std::uint64_t newest_ = 0;           ///< [disk] that was to be saved, and its mark if it was not
   Mark newest_mark_ = Mark::unconfirmed;
   bool audit_broken_ = false;  ///< [disk] one complaint each until it works again
   std::mutex mutex_;           ///< guards what follows

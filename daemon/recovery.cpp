@@ -93,8 +93,8 @@ std::optional<Origin> last_confirmed(const Options& options, const Generations& 
                   one.crashes,
                   one.command == kRecover ? one.number : 0};
     auto text = generations.text(one.number);
-    if (text && std::ranges::find(passed_over, *text) != passed_over.end()) {
-      continue;
+    if (text && (one.damaged || std::ranges::find(passed_over, *text) != passed_over.end())) {
+      continue;  // of one that was damaged a moment ago the mark is not known
     }
     if (text && one.crashes >= kMostCrashes) {
       log.write(Event::generation_passed_over,

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "trace/file.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <utility>
 
 #include "log/event.h"
 #include "mauve/version.h"
 #include "protocol/trace.h"
+#include "rt/descriptor.h"
 
 namespace mauve::daemon {
 
@@ -93,27 +97,53 @@ Json page_of(const Recording& recording, std::size_t from, std::size_t count) {
   return {{"records", std::move(records)}, {"next", next}, {"end", next == total}};
 }
 
+/// What somebody put in its place is not waited for.
+std::string part_of(const std::filesystem::path& file, std::size_t from, std::size_t most) {
+  const rt::Descriptor fd(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOFOLLOW));
+  struct stat status {};
+  if (!fd || ::fstat(fd.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
+    return {};
+  }
+  const auto size = static_cast<std::size_t>(status.st_size);
+  std::string text(from < size ? std::min(most, size - from) : 0, '\0');
+  std::size_t done = 0;
+  while (done < text.size()) {
+    const auto got =
+        ::pread(fd.get(), text.data() + done, text.size() - done, static_cast<off_t>(from + done));
+    if (got <= 0) {
+      break;
+    }
+    done += static_cast<std::size_t>(got);
+  }
+  text.resize(done);
+  return text;
+}
+
+/// A line that is longer than a page is damage, and the end.
 Result<Json> page_of(const std::filesystem::path& file, std::size_t from, std::size_t count) {
-  std::ifstream stream(file);
-  std::string line;
-  auto header = std::getline(stream, line) ? protocol::parse_json(line) : Result<Json>(Json());
+  const auto head = part_of(file, 0, kLongestHeader);
+  const auto first = head.find('\n');
+  auto header = first == std::string::npos ? Result<Json>(Json())
+                                           : protocol::parse_json(head.substr(0, first));
   if (!header || !header->is_object()) {
     return refuse(Errc::invalid_value, file.filename().string(), "cannot be read",
                   "mauvectl trace list shows what is there");
   }
-  const std::size_t first = line.size() + 1;
-  std::size_t next = std::max(from, first);
-  stream.seekg(static_cast<std::streamoff>(next));
+  std::size_t next = std::max(from, first + 1);
+  const auto text = part_of(file, next, 2 * kMostBytes);
   Json records = Json::array();
   bool end = true;
-  for (std::size_t bytes = 0; std::getline(stream, line) && !line.starts_with("{");) {
-    if (records.size() >= std::min(count, kMostRecords) || bytes >= kMostBytes) {
+  for (std::size_t at = 0, line = 0; end && at < text.size() && text[at] != '{'; at = line + 1) {
+    line = text.find('\n', at);
+    if (line == std::string::npos) {
+      break;
+    }
+    if (records.size() >= std::min(count, kMostRecords) || at >= kMostBytes) {
       end = false;
       break;
     }
-    bytes += line.size();
-    next += line.size() + 1;
-    if (auto record = protocol::parse_json(line)) {
+    next += line + 1 - at;
+    if (auto record = protocol::parse_json(text.substr(at, line - at))) {
       records.push_back(*std::move(record));
     }
   }

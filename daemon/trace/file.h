@@ -20,6 +20,12 @@ inline constexpr std::size_t kMostBytes = 600'000;
 
 [[nodiscard]] std::string to_text(const Recording& recording, const protocol::Json& header);
 
+/// At most so many bytes of a file from a place on; empty: none, or it is no regular file.
+[[nodiscard]] std::string part_of(const std::filesystem::path& file, std::size_t from,
+                                  std::size_t most);
+/// Of the first line of a file.
+inline constexpr std::size_t kLongestHeader = 1 << 20;
+
 /// A page of a recording in memory, from a record on: {"records", "next", "end"}.
 [[nodiscard]] protocol::Json page_of(const Recording& recording, std::size_t from,
                                      std::size_t count);

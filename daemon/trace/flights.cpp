@@ -6,8 +6,8 @@
 #include <cctype>
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <optional>
+#include <system_error>
 
 #include "durable.h"
 #include "trace/file.h"
@@ -29,37 +29,42 @@ std::string for_file(std::string text) {
   return text.substr(0, 64);
 }
 
-std::string last_line_of(std::ifstream& stream) {
-  constexpr std::streamoff kLongest = 200;
-  stream.clear();
-  stream.seekg(0, std::ios::end);
-  const auto size = stream.tellg();
-  stream.seekg(std::max<std::streamoff>(0, size - kLongest));
-  std::string last;
-  for (std::string line; std::getline(stream, line);) {
-    last = line;
+/// The last line of a file of this size.
+std::string last_line_of(const std::filesystem::path& file, std::uintmax_t size) {
+  constexpr std::uintmax_t kLongest = 200;
+  auto text = part_of(file, size - std::min(size, kLongest), kLongest);
+  while (text.ends_with('\n')) {
+    text.pop_back();
   }
-  return last;
+  return text.substr(text.rfind('\n') + 1);
 }
 
-/// What its first and last line say; nothing: it is none of ours.
+std::string text_in(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+/// What its first and last line say; nothing: it is none of ours, or damaged.
 std::optional<Flight> look_at(const std::filesystem::path& file) {
+  constexpr unsigned long long kMostFlights = 1'000'000'000'000;
   Flight flight;
   flight.name = file.stem().string();
   unsigned long long number = 0;
-  if (std::sscanf(flight.name.c_str(), "flight-%llu-", &number) != 1) {
+  const bool named = std::sscanf(flight.name.c_str(), "flight-%llu-", &number) == 1;
+  const auto head = named && number < kMostFlights ? part_of(file, 0, kLongestHeader) : "";
+  const auto header = protocol::parse_json(head.substr(0, head.find('\n')));
+  if (!header || !header->is_object()) {
     return std::nullopt;
   }
   flight.number = number;
-  std::ifstream stream(file);
-  std::string line;
-  std::getline(stream, line);
-  if (const auto header = protocol::parse_json(line); header && header->is_object()) {
-    flight.why = header->value("why", "");
-    flight.time = header->value("t", "");
-  }
-  if (const auto last = protocol::parse_json(last_line_of(stream)); last && last->is_object()) {
-    flight.records = last->value("records", std::size_t{0});
+  flight.why = text_in(*header, "why");
+  flight.time = text_in(*header, "t");
+  std::error_code gone;
+  const auto size = std::filesystem::file_size(file, gone);
+  const auto last = protocol::parse_json(last_line_of(file, gone ? 0 : size));
+  if (last && last->is_object() && last->contains("records") &&
+      (*last)["records"].is_number_unsigned()) {
+    flight.records = (*last)["records"].get<std::size_t>();
   }
   return flight;
 }
@@ -76,6 +81,9 @@ Flights::Flights(std::string directory, logging::Log& log)
     }
     if (auto flight = look_at(file)) {
       flights_.push_back(*std::move(flight));
+    } else {
+      log_.write(Event::flight_not_kept,
+                 {{"text", file.string() + ": is no recording, or damaged; it is not listed"}});
     }
   }
   std::sort(flights_.begin(), flights_.end(),

@@ -180,26 +180,6 @@ TEST_F(Generations, AreIgnoredWhenAFreshStartIsAskedFor) {
   EXPECT_EQ(newest(daemon)["command"], "start");
 }
 
-TEST_F(Generations, ThatAreDamagedAreSkippedForTheNextOlderOne) {
-  TrialDaemon daemon(kTrial, options());
-  ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
-  const auto older = exported(daemon);
-  ASSERT_EQ(daemon.ask("param.set", gain(4.0))["saved"], true);
-  ASSERT_EQ(daemon.ask("param.set", gain(5.0))["saved"], true);
-  crash(daemon);
-  auto text = TempDir::read(file("3"));
-  text.replace(text.find("4.0"), 3, "7.0");  // good JSON, wrong value
-  std::ofstream(file("3")) << text;
-  std::filesystem::resize_file(file("4"), 300);
-
-  daemon.start();
-
-  EXPECT_EQ(exported(daemon), older);
-  EXPECT_THAT(daemon.errors(), HasSubstr("generation 4 cannot be started"));
-  EXPECT_THAT(daemon.errors(), HasSubstr("generation 3 cannot be started"));
-  EXPECT_EQ(newest(daemon)["generation"], 5);
-}
-
 TEST_F(Generations, LeaveTheFileWhenNoneCanBeBuilt) {
   TrialDaemon daemon(kTrial, options());
   ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
