@@ -18,6 +18,7 @@
 #include "support/foreign_realtime.h"
 #include "support/lost_releases.h"
 #include "support/number_in.h"
+#include "support/process_usage.h"
 #include "support/sanitized.h"
 #include "trial_daemon.h"
 
@@ -180,14 +181,6 @@ Stops stop_on(RawClient client, const std::atomic<bool>& end) {
     static_cast<void>(client.ask("component.start", {{"components", {"d"}}}));
   }
   return stops;
-}
-
-std::size_t entries(pid_t process, const std::string& what) {
-  const auto folder = std::filesystem::path("/proc") / std::to_string(process) / what;
-  std::error_code gone;
-  std::size_t count = 0;
-  for (auto i = std::filesystem::directory_iterator(folder, gone); i != end(i); ++i) ++count;
-  return count;
 }
 
 class MutatedRequests : public testing::Test {
