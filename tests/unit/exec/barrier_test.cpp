@@ -289,6 +289,7 @@ TEST(BarrierOfAChain, KeepsThoseOutThatReachTheResourceThroughAnother) {
   EXPECT_EQ(store::counts().wrong, 0);
   const ComponentStatus caller = deployer.status("caller");
   EXPECT_GT(caller.missed, 0u) << "it waited too";
+  EXPECT_FALSE(caller.changing) << "it waits for nobody any more";
   EXPECT_EQ(static_cast<std::int64_t>(caller.releases + caller.missed),
             caller.next_release.count() / 100'000);
   const store::Total1& old = *architecture.resource.core().state;

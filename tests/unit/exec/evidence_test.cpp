@@ -80,6 +80,17 @@ TEST_F(EvidenceTest, ToleratesSoManyLateJobsOfTheWindow) {
   EXPECT_EQ(jobs_until(Verdict::overruns, {kTooLong}), 2) << "three of the last four";
 }
 
+TEST_F(EvidenceTest, RemembersLateJobsForTheWholeWindow) {
+  rules = {.tolerated = 2};  // of 64 jobs
+  std::vector<JobTiming> jobs(32, kSound);
+  jobs[0] = kTooLong;
+  EXPECT_EQ(jobs_until(Verdict::overruns, jobs), kMany) << "the third would be the 65th";
+
+  evidence.begin_anew(false);
+  jobs.pop_back();
+  EXPECT_EQ(jobs_until(Verdict::overruns, jobs), 63);
+}
+
 TEST_F(EvidenceTest, ExcusesOneOfEightJobsThatOthersHeldUp) {
   std::vector<JobTiming> jobs(8, kSound);
   jobs[0] = kHeldUp;

@@ -152,6 +152,25 @@ TEST_F(Renew, RefusesAHoldThatCannotBe) {
   EXPECT_EQ(&adder(), &architecture.adder);
 }
 
+TEST_F(Renew, RefusesWhatOnlyAComponentHas) {
+  std::vector<Edit> edits(5);
+  edits[0].mode = Mode::park;
+  edits[1].core = architecture.adder.type().core;
+  edits[2].fsm = architecture.near.type().fsm;
+  edits[3].type = architecture.near.type();
+  edits[4].task.emplace();
+  for (Edit& edit : edits) {
+    edit.component = "adder";
+    edit.properties.emplace_back("shell.step", 3);
+
+    const Result<Receipt> done = deployer.apply({{edit}});
+
+    ASSERT_FALSE(done) << "edit " << &edit - edits.data();
+    EXPECT_EQ(done.error().code, Errc::unsupported);
+    EXPECT_EQ(&adder(), &architecture.adder);
+  }
+}
+
 TEST_F(Renew, TheOldOneComesBackWhenTheChangeIsTakenBack) {
   Edit edit;
   edit.component = "adder";

@@ -99,10 +99,14 @@ TEST(Port, IsConnectedAndDisconnectedOnAConfiguredComponent) {
   const double value = 3.0;
   bench.data.write_service().write(&value);
 
+  EXPECT_FALSE(bench.probe.shell().in.connected());
   ASSERT_TRUE(bench.probe.connect("in", service, bench.data.keep_alive()));
+  EXPECT_TRUE(bench.probe.shell().in.connected());
+  EXPECT_FALSE(bench.probe.shell().in_too.connected()) << "another port";
   EXPECT_EQ(bench.probe.shell().in.read(), 3.0);
   EXPECT_EQ(bench.probe.connect("in", service, nullptr).error().code, Errc::duplicate);
   ASSERT_TRUE(bench.probe.disconnect("in"));
+  EXPECT_FALSE(bench.probe.shell().in.connected());
   EXPECT_EQ(bench.probe.shell().in.read(), 42.0);
   EXPECT_EQ(bench.probe.disconnect("in").error().code, Errc::wrong_state);
 }
