@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/duration.h"
+#include "commands/change.h"
 #include "commands/model.h"
 
 namespace mauve::daemon {
