@@ -169,7 +169,7 @@ TEST(Port, QueueGivesOldestFirstAndDropsTheOldestWhenFull) {
   ASSERT_TRUE(bench.queue.core().find_property("capacity")->set(3));
   ASSERT_TRUE(bench.configure());
 
-  for (const double value : {1.0, 2.0, 3.0, 4.0}) shell.out.write(value);
+  for (const double value : {1.0, 2.0, 3.0, 4.0}) EXPECT_TRUE(shell.out.write(value));
 
   EXPECT_EQ(shell.in.read(), 2.0);
   EXPECT_EQ(shell.in.read(), 3.0);
