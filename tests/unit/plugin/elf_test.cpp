@@ -63,6 +63,16 @@ TEST(ElfCheck, FindsOneExportedSymbolInAPluginOfTheHouse) {
   EXPECT_THAT(exported, ElementsAre("mauve_plugin"));
 }
 
+TEST(ElfCheck, LooksAtEverySymbolThatTheLinkerSees) {
+  const Result<ElfFile> file = ElfFile::open(good());
+  ASSERT_TRUE(file);
+  const auto table = file->section(".dynsym");
+  ASSERT_TRUE(table);
+
+  const std::size_t entries = table->header.sh_size / table->header.sh_entsize;
+  EXPECT_EQ(file->symbols(SHT_DYNSYM).size(), entries - 1) << "the first one has no meaning";
+}
+
 TEST(ElfCheck, RefusesWhatIsNotElf) {
   for (const std::string text : {"", "\x7f", "#!/bin/sh\nexit 0\n"}) {
     const Result<Facts> facts = inspect(std::as_bytes(std::span(text)), "good");
