@@ -93,7 +93,11 @@ function(mauve_test name)
   if("tsan" IN_LIST ARG_LABELS)
     add_dependencies(tsan_tests ${name})
   endif()
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 TEST_LIST ${name}_TESTS
+  set(prefix)
+  if(campaign IN_LIST ARG_LABELS)
+    set(prefix TEST_PREFIX "${name}.")  # its short form has tests of the same names
+  endif()
+  gtest_discover_tests(${name} ${prefix} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 TEST_LIST ${name}_TESTS
     WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}" PROPERTIES TIMEOUT ${ARG_TIMEOUT})
   # Properties that are lists do not survive gtest_discover_tests; they are set on what it found.
   set(properties "${CMAKE_CURRENT_BINARY_DIR}/${name}_properties.cmake")
