@@ -206,6 +206,7 @@ class Robot {
     if (step.kind == Step::Kind::taken) next.worth = Worth::confirmed;
     if (order) next.worth = its;
     if (step.kind == Step::Kind::trial && !order) undo_to_ = {generation_, now_};
+    ordered_ = order && (ordered_ || step.kind == Step::Kind::order);
     if (step.kind == Step::Kind::taken) undo_to_.reset();
     now_ = next.content;
     generation_ = number;
@@ -224,10 +225,12 @@ class Robot {
   void undo(Kept& next) {
     if (!undo_to_) return;
     const auto& [number, content] = *undo_to_;
-    const bool stands = now_["components"]["second"].contains("start");
     next.content = content;
-    next.content["components"]["second"].erase("start");
-    if (stands) next.content["components"]["second"]["start"] = false;
+    if (ordered_) {
+      const bool stands = now_["components"]["second"].contains("start");
+      next.content["components"]["second"].erase("start");
+      if (stands) next.content["components"]["second"]["start"] = false;
+    }
     const auto* earlier = oracle_.find(number);
     const bool proved = earlier == nullptr || earlier->worth != Worth::unconfirmed;
     next.worth = proved ? Worth::either : Worth::unconfirmed;
@@ -261,6 +264,7 @@ class Robot {
   Json now_;
   std::uint64_t generation_ = 0;
   std::optional<std::pair<std::uint64_t, Json>> undo_to_;
+  bool ordered_ = false;  ///< something was stopped or started by request since then
   std::string lock_ = "none";
   bool quarantined_ = false;
   int build_ = 1;
