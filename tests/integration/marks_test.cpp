@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // What a generation is worth after a crash, and which cores stay out.
+#include <map>
+
 #include "kept_daemon.h"
 
 namespace mauve::test {
@@ -227,6 +229,31 @@ TEST_F(Generations, ThatGoBackToAnUnconfirmedOneAreUnconfirmed) {
   daemon.start();
 
   EXPECT_EQ(exported(daemon), proved);
+}
+
+/// What the next change brings is not saved under the number of the one before.
+TEST_F(Generations, ThatGoBackKeepTheirContentBesideANewerChange) {
+  TrialDaemon daemon(kTrial, options());
+  auto client = daemon.client();
+  ASSERT_EQ(client.ask("param.set", gain(2.0))["result"]["saved"], true);
+  std::map<std::string, Json> wanted;
+  for (double value = 3.0; value < 9.0; value += 0.25) {
+    const auto before = client.ask("config.get")["result"]["architecture"]["components"];
+    const Json tried = {{"values", {{"first.core.gain", 10.0}}}, {"confirm_within", "600s"}};
+    ASSERT_EQ(client.ask("param.set", tried)["result"]["saved"], true);
+    const auto undone = client.ask("change.undo")["result"]["generation"];
+    const Json next = {{"values", {{"first.core.gain", value}}}, {"confirm_within", "600s"}};
+    ASSERT_EQ(client.ask("param.set", next)["result"]["saved"], true);
+    ASSERT_EQ(client.ask("change.confirm")["result"]["saved"], true);
+    wanted[undone.dump()] = before;
+  }
+  ASSERT_EQ(client.ask("lock.set", {{"lock", "none"}})["result"]["saved"], true);
+  crash(daemon);
+
+  for (const auto& [number, content] : wanted) {
+    const auto saved = Json::parse(TempDir::read(file(number)), nullptr, true, true);
+    EXPECT_EQ(saved["components"], content) << "generation " << number;
+  }
 }
 
 TEST_F(Generations, OfAReloadOrASwapInPlaceAreUnconfirmedUntilTheyAreConfirmed) {
