@@ -56,7 +56,7 @@ class StateDamage {
   }
 
   std::string of_a_file(const path& file) {
-    const auto content = TempDir::read(file);
+    const auto content = content_of(file);
     const auto name = file.filename().string();
     switch (below(12)) {
       case 0:
@@ -83,7 +83,7 @@ class StateDamage {
         static_cast<void>(mkfifo(file.c_str(), 0640));
         return name + " is a FIFO";
       case 8:
-        write(file, TempDir::read(some_file()));
+        write(file, content_of(some_file()));
         return name + " has the content of another file";
       case 9:
         chmod(file.c_str(), 0666);
@@ -140,8 +140,7 @@ class StateDamage {
     const auto& name = names[below(names.size())];
     std::error_code there;
     std::filesystem::create_directories(state_ / "generations", there);
-    if (!there)
-      write(state_ / "generations" / name, below(2) == 0 ? "" : TempDir::read(some_file()));
+    if (!there) write(state_ / "generations" / name, below(2) == 0 ? "" : content_of(some_file()));
     return "a stray " + name;
   }
   /// Where mauved makes files.
@@ -164,6 +163,13 @@ class StateDamage {
     return own(directory);
   }
 
+  /// A FIFO would keep its reader.
+  static std::string content_of(const path& file) {
+    std::error_code gone;
+    const bool plain =
+        std::filesystem::is_regular_file(std::filesystem::symlink_status(file, gone));
+    return plain ? TempDir::read(file) : "";
+  }
   static void replace(const path& file) { std::filesystem::remove_all(file); }
   static void write(const path& file, const std::string& content) {
     std::error_code gone;
