@@ -285,7 +285,7 @@ TEST_F(TableTest, CountsGenerationsOnFromEarlierRuns) {
   EXPECT_EQ(std::get<Json>(stopped)["generation"], 40 + deployer.generation());
 }
 
-TEST_F(TableTest, FindsRecordsByTimeAndText) {
+TEST_F(TableTest, FindsRecordsByTimeTextAndLevel) {
   log.write(logging::Event::accept_paused);
   log.write(logging::Event::accept_resumed);
   log.flush();
@@ -296,6 +296,9 @@ TEST_F(TableTest, FindsRecordsByTimeAndText) {
   EXPECT_EQ(std::get<Json>(found)["dropped"], (Json{{"lost", 0}, {"gone", 0}}));
   auto later = ask(Role::viewer, "log.tail", {{"since", "2199-01-01"}});
   EXPECT_EQ(std::get<Json>(later)["records"], Json::array());
+  auto loud = ask(Role::viewer, "log.tail", {{"level", "error"}});
+  EXPECT_EQ(std::get<Json>(loud)["records"], Json::array());
+  EXPECT_EQ(refused(Role::viewer, "log.tail", {{"level", "loud"}}).name, "invalid_value");
   EXPECT_EQ(refused(Role::viewer, "log.tail", {{"since", "soon"}}).name, "invalid_value");
   EXPECT_EQ(refused(Role::viewer, "log.tail", {{"grep", std::string(300, 'x')}}).name, "limit");
 }

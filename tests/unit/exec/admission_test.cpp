@@ -272,6 +272,7 @@ TEST(Admission, AnalyzeTellsResponsesOfATextbookSet) {
   const ComponentTiming& fast = timing.components[0];
   const ComponentTiming& slow = timing.components[1];
   EXPECT_EQ(fast.name, "fast");
+  EXPECT_EQ(fast.cpu, 0);
   EXPECT_EQ(fast.source, "declared");
   EXPECT_EQ(fast.deadline, 10ms);
   EXPECT_EQ(slow.deadline, 20ms);

@@ -58,6 +58,12 @@ struct Blind final : ramp::RampCore {
   void update() override {}
 };
 
+/// With a state of described plain bytes.
+struct Placed final : ramp::RampCore {
+  State<ramp::PositionV1> state{*this};
+  void update() override {}
+};
+
 template <typename First>
 struct Survey : Architecture {
   SharedData<double> height{*this, "height"};
@@ -78,6 +84,20 @@ struct Surveying {
   Survey<First> architecture;
   Deployer deployer{architecture, {.simulated = true}};
 };
+
+TEST(State, OfDescribedPlainBytesNeedsNoCodeOfItsPlugin) {
+  const std::shared_ptr<CoreBase> core = CoreType::of<Placed>("placed").make();
+  StateBase& state = *core->state();
+  static_cast<Placed&>(*core).state->metres = 3;
+  const void* const made_by_plugin = state.data();
+  const auto library = std::make_shared<int>(0);
+
+  state.keep_alive(library);
+
+  EXPECT_NE(state.data(), made_by_plugin) << "the plugin would have to free it";
+  EXPECT_EQ(static_cast<Placed&>(*core).state->metres, 3);
+  EXPECT_EQ(library.use_count(), 1) << "nobody holds the plugin";
+}
 
 TEST(SlowState, IsSharedWithTheNextCoreBeforeThatIsConfigured) {
   Surveying<Surveyor> survey;

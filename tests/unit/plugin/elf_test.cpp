@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
@@ -219,6 +220,37 @@ TEST(ElfCheck, AcceptsAPluginThatWasStripped) {
   const Result<Facts> facts = inspect(std::as_bytes(std::span(text)), "good");
 
   EXPECT_TRUE(facts) << to_string(facts.error());
+}
+
+/// The header of this section, which no segment maps.
+Elf64_Shdr* section_header(std::vector<std::byte>& bytes, const char* name) {
+  const Elf64_Ehdr header = header_of(bytes);
+  auto* sections = reinterpret_cast<Elf64_Shdr*>(bytes.data() + header.e_shoff);
+  const auto* names =
+      reinterpret_cast<const char*>(bytes.data()) + sections[header.e_shstrndx].sh_offset;
+  return std::find_if(sections, sections + header.e_shnum, [&](const Elf64_Shdr& section) {
+    return std::strcmp(names + section.sh_name, name) == 0;
+  });
+}
+
+TEST(ElfCheck, AcceptsAPluginWhoseBuildIdIsCutOffOrMissing) {
+  std::vector<std::byte> bytes = good();
+  Elf64_Shdr* const note = section_header(bytes, ".note.gnu.build-id");
+  EXPECT_EQ(inspect(bytes, "good")->build_id.size(), 40u) << "of sha1";
+  for (const std::size_t size : {std::size_t{0}, sizeof(Elf64_Nhdr) - 1, sizeof(Elf64_Nhdr) + 3}) {
+    note->sh_size = size;
+
+    const Result<Facts> facts = inspect(bytes, "good");
+
+    ASSERT_TRUE(facts) << to_string(facts.error());
+    EXPECT_EQ(facts->build_id, "") << size << " bytes";
+  }
+  note->sh_name = 0;
+
+  const Result<Facts> facts = inspect(bytes, "good");
+
+  ASSERT_TRUE(facts) << to_string(facts.error());
+  EXPECT_EQ(facts->build_id, "");
 }
 
 TEST(ElfCheck, SpeaksInPrintableWordsAboutBadNames) {

@@ -241,7 +241,11 @@ TEST_F(Reload, RefusesToMakeAnythingFromATypeOfBefore) {
   ASSERT_TRUE(catalog_.reload("good"));
 
   EXPECT_THROW(old.make(), std::runtime_error);
-  ASSERT_TRUE(catalog_.unload("good"));
+  const CoreType present = *catalog_.core("good/number");
+  Result<std::shared_ptr<Library>> removed = catalog_.remove("good");
+  ASSERT_TRUE(removed);
+  EXPECT_THROW(present.make(), std::runtime_error) << "though its code is still mapped";
+  EXPECT_TRUE(Library::release(*std::move(removed)).unmapped);
   EXPECT_THROW(old.make(), std::runtime_error);
 }
 
