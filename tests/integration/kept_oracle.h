@@ -147,7 +147,9 @@ class KeptOracle {
       ++newer;
       replaced = replaced || (on_disk->first == "confirmed" && on_disk->second == kept.content);
     }
-    return replaced || newer >= kKept;
+    // A copy that was replaced, and a start that nobody confirmed, may have gone after it.
+    constexpr std::size_t kGone = 2;
+    return replaced || newer + kGone >= kKept;
   }
   /// Mark and content of the file of a generation.
   [[nodiscard]] static std::optional<std::pair<std::string, Json>> read(
