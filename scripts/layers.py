@@ -70,6 +70,8 @@ ROOMS = {
 }
 INCLUDE_ROOTS = ("libruntime/include", "libruntime", "daemon", "ctl", "man", "plugins", "tests", "guardian", "")
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^">]+)[">]', re.MULTILINE)
+# The answer is gone before the first row of it is looked at.
+ROWS_OF_NOTHING = re.compile(r"for \([^;()]* : [^;\n]*\bask\([^;\n]*\)\[")
 MEMBER = re.compile(r'\b(\w+?)_?\s*\{\s*\*this\s*,\s*"([^"]*)"')
 SUFFIXES = (".h", ".cpp")
 
@@ -120,6 +122,8 @@ def check_file(root, path):
         problem = include_problem(root, path, layer, match.group(1))
         if problem:
             yield text.count("\n", 0, match.start()) + 1, problem
+    for match in ROWS_OF_NOTHING.finditer(text):
+        yield text.count("\n", 0, match.start()) + 1, "give the answer a name before the loop: it lives no longer"
     for match in MEMBER.finditer(text):
         # Tests give wrong and double names on purpose.
         if match.group(1) != match.group(2) and layer != "tests":

@@ -38,7 +38,7 @@ Status check_resource(const PreparedResource& change) {
 }  // namespace
 
 Commit::Commit(System& system, Content content, Swap::Kind kind, Duration longest_job)
-    : system_(system), content_(std::move(content)) {
+    : system_(system), departed_(system.departed), content_(std::move(content)) {
   Status sound = check(kind);
   if (sound) sound = let_in_new();
   if (sound && barrier_ != nullptr) sound = end_probation_before();

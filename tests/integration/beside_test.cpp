@@ -113,7 +113,8 @@ std::map<std::string, Done> change(RawClient& client, const std::atomic<bool>& e
 /// All changes are made; those of one name succeed at times.
 void expect_all(const std::map<std::string, Done>& done, TrialDaemon& daemon) {
   const std::vector<std::string> refused_here = {"plugin.load", "plugin.unload"};  // it is in use
-  for (const auto& row : daemon.ask("command.list")["items"]) {
+  const Json methods = daemon.ask("command.list");
+  for (const auto& row : methods["items"]) {
     const std::string method = row["name"];
     if (row["mutation"] != true) continue;
     EXPECT_TRUE(done.contains(method)) << "no read is beside " << method;

@@ -101,7 +101,8 @@ class DamagedStates : public Generations {
     for (const auto* method : {"config.history", "quarantine.list", "trace.list", "status.get"}) {
       EXPECT_FALSE(daemon.ask(method).contains("code")) << method << damage;
     }
-    for (const auto& one : daemon.ask("trace.list")["items"]) {
+    const auto recordings = daemon.ask("trace.list");
+    for (const auto& one : recordings["items"]) {
       static_cast<void>(daemon.ask("trace.read", {{"recording", one.value("name", "")}}));
     }
     EXPECT_TRUE(daemon.process().running()) << damage << daemon.errors();

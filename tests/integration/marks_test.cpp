@@ -79,7 +79,8 @@ TEST_F(Generations, AreNotConfirmedByTheRollbackOfTheOneBefore) {
       if (changing.ask("param.set", unproven(3.0)).contains("result")) break;
     }
     ASSERT_TRUE(eventually([&] { return rolled_back() == 2 * i + 1; }));
-    for (const auto& one : daemon.ask("config.history")["items"]) {
+    const auto history = daemon.ask("config.history");
+    for (const auto& one : history["items"]) {
       const auto text = TempDir::read(file(std::to_string(one["generation"].get<int>())));
       if (text.find("\"core.gain\": 3") != std::string::npos) {
         EXPECT_EQ(one["mark"] == "confirmed", false) << one;

@@ -76,6 +76,10 @@ class Layers(unittest.TestCase):
     def test_accepts_members_whose_strings_agree(self):
         self.accepted({"plugins/a/a.cpp": 'Sync idle{*this, "idle", 1}, pace_{*this, "pace", 2};\n'})
 
+    def test_refuses_a_loop_over_rows_of_an_answer_that_has_no_name(self):
+        self.refused({"tests/a.cpp": 'for (const auto& row : daemon.ask("status.get")["items"]) {\n}\n'},
+                     "a.cpp:1: give the answer a name")
+
 
 class Lines(unittest.TestCase):
     def refused(self, files, words):

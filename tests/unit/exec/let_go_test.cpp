@@ -20,7 +20,7 @@ class LetGo : public testing::Test {
 
   void run_for(Duration time) { system.runner->run_until(system.runner->now() + time.count()); }
   /// "second" joins on probation.
-  void let_join() {
+  std::shared_ptr<Ongoing> let_join() {
     Change change;
     change.new_components.push_back(
         {std::make_shared<ComponentBase>("second",
@@ -28,17 +28,19 @@ class LetGo : public testing::Test {
                                                        FsmType::of<ramp::Fsm>("ramp"), "up"},
                                          CoreType::of<ramp::Up>("up")),
          {}});
-    apply(std::move(change));
-    ASSERT_NE(system.find("second"), nullptr);
-    second = system.find("second")->task;
+    auto commit = apply(std::move(change));
+    EXPECT_NE(system.find("second"), nullptr);
+    if (system.find("second") != nullptr) second = system.find("second")->task;
     run_for(30ms);
+    return commit;
   }
-  void apply(Change change) {
+  std::shared_ptr<Ongoing> apply(Change change) {
     change.probation.emplace();
     auto prepared = prepare_change(system, change);
-    ASSERT_TRUE(prepared) << to_string(prepared.error());
-    const auto commit = begin_commit(system, *prepared);
-    ASSERT_TRUE(wait(*commit));
+    EXPECT_TRUE(prepared) << to_string(prepared.error());
+    auto commit = begin_commit(system, *prepared);
+    EXPECT_TRUE(wait(*commit));
+    return commit;
   }
   bool wait(Ongoing& ongoing) {
     return system.runner->await([&] { return ongoing.advance(); }, kNever) &&
@@ -73,6 +75,22 @@ TEST_F(LetGo, WaitsForAnOrderToParkThatIsOnItsWay) {
   EXPECT_EQ(system.find("second"), nullptr);
   EXPECT_EQ(system.generation, 4u) << "joined, stopped, back";
   EXPECT_TRUE(second.expired()) << "in the end all of it is freed";
+}
+
+TEST_F(LetGo, LeavesWhatTheChangeThatBroughtItStillKnows) {
+  {
+    const auto commit = let_join();
+    ASSERT_TRUE(system.probation->undo("undone"));
+    run_for(20ms);
+    look();
+    look();
+    EXPECT_EQ(system.find("second"), nullptr);
+
+    EXPECT_FALSE(second.expired()) << "the change names who did not come in time";
+  }
+  for (int i = 0; i < 5; ++i) look();
+
+  EXPECT_TRUE(second.expired());
 }
 
 TEST_F(LetGo, LeavesWhatAStopStillKnows) {
