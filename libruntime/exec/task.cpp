@@ -125,7 +125,7 @@ bool Task::serve() {
     }
   }
   if (halted() && (running_ || waiting_)) stand_still();
-  add<std::uint64_t>(looks_, 1);
+  looked();
   return true;
 }
 
@@ -142,7 +142,7 @@ bool Task::release() {
     }
   }
   acknowledge();
-  add<std::uint64_t>(looks_, 1);
+  looked();
   return true;
 }
 

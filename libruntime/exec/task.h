@@ -129,6 +129,8 @@ class Task {
   void go_on();
 
  private:
+  /// [control], which sees the new number, frees what was read before it.
+  void looked() { looks_.store(looks_ + 1, std::memory_order_release); }
   static bool empty(std::atomic<Published*>& slot, Published& content);
   void drop_missed(Instant now);
   [[nodiscard]] bool meet_boundary(Instant now);

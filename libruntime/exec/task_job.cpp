@@ -141,7 +141,7 @@ void Task::go_on() {
   this_task() = nullptr;
   watched_.busy_since.store(0);
   acknowledge();
-  add<std::uint64_t>(looks_, 1);
+  looked();
 }
 
 /// Execution states up to the next synchronization state, which arms the next release. The first
