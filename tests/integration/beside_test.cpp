@@ -77,7 +77,7 @@ std::vector<Question> all_changes() {
           {"port.connect",
            {{"port", "second.ports.input"}, {"service", "signal.read"}, {"probation", off}}},
           {"architecture.apply", {{"text", other.dump()}, {"probation", off}}},
-          {"config.rollback", {{"generation", 1}, {"state", "drop"}, {"probation", off}}},
+          {"config.rollback", {{"generation", 1}, {"state", "drop"}}},
           {"plugin.load", {{"plugin", "trial"}}},
           {"plugin.unload", {{"plugin", "trial"}}},
           {"lock.set", {{"lock", "all"}}},
@@ -94,6 +94,7 @@ std::vector<Question> all_changes() {
 struct Done {
   int asked = 0;
   int applied = 0;
+  Json refusal = nullptr;  ///< the last
 };
 
 /// Until told to end, and each of them at least once.
@@ -105,7 +106,11 @@ std::map<std::string, Done> change(RawClient& client, const std::atomic<bool>& e
     const auto answer = client.ask(method, params);
     if (answer.is_null()) return done;
     ++done[method].asked;
-    if (answer.contains("result")) ++done[method].applied;
+    if (answer.contains("result")) {
+      ++done[method].applied;
+    } else {
+      done[method].refusal = answer;
+    }
   }
   return done;
 }
@@ -120,7 +125,7 @@ void expect_all(const std::map<std::string, Done>& done, TrialDaemon& daemon) {
     EXPECT_TRUE(done.contains(method)) << "no read is beside " << method;
     const bool may_fail = std::ranges::count(refused_here, method) > 0;
     if (!may_fail && done.contains(method)) {
-      EXPECT_GT(done.at(method).applied, 0) << method;
+      EXPECT_GT(done.at(method).applied, 0) << method << done.at(method).refusal;
     }
   }
 }
