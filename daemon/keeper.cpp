@@ -145,7 +145,7 @@ void Keeper::begin(const Generation& first, const Value& architecture) {
   disk_.start();
 }
 
-/// A run that came to its end ends the row of crashes of what it began with.
+/// After an orderly end the crashes of the architecture that this run began with count anew.
 void Keeper::end_row_of_crashes() {
   const auto began = generations_->text(first_);
   for (const auto& one : generations_->list()) {
@@ -187,7 +187,8 @@ void Keeper::keep(Generation about, Value architecture, Json line,
   });
 }
 
-/// [disk] What mauved made by itself meanwhile, and nobody has told of yet, is not confirmed.
+/// [disk] The mark of the generation before this one. A generation that mauved made by itself, and
+/// that the caretaker has not saved yet, counts as unconfirmed.
 Mark Keeper::mark_before(std::uint64_t generation) const {
   if (generation != newest_ && generation != newest_ + 1) {
     return Mark::unconfirmed;
@@ -301,7 +302,8 @@ void Keeper::quarantine(Json cores) {
   });
 }
 
-/// [disk] What the disk did not take is tried again with the next change.
+/// [disk] The list of quarantined cores. A list that the disk did not take is written again with
+/// the next change.
 bool Keeper::save_cores() {
   if (!unsaved_cores_) {
     return true;

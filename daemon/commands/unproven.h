@@ -15,8 +15,8 @@ void begin_unproven(Running& running, Call& call, const Change& change);
 /// before.
 void begin_start(Running& running, std::uint64_t replaces, unsigned crashes);
 
-/// [control] A component was stopped or started by request, which made this generation: it proves
-/// itself with what it came from.
+/// [control] A request stopped or started a component, which made this generation. The probation of
+/// the generation before it goes on; when it ends well, both are confirmed.
 void carry_unproven(Running& running, std::uint64_t generation);
 
 /// [control] Confirms it when none of its components failed for as long as a probation lasts. What

@@ -60,8 +60,8 @@ class History {
   /// must not write to the log. No record is missed or seen twice between `kept` and those.
   Following follow(std::size_t count, Filter filter, Follower follower);
 
-  /// After the return the follower is not called any more, but for the record that is told just
-  /// now.
+  /// The follower gets no record that comes after the return; it may still get the one that [log]
+  /// hands out at that moment.
   void unfollow(std::uint64_t id);
 
  private:

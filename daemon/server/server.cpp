@@ -257,7 +257,7 @@ void Server::turn_away(Protocol::socket socket, const Peer& peer, const Error& w
   if (refusals_.may_write(peer.uid, std::chrono::steady_clock::now())) {
     log_.write(Event::client_refused, {{"uid", number(peer.uid)}, {"reason", why.message}});
   }
-  sweep();  // tells what was only counted
+  sweep();  // logs how many refusals have no line of their own
   const auto line =
       protocol::to_line(protocol::make_error(nullptr, protocol::fault_of(why))) + '\n';
   boost::system::error_code ignored;

@@ -77,7 +77,7 @@ class Commit final : public Ongoing {
   [[nodiscard]] Error not_applied() const;
 
   System& system_;
-  std::shared_ptr<void> departed_;  // who is let go meanwhile stays
+  std::shared_ptr<void> departed_;  // keeps tasks that are let go meanwhile
   Content content_;
   std::vector<Deployed*> deployed_;  // by member
   std::vector<std::uint64_t> missed_before_;

@@ -76,7 +76,7 @@ class OnProbation {
   [[nodiscard]] std::string culprit() const;
 
   System& system_;
-  std::shared_ptr<void> departed_;  // who is let go meanwhile stays
+  std::shared_ptr<void> departed_;  // keeps tasks that are let go meanwhile
   Content content_;
   std::vector<WayBackOfMember> members_;
   std::vector<std::unique_ptr<ResourceFlip>> flips_;

@@ -42,7 +42,7 @@ class Stop final : public Ongoing {
   [[nodiscard]] bool readers_have_read() const;
 
   System& system_;
-  std::shared_ptr<void> departed_;  // who is let go meanwhile stays
+  std::shared_ptr<void> departed_;  // keeps tasks that are let go meanwhile
   Stages stages_;
   const Duration patience_;
   Phase phase_ = Phase::parking;
