@@ -38,7 +38,7 @@ Status check_resource(const PreparedResource& change) {
 }  // namespace
 
 Commit::Commit(System& system, Content content, Swap::Kind kind, Duration longest_job)
-    : system_(system), departed_(system.departed), content_(std::move(content)) {
+    : system_(system), departed_(system.departed), content_(std::move(content)), kind_(kind) {
   Status sound = check(kind);
   if (sound) sound = let_in_new();
   if (sound && barrier_ != nullptr) sound = end_probation_before();
@@ -201,15 +201,17 @@ bool Commit::advance() {
   return over_ || answered();
 }
 
-/// True when no member is left to wait for.
+/// True when no member is left to wait for. The model shows a transaction whole and together with
+/// its generation: when the model is saved meanwhile, the saved one is no mixture.
 bool Commit::all_changed() {
   const bool settled = swap_->advance();
   tell_attempt();
-  for (std::size_t i = 0; i < deployed_.size(); ++i) {
-    if (swap_->members()[i].settled && !entered_[i]) enter(i);
-  }
   // Behind a barrier nobody is in a job.
   const bool late = barrier_ == nullptr && swap_->result().state == SwapResult::State::waiting;
+  const bool shows = kind_ == Swap::Kind::order || settled;
+  for (std::size_t i = 0; shows && i < deployed_.size(); ++i) {
+    if (swap_->members()[i].settled && !entered_[i]) enter(i);
+  }
   if (!answered() && (settled || late)) conclude();
   return settled && back_by_ == 0;
 }
@@ -240,6 +242,7 @@ PreparedMember member_of(ComponentBase& component, Mode mode) {
 /// Probations first: a stop may make a task forget the way back that it took.
 void System::advance() {
   looks.fetch_add(1);
+  if (stands_still) return;
   if (const ModelLock::Hold hold(model, std::try_to_lock); hold) look_after_itself();
   std::erase_if(under_way, [](const std::shared_ptr<Commit>& commit) {
     static_cast<void>(commit->advance());

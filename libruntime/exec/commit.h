@@ -79,6 +79,7 @@ class Commit final : public Ongoing {
   System& system_;
   std::shared_ptr<void> departed_;  // keeps tasks that are let go meanwhile
   Content content_;
+  const Swap::Kind kind_;
   std::vector<Deployed*> deployed_;  // by member
   std::vector<std::uint64_t> missed_before_;
   std::vector<bool> entered_;

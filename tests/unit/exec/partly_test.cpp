@@ -104,6 +104,32 @@ TEST_F(Partly, ChangesAreTakenBackOnTheOthers) {
   EXPECT_TRUE(apply(both<ramp::Down>())) << "nothing of it is left";
 }
 
+/// Otherwise a generation that is saved meanwhile is a mixture of the old one and the new one.
+TEST_F(Partly, AChangeShowsInTheModelWholeAndWithItsGeneration) {
+  const std::string before = core("right");
+  Change change = both<ramp::Down>();
+  auto prepared = prepare_change(system, change);
+  ASSERT_TRUE(prepared);
+  const auto commit = begin_commit(system, *prepared, Swap::Kind::transaction, 1h);
+
+  const std::uint64_t began = releases("right");
+  ASSERT_TRUE(eventually([&] {
+    system.advance();
+    return releases("right") > began + 5;  // it runs with its new core, "left" with its old one
+  }));
+  EXPECT_FALSE(commit->answered());
+  EXPECT_EQ(core("right"), before);
+  EXPECT_EQ(system.generation, 1u);
+
+  Before::shut() = false;
+  ASSERT_TRUE(eventually([&] {
+    system.advance();
+    return commit->answered();
+  }));
+  EXPECT_EQ(core("right"), "other");
+  EXPECT_EQ(system.generation, 2u);
+}
+
 TEST_F(Partly, WhatLeftComesBackAndWhatJoinedLeaves) {
   Change change{{ramp::to_core<ramp::Down>("down", "left")}};
   change.remove = {"right"};
