@@ -175,6 +175,7 @@ void Caretaker::save(const Outcome& outcome) {
     keeper.mark(began, Mark::confirmed);
     return keeper.mark(running_->earlier + outcome.generation, Mark::confirmed);
   }
+  const StandStill still(*running_);
   Generation about;
   about.number = running_->earlier + outcome.generation;
   about.boot = running_->boot;

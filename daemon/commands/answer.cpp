@@ -15,6 +15,7 @@ namespace {
 /// [control] Saves what runs now, then says in the audit log what was asked and what became of it.
 void keep(Running& running, const Call& call, std::optional<Mark> mark, Json line,
           std::function<void(bool saved)> then) {
+  const StandStill still(running);
   Generation about;
   about.number = running.earlier + running.deployer.generation();
   about.boot = running.boot;

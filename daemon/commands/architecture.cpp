@@ -11,7 +11,10 @@
 #include "commands/architecture.h"
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "arch/diff_rules.h"
@@ -275,9 +278,16 @@ Question question_of(const Running& running, const Call& call) {
   return question;
 }
 
+/// All at once: a look while the architecture is walked through could change it.
 arch::Parked parked_now(const Running& running) {
-  return [&running](const ComponentBase& component) {
-    return running.deployer.status(component.name()).state == ComponentState::stopped;
+  std::set<std::string, std::less<>> parked;
+  for (const auto& one : running.deployer.status()) {
+    if (one.state == ComponentState::stopped) {
+      parked.insert(one.name);
+    }
+  }
+  return [parked = std::move(parked)](const ComponentBase& component) {
+    return parked.contains(component.name());
   };
 }
 

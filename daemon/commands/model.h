@@ -34,7 +34,24 @@ using arch::Target;
   return type.substr(0, type.find('/') == std::string::npos ? 0 : type.find('/'));
 }
 
-/// The running system in the form of an architecture file.
+/// For as long as it lives the architecture stays as it is: elements that a change adds or takes
+/// away, also one that the system takes back by itself, come and go afterwards. It holds no thread
+/// up.
+class StandStill {
+ public:
+  explicit StandStill(const Running& running) : deployer_(running.deployer) {
+    deployer_.stand_still(true);
+  }
+  ~StandStill() { deployer_.stand_still(false); }
+  StandStill(const StandStill&) = delete;
+  StandStill& operator=(const StandStill&) = delete;
+
+ private:
+  Deployer& deployer_;
+};
+
+/// The running system in the form of an architecture file. It is of the generation that the
+/// deployer tells of only while the architecture stands still.
 [[nodiscard]] Value described(const Running& running);
 
 }  // namespace mauve::daemon

@@ -8,6 +8,7 @@
 #include "commands/answer.h"
 #include "commands/audit.h"
 #include "commands/given_up.h"
+#include "commands/model.h"
 #include "keeper.h"
 #include "mauve/version.h"
 #include "watch.h"
@@ -140,6 +141,13 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
   const std::function<void()> serve = [this, &command, call] {
     answer(running_, *call, command.read(running_, *call));
   };
+  const std::function<void()> look = [this, &command, call] {
+    auto result = [&] {
+      const StandStill still(running_);
+      return command.read(running_, *call);
+    }();
+    answer(running_, *call, std::move(result));
+  };
   const std::function<void()> by_itself = [this, &command, call] {
     command.change(running_, call, {});
   };
@@ -147,7 +155,7 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
     case Lane::any:
       return serve();
     case Lane::read:
-      return running_.control.read(command.read != nullptr ? serve : by_itself, asker_of(*call));
+      return running_.control.read(command.read != nullptr ? look : by_itself, asker_of(*call));
     case Lane::urgent:
       if (command.change == stop) {
         watch_over_stop(running_, call);

@@ -80,6 +80,7 @@ class System {
   std::vector<TraceRecord> last_trace;  ///< of components that left; under `members`
   Instant t0 = 0;
   bool up = false;
+  bool stands_still = false;  ///< see Deployer::stand_still()
   bool realtime = false;
   std::unique_ptr<rt::LastWords> last_words;  ///< while it is up
 

@@ -148,6 +148,8 @@ class Deployer {
   void end_direct_stop(const std::vector<std::string>& components);
   /// Grows while [control] looks after what is under way. [any]
   [[nodiscard]] std::uint64_t looks() const;
+  /// While it stands still no look takes a change further, so the architecture stays as it is.
+  void stand_still(bool still);
   Result<Receipt> swap_core(std::string_view component, const CoreType& core,
                             StatePolicy state = StatePolicy::keep);
   template <typename T>

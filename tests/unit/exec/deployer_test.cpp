@@ -53,6 +53,28 @@ TEST(Deployer, ChangesAComponentThatSleepsLongAtOnce) {
   EXPECT_EQ(deployer.status("control").state, ComponentState::stopped);
 }
 
+TEST(Deployer, ShowsNoChangeWhileItStandsStill) {
+  ramp::Architecture architecture;
+  architecture.control.fsm().period = 1ms;
+  Deployer deployer(architecture, {.realtime = Realtime::off});
+  ASSERT_TRUE(deployer.deploy());
+  auto change = deployer.prepare({{ramp::to_core<ramp::Down>("down", "control")}});
+  ASSERT_TRUE(change);
+  const auto before = deployer.status("control").core;
+
+  const auto ongoing = deployer.begin(*change);
+  deployer.stand_still(true);
+  const auto releases = deployer.status("control").releases;
+  ASSERT_TRUE(eventually([&] { return deployer.status("control").releases > releases + 5; }));
+  EXPECT_EQ(deployer.status("control").core, before);
+  EXPECT_EQ(deployer.generation(), 1u);
+
+  deployer.stand_still(false);
+  EXPECT_TRUE(eventually([&] { return deployer.status("control").core == "down"; }));
+  EXPECT_EQ(deployer.generation(), 2u);
+  EXPECT_TRUE(ongoing->advance());
+}
+
 TEST(Deployer, LetsAComponentJoinThatWaitsForTheNextReleaseOfItsGrid) {
   ramp::Architecture architecture;
   Deployer deployer(architecture, {.realtime = Realtime::off});
