@@ -83,7 +83,7 @@ void Caretaker::look() {
   tell_of_holds();
   auto free = std::make_shared<Retired>();
   const auto outcomes = running_->deployer.tend(*free);
-  running_->generation = running_->earlier + running_->deployer.generation();
+  running_->generation = running_->deployer.generation();
   for (const auto& outcome : outcomes) {
     tell(outcome);
     notice(*running_, outcome);
@@ -145,12 +145,11 @@ void Caretaker::tell_of_scheduling() {
 }
 
 void Caretaker::tell(const Outcome& outcome) {
-  running_->log.write(event_of(outcome),
-                      {{"component", outcome.component},
-                       {"generation", to_signed(running_->earlier + outcome.generation)},
-                       {"began", to_signed(running_->earlier + outcome.began)},
-                       {"cause", cause_of(outcome)},
-                       {"text", outcome.reason}});
+  running_->log.write(event_of(outcome), {{"component", outcome.component},
+                                          {"generation", to_signed(outcome.generation)},
+                                          {"began", to_signed(outcome.began)},
+                                          {"cause", cause_of(outcome)},
+                                          {"text", outcome.reason}});
   if (running_->keeper != nullptr) {
     save(outcome);
   }
@@ -167,17 +166,17 @@ void Caretaker::tell(const Outcome& outcome) {
 /// A generation that the system made by itself is saved like others; nobody waits for it.
 void Caretaker::save(const Outcome& outcome) {
   auto& keeper = *running_->keeper;
-  const auto began = running_->earlier + outcome.began;
+  const auto began = outcome.began;
   if (outcome.kind == Outcome::Kind::overtaken) {
     return;  // it proved nothing; the newer one will
   }
   if (outcome.kind == Outcome::Kind::passed) {
     keeper.mark(began, Mark::confirmed);
-    return keeper.mark(running_->earlier + outcome.generation, Mark::confirmed);
+    return keeper.mark(outcome.generation, Mark::confirmed);
   }
   const StandStill still(*running_);
   Generation about;
-  about.number = running_->earlier + outcome.generation;
+  about.number = outcome.generation;
   about.boot = running_->boot;
   about.time = logging::utc(std::chrono::system_clock::now());
   about.uid = geteuid();
@@ -190,7 +189,7 @@ void Caretaker::save(const Outcome& outcome) {
                {"generation", about.number}, {"outcome", "applied"},
                {"state", about.command}};
   const auto now = about.number;
-  if (now == running_->earlier + running_->deployer.generation()) {
+  if (now == running_->deployer.generation()) {
     keeper.keep(std::move(about), described(*running_), std::move(line), {});
   } else {
     // A newer change came before this look: the architecture that runs is that of the newer

@@ -189,9 +189,10 @@ Status Daemon::enter_folder() {
 }
 
 Status Daemon::deploy() {
-  deployer_ = std::make_unique<Deployer>(
-      *architecture_,
-      DeployOptions{options_.realtime, false, options_.admission, options_.machine});
+  DeployOptions how{options_.realtime, false, options_.admission, options_.machine};
+  // Their numbers go on from those of earlier runs.
+  how.first_generation = keeper_ ? keeper_->generations().newest() + 1 : 1;
+  deployer_ = std::make_unique<Deployer>(*architecture_, how);
   if (auto deployed = deployer_->deploy(); !deployed) {
     return deployed;
   }
@@ -246,10 +247,9 @@ Status Daemon::serve() {
   return ok();
 }
 
-/// Before the first client: the numbers of generations go on from those of earlier runs.
+/// Before the first client.
 void Daemon::keep_the_first() {
-  running_->earlier = keeper_ ? keeper_->generations().newest() : 0;
-  running_->generation = running_->earlier + deployer_->generation();
+  running_->generation = deployer_->generation();
   if (!keeper_) {
     return;
   }

@@ -17,7 +17,7 @@ void keep(Running& running, const Call& call, std::optional<Mark> mark, Json lin
           std::function<void(bool saved)> then) {
   const StandStill still(running);
   Generation about;
-  about.number = running.earlier + running.deployer.generation();
+  about.number = running.deployer.generation();
   about.boot = running.boot;
   about.time = logging::utc(std::chrono::system_clock::now());
   about.uid = call.caller.peer.uid;
@@ -58,10 +58,10 @@ void remember_change(Running& running, const Call& call, const Json& result,
 /// [control] The answer tells whether the change was also saved, so it waits for the disk; that of
 /// a stop does not.
 void answer_applied(Running& running, const Call& call, Json result) {
-  const auto generation = running.earlier + running.deployer.generation();
+  const auto generation = running.deployer.generation();
   // That one may be a roll-back of this change already.
   const auto made = result.find("generation");
-  const auto its = made == result.end() ? generation : running.earlier + made->get<std::uint64_t>();
+  const auto its = made == result.end() ? generation : made->get<std::uint64_t>();
   result["generation"] = generation;
   if (!call.method->harmless) {
     remember_maker(running, call, generation);

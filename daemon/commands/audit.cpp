@@ -72,7 +72,7 @@ std::string detail_of(const Json& result) {
 
 Json audit_applied(Running& running, const Call& call, const Json& result) {
   auto line = begin(call);
-  line.add("generation", number(running.earlier + running.deployer.generation()));
+  line.add("generation", number(running.deployer.generation()));
   line.add("state", text_or(result, "state", "applied"));
   line.json["outcome"] = "applied";
   line.fields.push_back({"detail", detail_of(result)});

@@ -280,7 +280,7 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
                    std::function<void(Ongoing&)> then) {
   running.control.await([ongoing] { return ongoing->advance(); },
                         [&running, ongoing, then = std::move(then)] {
-                          running.generation = running.earlier + running.deployer.generation();
+                          running.generation = running.deployer.generation();
                           then(*ongoing);
                         });
 }

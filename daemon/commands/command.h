@@ -91,10 +91,9 @@ struct Running {
   std::map<std::string, std::string> quarantined = {};
   /// [control] Components that a thread which was left behind may still be in, and its hook.
   std::map<std::string, std::string> barred = {};
-  Unproven unproven = {};     ///< [control] see unproven.h
-  Started started = {};       ///< [control]
-  std::uint64_t earlier = 0;  ///< the last generation of earlier runs: numbers go on from there
-  Keeper* keeper = nullptr;   ///< null: nothing is kept
+  Unproven unproven = {};    ///< [control] see unproven.h
+  Started started = {};      ///< [control]
+  Keeper* keeper = nullptr;  ///< null: nothing is kept
   Guardian* guardian = nullptr;
   Recorder* recorder = nullptr;
   Lock lock = Lock::none;                   ///< [control], see gate.h

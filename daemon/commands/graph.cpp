@@ -54,7 +54,7 @@ Result<Json> graph(Running& running, const Call& /*call*/) {
                          {"services", service_rows(*resource)},
                          {"ports", ports_of(running, {nullptr, resource})}});
   }
-  return Json{{"generation", running.earlier + running.deployer.generation()},
+  return Json{{"generation", running.deployer.generation()},
               {"architecture", running.architecture.name()},
               {"components", std::move(components)},
               {"resources", std::move(resources)}};

@@ -94,7 +94,7 @@ void add_system(Page& page, const Running& running) {
   page.family("info", "gauge", "What runs; always 1.");
   page.sample({{"architecture", running.architecture.name()}, {"version", kVersion}}, 1);
   page.family("generation", "gauge", "Generation in force.");
-  page.sample({}, as_number(running.earlier + running.deployer.generation()));
+  page.sample({}, as_number(running.deployer.generation()));
   page.family("uptime_seconds", "gauge", "Time since the daemon started.");
   page.sample({}, up.count());
 }

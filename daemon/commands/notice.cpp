@@ -61,8 +61,8 @@ void notice(Running& running, const Outcome& outcome) {
       failure.culprit = {outcome.cores.front(), build_of(running, outcome.cores.front())};
     }
     failure.reaction = reaction_of(outcome.kind);
-    failure.generation = running.earlier + outcome.began;
-    failure.generation_after = running.earlier + outcome.generation;
+    failure.generation = outcome.began;
+    failure.generation_after = outcome.generation;
     if (const auto* component = running.architecture.find_component(outcome.component)) {
       failure.core_after = component->bundle()->core_type.name;
     }

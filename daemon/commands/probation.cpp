@@ -54,8 +54,7 @@ Status nothing_else(const Json& params) {
 
 /// What to do instead, where anything is kept.
 Error no_way_back(const Running& running, Error error) {
-  const auto now = running.earlier + running.deployer.generation();
-  error.at = "generation " + std::to_string(now);
+  const auto now = running.deployer.generation();
   error.hint.clear();
   if (running.keeper == nullptr) {
     return error;
@@ -117,7 +116,7 @@ Json to_json(const Probation& probation) {
 
 void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
   // A commit may be newer than the last look.
-  running.generation = running.earlier + running.deployer.generation();
+  running.generation = running.deployer.generation();
   if (auto met = check_conditions(running, *call); !met) {
     return answer(running, *call, met.error());
   }
@@ -138,11 +137,11 @@ void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
   if (!begun) {
     return answer(running, *call, no_way_back(running, begun.error()));
   }
-  const auto before = running.earlier + running.deployer.generation();
+  const auto before = running.deployer.generation();
   call->mark = Mark::unconfirmed;  // the caretaker knows to what it goes back
   running.control.await(
       [&running, before] {
-        running.generation = running.earlier + running.deployer.generation();
+        running.generation = running.deployer.generation();
         return running.generation != before || !running.deployer.going_back();
       },
       [&running, call] {

@@ -81,7 +81,7 @@ Result<Json> status(Running& running, const Call& /*call*/) {
     rows.push_back(row_of(running, one));
   }
   const std::chrono::duration<double> up = std::chrono::steady_clock::now() - running.since;
-  Json result = {{"generation", running.earlier + running.deployer.generation()},
+  Json result = {{"generation", running.deployer.generation()},
                  {"architecture", running.architecture.name()},
                  {"uptime_s", up.count()},
                  {"t_ns", running.deployer.clock().now() - running.deployer.t0()},

@@ -11,8 +11,7 @@ namespace mauve::daemon {
 
 void begin_unproven(Running& running, Call& call, const Change& change) {
   call.mark = Mark::unconfirmed;
-  running.unproven = {running.earlier + running.deployer.generation(),
-                      std::chrono::steady_clock::now()};
+  running.unproven = {running.deployer.generation(), std::chrono::steady_clock::now()};
   for (const auto& edit : change.edits) {
     running.unproven.components.push_back(edit.component);
   }

@@ -194,7 +194,7 @@ Status bring_up(System& system) {
     return ready;
   }
   release_all(system);
-  system.generation = 1;
+  system.generation = system.options.first_generation;
   system.up = true;
   Status reliefs = put_reliefs_in_readiness(system);
   if (!reliefs) static_cast<void>(bring_down(system, 2s));

@@ -36,6 +36,20 @@ TEST_F(Generations, ThatWereConfirmedAreStartedAfterACrash) {
   EXPECT_EQ(exported(daemon)["components"]["first"]["properties"]["core.gain"], 3.0);
 }
 
+TEST_F(Generations, HaveTheSameNumbersInRefusalsAfterARestart) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_EQ(daemon.ask("param.set", {{"values", Json{{"first.core.gain", 3.0}}}})["saved"], true);
+  crash(daemon);
+  daemon.start();
+  const Json change = {{"values", Json{{"first.core.gain", 4.0}}}, {"confirm_within", "600s"}};
+  const auto made = daemon.ask("param.set", change)["generation"];
+
+  const auto refused = daemon.ask("param.set", {{"values", Json{{"first.core.gain", 5.0}}}});
+
+  EXPECT_EQ(refused["data"]["where"], "generation " + made.dump()) << refused;
+  EXPECT_EQ(newest(daemon)["generation"], made);
+}
+
 TEST_F(Generations, ThatWereRolledBackAreMarkedAndTheOldOneIsSavedAgain) {
   TrialDaemon daemon(kTrial, options());
   const auto before = exported(daemon);

@@ -29,7 +29,8 @@ struct DeployOptions {
   /// order of release and priority.
   bool simulated = false;
   Admission admission = Admission::warn;
-  MachineCosts machine = {};  ///< what admission assumes of the machine
+  MachineCosts machine = {};           ///< what admission assumes of the machine
+  std::uint64_t first_generation = 1;  ///< of what is deployed; each change counts on from there
 };
 
 }  // namespace mauve

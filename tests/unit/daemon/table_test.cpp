@@ -277,14 +277,6 @@ TEST_F(TableTest, TellsAViewerWhatItsProcessWasGranted) {
   EXPECT_FALSE(told["threads"].empty());
 }
 
-TEST_F(TableTest, CountsGenerationsOnFromEarlierRuns) {
-  running.earlier = 40;
-
-  auto stopped = ask(Role::operator_, "component.stop", {{"all", true}});
-
-  EXPECT_EQ(std::get<Json>(stopped)["generation"], 40 + deployer.generation());
-}
-
 TEST_F(TableTest, FindsRecordsByTimeTextAndLevel) {
   log.write(logging::Event::accept_paused);
   log.write(logging::Event::accept_resumed);

@@ -53,6 +53,18 @@ TEST(Deployer, ChangesAComponentThatSleepsLongAtOnce) {
   EXPECT_EQ(deployer.status("control").state, ComponentState::stopped);
 }
 
+TEST(Deployer, CountsGenerationsOnFromTheFirst) {
+  ramp::Architecture architecture;
+  Deployer deployer(architecture, {.simulated = true, .first_generation = 41});
+  ASSERT_TRUE(deployer.deploy());
+  EXPECT_EQ(deployer.generation(), 41u);
+
+  const Result<Receipt> done = deployer.swap_core<ramp::Down>("control");
+
+  ASSERT_TRUE(done);
+  EXPECT_EQ(done->generation, 42u);
+}
+
 TEST(Deployer, ShowsNoChangeWhileItStandsStill) {
   ramp::Architecture architecture;
   architecture.control.fsm().period = 1ms;
