@@ -4,7 +4,7 @@
 It works on text: clang-format leaves spaces around each operator, and none inside the brackets of
 a template.
 """
-import random
+import hashlib
 import re
 
 SWAPS = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "&&": "||", "||": "&&",
@@ -86,18 +86,26 @@ def mutants_of(root, name):
     return [Mutant(root, name, *place) for place in places_of((root / name).read_text())]
 
 
+def rank(seed, name, text, place):
+    """Depends on the changed line alone: who edits other lines gets the same mutants."""
+    kind, begin, end, _ = place
+    first, last = text.rfind("\n", 0, begin) + 1, text.find("\n", end)
+    return hashlib.sha256(f"{seed} {name} {kind} {begin - first} {text[first:last]}".encode()).digest()
+
+
 def chosen(root, names, seed):
     """The mutants of these sources in the order of the seed: each kind in turn, no line twice."""
-    by_kind, lines, rank = {}, set(), random.Random(seed)
+    by_kind, lines = {}, set()
     for name in names:
-        for place in places_of((root / name).read_text()):
-            by_kind.setdefault(place[0], []).append((name, *place))
+        text = (root / name).read_text()
+        for place in places_of(text):
+            by_kind.setdefault(place[0], []).append((rank(seed, name, text, place), name, *place))
     for places in by_kind.values():
-        rank.shuffle(places)
+        places.sort(reverse=True)
     while any(by_kind.values()):
         for places in by_kind.values():
             while places:
-                mutant = Mutant(root, *places.pop())
+                mutant = Mutant(root, *places.pop()[1:])
                 if mutant.where not in lines:
                     lines.add(mutant.where)
                     yield mutant
