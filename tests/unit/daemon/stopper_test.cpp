@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// A stop that [control], here the thread of the test, leaves alone. On real threads.
+#include "stopper.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/eventually.h"
+#include "support/ramp.h"
+
+namespace mauve::daemon {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using Names = std::vector<std::string>;
+
+class StopperTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(deployer.deploy());
+    stopper.start(deployer);
+  }
+  /// The deployer outlives it.
+  void TearDown() override { stopper.stop(); }
+
+  std::shared_ptr<StopOrder> order(Names components, bool applies = true) {
+    return std::make_shared<StopOrder>(
+        std::move(components), [applies] { return applies; },
+        [this](const DirectStop& direct) {
+          run_still = direct.run_still();
+          ++told;
+        });
+  }
+  [[nodiscard]] bool stops(const char* component) {
+    return test::eventually(
+        [&] { return deployer.status(component).state == ComponentState::stopped; });
+  }
+
+  ramp::Two<ramp::Up> architecture;
+  Deployer deployer{architecture, {.realtime = Realtime::off}};
+  logging::Log log{logging::Level::debug};
+  Stopper stopper{log};
+  Names run_still{"nothing told"};
+  std::atomic<int> told{0};
+};
+
+TEST_F(StopperTest, CarriesOutAStopThatIsNeverServedAlsoWhileControlDoesOtherThings) {
+  const auto stop = order({"left"});
+  stopper.watch(stop);
+
+  EXPECT_TRUE(stops("left")) << "each look of eventually() is one of [control]";
+  EXPECT_TRUE(test::eventually([&] { return told == 1; }));
+  EXPECT_THAT(run_still, IsEmpty());
+  EXPECT_THAT(stop->stopped_directly(), ElementsAre("left"));
+  EXPECT_EQ(deployer.status("right").state, ComponentState::running);
+  EXPECT_TRUE(stop->begin()) << "[control] is told that it was carried out";
+}
+
+TEST_F(StopperTest, CarriesOutAStopThatIsServedButNotLookedAfter) {
+  const auto stop = order({});
+  EXPECT_FALSE(stop->begin());
+  stopper.watch(stop);
+
+  ASSERT_TRUE(test::eventually([&] { return told == 1; }));
+  EXPECT_THAT(run_still, IsEmpty());
+  EXPECT_THAT(stop->stopped_directly(), ElementsAre("left", "right")) << "none named: all";
+}
+
+/// What [stop] looks at after both of them shows that it is done with both.
+TEST_F(StopperTest, LeavesAloneWhatIsOverOrWouldBeRefused) {
+  const auto over = order({"right"});
+  over->end(deployer);
+  const auto refused = order({"right"}, false);
+  const auto last = order({"left"});
+  for (const auto& one : {over, refused, last}) stopper.watch(one);
+
+  ASSERT_TRUE(test::eventually([&] { return told == 1; }));
+  EXPECT_THAT(over->stopped_directly(), IsEmpty());
+  EXPECT_THAT(refused->stopped_directly(), IsEmpty());
+  EXPECT_EQ(deployer.status("right").state, ComponentState::running);
+}
+
+TEST_F(StopperTest, KeepsComponentsParkedUntilControlHasDoneTheBooks) {
+  const auto stop = order({"left"});
+  stopper.watch(stop);
+  ASSERT_TRUE(test::eventually([&] { return told == 1; }));
+  ASSERT_TRUE(stops("left"));
+  static_cast<void>(deployer.start({"left"}));
+  EXPECT_EQ(deployer.status("left").state, ComponentState::stopped);
+
+  stop->end(deployer);
+
+  EXPECT_TRUE(deployer.start({"left"}));
+  EXPECT_TRUE(
+      test::eventually([&] { return deployer.status("left").state == ComponentState::running; }));
+}
+
+}  // namespace
+}  // namespace mauve::daemon
