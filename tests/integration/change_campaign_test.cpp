@@ -31,6 +31,7 @@ constexpr std::size_t kInFlight = 4;  ///< requests; then the next one waits
 constexpr std::chrono::seconds kSlice{4};
 constexpr int kKept = 12;  ///< seconds of trace, more than a slice
 constexpr std::chrono::seconds kLongestAnswer{60};
+constexpr std::uint64_t kProgress = 10'000;
 
 std::int64_t now_ns() { return steady_clock::now().time_since_epoch().count(); }
 
@@ -297,9 +298,14 @@ class ChangeCampaign : public testing::Test {
       ASSERT_TRUE(changer.send(++number, generator.next()))
           << "change " << number << ", seed " << seed_ << daemon.errors();
       changer.read_for(due);
+      if (number % kProgress == 0) say(number);
     }
-    std::printf("%lu changes\n", number);
+    say(number);
     EXPECT_TRUE(changer.finish()) << "not all are answered" << daemon.errors();
+  }
+  static void say(std::uint64_t number) {
+    std::printf("%lu changes\n", number);
+    std::fflush(stdout);
   }
   /// The file of the beginning can be applied, and all of it runs.
   static void expect_it_serves(TrialDaemon& daemon, const ChangeableSystem& system) {

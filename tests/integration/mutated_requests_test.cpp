@@ -29,6 +29,7 @@ using Json = protocol::Json;
 using std::chrono::steady_clock;
 
 constexpr std::size_t kOfOneRole = 8;
+constexpr std::uint64_t kProgress = 100'000;
 constexpr const char* kGroups = "mauve-view:x:60001:\nmauve:x:60002:\nmauve-admin:x:60003:\n";
 
 /// The system of the change campaign without the component that hangs.
@@ -101,7 +102,10 @@ class HostileClient {
     for (int i = 0; i < kLines; ++i) lines += mutator_.next() + '\n';
     const std::string last = "last " + std::to_string(++pings_);
     lines += protocol::to_line(protocol::make_request(last, "ping", Json::object())) + '\n';
-    flood_.sent += kLines;
+    if (const auto sent = flood_.sent += kLines; sent % kProgress == 0) {
+      std::printf("%lu lines\n", sent);
+      std::fflush(stdout);
+    }
     if (!client_->send(lines) || !read_to(last)) client_.reset();
   }
 
