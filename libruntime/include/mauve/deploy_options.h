@@ -30,7 +30,7 @@ struct DeployOptions {
   bool simulated = false;
   Admission admission = Admission::warn;
   MachineCosts machine = {};           ///< what admission assumes of the machine
-  std::uint64_t first_generation = 1;  ///< of what is deployed; each change counts on from there
+  std::uint64_t first_generation = 1;  ///< the number after deploy(); each change adds one
 };
 
 }  // namespace mauve
