@@ -262,7 +262,28 @@ std::string OnProbation::culprit() const {
   const std::string text = way_back_->text();
   if (way_back_->cause() == Cause::asked) return text;
   const std::string cause(to_string(way_back_->cause()));
-  return text.empty() ? cause : cause + ": " + text;
+  const ResourceBase* const inside = failed_in();
+  const std::string where = inside == nullptr ? "" : ", in a call of " + inside->name();
+  return (text.empty() ? cause : cause + ": " + text) + where;
+}
+
+/// The resource in whose service the member failed; null: it failed in its own code.
+const ResourceBase* OnProbation::failed_in() const {
+  for (const ResourceBase* resource : system_.architecture.resources()) {
+    if (&resource->gate() == way_back_->inside()) return resource;
+  }
+  return nullptr;
+}
+
+/// The new cores that failed. A resource that fails its caller is not the fault of the caller's
+/// core.
+void OnProbation::name_cores(Outcome& end) const {
+  if (failed_in() != nullptr) return;
+  for (const PreparedMember& member : content_->members) {
+    const std::string& core = member.next->core_type.name;
+    const bool is_new = member.part == Part::joins || core != member.base->core_type.name;
+    if (is_new && member.component->name() == end.component) end.cores.push_back(core);
+  }
 }
 
 void OnProbation::tell(Outcome::Kind kind, const std::string& reason) {
@@ -278,11 +299,7 @@ void OnProbation::tell(Outcome::Kind kind, const std::string& reason) {
       if (member.deployed->task.get() == way_back_->member())
         end.component = member.deployed->task->name();
     }
-    for (const PreparedMember& member : content_->members) {
-      const std::string& core = member.next->core_type.name;
-      const bool is_new = member.part == Part::joins || core != member.base->core_type.name;
-      if (is_new && member.component->name() == end.component) end.cores.push_back(core);
-    }
+    name_cores(end);
   }
   system_.outcomes.push_back(std::move(end));
 }

@@ -74,6 +74,8 @@ class OnProbation {
   [[nodiscard]] bool all_looked_away() const;
   void tell(Outcome::Kind kind, const std::string& reason);
   [[nodiscard]] std::string culprit() const;
+  [[nodiscard]] const ResourceBase* failed_in() const;
+  void name_cores(Outcome& end) const;
 
   System& system_;
   std::shared_ptr<void> departed_;  // keeps tasks that are let go meanwhile

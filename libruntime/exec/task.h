@@ -227,6 +227,7 @@ class Task {
   Published* unacknowledged_ = nullptr;  // taken, its first job not yet done
   Published* taking_ = nullptr;          // its converter runs
   const CoreBase* lost_ = nullptr;       // a thread that was given up may still be inside
+  const Gate* thrown_out_of_ = nullptr;  // in whose service its last job failed
   FsmState* state_ = nullptr;            // the wait the task is in; null: before the initial state
   Instant t0_ = 0;
   Instant release_ = 0;  // logical: t0 + offset + clock of the component
@@ -238,8 +239,7 @@ class Task {
   Evidence evidence_;          // against the core, on probation
   Duration excused_{0};        // for so long the machine was held up during the job before
   Instant excused_until_ = 0;  // jobs released before this instant wait behind that one
-  std::int64_t waits_before_ =
-      kUnknown;             // how often the thread waited before the job, on probation
+  std::int64_t waits_before_ = kUnknown;  // of the thread, before the job, on probation
   Duration cpu_before_{0};  // of this thread, when the job began; zero: was not asked for
   bool preempted_ = false;  // the last job was
   bool running_ = false;

@@ -82,7 +82,7 @@ void Task::watch_over(const JobUse& job) {
 void Task::give_up_core(Cause cause, const char* what) {
   const Published* back = back_.load(std::memory_order_acquire);
   if (back == nullptr) return;
-  back->way_back->set_off(clock_, cause, this, what);
+  back->way_back->set_off(clock_, cause, this, what, thrown_out_of_);
 }
 
 /// A failed core runs no more; its releases pass until something takes over.
@@ -138,13 +138,14 @@ bool Task::lose_thread(Instant since) {
   if (Job* job = job_.exchange(nullptr)) {
     job->detached.store(true);
     rt::fence_all_threads();  // it writes alone to no exchange from here on: see LatestValue
-    Gate::poison_and_free_all(*job);
+    thrown_out_of_ = Gate::poison_and_free_all(*job);
   }
   return true;
 }
 
 /// The new core is in place, with a state that may be half written.
 void Task::fail_in_hand_over(const rt::Fault& fault) {
+  thrown_out_of_ = nullptr;
   write_safe_values();
   const auto text = std::string_view("its converter: ").copy(fault_.data(), fault_.size());
   if (fault.interrupted) {

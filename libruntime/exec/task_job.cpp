@@ -65,9 +65,10 @@ bool Task::run_job(Instant now) {
   JobEnd end{*this, now};
   watched_.busy_since.store(now, std::memory_order_release);
   const rt::Fault fault = rt::rescued(&JobEnd::run, &end, watched_);
-  if (fault.happened()) Gate::poison_and_leave_all();
+  const Gate* const inside = fault.happened() ? Gate::poison_and_leave_all() : nullptr;
   Instant begun = now;
   const bool ours = watched_.busy_since.compare_exchange_strong(begun, 0);
+  if (ours) thrown_out_of_ = inside;
   if (ours) conclude(now, end, fault);
   Job& job = this_job();
   rt::end_preemption_watch();

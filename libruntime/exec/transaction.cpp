@@ -38,7 +38,8 @@ std::string_view word_of(Cause cause) {
   return kWords.at(static_cast<std::size_t>(cause));
 }
 
-bool WayBack::set_off(const Clock& clock, Cause cause, const void* member, const char* text) {
+bool WayBack::set_off(const Clock& clock, Cause cause, const void* member, const char* text,
+                      const void* inside) {
   if (!transaction_.claim(kBeingSetOff)) return false;
   Transaction* const newer = newer_.load();
   if (newer != nullptr &&
@@ -48,6 +49,7 @@ bool WayBack::set_off(const Clock& clock, Cause cause, const void* member, const
   }
   cause_ = cause;
   member_ = member;
+  inside_ = inside;
   std::strncpy(text_.data(), text, text_.size() - 1);
   decide(clock);
   told_.store(true, std::memory_order_release);

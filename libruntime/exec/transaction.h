@@ -99,8 +99,10 @@ class WayBack {
   [[nodiscard]] Transaction& transaction() { return transaction_; }
 
   /// [any] Bounded, no lock. False: it was set off before, is closed, or a newer change is
-  /// committed.
-  bool set_off(const Clock& clock, Cause cause, const void* member, const char* text);
+  /// committed. `inside`: the gate of the resource in whose service the member failed; null: in its
+  /// own code.
+  bool set_off(const Clock& clock, Cause cause, const void* member, const char* text,
+               const void* inside = nullptr);
   /// [control] Nobody can set it off any more; false when somebody has.
   bool close() { return transaction_.claim(kClosed); }
   /// [control] Either this one, which is about to be decided, or the way back; null: it came to
@@ -118,6 +120,7 @@ class WayBack {
   [[nodiscard]] bool told() const { return told_.load(std::memory_order_acquire); }
   [[nodiscard]] Cause cause() const { return cause_; }
   [[nodiscard]] const void* member() const { return member_; }
+  [[nodiscard]] const void* inside() const { return inside_; }
   [[nodiscard]] const char* text() const { return text_.data(); }
 
  private:
@@ -138,6 +141,7 @@ class WayBack {
   std::atomic<bool> told_{false};
   Cause cause_ = Cause::asked;
   const void* member_ = nullptr;
+  const void* inside_ = nullptr;
   std::array<char, 128> text_{};
 };
 

@@ -157,24 +157,30 @@ void Gate::leave_renewed(GateLock& lock) {
 
 std::size_t Gate::held() { return this_job().held_count.load(std::memory_order_relaxed); }
 
-void Gate::poison_and_leave_all(std::size_t kept) {
+const Gate* Gate::poison_and_leave_all(std::size_t kept) {
   const Job& job = this_job();
+  const Gate* first = nullptr;
   for (std::size_t count = held(); count > kept; count = held()) {
     GateLock& innermost = *job.held[count - 1].load(std::memory_order_relaxed);
     const bool still_holds = innermost.holder.load(std::memory_order_relaxed) == &job;
     if (still_holds) innermost.gate.poison();
+    if (first == nullptr) first = &innermost.gate;
     innermost.gate.leave(innermost);
   }
+  return first;
 }
 
-void Gate::poison_and_free_all(Job& lost) {
+const Gate* Gate::poison_and_free_all(Job& lost) {
+  const Gate* last = nullptr;
   const std::size_t count = lost.held_count.load(std::memory_order_acquire);
   for (std::size_t i = 0; i < count; ++i) {
     GateLock& lock = *lost.held[i].load(std::memory_order_relaxed);
     if (!lock.end_hold_of(lost)) continue;  // it has left this one
     lock.gate.poison();                     // before anybody can enter
     lock.gate.renew_lock();
+    last = &lock.gate;
   }
+  return last;
 }
 
 /// The old one is never freed: its holder may still come back to it.

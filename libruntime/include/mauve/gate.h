@@ -77,12 +77,12 @@ class Gate {
   /// Runtime only: how many this thread holds.
   [[nodiscard]] static std::size_t held();
   /// Runtime only: of all that this thread holds but for the first `kept`, which it was thrown out
-  /// of: poisoned, then left.
-  static void poison_and_leave_all(std::size_t kept = 0);
+  /// of: poisoned, then left. Returns the innermost, in whose service the thread was; null: none.
+  static const Gate* poison_and_leave_all(std::size_t kept = 0);
   /// Runtime only: of all that a thread holds that never returns: poisoned, and given a new lock in
   /// place of the one that only that thread could unlock. Takes memory; the thread must not end
-  /// meanwhile. [guard]
-  static void poison_and_free_all(Job& lost);
+  /// meanwhile. Returns the innermost, as above. [guard]
+  static const Gate* poison_and_free_all(Job& lost);
 
   /// Runtime only: what the next callers visit. [control]
   void defer(Deferred& deferred) { deferred_.store(&deferred, std::memory_order_release); }

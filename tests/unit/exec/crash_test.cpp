@@ -181,14 +181,34 @@ struct MeterInterface : Interface<MeterCore> {
   WriteService<double> write{*this, "write", &MeterCore::note};
 };
 
+template <typename Left>
 struct Fragile : Architecture {
   Resource<EmptyShell, FragileMeter, MeterInterface> meter{*this, "meter"};
-  Component<ramp::Shell, ramp::Up, ramp::Fsm> left{*this, "left"};
+  Component<ramp::Shell, Left, ramp::Fsm> left{*this, "left"};
   Status on_configure() override { return left.shell().out.connect(meter.interface().write); }
 };
 
+/// A core in quarantine is made nowhere any more, so it must be the one that failed.
+TEST_F(Crash, InAResourceTakesTheChangeOfItsUserBackWithoutBlamingTheCoreOfThatUser) {
+  Fragile<ramp::Down> architecture;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+  Change change{{ramp::to_core<ramp::Up>("up", "left")}};
+  change.edits[0].state = StatePolicy::drop;
+  change.probation.emplace();
+
+  ASSERT_TRUE(deployer.apply(change));
+  const auto outcomes = test::await_outcomes(deployer);
+
+  ASSERT_EQ(outcomes.size(), 1u);
+  EXPECT_EQ(outcomes[0].kind, Outcome::Kind::rolled_back);
+  EXPECT_EQ(outcomes[0].component, "left");
+  EXPECT_EQ(outcomes[0].reason, "crashed: SIGSEGV at address 0x0, in a call of meter");
+  EXPECT_TRUE(outcomes[0].cores.empty());
+}
+
 TEST_F(Crash, InAResourceIsToldToItsNextUserAndANewCoreHealsIt) {
-  Fragile architecture;
+  Fragile<ramp::Up> architecture;
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
   ASSERT_TRUE(test::is_faulted(deployer, "left"));
