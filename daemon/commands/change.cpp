@@ -6,6 +6,7 @@
 
 #include "commands/answer.h"
 #include "commands/given_up.h"
+#include "commands/model.h"
 #include "commands/quarantine.h"
 #include "commands/unproven.h"
 #include "exec/prepared.h"
@@ -280,6 +281,7 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
                    std::function<void(Ongoing&)> then) {
   running.control.await([ongoing] { return ongoing->advance(); },
                         [&running, ongoing, then = std::move(then)] {
+                          const StandStill still(running);
                           running.generation = running.deployer.generation();
                           then(*ongoing);
                         });

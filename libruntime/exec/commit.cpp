@@ -217,6 +217,7 @@ bool Commit::all_changed() {
 }
 
 Result<Receipt> Commit::result() const {
+  told_ = answered();
   if (result_) return *result_;
   return refuse(Errc::wrong_state, "commit", "is still under way",
                 "call advance() until it is not");
@@ -239,10 +240,11 @@ PreparedMember member_of(ComponentBase& component, Mode mode) {
   return member;
 }
 
-/// Probations first: a stop may make a task forget the way back that it took.
+/// Probations first: a stop may make a task forget the way back that it took. But they wait until
+/// the maker of a change knows its generation, which is saved before the next one comes.
 void System::advance() {
   looks.fetch_add(1);
-  if (stands_still) return;
+  if (stands_still > 0) return;
   if (const ModelLock::Hold hold(model, std::try_to_lock); hold) look_after_itself();
   std::erase_if(under_way, [](const std::shared_ptr<Commit>& commit) {
     static_cast<void>(commit->advance());
@@ -251,6 +253,7 @@ void System::advance() {
 }
 
 void System::look_after_itself() {
+  if (const auto last = last_transaction.lock(); last != nullptr && last->untold()) return;
   if (probation != nullptr) {
     static_cast<void>(probation->advance());
     if (probation->told()) fading.push_back(std::move(probation));
@@ -269,6 +272,7 @@ std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change, Swa
   // What an order was made from is true now; a rollback that gets into the books would undo that.
   if (kind == Swap::Kind::transaction) system.advance();
   auto commit = std::make_shared<Commit>(system, change.share(), kind, longest_job);
+  if (kind == Swap::Kind::transaction) system.last_transaction = commit;
   if (!commit->over()) system.under_way.push_back(commit);
   return commit;
 }

@@ -38,6 +38,8 @@ class Commit final : public Ongoing {
   /// An order that some member does not obey yet is answered, but not over.
   [[nodiscard]] bool answered() const { return result_.has_value(); }
   [[nodiscard]] bool over() const { return over_; }
+  /// It made a generation, and nobody has asked for the result yet.
+  [[nodiscard]] bool untold() const { return receipt_.generation != 0 && !told_; }
   /// A stop of this component was asked for: it does not wait for others at a barrier.
   void give_way(const Deployed& stopped) {
     if (barrier_ != nullptr && swap_ == nullptr) barrier_->give_way(stopped);
@@ -97,6 +99,7 @@ class Commit final : public Ongoing {
   Retired retired_;
   std::optional<Result<Receipt>> result_;
   bool over_ = false;
+  mutable bool told_ = false;  // result() was asked for the answer
 };
 
 /// Begins the commit; it goes on while anybody calls advance().

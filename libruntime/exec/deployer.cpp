@@ -251,7 +251,7 @@ void Deployer::end_direct_stop(const std::vector<std::string>& components) {
 }
 
 std::uint64_t Deployer::looks() const { return system_->looks.load(); }
-void Deployer::stand_still(bool still) { system_->stands_still = still; }
+void Deployer::stand_still(bool still) { system_->stands_still += still ? 1 : -1; }
 
 Result<Receipt> Deployer::stop(const std::vector<std::string>& components) {
   const Result<std::shared_ptr<Ongoing>> stopping = begin_stop(components);

@@ -69,6 +69,7 @@ class System {
   std::vector<Happening> last_events;  ///< of components that left; under `members`
   std::vector<std::string> warnings;
   std::vector<std::shared_ptr<Commit>> under_way;
+  std::weak_ptr<const Commit> last_transaction;      ///< as long as its maker has it
   std::unique_ptr<OnProbation> probation;            ///< of the newest change; null: none
   std::vector<std::unique_ptr<OnProbation>> fading;  ///< over, but a thread may still look
   Retired free;                                      ///< of changes that are over
@@ -80,7 +81,7 @@ class System {
   std::vector<TraceRecord> last_trace;  ///< of components that left; under `members`
   Instant t0 = 0;
   bool up = false;
-  bool stands_still = false;  ///< see Deployer::stand_still()
+  unsigned stands_still = 0;  ///< see Deployer::stand_still()
   bool realtime = false;
   std::unique_ptr<rt::LastWords> last_words;  ///< while it is up
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // What a generation is worth after a crash, and which cores stay out.
+#include <atomic>
 #include <map>
+#include <thread>
 
 #include "kept_daemon.h"
 
@@ -300,6 +302,35 @@ TEST_F(Generations, OfAReloadAreConfirmedWhenNothingFailed) {
 
   EXPECT_TRUE(
       eventually([&] { return newest(daemon)["mark"] == "confirmed"; }, std::chrono::seconds(60)));
+}
+
+/// Every look takes the running system further, also between a change and its answer.
+TEST_F(Generations, OfAChangeAndOfItsRollbackAreBothSavedHoweverSoonItFails) {
+  TrialDaemon daemon(kTrial, options());
+  auto onlooker = daemon.client();
+  std::atomic<bool> end{false};
+  std::thread looking([&] {
+    while (!end && onlooker.ask("status.get").contains("result")) continue;
+  });
+  const Json swap = {{"component", "first"}, {"core", "trial/throwing_job"}};
+  for (std::uint64_t number = 2; number <= 20; number += 2) {
+    EXPECT_TRUE(eventually([&] {
+      static_cast<void>(daemon.ask("quarantine.release", {{"core", "trial/throwing_job"}}));
+      return daemon.ask("core.swap", swap).contains("saved");
+    }));
+    EXPECT_TRUE(eventually([&] { return newest(daemon)["generation"] == number + 1; }));
+    EXPECT_TRUE(eventually(
+        [&] { return daemon.ask("config.history")["items"][1]["mark"] == "rolled_back"; }));
+    const auto items = daemon.ask("config.history")["items"];
+    EXPECT_EQ(items[0]["command"], "rolled_back") << items;
+    EXPECT_EQ(items[1]["command"], "core.swap") << items;
+    EXPECT_EQ(items[1]["generation"], number) << items;
+    EXPECT_TRUE(eventually([&] { return !daemon.ask("quarantine.list")["cores"].empty(); }));
+    if (HasFailure()) break;
+  }
+  end = true;
+  looking.join();
+  EXPECT_THAT(daemon.errors(), Not(HasSubstr("not saved")));
 }
 
 TEST_F(Generations, AreMadeWithoutTheCoresInQuarantineAlsoAfterARestart) {

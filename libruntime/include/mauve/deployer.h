@@ -41,7 +41,9 @@ class Ongoing {
   /// Looks how far it is and takes the next step; never waits. True when there is an answer; that
   /// comes in bounded time, if advance() is called now and then.
   virtual bool advance() = 0;
-  /// The answer.
+  /// The answer. A generation that the system makes by itself after that of this change, by a
+  /// rollback or a fallback core, enters the architecture when result() was asked, or when nobody
+  /// has this any more: so each generation can be looked at.
   [[nodiscard]] virtual Result<Receipt> result() const = 0;
   /// Elements that are no longer in force.
   virtual Retired& retired() = 0;
@@ -148,7 +150,8 @@ class Deployer {
   void end_direct_stop(const std::vector<std::string>& components);
   /// Grows while [control] looks after what is under way. [any]
   [[nodiscard]] std::uint64_t looks() const;
-  /// While it stands still no look takes a change further, so the architecture stays as it is.
+  /// While it stands still no look takes a change further, so the architecture stays as it is. Each
+  /// call with true needs one with false.
   void stand_still(bool still);
   Result<Receipt> swap_core(std::string_view component, const CoreType& core,
                             StatePolicy state = StatePolicy::keep);

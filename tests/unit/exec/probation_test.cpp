@@ -68,6 +68,32 @@ class OnProbation : public testing::Test {
   Deployer deployer{architecture, {.simulated = true}};
 };
 
+TEST_F(OnProbation, ARollBackMakesNoGenerationBeforeTheMakerOfTheChangeKnowsItsOwn) {
+  for (const bool asks : {true, false}) {
+    const std::uint64_t before = deployer.generation();
+    Change change{{ramp::to_core<Bad>("Bad")}};
+    change.probation = Probation{};
+    Result<PreparedChange> prepared = deployer.prepare(change);
+    ASSERT_TRUE(prepared);
+    std::shared_ptr<Ongoing> ongoing = deployer.begin(*prepared);
+
+    deployer.run_for(100ms);  // the fifth job is among these, and the old core runs again
+    EXPECT_TRUE(tend().empty());
+    EXPECT_EQ(deployer.generation(), before + 1);
+    EXPECT_EQ(core(), "Bad") << "the model shows the generation that is told next";
+    if (asks) {
+      ASSERT_TRUE(ongoing->advance());
+      EXPECT_EQ(ongoing->result()->generation, before + 1);
+    } else {
+      ongoing.reset();  // nobody is going to ask
+    }
+    EXPECT_EQ(tend().size(), 1u);
+    EXPECT_EQ(deployer.generation(), before + 2);
+    EXPECT_EQ(deployer.status("control").missed, 0u);
+    deployer.run_for(100ms);
+  }
+}
+
 TEST_F(OnProbation, ACoreThatThrowsIsRolledBackAtTheNextRelease) {
   const std::string before = core();
   ASSERT_TRUE(swap_to<Bad>());
