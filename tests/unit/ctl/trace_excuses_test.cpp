@@ -61,6 +61,21 @@ TEST(TraceCheck, BeginsAnewBehindLostRecords) {
   EXPECT_THAT(verdict.not_checked, testing::Contains(HasSubstr("records of control were lost")));
 }
 
+/// Back from another offset, and perhaps from another wait: the header may be of before that.
+TEST(TraceCheck, DoesNotJudgeByTheHeaderBehindAChangeThatControlHasNotLookedAt) {
+  const auto behind_a_rollback = [](bool told) {
+    Short trace;
+    trace.job(0).add(11 * kOneMs, Event::taken, "back", 10 * kOneMs, 7);
+    trace.add(11 * kOneMs, Event::started, {}, 13 * kOneMs);
+    if (told) trace.add(12 * kOneMs, Event::rollback, "core.swap", 10 * kOneMs, 7, "[control]");
+    return trace.job(13 * kOneMs).job(23 * kOneMs).verdict();
+  };
+  const Verdict untold = behind_a_rollback(false);
+  EXPECT_TRUE(untold.holds()) << first_violation(untold);
+  EXPECT_THAT(untold.not_checked, testing::Contains(HasSubstr("[control] does not tell")));
+  EXPECT_THAT(first_violation(behind_a_rollback(true)), HasSubstr("is not on its grid"));
+}
+
 TEST(TraceCheck, DoesNotJudgeResponsesInAWindowOfDisturbance) {
   const Verdict verdict = Short()
                               .job(0)
