@@ -76,6 +76,22 @@ TEST(TraceCheck, DoesNotJudgeByTheHeaderBehindAChangeThatControlHasNotLookedAt) 
   EXPECT_THAT(first_violation(behind_a_rollback(true)), HasSubstr("is not on its grid"));
 }
 
+/// The release that a new offset announced stays, also when another period comes before it.
+TEST(TraceCheck, JudgesAReleaseByThePeriodThatItWasAnnouncedWith) {
+  const auto behind_two_changes = [](std::int64_t release) {
+    Short trace;
+    trace.job(0).add(2 * kOneMs, Event::commit, "param.set", 2 * kOneMs, 1, "[control]");
+    trace.add(2 * kOneMs, Event::taken, "change", 2 * kOneMs, 1);
+    trace.add(2 * kOneMs, Event::started, {}, 13 * kOneMs);
+    trace.add(3 * kOneMs, Event::commit, "param.set", 3 * kOneMs, 2, "[control]");
+    trace.add(3 * kOneMs, Event::taken, "change", 3 * kOneMs, 2);
+    return trace.job(release).job(release + 10 * kOneMs).verdict();
+  };
+  const Verdict announced = behind_two_changes(13 * kOneMs);
+  EXPECT_TRUE(announced.holds()) << first_violation(announced);
+  EXPECT_THAT(first_violation(behind_two_changes(14 * kOneMs)), HasSubstr("its start announced"));
+}
+
 TEST(TraceCheck, DoesNotJudgeResponsesInAWindowOfDisturbance) {
   const Verdict verdict = Short()
                               .job(0)
