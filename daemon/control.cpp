@@ -130,6 +130,7 @@ Control::~Control() { stop(); }
 
 void Control::start() {
   control_.start();
+  answer_.start();
   factory_.start();
 }
 
@@ -143,6 +144,7 @@ void Control::stop() {
   // The factory may still post a continuation to [control]: it ends first.
   factory_.stop();
   control_.stop();
+  answer_.stop();
 }
 
 void Control::read(Job job, const Asker& asker) { control_.post(std::move(job), asker); }
@@ -187,6 +189,8 @@ void Control::ended() {
 void Control::in_factory(Job work, Job then, Factory::GivenUp given_up, const Asker& asker) {
   factory_.post(std::move(work), std::move(then), std::move(given_up), asker);
 }
+
+void Control::write_out(Job job, const Asker& asker) { answer_.post(std::move(job), asker); }
 
 std::vector<LeftBehind> Control::look_after_factory() { return factory_.look(prepare_within_); }
 

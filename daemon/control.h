@@ -99,6 +99,9 @@ class Control {
   /// [any] Runs `work` on [factory], then `then` on [control]; when the work is given up only
   /// `given_up`, also on [control]. That must not share anything with the work.
   void in_factory(Job work, Job then, Factory::GivenUp given_up = {}, const Asker& asker = {});
+  /// [any] Runs on [answer], when it is the turn of its user: a long answer is written out, for
+  /// which nothing of the model is needed.
+  void write_out(Job job, const Asker& asker);
   /// [control] The change that begins now is of this user; none: of the system itself.
   void works_for(std::optional<uid_t> user) { factory_.works_for(user); }
   /// [control] Call it some times a second: who was given up now.
@@ -126,6 +129,7 @@ class Control {
   bool busy_ = false;
   bool stopping_ = false;
   WorkerThread control_{"mauve-control"};
+  WorkerThread answer_{"mauve-answer"};
   Factory factory_{[this](Job then) { control_.post(std::move(then)); }};
   const std::chrono::nanoseconds prepare_within_;
 };

@@ -137,15 +137,14 @@ Status Watches::tap(const std::string& address, ServiceBase& service, const Subs
   return ok();
 }
 
-Result<std::uint64_t> Watches::follow_log(const server::Caller& caller,
-                                          const logging::Filter& filter, std::size_t count,
-                                          const std::function<void(const logging::Record&)>& kept,
-                                          std::function<Json(const logging::Record&)> encode) {
+Result<Watches::FollowedLog> Watches::follow_log(
+    const server::Caller& caller, const logging::Filter& filter, std::size_t count,
+    std::function<Json(const logging::Record&)> encode) {
   const auto sub = caller.outbox->open();
   if (!sub) {
     return refuse(Errc::limit, "subscriptions", "this connection has too many", "end some of them");
   }
-  const auto following =
+  auto following =
       log_.history().follow(count, filter,
                             [outbox = caller.outbox, sub = *sub, encode = std::move(encode),
                              last = written_](const logging::Record& record) {
@@ -155,11 +154,8 @@ Result<std::uint64_t> Watches::follow_log(const server::Caller& caller,
                               }
                               outbox->push(sub, {}, "log", *last->text);
                             });
-  for (const auto& record : following.kept) {
-    kept(record);
-  }
   followers_.push_back({caller.client, *sub, following.id});
-  return *sub;
+  return FollowedLog{*sub, std::move(following.kept)};
 }
 
 bool Watches::unsubscribe(const server::Caller& caller, std::uint64_t sub) {

@@ -41,11 +41,14 @@ class Watches {
   /// All addresses, or none and the error of the first wrong one. [control]
   Result<std::uint64_t> subscribe(const Running& running, const server::Caller& caller,
                                   const std::vector<std::string>& addresses);
-  /// The kept records go to `kept`, the later ones to the client. [control]
-  Result<std::uint64_t> follow_log(const server::Caller& caller, const logging::Filter& filter,
-                                   std::size_t count,
-                                   const std::function<void(const logging::Record&)>& kept,
-                                   std::function<Json(const logging::Record&)> encode);
+  struct FollowedLog {
+    std::uint64_t sub = 0;
+    std::vector<logging::Record> kept;
+  };
+  /// The kept records; the later ones go to the client. [control]
+  Result<FollowedLog> follow_log(const server::Caller& caller, const logging::Filter& filter,
+                                 std::size_t count,
+                                 std::function<Json(const logging::Record&)> encode);
   /// [control]
   bool unsubscribe(const server::Caller& caller, std::uint64_t sub);
   /// The client has gone. [io]

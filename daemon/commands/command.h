@@ -188,7 +188,7 @@ Result<Json> history(Running&, const Call&);
 Result<Json> doctor(Running&, const Call&);
 Result<Json> watch(Running&, const Call&);
 Result<Json> unwatch(Running&, const Call&);
-Result<Json> tail_log(Running&, const Call&);
+void tail_log(Running&, const CallPtr&, Ticket);
 Result<Json> show_log_level(Running&, const Call&);
 void set_log_level(Running&, const CallPtr&, Ticket);
 Result<Json> start_trace(Running&, const Call&);

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// log.tail: the last records, and those to come.
+#include <memory>
+#include <optional>
+#include <utility>
+
 #include "commands/answer.h"
 #include "commands/log_json.h"
 #include "commands/model.h"
@@ -57,6 +61,31 @@ Result<logging::Filter> filter_from(const Running& running, const Json& params) 
   return filter;
 }
 
+/// What was asked for.
+struct Tail {
+  logging::Filter filter;
+  std::size_t count = 0;
+  Instant t0 = 0;
+  std::optional<Watches::FollowedLog> followed;
+};
+
+/// [answer] All that is kept takes tens of milliseconds.
+Json write(const Running& running, const Tail& tail) {
+  const auto found =
+      tail.followed ? tail.followed->kept : running.log.history().tail(tail.count, tail.filter);
+  Json records = Json::array();
+  for (const auto& record : found) {
+    records.push_back(record_json(record, tail.t0));
+  }
+  const auto first = found.empty() ? std::nullopt : std::optional(found.front().time);
+  auto dropped = dropped_json(running, tail.filter, tail.count, found.size(), first);
+  Json result = {{"records", std::move(records)}, {"dropped", std::move(dropped)}};
+  if (tail.followed) {
+    result["sub"] = tail.followed->sub;
+  }
+  return result;
+}
+
 }  // namespace
 
 Json record_json(const logging::Record& record, Instant t0) {
@@ -74,41 +103,26 @@ Json record_json(const logging::Record& record, Instant t0) {
           {"fields", std::move(fields)}};
 }
 
-Result<Json> tail_log(Running& running, const Call& call) {
-  auto filter = filter_from(running, call.params);
+void tail_log(Running& running, const CallPtr& call, Ticket /*none*/) {
+  auto filter = filter_from(running, call->params);
   if (!filter) {
-    return filter.error();
+    return answer(running, *call, filter.error());
   }
-  const auto count = number_or(call.params, "n", kDefaultCount);
-  const auto t0 = running.deployer.t0();
-  Json records = Json::array();
-  std::optional<WallTime> first;
-  const auto keep = [&](const logging::Record& record) {
-    if (!first) {
-      first = record.time;
-    }
-    records.push_back(record_json(record, t0));
-  };
-  std::optional<std::uint64_t> sub;
-  if (flag(call.params, "follow")) {
-    const auto following = running.watches.follow_log(
-        call.caller, *filter, count, keep,
-        [t0](const logging::Record& record) { return record_json(record, t0); });
+  auto tail = std::make_shared<Tail>();
+  tail->filter = *std::move(filter);
+  tail->count = number_or(call->params, "n", kDefaultCount);
+  tail->t0 = running.deployer.t0();
+  if (flag(call->params, "follow")) {
+    auto following = running.watches.follow_log(
+        call->caller, tail->filter, tail->count,
+        [t0 = tail->t0](const logging::Record& record) { return record_json(record, t0); });
     if (!following) {
-      return following.error();
+      return answer(running, *call, following.error());
     }
-    sub = *following;
-  } else {
-    for (const auto& record : running.log.history().tail(count, *filter)) {
-      keep(record);
-    }
+    tail->followed = *std::move(following);
   }
-  auto dropped = dropped_json(running, *filter, count, records.size(), first);
-  Json result = {{"records", std::move(records)}, {"dropped", std::move(dropped)}};
-  if (sub) {
-    result["sub"] = *sub;
-  }
-  return result;
+  running.control.write_out(
+      [&running, call, tail] { answer(running, *call, write(running, *tail)); }, asker_of(*call));
 }
 
 }  // namespace mauve::daemon

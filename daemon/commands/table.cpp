@@ -46,7 +46,7 @@ constexpr Command kCommands[] = {
     {"daemon.doctor", Role::viewer, Lane::factory, doctor, nullptr},
     {"watch.subscribe", Role::viewer, Lane::read, watch, nullptr},
     {"watch.unsubscribe", Role::viewer, Lane::read, unwatch, nullptr},
-    {"log.tail", Role::viewer, Lane::read, tail_log, nullptr},
+    {"log.tail", Role::viewer, Lane::read, nullptr, tail_log},
     {"log.level", Role::viewer, Lane::read, show_log_level, nullptr},
     {"log.set_level", Role::operator_, Lane::urgent, nullptr, set_log_level},
     {"trace.status", Role::viewer, Lane::read, trace_status, nullptr},

@@ -15,29 +15,19 @@ namespace mauve::daemon {
 
 namespace {
 
-Result<Json> first_page(Running& running, std::size_t from, std::size_t count) {
-  auto snapshot = running.recorder->snapshot();
-  if (!snapshot) {
-    return snapshot.error();
-  }
-  const auto& [name, recording] = *snapshot;
-  Json page = page_of(*recording, from, count);
-  page["recording"] = name;
-  page["header"] = header_of(*recording, running.boot);
-  return page;
-}
+using Snapshot = std::pair<std::string, RecordingPtr>;
 
-Result<Json> page_of_snapshot(Running& running, const std::string& name, std::size_t from,
-                              std::size_t count) {
-  const auto recording = running.recorder->find_snapshot(name);
+/// [control] What is recorded now, with what it is about, or the snapshot of this name.
+Result<Snapshot> snapshot_of(Running& running, const std::string& name) {
+  if (name.empty()) {
+    return running.recorder->snapshot();
+  }
+  auto recording = running.recorder->find_snapshot(name);
   if (recording == nullptr) {
     return refuse(Errc::unknown_name, name, "others were read meanwhile, so it is gone",
                   "begin again, without a name");
   }
-  Json page = page_of(*recording, from, count);
-  page["recording"] = name;
-  page["header"] = header_of(*recording, running.boot);
-  return page;
+  return Snapshot(name, std::move(recording));
 }
 
 /// On [factory], since it waits for the disk.
@@ -104,9 +94,19 @@ void read_trace(Running& running, const CallPtr& call, Ticket /*none*/) {
   if (name.starts_with("flight-")) {
     return read_flight(running, call, name, from, count);
   }
-  answer(running, *call,
-         name.empty() ? first_page(running, from, count)
-                      : page_of_snapshot(running, name, from, count));
+  auto snapshot = snapshot_of(running, name);
+  if (!snapshot) {
+    return answer(running, *call, snapshot.error());
+  }
+  running.control.write_out(
+      [&running, call, snapshot = *std::move(snapshot), from, count] {
+        const auto& [its_name, recording] = snapshot;
+        Json page = page_of(*recording, from, count);
+        page["recording"] = its_name;
+        page["header"] = header_of(*recording, running.boot);
+        answer(running, *call, std::move(page));
+      },
+      asker_of(*call));
 }
 
 }  // namespace mauve::daemon
