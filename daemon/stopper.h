@@ -65,7 +65,7 @@ class Stopper {
 
   /// [control] may leave a stop alone for so long; after so many looks of [stop] at such a distance
   /// it counts as held up. Looks are counted, since a machine that stands still holds up both.
-  static constexpr unsigned kPatience = 10;
+  static constexpr unsigned kPatience = 5;
   static constexpr std::chrono::milliseconds kEvery{5};
 
  private:

@@ -77,9 +77,10 @@ void answer_directly(const Running& running, const Call& call, const DirectStop&
   }
   Json receipt = {{"generation", generation}, {"commit", 0}, {"attempts", 0}};
   receipt["warnings"] = Json::array(
-      {"the thread that executes commands is held up, probably by code of a plugin: this stop was "
-       "carried out without it, and all other commands wait until it goes on; SIGTERM ends mauved "
-       "safely all the same"});
+      {"the thread that executes commands did not come to this stop within 25 ms (a long command, "
+       "or "
+       "code of a plugin that does not return), so the stop was carried out without it; other "
+       "commands wait until that thread goes on; SIGTERM ends mauved safely all the same"});
   call.reply(directly(std::move(receipt), done.ran()));
 }
 
