@@ -203,6 +203,8 @@ void Commit::change_membership() {
   for (ResourceBase* resource : content_->leaving_resources) {
     if (!whole) break;
     content_->left_resources.push_back(system_.architecture.take_out(*resource));
+    // The way back of an earlier change may lead through it until no thread looks at it any more.
+    for (const auto& one : system_.fading) one->keep(content_->left_resources.back());
   }
   for (const auto& resource : content_->new_resources) system_.architecture.own(resource);
   for (std::size_t i = 0; i < deployed_.size(); ++i) {

@@ -128,5 +128,46 @@ TEST_F(LetGo, AStopParksWhatCameBackBeforeItIsInTheBooks) {
   EXPECT_EQ(system.find("control")->state(), ComponentState::stopped);
 }
 
+struct Scaled final : Core<EmptyShell> {
+  Stateless stateless{*this};
+  Property<double> scale{*this, "scale", 1.0, "any"};
+  void note(const double& /*value*/) {}
+};
+struct ScaledInterface : Interface<Scaled> {
+  WriteService<double> write{*this, "write", &Scaled::note};
+};
+struct Scaling : ramp::Architecture {
+  Scaling() {
+    auto made = std::make_shared<ResourceBase>(
+        "meter", ResourceType{"meter", ShellType::of<EmptyShell>(), CoreType::of<Scaled>("meter"),
+                              detail::make<InterfaceBase, ScaledInterface>});
+    meter = made;
+    own(std::move(made));
+  }
+  std::weak_ptr<ResourceBase> meter;
+};
+
+/// Its probation is over, but a thread may still look at the way back of the resource.
+TEST(LetGoResource, StaysAsLongAsAnEarlierChangeOfItIsLookedAfter) {
+  Scaling architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  Change change;
+  change.edits.resize(1);
+  change.edits[0].component = "meter";
+  change.edits[0].properties.emplace_back("core.scale", Value(2.0));
+  change.probation.emplace();
+  ASSERT_TRUE(deployer.apply(change));
+  Change removal;
+  removal.remove = {"meter"};
+  ASSERT_TRUE(deployer.apply(removal));
+
+  EXPECT_FALSE(architecture.meter.expired());
+  deployer.run_for(1s);
+  while (!deployer.settled()) deployer.run_for(10ms);
+  static_cast<void>(deployer.collect().release());
+  EXPECT_TRUE(architecture.meter.expired());
+}
+
 }  // namespace
 }  // namespace mauve::exec
