@@ -81,7 +81,7 @@ class System {
   std::vector<TraceRecord> last_trace;  ///< of components that left; under `members`
   Instant t0 = 0;
   bool up = false;
-  unsigned stands_still = 0;  ///< see Deployer::stand_still()
+  int stands_still = 0;  ///< see Deployer::stand_still()
   bool realtime = false;
   std::unique_ptr<rt::LastWords> last_words;  ///< while it is up
 
