@@ -48,8 +48,8 @@ std::set<std::int64_t> told_of(const Trace& trace) {
   return numbers;
 }
 
-/// Whether the header is about what the thread runs in the end: it is not while [control] has still
-/// to look at a change that the thread took.
+/// True when the header describes the bundle that the thread runs at the end of the trace. While
+/// [control] has not looked at the last change of the thread, the header describes an older one.
 bool header_is_of_the_end(const Trace& trace, const std::vector<const Record*>& records,
                           const std::set<std::int64_t>& told) {
   const auto last = std::find_if(records.rbegin(), records.rend(), [&](const Record* record) {

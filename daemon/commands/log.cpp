@@ -61,7 +61,7 @@ Result<logging::Filter> filter_from(const Running& running, const Json& params) 
   return filter;
 }
 
-/// What was asked for.
+/// One request for the last records.
 struct Tail {
   logging::Filter filter;
   std::size_t count = 0;

@@ -17,7 +17,7 @@ namespace {
 
 using Snapshot = std::pair<std::string, RecordingPtr>;
 
-/// [control] What is recorded now, with what it is about, or the snapshot of this name.
+/// [control] A new snapshot of the trace when `name` is empty, else the snapshot of this name.
 Result<Snapshot> snapshot_of(Running& running, const std::string& name) {
   if (name.empty()) {
     return running.recorder->snapshot();

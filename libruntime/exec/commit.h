@@ -38,7 +38,7 @@ class Commit final : public Ongoing {
   /// An order that some member does not obey yet is answered, but not over.
   [[nodiscard]] bool answered() const { return result_.has_value(); }
   [[nodiscard]] bool over() const { return over_; }
-  /// It made a generation, and nobody has asked for the result yet.
+  /// The commit made a generation, and its maker has not asked for the result yet.
   [[nodiscard]] bool untold() const { return receipt_.generation != 0 && !told_; }
   /// A stop of this component was asked for: it does not wait for others at a barrier.
   void give_way(const Deployed& stopped) {

@@ -85,7 +85,7 @@ TEST_F(OnProbation, ARollBackMakesNoGenerationBeforeTheMakerOfTheChangeKnowsItsO
       ASSERT_TRUE(ongoing->advance());
       EXPECT_EQ(ongoing->result()->generation, before + 1);
     } else {
-      ongoing.reset();  // nobody is going to ask
+      ongoing.reset();  // the maker drops the change without asking
     }
     EXPECT_EQ(tend().size(), 1u);
     EXPECT_EQ(deployer.generation(), before + 2);
