@@ -105,6 +105,7 @@ class ThreadCheck {
     announced_ = started_ = nullptr;
     barrier_ = failed_ = false;
     missed_ = 0;
+    takes_since_release_ = 0;
   }
 
   /// Where the release belongs, from what was said before it.
@@ -150,6 +151,10 @@ class ThreadCheck {
     const std::int64_t wait = announced_->a - announced_release_;
     if (missed_ > kMostMissed || wait > kLongest) {
       return findings_.left_out("releases of " + name() + " were missed for years");
+    }
+    // The missed releases were of the period in between, which no record tells.
+    if (barrier_ && missed_ > 0 && takes_since_release_ > 1) {
+      return findings_.left_out("a release of " + name() + " behind a barrier and another change");
     }
     const std::int64_t expected = announced_->a + missed_ * wait;
     const std::int64_t late = record.a - expected;
@@ -280,6 +285,7 @@ class ThreadCheck {
     barrier_ = barrier_ || at_barrier_.contains(record.b);
     waits_.clear();
     started_before_take_ = started_ != nullptr;
+    ++takes_since_release_;
     if (takes_left_ > 0) --takes_left_;
   }
 
@@ -314,6 +320,7 @@ class ThreadCheck {
   const Component* component_;
   const std::set<std::int64_t>& at_barrier_;
   std::uint64_t takes_left_;
+  unsigned takes_since_release_ = 0;
   std::map<Word, std::int64_t> waits_;  // how long, since the last change
   const Record* announced_ = nullptr;   // the wait that ended the last job
   std::int64_t announced_release_ = 0;

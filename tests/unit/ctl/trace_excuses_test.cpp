@@ -172,6 +172,21 @@ TEST(TraceCheck, AtABarrierComponentsGoOnLaterOnTheirGrid) {
   EXPECT_FALSE(barrier(45 * kOneMs).holds());
 }
 
+/// The releases missed at the barrier were of the period that the rollback takes back.
+TEST(TraceCheck, DoesNotJudgeAReleaseThatABarrierAndARollbackToAnotherPeriodMoved) {
+  const auto behind_a_barrier = [](bool then_back) {
+    Short trace;
+    trace.job(0).add(11 * kOneMs, Event::taken, "barrier", 10 * kOneMs, 7);
+    trace.add(11 * kOneMs, Event::missed, {}, 1, 1);
+    if (then_back) trace.add(12 * kOneMs, Event::taken, "back", 12 * kOneMs, 7);
+    return trace.job(14 * kOneMs).job(24 * kOneMs).verdict();
+  };
+  const Verdict moved = behind_a_barrier(true);
+  EXPECT_TRUE(moved.holds()) << first_violation(moved);
+  EXPECT_THAT(moved.not_checked, testing::Contains(HasSubstr("a barrier and another change")));
+  EXPECT_THAT(first_violation(behind_a_barrier(false)), HasSubstr("what it missed mean"));
+}
+
 TEST(TraceCheck, MembersOfARollbackGoBackAtOneInstant) {
   const auto rollback = [](bool both) {
     Short trace;
