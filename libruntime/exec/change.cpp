@@ -53,6 +53,14 @@ Status Retired::release() {
   return first;
 }
 
+void Retired::keep(std::shared_ptr<void> owner) {
+  if (owner != nullptr) owners_.push_back(std::move(owner));
+}
+
+void Retired::keep_longest(std::shared_ptr<void> owner) {
+  owners_.insert(owners_.begin(), std::move(owner));
+}
+
 void Retired::merge(Retired&& other) {
   elements_.insert(elements_.end(), other.elements_.begin(), other.elements_.end());
   owners_.insert(owners_.end(), other.owners_.begin(), other.owners_.end());

@@ -252,8 +252,16 @@ void System::advance() {
   });
 }
 
+/// A maker that has let it go never asks.
+bool System::is_untold() const {
+  const auto last = last_transaction.lock();
+  if (last == nullptr || !last->untold()) return false;
+  const bool kept_here = std::find(under_way.begin(), under_way.end(), last) != under_way.end();
+  return last.use_count() > (kept_here ? 2 : 1);
+}
+
 void System::look_after_itself() {
-  if (const auto last = last_transaction.lock(); last != nullptr && last->untold()) return;
+  if (is_untold()) return;
   if (probation != nullptr) {
     static_cast<void>(probation->advance());
     if (probation->told()) fading.push_back(std::move(probation));

@@ -203,8 +203,10 @@ void Commit::change_membership() {
   for (ResourceBase* resource : content_->leaving_resources) {
     if (!whole) break;
     content_->left_resources.push_back(system_.architecture.take_out(*resource));
-    // The way back of an earlier change may lead through it until no thread looks at it any more.
-    for (const auto& one : system_.fading) one->keep(content_->left_resources.back());
+    // The way back of an earlier change may lead through it until no thread looks at it any more,
+    // and its earlier cores may use its shell until they are freed.
+    for (const auto& one : system_.fading) one->keep_longest(content_->left_resources.back());
+    system_.free.keep_longest(content_->left_resources.back());
   }
   for (const auto& resource : content_->new_resources) system_.architecture.own(resource);
   for (std::size_t i = 0; i < deployed_.size(); ++i) {
@@ -220,6 +222,8 @@ void Commit::change_membership() {
 }
 
 void Commit::begin_probation() {
+  // One that passed while its maker had not asked for its result is there still.
+  if (system_.probation != nullptr) system_.fading.push_back(std::move(system_.probation));
   system_.probation = std::make_unique<OnProbation>(system_, content_, std::move(ways_back_),
                                                     way_back_, std::move(retired_), back_number_);
 }

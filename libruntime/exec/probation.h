@@ -58,8 +58,8 @@ class OnProbation {
   [[nodiscard]] bool awaits_confirmation() const;
   /// Its end is in System::outcomes; all that remains is to wait until no thread looks at it.
   [[nodiscard]] bool told() const { return phase_ == Phase::withdrawing || phase_ == Phase::over; }
-  /// Is free with it, not before.
-  void keep(std::shared_ptr<void> owner) { free_.keep(std::move(owner)); }
+  /// Is freed after all that becomes free with it.
+  void keep_longest(std::shared_ptr<void> owner) { free_.keep_longest(std::move(owner)); }
   /// What became free.
   Retired take_free() { return std::move(free_); }
 

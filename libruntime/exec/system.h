@@ -92,6 +92,8 @@ class System {
   void advance();
   /// Probations and reliefs: may change the model.
   void look_after_itself();
+  /// The maker of the last transaction has not asked for its result yet.
+  [[nodiscard]] bool is_untold() const;
   /// What nobody knows any more goes to `free`.
   void forget_departed();
   /// The component of this name, or an error with the nearest one.

@@ -235,10 +235,9 @@ class Retired {
   }
   /// Runtime only: in the order of dependency.
   void add(std::shared_ptr<Configurable> element) { elements_.push_back(std::move(element)); }
-  /// Runtime only: freed after the elements, the last one first.
-  void keep(std::shared_ptr<void> owner) {
-    if (owner != nullptr) owners_.push_back(std::move(owner));
-  }
+  /// Runtime only: freed after the elements, the last one first; keep_longest(): after all others.
+  void keep(std::shared_ptr<void> owner);
+  void keep_longest(std::shared_ptr<void> owner);
   void merge(Retired&& other);
   [[nodiscard]] bool empty() const { return elements_.empty() && owners_.empty(); }
 

@@ -129,6 +129,13 @@ TEST_F(LetGo, AStopParksWhatCameBackBeforeItIsInTheBooks) {
 }
 
 struct Scaled final : Core<EmptyShell> {
+  ~Scaled() override { orphans += meter().expired() ? 1 : 0; }
+  /// The resource of the test.
+  static std::weak_ptr<ResourceBase>& meter() {
+    static std::weak_ptr<ResourceBase> meter;
+    return meter;
+  }
+  static inline int orphans = 0;  ///< cores that outlived their resource, and so their shell
   Stateless stateless{*this};
   Property<double> scale{*this, "scale", 1.0, "any"};
   void note(const double& /*value*/) {}
@@ -141,32 +148,54 @@ struct Scaling : ramp::Architecture {
     auto made = std::make_shared<ResourceBase>(
         "meter", ResourceType{"meter", ShellType::of<EmptyShell>(), CoreType::of<Scaled>("meter"),
                               detail::make<InterfaceBase, ScaledInterface>});
-    meter = made;
+    Scaled::meter() = made;
+    Scaled::orphans = 0;
     own(std::move(made));
   }
-  std::weak_ptr<ResourceBase> meter;
 };
+Change to_scale(double scale) {
+  Change change;
+  change.edits.resize(1);
+  change.edits[0].component = "meter";
+  change.edits[0].properties.emplace_back("core.scale", Value(scale));
+  change.probation.emplace();
+  return change;
+}
 
 /// Its probation is over, but a thread may still look at the way back of the resource.
 TEST(LetGoResource, StaysAsLongAsAnEarlierChangeOfItIsLookedAfter) {
   Scaling architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
-  Change change;
-  change.edits.resize(1);
-  change.edits[0].component = "meter";
-  change.edits[0].properties.emplace_back("core.scale", Value(2.0));
-  change.probation.emplace();
-  ASSERT_TRUE(deployer.apply(change));
+  ASSERT_TRUE(deployer.apply(to_scale(2.0)));
   Change removal;
   removal.remove = {"meter"};
   ASSERT_TRUE(deployer.apply(removal));
 
-  EXPECT_FALSE(architecture.meter.expired());
+  EXPECT_FALSE(Scaled::meter().expired());
   deployer.run_for(1s);
   while (!deployer.settled()) deployer.run_for(10ms);
   static_cast<void>(deployer.collect().release());
-  EXPECT_TRUE(architecture.meter.expired());
+  EXPECT_TRUE(Scaled::meter().expired());
+}
+
+TEST(LetGoResource, StaysUntilItsEarlierCoresAreFreed) {
+  for (const bool settles : {false, true}) {
+    Scaling architecture;
+    Deployer deployer(architecture, {.simulated = true});
+    ASSERT_TRUE(deployer.deploy());
+    ASSERT_TRUE(deployer.apply(to_scale(2.0)));
+    ASSERT_TRUE(deployer.apply(to_scale(3.0)));  // ends the probation before
+    deployer.run_for(settles ? Duration{1s} : Duration{0});
+    Change removal;
+    removal.remove = {"meter"};
+    ASSERT_TRUE(deployer.apply(removal));
+    deployer.run_for(1s);
+    while (!deployer.settled()) deployer.run_for(10ms);
+    static_cast<void>(deployer.collect().release());
+    EXPECT_TRUE(Scaled::meter().expired());
+    EXPECT_EQ(Scaled::orphans, 1) << "only the last core ends with it; settles: " << settles;
+  }
 }
 
 }  // namespace

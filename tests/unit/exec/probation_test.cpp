@@ -94,6 +94,31 @@ TEST_F(OnProbation, ARollBackMakesNoGenerationBeforeTheMakerOfTheChangeKnowsItsO
   }
 }
 
+/// What it replaced is freed by whoever collects it, never by the next change.
+TEST_F(OnProbation, IsKeptByTheNextChangeWhenItPassedBeforeItsMakerAsked) {
+  const auto begin = [&](const char* name) {
+    Change change{{ramp::to_core<ramp::Up>(name)}};
+    change.probation = Probation{};
+    Result<PreparedChange> prepared = deployer.prepare(change);
+    EXPECT_TRUE(prepared);
+    auto ongoing = deployer.begin(*prepared);
+    deployer.run_for(30ms);
+    EXPECT_TRUE(ongoing->advance());
+    return ongoing;
+  };
+  const auto first = begin("first");
+  ASSERT_TRUE(deployer.confirm());
+  const auto second = begin("second");
+  EXPECT_EQ(ramp::Up::configured_cores(), 3);
+
+  EXPECT_TRUE(first->result());
+  EXPECT_TRUE(second->result());
+  deployer.run_for(30s);
+  static_cast<void>(tend());
+  static_cast<void>(deployer.collect().release());
+  EXPECT_EQ(ramp::Up::configured_cores(), 1);
+}
+
 TEST_F(OnProbation, ACoreThatThrowsIsRolledBackAtTheNextRelease) {
   const std::string before = core();
   ASSERT_TRUE(swap_to<Bad>());
