@@ -65,7 +65,8 @@ bool Task::run_job(Instant now) {
   JobEnd end{*this, now};
   watched_.busy_since.store(now, std::memory_order_release);
   const rt::Fault fault = rt::rescued(&JobEnd::run, &end, watched_);
-  const Gate* const inside = fault.happened() ? Gate::poison_and_leave_all() : nullptr;
+  const Gate* inside = fault.happened() ? Gate::poison_and_leave_all() : nullptr;
+  if (!fault.happened() && end.threw) inside = this_job().threw_in;
   Instant begun = now;
   const bool ours = watched_.busy_since.compare_exchange_strong(begun, 0);
   if (ours) thrown_out_of_ = inside;
@@ -87,6 +88,7 @@ void Task::begin_job(Instant now) {
   job.running = true;
   job.lock_waits = {};
   job.implausible = nullptr;
+  job.threw_in = nullptr;
   job.lock_bound = current_->shortest_wait;
   this_task() = this;
   job.trace = &trace().ring;

@@ -95,6 +95,7 @@ bool Gate::hold(GateLock& lock, Instant waited) {
   }
   Job& job = this_job();
   lock.holder.store(&job, std::memory_order_relaxed);
+  job.threw_in = nullptr;
   const std::size_t count = job.held_count.load(std::memory_order_relaxed);
   job.held[count].store(&lock, std::memory_order_relaxed);
   job.held_count.store(count + 1, std::memory_order_release);
@@ -164,7 +165,7 @@ const Gate* Gate::poison_and_leave_all(std::size_t kept) {
     GateLock& innermost = *job.held[count - 1].load(std::memory_order_relaxed);
     const bool still_holds = innermost.holder.load(std::memory_order_relaxed) == &job;
     if (still_holds) innermost.gate.poison();
-    if (first == nullptr) first = &innermost.gate;
+    if (first == nullptr && !innermost.gate.blames_caller_) first = &innermost.gate;
     innermost.gate.leave(innermost);
   }
   return first;
@@ -178,7 +179,7 @@ const Gate* Gate::poison_and_free_all(Job& lost) {
     if (!lock.end_hold_of(lost)) continue;  // it has left this one
     lock.gate.poison();                     // before anybody can enter
     lock.gate.renew_lock();
-    last = &lock.gate;
+    if (!lock.gate.blames_caller_) last = &lock.gate;
   }
   return last;
 }

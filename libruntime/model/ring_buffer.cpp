@@ -144,6 +144,8 @@ ResourceType ring_buffer_type(const DataType& data, const std::shared_ptr<void>&
 
 RingBufferBase::RingBufferBase(std::string name, const DataType& data,
                                std::shared_ptr<void> library)
-    : ResourceBase(std::move(name), ring_buffer_type(data, library)) {}
+    : ResourceBase(std::move(name), ring_buffer_type(data, library)) {
+  gate().blame_caller();
+}
 
 }  // namespace mauve

@@ -138,6 +138,7 @@ SharedDataBase::SharedDataBase(std::string name, const DataType& data, const voi
                                std::shared_ptr<void> library)
     : ResourceBase(std::move(name), shared_data_type(data, library)) {
   gate().hold_shortly();
+  gate().blame_caller();
   if (made() && initial != nullptr) write_service().write(initial);
 }
 

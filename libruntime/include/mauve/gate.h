@@ -3,9 +3,12 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <exception>
 
 #include <mauve/data_status.h>
+#include <mauve/job.h>
 #include <mauve/time.h>
 
 namespace mauve {
@@ -19,9 +22,6 @@ class Deferred {
   /// it is over, and nobody visits it again. Bounded, no heap. [any]
   virtual bool visit(Instant release) = 0;
 };
-
-struct GateLock;
-struct Job;
 
 /// Callers outside of a job wait so long for a resource: none may be declared to be held longer.
 inline constexpr Duration kLongestHold{1s};
@@ -63,6 +63,9 @@ class Gate {
   /// It is only ever held for some loads and stores: the clock would take longer. Before its first
   /// caller.
   void hold_shortly() { timed_ = false; }
+  /// Only code of the runtime and of the caller runs under it, so a caller that fails there fails
+  /// by itself. Before its first caller.
+  void blame_caller() { blames_caller_ = true; }
   /// What its resource is called in a trace.
   void name_in_trace(std::uint32_t name) { trace_name_ = name; }
   [[nodiscard]] bool timed() const { return timed_; }
@@ -77,7 +80,7 @@ class Gate {
   /// Runtime only: how many this thread holds.
   [[nodiscard]] static std::size_t held();
   /// Runtime only: of all that this thread holds but for the first `kept`, which it was thrown out
-  /// of: poisoned, then left. Returns the innermost, in whose service the thread was; null: none.
+  /// of: poisoned, then left. Returns the innermost in whose own code the thread was; null: none.
   static const Gate* poison_and_leave_all(std::size_t kept = 0);
   /// Runtime only: of all that a thread holds that never returns: poisoned, and given a new lock in
   /// place of the one that only that thread could unlock. Takes memory; the thread must not end
@@ -103,11 +106,19 @@ class Gate {
   void count_hold(std::int64_t held);
   void renew_lock();
   void visit_deferred(Instant release);
+  /// An exception leaves its service.
+  void note_throw() const {
+    Job& job = this_job();
+    if (!blames_caller_ && job.threw_in == nullptr) job.threw_in = this;
+  }
+
+  friend class Entry;
 
   std::atomic<GateLock*> lock_;
   std::atomic<Deferred*> deferred_{nullptr};
   std::atomic<bool> poisoned_{false};
   bool timed_ = true;
+  bool blames_caller_ = false;
   std::uint32_t trace_name_ = 0;
   std::atomic<std::uint64_t> timeouts_{0};
   std::atomic<std::int64_t> longest_{0};
@@ -120,7 +131,9 @@ class Entry {
  public:
   explicit Entry(Gate& gate) : gate_(gate), entered_(gate.enter()) {}
   ~Entry() {
-    if (entered_) gate_.leave();
+    if (!entered_) return;
+    if (std::uncaught_exceptions() > 0) gate_.note_throw();
+    gate_.leave();
   }
   Entry(const Entry&) = delete;
   Entry& operator=(const Entry&) = delete;

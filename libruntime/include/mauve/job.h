@@ -14,6 +14,7 @@
 
 namespace mauve {
 
+class Gate;
 class PortBase;
 struct GateLock;
 namespace rt {
@@ -41,6 +42,9 @@ struct Job {
   };
   LockWaits lock_waits;
   const PortBase* implausible = nullptr;  ///< the first that was given a value it does not let out
+  /// The innermost resource whose service an exception left, since this job entered a resource
+  /// last.
+  const Gate* threw_in = nullptr;
   /// Locks of resources that this thread holds, innermost last; the guard may look.
   std::atomic<std::size_t> held_count{0};
   std::array<std::atomic<GateLock*>, kMaxHeld> held{};

@@ -170,6 +170,11 @@ class MeterCore : public Core<EmptyShell> {
   static constexpr const char* contract = "meter/core/1";
   virtual void note(const double& value) = 0;
 };
+struct ThrowingMeter final : MeterCore {
+  void note(const double& value) override {
+    if (value == 4.0) throw std::runtime_error("out of range");
+  }
+};
 struct FragileMeter final : MeterCore {
   Property<double> breaks_at{*this, "breaks_at", 4.0, "crashes when it is given this value"};
   int* volatile nobody = nullptr;
@@ -181,30 +186,58 @@ struct MeterInterface : Interface<MeterCore> {
   WriteService<double> write{*this, "write", &MeterCore::note};
 };
 
-template <typename Left>
+template <typename Left, typename Meter = FragileMeter>
 struct Fragile : Architecture {
-  Resource<EmptyShell, FragileMeter, MeterInterface> meter{*this, "meter"};
+  Resource<EmptyShell, Meter, MeterInterface> meter{*this, "meter"};
   Component<ramp::Shell, Left, ramp::Fsm> left{*this, "left"};
   Status on_configure() override { return left.shell().out.connect(meter.interface().write); }
 };
 
-/// A core in quarantine is made nowhere any more, so it must be the one that failed.
-TEST_F(Crash, InAResourceTakesTheChangeOfItsUserBackWithoutBlamingTheCoreOfThatUser) {
-  Fragile<ramp::Down> architecture;
+/// How a new core of `left` on probation ends.
+template <typename Core, typename System>
+Outcome end_of() {
+  System architecture;
   Deployer deployer(architecture);
-  ASSERT_TRUE(deployer.deploy());
-  Change change{{ramp::to_core<ramp::Up>("up", "left")}};
+  EXPECT_TRUE(deployer.deploy());
+  Change change{{ramp::to_core<Core>("new", "left")}};
   change.edits[0].state = StatePolicy::drop;
   change.probation.emplace();
-
-  ASSERT_TRUE(deployer.apply(change));
+  EXPECT_TRUE(deployer.apply(change));
   const auto outcomes = test::await_outcomes(deployer);
+  EXPECT_EQ(outcomes.size(), 1u);
+  return outcomes.empty() ? Outcome() : outcomes[0];
+}
 
-  ASSERT_EQ(outcomes.size(), 1u);
-  EXPECT_EQ(outcomes[0].kind, Outcome::Kind::rolled_back);
-  EXPECT_EQ(outcomes[0].component, "left");
-  EXPECT_EQ(outcomes[0].reason, "crashed: SIGSEGV at address 0x0, in a call of meter");
-  EXPECT_TRUE(outcomes[0].cores.empty());
+/// A core in quarantine is made nowhere any more, so it must be the one that failed.
+TEST_F(Crash, InAResourceTakesTheChangeOfItsUserBackWithoutBlamingTheCoreOfThatUser) {
+  const Outcome end = end_of<ramp::Up, Fragile<ramp::Down>>();
+  EXPECT_EQ(end.kind, Outcome::Kind::rolled_back);
+  EXPECT_EQ(end.component, "left");
+  EXPECT_EQ(end.reason, "crashed: SIGSEGV at address 0x0, in a call of meter");
+  EXPECT_TRUE(end.cores.empty());
+}
+
+TEST(Throw, InAResourceIsNotBlamedOnTheCoreOfItsUser) {
+  const Outcome end = end_of<ramp::Up, Fragile<ramp::Down, ThrowingMeter>>();
+  EXPECT_EQ(end.kind, Outcome::Kind::rolled_back);
+  EXPECT_EQ(end.reason, "threw: out of range, in a call of meter");
+  EXPECT_TRUE(end.cores.empty());
+}
+
+/// It fills the value of a data resource in place: that is code of the core.
+struct BadFiller final : ramp::RampCore {
+  Stateless stateless{*this};
+  int* volatile nobody = nullptr;
+  void update() override {
+    shell().out.fill([this](double& value) { value = *nobody; });
+  }
+};
+
+TEST_F(Crash, InTheCodeOfTheCallerUnderTheLockOfADataResourceIsTheFaultOfThatCore) {
+  const Outcome end = end_of<BadFiller, ramp::Two<ramp::Down>>();
+  EXPECT_EQ(end.kind, Outcome::Kind::rolled_back);
+  EXPECT_EQ(end.reason, "crashed: SIGSEGV at address 0x0");
+  EXPECT_EQ(end.cores, std::vector<std::string>{"new"});
 }
 
 TEST_F(Crash, InAResourceIsToldToItsNextUserAndANewCoreHealsIt) {
