@@ -105,7 +105,7 @@ class ThreadCheck {
     announced_ = started_ = nullptr;
     barrier_ = failed_ = false;
     missed_ = 0;
-    takes_since_release_ = 0;
+    changed_since_release_ = false;
   }
 
   /// Where the release belongs, from what was said before it.
@@ -153,7 +153,7 @@ class ThreadCheck {
       return findings_.left_out("releases of " + name() + " were missed for years");
     }
     // The missed releases were of the period in between, which no record tells.
-    if (barrier_ && missed_ > 0 && takes_since_release_ > 1) {
+    if (barrier_ && missed_ > 0 && changed_since_release_) {
       return findings_.left_out("a release of " + name() + " behind a barrier and another change");
     }
     const std::int64_t expected = announced_->a + missed_ * wait;
@@ -285,7 +285,7 @@ class ThreadCheck {
     barrier_ = barrier_ || at_barrier_.contains(record.b);
     waits_.clear();
     started_before_take_ = started_ != nullptr;
-    ++takes_since_release_;
+    changed_since_release_ = changed_since_release_ || !at_barrier_.contains(record.b);
     if (takes_left_ > 0) --takes_left_;
   }
 
@@ -320,7 +320,7 @@ class ThreadCheck {
   const Component* component_;
   const std::set<std::int64_t>& at_barrier_;
   std::uint64_t takes_left_;
-  unsigned takes_since_release_ = 0;
+  bool changed_since_release_ = false;  // by a change without a barrier
   std::map<Word, std::int64_t> waits_;  // how long, since the last change
   const Record* announced_ = nullptr;   // the wait that ended the last job
   std::int64_t announced_release_ = 0;

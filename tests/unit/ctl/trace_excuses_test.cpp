@@ -176,9 +176,16 @@ TEST(TraceCheck, AtABarrierComponentsGoOnLaterOnTheirGrid) {
 TEST(TraceCheck, DoesNotJudgeAReleaseThatABarrierAndARollbackToAnotherPeriodMoved) {
   const auto behind_a_barrier = [](bool then_back) {
     Short trace;
-    trace.job(0).add(11 * kOneMs, Event::taken, "barrier", 10 * kOneMs, 7);
+    trace.job(0).add(10 * kOneMs, Event::taken, "barrier", 10 * kOneMs, 7);
+    trace.add(11 * kOneMs, Event::commit, "apply", 11 * kOneMs, 7, "[control]");
+    trace.add(11 * kOneMs, Event::member, "control", 0, 7, "[control]");
     trace.add(11 * kOneMs, Event::missed, {}, 1, 1);
-    if (then_back) trace.add(12 * kOneMs, Event::taken, "back", 12 * kOneMs, 7);
+    trace.add(11 * kOneMs, Event::taken, "change", 11 * kOneMs, 7);
+    if (then_back) {
+      trace.add(12 * kOneMs, Event::taken, "back", 12 * kOneMs, 8);
+      trace.add(12 * kOneMs, Event::rollback, "apply", 12 * kOneMs, 8, "[control]");
+      trace.add(12 * kOneMs, Event::member, "control", 0, 8, "[control]");
+    }
     return trace.job(14 * kOneMs).job(24 * kOneMs).verdict();
   };
   const Verdict moved = behind_a_barrier(true);
