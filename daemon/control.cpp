@@ -41,10 +41,13 @@ void WorkerThread::stop() {
 void WorkerThread::halt() {
   FairQueue<Job> dropped;  // destroyed out of the lock: it may hold the last ticket of a change
   std::deque<Job> dropped_urgent;
-  const std::lock_guard lock(mutex_);
-  stopping_ = true;
-  std::swap(dropped, jobs_);
-  dropped_urgent.swap(urgent_);
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    std::swap(dropped, jobs_);
+    dropped_urgent.swap(urgent_);
+  }
+  wake_.notify_all();
 }
 
 bool WorkerThread::post(Job job, const Asker& asker) {
@@ -144,6 +147,7 @@ void Control::stop() {
   // The factory may still post a continuation to [control]: it ends first.
   factory_.stop();
   control_.stop();
+  answer_.halt();  // nobody is left to read what waits there
   answer_.stop();
 }
 
@@ -190,7 +194,25 @@ void Control::in_factory(Job work, Job then, Factory::GivenUp given_up, const As
   factory_.post(std::move(work), std::move(then), std::move(given_up), asker);
 }
 
-void Control::write_out(Job job, const Asker& asker) { answer_.post(std::move(job), asker); }
+void Control::write_out(Job job, const Asker& asker) {
+  {
+    const std::lock_guard lock(mutex_);
+    ++long_answers_[asker.uid];
+  }
+  answer_.post(
+      [this, job = std::move(job), uid = asker.uid] {
+        job();
+        const std::lock_guard lock(mutex_);
+        --long_answers_[uid];
+      },
+      asker);
+}
+
+std::size_t Control::long_answers(uid_t uid) const {
+  const std::lock_guard lock(mutex_);
+  const auto user = long_answers_.find(uid);
+  return user == long_answers_.end() ? 0 : user->second;
+}
 
 std::vector<LeftBehind> Control::look_after_factory() { return factory_.look(prepare_within_); }
 

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -31,7 +32,7 @@ class WorkerThread {
   void start();
   /// Runs what is queued, then ends. Later jobs are dropped.
   void stop();
-  /// [this thread] Drops what is queued: the job that calls this is the last one.
+  /// [any] Drops what is queued: the job under way is the last one.
   void halt();
   /// [any] When it is the turn of its user, or in front of everything queued before. Dropped
   /// (false) after stop().
@@ -102,6 +103,8 @@ class Control {
   /// [any] Runs on [answer], when it is the turn of its user: a long answer is written out, for
   /// which nothing of the model is needed.
   void write_out(Job job, const Asker& asker);
+  /// [any] How many of this user are not written out yet. Callers allow kLongAnswers.
+  [[nodiscard]] std::size_t long_answers(uid_t uid) const;
   /// [control] The change that begins now is of this user; none: of the system itself.
   void works_for(std::optional<uid_t> user) { factory_.works_for(user); }
   /// [control] Call it some times a second: who was given up now.
@@ -118,7 +121,8 @@ class Control {
   [[nodiscard]] bool busy() const;
   [[nodiscard]] bool on_control_thread() const { return control_.is_this_thread(); }
 
-  static constexpr std::size_t kWaiting = 256;  ///< changes: 32 clients with 8 requests each
+  static constexpr std::size_t kWaiting = 256;    ///< changes: 32 clients with 8 requests each
+  static constexpr std::size_t kLongAnswers = 8;  ///< of one user: each may take some megabytes
 
  private:
   void begin_next();
@@ -128,6 +132,7 @@ class Control {
   FairQueue<Change> waiting_;
   bool busy_ = false;
   bool stopping_ = false;
+  std::map<uid_t, std::size_t> long_answers_;  ///< that are not written out yet
   WorkerThread control_{"mauve-control"};
   WorkerThread answer_{"mauve-answer"};
   Factory factory_{[this](Job then) { control_.post(std::move(then)); }};

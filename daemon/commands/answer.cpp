@@ -119,6 +119,17 @@ void answer_fault(Running& running, const Call& call, Fault fault) {
   call.reply(std::move(fault));
 }
 
+Status check_long_answers(const Running& running, const Call& call) {
+  const auto uid = call.caller.peer.uid;
+  if (running.control.long_answers(uid) < Control::kLongAnswers) {
+    return ok();
+  }
+  return refuse(Errc::limit, "uid " + std::to_string(uid),
+                "waits for " + std::to_string(Control::kLongAnswers) +
+                    " long answers (log.tail, trace.read) already",
+                "send the next request when one of them has come");
+}
+
 Status check_conditions(const Running& running, const Call& call) {
   if (auto free = may_change(running, kind_of(call)); !free) {
     return free;

@@ -22,6 +22,10 @@ void answer_fault(Running& running, const Call& call, Fault fault);
 /// (`if_generation`), or his deadline has passed (`deadline_ms`). Nothing has happened yet.
 [[nodiscard]] Status check_conditions(const Running& running, const Call& call);
 
+/// [control] Refused: the user of the call waits for too many long answers already, each of which
+/// takes memory. For a command that uses Control::write_out().
+[[nodiscard]] Status check_long_answers(const Running& running, const Call& call);
+
 /// A receipt as on the wire.
 [[nodiscard]] Json to_json(const Receipt& receipt);
 

@@ -104,6 +104,9 @@ Json record_json(const logging::Record& record, Instant t0) {
 }
 
 void tail_log(Running& running, const CallPtr& call, Ticket /*none*/) {
+  if (auto room = check_long_answers(running, *call); !room) {
+    return answer(running, *call, room.error());
+  }
   auto filter = filter_from(running, call->params);
   if (!filter) {
     return answer(running, *call, filter.error());

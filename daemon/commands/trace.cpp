@@ -94,6 +94,9 @@ void read_trace(Running& running, const CallPtr& call, Ticket /*none*/) {
   if (name.starts_with("flight-")) {
     return read_flight(running, call, name, from, count);
   }
+  if (auto room = check_long_answers(running, *call); !room) {
+    return answer(running, *call, room.error());
+  }
   auto snapshot = snapshot_of(running, name);
   if (!snapshot) {
     return answer(running, *call, snapshot.error());

@@ -50,6 +50,33 @@ TEST_F(ControlTest, RunsReadsInOrder) {
   EXPECT_THAT(noted(), testing::ElementsAre("a", "b"));
 }
 
+TEST_F(ControlTest, CountsTheLongAnswersOfEachUserAndDropsAtItsEndThoseThatWait) {
+  const Asker viewer{server::Role::viewer, 7};
+  std::promise<void> begun;
+  std::promise<void> release;
+  control.write_out(
+      [&] {
+        begun.set_value();
+        release.get_future().wait();
+        note("first");
+      },
+      viewer);
+  auto held = std::make_shared<int>(0);
+  const std::weak_ptr<int> waits = held;
+  control.write_out([&, held] { note("second"); }, viewer);
+  held.reset();
+  begun.get_future().wait();
+  EXPECT_EQ(control.long_answers(7), 2U);
+  EXPECT_EQ(control.long_answers(8), 0U);
+
+  std::thread end([&] { control.stop(); });
+  EXPECT_TRUE(test::eventually([&] { return waits.expired(); }));
+  release.set_value();
+  end.join();
+
+  EXPECT_THAT(noted(), testing::ElementsAre("first"));
+}
+
 TEST_F(ControlTest, RunsChangesOneAtATime) {
   std::promise<void> release;
   auto released = release.get_future().share();
