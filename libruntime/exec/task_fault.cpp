@@ -122,7 +122,20 @@ void Task::on_fault(Cause cause) {
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
 }
 
-void Task::write_safe_values() { exec::write_safe_values(*current_->bundle, true); }
+/// A service that does not return is ended as a job is.
+void Task::write_safe_values() {
+  const Bundle& bundle = *current_->bundle;
+  for (const PortBase* port : bundle.shell->ports()) {
+    const Binding* binding = (*bundle.bindings)[port->index()].get();
+    if (binding == nullptr) continue;
+    const Instant begin = clock_.now();
+    watched_.keeps_thread.store(true);
+    watched_.busy_since.store(begin);
+    write_quietly(*port, *binding, true, watched_);
+    watched_.busy_since.store(0);
+    watched_.keeps_thread.store(false);
+  }
+}
 
 /// The job ran into its bound.
 void Task::hung() {
@@ -132,6 +145,7 @@ void Task::hung() {
 }
 
 bool Task::lose_thread(Instant since) {
+  if (watched_.keeps_thread.load()) return false;
   if (!watched_.busy_since.compare_exchange_strong(since, kLost)) return false;
   // The next thread tells into a ring of its own: the lost one may be about to write.
   trace_ = new Trace{rt::TraceRing(simulated_), std::unique_ptr<Trace>(trace_.load())};

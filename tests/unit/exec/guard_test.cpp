@@ -92,6 +92,36 @@ struct TwoWatched : ramp::FallingBack<Core, ramp::Down> {
   }
 };
 
+class SinkCore : public Core<EmptyShell> {
+ public:
+  using Contract = SinkCore;
+  static constexpr const char* contract = "sink/core/1";
+  virtual void take(const double& value) = 0;
+};
+/// Does not return when it is given a safe value.
+struct EndlessSink final : SinkCore {
+  volatile bool forever = true;
+  void take(const double& value) override {
+    while (value == -1.0 && forever) {
+    }
+  }
+};
+struct SinkInterface : Interface<SinkCore> {
+  WriteService<double> write{*this, "write", &SinkCore::take};
+};
+struct WithASink : Architecture {
+  Resource<EmptyShell, EndlessSink, SinkInterface> sink{*this, "sink"};
+  SharedData<double> position{*this, "position"};
+  Component<ramp::Shell, ramp::Up, ramp::Fsm> left{*this, "left"};
+  Component<ramp::Shell, ramp::Up, ramp::Fsm> right{*this, "right"};
+
+  Status on_configure() override {
+    left.task().watchdog = kBound;
+    if (auto done = left.shell().out.connect(sink.interface().write); !done) return done;
+    return right.shell().out.connect(position.write_service());
+  }
+};
+
 class Guard : public testing::Test {
  protected:
   void SetUp() override {
@@ -176,6 +206,22 @@ TEST_F(Guard, EndsAnEndlessLoopAndTheFallbackCoreTakesOver) {
   EXPECT_TRUE(runs_on(deployer, "left"));
   EXPECT_TRUE(runs_on(deployer, "right"));
   EXPECT_TRUE(deployer.shutdown().empty()) << "the same thread goes on: nobody is left behind";
+}
+
+TEST_F(Guard, EndsASafeValueThatIsWrittenWithoutAnEnd) {
+  if (!rt::kCanRescue) GTEST_SKIP() << "the sanitizer handles signals itself";
+  WithASink architecture;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(runs_on(deployer, "left"));
+
+  const auto stopped = deployer.stop({"left"});
+
+  EXPECT_TRUE(stopped) << to_string(stopped.error());
+  EXPECT_EQ(deployer.status("left").state, ComponentState::stopped);
+  EXPECT_TRUE(architecture.sink.gate().poisoned());
+  EXPECT_TRUE(runs_on(deployer, "right"));
+  EXPECT_TRUE(deployer.shutdown().empty());
 }
 
 TEST_F(Guard, GivesUpAThreadThatIsInTheSystemAndAFreshOneGoesOn) {
