@@ -38,25 +38,15 @@ std::set<std::int64_t> barriers_of(const Trace& trace) {
   return numbers;
 }
 
-/// Changes and rollbacks of which [control] tells. It does so before it shows them in the
-/// architecture, of which the header tells.
-std::set<std::int64_t> told_of(const Trace& trace) {
-  std::set<std::int64_t> numbers;
-  for (const Record& record : trace.records) {
-    if (record.event == Event::commit || record.event == Event::rollback) numbers.insert(record.b);
-  }
-  return numbers;
-}
-
 /// True when the header describes the bundle that the thread runs at the end of the trace. While
 /// [control] has not looked at the last change of the thread, the header describes an older one.
 bool header_is_of_the_end(const Trace& trace, const std::vector<const Record*>& records,
-                          const std::set<std::int64_t>& told) {
+                          const Component& component) {
   const auto last = std::find_if(records.rbegin(), records.rend(), [&](const Record* record) {
     const std::string& as = trace.text(record->name);
     return record->event == Event::taken && (as == "change" || as == "back");
   });
-  return last == records.rend() || told.contains((*last)->b);
+  return last == records.rend() || !component.change || (*last)->b == *component.change;
 }
 
 Windows disturbed_windows(const Trace& trace) {
@@ -281,7 +271,6 @@ Verdict check(const Trace& trace) {
   tell_of_reading(findings);
   const auto threads = by_thread(trace);
   const auto barriers = barriers_of(trace);
-  const auto told = told_of(trace);
   std::vector<SeenThread> seen;
   for (const auto& [thread, records] : threads) {
     const Component* component = trace.component(thread);
@@ -289,9 +278,9 @@ Verdict check(const Trace& trace) {
     if (name == kControl || name == kProbe) continue;
     if (component == nullptr) {
       findings.left_out("the grid, states and bound of " + name + ", which left before the end");
-    } else if (!header_is_of_the_end(trace, records, told)) {
+    } else if (!header_is_of_the_end(trace, records, *component)) {
       findings.left_out("the grid, states and bound of " + name +
-                        ", of whose last change [control] does not tell");
+                        ", whose last change the header does not show yet");
       component = nullptr;
     }
     ++findings.checked.components;

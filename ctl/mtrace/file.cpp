@@ -49,6 +49,7 @@ Component component_of(const Json& json) {
   component.offset = integer_in(json, "offset_ns");
   component.deadline = integer_in(json, "deadline_ns");
   component.budget = integer_in(json, "budget_ns");
+  if (json.contains("change")) component.change = integer(json["change"]);
   if (json.contains("bound_ns")) component.bound = integer(json["bound_ns"]);
   for (const Json& cpu : list_in(json, "cpus")) {
     if (const auto number = integer(cpu)) component.cpus.push_back(*number);

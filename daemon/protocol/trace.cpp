@@ -21,6 +21,7 @@ Json component_json(const TraceComponent& component) {
             {"realtime", component.realtime}, {"period_ns", component.period},
             {"offset_ns", component.offset},  {"deadline_ns", component.deadline},
             {"budget_ns", component.budget},  {"states", std::move(states)}};
+  if (component.change) json["change"] = *component.change;
   if (component.bound) json["bound_ns"] = *component.bound;
   return json;
 }

@@ -29,6 +29,7 @@ struct TraceComponent {
   std::string name;
   std::string type;
   std::string core;
+  std::optional<std::int64_t> change;  ///< that made it so; 0: as it was deployed
   std::string initial;
   std::int64_t priority = 0;
   std::vector<std::int64_t> cpus;

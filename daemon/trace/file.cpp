@@ -27,6 +27,7 @@ protocol::TraceComponent told(const TracedComponent& component) {
   told.name = component.name;
   told.type = component.type;
   told.core = component.core;
+  told.change = static_cast<std::int64_t>(component.change);
   told.initial = component.initial;
   told.priority = component.priority;
   told.cpus.assign(component.cpus.begin(), component.cpus.end());

@@ -41,6 +41,7 @@ void Commit::enter(std::size_t index) {
   deployed_[index]->parking = false;
   deployed_[index]->changing = settled.in_force && member.part == Part::leaves;
   if (!settled.in_force) return;
+  deployed_[index]->shown = number_;
   if (member.next != member.base) member.component->install(member.next);
   if (member.type) {
     ComponentType before = member.component->type();

@@ -226,6 +226,7 @@ void OnProbation::install_old() {
     PreparedMember& member = content_->members[i];
     Deployed* const deployed = members_[i].deployed;
     if (!members_[i].in_force) continue;
+    deployed->shown = number_;
     if (member.next != member.base) member.component->install(member.base);
     if (member.type) member.component->renew(*member.type);
     if (member.part == Part::leaves) {

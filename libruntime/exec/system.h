@@ -37,6 +37,7 @@ struct Deployed {
   int priority = 0;
   bool realtime = false;
   std::uint64_t lost_events = 0;  ///< reported so far
+  std::uint64_t shown = 0;        ///< the change whose bundle the model shows; 0: the first
   bool changing = false;          ///< a change of it is under way: no other may begin
   bool parking = false;           ///< that change is an order to park
   bool ended = false;             ///< no thread looks at its task any more

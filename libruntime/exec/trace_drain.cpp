@@ -62,6 +62,7 @@ TracedComponent look_at_component(const Deployed& deployed) {
   traced.name = deployed.component->name();
   traced.type = deployed.component->type().name;
   traced.core = bundle.core_type.name;
+  traced.change = deployed.shown;
   traced.priority = deployed.priority;
   traced.cpus = deployed.cpus;
   traced.realtime = deployed.realtime;

@@ -87,6 +87,7 @@ struct TracedComponent {
   std::string name;
   std::string type;
   std::string core;
+  std::uint64_t change = 0;  ///< the number of the change that made it so; 0: as it was deployed
   int priority = 0;
   std::vector<int> cpus;
   bool realtime = false;

@@ -132,6 +132,7 @@ TEST_F(TraceOfARamp, TellsOfASwapWithItsInstantAndTheReleasesOnBothSides) {
                           time + " [control] member control 0 1",
                           "14000000 control taken change " + tc + " 1"}))
       << "asleep, so it took the change at once";
+  EXPECT_EQ(deployer.traced().components[0].change, 1u);
 
   deployer.run_for(10ms);
   EXPECT_EQ(trace_of(deployer, "control").front(), "20000000 control release  20000000 1");
@@ -187,6 +188,7 @@ TEST_F(TraceOfARamp, TellsOfAFaultAndOfTheWayBack) {
   EXPECT_EQ(back[0].b, 2);
   const auto releases = test::of_kind(all, TraceKind::release);
   EXPECT_EQ(releases.back().b, 2);
+  EXPECT_EQ(deployer.traced().components[0].change, 2u);
 }
 
 TEST_F(TraceOfARamp, SaysWhatItIsAbout) {
@@ -196,6 +198,7 @@ TEST_F(TraceOfARamp, SaysWhatItIsAbout) {
   ASSERT_EQ(traced.components.size(), 1u);
   const TracedComponent& control = traced.components[0];
   EXPECT_EQ(control.name, "control");
+  EXPECT_EQ(control.change, 0u) << "as it was deployed";
   EXPECT_EQ(control.period, 10ms);
   EXPECT_EQ(control.initial, "update");
   ASSERT_EQ(control.states.size(), 2u);
