@@ -206,6 +206,7 @@ bool Commit::advance() {
 bool Commit::all_changed() {
   const bool settled = swap_->advance();
   tell_attempt();
+  if (!answered() && system_.leaves_newest_in_place(*this)) return false;
   // Behind a barrier nobody is in a job.
   const bool late = barrier_ == nullptr && swap_->result().state == SwapResult::State::waiting;
   const bool shows = kind_ == Swap::Kind::order || settled;
@@ -258,6 +259,13 @@ bool System::is_untold() const {
   if (last == nullptr || !last->untold()) return false;
   const bool kept_here = std::find(under_way.begin(), under_way.end(), last) != under_way.end();
   return last.use_count() > (kept_here ? 2 : 1);
+}
+
+bool System::leaves_newest_in_place(const Commit& next) {
+  constexpr unsigned kLooks = 8;
+  const auto made = newest.lock();
+  if (made == nullptr || !made->untold() || (made->is_order() && next.is_order())) return false;
+  return ++looks_at_newest <= kLooks;
 }
 
 void System::look_after_itself() {

@@ -27,7 +27,7 @@ inline constexpr Duration kLongestJob = 2s;
 void exchange_fallbacks(Architecture& architecture, std::vector<NewFallback>& fallbacks);
 
 /// A prepared change taking effect. Lives in System::under_way until no member is left to wait for.
-class Commit final : public Ongoing {
+class Commit final : public Ongoing, public std::enable_shared_from_this<Commit> {
  public:
   using Content = std::shared_ptr<PreparedChange::Content>;
 
@@ -38,6 +38,8 @@ class Commit final : public Ongoing {
   /// An order that some member does not obey yet is answered, but not over.
   [[nodiscard]] bool answered() const { return result_.has_value(); }
   [[nodiscard]] bool over() const { return over_; }
+  /// A part of a stop.
+  [[nodiscard]] bool is_order() const { return kind_ == Swap::Kind::order; }
   /// The commit made a generation, and its maker has not asked for the result yet.
   [[nodiscard]] bool untold() const { return receipt_.generation != 0 && !told_; }
   /// A stop of this component was asked for: it does not wait for others at a barrier.

@@ -133,6 +133,8 @@ void Commit::conclude() {
   }
   if (!whole && way_back_ != nullptr) return take_back();
   receipt_.generation = ++system_.generation;
+  system_.newest = weak_from_this();
+  system_.looks_at_newest = 0;
   change_membership();
   if (whole) {
     result_ = receipt_;

@@ -71,6 +71,8 @@ class System {
   std::vector<std::string> warnings;
   std::vector<std::shared_ptr<Commit>> under_way;
   std::weak_ptr<const Commit> last_transaction;      ///< as long as its maker has it
+  std::weak_ptr<const Commit> newest;                ///< which made the newest generation
+  unsigned looks_at_newest = 0;                      ///< while its maker has not asked for it
   std::unique_ptr<OnProbation> probation;            ///< of the newest change; null: none
   std::vector<std::unique_ptr<OnProbation>> fading;  ///< over, but a thread may still look
   Retired free;                                      ///< of changes that are over
@@ -95,6 +97,9 @@ class System {
   void look_after_itself();
   /// The maker of the last transaction has not asked for its result yet.
   [[nodiscard]] bool is_untold() const;
+  /// The maker of the newest generation is going to look at it: for some looks `next` makes no
+  /// other one. The parts of a stop do not wait for each other. [control]
+  [[nodiscard]] bool leaves_newest_in_place(const Commit& next);
   /// What nobody knows any more goes to `free`.
   void forget_departed();
   /// The component of this name, or an error with the nearest one.

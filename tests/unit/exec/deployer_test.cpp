@@ -53,6 +53,43 @@ TEST(Deployer, ChangesAComponentThatSleepsLongAtOnce) {
   EXPECT_EQ(deployer.status("control").state, ComponentState::stopped);
 }
 
+TEST(Deployer, MakesNoGenerationBeforeTheMakerOfTheOneBeforeHasLookedAtIt) {
+  ramp::Two<ramp::Up> architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  const std::uint64_t before = deployer.generation();
+  Change change{{ramp::to_core<ramp::Down>("down", "left")}};
+  Result<PreparedChange> prepared = deployer.prepare(change);
+  ASSERT_TRUE(prepared);
+
+  const auto swap = deployer.begin(*prepared);
+  const auto stop = deployer.begin_stop({"right"});
+  ASSERT_TRUE(stop);
+  deployer.run_for(30ms);  // both are carried out
+  ASSERT_TRUE(swap->advance());
+  EXPECT_FALSE((*stop)->advance());
+  EXPECT_EQ(deployer.generation(), before + 1);
+  EXPECT_EQ(swap->result()->generation, before + 1);
+
+  for (int looks = 0; looks < 5 && !(*stop)->advance(); ++looks) deployer.run_for(30ms);
+  ASSERT_TRUE((*stop)->advance());
+  EXPECT_EQ((*stop)->result()->generation, before + 2);
+}
+
+TEST(Deployer, MakesTheNextGenerationWhenNobodyLooksAtTheOneBefore) {
+  ramp::Architecture architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  Change change{{ramp::to_core<ramp::Down>("down", "control")}};
+  Result<PreparedChange> prepared = deployer.prepare(change);
+  ASSERT_TRUE(prepared);
+  const auto swap = deployer.begin(*prepared);
+  deployer.run_for(30ms);
+  ASSERT_TRUE(swap->advance());
+
+  EXPECT_TRUE(deployer.stop({"control"}));
+}
+
 TEST(Deployer, CountsGenerationsOnFromTheFirst) {
   ramp::Architecture architecture;
   Deployer deployer(architecture, {.simulated = true, .first_generation = 41});

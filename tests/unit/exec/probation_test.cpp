@@ -102,7 +102,7 @@ TEST_F(OnProbation, IsKeptByTheNextChangeWhenItPassedBeforeItsMakerAsked) {
     Result<PreparedChange> prepared = deployer.prepare(change);
     EXPECT_TRUE(prepared);
     auto ongoing = deployer.begin(*prepared);
-    deployer.run_for(30ms);
+    for (int looks = 0; looks < 20 && !ongoing->advance(); ++looks) deployer.run_for(10ms);
     EXPECT_TRUE(ongoing->advance());
     return ongoing;
   };
