@@ -47,10 +47,9 @@ void describe(const Fault& fault, char* text, std::size_t room);
 
 /// What a guard sees of a thread that runs bodies.
 struct Watched {
-  std::atomic<Instant> busy_since{0};  ///< when the body began, never the same twice; 0: idle
-  std::atomic<Instant> interrupt{0};   ///< the body that began then shall not go on
-  std::atomic<bool> keeps_thread{
-      false};  ///< the guard ends the body, but never gives its thread up
+  std::atomic<Instant> busy_since{0};     ///< when the body began, never the same twice; 0: idle
+  std::atomic<Instant> interrupt{0};      ///< the body that began then shall not go on
+  std::atomic<bool> keeps_thread{false};  ///< the body may be ended, its thread is never given up
 };
 
 /// Of a body that no guard looks at.
