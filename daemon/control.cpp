@@ -147,7 +147,7 @@ void Control::stop() {
   // The factory may still post a continuation to [control]: it ends first.
   factory_.stop();
   control_.stop();
-  answer_.halt();  // nobody is left to read what waits there
+  answer_.halt();  // no client is left to read an answer
   answer_.stop();
 }
 

@@ -32,7 +32,7 @@ class WorkerThread {
   void start();
   /// Runs what is queued, then ends. Later jobs are dropped.
   void stop();
-  /// [any] Drops what is queued: the job under way is the last one.
+  /// [any] Drops all queued jobs: the job under way is the last one.
   void halt();
   /// [any] When it is the turn of its user, or in front of everything queued before. Dropped
   /// (false) after stop().

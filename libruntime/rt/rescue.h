@@ -49,7 +49,7 @@ void describe(const Fault& fault, char* text, std::size_t room);
 struct Watched {
   std::atomic<Instant> busy_since{0};     ///< when the body began, never the same twice; 0: idle
   std::atomic<Instant> interrupt{0};      ///< the body that began then shall not go on
-  std::atomic<bool> keeps_thread{false};  ///< the body may be ended, its thread is never given up
+  std::atomic<bool> keeps_thread{false};  ///< the guard never gives the thread up
 };
 
 /// Of a body that no guard looks at.

@@ -94,7 +94,7 @@ TEST_F(OnProbation, ARollBackMakesNoGenerationBeforeTheMakerOfTheChangeKnowsItsO
   }
 }
 
-/// What it replaced is freed by whoever collects it, never by the next change.
+/// The next change does not free the cores that this change replaced: collect() hands them out.
 TEST_F(OnProbation, IsKeptByTheNextChangeWhenItPassedBeforeItsMakerAsked) {
   const auto begin = [&](const char* name) {
     Change change{{ramp::to_core<ramp::Up>(name)}};
