@@ -143,17 +143,19 @@ void Session::dispatch(protocol::Request request) {
   ++in_flight_;
   auto reply = [weak = weak_from_this(), executor = socket_.get_executor(),
                 id = request.id](Outcome outcome) {
-    asio::post(executor, [weak, id, outcome = std::move(outcome)]() mutable {
+    // Here, and not on [io], which everybody's stop comes through.
+    auto* fault = std::get_if<protocol::Fault>(&outcome);
+    auto line = protocol::to_line(
+        fault != nullptr ? protocol::make_error(id, *fault)
+                         : protocol::make_response(id, std::get<Json>(std::move(outcome))));
+    asio::post(executor, [weak, line = std::move(line)]() mutable {
       const auto self = weak.lock();
       if (!self || self->ended_) {
         return;
       }
       --self->in_flight_;
       self->since_ = Clock::now();
-      auto* fault = std::get_if<protocol::Fault>(&outcome);
-      self->answer(fault != nullptr
-                       ? protocol::make_error(id, *fault)
-                       : protocol::make_response(id, std::get<Json>(std::move(outcome))));
+      self->queue(std::move(line));
       self->serve_lines();
     });
   };
@@ -168,14 +170,16 @@ void Session::turn_down(const protocol::Method& method, protocol::Request reques
   }
 }
 
-void Session::answer(const Json& message) {
+void Session::answer(const Json& message) { queue(protocol::to_line(message)); }
+
+void Session::queue(std::string line) {
   if (ended_) {
     return;
   }
   if (unsent() >= context_.limits.unsent_hard) {
     return end("too much unread");
   }
-  out_.push_back(protocol::to_line(message) + '\n');
+  out_.push_back(std::move(line) + '\n');
   out_bytes_ += out_.back().size();
   write();
 }

@@ -55,6 +55,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void turn_down(const protocol::Method& method, protocol::Request request,
                  const protocol::Fault& fault);
   void answer(const protocol::Json& message);
+  void queue(std::string line);
   void write();
   void send();
   void on_sent(const boost::system::error_code& error, std::size_t size);
