@@ -41,6 +41,11 @@ bool lies_in(const fs::path& path, const std::string& directory) {
   return !inside.empty() && inside != "." && *inside.begin() != "..";
 }
 
+/// Below /dev, but everybody may put links there, and exchange a file for one after this look.
+bool is_shared(const fs::path& path) {
+  return lies_in(path, "/dev/shm") || lies_in(path, "/dev/mqueue");
+}
+
 std::string listed(const std::vector<std::string>& places) {
   std::string list;
   for (const auto& place : places) {
@@ -71,9 +76,14 @@ Status lies_within(const PropertyBase& property, const Value& value,
   const auto holds = [&](const auto& directory) { return lies_in(path, directory); };
   if (!failed && !cut &&
       (std::ranges::any_of(more, holds) || std::ranges::any_of(places, [&](const auto& place) {
-         return is_directory(place) && holds(place);
+         return is_directory(place) && holds(place) && !is_shared(path);
        }))) {
     return ok();
+  }
+  if (!failed && is_shared(path)) {
+    return refuse(Errc::not_permitted, property.address(),
+                  "'" + *text + "' lies where every user may exchange a file for a link",
+                  "name a device, or let mauved allow the directory: --allow-path DIR");
   }
   places.insert(places.end(), more.begin(), more.end());
   return refuse(Errc::not_permitted, property.address(),

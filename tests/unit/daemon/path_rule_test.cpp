@@ -71,6 +71,18 @@ TEST_F(PathRule, RefusesWhatLiesElsewhereAndSaysWhatIsAllowed) {
   EXPECT_THAT(refused.error().hint, testing::HasSubstr("--allow-path"));
 }
 
+TEST_F(PathRule, RefusesPlacesBelowDevInWhichEverybodyMayExchangeFiles) {
+  EXPECT_FALSE(device("/dev/shm/line"));
+  EXPECT_FALSE(device("/dev/mqueue/line"));
+  EXPECT_FALSE(device("/dev/../dev/shm/a/line"));
+  EXPECT_TRUE(device("/dev/shmoo"));
+  const auto refused = lies_within(shell_.device, "/dev/shm/line", {});
+  EXPECT_THAT(refused.error().message, testing::HasSubstr("exchange a file for a link"));
+
+  more_ = {"/dev/shm"};
+  EXPECT_TRUE(device("/dev/shm/line")) << "who starts mauved may say so";
+}
+
 TEST_F(PathRule, FollowsSymbolicLinks) {
   fs::create_directory(folder_ / "maps");
   fs::create_symlink(folder_ / "maps", folder_ / "near");
