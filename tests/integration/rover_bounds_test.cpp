@@ -62,7 +62,8 @@ bool judged_enough(const json& verdict, std::size_t components) {
 struct Judgement {
   json verdict;
   bool enough = false;
-  std::string foreign;  ///< who else ran under SCHED_FIFO meanwhile
+  std::string foreign;         ///< who else ran under SCHED_FIFO meanwhile
+  std::filesystem::path kept;  ///< the trace of a violation
 
   [[nodiscard]] bool violated() const { return enough && !verdict["holds"].get<bool>(); }
 };
@@ -83,6 +84,10 @@ Judgement judge(const std::filesystem::path& architecture, const std::string& so
     return !found.verdict["holds"].get<bool>() || judged_enough(found.verdict, components);
   };
   found.enough = eventually(look, kWithin);
+  if (found.violated()) {
+    found.kept = std::filesystem::path(testing::TempDir()) / "beyond-its-bound.mtrace";
+    std::filesystem::copy_file(file, found.kept, std::filesystem::copy_options::overwrite_existing);
+  }
   EXPECT_EQ(source_of_bounds(rover), source);
   if (found.violated() && !found.foreign.empty())
     rover.process().signal(SIGKILL);  // proves nothing
@@ -103,7 +108,7 @@ void expect_bounds_to_hold(const std::filesystem::path& architecture, const std:
     GTEST_SKIP() << "NOT TESTED: another program has real-time threads, " << last.foreign;
   }
   ASSERT_TRUE(last.enough) << "too few responses were judged: " << last.verdict;
-  EXPECT_FALSE(last.violated()) << last.verdict;
+  EXPECT_FALSE(last.violated()) << last.verdict << "; the trace: " << last.kept;
   std::printf("judged: %s\nnot judged: %s\n",
               last.verdict["checked"]["responses_of"].dump().c_str(),
               last.verdict["not_checked"].dump().c_str());
