@@ -17,6 +17,7 @@
 #include "commands/quarantine.h"
 #include "commands/unproven.h"
 #include "keeper.h"
+#include "supervisor.h"
 
 namespace mauve::daemon {
 
@@ -54,6 +55,7 @@ std::string cause_of(const Outcome& outcome) {
 
 void Caretaker::start(Running& running) {
   running_ = &running;
+  running.tell_outcomes = [this] { tell_outcomes(); };
   running.control.read([&running] { remember_cores(running); });
   thread_ = std::thread([this] { run(); });
 }
@@ -81,6 +83,18 @@ void Caretaker::run() {
 void Caretaker::look() {
   tell_of_factory();
   tell_of_holds();
+  tell_outcomes();
+  if (++looks_ % kLooksANotice == 0) {
+    notice_parked(*running_);
+    tell_of_scheduling();
+  }
+  look_at_unproven(*running_);
+  tell_counted_refusals(*running_, std::chrono::steady_clock::now());
+  make_reliefs();
+  looking_ = false;
+}
+
+void Caretaker::tell_outcomes() {
   auto free = std::make_shared<Retired>();
   const auto outcomes = running_->deployer.tend(*free);
   running_->generation = running_->deployer.generation();
@@ -88,17 +102,9 @@ void Caretaker::look() {
     tell(outcome);
     notice(*running_, outcome);
   }
-  if (++looks_ % kLooksANotice == 0) {
-    notice_parked(*running_);
-    tell_of_scheduling();
-  }
   if (!free->empty()) {
     running_->control.in_factory([free] { static_cast<void>(free->release()); }, [] {});
   }
-  look_at_unproven(*running_);
-  tell_counted_refusals(*running_);
-  make_reliefs();
-  looking_ = false;
 }
 
 void Caretaker::tell_of_factory() {
@@ -145,6 +151,9 @@ void Caretaker::tell_of_scheduling() {
 }
 
 void Caretaker::tell(const Outcome& outcome) {
+  if (outcome.kind == Outcome::Kind::rolled_back) {
+    running_->supervisor.take_back(outcome.began);  // before the generation is saved
+  }
   running_->log.write(event_of(outcome), {{"component", outcome.component},
                                           {"generation", to_signed(outcome.generation)},
                                           {"began", to_signed(outcome.began)},

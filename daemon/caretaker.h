@@ -29,6 +29,7 @@ class Caretaker {
  private:
   void run();
   void look();
+  void tell_outcomes();
   void tell(const Outcome& outcome);
   void save(const Outcome& outcome);
   void tell_of_factory();

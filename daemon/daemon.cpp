@@ -10,6 +10,7 @@
 #include <random>
 
 #include "arch/load.h"
+#include "commands/audit.h"
 #include "commands/model.h"
 #include "commands/quarantine.h"
 #include "commands/unproven.h"
@@ -340,6 +341,7 @@ int Daemon::shut_down(const std::string& cause) {
   supervisor_.stop();
   control_.stop();
   watches_.stop();
+  tell_counted_refusals(*running_, std::chrono::steady_clock::time_point::max());
   if (keeper_) {
     keeper_->end();
   }

@@ -47,12 +47,19 @@ bool brings_something_new(const rules::Steps& steps) {
 
 }  // namespace
 
-void Supervisor::adopt(rules::Supervision supervision) {
-  supervision_ = std::move(supervision);
+void Supervisor::adopt(rules::Supervision supervision, std::uint64_t generation) {
+  before_ = std::exchange(supervision_, std::move(supervision));
+  adopted_in_ = generation;
   engine_ = rules::Engine(supervision_.rules);
   ++adoptions_;
   if (running_ != nullptr) {
     begin_to_look();
+  }
+}
+
+void Supervisor::take_back(std::uint64_t generation) {
+  if (generation != 0 && generation == adopted_in_) {
+    adopt(std::move(before_));
   }
 }
 

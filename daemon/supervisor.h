@@ -26,8 +26,12 @@ class Supervisor {
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
 
-  /// What the file says. Rules begin anew, armed. [main] before start(), then [control]
-  void adopt(rules::Supervision supervision);
+  /// What the file says. Rules begin anew, armed. `generation`: of the change that brings it.
+  /// [main] before start(), then [control]
+  void adopt(rules::Supervision supervision, std::uint64_t generation = 0);
+  /// The change that made this generation was rolled back: what it replaced is in force again, if
+  /// it replaced anything, with its rules armed. [control]
+  void take_back(std::uint64_t generation);
   /// Begins to look, as soon as [control] runs. [main]
   void start(Running& running);
   /// [main], before [control] ends.
@@ -37,6 +41,8 @@ class Supervisor {
   void request(std::string component, std::string transaction);
 
   [[nodiscard]] const rules::Supervision& supervision() const { return supervision_; }
+  /// How often another one came. [control]
+  [[nodiscard]] std::uint64_t adoptions() const { return adoptions_; }
   /// How many rules the lock keeps from firing. [control]
   [[nodiscard]] std::size_t held() const;
   /// One row a rule, of one rule only when it is named. [control]
@@ -66,8 +72,10 @@ class Supervisor {
 
   Control& control_;
   rules::Supervision supervision_;
-  rules::Engine engine_;                                     // [control]
-  std::uint64_t adoptions_ = 0;                              // [control]
+  rules::Supervision before_;     // what the newest adoption replaced, [control]
+  std::uint64_t adopted_in_ = 0;  // the generation of that, [control]
+  rules::Engine engine_;          // [control]
+  std::uint64_t adoptions_ = 0;   // [control]
   std::set<std::pair<std::string, std::string>> under_way_;  // requests, [control]
   Running* running_ = nullptr;
 

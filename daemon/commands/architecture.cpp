@@ -63,8 +63,8 @@ class Application final : public Companion {
     }
   }
   [[nodiscard]] bool same() const { return difference_.lines.empty() && plugins_.empty(); }
-  /// False: plugins are all that is new.
   [[nodiscard]] bool changes_elements() const { return elements_; }
+  [[nodiscard]] bool only_loads() const { return !elements_ && !supervises_; }
   /// Its name is part of a file, but no part that can change.
   [[nodiscard]] Status named_alike() const {
     if (wanted_->name() == running_.architecture.name()) {
@@ -85,10 +85,16 @@ class Application final : public Companion {
     }
     difference_.change.sync =
         asked.value_or(difference_.exchanged.empty() ? Sync::cut : Sync::barrier);
+    difference_.change.has_companion = supervises_;
     return std::move(difference_.change);
   }
 
   Status ready() override {
+    if (running_.supervisor.adoptions() != compared_with_) {
+      return refuse(Errc::conflict, "rules",
+                    "changed since the file was compared with them: a change was rolled back",
+                    "look at what runs now, then apply the file again");
+    }
     for (const auto& name : plugins_) {
       if (auto good = running_.catalog.check_types(*catalog_.find(name)); !good) {
         return good;
@@ -96,9 +102,9 @@ class Application final : public Companion {
     }
     return ok();
   }
-  void in_force() override {
+  void in_force(std::uint64_t generation) override {
     if (supervises_) {
-      running_.supervisor.adopt(std::move(supervision_));
+      running_.supervisor.adopt(std::move(supervision_), generation);
     }
     for (const auto& name : plugins_) {
       const auto& loaded = *catalog_.find(name);
@@ -130,6 +136,7 @@ class Application final : public Companion {
 
  private:
   void compare_supervision() {
+    compared_with_ = running_.supervisor.adoptions();
     auto lines = arch::compare(running_.supervisor.supervision(), supervision_);
     supervises_ = !lines.empty();
     std::ranges::move(lines, std::back_inserter(difference_.lines));
@@ -144,6 +151,7 @@ class Application final : public Companion {
   arch::Difference difference_;
   bool elements_ = false;
   rules::Supervision supervision_;
+  std::uint64_t compared_with_ = 0;   // see Supervisor::adoptions()
   bool supervises_ = false;           // its rules, transactions or permissions are others
   std::vector<std::string> plugins_;  // not loaded yet
 };
@@ -175,16 +183,32 @@ void answer_unchanged(Running& running, const Call& call, Application& applicati
   answer(running, call, std::move(result));
 }
 
+Status check_nothing_to_prove(const Json& params) {
+  for (const char* option : {"probation", "misses", "confirm_within"}) {
+    if (!params.contains(option) || text_or(params, option) == "off") {
+      continue;
+    }
+    return refuse(Errc::invalid_value, option,
+                  "the file adds plugins and changes nothing that runs, so there is nothing to try "
+                  "out or to take back",
+                  "leave out " + std::string(option) + "; mauvectl unload takes a plugin away");
+  }
+  return ok();
+}
+
 /// [control] Plugins are all that the file adds: no component takes part, no new generation.
 void load_only(Running& running, const Call& call, Application& application) {
-  auto good = check_conditions(running, call);
+  auto good = check_nothing_to_prove(call.params);
+  if (good) {
+    good = check_conditions(running, call);
+  }
   if (good) {
     good = application.ready();
   }
   if (!good) {
     return answer(running, call, good.error());
   }
-  application.in_force();
+  application.in_force(running.generation);
   Receipt receipt;
   receipt.generation = running.generation;
   receipt.state = ChangeState::applied;
@@ -202,7 +226,7 @@ void go_on(Running& running, const CallPtr& call, ApplicationPtr application, Ti
     answer(running, *call, !state ? state.error() : !sync ? sync.error() : named.error());
   } else if (application->same() || (application->dry_run() && !application->changes_elements())) {
     answer_unchanged(running, *call, *application);
-  } else if (!application->changes_elements()) {
+  } else if (application->only_loads()) {
     load_only(running, *call, *application);
   } else {
     auto change = application->take_change(*state, *sync);

@@ -96,8 +96,8 @@ std::optional<Json> audit_refused(Running& running, const Call& call, const Faul
   return std::move(line.json);
 }
 
-void tell_counted_refusals(Running& running) {
-  for (const auto& [uid, count] : running.refusals.take_counted(std::chrono::steady_clock::now())) {
+void tell_counted_refusals(Running& running, std::chrono::steady_clock::time_point now) {
+  for (const auto& [uid, count] : running.refusals.take_counted(now)) {
     running.log.write(Event::refusals_counted, {{"uid", number(uid)}, {"count", number(count)}});
     if (running.keeper != nullptr) {
       running.keeper->audit({{"time", logging::utc(std::chrono::system_clock::now())},

@@ -59,7 +59,7 @@ void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
   Companion* const companion = journey.companion.get();
   const bool in_force = receipt || receipt.error().code == Errc::partly;
   if (companion != nullptr && in_force) {
-    companion->in_force();
+    companion->in_force(receipt ? receipt->generation : running.generation.load());
   }
   if (!receipt) {
     return answer(running, call, receipt.error(), state);
@@ -78,7 +78,8 @@ void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
 
 /// To start and to stop is nothing that could be tried out.
 bool changes_modes_only(const Change& change) {
-  return change.new_components.empty() && change.new_resources.empty() && change.remove.empty() &&
+  return !change.has_companion && change.new_components.empty() && change.new_resources.empty() &&
+         change.remove.empty() &&
          std::all_of(change.edits.begin(), change.edits.end(),
                      [](const Edit& one) { return one.mode != Mode::keep && !one.core; });
 }
@@ -281,6 +282,7 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
                    std::function<void(Ongoing&)> then) {
   running.control.await([ongoing] { return ongoing->advance(); },
                         [&running, ongoing, then = std::move(then)] {
+                          running.tell_outcomes();
                           const StandStill still(running);
                           running.generation = running.deployer.generation();
                           then(*ongoing);

@@ -23,8 +23,9 @@ class Companion {
 
   /// [control] Everything is prepared; a refusal, and nothing happens.
   virtual Status ready() = 0;
-  /// [control] The change is in force, or partly.
-  virtual void in_force() = 0;
+  /// [control] The change is in force, or partly, and made this generation. A rollback of it comes
+  /// later.
+  virtual void in_force(std::uint64_t generation) = 0;
   /// [control] Adds to the answer.
   virtual void complete(Json& result) = 0;
   /// The change is prepared, told and dropped.

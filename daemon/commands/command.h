@@ -109,6 +109,9 @@ struct Running {
   /// [any] The same for the change under way: see commands/trial.h.
   std::function<void(const Question&, std::function<void(Result<Json>)>)> try_out = {};
   Stopper* stopper = nullptr;  ///< [any]; null: stops are served by [control] only
+  /// [control] Tells and saves what the system did by itself since the last look, rollbacks above
+  /// all: before a change that came later is saved.
+  std::function<void()> tell_outcomes = [] {};
 };
 
 /// One request under way. Dropped unanswered only when the daemon ends.

@@ -138,13 +138,13 @@ void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
     return answer(running, *call, no_way_back(running, begun.error()));
   }
   const auto before = running.deployer.generation();
-  call->mark = Mark::unconfirmed;  // the caretaker knows to what it goes back
   running.control.await(
       [&running, before] {
         running.generation = running.deployer.generation();
         return running.generation != before || !running.deployer.going_back();
       },
       [&running, call] {
+        running.tell_outcomes();  // that saves it, with the mark of the one that it goes back to
         answer(running, *call,
                Json{{"generation", running.generation.load()},
                     {"changed", true},

@@ -81,7 +81,7 @@ class Defaults final : public Companion {
     }
   }
   Status ready() override { return ok(); }
-  void in_force() override {}
+  void in_force(std::uint64_t /*generation*/) override {}
   void complete(Json& result) override {
     auto* component = running_.architecture.find_component(component_);
     auto differ = Json::array();

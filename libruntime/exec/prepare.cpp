@@ -56,7 +56,7 @@ Status check_names(const System& system, const Change& change) {
 Status check_worth(const Change& change) {
   const bool empty = change.edits.empty() && change.new_resources.empty() &&
                      change.new_components.empty() && change.remove.empty();
-  if (!empty) return ok();
+  if (!empty || change.has_companion) return ok();
   return refuse(Errc::invalid_value, "change", "is empty: it says nothing that is to be different");
 }
 

@@ -344,6 +344,23 @@ TEST_F(Audit, TellsWhatWasRefusedAlsoBeforeAnybodyLookedAtIt) {
   EXPECT_EQ(audit_line("plugin.load", "conflict")["outcome"], "refused");
 }
 
+TEST_F(Audit, LosesNoRefusalOfTheLastSecondBeforeAnOrderlyEnd) {
+  constexpr std::uint64_t kRefusals = 100;
+  TrialDaemon daemon(kTrial, options());
+  for (std::uint64_t i = 0; i < kRefusals; ++i) {
+    static_cast<void>(daemon.ask("param.set", gain(11.0)));
+  }
+
+  daemon.process().signal(SIGTERM);
+  ASSERT_EQ(daemon.process().wait(), 0) << daemon.errors();
+
+  std::uint64_t told = 0;
+  for (const auto& line : audit_lines()) {
+    told += line["outcome"] == "refused" ? line.value("count", 1U) : 0U;
+  }
+  EXPECT_EQ(told, kRefusals);
+}
+
 TEST_F(Audit, GoesOnInTheSameFileAfterARestart) {
   TrialDaemon daemon(kTrial, options());
   ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);

@@ -115,6 +115,9 @@ struct Change {
   std::optional<Probation> probation = {};
   Sync sync = Sync::cut;
   std::vector<NewFallback> fallbacks = {};
+  /// Something outside of the runtime changes with it, for instance rules: a change that is empty
+  /// otherwise makes a generation too, and may be on probation.
+  bool has_companion = false;
 };
 
 /// What a change cost one component.

@@ -3,6 +3,7 @@
 /// a clock that is moved by hand.
 #include <gtest/gtest.h>
 
+#include "support/outcomes.h"
 #include "support/ramp.h"
 
 #include <mauve/job.h>
@@ -183,6 +184,32 @@ TEST_F(Transactions, RefuseWhatIsEmptyOrSaidTwice) {
   EXPECT_EQ(apply(gone).error().message, "is removed and changed in one transaction");
   EXPECT_EQ(apply(taken).error().message, "there is something of this name already");
   EXPECT_EQ(deployer.generation(), 1u);
+}
+
+TEST_F(Transactions, OfACompanionAloneMakeAGenerationAndMayBeTakenBack) {
+  deployer.run_for(20ms);
+  Change rules_only;
+  rules_only.has_companion = true;
+  rules_only.probation = Probation{.confirm_within = 50ms};
+
+  const Result<Receipt> applied = apply(rules_only);
+
+  ASSERT_TRUE(applied) << to_string(applied.error());
+  EXPECT_EQ(applied->generation, 2u);
+  EXPECT_TRUE(applied->components.empty());
+  EXPECT_TRUE(deployer.on_probation());
+  EXPECT_FALSE(apply(Change{{ramp::to_core<ramp::Up>("up")}}))
+      << "this one awaits its confirmation";
+
+  deployer.run_for(60ms);
+  std::vector<Outcome> ends = test::tend(deployer);
+  deployer.run_for(20ms);
+  const std::vector<Outcome> more = test::tend(deployer);
+  ends.insert(ends.end(), more.begin(), more.end());
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_EQ(ends[0].kind, Outcome::Kind::rolled_back);
+  EXPECT_EQ(ends[0].began, 2u);
+  EXPECT_EQ(ends[0].generation, 3u);
 }
 
 TEST_F(Transactions, ReplaceAComponentUnderItsOwnName) {
