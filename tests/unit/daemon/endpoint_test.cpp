@@ -30,6 +30,7 @@ TEST(Endpoint, MakesTheSocketForOwnerAndGroupInADirectoryForThem) {
   ASSERT_TRUE(endpoint);
   EXPECT_EQ(mode_of(path), 0660U);
   EXPECT_EQ(mode_of(dir / "run"), 0750U);
+  EXPECT_EQ(mode_of(path.string() + ".lock"), 0600U);
 }
 
 TEST(Endpoint, RemovesSocketAndLockAtTheEnd) {

@@ -220,6 +220,21 @@ TEST_F(FlightsTest, OfEarlierRunsAreFoundAndNumbersGoOn) {
   EXPECT_EQ(flights.list()[1].name, "flight-0002-missed");
 }
 
+TEST_F(FlightsTest, AreNoOtherFilesWhateverTheirContent) {
+  {
+    Flights flights(place_.path().string(), log_);
+    write(flights);
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(place_.path())) {
+    std::filesystem::copy_file(entry.path(), place_ / ("copy" + entry.path().extension().string()));
+    break;
+  }
+
+  const Flights flights(place_.path().string(), log_);
+
+  EXPECT_EQ(flights.list().size(), 1U);
+}
+
 TEST_F(FlightsTest, AreAtMostTwenty) {
   Flights flights(place_.path().string(), log_);
   for (std::size_t i = 0; i < Flights::kKept + 3; ++i) {

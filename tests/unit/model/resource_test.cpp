@@ -61,6 +61,20 @@ TEST(Resource, WritesOnThroughItsOwnPorts) {
   EXPECT_EQ(value_of(chain.end), 4.0);
 }
 
+TEST(Resource, UsesAConnectionThatIsMadeWhenItIsConfigured) {
+  Chain chain;
+  ASSERT_TRUE(chain.configure());
+  const auto write = [&chain](double value) { return chain.first.interface().write.write(&value); };
+
+  ASSERT_TRUE(chain.first.connect("out", chain.end.write_service(), nullptr, Duration{0}));
+  ASSERT_TRUE(write(3.0));
+  EXPECT_EQ(value_of(chain.end), 6.0);
+
+  ASSERT_TRUE(chain.first.disconnect("out"));
+  static_cast<void>(write(4.0));
+  EXPECT_EQ(value_of(chain.end), 6.0);
+}
+
 TEST(Resource, CycleIsRefusedAtConfigureWithItsPath) {
   Chain chain;
   ASSERT_TRUE(chain.first.shell().out.connect(chain.second.interface().write));

@@ -100,6 +100,26 @@ TEST(ElfCheck, RefusesAProgram) {
   EXPECT_THAT(inspect(bytes, "good").error().message, HasSubstr("is not a shared object"));
 }
 
+TEST(ElfCheck, RefusesTablesThatLeadBehindTheEnd) {
+  const Elf64_Ehdr header = header_of(good());
+  const auto refused = [](const Elf64_Ehdr& other) {
+    std::vector<std::byte> bytes = good();
+    std::memcpy(bytes.data(), &other, sizeof other);
+    const Result<Facts> facts = inspect(bytes, "good");
+    return !facts && facts.error().message.find("tables lie behind its end") != std::string::npos;
+  };
+  Elf64_Ehdr segments = header;
+  segments.e_phoff = good().size() - sizeof(Elf64_Phdr);
+  segments.e_phnum = 2;
+  Elf64_Ehdr sections = header;
+  sections.e_shoff = good().size() - sizeof(Elf64_Shdr);
+  sections.e_shnum = 2;
+
+  EXPECT_FALSE(refused(header));
+  EXPECT_TRUE(refused(segments));
+  EXPECT_TRUE(refused(sections));
+}
+
 TEST(ElfCheck, RefusesAFileCutOffAnywhere) {
   const std::size_t step = good().size() / 199 + 1;
   for (std::size_t size = 0; size < good().size(); size += step) {
@@ -257,11 +277,12 @@ TEST(ElfCheck, SpeaksInPrintableWordsAboutBadNames) {
   PluginManifest manifest = detail::make_manifest("good", "1");
   manifest.name[1] = '\n';
   manifest.name[2] = '\xff';
+  manifest.name[3] = '~';
 
   const Status checked = check_manifest(manifest, "good");
 
   ASSERT_FALSE(checked);
-  EXPECT_THAT(checked.error().message, HasSubstr("\"g??d\""));
+  EXPECT_THAT(checked.error().message, HasSubstr("\"g??~\""));
 }
 
 }  // namespace
