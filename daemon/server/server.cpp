@@ -37,7 +37,7 @@ Server::Server(ServerOptions options, Dispatcher& dispatcher, logging::Log& log)
       sweeper_(io_),
       rate_(options_.limits.mutations_per_second),
       context_{
-          options_.limits, dispatcher_, rate_,
+          options_.limits, dispatcher_, rate_, turns_,
           [this](std::uint64_t client, const std::string& reason) { on_end(client, reason); }} {}
 
 Server::~Server() { stop(std::chrono::milliseconds(0)); }

@@ -99,6 +99,7 @@ class Server {
   Protocol::acceptor acceptor_;
   boost::asio::steady_timer sweeper_;
   RateLimiter rate_;
+  Turns turns_{io_};
   Refusals refusals_;  ///< of connections
   SessionContext context_;
   std::map<std::uint64_t, std::shared_ptr<Session>> sessions_;  ///< [io]

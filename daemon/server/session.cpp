@@ -11,6 +11,14 @@ namespace mauve::server {
 namespace asio = boost::asio;
 using protocol::Json;
 
+namespace {
+
+/// So much of one client is served at once; everybody's stop waits for it.
+constexpr int kLinesAtOnce = 8;
+constexpr std::size_t kLongLine = 16 * 1024;
+
+}  // namespace
+
 Session::Session(Socket socket, Caller caller, SessionContext& context)
     : socket_(std::move(socket)),
       caller_(std::move(caller)),
@@ -95,17 +103,31 @@ void Session::on_read(const boost::system::error_code& error, std::size_t size) 
 }
 
 void Session::serve_lines() {
-  while (!ended_ && !has_enough()) {
-    const auto line = framer_.next();
+  for (int served = 0; !ended_ && !has_enough(); ++served) {
+    auto line = framer_.next();
     if (!line) {
       break;
     }
     // What follows this line, if anything, has its own time from now on.
     partial_since_ = Clock::now();
+    if (served == kLinesAtOnce || line->size() > kLongLine) {
+      return serve_in_turn(*std::move(line));
+    }
     serve(*line);
   }
   read();
   end_if_done();
+}
+
+void Session::serve_in_turn(std::string line) {
+  waits_ = true;
+  context_.turns.take([self = shared_from_this(), line = std::move(line)] {
+    self->waits_ = false;
+    if (!self->ended_) {
+      self->serve(line);
+      self->serve_lines();
+    }
+  });
 }
 
 void Session::serve(const std::string& line) {
@@ -230,7 +252,7 @@ void Session::on_sent(const boost::system::error_code& error, std::size_t size) 
 }
 
 void Session::end_if_done() {
-  if (ended_ || !input_ended_ || in_flight_ > 0 || out_bytes_ > 0) {
+  if (ended_ || !input_ended_ || waits_ || in_flight_ > 0 || out_bytes_ > 0) {
     return;
   }
   if (std::exchange(overlong_, false)) {
@@ -273,7 +295,8 @@ std::string Session::impatience(Clock::time_point now) const {
 }
 
 bool Session::has_enough() const {
-  return in_flight_ >= context_.limits.in_flight || unsent() >= context_.limits.unsent_soft;
+  return waits_ || in_flight_ >= context_.limits.in_flight ||
+         unsent() >= context_.limits.unsent_soft;
 }
 
 std::size_t Session::unsent() const { return out_bytes_ + caller_.outbox->bytes(); }

@@ -16,6 +16,7 @@
 #include "server/dispatcher.h"
 #include "server/limits.h"
 #include "server/rate.h"
+#include "server/turns.h"
 
 namespace mauve::server {
 
@@ -24,6 +25,7 @@ struct SessionContext {
   const Limits& limits;
   Dispatcher& dispatcher;
   RateLimiter& rate;
+  Turns& turns;
   std::function<void(std::uint64_t client, const std::string& reason)> on_end;
 };
 
@@ -50,6 +52,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void read();
   void on_read(const boost::system::error_code& error, std::size_t size);
   void serve_lines();
+  void serve_in_turn(std::string line);
   void serve(const std::string& line);
   void dispatch(protocol::Request request);
   void turn_down(const protocol::Method& method, protocol::Request request,
@@ -76,6 +79,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::size_t out_bytes_ = 0;    ///< of both
   std::size_t in_flight_ = 0;
   bool reading_ = false;
+  bool waits_ = false;        ///< for its turn to serve a line
   bool input_ended_ = false;  ///< half-closed, overlong line, or finish(): nothing more is read
   bool leaving_ = false;      ///< finish(): subscriptions do not count any more
   bool overlong_ = false;

@@ -291,6 +291,46 @@ TEST(Admission, AnalyzeTellsResponsesOfATextbookSet) {
   EXPECT_TRUE(timing.problems.empty());
 }
 
+/// Its first job comes once, 6 ms before the first of the others, which are 100 ms apart.
+class BootingFsm final : public Fsm<Idle> {
+ public:
+  Exec update{*this, "update", &Idle::update};
+  Sync period{*this, "period", 100ms};
+  Exec boot{*this, "boot", &Idle::update};
+  Sync soon{*this, "soon", 6ms};
+
+ private:
+  Status on_configure() override {
+    start_at(boot);
+    boot.then(soon);
+    soon.then(update);
+    update.then(period);
+    period.then(update);
+    return ok();
+  }
+};
+
+TEST(Admission, AnalyzeBeginsWithTheInitialState) {
+  struct Booting : Architecture {
+    mauve::Component<EmptyShell, Idle, BootingFsm> fast{*this, "fast"};
+    mauve::Component<EmptyShell, Idle, IdleFsm> slow{*this, "slow"};
+    Status on_configure() override {
+      slow.fsm().period = 50ms;
+      return ok();
+    }
+  } architecture;
+  architecture.fast.task() = Pair::task(30, 3ms);
+  architecture.slow.task() = Pair::task(20, 4ms);
+  Deployer deployer(architecture, options(Admission::warn));
+  ASSERT_TRUE(deployer.deploy());
+
+  const Timing timing = deployer.analyze();
+
+  ASSERT_EQ(timing.components.size(), 2U);
+  ASSERT_TRUE(timing.components[1].response);
+  EXPECT_GE(*timing.components[1].response, 3ms + 4ms + 3ms) << "both jobs of fast delay it";
+}
+
 TEST(Admission, AnalyzeSaysWhereItDoesNotKnow) {
   Pair architecture(3ms, 0ms);
   Deployer deployer(architecture, options(Admission::warn));

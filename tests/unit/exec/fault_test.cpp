@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <stdexcept>
+
+#include "support/outcomes.h"
 #include "support/ramp.h"
+
+#include <mauve/ring_buffer.h>
 
 namespace mauve {
 namespace {
@@ -103,6 +108,54 @@ TEST(Fault, DeployerRefusesToBeCalledFromARealTimeJob) {
   ASSERT_FALSE(Meddling::answer);
   EXPECT_EQ(Meddling::answer.error().code, Errc::wrong_state);
   EXPECT_EQ(deployer.status("control").state, ComponentState::running);
+}
+
+struct TakerShell : Shell {
+  ReadPort<double> in{*this, "in", 0.0};
+};
+struct Taker : Core<TakerShell> {
+  using Contract = Taker;
+  static constexpr const char* contract = "taker/core/1";
+  Stateless stateless{*this};
+  virtual void update() = 0;
+};
+struct Content final : Taker {
+  void update() override {
+    shell().in.look([](const double& /*item*/) {});
+  }
+};
+struct Disgusted final : Taker {
+  void update() override {
+    shell().in.look([](const double& /*item*/) { throw std::runtime_error("sour"); });
+  }
+};
+
+struct Queued : Architecture {
+  RingBuffer<double> queue{*this, "queue"};
+  Component<ramp::Shell, ramp::Up, ramp::Fsm> giver{*this, "giver"};
+  Component<TakerShell, Content, PeriodicFsm<Taker>> taker{*this, "taker"};
+  Status on_configure() override {
+    if (Status done = giver.shell().out.connect(queue.write_service()); !done) return done;
+    return taker.shell().in.connect(queue.read_service());
+  }
+};
+
+TEST(Fault, OfALookUnderTheLockOfAQueueIsThatOfItsCore) {
+  Queued architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  deployer.run_for(20ms);
+  Change change{{ramp::to_core<Disgusted>("disgusted", "taker")}};
+  change.probation.emplace();
+  ASSERT_TRUE(deployer.apply(change));
+
+  deployer.run_for(50ms);
+
+  const auto outcomes = test::tend(deployer);
+  ASSERT_EQ(outcomes.size(), 1u);
+  EXPECT_EQ(outcomes[0].kind, Outcome::Kind::rolled_back);
+  EXPECT_EQ(outcomes[0].reason, "threw: sour");
+  EXPECT_EQ(outcomes[0].cores, std::vector<std::string>{"disgusted"});
 }
 
 }  // namespace
