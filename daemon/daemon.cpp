@@ -217,11 +217,11 @@ Status Daemon::serve() {
   rt::EndHandlers::set_unexpected_status(kUnexpectedEnd);
   running_->recorder = &recorder_;
   running_->stopper = &stopper_;
-  running_->judge = [this](uid_t user, const Question& question, const Judge::Then& then) {
-    judge_.ask(user, question, then);
+  running_->judge = [this](const Asker& asker, const Question& question, const Judge::Then& then) {
+    judge_.ask(asker, question, then);
   };
   running_->try_out = [this](const Question& question, const Judge::Then& then) {
-    trials_.ask(geteuid(), question, then);
+    trials_.ask({}, question, then);
   };
   running_->guardian = &guardian_;
   keep_the_first();

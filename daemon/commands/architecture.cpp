@@ -280,7 +280,7 @@ void apply_file(Running& running, const CallPtr& call, Ticket ticket) {
 void diff_architecture(Running& running, const CallPtr& call, Ticket /*none*/) {
   auto question = question_of(running, *call);
   question.running = arch::to_json_text(described(running));
-  running.judge(call->caller.peer.uid, question, [&running, call](Result<Json> judged) {
+  running.judge(asker_of(*call), question, [&running, call](Result<Json> judged) {
     if (!judged) {
       return answer(running, *call, judged.error());
     }

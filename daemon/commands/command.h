@@ -105,7 +105,7 @@ struct Running {
   server::Refusals refusals = {};           ///< [any]
   /// [any] Judges a file of this user beside what runs, then calls the function on [control]: see
   /// Judge::ask().
-  std::function<void(uid_t, const Question&, std::function<void(Result<Json>)>)> judge = {};
+  std::function<void(const Asker&, const Question&, std::function<void(Result<Json>)>)> judge = {};
   /// [any] The same for the change under way: see commands/trial.h.
   std::function<void(const Question&, std::function<void(Result<Json>)>)> try_out = {};
   Stopper* stopper = nullptr;  ///< [any]; null: stops are served by [control] only

@@ -21,7 +21,7 @@ Result<Json> export_architecture(Running& running, const Call& /*call*/) {
 /// In a process of its own: nothing that the file names is made here.
 void check_architecture(Running& running, const CallPtr& call, Ticket /*none*/) {
   running.judge(
-      call->caller.peer.uid, question_of(running, *call),
+      asker_of(*call), question_of(running, *call),
       [&running, call](Result<Json> judged) { answer(running, *call, std::move(judged)); });
 }
 

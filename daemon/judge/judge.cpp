@@ -98,18 +98,19 @@ void Judge::stop() {
   thread_.stop();
 }
 
-void Judge::ask(uid_t user, const Question& question, Then then) {
-  if (auto place = take_place(user); !place) {
+void Judge::ask(const Asker& asker, const Question& question, Then then) {
+  if (auto place = take_place(asker.uid); !place) {
     control_.read([then = std::move(then), error = place.error()] { then(error); });
     return;
   }
   thread_.post(
-      [this, user, text = protocol::to_line(to_json(question)), then = std::move(then)]() mutable {
+      [this, user = asker.uid, text = protocol::to_line(to_json(question)),
+       then = std::move(then)]() mutable {
         auto result = std::make_shared<Result<Json>>(judged(text));
         give_place_back(user);
         control_.read([then = std::move(then), result] { then(std::move(*result)); });
       },
-      {server::Role::viewer, user});  // of whatever role: users take turns
+      asker);
 }
 
 Result<Json> Judge::judged(const std::string& question) {

@@ -38,8 +38,9 @@ class Judge {
   void stop();
 
   /// [any] Judges, then calls `then` on [control]: with judge()'s result, or with the reason why
-  /// there is none. Refused at once when this user has kMostOfOneUser files waiting.
-  void ask(uid_t user, const Question& question, Then then);
+  /// there is none. Files of operators and admins come before those of viewers, and users take
+  /// turns. Refused at once when this user has kMostOfOneUser files waiting.
+  void ask(const Asker& asker, const Question& question, Then then);
 
   static constexpr std::size_t kMostOfOneUser = 2;
 

@@ -24,11 +24,11 @@ template <typename System>
 class Front : public testing::Test {
  protected:
   void SetUp() override {
-    running.judge = [this](uid_t, const Question& question, const Judge::Then& then) {
+    running.judge = [this](const Asker&, const Question& question, const Judge::Then& then) {
       control.read([=] { then(judge(question, plugin::Catalog())); });
     };
     running.try_out = [this](const Question& question, const Judge::Then& then) {
-      running.judge(0, question, then);
+      running.judge({}, question, then);
     };
     ASSERT_TRUE(deployer.deploy());
     log.start();
