@@ -26,6 +26,8 @@ std::string reason_of(std::string text) {
 /// Builds the value while it is read, so that a refusal comes before the memory is spent.
 class StrictReader final : public nlohmann::json_sax<Json> {
  public:
+  explicit StrictReader(std::size_t most_values) : most_values_(most_values) {}
+
   bool null() override { return put(nullptr); }
   bool boolean(bool value) override { return put(value); }
   bool number_integer(number_integer_t value) override { return put(value); }
@@ -62,7 +64,12 @@ class StrictReader final : public nlohmann::json_sax<Json> {
     return false;
   }
 
+  /// Null: there are too many.
   Json* place(Json value) {
+    if (values_++ == most_values_) {
+      static_cast<void>(fail("has more than " + std::to_string(most_values_) + " values", {}));
+      return nullptr;
+    }
     if (open_.empty()) {
       root_ = std::move(value);
       return &root_;
@@ -75,17 +82,14 @@ class StrictReader final : public nlohmann::json_sax<Json> {
     return member_;
   }
 
-  bool put(Json value) {
-    place(std::move(value));
-    return true;
-  }
+  bool put(Json value) { return place(std::move(value)) != nullptr; }
 
   bool open(Json value) {
     if (open_.size() == kMaxDepth) {
       return fail("nested deeper than " + std::to_string(kMaxDepth), {});
     }
     open_.push_back(place(std::move(value)));
-    return true;
+    return open_.back() != nullptr;
   }
 
   bool close() {
@@ -93,6 +97,8 @@ class StrictReader final : public nlohmann::json_sax<Json> {
     return true;
   }
 
+  const std::size_t most_values_;
+  std::size_t values_ = 0;
   Json root_;
   // An element that is open never moves: nothing is added beside it before it is closed.
   std::vector<Json*> open_;
@@ -134,8 +140,8 @@ std::optional<std::string> LineFramer::next() {
   return line;
 }
 
-Result<Json> parse_json(std::string_view text) {
-  StrictReader reader;
+Result<Json> parse_json(std::string_view text, std::size_t most_values) {
+  StrictReader reader(most_values);
   Json::sax_parse(text.begin(), text.end(), &reader);
   return reader.take();
 }

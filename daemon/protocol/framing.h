@@ -20,6 +20,8 @@ using Json = nlohmann::json;
 inline constexpr std::size_t kMaxLine = 1024 * 1024;
 /// Objects and arrays that may be open at once, the outermost counted.
 inline constexpr std::size_t kMaxDepth = 32;
+/// Values in one request: reading half a million of them takes 40 ms, in which nobody is served.
+inline constexpr std::size_t kMaxValues = 20'000;
 
 /// Cuts a stream of bytes into lines. Feed what arrived, then take lines until there is none.
 class LineFramer {
@@ -47,8 +49,10 @@ class LineFramer {
 };
 
 /// Strict JSON: refuses what RFC 8259 refuses, and nesting beyond kMaxDepth, duplicate keys, NaN,
-/// invalid UTF-8 and anything behind the value. Error.at is "byte N", counted from 1.
-[[nodiscard]] Result<Json> parse_json(std::string_view text);
+/// invalid UTF-8, anything behind the value, and more values than `most_values`. Error.at is "byte
+/// N", counted from 1.
+[[nodiscard]] Result<Json> parse_json(std::string_view text,
+                                      std::size_t most_values = std::string_view::npos);
 
 /// One line of JSON without its end; invalid UTF-8 becomes U+FFFD. Never throws for that reason.
 [[nodiscard]] std::string to_line(const Json& value);

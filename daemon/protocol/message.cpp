@@ -159,7 +159,7 @@ Error error_of(const Fault& fault) {
 }
 
 std::variant<Request, Refusal> parse_request(std::string_view line) {
-  auto parsed = parse_json(line);
+  auto parsed = parse_json(line, kMaxValues);
   if (!parsed) {
     const Error& error = parsed.error();
     return Refusal{nullptr, fault_of(kParseError, error.message, error.at, error.hint)};

@@ -48,6 +48,20 @@ std::string nested(std::size_t depth) {
          std::string(arrays, '[') + std::string(arrays, ']') + "}}\n";
 }
 
+TEST(HostileClient, SendsMoreValuesThanAnybodyNeeds) {
+  ServedSocket served;
+  auto client = served.client();
+  std::string numbers = "1";
+  for (std::size_t i = 0; i < protocol::kMaxValues; ++i) numbers += ",1";
+  ASSERT_TRUE(client.send(R"({"jsonrpc":"2.0","id":1,"method":"param.set","params":{"values":[)" +
+                          numbers + "]}}\n"));
+
+  const auto answer = client.json();
+  EXPECT_EQ(answer["error"]["code"], -32700);
+  EXPECT_EQ(answer["error"]["message"], "has more than 20000 values");
+  EXPECT_TRUE(serves_others(served));
+}
+
 TEST(HostileClient, SendsRandomBytes) {
   ServedSocket served;
   std::mt19937 random(42);

@@ -116,6 +116,15 @@ TEST(StrictJson, ReadsEveryKindOfValue) {
   EXPECT_EQ((*value)["b"]["c"], 18446744073709551615ULL);
 }
 
+TEST(StrictJson, CountsTheValues) {
+  EXPECT_TRUE(parse_json("[1,{\"a\":2,\"b\":[]}]", 5));
+
+  const auto refused = parse_json("[1,{\"a\":2,\"b\":[]}]", 4);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message, "has more than 4 values");
+  EXPECT_FALSE(parse_json("[[[[[]]]]]", 4)) << "one that opens counts too";
+}
+
 TEST(StrictJson, AcceptsNestingOf32AndRefuses33) {
   EXPECT_TRUE(parse_json(nested(32)));
 
