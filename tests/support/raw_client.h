@@ -78,6 +78,9 @@ class RawClient {
     }
   }
 
+  /// The other end has closed, as the last look found.
+  [[nodiscard]] bool ended() const { return ended_; }
+
   /// The next line as JSON; null when there is none.
   [[nodiscard]] protocol::Json json(std::chrono::milliseconds limit = kPatience) {
     const auto next = line(limit);
