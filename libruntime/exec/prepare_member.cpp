@@ -122,7 +122,6 @@ class MemberBuilder {
     if (done) done = make_element(at, next_->fsm_type.make, next_->fsm);
     if (done) done = copy_properties(*base_.fsm, *next_->fsm);
     if (done) done = set_properties(edit_, "fsm", *next_->fsm);
-    if (done) next_->fsm->bind(*next_->core);
     return done;
   }
 

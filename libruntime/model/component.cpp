@@ -43,7 +43,6 @@ ComponentBase::ComponentBase(std::string name, ComponentType type, CoreType core
   if (made_) made_ = make_element(name_ + ".fsm", type_.fsm.make, bundle->fsm);
   if (made_) {
     bundle->core->bind(*bundle->shell);
-    bundle->fsm->bind(*bundle->core);
     table->resize(bundle->shell->ports().size());
   }
   bundle->bindings = std::move(table);
@@ -102,7 +101,6 @@ Status ComponentBase::replace_core(const CoreType& core) {
   auto bundle = std::make_shared<Bundle>(*bundle_);
   if (Status made = make_element(name_ + ".core", core.make, bundle->core); !made) return made;
   bundle->core->bind(*bundle->shell);
-  bundle->fsm->bind(*bundle->core);
   bundle->core_type = core;
   bundle->measured = std::make_shared<rt::Measured>(bundle->fsm->states().size());
   bundle_ = std::move(bundle);

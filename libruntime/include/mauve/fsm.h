@@ -95,10 +95,6 @@ class FsmBase : public Configurable {
   /// The shortest wait: the bound of every wait for a resource.
   [[nodiscard]] Duration shortest_wait() const;
 
-  /// Runtime only.
-  void bind(CoreBase& core) { core_ = &core; }
-  [[nodiscard]] CoreBase& core() const { return *core_; }
-
  protected:
   void start_at(FsmState& state) { initial_ = &state; }
   /// After on_configure(): initial state set, every state has a successor, all reachable, no wait
@@ -112,7 +108,6 @@ class FsmBase : public Configurable {
 
   std::vector<FsmState*> states_;
   FsmState* initial_ = nullptr;
-  CoreBase* core_ = nullptr;
 };
 
 /// Derive from Fsm<YourContract>; states are members.
