@@ -120,8 +120,8 @@ class HostileClient {
       if (!ends_the_trace || flood_.left <= flood_.blind) return line;
     }
   }
-  /// On a slow machine a ping waits for requests before it, which are served in turn. An answer that
-  /// is late is told from one that never comes.
+  /// On a slow machine a ping waits for requests before it, which are served in turn. An answer
+  /// that is late is told from one that never comes.
   bool read_to(const std::string& last, const std::string& lines) {
     const auto begin = steady_clock::now();
     bool late = false;

@@ -2,6 +2,7 @@
 /// What all ports have in common.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -37,8 +38,8 @@ class PortBase {
   /// thread of its component, or one that has taken its place. [any]
   virtual void write_safe(const Binding& /*connection*/, bool /*by_owner*/) const {}
   [[nodiscard]] virtual bool has_safe_value() const { return false; }
-  /// Accesses that found no connection, or a resource busy beyond the bound.
-  [[nodiscard]] std::uint64_t failures() const { return failures_; }
+  /// Accesses that found no connection, or a resource busy beyond the bound. [any]
+  [[nodiscard]] std::uint64_t failures() const { return failures_.load(std::memory_order_relaxed); }
   /// Runtime only: what it is called in a trace, "control.scan". Off the real-time threads.
   void name_in_trace(std::string_view name) { trace_name_ = trace_name_id(name); }
 
@@ -61,7 +62,7 @@ class PortBase {
   void always_call() { calls_ = true; }
   /// How old a value may be; zero: no limit.
   [[nodiscard]] Duration max_age() const { return max_age_; }
-  void count_failure() { ++failures_; }
+  void count_failure() { failures_.fetch_add(1, std::memory_order_relaxed); }
   [[nodiscard]] TracedCall call_begins() const { return TracedCall(trace_name_); }
   Cursor cursor_;
 
@@ -73,7 +74,7 @@ class PortBase {
   std::uint64_t seen_ = 0;             // id of the connection that the cursor belongs to
   bool calls_ = false;
   std::size_t index_;
-  std::uint64_t failures_ = 0;
+  std::atomic<std::uint64_t> failures_{0};
   std::uint32_t trace_name_ = 0;
   Shell& shell_;
   std::string_view name_;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Ports of all four kinds, connected and not.
+#include <thread>
+
 #include <gtest/gtest.h>
 
 #include <mauve/architecture.h>
@@ -206,6 +208,21 @@ TEST(Port, IsNotConnectedOnAThreadThatPrepares) {
   }
   EXPECT_TRUE(shell.out.write(1.0));
   this_job().start = 0;
+}
+
+// `mauvectl show` reads the count of a port while its component runs.
+TEST(Port, CountsFailuresWhileAnotherThreadReadsTheCount) {
+  Bench bench;
+  ProbeShell& shell = bench.probe.shell();
+  ASSERT_TRUE(bench.configure());
+
+  std::jthread reader([&] {
+    while (shell.out.failures() < 1000) std::this_thread::yield();
+  });
+  for (int i = 0; i < 1000; ++i) EXPECT_FALSE(shell.out.write(1.0));
+  reader.join();
+
+  EXPECT_EQ(shell.out.failures(), 1000U);
 }
 
 }  // namespace
