@@ -186,5 +186,37 @@ TEST(Architecture, RefusesANameUsedTwice) {
   EXPECT_EQ(refused.error().code, Errc::duplicate);
 }
 
+TEST(Architecture, IsConfiguredAnewAfterACleanup) {
+  Loud loud;
+  ASSERT_TRUE(loud.configure());
+  ASSERT_TRUE(loud.cleanup());
+  calls().clear();
+
+  ASSERT_TRUE(loud.configure());
+
+  EXPECT_EQ(calls(), (std::vector<std::string>{"+shell", "+core", "+fsm"}));
+}
+
+/// Its cleanup fails.
+struct Clinging : ramp::Up {
+  void on_cleanup() override {
+    ramp::Up::on_cleanup();
+    throw std::runtime_error("it does not let go");
+  }
+};
+
+TEST(Architecture, CleansEverythingUpAndTellsTheFirstFailure) {
+  ramp::Up::configured_cores() = 0;
+  ramp::Two<Clinging, Clinging> architecture;
+  ASSERT_TRUE(architecture.configure());
+  ASSERT_EQ(ramp::Up::configured_cores(), 2);
+
+  const Status failed = architecture.cleanup();
+
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().at, "right.core") << "the one added last is cleaned up first";
+  EXPECT_EQ(ramp::Up::configured_cores(), 0) << "the other one too";
+}
+
 }  // namespace
 }  // namespace mauve
