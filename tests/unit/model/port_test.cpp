@@ -225,5 +225,25 @@ TEST(Port, CountsFailuresWhileAnotherThreadReadsTheCount) {
   EXPECT_EQ(shell.out.failures(), 1000U);
 }
 
+TEST(Port, QueueKeepsWhenEachValueWasWritten) {
+  Bench bench;
+  ProbeShell& shell = bench.probe.shell();
+  ASSERT_TRUE(shell.in.connect(bench.queue.read_service(), 15ms));
+  ASSERT_TRUE(shell.out.connect(bench.queue.write_service()));
+  ASSERT_TRUE(bench.configure());
+  this_job().start = 1'000'000'000;
+  shell.out.write(1.0);
+  this_job().start += 10'000'000;
+  shell.out.write(2.0);
+  this_job().start += 10'000'000;
+  double value = 0;
+
+  EXPECT_EQ(shell.in.read(value), DataStatus::stale);
+  EXPECT_EQ(shell.in.age(), 20ms);
+  EXPECT_EQ(shell.in.read(value), DataStatus::new_data);
+  EXPECT_EQ(shell.in.age(), 10ms);
+  this_job().start = 0;
+}
+
 }  // namespace
 }  // namespace mauve
