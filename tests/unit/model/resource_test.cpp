@@ -243,5 +243,60 @@ TEST(SharedData, TakesNoValueByItsServiceWhileItIsPoisoned) {
   EXPECT_EQ(value_of(data), 8.0);
 }
 
+/// So many relays in a row, and `end` behind the last one.
+struct Row : Architecture {
+  explicit Row(std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      relays.push_back(std::make_unique<Relay>(*this, "relay" + std::to_string(i)));
+    }
+    end = std::make_unique<SharedData<double>>(*this, "end");
+  }
+  Status on_configure() override {
+    for (std::size_t i = 0; i < relays.size(); ++i) {
+      ServiceBase& next =
+          i + 1 < relays.size() ? relays[i + 1]->interface().write : end->write_service();
+      if (Status done = relays[i]->shell().out.connect(next); !done) return done;
+    }
+    return ok();
+  }
+  std::vector<std::unique_ptr<Relay>> relays;
+  std::unique_ptr<SharedData<double>> end;
+};
+
+TEST(Resource, NestAsDeepAsAThreadMayHoldAndNoDeeper) {
+  Row deepest(Job::kMaxHeld - 1);
+  Row deeper(Job::kMaxHeld);
+
+  const Status done = deepest.configure();
+  const Status refused = deeper.configure();
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  const double one = 1.0;
+  EXPECT_TRUE(deepest.relays[0]->interface().write.write(&one));
+  EXPECT_EQ(value_of(*deepest.end), 128.0) << "the value came to the end: all could be held";
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::limit);
+}
+
+TEST(Gate, LetsNoThreadThatWasGivenUpTakeAChange) {
+  struct Waiting final : Deferred {
+    bool visit(Instant /*release*/) override { return ++visits, true; }
+    int visits = 0;
+  } change;
+  Gate gate;
+  gate.defer(change);
+  this_job().running = true;
+  {
+    const Detached given_up;
+    EXPECT_FALSE(gate.enter());
+  }
+  this_job().running = false;
+  EXPECT_EQ(change.visits, 0);
+
+  EXPECT_TRUE(gate.enter());
+  gate.leave();
+  EXPECT_EQ(change.visits, 1) << "the next caller takes it";
+}
+
 }  // namespace
 }  // namespace mauve
