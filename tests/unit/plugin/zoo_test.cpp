@@ -130,5 +130,14 @@ TEST(ZooOfTypes, RefusesAnotherLayoutUnderTheSameName) {
   EXPECT_TRUE(catalog.type("zoo_number/1"));
 }
 
+TEST(ZooOfDeclarations, AreRefusedByTheFileThatTheyAreIn) {
+  Catalog catalog({MAUVE_ZOO});
+
+  const Status loaded = catalog.load("throwing_declare");
+
+  ASSERT_FALSE(loaded);
+  EXPECT_EQ(loaded.error().at, zoo_file("throwing_declare.so").string());
+}
+
 }  // namespace
 }  // namespace mauve::plugin::test
