@@ -333,5 +333,30 @@ TEST_F(Swap, InPlaceGoesBackToTheOldCoreWhenTheNewOneRefuses) {
   EXPECT_GT(ramp::read(architecture.position), 10.0);
 }
 
+TEST_F(Swap, ToAFreshCoreOfTheSameTypeKeepsItsProperties) {
+  ASSERT_TRUE(deployer.set("control.core.step", 2.0));
+  ASSERT_TRUE(deployer.stop({"control"}));
+
+  ASSERT_TRUE(deployer.start({"control"}, true));
+
+  EXPECT_EQ(architecture.control.bundle()->core->find_property("step")->value(), Value(2.0));
+}
+
+TEST(Set, KeepsTheOtherPropertiesOfTheCore) {
+  struct Tuned : ramp::Up {
+    Property<double> gain{*this, "gain", 1.0, "any"};
+  };
+  ramp::One<Tuned> architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(deployer.set("control.core.step", 2.0));
+
+  ASSERT_TRUE(deployer.set("control.core.gain", 5.0));
+
+  const CoreBase& core = *architecture.control.bundle()->core;
+  EXPECT_EQ(core.find_property("gain")->value(), Value(5.0));
+  EXPECT_EQ(core.find_property("step")->value(), Value(2.0));
+}
+
 }  // namespace
 }  // namespace mauve
