@@ -66,7 +66,7 @@ TEST(Relief, TheFallbackCoreTakesOverAtTheNextRelease) {
 
 TEST(Relief, AFreshCoreTakesOverWithinItsBudgetOfRestarts) {
   UnsteadyArchitecture architecture(
-      {.action = FaultPolicy::Action::restart, .restarts = 2, .per = 10s, .back_off = 15ms});
+      {.action = FaultPolicy::Action::restart, .restarts = 2, .per = 1s, .back_off = 15ms});
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
   std::vector<Outcome> outcomes;
@@ -330,6 +330,23 @@ TEST(Relief, TheFallbackTakesOverAfterTooManyOverruns) {
   EXPECT_EQ(outcomes[0].kind, Outcome::Kind::fell_back);
   EXPECT_EQ(outcomes[0].reason, "overran 3 times");
   EXPECT_EQ(deployer.status("control").overruns, 3u);
+}
+
+TEST(Relief, StaysInForceWhenATransactionComesThatDoesNotKnowOfIt) {
+  FallingBack architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  deployer.run_for(30900us);  // the relief is taken 100 us later, before the instant of the change
+  Change change{{}};
+  change.edits.emplace_back().component = "control";
+  change.edits.back().mode = Mode::run;
+
+  ASSERT_TRUE(deployer.apply(change));
+  deployer.run_for(50ms);
+
+  ASSERT_EQ(tend(deployer).size(), 1u);
+  EXPECT_EQ(deployer.status("control").core, "ramp/down");
+  EXPECT_EQ(ramp::read(architecture.position), -5.0) << "it counts down in every job";
 }
 
 }  // namespace
