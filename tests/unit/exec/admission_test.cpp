@@ -13,6 +13,7 @@ namespace {
 struct Idle : Core<EmptyShell> {
   Stateless stateless{*this};
   void update() {}
+  bool hurries() { return false; }
 };
 using IdleFsm = PeriodicFsm<Idle>;
 
@@ -342,6 +343,44 @@ TEST(Admission, AnalyzeSaysWhereItDoesNotKnow) {
   EXPECT_EQ(timing.components[1].source, "unknown");
   EXPECT_NE(timing.components[1].problem, "");
   EXPECT_FALSE(timing.factor);
+}
+
+/// Its jobs are 100 ms apart, or 6 ms when its core says so.
+class HurryingFsm final : public Fsm<Idle> {
+ public:
+  Exec update{*this, "update", &Idle::update};
+  Sync period{*this, "period", 100ms};
+  Sync soon{*this, "soon", 6ms};
+
+ private:
+  Status on_configure() override {
+    start_at(update);
+    update.when(&Idle::hurries, soon).then(period);
+    soon.then(update);
+    period.then(update);
+    return ok();
+  }
+};
+
+TEST(Admission, AnalyzeCountsWithEveryWayThatAGuardMayOpen) {
+  struct Hurrying : Architecture {
+    mauve::Component<EmptyShell, Idle, HurryingFsm> fast{*this, "fast"};
+    mauve::Component<EmptyShell, Idle, IdleFsm> slow{*this, "slow"};
+    Status on_configure() override {
+      slow.fsm().period = 50ms;
+      return ok();
+    }
+  } architecture;
+  architecture.fast.task() = Pair::task(30, 3ms);
+  architecture.slow.task() = Pair::task(20, 4ms);
+  Deployer deployer(architecture, options(Admission::warn));
+  ASSERT_TRUE(deployer.deploy());
+
+  const Timing timing = deployer.analyze();
+
+  ASSERT_EQ(timing.components.size(), 2U);
+  ASSERT_TRUE(timing.components[1].response);
+  EXPECT_GE(*timing.components[1].response, 3ms + 4ms + 3ms) << "two jobs of fast delay it";
 }
 
 }  // namespace
