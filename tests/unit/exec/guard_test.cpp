@@ -9,6 +9,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include "exec/system.h"
 #include "rt/rescue.h"
 #include "rt/thread.h"
 #include "support/block.h"
@@ -301,6 +302,17 @@ TEST_F(Guard, AShutdownLeavesBehindWhatAThreadIsStillIn) {
   deployer.reset();
   forever->let_go();
   EXPECT_TRUE(eventually([] { return Blocked::late_write() == 0; }));
+}
+
+TEST(BoundOfAJob, IsTenOfItsBudgetsOrOfItsLongestWaits) {
+  ramp::Architecture architecture;
+  architecture.control.fsm().period = 30ms;
+  ASSERT_TRUE(architecture.configure());
+  EXPECT_EQ(exec::bound_of(*architecture.control.bundle()), 300ms);
+
+  architecture.control.task().budget = 20ms;
+
+  EXPECT_EQ(exec::bound_of(*architecture.control.bundle()), 200ms);
 }
 
 }  // namespace

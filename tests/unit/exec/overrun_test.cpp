@@ -138,5 +138,21 @@ TEST_F(Overrun, OffsetShiftsAllReleases) {
   EXPECT_EQ(core().released[2] - kT0, 2'250'000);
 }
 
+TEST_F(Overrun, IsNoneWhileATaskDoesNotRun) {
+  component->task().start = false;
+  begin();
+
+  EXPECT_GT(task.told_release(), clock.now() + Duration{1h}.count()) << "nothing is overdue";
+}
+
+TEST_F(Overrun, IsJudgedByTheReleaseThatATaskTellsItsGuard) {
+  begin();
+  EXPECT_EQ(task.told_release(), kT0);
+
+  run(2);
+
+  EXPECT_EQ(task.told_release(), kT0 + Duration{2ms}.count());
+}
+
 }  // namespace
 }  // namespace mauve::exec
