@@ -43,11 +43,12 @@ struct SlowInterface : Interface<SlowMeter> {
 
 /// The meter is the architecture's own, so that it may leave. `left` gets lost in it; `right`
 /// counts down, so it never hands over a 4.
-struct Metering : Architecture {
+template <typename Left>
+struct MeteringOf : Architecture {
   ResourceBase& meter = own(std::make_shared<ResourceBase>(
       "meter", ResourceType{"meter", ShellType::of<EmptyShell>(), CoreType::of<SlowMeter>("meter"),
                             detail::make<InterfaceBase, SlowInterface>}));
-  Component<ramp::Shell, ramp::Up, ramp::Fsm> left{*this, "left"};
+  Component<ramp::Shell, Left, ramp::Fsm> left{*this, "left"};
   Component<ramp::Shell, ramp::Down, ramp::Fsm> right{*this, "right"};
 
   Status on_configure() override {
@@ -57,6 +58,7 @@ struct Metering : Architecture {
     return right.shell().out.connect(write);
   }
 };
+using Metering = MeteringOf<ramp::Up>;
 
 class LostThread : public testing::Test {
  protected:
@@ -151,6 +153,28 @@ TEST_F(LostThread, ServesWhoWaitedForItsLockWhenItComesBack) {
   }
   EXPECT_TRUE(served);
   EXPECT_TRUE(becomes(1));
+}
+
+/// A core in quarantine is made nowhere any more, so it must be the one that failed.
+TEST(ThreadLostInAResource, TakesTheChangeOfItsUserBackWithoutBlamingTheCoreOfThatUser) {
+  Block forever;
+  block() = &forever;
+  MeteringOf<ramp::Down> architecture;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+  Change change{{ramp::to_core<ramp::Up>("new", "left")}};
+  change.edits[0].state = StatePolicy::drop;
+  change.probation.emplace();
+  ASSERT_TRUE(deployer.apply(change));
+
+  const auto outcomes = test::await_outcomes(deployer);
+
+  ASSERT_EQ(outcomes.size(), 1u);
+  EXPECT_EQ(outcomes[0].kind, Outcome::Kind::rolled_back);
+  EXPECT_NE(outcomes[0].reason.find("in a call of meter"), std::string::npos) << outcomes[0].reason;
+  EXPECT_TRUE(outcomes[0].cores.empty());
+  forever.let_go();
+  EXPECT_TRUE(deployer.shutdown().empty());
 }
 
 }  // namespace
