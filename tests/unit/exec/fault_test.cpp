@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <csignal>
+#include <cstdlib>
 #include <stdexcept>
+#include <thread>
 
+#include <unistd.h>
+
+#include "rt/rescue.h"
 #include "support/outcomes.h"
 #include "support/ramp.h"
 
@@ -156,6 +162,46 @@ TEST(Fault, OfALookUnderTheLockOfAQueueIsThatOfItsCore) {
   EXPECT_EQ(outcomes[0].kind, Outcome::Kind::rolled_back);
   EXPECT_EQ(outcomes[0].reason, "threw: sour");
   EXPECT_EQ(outcomes[0].cores, std::vector<std::string>{"disgusted"});
+}
+
+struct MotorShell : Shell {
+  ReadPort<double> wanted{*this, "wanted", 0.0};
+};
+/// Tells on standard error that it was told to stand, as hardware would show it.
+struct Motor final : Core<MotorShell> {
+  Stateless stateless{*this};
+  void update() {
+    if (shell().wanted.read() != -1.0) return;
+    constexpr char kText[] = "the motor stands\n";
+    if (write(STDERR_FILENO, kText, sizeof kText - 1) < 0) return;
+  }
+};
+struct Motored : Architecture {
+  SharedData<double> wanted{*this, "wanted"};
+  Component<ramp::Shell, ramp::Up, ramp::Fsm> control{*this, "control"};
+  Component<MotorShell, Motor, PeriodicFsm<Motor>> motor{*this, "motor"};
+  Status on_configure() override {
+    if (Status done = control.shell().out.connect(wanted.write_service()); !done) return done;
+    return motor.shell().wanted.connect(wanted.read_service());
+  }
+};
+
+void end_while_it_drives() {
+  Motored architecture;
+  Deployer deployer(architecture);
+  if (!deployer.deploy()) std::_Exit(2);
+  while (deployer.status("motor").releases < 3) std::this_thread::sleep_for(1ms);
+  kill(getpid(), SIGTERM);
+  std::this_thread::sleep_for(20s);
+  std::_Exit(3);
+}
+
+TEST(EndOfAProcessDeathTest, LetsDriversActOnSafeValuesBefore) {
+  if (!rt::kCanRescue) GTEST_SKIP() << "the sanitizer handles signals itself";
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT((std::signal(SIGTERM, SIG_DFL), end_while_it_drives()),
+              testing::KilledBySignal(SIGTERM),
+              "the safe values of 1 components are written.*the motor stands");
 }
 
 }  // namespace
