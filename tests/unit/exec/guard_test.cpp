@@ -3,6 +3,7 @@
 /// it on a loaded machine.
 #include <gtest/gtest.h>
 
+#include <ctime>
 #include <thread>
 
 #include <sched.h>
@@ -107,11 +108,18 @@ struct EndlessSink final : SinkCore {
     }
   }
 };
+/// Waits in the system when it is given a safe value.
+struct BlockedSink final : SinkCore {
+  void take(const double& value) override {
+    if (value == -1.0) block()->wait();
+  }
+};
 struct SinkInterface : Interface<SinkCore> {
   WriteService<double> write{*this, "write", &SinkCore::take};
 };
+template <typename Sink>
 struct WithASink : Architecture {
-  Resource<EmptyShell, EndlessSink, SinkInterface> sink{*this, "sink"};
+  Resource<EmptyShell, Sink, SinkInterface> sink{*this, "sink"};
   SharedData<double> position{*this, "position"};
   Component<ramp::Shell, ramp::Up, ramp::Fsm> left{*this, "left"};
   Component<ramp::Shell, ramp::Up, ramp::Fsm> right{*this, "right"};
@@ -211,7 +219,7 @@ TEST_F(Guard, EndsAnEndlessLoopAndTheFallbackCoreTakesOver) {
 
 TEST_F(Guard, EndsASafeValueThatIsWrittenWithoutAnEnd) {
   if (!rt::kCanRescue) GTEST_SKIP() << "the sanitizer handles signals itself";
-  WithASink architecture;
+  WithASink<EndlessSink> architecture;
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
   ASSERT_TRUE(runs_on(deployer, "left"));
@@ -313,6 +321,37 @@ TEST(BoundOfAJob, IsTenOfItsBudgetsOrOfItsLongestWaits) {
   architecture.control.task().budget = 20ms;
 
   EXPECT_EQ(exec::bound_of(*architecture.control.bundle()), 200ms);
+}
+
+/// Of all threads of this process.
+Duration processor_time() {
+  timespec used{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+  return std::chrono::seconds(used.tv_sec) + Duration{used.tv_nsec};
+}
+
+TEST_F(Guard, SleepsWhileAThreadWritesASafeValueAndMustNotBeGivenUp) {
+  WithASink<BlockedSink> architecture;
+  Deployer deployer(architecture);
+  ASSERT_TRUE(deployer.deploy());
+  ASSERT_TRUE(runs_on(deployer, "left"));
+  const auto stopping = deployer.begin_stop({"left"});
+  ASSERT_TRUE(stopping);
+  ASSERT_TRUE(eventually([&] { return block_.entered.load(); }));
+  const MonotonicClock clock;
+  const Instant begin = clock.now();
+  const auto passed = [&](Duration time) {
+    return eventually([&] { return clock.now() >= begin + time.count(); });
+  };
+
+  ASSERT_TRUE(passed(kBound + 100ms));  // from here on it can do nothing about that thread
+  const Duration before = processor_time();
+  ASSERT_TRUE(passed(kBound + 700ms));
+
+  EXPECT_LT(processor_time() - before, 150ms) << "of 600 ms";
+  block_.let_go();
+  EXPECT_TRUE(deployer.wait(**stopping));
+  EXPECT_TRUE(deployer.shutdown().empty());
 }
 
 }  // namespace
