@@ -13,6 +13,7 @@
 #include "base/name.h"
 #include "model/connection.h"
 #include "model/elements.h"
+#include "model/resource_graph.h"
 #include "rt/thread.h"
 
 namespace mauve::arch {
@@ -218,7 +219,7 @@ class Builder {
   }
 
   void check_cycles() {
-    Status sound = check_resource_graph(*architecture_);
+    Status sound = ResourceGraph(*architecture_).check();
     if (sound) return;
     const auto found = std::find_if(
         spec_.resources.begin(), spec_.resources.end(),

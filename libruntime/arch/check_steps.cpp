@@ -9,6 +9,7 @@
 #include "base/name.h"
 #include "model/connection.h"
 #include "model/elements.h"
+#include "model/resource_graph.h"
 
 namespace mauve::arch {
 namespace {
@@ -33,7 +34,10 @@ Status check_connect(const Architecture& architecture, const Step& step) {
     return fits;
   }
   const auto* resource = target->element.resource;
-  return resource == nullptr ? ok() : check_nesting(*resource, (*service)->resource());
+  if (resource == nullptr) return ok();
+  ResourceGraph graph(architecture);
+  graph.connect(*resource, (*service)->resource());
+  return graph.check();
 }
 
 /// The core that a swap puts in place, when it fits.

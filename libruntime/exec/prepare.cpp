@@ -11,6 +11,7 @@
 #include "exec/renew.h"
 #include "model/elements.h"
 #include "model/leavable.h"
+#include "model/resource_graph.h"
 
 #include <mauve/job.h>
 
@@ -94,6 +95,7 @@ class Preparation {
       if (Status done = change(edit, configure); !done) return done.error();
     }
     if (Status cut_off = check_all_left(); !cut_off) return cut_off.error();
+    if (Status nested = check_nesting(); !nested) return nested.error();
     auto admitted = admit_change(system_, *content_);
     if (!admitted) return admitted.error();
     content_->warnings = *std::move(admitted);
@@ -196,6 +198,18 @@ class Preparation {
       if (!cut) return cut;
     }
     return ok();
+  }
+
+  /// Of all resources as they are after the change: each edit alone may be sound.
+  Status check_nesting() {
+    ResourceGraph graph(system_.architecture);
+    for (const ResourceBase* leaving : content_->leaving_resources) graph.remove(*leaving);
+    for (const auto& joining : content_->new_resources) graph.put(*joining, joining->bindings());
+    for (const PreparedResource& changed : content_->resources) {
+      if (changed.parts.bindings == nullptr) continue;
+      graph.put(*changed.resource, *changed.parts.bindings);
+    }
+    return graph.check();
   }
 
   System& system_;

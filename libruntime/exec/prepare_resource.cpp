@@ -23,9 +23,6 @@ Result<std::shared_ptr<const Bindings>> new_bindings(const Afterwards& after, co
   for (const NewConnection& wanted : edit.connect) {
     const Result<ServiceBase*> service = after.find_service(wanted.service);
     if (!service) return service.error();
-    if (Status nested = check_nesting(resource, (*service)->resource()); !nested) {
-      return nested.error();
-    }
     auto with = with_connection(resource.shell(), *table, wanted.port, **service,
                                 (*service)->resource().keep_alive(), wanted.max_age);
     if (!with) return with.error();
@@ -104,7 +101,6 @@ Status prepare_joining(const Afterwards& after, const NewResource& joining) {
   for (const NewConnection& wanted : joining.connect) {
     const Result<ServiceBase*> service = after.find_service(wanted.service);
     if (!service) return service.error();
-    if (Status nested = check_nesting(resource, (*service)->resource()); !nested) return nested;
     Status done = resource.connect(wanted.port, **service, (*service)->resource().keep_alive(),
                                    wanted.max_age);
     if (!done) return done;

@@ -8,6 +8,7 @@
 #include "model/connection.h"
 #include "model/find_named.h"
 #include "model/guard.h"
+#include "model/resource_graph.h"
 
 namespace mauve {
 namespace {
@@ -99,7 +100,7 @@ Status Architecture::configure() {
   for (ResourceBase* resource : resources_) {
     if (done) done = resource->configure();
   }
-  if (done) done = check_resource_graph(*this);
+  if (done) done = ResourceGraph(*this).check();
   for (ComponentBase* component : components_) {
     if (done) done = component->configure();
   }

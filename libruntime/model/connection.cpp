@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "model/connection.h"
 
-#include <map>
 #include <string>
 #include <utility>
 
@@ -24,49 +23,6 @@ Result<PortBase*> find_port(const Shell& shell, std::string_view name) {
                 owner + " has no port of this name",
                 nearest.empty() ? "" : "did you mean " + owner + ".ports." + nearest + "?");
 }
-
-/// Depth-first walk along "writes on into"; the path is what a thread would hold.
-class Walk {
- public:
-  /// As if `from` wrote on into `into`.
-  Status visit_from(const ResourceBase& from, const ResourceBase& into) {
-    path_.push_back(&from);
-    return follow(into);
-  }
-  Status visit(const ResourceBase& resource) {
-    if (done_[&resource]) return ok();
-    path_.push_back(&resource);
-    if (path_.size() > Job::kMaxHeld) {
-      return refuse(Errc::limit, resource.name(),
-                    "resources nest deeper than " + std::to_string(Job::kMaxHeld));
-    }
-    for (const auto& binding : resource.bindings()) {
-      if (binding == nullptr) continue;
-      if (Status step = follow(binding->service().resource()); !step) return step;
-    }
-    path_.pop_back();
-    done_[&resource] = true;
-    return ok();
-  }
-
- private:
-  Status follow(const ResourceBase& next) {
-    for (std::size_t i = 0; i < path_.size(); ++i) {
-      if (path_[i] == &next) return cycle(i);
-    }
-    return visit(next);
-  }
-  Error cycle(std::size_t first) const {
-    std::string text;
-    for (std::size_t i = first; i < path_.size(); ++i) text += path_[i]->name() + " -> ";
-    return refuse(Errc::cycle, path_[first]->name(),
-                  "resources would wait for each other for ever: " + text + path_[first]->name(),
-                  "disconnect one of these ports");
-  }
-
-  std::vector<const ResourceBase*> path_;
-  std::map<const ResourceBase*, bool> done_;
-};
 
 }  // namespace
 
@@ -130,19 +86,6 @@ std::shared_ptr<const Bindings> with_initial(Shell& shell, const Bindings& table
     if (initial != nullptr) (*changed)[i] = std::exchange(initial, nullptr);
   }
   return changed;
-}
-
-Status check_nesting(const ResourceBase& from, const ResourceBase& into) {
-  Walk walk;
-  return walk.visit_from(from, into);
-}
-
-Status check_resource_graph(const Architecture& architecture) {
-  Walk walk;
-  for (const ResourceBase* resource : architecture.resources()) {
-    if (Status sound = walk.visit(*resource); !sound) return sound;
-  }
-  return ok();
 }
 
 }  // namespace mauve

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The rules of connecting: same kind, same type, not twice, and no cycle of resources.
+/// The rules of connecting: same kind, same type, and not twice.
 #pragma once
 
 #include <memory>
@@ -28,12 +28,5 @@ namespace mauve {
 
 /// A copy of `table` with the connections that were made in code, which are taken from the shell.
 [[nodiscard]] std::shared_ptr<const Bindings> with_initial(Shell& shell, const Bindings& table);
-
-/// Refused when resources that write on into one another form a cycle (two callers would wait for
-/// each other for ever), or nest deeper than a job can hold.
-[[nodiscard]] Status check_resource_graph(const Architecture& architecture);
-
-/// Would `from` writing on into `into` close a cycle?
-[[nodiscard]] Status check_nesting(const ResourceBase& from, const ResourceBase& into);
 
 }  // namespace mauve

@@ -103,6 +103,45 @@ TEST(Resource, CycleIsRefusedAtConnectOfARunningSystem) {
   EXPECT_TRUE(fine);
 }
 
+Edit disconnecting(const char* relay) {
+  Edit edit;
+  edit.component = relay;
+  edit.disconnect = {"out"};
+  return edit;
+}
+
+Edit connecting(const char* relay, const char* service) {
+  Edit edit;
+  edit.component = relay;
+  edit.connect = {{"out", service}};
+  return edit;
+}
+
+TEST(Resource, CycleThatTwoEditsOfOneChangeCloseTogetherIsRefused) {
+  Chain chain;
+  Deployer deployer(chain, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  Change change;
+  change.edits = {connecting("first", "second.write"), connecting("second", "first.write")};
+
+  const Result<Receipt> refused = deployer.apply(change);
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::cycle);
+  EXPECT_FALSE(chain.first.shell().out.connected());
+}
+
+TEST(Resource, CycleThatTheSameChangeOpensIsNone) {
+  Chain chain;
+  ASSERT_TRUE(chain.first.shell().out.connect(chain.second.interface().write));
+  Deployer deployer(chain, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  Change change;
+  change.edits = {connecting("second", "first.write"), disconnecting("first")};
+
+  EXPECT_TRUE(deployer.apply(change));
+}
+
 TEST(Resource, PropertyChangesWhileItIsUsed) {
   Chain chain;
   ASSERT_TRUE(chain.source.shell().out.connect(chain.first.interface().write));
@@ -276,6 +315,47 @@ TEST(Resource, NestAsDeepAsAThreadMayHoldAndNoDeeper) {
   EXPECT_EQ(value_of(*deepest.end), 128.0) << "the value came to the end: all could be held";
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Errc::limit);
+}
+
+/// The same row, of which the last relay is listed first.
+struct Backward : Architecture {
+  explicit Backward(std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      relays.push_back(std::make_unique<Relay>(*this, "relay" + std::to_string(i)));
+    }
+  }
+  Status on_configure() override {
+    for (std::size_t i = 1; i < relays.size(); ++i) {
+      const Status done = relays[i]->shell().out.connect(relays[i - 1]->interface().write);
+      if (!done) return done;
+    }
+    return ok();
+  }
+  std::vector<std::unique_ptr<Relay>> relays;
+};
+
+TEST(Resource, NestNoDeeperInWhateverOrderTheyAreListed) {
+  Backward deepest(Job::kMaxHeld);
+  Backward deeper(Job::kMaxHeld + 1);
+
+  EXPECT_TRUE(deepest.configure());
+  const Status refused = deeper.configure();
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::limit);
+}
+
+TEST(Resource, NestNoDeeperByAConnectionOfTheLastOne) {
+  Backward row(Job::kMaxHeld);
+  Relay behind{row, "behind"};
+  Deployer deployer(row, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+
+  const Result<Receipt> refused = deployer.connect("relay0.ports.out", "behind.write");
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::limit);
+  EXPECT_TRUE(deployer.connect("behind.ports.out", "relay6.write")) << "eight in a row";
 }
 
 TEST(Gate, LetsNoThreadThatWasGivenUpTakeAChange) {
