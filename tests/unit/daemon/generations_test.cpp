@@ -105,10 +105,11 @@ TEST_F(GenerationsTest, OfWhichAFileIsDamagedAreListedAsSuchAndNotRead) {
   dir.write("generations/000004.json", stolen);  // whole, but of another number
   dir.write("generations/000005.json", "");
   dir.write("generations/000006.json", "// mauve generation {\"checksum\":1}\n{}");
+  dir.write("generations/000007.json", "// mauve generation []\n{}");
 
   open();
 
-  EXPECT_EQ(numbers(), (std::vector<std::uint64_t>{6, 5, 4, 3, 2, 1}));
+  EXPECT_EQ(numbers(), (std::vector<std::uint64_t>{7, 6, 5, 4, 3, 2, 1}));
   for (const auto& one : kept->list()) {
     EXPECT_EQ(one.damaged, one.number != 3) << one.number;
     EXPECT_EQ(kept->text(one.number).has_value(), one.number == 3) << one.number;

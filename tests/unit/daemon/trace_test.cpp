@@ -226,7 +226,10 @@ TEST_F(FlightsTest, AreNoOtherFilesWhateverTheirContent) {
     write(flights);
   }
   for (const auto& entry : std::filesystem::directory_iterator(place_.path())) {
-    std::filesystem::copy_file(entry.path(), place_ / ("copy" + entry.path().extension().string()));
+    const auto extension = entry.path().extension().string();
+    for (const std::string name : {"copy", "flight-copy", "flight-1000000000000-far"}) {
+      std::filesystem::copy_file(entry.path(), place_ / (name + extension));
+    }
     break;
   }
 
