@@ -232,5 +232,28 @@ TEST_F(KeeperTest, WritesWhatWaitsBeforeItEnds) {
   EXPECT_EQ(test::TempDir::read(dir / "state" / "running"), "ended\n");
 }
 
+TEST_F(KeeperTest, ConfirmsTwoGenerationsThatAreTheSameAndNoOthers) {
+  keeper->begin(with_number(1), named("a"));
+  for (const auto& [number, name] : {std::pair{2U, "b"}, {3U, "c"}, {4U, "b"}}) {
+    ASSERT_TRUE(keep(with_number(number, Mark::unconfirmed), name));
+  }
+  const auto mark_of = [this](std::uint64_t number) {
+    keeper->flush();
+    const auto all = keeper->generations().list();
+    const auto found = std::ranges::find(all, number, &Generation::number);
+    return found == all.end() ? std::string_view("gone") : to_string(found->mark);
+  };
+
+  keeper->confirm_same(2, 3);
+  keeper->confirm_same(2, 77);
+  EXPECT_EQ(mark_of(2), "unconfirmed");
+  EXPECT_EQ(mark_of(3), "unconfirmed");
+
+  keeper->confirm_same(2, 4);
+  EXPECT_EQ(mark_of(2), "confirmed");
+  EXPECT_EQ(mark_of(3), "unconfirmed");
+  EXPECT_EQ(mark_of(4), "confirmed");
+}
+
 }  // namespace
 }  // namespace mauve::daemon
