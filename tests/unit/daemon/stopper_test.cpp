@@ -96,5 +96,18 @@ TEST_F(StopperTest, KeepsComponentsParkedUntilControlHasDoneTheBooks) {
       test::eventually([&] { return deployer.status("left").state == ComponentState::running; }));
 }
 
+/// [stop] looks at all of them many times before it carries out the second one.
+TEST_F(StopperTest, TellsOnceOfEachStop) {
+  stopper.watch(order({"left"}));
+  ASSERT_TRUE(test::eventually([&] { return told == 1; }));
+
+  const auto later = std::make_shared<std::atomic<int>>(0);
+  stopper.watch(std::make_shared<StopOrder>(
+      Names{"right"}, [] { return true; }, [later](const DirectStop&) { ++*later; }));
+  ASSERT_TRUE(test::eventually([&] { return *later == 1; }));
+
+  EXPECT_EQ(told, 1);
+}
+
 }  // namespace
 }  // namespace mauve::daemon
