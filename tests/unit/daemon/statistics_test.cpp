@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "commands/table.h"
+#include "rt/measured.h"
 #include "support/ramp.h"
 #include "unit/daemon/front.h"
 
@@ -189,6 +190,25 @@ TEST_F(Statistics, EscapeLabelsOfMetrics) {
 
   EXPECT_THAT(result["text"].get<std::string>(),
               HasSubstr(R"(mauve_info{architecture="a \"b\" \\ c",)"));
+}
+
+/// Each of 1000 jobs is as long as one of four, which no bucket puts together.
+TEST_F(Statistics, TellHowLongTheLongestOfEachShareTook) {
+  static_cast<void>(told("stats.reset"));
+  auto& response = architecture.left.bundle()->measured->here().response;
+  for (const auto& [jobs, time] : {std::pair{600, 1ms}, {350, 2ms}, {45, 4ms}, {5, 8ms}}) {
+    for (int i = 0; i < jobs; ++i) response.add(Duration{time}.count());
+  }
+
+  const auto left = told("stats.get", {{"address", "left"}})["components"][0]["response"];
+
+  const auto near = [&](const char* key, double milliseconds) {
+    EXPECT_NEAR(left[key].get<double>(), milliseconds * 1e6, milliseconds * 0.04e6) << key;
+  };
+  near("p50_ns", 1);
+  near("p90_ns", 2);
+  near("p99_ns", 4);
+  near("p99_9_ns", 8);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "commands/audit.h"
 #include "commands/gate.h"
 #include "support/eventually.h"
+#include "support/ramp.h"
 #include "support/temp_dir.h"
 #include "unit/daemon/front.h"
 
@@ -343,6 +344,17 @@ TEST_F(TableTest, HasOneGateForEveryKindOfChange) {
         << to_string(one.lock) << " " << static_cast<int>(one.kind);
   }
   running.lock = Lock::none;
+}
+
+using RampTable = Front<ramp::Architecture>;
+
+TEST_F(RampTable, NamesThePortsThatAreConnectedToAResource) {
+  const auto users = [this](const char* resource) {
+    return std::get<Json>(ask(Role::viewer, "object.get", {{"address", resource}}))["users"];
+  };
+
+  EXPECT_EQ(users("position"), Json({"control.ports.out"}));
+  EXPECT_EQ(users("speed"), Json::array()) << "no port is connected to it";
 }
 
 }  // namespace
