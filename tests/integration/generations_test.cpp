@@ -28,6 +28,10 @@ TEST_F(Generations, AreListedWithWhoMadeThemAndWhy) {
   EXPECT_EQ(receipt["saved"], true) << receipt;
   EXPECT_EQ(history["state_dir"], state().string());
   ASSERT_EQ(history["items"].size(), 2U) << history;
+  for (const auto& item : history["items"]) {
+    EXPECT_THAT(item["time"].get<std::string>(),
+                testing::MatchesRegex("[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9:.]+Z"));
+  }
   EXPECT_EQ(history["items"][1]["command"], "start");
   const auto& last = history["items"][0];
   EXPECT_EQ(last["generation"], 2);
@@ -295,6 +299,16 @@ TEST_F(Generations, KnowThePluginsThatAreLoaded) {
   daemon.start();
 
   EXPECT_EQ(exported(daemon)["plugins"], Json({"trial"}));
+}
+
+TEST_F(Generations, AreNamedWhenThereIsNothingToUndo) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
+
+  const auto refused = daemon.ask("change.undo");
+
+  EXPECT_EQ(refused["data"]["name"], "wrong_state") << refused;
+  EXPECT_EQ(refused["data"]["hint"], "mauvectl rollback 1");
 }
 
 TEST_F(Generations, CannotBeRolledBackToWhenTheyAreNotKept) {
