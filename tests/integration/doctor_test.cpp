@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // mauvectl doctor, asked about a running mauved.
+#include "support/notify_socket.h"
 #include "trial_daemon.h"
 
 namespace mauve::test {
@@ -108,6 +109,16 @@ TEST(DoctorOfADaemon, IsAnsweredWithItsThreadsAndRights) {
   bool guard = false;
   for (const auto& thread : answer["threads"]) guard = guard || thread["name"] == "mauve-guard";
   EXPECT_TRUE(guard) << answer["threads"];
+}
+
+TEST(DoctorOfADaemon, IsToldWhetherItIsAService) {
+  {
+    const NotifySocket manager;
+    TrialDaemon service;
+    EXPECT_EQ(service.ask("daemon.doctor")["service"], true);
+  }
+  TrialDaemon daemon;
+  EXPECT_EQ(daemon.ask("daemon.doctor")["service"], false);
 }
 
 }  // namespace

@@ -341,5 +341,19 @@ TEST(Rules, ThatNeedACoreInQuarantineAreNamedByStatus) {
               HasSubstr("rule bad: does not work, because trial/throwing_job is in quarantine"));
 }
 
+TEST(Rules, SayWhenTheyFiredAndHowLongAgo) {
+  RulesDaemon daemon(
+      supervised(R"({ "name": "same", "when": "second.state == running", "do": "wake" })"));
+  ASSERT_TRUE(daemon.fired("same", 1)) << daemon.rule("same");
+
+  const auto before = daemon.ask("status.get")["t_ns"].get<std::int64_t>();
+  const auto row = daemon.rule("same");
+  const auto after = daemon.ask("status.get")["t_ns"].get<std::int64_t>();
+
+  const auto told = row["fired_ns"].get<std::int64_t>() + row["ago_ns"].get<std::int64_t>();
+  EXPECT_LE(before, told) << row;
+  EXPECT_LE(told, after) << row;
+}
+
 }  // namespace
 }  // namespace mauve::test

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // What the answer to a change tells besides: who does not run, what has another value now.
+#include "base/duration.h"
 #include "trial_daemon.h"
 
 namespace mauve::test {
@@ -46,6 +47,20 @@ TEST(Swap, SaysThatTheComponentDoesNotRun) {
   const auto stopped = daemon.ask("component.stop", {{"components", {"first"}}});
   EXPECT_FALSE(stopped.contains("standing")) << "it was asked for: " << stopped;
   EXPECT_EQ(daemon.ask("core.swap", swap_first("trial/steady"))["standing"][0]["state"], "stopped");
+}
+
+TEST(Value, OfAStatisticIsTheOneThatItsComponentShows) {
+  TrialDaemon daemon;
+  ASSERT_TRUE(eventually([&] { return daemon.value("first.core.count") > 10; }));
+  // Nothing changes them any more.
+  ASSERT_EQ(daemon.ask("component.stop", {{"components", {"first"}}})["state"], "applied");
+
+  const auto shown = daemon.ask("object.get", {{"address", "first"}})["counters"];
+
+  for (const std::string name : {"late", "lateness_max", "execution_max"}) {
+    const std::chrono::nanoseconds time(shown[name + "_ns"].get<std::int64_t>());
+    EXPECT_EQ(daemon.value("first." + name), format_duration(time)) << name << shown;
+  }
 }
 
 }  // namespace
