@@ -314,6 +314,8 @@ TEST(Change, IsGivenUpWhenItsDeadlinePassesBeforeItBegins) {
 
   EXPECT_EQ(error["data"]["name"], "timed_out") << error;
   EXPECT_EQ(daemon.component("first")["core"], "trial/steady");
+  const Json in_time = {{"values", {{"first.core.gain", 2.0}}}, {"deadline_ms", 60'000}};
+  EXPECT_EQ(daemon.ask("param.set", in_time)["state"], "applied");
 }
 
 TEST(Fault, StopsItsOwnComponentOnly) {
