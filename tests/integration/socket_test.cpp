@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "support/crowd.h"
 #include "trial_daemon.h"
 
 namespace mauve::test {
@@ -201,6 +202,23 @@ TEST(Watch, ShowsPropertiesAndObservablesWhenTheyChange) {
   }
 }
 
+TEST(Watch, TellsAValueAgainOnlyWhenItChanged) {
+  constexpr int kCounts = 10;
+  TrialDaemon daemon;
+  auto client = daemon.client();
+  const Json both = {{"addresses", {"first.core.gain", "first.core.count"}}};
+  ASSERT_TRUE(client.ask("watch.subscribe", both).contains("result"));
+
+  int gains = 0;
+  for (int counts = 0; counts < kCounts && gains < kCounts;) {
+    const auto message = client.notification("value");
+    ASSERT_FALSE(message.is_null());
+    ++(message["params"]["address"] == "first.core.count" ? counts : gains);
+  }
+
+  EXPECT_LE(gains, 1) << "each look that found a new count found the gain as it was";
+}
+
 TEST(Watch, EndsWhenItIsUnsubscribed) {
   TrialDaemon daemon;
   auto client = daemon.client();
@@ -254,6 +272,19 @@ TEST(Log, IsFollowed) {
   }
   EXPECT_THAT(record["text"].get<std::string>(), HasSubstr("component.stop"));
   EXPECT_EQ(record["fields"]["uid"], geteuid());
+}
+
+TEST(Socket, OfRootBelongsToTheGroupOfOperators) {
+  if (!Crowd::possible()) GTEST_SKIP() << "SKIPPED: needs root and the right to mount";
+  const TempDir place;
+  const Crowd crowd(place.path(), MAUVE_BIN_DIR "/mauved", "mauve:x:50999:\n");
+  TrialDaemon daemon(kTrial, {"--realtime", "off"}, crowd.program());
+  static_cast<void>(daemon.client());
+  struct stat status {};
+
+  ASSERT_EQ(stat(daemon.socket().c_str(), &status), 0);
+
+  EXPECT_EQ(status.st_gid, 50999U);
 }
 
 }  // namespace
