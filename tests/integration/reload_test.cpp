@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // Plugins that come, are rebuilt and go while the daemon runs.
+#include <algorithm>
+
 #include "trial_daemon.h"
 
 namespace mauve::test {
@@ -344,6 +346,28 @@ TEST(Unload, NamesTheUsersOfAPluginInUse) {
   const auto error = daemon.ask("plugin.unload", {{"plugin", "trial"}});
 
   EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("first.core"));
+}
+
+/// Its calls are few, so that they do not come to ten times those of the one before.
+TEST(HoldOfAResource, IsCountedAnewForOneThatTakesTheNameOfAnother) {
+  auto held = Json::parse(with_tally());
+  held["resources"]["tally"]["hold"] = "1ns";
+  TrialDaemon daemon(held.dump());
+  const auto counts = [&] {
+    std::vector<std::int64_t> all;
+    const auto tail = daemon.ask("log.tail", {{"n", 1000}});
+    for (const auto& record : tail["records"]) {
+      if (record["event"] == "hold_exceeded") all.push_back(record["fields"]["count"]);
+    }
+    return all;
+  };
+  ASSERT_TRUE(eventually([&] { return !counts().empty() && counts().back() >= 100; }));
+
+  ASSERT_EQ(daemon.ask("architecture.apply", {{"text", kTrial}})["state"], "applied");
+  held["components"]["first"]["properties"]["fsm.period"] = "100ms";
+  ASSERT_EQ(daemon.ask("architecture.apply", {{"text", held.dump()}})["state"], "applied");
+
+  EXPECT_TRUE(eventually([&] { return !std::ranges::is_sorted(counts()); }));
 }
 
 }  // namespace
