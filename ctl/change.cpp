@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -88,23 +89,43 @@ int run_set(Session& session) {
   return change(session, "param.set", std::move(params), "set " + listed(names));
 }
 
+/// The components that a start or a stop is about, each once; none: all of them.
+std::variant<std::vector<std::string>, Fault> names_or_all(const Session& session,
+                                                           const std::string& verb) {
+  std::vector<std::string> names;
+  for (auto& name : session.arguments.all("COMPONENT")) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+      names.push_back(std::move(name));
+    }
+  }
+  const bool all = session.arguments.has("--all");
+  if (all == names.empty()) return names;
+  return fault_of(protocol::kUsage,
+                  all ? "either names of components, or --all" : "no component named", {},
+                  "example: mauvectl " + verb + " control, or: mauvectl " + verb + " --all");
+}
+
 int run_start(Session& session) {
-  const auto names = session.arguments.all("COMPONENT");
-  Json params = {{"components", names}};
+  const auto names = names_or_all(session, "start");
+  if (const auto* fault = std::get_if<Fault>(&names)) return session.fail(*fault);
+  const auto& components = std::get<std::vector<std::string>>(names);
+  Json params = Json::object();
+  if (components.empty()) params["all"] = true;
+  if (!components.empty()) params["components"] = components;
   if (session.arguments.has("--reset")) params["reset"] = true;
-  return change(session, "component.start", std::move(params), "started " + listed(names));
+  const std::string done = components.empty() ? "everything" : listed(components);
+  return change(session, "component.start", std::move(params), "started " + done);
 }
 
 int run_stop(Session& session) {
-  const auto names = session.arguments.all("COMPONENT");
-  const bool all = session.arguments.has("--all");
-  if (all != names.empty()) {
-    return session.fail(fault_of(
-        protocol::kUsage, all ? "either names of components, or --all" : "no component named", {},
-        "example: mauvectl stop control, or: mauvectl stop --all"));
+  const auto names = names_or_all(session, "stop");
+  if (const auto* fault = std::get_if<Fault>(&names)) return session.fail(*fault);
+  const auto& components = std::get<std::vector<std::string>>(names);
+  if (components.empty()) {
+    return change(session, "component.stop", {{"all", true}}, "stopped everything");
   }
-  if (all) return change(session, "component.stop", {{"all", true}}, "stopped everything");
-  return change(session, "component.stop", {{"components", names}}, "stopped " + listed(names));
+  return change(session, "component.stop", {{"components", components}},
+                "stopped " + listed(components));
 }
 
 int run_swap_core(Session& session) {

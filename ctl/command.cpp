@@ -92,7 +92,8 @@ constexpr Argument kGraph[] = {
     maybe("-o,--output", "file for it; unsaid: standard output", Kind::file)};
 constexpr Argument kSet[] = {some("ADDRESS=VALUE", "JSON, or a bare text", Kind::assignment),
                              kState, kProbation, kMisses, kConfirmWithin};
-constexpr Argument kStart[] = {some("COMPONENT", "names of components", Kind::component),
+constexpr Argument kStart[] = {any("COMPONENT", "names of components", Kind::component),
+                               flag("--all", "every component that does not run"),
                                flag("--reset", "with a fresh core state")};
 constexpr Argument kStop[] = {any("COMPONENT", "names of components", Kind::component),
                               flag("--all", "every component, at once")};

@@ -6,32 +6,11 @@
 
 #include "commands/answer.h"
 #include "commands/change.h"
-#include "commands/model.h"
+#include "commands/named.h"
 
 namespace mauve::daemon {
 
 namespace {
-
-Result<std::vector<std::string>> wanted(const Running& running, const Call& call) {
-  auto names = texts(call.params, "components");
-  const bool all = flag(call.params, "all");
-  if (all == !names.empty()) {
-    return refuse(Errc::invalid_value, "components",
-                  all ? "names components and says all" : "names no component to stop",
-                  "either components or all");
-  }
-  if (all) {
-    for (const auto* component : running.architecture.components()) {
-      names.push_back(component->name());
-    }
-  }
-  for (const auto& name : names) {
-    if (const auto component = find_component(running, name); !component) {
-      return component.error();
-    }
-  }
-  return names;
-}
 
 /// [stop] What [control] is going to look at first: false when it will refuse the stop.
 bool applies(const Running& running, const Call& call) {
@@ -117,7 +96,7 @@ void watch_over_stop(Running& running, const CallPtr& call) {
   // What [stop] uses of the call nobody changes any more.
   const std::shared_ptr<const Call> asked = std::make_shared<Call>(*call);
   call->order = std::make_shared<StopOrder>(
-      texts(call->params, "components"), [&running, asked] { return applies(running, *asked); },
+      names_in(call->params, "components"), [&running, asked] { return applies(running, *asked); },
       [&running, asked](const DirectStop& done) { answer_directly(running, *asked, done); });
   running.stopper->watch(call->order);
 }
@@ -128,11 +107,15 @@ void stop(Running& running, const CallPtr& call, Ticket /*none: it waits for no 
   if (auto met = ordered ? ok() : check_conditions(running, *call); !met) {
     return answer(running, *call, met.error());
   }
-  const auto names = wanted(running, *call);
+  const auto names = components_meant(running, *call, "stop");
   if (!names) {
     return answer(running, *call, names.error());
   }
+  std::vector<std::string> stopped;
   for (const auto& name : *names) {
+    if (running.deployer.status(name).state == ComponentState::stopped) {
+      stopped.push_back(name);
+    }
     ++running.stops[name];
     auto& came = running.stops_came[name];
     came = std::max(came, call->received);
@@ -143,14 +126,18 @@ void stop(Running& running, const CallPtr& call, Ticket /*none: it waits for no 
   if (!stopping) {
     return answer(running, *call, stopping.error());
   }
-  when_answered(running, *std::move(stopping), [&running, call, over](Ongoing& done) {
+  when_answered(running, *std::move(stopping), [&running, call, over, stopped](Ongoing& done) {
     const auto receipt = done.result();
     if (!receipt) {
       return answer(running, *call, receipt.error(), "safe");
     }
     const auto ran =
         call->order != nullptr ? call->order->stopped_directly() : std::vector<std::string>();
-    answer(running, *call, ran.empty() ? to_json(*receipt) : directly(to_json(*receipt), ran));
+    auto result = ran.empty() ? to_json(*receipt) : directly(to_json(*receipt), ran);
+    if (ran.empty()) {
+      say_already(stopped, "stopped", result);
+    }
+    answer(running, *call, std::move(result));
   });
 }
 

@@ -27,7 +27,7 @@ constexpr Param kSet[] = {{"values", object, true},
                           {"probation", string},
                           {"misses", string},
                           {"confirm_within", string}};
-constexpr Param kStart[] = {{"components", strings, true}, {"reset", boolean}};
+constexpr Param kStart[] = {{"components", strings}, {"all", boolean}, {"reset", boolean}};
 constexpr Param kStop[] = {{"components", strings}, {"all", boolean}};
 constexpr Param kSwap[] = {
     {"component", string, true}, {"core", string, true}, {"set", object},

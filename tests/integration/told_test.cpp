@@ -28,6 +28,40 @@ TEST(Swap, SaysWhichPropertiesHaveTheDefaultsOfTheNewCore) {
   EXPECT_EQ(daemon.ask("core.swap", in_place)["defaults"][0]["before"], 4.0);
 }
 
+TEST(Start, OfWhatRunsAndStopOfWhatIsStoppedSayThatItIsSo) {
+  TrialDaemon daemon;
+
+  const auto runs = daemon.ask("component.start", {{"components", {"first"}}});
+  EXPECT_EQ(runs["changed"], false) << runs;
+  EXPECT_EQ(runs["already"], Json::array({"first"}));
+  EXPECT_EQ(runs["already_state"], "running");
+  ASSERT_EQ(daemon.ask("component.stop", {{"components", {"first"}}})["changed"], true);
+  const auto stopped = daemon.ask("component.stop", {{"components", {"first", "second"}}});
+  EXPECT_EQ(stopped["already"], Json::array({"first"})) << stopped;
+  EXPECT_EQ(stopped["already_state"], "stopped");
+}
+
+TEST(Start, TakesNamesAsASet) {
+  TrialDaemon daemon;
+
+  const Json twice = {{"components", {"first", "first"}}};
+  EXPECT_EQ(daemon.ask("component.stop", twice)["state"], "applied");
+  EXPECT_EQ(daemon.ask("component.start", twice)["state"], "applied");
+  EXPECT_EQ(daemon.component("first")["state"], "running");
+}
+
+TEST(Start, OfAllStartsWhatDoesNotRun) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("component.stop", {{"components", {"second"}}})["state"], "applied");
+
+  const auto started = daemon.ask("component.start", {{"all", true}});
+  EXPECT_EQ(started["components"].size(), 1U) << started;
+  EXPECT_EQ(started["components"][0]["name"], "second");
+  EXPECT_EQ(started["already"], Json::array({"first"}));
+  EXPECT_EQ(daemon.ask("component.start", {{"all", true}})["changed"], false);
+  EXPECT_EQ(daemon.ask("component.start", {{"all", true}, {"reset", true}})["changed"], false);
+}
+
 TEST(Swap, SaysThatTheComponentDoesNotRun) {
   TrialDaemon daemon;
   static_cast<void>(daemon.ask("core.swap", swap_first("trial/throwing_job", "off")));

@@ -33,6 +33,19 @@ TEST(RenderReceipt, SaysWhatTheNewCoreHasByDefault) {
             "  speed 0.6 -> 0.8 (default; --set speed=... keeps another)\n");
 }
 
+TEST(RenderReceipt, SaysForWhichComponentsNothingWasToDo) {
+  EXPECT_EQ(render_receipt("started laser, gnss", Json::parse(R"({"generation":2,"changed":true,
+    "already":["laser"],"already_state":"running"})"),
+                           {}),
+            "started laser, gnss (generation 2)\n"
+            "  laser: running already\n");
+  EXPECT_EQ(render_receipt("started laser", Json::parse(R"({"generation":2,"changed":false,
+    "already":["laser"],"already_state":"running"})"),
+                           {}),
+            "nothing to change (generation 2 still running)\n"
+            "  laser: running already\n");
+}
+
 TEST(RenderReceipt, SaysWhoDoesNotRun) {
   EXPECT_EQ(render_receipt("swapped control", Json::parse(R"({"generation":2,"changed":true,
     "standing":[{"name":"control","state":"faulted","hint":"mauvectl start control"}]})"),

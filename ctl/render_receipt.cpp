@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The answer to a change.
+#include <algorithm>
+#include <string>
+
+#include "render.h"
+#include "table.h"
+#include "words.h"
+
+namespace mauve::ctl {
+namespace {
+
+/// ", on probation for 3000 jobs or 10 s"
+std::string on_probation(const Json& receipt) {
+  const Json& probation = member(receipt, "probation");
+  if (!probation.is_object()) return {};
+  if (const double confirm = number(probation, "confirm_within_ns"); confirm > 0) {
+    return ", to be confirmed within " + nanoseconds_in_words(confirm);
+  }
+  const std::string jobs =
+      ", on probation for " + counted(whole_number(probation, "activations"), "job");
+  constexpr double kWholeDay = 86'400e9;  // in place of none
+  const double time = number(probation, "time_ns");
+  return time >= kWholeDay ? jobs : jobs + " or " + nanoseconds_in_words(time);
+}
+
+/// "  speed 0.6 -> 0.8 (default; --set speed=... keeps another)", one a line.
+std::string defaults(const Json& receipt, Look look) {
+  std::string text;
+  for (const Json& one : list_in(receipt, "defaults")) {
+    const std::string name = word(one, "name");
+    text += wrapped("  " + name + " " + word(one, "before") + " -> " + word(one, "after") +
+                        " (default; --set " + name + "=... keeps another)",
+                    look.width, 4) +
+            "\n";
+  }
+  return text;
+}
+
+/// "laser, gnss: running already".
+std::string already_so(const Json& receipt, Look look) {
+  std::string names;
+  for (const Json& name : list_in(receipt, "already")) join(names, harmless(compact(name)));
+  if (names.empty()) return {};
+  return wrapped("  " + names + ": " + word(receipt, "already_state") + " already", look.width, 4) +
+         "\n";
+}
+
+/// "control is faulted and does not run: mauvectl start control", one a line.
+std::string standing(const Json& receipt, Look look) {
+  std::string text;
+  for (const Json& one : list_in(receipt, "standing")) {
+    const std::string line =
+        word(one, "name") + " is " + word(one, "state") + " and does not run: " + word(one, "hint");
+    text += painted(wrapped(line, look.width, 2), Paint::yellow, look.colour) + "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string render_receipt(std::string_view done, const Json& receipt, Look look) {
+  const std::string generation = word(receipt, "generation");
+  const std::string already = already_so(receipt, look);
+  if (member(receipt, "changed") == false) {
+    return "nothing to change (generation " + generation + " still running)\n" + already;
+  }
+  const Json& components = member(receipt, "components");
+  std::string text(done);
+  const std::string state = word(receipt, "state");
+  if (state == "rolled_back") text += ", but it was rolled back";
+  if (state == "safe") text += " only partly, the robot is in its safe state";
+  double pause = 0;
+  std::uint64_t missed = 0;
+  std::uint64_t bytes = 0;
+  for (const Json& one : components) {
+    pause = std::max(pause, number(one, "pause_ns"));
+    missed += whole_number(one, "missed");
+    bytes += whole_number(one, "bytes");
+  }
+  if (!components.empty()) {
+    text += components.size() > 1 ? ": longest pause " : ": pause ";
+    text += nanoseconds_in_words(pause) + ", " + counted(missed, "release") + " missed";
+  }
+  if (bytes > 0) text += ", " + counted(bytes, "byte") + " of state kept";
+  const auto attempts = whole_number(receipt, "attempts");
+  if (attempts > 1) text += ", " + counted(attempts, "attempt");
+  text += " (generation " + generation + on_probation(receipt);
+  if (member(receipt, "saved") == false) text += ", applied but NOT saved";
+  text += ")";
+  if (const auto held = whole_number(receipt, "rules_held"); held > 0) {
+    text += ", " + counted(held, "rule") + (held == 1 ? " is held" : " are held");
+  }
+  text = wrapped(text, look.width, 2) + "\n";
+  text += already + defaults(receipt, look) + standing(receipt, look);
+  const Json& warnings = member(receipt, "warnings");
+  for (const Json& warning : warnings.is_array() ? warnings : Json::array()) {
+    const std::string line = "warning: " + harmless(compact(warning));
+    text += painted(wrapped(line, look.width, 2), Paint::yellow, look.colour) + "\n";
+  }
+  return text;
+}
+
+}  // namespace mauve::ctl

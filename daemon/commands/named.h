@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The components that a start or a stop is about, and what it says of those for which nothing was
+/// to do. [control]
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "commands/command.h"
+
+namespace mauve::daemon {
+
+/// The texts of this argument, each once, in the order in which they came.
+[[nodiscard]] std::vector<std::string> names_in(const Json& params, const char* name);
+
+/// Those that the request names, or all of them: refused when it does neither or both, or names one
+/// that is not there. `verb`: "start".
+[[nodiscard]] Result<std::vector<std::string>> components_meant(const Running& running,
+                                                                const Call& call,
+                                                                const std::string& verb);
+
+/// {"already": [...], "already_state": "running"}, unless there are none.
+void say_already(const std::vector<std::string>& names, const char* state, Json& result);
+
+}  // namespace mauve::daemon
