@@ -136,6 +136,7 @@ int run_swap_core(Session& session) {
   if (session.arguments.has("--set")) params["set"] = std::move(std::get<Json>(values));
   if (session.arguments.has("--budget")) params["budget"] = session.arguments.one("--budget");
   if (session.arguments.has("--in-place")) params["in_place"] = true;
+  if (session.arguments.has("--defaults")) params["defaults"] = true;
   add_options(session, params);
   return change(session, "core.swap", std::move(params), "swapped " + component);
 }

@@ -102,6 +102,7 @@ constexpr Argument kSwap[] = {
     one("CORE", "such as guidance/finite_time", Kind::core),
     any("--set", "KEY=VALUE of a property of the new core", Kind::none),
     maybe("--budget", "processor time that a job of it may use, such as 2ms", Kind::none),
+    flag("--defaults", "the new core begins with its own values, not with those in force"),
     flag("--in-place",
          "stop, swap, start: for hardware that one core only can hold; without probation"),
     kState,

@@ -37,6 +37,18 @@ std::string defaults(const Json& receipt, Look look) {
   return text;
 }
 
+/// "  bypass (true) is gone: the new core has no such property", one a line.
+std::string gone(const Json& receipt, Look look) {
+  std::string text;
+  for (const Json& one : list_in(receipt, "gone")) {
+    text += wrapped("  " + word(one, "name") + " (" + word(one, "before") +
+                        ") is gone: the new core has no such property",
+                    look.width, 4) +
+            "\n";
+  }
+  return text;
+}
+
 /// "laser, gnss: running already".
 std::string already_so(const Json& receipt, Look look) {
   std::string names;
@@ -92,7 +104,7 @@ std::string render_receipt(std::string_view done, const Json& receipt, Look look
     text += ", " + counted(held, "rule") + (held == 1 ? " is held" : " are held");
   }
   text = wrapped(text, look.width, 2) + "\n";
-  text += already + defaults(receipt, look) + standing(receipt, look);
+  text += already + defaults(receipt, look) + gone(receipt, look) + standing(receipt, look);
   const Json& warnings = member(receipt, "warnings");
   for (const Json& warning : warnings.is_array() ? warnings : Json::array()) {
     const std::string line = "warning: " + harmless(compact(warning));

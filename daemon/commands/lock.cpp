@@ -29,8 +29,9 @@ Kind kind_of(const Call& call) {
   if (method == "change.confirm" || method == "change.undo") {
     return Kind::ending;
   }
-  const bool sets = method == "param.set" || method == "config.rollback" ||
-                    (method == "core.swap" && call.params.contains("set"));
+  const bool sets =
+      method == "param.set" || method == "config.rollback" ||
+      (method == "core.swap" && (call.params.contains("set") || flag(call.params, "defaults")));
   return sets ? Kind::property : Kind::other;
 }
 

@@ -49,6 +49,7 @@ Result<Edit> edit_from(const Running& running, const Json& params) {
   auto edit = edit_of((*component)->name());
   edit.core = *std::move(core);
   edit.state = *policy;
+  edit.values = flag(params, "defaults") ? Values::defaults : Values::keep;
   edit.allows = path_rule(running.path_dirs);
   if (auto declared = declare_budget(**component, params, edit); !declared) {
     return declared.error();
@@ -66,11 +67,11 @@ Result<Edit> edit_from(const Running& running, const Json& params) {
   return edit;
 }
 
-/// A core of another type begins with its own defaults, whatever the file said for the old one:
-/// what became another value by that is told.
-class Defaults final : public Companion {
+/// What became of the properties of the core before: values that are others now, since the defaults
+/// of the new core were asked for, and properties that the new core does not have.
+class Properties final : public Companion {
  public:
-  Defaults(const Running& running, const ComponentBase& component, const Edit& edit)
+  Properties(const Running& running, const ComponentBase& component, const Edit& edit)
       : running_(running), component_(component.name()) {
     for (const auto* property : component.bundle()->core->properties()) {
       const std::string name(property->name());
@@ -84,9 +85,16 @@ class Defaults final : public Companion {
   void in_force(std::uint64_t /*generation*/) override {}
   void complete(Json& result) override {
     auto* component = running_.architecture.find_component(component_);
+    if (component == nullptr) {
+      return;
+    }
     auto differ = Json::array();
+    auto gone = Json::array();
     for (const auto& [name, before] : before_) {
-      const auto* now = component == nullptr ? nullptr : component->core().find_property(name);
+      const auto* now = component->core().find_property(name);
+      if (now == nullptr) {
+        gone.push_back({{"name", name}, {"before", arch::to_json(before)}});
+      }
       if (now != nullptr && !arch::same_value(before, now->value())) {
         differ.push_back({{"name", name},
                           {"before", arch::to_json(before)},
@@ -95,6 +103,9 @@ class Defaults final : public Companion {
     }
     if (!differ.empty()) {
       result["defaults"] = std::move(differ);
+    }
+    if (!gone.empty()) {
+      result["gone"] = std::move(gone);
     }
   }
 
@@ -129,12 +140,13 @@ void swap_core(Running& running, const CallPtr& call, Ticket ticket) {
   if (const auto sound = in_place ? no_probation(call->params) : ok(); !sound) {
     return answer(running, *call, sound.error());
   }
-  auto defaults = std::make_shared<Defaults>(
+  auto properties = std::make_shared<Properties>(
       running, *running.architecture.find_component(edit->component), *edit);
   if (in_place) {
-    return apply_in_place(running, call, std::move(ticket), *std::move(edit), std::move(defaults));
+    return apply_in_place(running, call, std::move(ticket), *std::move(edit),
+                          std::move(properties));
   }
-  apply(running, call, std::move(ticket), {{*std::move(edit)}}, std::move(defaults));
+  apply(running, call, std::move(ticket), {{*std::move(edit)}}, std::move(properties));
 }
 
 }  // namespace mauve::daemon

@@ -29,10 +29,10 @@ constexpr Param kSet[] = {{"values", object, true},
                           {"confirm_within", string}};
 constexpr Param kStart[] = {{"components", strings}, {"all", boolean}, {"reset", boolean}};
 constexpr Param kStop[] = {{"components", strings}, {"all", boolean}};
-constexpr Param kSwap[] = {
-    {"component", string, true}, {"core", string, true}, {"set", object},
-    {"budget", string},          {"in_place", boolean},  {"state", string},
-    {"probation", string},       {"misses", string},     {"confirm_within", string}};
+constexpr Param kSwap[] = {{"component", string, true}, {"core", string, true}, {"set", object},
+                           {"budget", string},          {"in_place", boolean},  {"state", string},
+                           {"defaults", boolean},       {"probation", string},  {"misses", string},
+                           {"confirm_within", string}};
 constexpr Param kConnect[] = {{"port", string, true}, {"service", string, true},
                               {"max_age", string},    {"probation", string},
                               {"misses", string},     {"confirm_within", string}};

@@ -172,6 +172,7 @@ class Differ {
     say("fsm", now.name() + ".fsm", before.fsm_type.name, after.fsm_type.name);
     const bool same_core = before.core_type.name == after.core_type.name;
     if (!same_core) edit.core = after.core_type;
+    edit.values = Values::defaults;  // what the file leaves out is a default
     if (before.fsm_type.name != after.fsm_type.name) edit.fsm = after.fsm_type;
     fallback(now, then, edit);
     properties_and_ports(now, then, same_core, edit);

@@ -76,6 +76,7 @@ class Merger {
     Edit& edit = edit_of(step);
     edit.core = *std::move(core);
     edit.state = step.fresh ? StatePolicy::drop : StatePolicy::keep;
+    edit.values = Values::fit;  // a reaction is not refused for a value
     return ok();
   }
 

@@ -24,6 +24,36 @@ Error no_property(const Configurable& element, std::string_view name) {
                 nearest.empty() ? "" : "did you mean " + element.address() + "." + nearest + "?");
 }
 
+/// May the value of a property of one core go on in another core?
+Status can_stay(const PropertyBase& old, const PropertyBase& same, const Edit& edit) {
+  const std::string defaults = "--defaults begins with the values of the new core";
+  const std::string hint = "--set " + std::string(same.name()) + "=... gives it one, " + defaults;
+  if (same.type().to_value == nullptr) {
+    return refuse(Errc::unsupported, same.address(),
+                  "is " + same.type().name +
+                      ", a type without a description, so its value cannot "
+                      "stay",
+                  defaults);
+  }
+  if (!same_type(same.type(), old.type())) {
+    return refuse(Errc::type_mismatch, same.address(),
+                  "is " + same.type().name + " in the new core and " + old.type().name +
+                      " in the one in force, so its value cannot stay",
+                  hint);
+  }
+  if (same.unit() != old.unit()) {
+    return refuse(Errc::type_mismatch, same.address(),
+                  "is in \"" + std::string(same.unit()) + "\" in the new core and in \"" +
+                      std::string(old.unit()) + "\" in the one in force, so its value cannot stay",
+                  hint);
+  }
+  Status fits = same.accepts(old.value());
+  if (fits && edit.allows && same.within() != old.within()) fits = edit.allows(same, old.value());
+  if (fits) return fits;
+  return refuse(fits.error().code, same.address(),
+                "has a value now that the new core does not take: " + fits.error().message, hint);
+}
+
 }  // namespace
 
 bool touches(const Edit& edit, std::string_view element) {
@@ -41,6 +71,24 @@ Status copy_properties(const Configurable& from, Configurable& into) {
                     "describe it: specialise mauve::Described");
     }
     if (Status done = same->set(old->value()); !done) return done;
+  }
+  return ok();
+}
+
+Status keep_values(const Configurable& from, const Edit& edit, Configurable& into) {
+  if (edit.values == Values::defaults) return ok();
+  for (const PropertyBase* old : from.properties()) {
+    PropertyBase* same = into.find_property(old->name());
+    const auto set_here = [&](const auto& property) {
+      return split(property.first) ==
+             std::pair<std::string_view, std::string_view>("core", old->name());
+    };
+    if (same == nullptr || std::any_of(edit.properties.begin(), edit.properties.end(), set_here)) {
+      continue;
+    }
+    const Status stays = can_stay(*old, *same, edit);
+    if (!stays && edit.values == Values::keep) return stays;
+    if (Status done = stays ? same->set(old->value()) : ok(); !done) return done;
   }
   return ok();
 }

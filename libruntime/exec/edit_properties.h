@@ -15,6 +15,8 @@ namespace mauve::exec {
 
 /// A remade element starts with the values of the one it replaces.
 Status copy_properties(const Configurable& from, Configurable& into);
+/// A core of another type: see Edit::values.
+Status keep_values(const Configurable& from, const Edit& edit, Configurable& into);
 
 /// Sets what the edit says of the element called `name`.
 Status set_properties(const Edit& edit, std::string_view name, Configurable& element);

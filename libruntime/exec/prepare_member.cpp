@@ -108,7 +108,9 @@ class MemberBuilder {
     if (done) done = make_element(at, next_->core_type.make, next_->core);
     if (done) done = prepare_hand_over(*base_.core, *next_->core, edit_.state);
     const bool same_type = !edit_.core || edit_.core->name == base_.core_type.name;
-    if (done && same_type) done = copy_properties(*base_.core, *next_->core);
+    const bool anew = edit_.core && edit_.values == Values::defaults;
+    if (done && same_type && !anew) done = copy_properties(*base_.core, *next_->core);
+    if (done && !same_type) done = keep_values(*base_.core, edit_, *next_->core);
     if (done) done = set_properties(edit_, "core", *next_->core);
     if (done) next_->core->bind(*next_->shell);
     return done;

@@ -72,6 +72,7 @@ std::optional<Edit> relief_of(const System& system, const std::string& component
     if (bundle.core_type.name == fallback->core.name) return std::nullopt;  // it is in force
     edit.core = fallback->core;
     edit.properties = fallback->properties;
+    edit.values = Values::defaults;
     return edit;
   }
   if (policy.action != Action::restart) return std::nullopt;

@@ -12,20 +12,35 @@ Json swap_first(const std::string& core, const std::string& probation = "3000") 
   return {{"component", "first"}, {"core", core}, {"probation", probation}};
 }
 
-TEST(Swap, SaysWhichPropertiesHaveTheDefaultsOfTheNewCore) {
+TEST(Swap, KeepsTheValuesInForceUnlessItIsToldToBeginWithDefaults) {
   TrialDaemon daemon;
   static_cast<void>(daemon.ask("param.set", {{"values", {{"first.core.gain", 3.0}}}}));
 
-  const auto other = daemon.ask("core.swap", swap_first("trial/other"));
-  EXPECT_EQ(other["defaults"], Json::array({{{"name", "gain"}, {"before", 3.0}, {"after", 1.0}}}))
-      << other;
-  auto keeps = swap_first("trial/steady");
-  keeps["set"] = {{"gain", 4.0}};
-  EXPECT_FALSE(daemon.ask("core.swap", keeps).contains("defaults")) << "it was said";
-  EXPECT_FALSE(daemon.ask("core.swap", swap_first("trial/steady")).contains("defaults"))
-      << "the same core keeps its values";
-  const Json in_place = {{"component", "first"}, {"core", "trial/other"}, {"in_place", true}};
+  const auto kept = daemon.ask("core.swap", swap_first("trial/other"));
+  EXPECT_FALSE(kept.contains("defaults")) << kept;
+  EXPECT_EQ(daemon.value("first.core.gain"), 3.0);
+  auto defaults = swap_first("trial/steady");
+  defaults["defaults"] = true;
+  const auto told = daemon.ask("core.swap", defaults);
+  EXPECT_EQ(told["defaults"], Json::array({{{"name", "gain"}, {"before", 3.0}, {"after", 1.0}}}))
+      << told;
+  defaults = swap_first("trial/other");
+  defaults["defaults"] = true;
+  defaults["set"] = {{"gain", 4.0}};
+  EXPECT_FALSE(daemon.ask("core.swap", defaults).contains("defaults")) << "it was said";
+  const Json in_place = {
+      {"component", "first"}, {"core", "trial/steady"}, {"in_place", true}, {"defaults", true}};
   EXPECT_EQ(daemon.ask("core.swap", in_place)["defaults"][0]["before"], 4.0);
+}
+
+TEST(Swap, WithDefaultsChangesValuesAndSoIsRefusedWhileParamsAreLocked) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("lock.set", {{"lock", "params"}})["lock"], "params");
+  auto defaults = swap_first("trial/other");
+  defaults["defaults"] = true;
+
+  EXPECT_EQ(daemon.ask("core.swap", defaults)["data"]["name"], "conflict");
+  EXPECT_EQ(daemon.ask("core.swap", swap_first("trial/other"))["state"], "applied");
 }
 
 TEST(Start, OfWhatRunsAndStopOfWhatIsStoppedSayThatItIsSo) {

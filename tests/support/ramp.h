@@ -73,7 +73,7 @@ class Down : public RampCore {
 /// Declares neither state nor statelessness.
 class Forgetful : public RampCore {
  public:
-  mauve::Property<double> step{*this, "step", 1.0, "added each job"};
+  mauve::Property<double> step{*this, "step", 1.0, "added each job", {.unit = "m"}};
   void update() override { shell().out.write(value_ += step); }
 
  private:

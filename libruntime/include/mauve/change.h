@@ -26,6 +26,15 @@ enum class StatePolicy : std::uint8_t {
   drop,  ///< the new core starts fresh
 };
 
+/// Where the properties of a core begin that replaces one of another type. Properties that the edit
+/// sets, or of which the other core has none of that name, are not asked.
+enum class Values : std::uint8_t {
+  keep,      ///< with the values in force; refused when one has another type or unit there, or is
+             ///< out of range
+  fit,       ///< with the values in force that fit; the others with their defaults
+  defaults,  ///< all with their defaults
+};
+
 /// When the members of a change go on.
 enum class Sync : std::uint8_t {
   /// Each at its own first release at or after the instant; nobody waits for anybody.
@@ -67,6 +76,7 @@ struct Edit {
   std::optional<Duration> hold = {};
   Mode mode = Mode::keep;
   StatePolicy state = StatePolicy::keep;
+  Values values = Values::keep;
   /// Asked for each of `properties` before the property gets its value and before any hook runs; a
   /// refusal refuses the change. None: every value that the property accepts. [factory]
   std::function<Status(const PropertyBase&, const Value&)> allows = {};
