@@ -39,6 +39,8 @@ struct Look {
 
 /// "swapped control: pause 38 ns, 0 releases missed (generation 42)".
 [[nodiscard]] std::string render_receipt(std::string_view done, const Json& receipt, Look look);
+/// States that nobody takes, one a line.
+[[nodiscard]] std::string dropped_states(const Json& receipt, Look look);
 [[nodiscard]] std::string render_quarantine(const Json& list, Look look);
 
 /// "loaded extra (generation 43)", with what became of the old code, and warnings.

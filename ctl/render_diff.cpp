@@ -89,8 +89,9 @@ std::string render_plan(std::string_view file, const Json& result, Look look) {
   }
   std::string text = "everything is prepared and would be applied";
   if (!members.empty()) text += "; at the same instant: " + members;
-  return lines + at_barrier(result, true, look) + wrapped(text, look.width, 2) +
-         "\nnothing was changed (generation " + word(result, "generation") + " still running)\n";
+  return lines + at_barrier(result, true, look) + wrapped(text, look.width, 2) + "\n" +
+         dropped_states(result, look) + "nothing was changed (generation " +
+         word(result, "generation") + " still running)\n";
 }
 
 }  // namespace mauve::ctl

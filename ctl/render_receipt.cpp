@@ -49,6 +49,20 @@ std::string gone(const Json& receipt, Look look) {
   return text;
 }
 
+/// "  control: its state pi_state/2 (24 bytes) is dropped", one a line.
+std::string dropped(const Json& receipt, Look look) {
+  std::string text;
+  for (const Json& one : list_in(receipt, "components")) {
+    const std::string state = word(one, "dropped");
+    if (state.empty()) continue;
+    text += wrapped("  " + word(one, "name") + ": its state " + state + " (" +
+                        counted(whole_number(one, "dropped_bytes"), "byte") + ") is dropped",
+                    look.width, 4) +
+            "\n";
+  }
+  return text;
+}
+
 /// "laser, gnss: running already".
 std::string already_so(const Json& receipt, Look look) {
   std::string names;
@@ -70,6 +84,8 @@ std::string standing(const Json& receipt, Look look) {
 }
 
 }  // namespace
+
+std::string dropped_states(const Json& receipt, Look look) { return dropped(receipt, look); }
 
 std::string render_receipt(std::string_view done, const Json& receipt, Look look) {
   const std::string generation = word(receipt, "generation");
@@ -104,7 +120,8 @@ std::string render_receipt(std::string_view done, const Json& receipt, Look look
     text += ", " + counted(held, "rule") + (held == 1 ? " is held" : " are held");
   }
   text = wrapped(text, look.width, 2) + "\n";
-  text += already + defaults(receipt, look) + gone(receipt, look) + standing(receipt, look);
+  text += already + defaults(receipt, look) + gone(receipt, look) + dropped(receipt, look) +
+          standing(receipt, look);
   const Json& warnings = member(receipt, "warnings");
   for (const Json& warning : warnings.is_array() ? warnings : Json::array()) {
     const std::string line = "warning: " + harmless(compact(warning));

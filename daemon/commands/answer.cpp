@@ -157,10 +157,15 @@ Status check_conditions(const Running& running, const Call& call) {
 Json to_json(const Receipt& receipt) {
   Json members = Json::array();
   for (const auto& member : receipt.components) {
-    members.push_back({{"name", member.name},
-                       {"pause_ns", member.pause.count()},
-                       {"missed", member.missed},
-                       {"bytes", member.bytes}});
+    Json row = {{"name", member.name},
+                {"pause_ns", member.pause.count()},
+                {"missed", member.missed},
+                {"bytes", member.bytes}};
+    if (!member.dropped.empty()) {
+      row["dropped"] = member.dropped;
+      row["dropped_bytes"] = member.dropped_bytes;
+    }
+    members.push_back(std::move(row));
   }
   Json result = {
       {"generation", receipt.generation},  {"changed", receipt.state != ChangeState::unchanged},

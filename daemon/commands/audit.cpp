@@ -56,12 +56,16 @@ Line begin(const Call& call) {
   return line;
 }
 
-/// What a receipt is about, in words.
+/// What a receipt is about, in words: "control (its state pi/2, 24 bytes, is dropped), laser".
 std::string detail_of(const Json& result) {
   if (result.contains("components")) {
     std::string names;
     for (const auto& member : result["components"]) {
       names += (names.empty() ? "" : ", ") + member["name"].get<std::string>();
+      if (member.contains("dropped")) {
+        names += " (its state " + member["dropped"].get<std::string>() + ", " +
+                 member["dropped_bytes"].dump() + " bytes, is dropped)";
+      }
     }
     return names;
   }
@@ -75,7 +79,9 @@ Json audit_applied(Running& running, const Call& call, const Json& result) {
   line.add("generation", number(running.deployer.generation()));
   line.add("state", text_or(result, "state", "applied"));
   line.json["outcome"] = "applied";
-  line.fields.push_back({"detail", detail_of(result)});
+  auto detail = detail_of(result);
+  line.json["detail"] = bounded(detail);
+  line.fields.push_back({"detail", std::move(detail)});
   running.log.write(Event::change_applied, std::move(line.fields));
   return std::move(line.json);
 }

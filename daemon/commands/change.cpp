@@ -11,7 +11,6 @@
 #include "commands/unproven.h"
 #include "exec/prepared.h"
 #include "model/elements.h"
-#include "model/hand_over.h"
 
 namespace mauve::daemon {
 
@@ -140,41 +139,9 @@ void put_in_force(Running& running, const CallPtr& call, JourneyPtr journey, Tic
                 });
 }
 
-/// What a member would hand over to its new core.
-std::size_t kept_bytes(const exec::PreparedMember& member) {
-  if (member.next->core == member.base->core) {
-    return 0;
-  }
-  const auto plan = plan_hand_over(*member.base->core, *member.next->core, member.state);
-  return plan ? plan->bytes : 0;
-}
-
-/// What those that would wait at a barrier may lose.
-void add_waits(const exec::PreparedBarrier& barrier, Receipt& receipt) {
-  for (const auto& wait : barrier.waits) {
-    const auto row = std::find_if(receipt.components.begin(), receipt.components.end(),
-                                  [&](const auto& one) { return one.name == wait.component; });
-    if (row != receipt.components.end()) {
-      row->missed = wait.releases;
-    } else {
-      receipt.components.push_back({wait.component, Duration{0}, wait.releases, 0});
-    }
-  }
-}
-
 /// [control] The end of a dry run: what was prepared is told and dropped.
 void tell(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
-  Receipt receipt;
-  receipt.generation = running.generation;
-  for (const auto& member : (*journey->prepared)->content().members) {
-    receipt.components.push_back({member.component->name(), Duration{0}, 0, kept_bytes(member)});
-  }
-  const auto& content = (*journey->prepared)->content();
-  if (content.barrier) {
-    add_waits(*content.barrier, receipt);
-  }
-  receipt.warnings = content.warnings;
-  auto result = to_json(receipt);
+  auto result = to_json(running.deployer.foresee(**journey->prepared));
   say_sync(journey->prepared, result);
   journey->companion->complete(result);
   answer(running, *call, std::move(result));

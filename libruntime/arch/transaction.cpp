@@ -75,7 +75,7 @@ class Merger {
     if (!core) return core.error();
     Edit& edit = edit_of(step);
     edit.core = *std::move(core);
-    edit.state = step.fresh ? StatePolicy::drop : StatePolicy::keep;
+    edit.state = step.fresh ? StatePolicy::drop : StatePolicy::offer;
     edit.values = Values::fit;  // a reaction is not refused for a value
     return ok();
   }

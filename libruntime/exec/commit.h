@@ -112,6 +112,9 @@ std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change,
 /// The components that take part, in a trace.
 void tell_members(System& system, const PreparedChange::Content& content, std::uint64_t number);
 [[nodiscard]] Error being_rolled_back(std::uint64_t generation);
+/// Of states that no core took, in the receipt of a member.
+void say_dropped(const CoreBase& from, const CoreBase& into, StatePolicy policy,
+                 MemberReceipt& row);
 /// Makes what a committed bundle says of the thread true: priority and CPUs. [control]
 void schedule(System& system, Deployed& deployed);
 /// The elements of `old` that `now` does not use, in the order of dependency.

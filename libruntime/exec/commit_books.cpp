@@ -30,6 +30,14 @@ void schedule(System& system, Deployed& deployed) {
   deployed.realtime = system.realtime && system.runner->is_fifo(*deployed.task, task.priority);
 }
 
+void say_dropped(const CoreBase& from, const CoreBase& into, StatePolicy policy,
+                 MemberReceipt& row) {
+  for (const DataType* dropped : dropped_states(from, into, policy)) {
+    row.dropped += (row.dropped.empty() ? "" : " and ") + dropped->name;
+    row.dropped_bytes += dropped->size;
+  }
+}
+
 /// The member's thread has answered: what it runs is what the model shows.
 void Commit::enter(std::size_t index) {
   const Member& settled = swap_->members()[index];
@@ -59,8 +67,10 @@ void Commit::enter(std::size_t index) {
   }
   member.made.forget();
   const std::uint64_t missed = deployed_[index]->task->counters().missed.load();
-  receipt_.components.push_back(
-      {member.component->name(), settled.pause, missed - missed_before_[index], settled.bytes});
+  MemberReceipt row{member.component->name(), settled.pause, missed - missed_before_[index],
+                    settled.bytes};
+  say_dropped(*member.base->core, *member.next->core, member.state, row);
+  receipt_.components.push_back(std::move(row));
 }
 
 void Commit::enter_resources() {
@@ -73,7 +83,11 @@ void Commit::enter_resources() {
     if (change.hold) change.resource->gate().declare_hold(*change.hold);
     if (change.parts.core != nullptr) retired.add(change.base.core);
     change.made.forget();
-    receipt_.components.push_back({change.resource->name(), flip.pause(), 0, flip.bytes()});
+    MemberReceipt row{change.resource->name(), flip.pause(), 0, flip.bytes()};
+    if (change.parts.core != nullptr) {
+      say_dropped(*change.base.core, *change.parts.core, change.state, row);
+    }
+    receipt_.components.push_back(std::move(row));
   }
 }
 

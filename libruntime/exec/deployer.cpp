@@ -4,6 +4,7 @@
 #include "exec/admission.h"
 #include "exec/commit.h"
 #include "exec/direct_stop.h"
+#include "exec/foresee.h"
 #include "exec/relief.h"
 #include "exec/statistics.h"
 #include "exec/stop.h"
@@ -126,6 +127,10 @@ Result<PreparedChange> Deployer::prepare(const Change& change) {
     exec::tell_control(*system_, TraceKind::prepare, prepared->content().what, 0, 0);
   }
   return prepared;
+}
+
+Receipt Deployer::foresee(PreparedChange& change) const {
+  return exec::foresee(*system_, change.content());
 }
 
 std::shared_ptr<Ongoing> Deployer::begin(PreparedChange& change) {

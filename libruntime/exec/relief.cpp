@@ -73,6 +73,7 @@ std::optional<Edit> relief_of(const System& system, const std::string& component
     edit.core = fallback->core;
     edit.properties = fallback->properties;
     edit.values = Values::defaults;
+    edit.state = StatePolicy::offer;
     return edit;
   }
   if (policy.action != Action::restart) return std::nullopt;

@@ -32,6 +32,12 @@ Error lost(const CoreBase& into, const Capsule& from, const Capsule* found, cons
                 drop + "a mauve::Converts in the new core");
 }
 
+Error left_behind(const CoreBase& into, const Capsule& from) {
+  return refuse(Errc::type_mismatch, into.address(),
+                "takes no state, so " + shown(from.type()) + " of the core in force would be lost",
+                "say --state drop when that is meant");
+}
+
 Status share(const SlowStateBase& from, SlowStateBase& into, const std::string& address) {
   if (into.fits(from)) {
     into.share(from);
@@ -46,12 +52,18 @@ bool takes(const Capsule* into, const Capsule& from) {
   return into != nullptr && (into->fits(from) || into->converter_from(from.type()) != nullptr);
 }
 
-Status hand_over_slow(const CoreBase& from, const CoreBase& into) {
+/// A core that says that it needs no state may leave one that is only offered.
+bool may_leave(const CoreBase& into, StatePolicy policy) {
+  return policy == StatePolicy::offer && into.stateless();
+}
+
+Status hand_over_slow(const CoreBase& from, const CoreBase& into, StatePolicy policy) {
   if (from.slow_state() == nullptr) return ok();
   const SlowStateBase& old = *from.slow_state();
   SlowStateBase* const place = into.slow_state();
   if (takes(place, old)) return share(old, *place, into.address());
-  if (place == nullptr && into.stateless()) return ok();
+  if (place == nullptr && may_leave(into, policy)) return ok();
+  if (place == nullptr && into.stateless()) return left_behind(into, old);
   return lost(into, old, place, "mauve::SlowState");
 }
 
@@ -86,7 +98,8 @@ Result<HandOver> plan_hand_over(const CoreBase& from, const CoreBase& into, Stat
   StateBase* const old = from.state();
   StateBase* const place = into.state();
   if (&from == &into || policy == StatePolicy::drop || old == nullptr) return HandOver{};
-  if (place == nullptr && into.stateless()) return HandOver{};
+  if (place == nullptr && may_leave(into, policy)) return HandOver{};
+  if (place == nullptr && into.stateless()) return left_behind(into, *old);
   if (!takes(place, *old)) return lost(into, *old, place, "mauve::State");
   const ConvertsBase* const convert =
       place->fits(*old) ? nullptr : place->converter_from(old->type());
@@ -96,7 +109,20 @@ Result<HandOver> plan_hand_over(const CoreBase& from, const CoreBase& into, Stat
 Status prepare_hand_over(const CoreBase& from, const CoreBase& into, StatePolicy policy) {
   if (policy == StatePolicy::drop) return ok();
   if (const auto plan = plan_hand_over(from, into, policy); !plan) return plan.error();
-  return hand_over_slow(from, into);
+  return hand_over_slow(from, into, policy);
+}
+
+std::vector<const DataType*> dropped_states(const CoreBase& from, const CoreBase& into,
+                                            StatePolicy policy) {
+  std::vector<const DataType*> dropped;
+  const auto look = [&](const Capsule* old, const Capsule* place) {
+    const bool taken = policy != StatePolicy::drop && old != nullptr && takes(place, *old);
+    if (old != nullptr && !taken) dropped.push_back(&old->type());
+  };
+  if (&from == &into) return dropped;
+  look(from.state(), into.state());
+  look(from.slow_state(), into.slow_state());
+  return dropped;
 }
 
 Status check_whole(const ResourceBase& from, StatePolicy policy) {

@@ -4,7 +4,8 @@
 ///
 ///   the new core's state has the same name, revision and layout    moved: the objects change owner
 ///   it has a converter from the old type                           converted at the boundary
-///   the new core is stateless, or the state is to be dropped       nothing
+///   the state is to be dropped, or only offered to a core that
+///   is stateless                                                    nothing
 ///   anything else                                                  refused before anything happens
 /// A poisoned resource hands nothing over: what it holds may be half written.
 #pragma once
@@ -44,6 +45,10 @@ struct HandOver {
 /// and asks whether there is a plan for the other. Errors: type_mismatch, hook_threw. [factory]
 [[nodiscard]] Status prepare_hand_over(const CoreBase& from, const CoreBase& into,
                                        StatePolicy policy);
+
+/// The types of the states that no core takes in such a change.
+[[nodiscard]] std::vector<const DataType*> dropped_states(const CoreBase& from,
+                                                          const CoreBase& into, StatePolicy policy);
 
 /// Before either: an error when `from` is poisoned and its state is not to be dropped. [any]
 [[nodiscard]] Status check_whole(const ResourceBase& from, StatePolicy policy);

@@ -33,6 +33,22 @@ TEST(Swap, KeepsTheValuesInForceUnlessItIsToldToBeginWithDefaults) {
   EXPECT_EQ(daemon.ask("core.swap", in_place)["defaults"][0]["before"], 4.0);
 }
 
+TEST(Swap, SaysWhichStateItDropsInItsAnswerAndInTheLog) {
+  TrialDaemon daemon;
+  auto drop = swap_first("trial/other");
+  drop["state"] = "drop";
+
+  const auto told = daemon.ask("core.swap", drop);
+  const std::string state = told["components"][0]["dropped"];
+  EXPECT_FALSE(state.empty()) << told;
+  EXPECT_GT(told["components"][0]["dropped_bytes"], 0);
+  EXPECT_TRUE(eventually([&] {
+    return daemon.errors().find("first (its state " + state + ", ") != std::string::npos;
+  })) << daemon.errors();
+  EXPECT_FALSE(
+      daemon.ask("core.swap", swap_first("trial/steady"))["components"][0].contains("dropped"));
+}
+
 TEST(Swap, WithDefaultsChangesValuesAndSoIsRefusedWhileParamsAreLocked) {
   TrialDaemon daemon;
   ASSERT_EQ(daemon.ask("lock.set", {{"lock", "params"}})["lock"], "params");

@@ -22,8 +22,9 @@ class ResourceBase;
 
 /// What happens to the state of a core that is replaced.
 enum class StatePolicy : std::uint8_t {
-  keep,  ///< hand it over; refused when the new core can neither take nor convert it
-  drop,  ///< the new core starts fresh
+  keep,   ///< hand it over; refused when the new core can neither take nor convert it
+  offer,  ///< the same, but a core that is `Stateless` may leave it: of reactions to a fault
+  drop,   ///< the new core starts fresh
 };
 
 /// Where the properties of a core begin that replaces one of another type. Properties that the edit
@@ -136,6 +137,9 @@ struct MemberReceipt {
   Duration pause{0};         ///< measured on its thread: its next job begins at most so much later
   std::uint64_t missed = 0;  ///< releases lost between the instant and its first job after it
   std::size_t bytes = 0;     ///< size of the state handed over
+  /// The types of the states that were dropped, "a and b", and the size of their objects.
+  std::string dropped = {};
+  std::size_t dropped_bytes = 0;
 };
 
 enum class ChangeState : std::uint8_t { unchanged, applied, rolled_back, safe };

@@ -100,6 +100,9 @@ class Deployer {
   /// Step 1 of a change: checks everything, makes, configures and warms the new elements beside
   /// the running system. Runs user code. [factory] or [control]; an error changes nothing.
   Result<PreparedChange> prepare(const Change& change);
+  /// Between the two: the receipt that the change would get now, without times. Its generation is
+  /// the one in force.
+  Receipt foresee(PreparedChange& change) const;
   /// Step 2: takes effect at one instant on all components, within about one job of each.
   [[nodiscard]] std::shared_ptr<Ongoing> begin(PreparedChange& change);
   /// Waits for the answer, at most some seconds.

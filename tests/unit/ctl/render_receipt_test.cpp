@@ -33,6 +33,17 @@ TEST(RenderReceipt, SaysWhatTheNewCoreHasByDefault) {
             "  speed 0.6 -> 0.8 (default; --set speed=... keeps another)\n");
 }
 
+TEST(RenderReceipt, SaysWhichPropertiesAndStatesAreGone) {
+  EXPECT_EQ(render_receipt("swapped control", Json::parse(R"({"generation":2,"changed":true,
+    "components":[{"name":"control","pause_ns":38,"missed":0,"bytes":0,
+                   "dropped":"pi_state/2","dropped_bytes":24}],
+    "gone":[{"name":"bypass","before":true}]})"),
+                           {}),
+            "swapped control: pause 38 ns, 0 releases missed (generation 2)\n"
+            "  bypass (true) is gone: the new core has no such property\n"
+            "  control: its state pi_state/2 (24 bytes) is dropped\n");
+}
+
 TEST(RenderReceipt, SaysForWhichComponentsNothingWasToDo) {
   EXPECT_EQ(render_receipt("started laser, gnss", Json::parse(R"({"generation":2,"changed":true,
     "already":["laser"],"already_state":"running"})"),

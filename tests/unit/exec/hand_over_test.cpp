@@ -99,17 +99,22 @@ TEST_F(HandOver, RefusesACoreThatSaysNothingOfItsState) {
             "the new core");
 }
 
-TEST_F(HandOver, LetsACoreThatSaysItIsStatelessHaveNone) {
+TEST_F(HandOver, DropsAStateForACoreThatSaysItIsStatelessOnlyWhenTold) {
   struct Plain : ramp::RampCore {
     Stateless stateless{*this};
     void update() override { shell().out.write(5.0); }
   };
 
-  const Result<Receipt> done = swap<Plain>();
+  const Result<Receipt> refused = swap<Plain>();
+  const Result<Receipt> done = swap<Plain>(StatePolicy::drop);
   deployer.run_for(10ms);
 
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::type_mismatch);
   ASSERT_TRUE(done) << to_string(done.error());
   EXPECT_EQ(done->components[0].bytes, 0u);
+  EXPECT_EQ(done->components[0].dropped, "ramp_position/1");
+  EXPECT_EQ(done->components[0].dropped_bytes, 16u);
   EXPECT_EQ(position(), 5.0);
   EXPECT_TRUE(swap<ramp::First>()) << "and what comes after it starts fresh";
 }

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What a prepared change would do, for those who want to know before it takes effect.
+#pragma once
+
+#include "exec/prepared.h"
+#include "exec/system.h"
+
+namespace mauve::exec {
+
+/// The receipt that the change would get now, without times. [control]
+[[nodiscard]] Receipt foresee(const System& system, const PreparedChange::Content& content);
+
+}  // namespace mauve::exec
