@@ -122,6 +122,10 @@ std::string render_receipt(std::string_view done, const Json& receipt, Look look
   text = wrapped(text, look.width, 2) + "\n";
   text += already + defaults(receipt, look) + gone(receipt, look) + dropped(receipt, look) +
           standing(receipt, look);
+  const Json& notes = member(receipt, "notes");
+  for (const Json& note : notes.is_array() ? notes : Json::array()) {
+    text += wrapped("note: " + harmless(compact(note)), look.width, 2) + "\n";
+  }
   const Json& warnings = member(receipt, "warnings");
   for (const Json& warning : warnings.is_array() ? warnings : Json::array()) {
     const std::string line = "warning: " + harmless(compact(warning));

@@ -152,7 +152,7 @@ void Caretaker::tell_of_scheduling() {
 
 void Caretaker::tell(const Outcome& outcome) {
   if (outcome.kind == Outcome::Kind::rolled_back) {
-    running_->supervisor.take_back(outcome.began);  // before the generation is saved
+    running_->supervisor.take_back(outcome.changes);  // before the generation is saved
   }
   running_->log.write(event_of(outcome), {{"component", outcome.component},
                                           {"generation", to_signed(outcome.generation)},
@@ -180,8 +180,10 @@ void Caretaker::save(const Outcome& outcome) {
     return;  // it proved nothing; the newer one will
   }
   if (outcome.kind == Outcome::Kind::passed) {
-    keeper.mark(began, Mark::confirmed);
-    return keeper.mark(outcome.generation, Mark::confirmed);
+    for (const auto generation : proofs_.passed(outcome)) {
+      keeper.mark(generation, Mark::confirmed);
+    }
+    return;
   }
   const StandStill still(*running_);
   Generation about;
@@ -209,10 +211,13 @@ void Caretaker::save(const Outcome& outcome) {
     relieved_ = now;
     return;
   }
-  if (relieved_ < began) {
+  proofs_.rolled_back(outcome);
+  if (relieved_ < began && outcome.oldest_open == 0) {
     keeper.confirm_like(now, began - 1);  // what nobody relieved is what it was before
   }
-  keeper.mark(began, Mark::rolled_back);
+  for (const auto generation : outcome.changes) {
+    keeper.mark(generation, Mark::rolled_back);
+  }
 }
 
 bool Caretaker::refused_before(const Change& relief) const {

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "commands/command.h"
+#include "proofs.h"
 
 namespace mauve::daemon {
 
@@ -45,6 +46,7 @@ class Caretaker {
   bool stopping_ = false;
   std::atomic<bool> looking_{false};  ///< a look is queued or under way
   bool making_ = false;               ///< [control] reliefs are being made
+  Proofs proofs_;                     ///< [control]
   std::uint64_t relieved_ = 0;        ///< [control] the last generation that a relief made
   /// [control] The generation in which the relief of a component was refused: it is tried again in
   /// the next one, but never what hung.

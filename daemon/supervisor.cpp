@@ -57,8 +57,9 @@ void Supervisor::adopt(rules::Supervision supervision, std::uint64_t generation)
   }
 }
 
-void Supervisor::take_back(std::uint64_t generation) {
-  if (generation != 0 && generation == adopted_in_) {
+/// At most one change on probation brings rules: another one ends the probation of the first.
+void Supervisor::take_back(const std::vector<std::uint64_t>& generations) {
+  if (adopted_in_ != 0 && std::ranges::find(generations, adopted_in_) != generations.end()) {
     adopt(std::move(before_));
   }
 }

@@ -10,6 +10,7 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "commands/command.h"
 #include "rules/engine.h"
@@ -29,9 +30,9 @@ class Supervisor {
   /// What the file says. Rules begin anew, armed. `generation`: of the change that brings it.
   /// [main] before start(), then [control]
   void adopt(rules::Supervision supervision, std::uint64_t generation = 0);
-  /// The change that made this generation was rolled back: what it replaced is in force again, if
-  /// it replaced anything, with its rules armed. [control]
-  void take_back(std::uint64_t generation);
+  /// The changes that made these generations were rolled back: what they replaced is in force
+  /// again, if they replaced anything, with its rules armed. [control]
+  void take_back(const std::vector<std::uint64_t>& generations);
   /// Begins to look, as soon as [control] runs. [main]
   void start(Running& running);
   /// [main], before [control] ends.

@@ -174,6 +174,9 @@ Json to_json(const Receipt& receipt) {
   if (!receipt.warnings.empty()) {
     result["warnings"] = receipt.warnings;
   }
+  if (!receipt.notes.empty()) {
+    result["notes"] = receipt.notes;
+  }
   return result;
 }
 

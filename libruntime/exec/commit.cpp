@@ -41,7 +41,7 @@ Commit::Commit(System& system, Content content, Swap::Kind kind, Duration longes
     : system_(system), departed_(system.departed), content_(std::move(content)), kind_(kind) {
   Status sound = check(kind);
   if (sound) sound = let_in_new();
-  if (sound && barrier_ != nullptr) sound = end_probation_before();
+  if (sound && barrier_ != nullptr) sound = end_probations_before();
   if (!sound) {
     refuse_all(std::move(sound.error()));
     return;
@@ -62,6 +62,7 @@ Commit::Commit(System& system, Content content, Swap::Kind kind, Duration longes
 /// Nothing has happened, and nothing will.
 void Commit::refuse_all(Error error) {
   let_go_new();
+  heritage_.let_go();
   result_ = std::move(error);
   over_ = true;
   content_.reset();
@@ -91,31 +92,53 @@ Status Commit::check(Swap::Kind kind) {
     barrier_ = std::make_unique<Barrier>(system_);
     if (Status ready = barrier_->check(*content_); !ready) return ready;
   }
-  return check_probation(kind);
+  return check_probations(kind);
 }
 
-Status Commit::check_probation(Swap::Kind kind) {
-  if (kind == Swap::Kind::order || system_.probation == nullptr) return ok();
-  OnProbation& before = *system_.probation;
-  if (before.awaits_confirmation()) {
-    return refuse(Errc::conflict, "generation " + std::to_string(system_.generation),
-                  "waits to be confirmed, so nothing else is changed meanwhile",
-                  "confirm it, or undo it");
+Status Commit::check_probations(Swap::Kind kind) {
+  if (kind == Swap::Kind::order) return ok();
+  receipt_.notes = notes_of(system_, *content_);
+  for (const auto& one : system_.probations) {
+    if (one->told() || !concerns(system_, *content_, one->content())) continue;
+    if (one->awaits_confirmation()) {
+      return refuse(Errc::conflict, "generation " + std::to_string(one->changes().back()),
+                    "waits to be confirmed, so nothing of it is changed meanwhile",
+                    "confirm it, or undo it");
+    }
+    if (one->way_back()->leads_back()) return being_rolled_back(one->changes().back());
+    if (changes_modes_only(*content_)) continue;
+    before_.push_back(one->way_back());
+    if (!can_join(*content_, one->content())) continue;
+    heritage_.add(*one);
+    if (Status there = follow(*one); !there) return there;
   }
-  if (before.way_back()->leads_back()) return being_rolled_back(system_.generation);
-  before_ = before.way_back();
   return ok();
 }
 
-/// Who waits at a barrier does not go back: there the probation of the change before ends when the
-/// members are called.
-Status Commit::end_probation_before() {
-  if (before_ == nullptr) return ok();
-  before_.reset();
-  if (!system_.probation->pass("a newer change", Outcome::Kind::overtaken)) {
-    return being_rolled_back(system_.generation);
+/// What the change before changed, and this one does not, goes back with the members of this one.
+Status Commit::follow(const OnProbation& before) {
+  if (!content_->probation) content_->probation = before.content().probation;
+  for (std::size_t i = 0; i < before.members().size(); ++i) {
+    ComponentBase& component = *before.content().members[i].component;
+    const auto same = [&](const PreparedMember& one) { return one.component == &component; };
+    if (std::any_of(content_->members.begin(), content_->members.end(), same)) continue;
+    content_->members.push_back(member_of(component, Mode::keep));
+    content_->members.back().part = Part::follows;
+    deployed_.push_back(before.members()[i].deployed);
+    const Status free = check_member(content_->members.back(), *deployed_.back());
+    if (!free) return free;
   }
-  system_.fading.push_back(std::move(system_.probation));
+  return ok();
+}
+
+/// Who waits at a barrier does not go back: there the probations of the changes before end when the
+/// members are called.
+Status Commit::end_probations_before() {
+  for (const auto& before : std::exchange(before_, {})) {
+    OnProbation* const one = system_.probation_of(*before);
+    if (one == nullptr || one->pass("a newer change", Outcome::Kind::overtaken)) continue;
+    return being_rolled_back(one->changes().back());
+  }
   return ok();
 }
 
@@ -151,18 +174,32 @@ Member Commit::forth(std::size_t index, Deployed& deployed) {
   member.next = make_published(change);
   member.next->number = number_;
   add_relief(index, deployed, *member.next);
-  if (way_back_ == nullptr) return member;
-  const bool was_running = deployed.state() == ComponentState::running;
-  member.next->back = make_way_back(change, was_running);
-  member.next->back->transaction = &way_back_->transaction();
-  member.next->back->way_back = way_back_.get();
-  member.next->back->number = back_number_;
-  member.next->tolerated = content_->probation->misses;
-  const unsigned window = std::min(content_->probation->window, 64U);
-  member.next->window = window == 64 ? ~0ULL : (1ULL << window) - 1;
-  ways_back_.push_back({&deployed, member.next->back.get(), member.next->back->answer,
-                        deployed.task->counters().releases.load(), 0, nullptr});
+  if (way_back_ != nullptr) begin_way_back(change, deployed, *member.next);
   return member;
+}
+
+void Commit::begin_way_back(const PreparedMember& change, Deployed& deployed, Published& next) {
+  Origin origin = origin_of(change, deployed.state() == ComponentState::running);
+  const Origin* const before = heritage_.origin_of(*change.component);
+  if (before != nullptr) origin = further_back(*before, origin);
+  next.back = make_way_back(change, origin);
+  next.way_back = way_back_.get();
+  lead_by(*next.back);
+  next.tolerated = content_->probation->misses;
+  const unsigned window = std::min(content_->probation->window, 64U);
+  next.window = window == 64 ? ~0ULL : (1ULL << window) - 1;
+  WayBackOfMember& member = ways_back_.emplace_back();
+  member.deployed = &deployed;
+  member.origin = std::move(origin);
+  member.back = next.back.get();
+  member.answer = next.back->answer;
+  member.releases_before = deployed.task->counters().releases.load();
+}
+
+void Commit::lead_by(Published& back) {
+  back.transaction = &way_back_->transaction();
+  back.way_back = way_back_.get();
+  back.number = back_number_;
 }
 
 std::vector<ResourceMember> Commit::resource_members() const {
@@ -268,12 +305,30 @@ bool System::leaves_newest_in_place(const Commit& next) {
   return ++looks_at_newest <= kLooks;
 }
 
+OnProbation* System::probation_of(const WayBack& way_back) const {
+  for (const auto& one : probations) {
+    if (one->leads(way_back)) return one.get();
+  }
+  return nullptr;
+}
+
+bool System::is_led_back() const {
+  return std::any_of(probations.begin(), probations.end(),
+                     [](const auto& one) { return one->way_back()->leads_back(); });
+}
+
+void System::let_fade() {
+  std::erase_if(probations, [&](std::unique_ptr<OnProbation>& one) {
+    if (!one->told()) return false;
+    fading.push_back(std::move(one));
+    return true;
+  });
+}
+
 void System::look_after_itself() {
   if (is_untold()) return;
-  if (probation != nullptr) {
-    static_cast<void>(probation->advance());
-    if (probation->told()) fading.push_back(std::move(probation));
-  }
+  for (const auto& one : probations) static_cast<void>(one->advance());
+  let_fade();
   std::erase_if(fading, [&](const std::unique_ptr<OnProbation>& one) {
     if (one->advance()) return false;
     free.merge(one->take_free());

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "exec/barrier.h"
+#include "exec/inherit.h"
 #include "exec/prepared.h"
 #include "exec/probation.h"
 #include "exec/swap.h"
@@ -19,9 +20,11 @@ inline constexpr Duration kLongestJob = 2s;
 
 /// What the task of this member is handed.
 [[nodiscard]] std::unique_ptr<Published> make_published(const PreparedMember& member);
-/// What leads it back to where it was.
+/// Where it was.
+[[nodiscard]] Origin origin_of(const PreparedMember& member, bool was_running);
+/// What leads it back there.
 [[nodiscard]] std::unique_ptr<Published> make_way_back(const PreparedMember& member,
-                                                       bool was_running);
+                                                       const Origin& origin);
 
 /// Components get these fallback cores, and leave here those they had.
 void exchange_fallbacks(Architecture& architecture, std::vector<NewFallback>& fallbacks);
@@ -55,12 +58,16 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
 
  private:
   Status check(Swap::Kind kind);
-  Status check_probation(Swap::Kind kind);
-  Status end_probation_before();
+  Status check_probations(Swap::Kind kind);
+  Status end_probations_before();
+  Status follow(const OnProbation& before);
   void overtake_before();
   Status let_in_new();
   void let_go_new();
   void hold_members();
+  void begin_way_back(const PreparedMember& change, Deployed& deployed, Published& next);
+  void lead_by(Published& back);
+  void lead_late_members_back();
   [[nodiscard]] bool pass_barrier();
   void publish(Swap::Kind kind, Duration longest_job);
   void tell_attempt();
@@ -91,7 +98,9 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   std::unique_ptr<Barrier> barrier_;   // null: the cut
   std::unique_ptr<Swap> swap_;         // null: not yet past the barrier
   std::shared_ptr<WayBack> way_back_;  // null: no probation
-  std::shared_ptr<WayBack> before_;    // of the change before, which is on probation; or null
+  /// Of the changes before that this one concerns while they are on probation.
+  std::vector<std::shared_ptr<WayBack>> before_;
+  Heritage heritage_;  // of those among them that it joins
   std::vector<WayBackOfMember> ways_back_;
   std::uint64_t number_ = 0;       // of the change, in a trace
   std::uint64_t back_number_ = 0;  // of the way back; 0: no probation

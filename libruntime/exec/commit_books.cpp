@@ -46,6 +46,10 @@ void Commit::enter(std::size_t index) {
   if (another_attempt) return;
   PreparedMember& member = content_->members[index];
   entered_[index] = true;
+  if (member.part == Part::follows) {
+    deployed_[index]->changing = false;
+    return;
+  }
   deployed_[index]->parking = false;
   deployed_[index]->changing = settled.in_force && member.part == Part::leaves;
   if (!settled.in_force) return;
@@ -59,7 +63,10 @@ void Commit::enter(std::size_t index) {
   system_.runner->look_again();
   // Where a lost thread is inside, it is freed when that has ended: see collect().
   const bool lost = system_.runner->has_lost(deployed_[index]->task.get());
-  retire(*member.base, *member.next, lost ? system_.free : retired_);
+  // What the way back may need is looked at when the change joins the one before: see adopt().
+  if (heritage_.origin_of(*member.component) == nullptr) {
+    retire(*member.base, *member.next, lost ? system_.free : retired_);
+  }
   if (member.next != member.base || member.relief != nullptr) {
     StandingBy& relief = deployed_[index]->relief;
     system_.free.keep(std::exchange(relief, std::exchange(reliefs_[index], {})).content);
@@ -129,10 +136,11 @@ void Commit::conclude() {
                                 swapped.state == SwapResult::State::overtaken;
   if (nothing_happened) {
     result_ = not_applied();
-    if (before_ != nullptr) before_->give_way_to(nullptr);
+    for (const auto& before : before_) before->give_way_to(nullptr);
+    heritage_.let_go();
     return let_go_new();
   }
-  overtake_before();
+  if (heritage_.changes().empty()) overtake_before();
   enter_resources();
   if (system_.runner->has_lost()) system_.free.keep(content_);  // it may be inside of what leaves
   receipt_.state = ChangeState::applied;
@@ -162,12 +170,19 @@ void Commit::conclude() {
   }
 }
 
-/// There is one way back at a time: the newest change ends the probation of the one before.
+/// Those that this change joins pass on what they lead back to; it ends the others early.
 void Commit::overtake_before() {
-  if (before_ == nullptr || system_.probation == nullptr) return;
-  if (!system_.probation->leads(*before_)) return;  // its probation ended by itself
-  system_.probation->overtake();
-  system_.fading.push_back(std::move(system_.probation));
+  for (const auto& before : before_) {
+    OnProbation* const one = system_.probation_of(*before);
+    if (one == nullptr) continue;  // its probation ended by itself
+    if (heritage_.has(*before)) {
+      one->pass_on_to(*content_, ways_back_);
+    } else {
+      one->overtake();
+    }
+  }
+  heritage_.let_go();
+  system_.let_fade();
 }
 
 /// Some member hangs in its job: those that have changed go back, so that there is no mixture.
@@ -180,7 +195,7 @@ void Commit::take_back() {
     ways_back_[i].in_force = swap_->members()[i].in_force;
   }
   begin_probation();
-  if (quietly) system_.probation->go_quietly();
+  if (quietly) system_.probations.back()->go_quietly();
   back_by_ = system_.runner->now() + kLongestJob.count();
 }
 
@@ -188,9 +203,10 @@ void Commit::take_back() {
 bool Commit::all_went_back() {
   if (const ModelLock::Hold hold(system_.model, std::try_to_lock); hold)
     system_.look_after_itself();
-  const bool under_way = system_.probation != nullptr && system_.probation->leads(*way_back_);
+  OnProbation* const one = system_.probation_of(*way_back_);
+  const bool under_way = one != nullptr;
   if (under_way && system_.runner->now() < back_by_) return false;
-  if (under_way) system_.probation->tell_after_all();
+  if (under_way) one->tell_after_all();
   result_ = not_applied();
   if (!under_way && !failed().empty()) {
     result_ = refuse(Errc::hook_threw, failed(),
@@ -239,10 +255,33 @@ void Commit::change_membership() {
 }
 
 void Commit::begin_probation() {
-  // One that passed while its maker had not asked for its result is there still.
-  if (system_.probation != nullptr) system_.fading.push_back(std::move(system_.probation));
-  system_.probation = std::make_unique<OnProbation>(system_, content_, std::move(ways_back_),
-                                                    way_back_, std::move(retired_), back_number_);
+  if (!heritage_.changes().empty()) {
+    overtake_before();
+    for (const PreparedMember& member : content_->members) {
+      if (heritage_.origin_of(*member.component) == nullptr) continue;
+      retire(*member.base, *member.next, retired_);
+    }
+    lead_late_members_back();
+  }
+  system_.probations.push_back(
+      std::make_unique<OnProbation>(system_, content_, std::move(ways_back_), way_back_,
+                                    std::move(retired_), back_number_, heritage_.changes()));
+}
+
+/// A member that hangs runs what the change before gave it. It goes back when it ends its job.
+void Commit::lead_late_members_back() {
+  for (std::size_t i = 0; i < ways_back_.size(); ++i) {
+    WayBackOfMember& member = ways_back_[i];
+    const PreparedMember& change = content_->members[i];
+    if (member.in_force || heritage_.origin_of(*change.component) == nullptr) continue;
+    auto back = make_way_back(change, member.origin);
+    lead_by(*back);
+    member.back = back.get();
+    member.answer = back->answer;
+    member.in_force = true;
+    member.deployed->task->put_back(*back.release());
+    system_.runner->wake(*member.deployed->task);
+  }
 }
 
 /// The names of members whose state was not converted.

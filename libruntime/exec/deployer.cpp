@@ -159,16 +159,30 @@ Result<Receipt> Deployer::apply(const Change& change) {
 
 bool Deployer::on_probation() const {
   system_->advance();
-  return system_->probation != nullptr && system_->probation->open();
+  const auto& all = system_->probations;
+  return std::any_of(all.begin(), all.end(), [](const auto& one) { return one->open(); });
 }
 
 bool Deployer::going_back() const {
   system_->advance();
-  return system_->probation != nullptr && !system_->probation->open();
+  const auto& all = system_->probations;
+  return std::any_of(all.begin(), all.end(), [](const auto& one) { return !one->open(); });
+}
+
+std::vector<OpenProbation> Deployer::probations() const {
+  system_->advance();
+  std::vector<OpenProbation> all;
+  for (const auto& one : system_->probations) {
+    if (!one->told()) all.push_back(one->look());
+  }
+  return all;
 }
 
 Status Deployer::confirm() {
-  if (on_probation() && system_->probation->pass("confirmed")) {
+  bool passed = false;
+  system_->advance();
+  for (const auto& one : system_->probations) passed = one->pass("confirmed") || passed;
+  if (passed) {
     system_->advance();
     return ok();
   }
@@ -177,7 +191,12 @@ Status Deployer::confirm() {
 }
 
 Status Deployer::undo(const std::string& reason) {
-  if (on_probation() && system_->probation->undo(reason)) return ok();
+  system_->advance();
+  const auto& all = system_->probations;
+  const auto newest = std::find_if(all.rbegin(), all.rend(), [&reason](const auto& one) {
+    return one->open() && one->undo(reason);
+  });
+  if (newest != all.rend()) return ok();
   return refuse(Errc::wrong_state, "generation " + std::to_string(generation()),
                 "is not on probation: what was before it is no longer ready",
                 "roll back to a saved generation");
@@ -241,7 +260,7 @@ Result<std::shared_ptr<Ongoing>> Deployer::begin_stop(const std::vector<std::str
 }
 
 std::shared_ptr<Ongoing> Deployer::begin_stop_all(Duration bound) {
-  if (system_->probation != nullptr) system_->probation->keep_parked();
+  for (const auto& one : system_->probations) one->keep_parked();
   return std::make_shared<exec::Stop>(*system_, exec::in_order_of_safe_values(*system_),
                                       exec::patience_within(bound));
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "exec/commit.h"
+#include "exec/inherit.h"
 #include "model/hand_over.h"
 
 namespace mauve::exec {
@@ -49,6 +50,7 @@ Receipt foresee(const System& system, const PreparedChange::Content& content) {
   }
   if (content.barrier) add_waits(*content.barrier, receipt);
   receipt.warnings = content.warnings;
+  receipt.notes = notes_of(system, content);
   return receipt;
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "exec/commit.h"
+#include "exec/inherit.h"
 #include "model/elements.h"
 #include "model/leavable.h"
 
@@ -19,10 +20,11 @@ Status configure_pair(const Bundle& bundle) {
 
 /// A change that leaves everything as it is but for the mode.
 std::shared_ptr<Ongoing> begin_mode(exec::System& system, ComponentBase& component, Mode mode,
-                                    bool count_gap) {
+                                    bool count_gap, bool ends_probation = false) {
   auto content = std::make_unique<PreparedChange::Content>();
   content->members.push_back(exec::member_of(component, mode));
   content->members.front().count_gap = count_gap;
+  content->in_place = ends_probation;
   content->what =
       exec::what_of(mode == Mode::park ? "component.stop" : "component.start", {component.name()});
   PreparedChange change(std::move(content));
@@ -40,7 +42,11 @@ std::shared_ptr<Ongoing> Deployer::begin_in_place_park(PreparedChange& change) {
   // What the operator had stopped, or what had faulted, stays where it is.
   member.resume = status(member.component->name()).state == ComponentState::running;
   const Mode mode = member.resume ? Mode::park : Mode::keep;
-  return begin_mode(*system_, *member.component, mode, false);
+  // The core that runs is cleaned up: nothing may lead back meanwhile.
+  for (auto& note : exec::notes_of(*system_, change.content())) {
+    change.content().warnings.push_back(std::move(note));
+  }
+  return begin_mode(*system_, *member.component, mode, false, true);
 }
 
 Status Deployer::in_place_exchange(PreparedChange& change) {

@@ -86,6 +86,8 @@ class Preparation {
     content_->what = what_of(change_);
     content_->sets = set_by(change_);
     content_->probation = change_.probation;
+    content_->has_companion = change_.has_companion;
+    content_->in_place = !configure;
     if (change_.sync == Sync::barrier) content_->barrier.emplace();
     for (const auto step : {&Preparation::let_leave, &Preparation::let_resources_join,
                             &Preparation::let_components_join}) {

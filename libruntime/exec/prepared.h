@@ -14,7 +14,19 @@
 namespace mauve::exec {
 
 /// How a component takes part in a change.
-enum class Part : std::uint8_t { changes, joins, leaves };
+enum class Part : std::uint8_t {
+  changes,
+  joins,
+  leaves,
+  follows,  ///< stays as it is, and is led back with the others: see inherit.h
+};
+
+/// Where a member is led back to.
+struct Origin {
+  std::shared_ptr<const Bundle> bundle;
+  Mode mode = Mode::keep;
+  StatePolicy state = StatePolicy::keep;
+};
 
 /// The change of one component, ready to be published.
 struct PreparedMember {
@@ -82,6 +94,8 @@ class PreparedChange::Content {
   std::string what;               ///< in the words of the wire
   std::vector<std::string> sets;  ///< addresses of properties that it sets
   std::optional<Probation> probation;
+  bool has_companion = false;  ///< see Change
+  bool in_place = false;       ///< elements in force are cleaned up before those that come are used
   std::vector<NewFallback> fallbacks;
   std::optional<exec::PreparedBarrier> barrier;  ///< none: the cut
   std::vector<std::string> warnings;             ///< for the receipt

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "exec/commit.h"
+#include "exec/inherit.h"
 #include "exec/membership.h"
 #include "model/left_behind.h"
 
@@ -27,17 +28,19 @@ void put_back(Architecture& architecture, Element& element, std::shared_ptr<Elem
 
 }  // namespace
 
-OnProbation::OnProbation(System& system, Content content, std::vector<WayBackOfMember> members,
-                         std::shared_ptr<WayBack> way_back, Retired replaced, std::uint64_t number)
+OnProbation::OnProbation(System& system, std::shared_ptr<Content> content,
+                         std::vector<WayBackOfMember> members, std::shared_ptr<WayBack> way_back,
+                         Retired replaced, std::uint64_t number, std::vector<std::uint64_t> joined)
     : system_(system),
       departed_(system.departed),
       content_(std::move(content)),
       members_(std::move(members)),
       way_back_(std::move(way_back)),
       replaced_(std::move(replaced)),
-      generation_(system.generation),
+      changes_(std::move(joined)),
       number_(number),
       began_(system.runner->now()) {
+  changes_.push_back(system.generation);
   for (const PreparedResource& change : content_->resources) {
     if (!in_force(change)) continue;
     ResourceParts before = change.base;
@@ -85,7 +88,7 @@ void OnProbation::watch() {
     for (const WayBackOfMember& member : members_) system_.runner->wake(*member.deployed->task);
     return;
   }
-  if (way_back_->closed()) return overtake();
+  if (way_back_->closed()) return held_.expired() ? overtake() : void();
   const Probation& rules = *content_->probation;
   const Duration passed{system_.runner->now() - began_};
   if (rules.confirm_within > Duration{0}) {
@@ -128,7 +131,7 @@ bool OnProbation::undo(const std::string& reason) {
 }
 
 bool OnProbation::pass(const std::string& reason, Outcome::Kind kind) {
-  if (phase_ != Phase::watching || !way_back_->close()) return false;
+  if (phase_ != Phase::watching || !held_.expired() || !way_back_->close()) return false;
   end(kind, reason);
   return true;
 }
@@ -146,7 +149,37 @@ void OnProbation::end(Outcome::Kind kind, const std::string& reason) {
     if (member.owner != nullptr) free_.keep(member.owner);
   }
   tell(kind, reason);
+  free_.merge(std::move(replaced_));
   withdraw();
+  let_go_left();
+}
+
+void OnProbation::pass_on_to(Content& heir, const std::vector<WayBackOfMember>& members) {
+  static_cast<void>(way_back_->close());  // or a member that failed meanwhile does
+  adopt(*content_, heir, members, free_);
+  replaced_.forget();
+  withdraw();
+}
+
+std::shared_ptr<const void> OnProbation::hold() {
+  auto held = held_.lock();
+  if (held == nullptr) held_ = held = std::make_shared<int>();
+  return held;
+}
+
+OpenProbation OnProbation::look() const {
+  OpenProbation open{changes_,
+                     {},
+                     Duration{system_.runner->now() - began_},
+                     *content_->probation,
+                     way_back_->leads_back()};
+  for (const PreparedMember& member : content_->members) {
+    open.components.emplace_back(member.component->name());
+  }
+  for (const PreparedResource& one : content_->resources) {
+    open.components.emplace_back(one.resource->name());
+  }
+  return open;
 }
 
 /// Its way back is out of the task's hands meanwhile; it is parked, so it misses nothing.
@@ -170,12 +203,14 @@ void OnProbation::withdraw() {
     member.looks_after = task.looks();
     system_.runner->wake(task);
   }
+  free_.keep(content_);
+}
+
+void OnProbation::let_go_left() {
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     if (content_->members[i].part != Part::leaves) continue;
     static_cast<void>(let_go(system_, *members_[i].deployed));
   }
-  free_.merge(std::move(replaced_));
-  free_.keep(content_);
 }
 
 bool OnProbation::all_looked_away() const {
@@ -256,7 +291,7 @@ void OnProbation::install_old() {
 
 void OnProbation::tell_after_all() {
   if (!std::exchange(quiet_, false)) return;
-  generation_ = ++system_.generation;
+  changes_.back() = ++system_.generation;
 }
 
 std::string OnProbation::culprit() const {
@@ -290,8 +325,14 @@ void OnProbation::name_cores(Outcome& end) const {
 void OnProbation::tell(Outcome::Kind kind, const std::string& reason) {
   if (quiet_) return;
   Outcome end;
-  end.began = generation_;
+  end.began = changes_.front();
+  end.changes = changes_;
   end.generation = system_.generation;
+  for (const auto& one : system_.probations) {
+    if (one.get() == this || one->told()) continue;
+    const std::uint64_t first = one->changes_.front();
+    end.oldest_open = end.oldest_open == 0 ? first : std::min(end.oldest_open, first);
+  }
   end.kind = kind;
   end.reason = reason;
   if (kind == Outcome::Kind::rolled_back) {

@@ -12,11 +12,14 @@
 #include "exec/prepared.h"
 #include "exec/system.h"
 
+#include <mauve/deployer.h>
+
 namespace mauve::exec {
 
-/// Prepares the way back of each member, to be handed out together with the way forth.
+/// The way back of one member, which is handed out together with the way forth.
 struct WayBackOfMember {
   Deployed* deployed = nullptr;
+  Origin origin;
   Published* back = nullptr;  ///< owned by the way forth, then by the task
   std::shared_ptr<const Published::Answer> answer;
   std::uint64_t releases_before = 0;
@@ -26,14 +29,16 @@ struct WayBackOfMember {
   std::uint64_t last_release = 0;  ///< until which it may be judged; 0: its time has not passed
 };
 
-/// One change on probation. [control]
+/// One change on probation, or several that joined each other. [control]
 class OnProbation {
  public:
-  using Content = std::shared_ptr<PreparedChange::Content>;
+  using Content = PreparedChange::Content;
 
-  /// Of a change that is committed: its content, and the elements it replaced.
-  OnProbation(System& system, Content content, std::vector<WayBackOfMember> members,
-              std::shared_ptr<WayBack> way_back, Retired replaced, std::uint64_t number);
+  /// Of a change that is committed: its content, and the elements it replaced. `joined`: the
+  /// generations of the changes that it joined.
+  OnProbation(System& system, std::shared_ptr<Content> content,
+              std::vector<WayBackOfMember> members, std::shared_ptr<WayBack> way_back,
+              Retired replaced, std::uint64_t number, std::vector<std::uint64_t> joined = {});
   ~OnProbation();
 
   /// Looks whether it is over. The end is told in System::outcomes; false: nothing of it is left.
@@ -42,6 +47,16 @@ class OnProbation {
   bool pass(const std::string& reason, Outcome::Kind kind = Outcome::Kind::passed);
   /// A newer change is in force, to which the way back gave way.
   void overtake();
+  /// A newer change is in force that leads its members back from now on. Elements that neither it
+  /// nor the way back needs are freed with this; what it replaced is the heir's.
+  void pass_on_to(Content& heir, const std::vector<WayBackOfMember>& members);
+  /// As long as the caller holds this it does not end, except by a failure or undo().
+  [[nodiscard]] std::shared_ptr<const void> hold();
+  [[nodiscard]] const PreparedChange::Content& content() const { return *content_; }
+  [[nodiscard]] const std::vector<WayBackOfMember>& members() const { return members_; }
+  /// The generations that its changes made, the oldest first.
+  [[nodiscard]] const std::vector<std::uint64_t>& changes() const { return changes_; }
+  [[nodiscard]] OpenProbation look() const;
   [[nodiscard]] const std::shared_ptr<WayBack>& way_back() const { return way_back_; }
   /// False: it is over, or being rolled back already.
   bool undo(const std::string& reason);
@@ -74,6 +89,7 @@ class OnProbation {
   [[nodiscard]] bool may_let_go() const;
   void install_old();
   void withdraw();
+  void let_go_left();
   [[nodiscard]] bool all_looked_away() const;
   void tell(Outcome::Kind kind, const std::string& reason);
   [[nodiscard]] std::string culprit() const;
@@ -82,7 +98,7 @@ class OnProbation {
 
   System& system_;
   std::shared_ptr<void> departed_;  // keeps tasks that are let go meanwhile
-  Content content_;
+  std::shared_ptr<Content> content_;
   std::vector<WayBackOfMember> members_;
   std::vector<std::unique_ptr<ResourceFlip>> flips_;
   std::shared_ptr<WayBack> way_back_;
@@ -90,7 +106,8 @@ class OnProbation {
   Retired free_;
   Phase phase_ = Phase::watching;
   bool quiet_ = false;
-  std::uint64_t generation_;
+  std::vector<std::uint64_t> changes_;
+  std::weak_ptr<const void> held_;
   const std::uint64_t number_;  // of the way back, in a trace
   Instant began_;
 };

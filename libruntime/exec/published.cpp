@@ -100,14 +100,20 @@ std::unique_ptr<Published> make_published(const PreparedMember& member) {
   return next;
 }
 
-std::unique_ptr<Published> make_way_back(const PreparedMember& member, bool was_running) {
+Origin origin_of(const PreparedMember& member, bool was_running) {
+  Origin origin{member.base, Mode::keep, member.state};
+  const bool runs_after = member.mode == Mode::run || (was_running && member.mode == Mode::keep);
+  if (runs_after != was_running) origin.mode = was_running ? Mode::run : Mode::park;
+  return origin;
+}
+
+std::unique_ptr<Published> make_way_back(const PreparedMember& member, const Origin& origin) {
   PreparedMember reversed;
   reversed.component = member.component;
   reversed.base = member.next;
-  reversed.next = member.base;
-  reversed.state = member.state;
-  const bool runs_after = member.mode == Mode::run || (was_running && member.mode == Mode::keep);
-  if (runs_after != was_running) reversed.mode = was_running ? Mode::run : Mode::park;
+  reversed.next = origin.bundle;
+  reversed.state = origin.state;
+  reversed.mode = origin.mode;
   reversed.restart = reversed.mode == Mode::run;
   auto back = make_published(reversed);
   back->taken_as = TakenAs::back;

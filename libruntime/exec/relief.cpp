@@ -83,16 +83,11 @@ std::optional<Edit> relief_of(const System& system, const std::string& component
   return edit;
 }
 
-/// Tasks go back, or are back already, to bundles that the model does not show yet.
-bool is_led_back(const System& system) {
-  return system.probation != nullptr && system.probation->way_back()->leads_back();
-}
-
 /// False: the task has one, or runs with another bundle than the relief was made for.
 bool stand_by(const System& system, Task& task, std::unique_ptr<Published> relief) {
   if (!task.stand_by(*relief)) return false;
   Published* const standing = relief.release();
-  if (!is_led_back(system) || !task.withdraw_relief(*standing)) return true;
+  if (!system.is_led_back() || !task.withdraw_relief(*standing)) return true;
   leave_behind(std::shared_ptr<Published>(standing));  // its thread may be about to look
   return false;
 }
@@ -100,7 +95,7 @@ bool stand_by(const System& system, Task& task, std::unique_ptr<Published> relie
 }  // namespace
 
 std::vector<Change> wanted_reliefs(System& system) {
-  if (is_led_back(system)) return {};
+  if (system.is_led_back()) return {};
   std::vector<Change> wanted;
   for (const Deployed& deployed : system.deployed) {
     const bool ready = deployed.relief.content != nullptr || deployed.hidden || deployed.changing;
@@ -148,7 +143,7 @@ Status put_reliefs_in_readiness(System& system) {
 }
 
 void put_in_readiness(System& system, PreparedChange& prepared) {
-  if (is_led_back(system)) return;
+  if (system.is_led_back()) return;
   const std::shared_ptr<PreparedChange::Content> content = prepared.share();
   for (PreparedMember& member : content->members) {
     Deployed* deployed = system.find(member.component->name());

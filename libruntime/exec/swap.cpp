@@ -25,7 +25,7 @@ using Progress = Published::Progress;
 }  // namespace
 
 Swap::Swap(std::vector<Member> members, std::vector<ResourceMember> resources, Runner& runner,
-           Duration bound, Kind kind, std::shared_ptr<WayBack> before)
+           Duration bound, Kind kind, std::vector<std::shared_ptr<WayBack>> before)
     : members_(std::move(members)),
       resources_(std::move(resources)),
       runner_(runner),
@@ -59,13 +59,13 @@ void Swap::attempt() {
   const auto urgency = runner_.hurry();
   result_.instant = runner_.now() + lead_.count();
   const auto order = kind_ == Kind::order ? std::make_shared<Order>() : nullptr;
-  const bool decided = members_.empty() && before_ == nullptr;
+  const bool decided = members_.empty() && before_.empty();
   transactions_.push_back(order);
   if (order == nullptr) {
     transactions_.back() = std::make_shared<Transaction>(
         result_.instant, decided ? Transaction::State::committed : Transaction::State::prepared);
   }
-  if (before_ != nullptr) before_->give_way_to(transactions_.back());
+  for (const auto& before : before_) before->give_way_to(transactions_.back());
   MAUVE_FAIL_POINT("commit.before_publish");
   for (Member& member : members_) publish(member);
   for (ResourceMember& resource : resources_) arm(resource);
@@ -75,7 +75,7 @@ void Swap::attempt() {
   }
   deadline_ = result_.instant + bound_.count();
   const bool late = !members_.empty() && runner_.now() >= result_.instant - kDecisionMargin.count();
-  const bool led_back = before_ != nullptr && before_->leads_back();
+  const bool led_back = is_led_back();
   MAUVE_FAIL_POINT("commit.before_decide");
   transactions_.back()->decide(late || led_back ? Transaction::State::aborted
                                                 : Transaction::State::committed);
@@ -125,7 +125,7 @@ bool Swap::advance() {
     result_.state = SwapResult::State::committed;
     return true;
   }
-  if (before_ != nullptr && before_->leads_back()) {
+  if (is_led_back()) {
     result_.state = SwapResult::State::overtaken;
     return true;
   }
@@ -136,6 +136,12 @@ bool Swap::advance() {
   lead_ *= 2;
   attempt();
   return false;
+}
+
+/// One of the changes before.
+bool Swap::is_led_back() const {
+  return std::any_of(before_.begin(), before_.end(),
+                     [](const std::shared_ptr<WayBack>& before) { return before->leads_back(); });
 }
 
 /// Some caller is about to change a resource: an instant later that is settled.

@@ -71,9 +71,9 @@ class Swap {
   };
 
   /// Publishes and decides. `bound`: how long after the instant members may take to answer.
-  /// `before`: a way back that can no longer be set off once this is committed; may be null.
+  /// `before`: ways back that can no longer be set off once this is committed.
   Swap(std::vector<Member> members, std::vector<ResourceMember> resources, Runner& runner,
-       Duration bound, Kind kind, std::shared_ptr<WayBack> before = nullptr);
+       Duration bound, Kind kind, std::vector<std::shared_ptr<WayBack>> before = {});
   ~Swap();
   Swap(const Swap&) = delete;
   Swap& operator=(const Swap&) = delete;
@@ -100,6 +100,7 @@ class Swap {
   void give_up(Member& member, bool committed);
   [[nodiscard]] bool all_settled();
   [[nodiscard]] bool is_taking() const;
+  [[nodiscard]] bool is_led_back() const;
 
   std::vector<Member> members_;
   std::vector<ResourceMember> resources_;
@@ -107,7 +108,7 @@ class Swap {
   Runner& runner_;
   const Duration bound_;
   const Kind kind_;
-  const std::shared_ptr<WayBack> before_;
+  const std::vector<std::shared_ptr<WayBack>> before_;
   bool given_up_ = false;
   Duration lead_;
   Instant deadline_ = 0;

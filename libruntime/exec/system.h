@@ -70,13 +70,13 @@ class System {
   std::vector<Happening> last_events;  ///< of components that left; under `members`
   std::vector<std::string> warnings;
   std::vector<std::shared_ptr<Commit>> under_way;
-  std::weak_ptr<const Commit> last_transaction;      ///< as long as its maker has it
-  std::weak_ptr<const Commit> newest;                ///< which made the newest generation
-  unsigned looks_at_newest = 0;                      ///< while its maker has not asked for it
-  std::unique_ptr<OnProbation> probation;            ///< of the newest change; null: none
-  std::vector<std::unique_ptr<OnProbation>> fading;  ///< over, but a thread may still look
-  Retired free;                                      ///< of changes that are over
-  std::vector<Outcome> outcomes;                     ///< not yet told
+  std::weak_ptr<const Commit> last_transaction;          ///< as long as its maker has it
+  std::weak_ptr<const Commit> newest;                    ///< which made the newest generation
+  unsigned looks_at_newest = 0;                          ///< while its maker has not asked for it
+  std::vector<std::unique_ptr<OnProbation>> probations;  ///< the oldest first
+  std::vector<std::unique_ptr<OnProbation>> fading;      ///< over, but a thread may still look
+  Retired free;                                          ///< of changes that are over
+  std::vector<Outcome> outcomes;                         ///< not yet told
   std::atomic<std::uint64_t> looks{0};  ///< calls of advance(); a stop can tell that none come
   std::uint64_t generation = 0;
   std::uint64_t changes = 0;  ///< numbers that changes got since deployment, see Published::number
@@ -93,6 +93,12 @@ class System {
   [[nodiscard]] Deployed* find(const ComponentBase& component);
   /// Takes every change under way as far as it can go now.
   void advance();
+  /// The open one that has this way back, or that leads back by it; null: it is over.
+  [[nodiscard]] OnProbation* probation_of(const WayBack& way_back) const;
+  /// Tasks go back, or are back already, to bundles that the model does not show yet.
+  [[nodiscard]] bool is_led_back() const;
+  /// What is over is kept until no thread looks at it any more.
+  void let_fade();
   /// Probations and reliefs: may change the model.
   void look_after_itself();
   /// The maker of the last transaction has not asked for its result yet.

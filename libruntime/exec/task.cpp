@@ -201,7 +201,7 @@ MAUVE_RUNS_AT_A_SWAP bool Task::take(Published& next, Instant begin) {
   take_rest(next);
   next.answer->pause = Duration{next.count_gap ? release_ - parked_at_ : state_time() - begin};
   if (waited) next.answer->pause = skip_gap(next.transaction->instant());
-  if (was_running && running_) {
+  if (was_running && running_ && !next.mode_only) {
     note(rt::EventKind::swapped, LogLevel::info, next.answer->pause.count(),
          static_cast<std::int64_t>(next.answer->bytes));
   }
@@ -285,7 +285,8 @@ MAUVE_RUNS_AT_A_SWAP void Task::put_in_place(Published& next) {
   current_ = &next;
   bound_.store(next.bound.count(), std::memory_order_relaxed);
   has_safe_values_.store(next.has_safe_values, std::memory_order_relaxed);
-  failed_ = false;
+  // One that follows a change of others runs what it ran.
+  failed_ = failed_ && next.mode_only && next.back != nullptr;
   if (next.other_core) {
     counters_.execution_max.store(0, std::memory_order_relaxed);
     counters_.used_max.store(0, std::memory_order_relaxed);
@@ -297,6 +298,8 @@ MAUVE_RUNS_AT_A_SWAP void Task::put_in_place(Published& next) {
     Published* const before = back_.exchange(next.back.release(), std::memory_order_acq_rel);
     if (before != nullptr) pile_up(*before);
   }
+  if (failed_) give_up_core(cause_, fault_.data());
+  if (same_bundle && next.relief == nullptr) return;  // what stands by is of use still
   if (Published* relief = relief_.exchange(next.relief.release(), std::memory_order_acq_rel)) {
     relief->answer->progress.store(Published::Progress::given_back, std::memory_order_release);
     pile_up(*relief);

@@ -107,8 +107,7 @@ class Task {
   [[nodiscard]] std::vector<std::shared_ptr<const Bundle>> bundles() const;
   /// Its thread had another priority or other CPUs than its component asked for. [guard]
   void count_restored() { add<std::uint64_t>(counters_.restored, 1); }
-  /// There is no other thread.
-  void park_for_good(const char* why);
+  void park_for_good(const char* why);  ///< there is no other thread
 
   // --- [rt] -------------------------------------------------------------------------------------
   /// First and last thing on its thread: its job, or null.
@@ -125,8 +124,7 @@ class Task {
   /// The boundary and the job of the armed release. False: this thread was given up meanwhile, and
   /// has no part in the task any more.
   bool release();
-  /// First thing on the thread that goes on for a lost one: the fault of that one.
-  void go_on();
+  void go_on();  ///< first on the thread that goes on for a lost one: the fault of that one
 
  private:
   /// [control], which sees the new number, frees what was read before it.
@@ -187,6 +185,7 @@ class Task {
   void give_up_core(Cause cause, const char* what);
   void on_fault(Cause cause);
   [[nodiscard]] bool leads_back() const;
+  [[nodiscard]] bool gets_way_back() const;
   void write_safe_values();
   void note(rt::EventKind kind, LogLevel level, std::int64_t a = 0, std::int64_t b = 0);
   void tell(TraceKind kind, Instant time, std::int64_t value, std::uint64_t small = 0,
@@ -243,8 +242,9 @@ class Task {
   Duration cpu_before_{0};  // of this thread, when the job began; zero: was not asked for
   bool preempted_ = false;  // the last job was
   bool running_ = false;
-  bool waiting_ = false;  // at a barrier; it runs again after it
-  bool failed_ = false;   // waits for its way back or its relief; no job runs meanwhile
+  bool waiting_ = false;        // at a barrier; it runs again after it
+  bool failed_ = false;         // waits for its way back or its relief; no job runs meanwhile
+  Cause cause_ = Cause::threw;  // of that
 };
 
 }  // namespace mauve::exec

@@ -31,6 +31,13 @@ bool Task::leads_back() const {
   return back != nullptr && back->transaction->instant() != kClosed;
 }
 
+/// It was led back by a change that another one has overtaken, which it has not taken yet.
+bool Task::gets_way_back() const {
+  const Published* next = pending_.load(std::memory_order_acquire);
+  return next != nullptr && next->way_back != nullptr &&
+         next->transaction->state() == Transaction::State::committed;
+}
+
 /// For how long the machine may have been held up during this job: twice as long as a probe saw,
 /// since a hold-up begins before the instant at which the probe was due. A job that was released
 /// before such a job ended had to wait behind it, and has the same excuse.
@@ -87,7 +94,8 @@ void Task::give_up_core(Cause cause, const char* what) {
 
 /// A failed core runs no more; its releases pass until something takes over.
 void Task::skip_job() {
-  if (!leads_back() && relief_.load(std::memory_order_acquire) == nullptr) {
+  const bool led_back = leads_back() || gets_way_back();
+  if (!led_back && relief_.load(std::memory_order_acquire) == nullptr) {
     return park(ComponentState::faulted);
   }
   miss(1, clock_.now());
@@ -98,6 +106,7 @@ void Task::skip_job() {
 /// `fault_` says what it was; the safe values are written.
 void Task::on_fault(Cause cause) {
   add<std::uint64_t>(counters_.faults, 1);
+  cause_ = cause;
   const Instant now = clock_.now();
   tell(TraceKind::fault, now, 0, 0, static_cast<std::uint32_t>(cause));
   rt::Event event{now, rt::EventKind::faulted, LogLevel::error, nullptr, {}, {}, {}};
@@ -114,7 +123,7 @@ void Task::on_fault(Cause cause) {
   const Published* relief = relief_.load(std::memory_order_acquire);
   const bool relieved =
       relief != nullptr && current_->bundle->task.on_fault.action != FaultPolicy::Action::stop;
-  if (!leads_back() && !relieved) return park(ComponentState::faulted);
+  if (!leads_back() && !relieved && !gets_way_back()) return park(ComponentState::faulted);
   failed_ = true;
   wait_ = current_->grid;
   release_ += wait_.count();

@@ -110,11 +110,12 @@ TEST(Probation, WhatNobodyConfirmsIsRolledBack) {
   EXPECT_TRUE(runs(daemon, "trial/steady"));
 }
 
-TEST(Probation, UntilItIsConfirmedNothingElseChanges) {
+TEST(Probation, UntilItIsConfirmedItsComponentsStayAsTheyAre) {
   TrialDaemon daemon;
   ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/other", {{"confirm_within", "600s"}}))["state"],
             "applied");
-  const auto refused = daemon.ask("param.set", {{"values", {{"second.core.gain", 2.0}}}});
+  const auto refused = daemon.ask("core.swap", swap_to("trial/steady"));
+  EXPECT_EQ(daemon.ask("param.set", {{"values", {{"second.core.gain", 3.0}}}})["state"], "applied");
 
   EXPECT_EQ(daemon.ask("change.confirm")["changed"], true);
 
@@ -122,6 +123,30 @@ TEST(Probation, UntilItIsConfirmedNothingElseChanges) {
   EXPECT_EQ(daemon.ask("param.set", {{"values", {{"second.core.gain", 2.0}}}})["state"], "applied");
   EXPECT_EQ(daemon.component("first")["core"], "trial/other");
   EXPECT_EQ(daemon.ask("change.confirm")["changed"], true) << "of the newer one";
+}
+
+TEST(Probation, GoesOnWhenAnotherComponentChanges) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/other"))["state"], "applied");
+  const auto elsewhere = daemon.ask("param.set", {{"values", {{"second.core.gain", 2.0}}}});
+  EXPECT_FALSE(elsewhere.contains("notes")) << elsewhere;
+
+  EXPECT_EQ(daemon.ask("change.undo")["state"], "applied") << "of the newest";
+  EXPECT_EQ(daemon.component("first")["core"], "trial/other");
+  EXPECT_EQ(daemon.ask("change.undo")["state"], "applied");
+  EXPECT_EQ(daemon.component("first")["core"], "trial/steady");
+}
+
+TEST(Probation, IsJoinedByANewerChangeOfTheSameComponentAndBothGoBack) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/other"))["state"], "applied");
+
+  const auto joined = daemon.ask("core.swap", swap_to("trial/throwing_job"));
+
+  ASSERT_TRUE(joined.contains("notes")) << joined;
+  EXPECT_THAT(joined["notes"][0].get<std::string>(), HasSubstr("as in generation 1"));
+  EXPECT_TRUE(eventually([&] { return daemon.component("first")["core"] == "trial/steady"; }));
+  EXPECT_EQ(daemon.component("first")["state"], "running");
 }
 
 TEST(Probation, OffMeansThatAFaultStaysAFault) {

@@ -98,7 +98,7 @@ TEST(Rules, AreOnProbationOnlyWhenTheyBringSomethingThatMustProveItself) {
       R"({ "name": "loud", "when": "second.core.input > 5", "do": "deaf", "cool_down": "1ms" },
          { "name": "quiet", "when": "first.core.gain == 3", "do": "calm", "cool_down": "1ms" })"));
 
-  daemon.set("first.core.gain", 6.0);
+  daemon.ask("param.set", {{"values", {{"first.core.gain", 6.0}}}, {"probation", "off"}});
   ASSERT_TRUE(daemon.fired("loud", 1)) << daemon.rule("loud");
   const auto refused = daemon.ask("change.undo");
   EXPECT_EQ(refused["data"]["name"], "wrong_state") << refused;

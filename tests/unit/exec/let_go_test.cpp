@@ -59,7 +59,7 @@ class LetGo : public testing::Test {
 TEST_F(LetGo, WaitsForAnOrderToParkThatIsOnItsWay) {
   let_join();
   {
-    ASSERT_TRUE(system.probation->undo("undone"));
+    ASSERT_TRUE(system.probations.back()->undo("undone"));
     Stop stop(system, {{system.find("second"), system.find("control")}}, kLongestJob);
     ASSERT_TRUE(system.find("second")->changing);
 
@@ -80,7 +80,7 @@ TEST_F(LetGo, WaitsForAnOrderToParkThatIsOnItsWay) {
 TEST_F(LetGo, LeavesWhatTheChangeThatBroughtItStillKnows) {
   {
     const auto commit = let_join();
-    ASSERT_TRUE(system.probation->undo("undone"));
+    ASSERT_TRUE(system.probations.back()->undo("undone"));
     run_for(20ms);
     look();
     look();
@@ -97,7 +97,7 @@ TEST_F(LetGo, LeavesWhatAStopStillKnows) {
   let_join();
   {
     Stop stop(system, {{system.find("control")}, {system.find("second")}}, kLongestJob);
-    ASSERT_TRUE(system.probation->undo("undone"));
+    ASSERT_TRUE(system.probations.back()->undo("undone"));
     run_for(20ms);
     look();
     look();
@@ -116,7 +116,7 @@ TEST_F(LetGo, AStopParksWhatCameBackBeforeItIsInTheBooks) {
   change.remove = {"control"};
   apply(std::move(change));
   ASSERT_EQ(system.find("control"), nullptr);
-  ASSERT_TRUE(system.probation->undo("undone"));
+  ASSERT_TRUE(system.probations.back()->undo("undone"));
   system.runner->wake(*system.deployed.front().task);
   ASSERT_EQ(system.deployed.front().state(), ComponentState::running);
 

@@ -183,9 +183,36 @@ TEST_F(Partly, ARevokedChangeLeavesTheProbationOfTheOneBefore) {
   ASSERT_FALSE(revoked);
   EXPECT_EQ(revoked.error().code, Errc::timed_out);
   EXPECT_TRUE(system.outcomes.empty());
-  ASSERT_NE(system.probation, nullptr);
-  EXPECT_TRUE(system.probation->undo("undone"));
+  ASSERT_FALSE(system.probations.empty());
+  EXPECT_TRUE(system.probations.back()->undo("undone"));
   EXPECT_TRUE(eventually([&] { return look(), core("right") == before; }));
+}
+
+/// "left" hangs with the core of a change on probation, which a change of "right" joins.
+TEST_F(Partly, AFollowerThatHangsIsLedBackWithTheOthersWhenItsJobEnds) {
+  const std::string before_left = core("left");
+  const std::string before_right = core("right");
+  Before::shut() = false;
+  ASSERT_TRUE(runs_on("left"));
+  After::inside() = false;
+  ASSERT_TRUE(
+      apply({{ramp::to_core<After>("after", "left"), ramp::to_core<ramp::Down>("down", "right")}}));
+  After::shut() = true;
+  ASSERT_TRUE(eventually([] { return After::inside().load(); }));
+
+  const Result<Receipt> refused = apply({{ramp::to_core<ramp::Up>("up", "right")}});
+
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::partly);
+  EXPECT_EQ(refused.error().at, "left");
+  EXPECT_TRUE(runs_on("right"));
+  After::shut() = false;
+  EXPECT_TRUE(eventually([&] { return look(), !system.outcomes.empty(); }));
+  ASSERT_EQ(system.outcomes.size(), 1u);
+  EXPECT_EQ(system.outcomes[0].changes.front(), 2u);
+  EXPECT_EQ(core("left"), before_left) << "both are as before the first change";
+  EXPECT_EQ(core("right"), before_right);
+  EXPECT_TRUE(runs_on("left"));
 }
 
 TEST_F(Partly, WithoutProbationTheMixtureIsToldAndWhatLeftIsGone) {

@@ -308,17 +308,6 @@ TEST_F(OnProbation, WhatIsConfirmedStays) {
   EXPECT_EQ(deployer.generation(), 2u);
 }
 
-TEST_F(OnProbation, ANewerChangeEndsIt) {
-  ASSERT_TRUE(swap_to<ramp::Down>());
-  ASSERT_TRUE(swap_to<ramp::Up>());
-
-  EXPECT_EQ(end_after(20ms).reason, "a newer change");
-  EXPECT_TRUE(deployer.on_probation());
-  ASSERT_TRUE(deployer.undo());
-  deployer.run_for(20ms);
-  EXPECT_NE(core().find("Down"), std::string::npos);
-}
-
 TEST_F(OnProbation, AStopDuringItParksAndTheWayBackStays) {
   ASSERT_TRUE(swap_to<ramp::Down>());
   deployer.run_for(20ms);
