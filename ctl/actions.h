@@ -12,6 +12,9 @@ namespace mauve::ctl {
 /// The options that were given, of those that several changes have: "--state drop" and the like.
 void add_options(const Session& session, Json& params);
 
+/// The names of all events, in the order of events.def.
+[[nodiscard]] std::vector<std::string> event_names();
+
 int run_status(Session& session);
 int run_list(Session& session);
 int run_show(Session& session);
@@ -32,6 +35,7 @@ int run_check(Session& session);
 int run_export(Session& session);
 int run_history(Session& session);
 int run_logs(Session& session);
+int run_explain(Session& session);
 int run_log(Session& session);
 int run_trace(Session& session);
 int run_ping(Session& session);

@@ -154,8 +154,13 @@ constexpr Argument kTrace[] = {
     maybe("-o,--output", "of dump: *.mtrace, *.json for Perfetto, else a folder of CTF",
           Kind::file)};
 constexpr Argument kLock[] = {one_of("LOCK", "none, params or all", "none params all")};
+constexpr Argument kExplain[] = {
+    maybe("NAME", "an event, or what a plugin brings; without it, all events", Kind::explained)};
 constexpr Argument kLogs[] = {
-    maybe("COMPONENT", "only this one", Kind::component),
+    maybe("COMPONENT", "only the records of this component; with --explain the name of an event",
+          Kind::component),
+    flag("--explain",
+         "what the event of this name means and what to do; without a name, all events"),
     flag("-f,--follow", "go on with what comes"),
     maybe("-n,--lines", "how many of the last records", Kind::none),
     choice("--level", "debug, info, warn or error, and worse", "debug info warn error"),
@@ -269,6 +274,8 @@ constexpr Command kCommands[] = {
     {"lock", "what may not be changed, but by stop, confirm and undo",
      "mauvectl lock all --reason mission", kLock, true, run_lock},
     {"logs", "the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},
+    {"explain", "what an event of the log means and what to do, or what a plugin's name is",
+     "mauvectl explain rule_fired", kExplain, false, run_explain},
     {"trace", "what every thread did when, and recordings of what went wrong",
      "mauvectl trace dump -o now.mtrace", kTrace, false, run_trace},
     {"log", "level: from which level on is logged, also of one component, for a time",

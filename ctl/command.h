@@ -26,6 +26,7 @@ enum class Kind {
   assignment,
   plugin,
   rule,
+  explained,
   file,
   category
 };

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "actions.h"
 #include "client.h"
 #include "options.h"
 #include "protocol/socket_path.h"
@@ -208,6 +209,8 @@ Words names_of(const Typed& typed, const Argument& argument, const std::string& 
       return Live(typed).names("port.list");
     case Kind::plugin:
       return Live(typed).names("plugin.list");
+    case Kind::explained:
+      return event_names();
     case Kind::rule:
       return Live(typed).names("rules.list");
     case Kind::service:

@@ -110,6 +110,7 @@ int show_level(Session& session) {
 }  // namespace
 
 int run_logs(Session& session) {
+  if (session.arguments.has("--explain")) return run_explain(session);
   const auto params = params_of(session.arguments);
   if (const auto* fault = std::get_if<Fault>(&params)) return session.fail(*fault);
   const auto answer = session.call("log.tail", std::get<Json>(params));

@@ -25,7 +25,7 @@ MAY_USE = {
     "log": "public base rt",
     "daemon": RUNTIME + " protocol log",
     "guardian": "rt",
-    "ctl": "public base rt protocol",
+    "ctl": "public base rt protocol log",
     "plugins": "public",
     "man": RUNTIME + " protocol log daemon ctl",
     "tests": RUNTIME + " protocol log daemon ctl plugins man guardian",

@@ -119,5 +119,37 @@ TEST(LogLevel, StandsInTheStatus) {
   EXPECT_THAT(render_status(status, {}), HasSubstr("log level debug for 1 min still"));
 }
 
+TEST(Explain, PrintsTheAdviceOfEveryEventWithoutADaemon) {
+  const Json all = Json::parse(run("/nowhere", {"--json", "explain"}).out)["items"];
+  ASSERT_GT(all.size(), 60U);
+  for (const Json& event : all) {
+    const auto name = event["event"].get<std::string>();
+    const Outcome outcome = run("/nowhere", {"explain", name});
+    EXPECT_EQ(outcome.exit, 0) << name;
+    EXPECT_THAT(outcome.out, HasSubstr(event["advice"].get<std::string>())) << name;
+    EXPECT_EQ(run("/nowhere", {"logs", "--explain", name}).out, outcome.out) << name;
+  }
+  EXPECT_EQ(run("/nowhere", {"logs", "--explain"}).out, run("/nowhere", {"explain"}).out);
+}
+
+TEST(Explain, NamesTheNearestEventAndTheList) {
+  const Outcome outcome = run("/nowhere", {"logs", "--explain", "rule_fierd"});
+
+  EXPECT_EQ(outcome.exit, 4);
+  EXPECT_THAT(outcome.err, HasSubstr("did you mean 'rule_fired'?"));
+  EXPECT_THAT(outcome.err, HasSubstr("mauvectl explain lists all events"));
+}
+
+TEST(Explain, SaysWhichPluginBringsAName) {
+  const Json plugins = Json::parse(R"({"items": [{"name": "guidance", "version": "1.2",
+    "file": "/p/guidance.so", "cores": ["guidance/stop"], "types": ["gain/1"]}]})");
+  const Scene core({"explain", "guidance/stop"}, plugins);
+  const Scene unknown({"explain", "gain/2"}, plugins);
+
+  EXPECT_EQ(core.outcome.exit, 0);
+  EXPECT_THAT(core.outcome.out, HasSubstr("is     : a core of plugin guidance 1.2"));
+  EXPECT_THAT(unknown.outcome.err, HasSubstr("did you mean 'gain/1'?"));
+}
+
 }  // namespace
 }  // namespace mauve::ctl
