@@ -40,6 +40,7 @@ bool read_on_overrun(const Source& source, TaskSpec& task) {
 }
 
 constexpr std::int64_t kMostCounted = 1'000'000'000;
+constexpr std::int64_t kJobsCounted = 64;  // the last ones, see TaskAttributes
 
 void read_restart(const Source& source, FaultPolicy& policy) {
   policy.action = FaultPolicy::Action::restart;
@@ -94,7 +95,7 @@ void read_task(const Source& source, TaskSpec& task) {
   const auto stack = [](const Source& value) {
     return read_size(value, kSmallestStack, kLargestStack);
   };
-  const auto limit = [](const Source& value) { return read_integer(value, 1, kMostCounted); };
+  const auto limit = [](const Source& value) { return read_integer(value, 1, kJobsCounted); };
   bool counts = false;
   read_object(source,
               {{"priority", placed(task.priority, priority)},

@@ -76,7 +76,7 @@ std::vector<ComponentStatus> Deployer::status() const {
   system_->advance();
   std::vector<ComponentStatus> all;
   for (const exec::Deployed& deployed : system_->deployed) {
-    if (deployed.task != nullptr) all.push_back(exec::look_at(*system_, deployed));
+    if (!deployed.hidden) all.push_back(exec::look_at(*system_, deployed));
   }
   return all;
 }

@@ -5,6 +5,7 @@
 /// explains, because the machine was held up for as long meanwhile.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 
 namespace mauve::exec {
@@ -41,7 +42,17 @@ class Evidence {
     if (proven) late_before_ = late_;
     sum_ = 0;
     too_long_ = late_ = 0;
+    forget_overruns();
   }
+  /// Every job: did `limit` of the last 64 end too late? Then it counts anew. On probation as well
+  /// as off it, and whatever held the job up.
+  [[nodiscard]] bool overran(bool late, unsigned limit) {
+    overruns_ = overruns_ << 1U | (late ? 1U : 0U);
+    const bool too_often = late && std::popcount(overruns_) >= static_cast<int>(limit);
+    if (too_often) forget_overruns();
+    return too_often;
+  }
+  void forget_overruns() { overruns_ = 0; }
   /// A job off probation.
   void note(bool late) { late_ = late_ << 1U | (late ? 1U : 0U); }
   /// A job on probation. Of the budget it is the cumulative sum test of E. S. Page, Continuous
@@ -55,6 +66,7 @@ class Evidence {
  private:
   int sum_ = 0;
   std::uint64_t too_long_ = 0;     // a bit for each of the last jobs
+  std::uint64_t overruns_ = 0;     // the same
   std::uint64_t late_ = 0;         // the same
   std::uint64_t late_before_ = 0;  // the same, of the jobs before the change
 };

@@ -286,7 +286,7 @@ MAUVE_RUNS_AT_A_SWAP void Task::put_in_place(Published& next) {
   bound_.store(next.bound.count(), std::memory_order_relaxed);
   has_safe_values_.store(next.has_safe_values, std::memory_order_relaxed);
   // One that follows a change of others runs what it ran.
-  failed_ = failed_ && next.mode_only && next.back != nullptr;
+  if (!next.mode_only || next.back == nullptr) failed_.reset();
   if (next.other_core) {
     counters_.execution_max.store(0, std::memory_order_relaxed);
     counters_.used_max.store(0, std::memory_order_relaxed);
@@ -298,7 +298,7 @@ MAUVE_RUNS_AT_A_SWAP void Task::put_in_place(Published& next) {
     Published* const before = back_.exchange(next.back.release(), std::memory_order_acq_rel);
     if (before != nullptr) pile_up(*before);
   }
-  if (failed_) give_up_core(cause_, fault_.data());
+  if (failed_) give_up_core(*failed_, fault_.data());
   if (same_bundle && next.relief == nullptr) return;  // what stands by is of use still
   if (Published* relief = relief_.exchange(next.relief.release(), std::memory_order_acq_rel)) {
     relief->answer->progress.store(Published::Progress::given_back, std::memory_order_release);
@@ -334,6 +334,7 @@ MAUVE_RUNS_AT_A_SWAP void Task::rearm(const Published& next, bool was_running) {
   }
   wait_ = Duration{0};
   running_ = true;
+  evidence_.forget_overruns();
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
   counters_.state.store(ComponentState::running, std::memory_order_release);
   tell(TraceKind::started, clock_.now(), release_ - t0_);

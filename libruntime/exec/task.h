@@ -171,7 +171,8 @@ class Task {
   }
   [[nodiscard]] Duration excuse(Instant released, Instant end);
   void park(ComponentState state);
-  void count_overrun(const TaskAttributes& task, Instant by);
+  void count_overrun(Instant by);
+  void overran_too_often(const TaskAttributes& task);
   /// The end of a job on probation; `used`: processor time, none when it is not known.
   struct JobUse {
     Instant released = 0;
@@ -242,9 +243,8 @@ class Task {
   Duration cpu_before_{0};  // of this thread, when the job began; zero: was not asked for
   bool preempted_ = false;  // the last job was
   bool running_ = false;
-  bool waiting_ = false;        // at a barrier; it runs again after it
-  bool failed_ = false;         // waits for its way back or its relief; no job runs meanwhile
-  Cause cause_ = Cause::threw;  // of that
+  bool waiting_ = false;         // at a barrier; it runs again after it
+  std::optional<Cause> failed_;  // waits for its way back or its relief; no job runs meanwhile
 };
 
 }  // namespace mauve::exec

@@ -106,7 +106,6 @@ void Task::skip_job() {
 /// `fault_` says what it was; the safe values are written.
 void Task::on_fault(Cause cause) {
   add<std::uint64_t>(counters_.faults, 1);
-  cause_ = cause;
   const Instant now = clock_.now();
   tell(TraceKind::fault, now, 0, 0, static_cast<std::uint32_t>(cause));
   rt::Event event{now, rt::EventKind::faulted, LogLevel::error, nullptr, {}, {}, {}};
@@ -124,7 +123,7 @@ void Task::on_fault(Cause cause) {
   const bool relieved =
       relief != nullptr && current_->bundle->task.on_fault.action != FaultPolicy::Action::stop;
   if (!leads_back() && !relieved && !gets_way_back()) return park(ComponentState::faulted);
-  failed_ = true;
+  failed_ = cause;
   wait_ = current_->grid;
   release_ += wait_.count();
   relief_from_ = relieved ? clock_.now() + relief->back_off.count() : 0;

@@ -220,7 +220,8 @@ void Task::account(Instant start, const JobEnd& job) {
   const Instant deadline =
       task.deadline > Duration{0} ? std::min(release_, released + task.deadline.count()) : release_;
   const bool late = end > deadline;
-  if (late) count_overrun(task, end - deadline);
+  if (late) count_overrun(end - deadline);
+  if (evidence_.overran(late, task.overrun_limit)) overran_too_often(task);
   if (this_job().implausible != nullptr) add<std::uint64_t>(counters_.implausible, 1);
   if (back_.load(std::memory_order_relaxed) != nullptr) {
     watch_over({released, start, end, Duration{late ? end - deadline : 0}, used});
@@ -229,19 +230,21 @@ void Task::account(Instant start, const JobEnd& job) {
   }
 }
 
-void Task::count_overrun(const TaskAttributes& task, Instant by) {
+void Task::count_overrun(Instant by) {
   add<std::uint64_t>(counters_.overruns, 1);
   add<std::uint64_t>(times_->overruns, 1);
   const std::uint64_t overruns = counters_.overruns.load(std::memory_order_relaxed);
   tell(TraceKind::overrun, clock_.now(), by, overruns);
   note(rt::EventKind::overrun, LogLevel::warning, by, static_cast<std::int64_t>(overruns));
-  if (overruns < task.overrun_limit) return;
+}
+
+void Task::overran_too_often(const TaskAttributes& task) {
   if (task.on_overrun == OnOverrun::stop) {
     write_safe_values();
     park(ComponentState::stopped);
   } else if (task.on_overrun == OnOverrun::fallback && relief_.load() != nullptr) {
-    std::snprintf(fault_.data(), fault_.size(), "overran %u times", task.overrun_limit);
-    failed_ = true;  // its relief takes over at the next release
+    std::snprintf(fault_.data(), fault_.size(), "overran %u times in 64 jobs", task.overrun_limit);
+    failed_ = Cause::overruns;  // its relief takes over at the next release
     relief_from_ = release_;
   }
 }

@@ -55,7 +55,9 @@ struct TaskAttributes {
   Duration budget{0};             ///< execution time of one job; zero: not declared
   std::size_t stack = 64 * 1024;  ///< bytes, touched and locked at start
   OnOverrun on_overrun = OnOverrun::skip;
-  unsigned overrun_limit = 1;  ///< for OnOverrun::stop and fallback
+  /// For OnOverrun::stop and fallback: so many of the last 64 jobs; counted anew after a start and
+  /// after a change of the component. 1 to 64.
+  unsigned overrun_limit = 1;
   FaultPolicy on_fault;
   /// A job that runs longer never returns: its thread is given up (see on_fault). Zero: ten
   /// budgets, else ten times the longest wait, at least 100 ms and at most 400 ms (two budgets, or

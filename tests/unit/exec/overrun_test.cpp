@@ -83,6 +83,22 @@ TEST_F(Overrun, CatchUpRunsEveryMissedReleaseBackToBack) {
   EXPECT_EQ(task.counters().missed, 0u);
 }
 
+TEST_F(Overrun, TheLimitIsOneOfTheLastSixtyFourJobs) {
+  component->task().on_overrun = OnOverrun::stop;
+  component->task().overrun_limit = 2;
+  begin();
+  core().costs.resize(200);
+  core().costs[0] = core().costs[64] = core().costs[128] = 1500us;
+
+  run(150);
+  EXPECT_EQ(task.counters().overruns, 3u);
+  EXPECT_EQ(task.counters().state, ComponentState::running) << "each is 64 jobs after the last";
+
+  core().costs[150] = 1500us;
+  run(5);
+  EXPECT_EQ(task.counters().state, ComponentState::stopped) << "22 jobs after the last";
+}
+
 TEST_F(Overrun, StopEndsTheComponentAfterItsLimit) {
   component->task().on_overrun = OnOverrun::stop;
   component->task().overrun_limit = 2;

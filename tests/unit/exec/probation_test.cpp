@@ -368,6 +368,7 @@ TEST_F(OnProbation, WhatJoinedLeavesAgainAndWhatLeftComesBack) {
   ASSERT_TRUE(deployer.apply(change));
   change = {};
   EXPECT_EQ(architecture.find_component("control"), nullptr);
+  EXPECT_EQ(deployer.status().size(), 1u) << "what left is not shown while it may come back";
 
   EXPECT_EQ(end_after(100ms).component, "second");
   EXPECT_NE(architecture.find_component("control"), nullptr);

@@ -328,8 +328,26 @@ TEST(Relief, TheFallbackTakesOverAfterTooManyOverruns) {
   const auto outcomes = tend(deployer);
   ASSERT_EQ(outcomes.size(), 1u);
   EXPECT_EQ(outcomes[0].kind, Outcome::Kind::fell_back);
-  EXPECT_EQ(outcomes[0].reason, "overran 3 times");
+  EXPECT_EQ(outcomes[0].reason, "overran 3 times in 64 jobs");
   EXPECT_EQ(deployer.status("control").overruns, 3u);
+}
+
+TEST(Relief, AComponentThatOverranTooOftenHasItsWholeLimitAgainAfterAStart) {
+  ramp::One<Late> architecture;
+  architecture.control.task().on_overrun = OnOverrun::stop;
+  architecture.control.task().overrun_limit = 3;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  Late::clock() = const_cast<ManualClock*>(dynamic_cast<const ManualClock*>(&deployer.clock()));
+  deployer.run_for(200ms);
+  ASSERT_EQ(deployer.status("control").overruns, 3u);
+  ASSERT_EQ(deployer.status("control").state, ComponentState::stopped);
+
+  ASSERT_TRUE(deployer.start({"control"}));
+  deployer.run_for(200ms);
+
+  EXPECT_EQ(deployer.status("control").overruns, 6u);
+  EXPECT_EQ(deployer.status("control").state, ComponentState::stopped);
 }
 
 TEST(Relief, StaysInForceWhenATransactionComesThatDoesNotKnowOfIt) {
