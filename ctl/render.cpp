@@ -194,6 +194,7 @@ std::string render_heading(const Json& status) {
   if (realtime.is_boolean()) text += realtime == true ? ", real time" : ", NOT real time";
   if (realtime.is_string()) text += ", real time: " + compact(realtime);
   if (member(status, "saved") == false) text += ", NOT saved";
+  if (!list_in(status, "probations").empty()) text += ", on probation";
   if (const auto lock = word(status, "lock"); lock == "params" || lock == "all") {
     text += ", " + lock + " locked";
   }
@@ -234,7 +235,7 @@ std::string render_status(const Json& status, Look look) {
       text += painted(word(one, "name") + said, Paint::red, look.colour) + "\n";
     }
   }
-  return text + troubles(status, look);
+  return text + troubles(status, look) + render_pending(status, look);
 }
 
 std::string render_list(const Json& result, Look look) {

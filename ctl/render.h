@@ -22,6 +22,8 @@ struct Look {
 /// "rover: 6 of 6 components running, generation 12, up 5 min 2 s, real time".
 [[nodiscard]] std::string render_heading(const Json& status);
 [[nodiscard]] std::string render_status(const Json& status, Look look);
+/// A line for each thing of status.get that is not settled yet; empty: all is.
+[[nodiscard]] std::string render_pending(const Json& status, Look look);
 
 /// The "items" of any list, one row each; nested things stand as compact JSON.
 [[nodiscard]] std::string render_list(const Json& result, Look look);

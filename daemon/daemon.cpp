@@ -268,6 +268,7 @@ void Daemon::keep_the_first() {
       origin_.generation == 0 ? origin_.file : "generation " + std::to_string(origin_.generation);
   keeper_->begin(first, described(*running_));
   begin_start(*running_, origin_.replaces, origin_.crashes);
+  running_->recovered = origin_.generation;
 }
 
 /// Under a service manager this keeps the line of `systemctl status` true and tells the watchdog

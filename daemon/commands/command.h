@@ -91,9 +91,10 @@ struct Running {
   std::map<std::string, std::string> quarantined = {};
   /// [control] Components that a thread which was left behind may still be in, and its hook.
   std::map<std::string, std::string> barred = {};
-  Unproven unproven = {};    ///< [control] see unproven.h
-  Started started = {};      ///< [control]
-  Keeper* keeper = nullptr;  ///< null: nothing is kept
+  Unproven unproven = {};       ///< [control] see unproven.h
+  Started started = {};         ///< [control]
+  std::uint64_t recovered = 0;  ///< the saved generation that this run began with; 0: the file
+  Keeper* keeper = nullptr;     ///< null: nothing is kept
   Guardian* guardian = nullptr;
   Recorder* recorder = nullptr;
   Lock lock = Lock::none;                   ///< [control], see gate.h

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// status.get, ping, version: is it well, and what is it?
+#include <algorithm>
+
 #include "commands/answer.h"
+#include "commands/change.h"
 #include "commands/command.h"
 #include "commands/gate.h"
 #include "commands/given_up.h"
@@ -24,6 +27,24 @@ Json poisoned(const Running& running) {
     }
   }
   return names;
+}
+
+/// What waits to prove itself or to be confirmed, the oldest first.
+Json probations(const Running& running) {
+  Json rows = Json::array();
+  for (const auto& one : running.deployer.probations()) {
+    const auto& rules = one.rules;
+    const bool confirms = rules.confirm_within > Duration{0};
+    const auto left = (confirms ? rules.confirm_within : rules.time) - one.passed;
+    rows.push_back({{"generations", one.changes},
+                    {"components", one.components},
+                    {"state", one.leads_back ? "leads_back"
+                              : confirms     ? "awaits_confirmation"
+                                             : "watching"},
+                    {"left_ns", std::max(left, Duration{0}).count()},
+                    {"jobs", confirms ? Json() : Json(rules.activations)}});
+  }
+  return rows;
 }
 
 /// Of the plugin that brought it; null for a core of the program itself.
@@ -91,7 +112,10 @@ Result<Json> status(Running& running, const Call& /*call*/) {
                  {"components", std::move(rows)},
                  {"poisoned", poisoned(running)},
                  {"left_behind", left_behind(running)},
-                 {"lost_to_quarantine", lost_to_quarantine(running)}};
+                 {"lost_to_quarantine", lost_to_quarantine(running)},
+                 {"probations", probations(running)},
+                 {"recovered", running.recovered == 0 ? Json() : Json(running.recovered)},
+                 {"quarantine", running.quarantined.size()}};
   if (running.guardian != nullptr) {
     result["guardian"] = running.guardian->json();
   }

@@ -131,6 +131,11 @@ TEST(Probation, GoesOnWhenAnotherComponentChanges) {
   const auto elsewhere = daemon.ask("param.set", {{"values", {{"second.core.gain", 2.0}}}});
   EXPECT_FALSE(elsewhere.contains("notes")) << elsewhere;
 
+  const auto pending = daemon.ask("status.get")["probations"];
+  ASSERT_EQ(pending.size(), 2U) << pending;
+  EXPECT_EQ(pending[0]["components"], Json({"first"}));
+  EXPECT_EQ(pending[0]["state"], "watching");
+  EXPECT_EQ(pending[1]["generations"], Json({3}));
   EXPECT_EQ(daemon.ask("change.undo")["state"], "applied") << "of the newest";
   EXPECT_EQ(daemon.component("first")["core"], "trial/other");
   EXPECT_EQ(daemon.ask("change.undo")["state"], "applied");

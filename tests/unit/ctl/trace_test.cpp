@@ -11,13 +11,13 @@ namespace {
 
 using testing::HasSubstr;
 
-const Json kStatus = {
+const Json kTraceStatus = {
     {"on", true},        {"detail", true},  {"seconds", 20}, {"records", 1500},
     {"lost", 2},         {"recordings", 1}, {"since", 5},    {"flight_recorder", true},
     {"bytes", 5'000'000}};
 
 TEST(Trace, SaysHowMuchIsKeptWhenItStarts) {
-  const Scene scene({"trace", "start", "--detail", "--for", "20s"}, kStatus);
+  const Scene scene({"trace", "start", "--detail", "--for", "20s"}, kTraceStatus);
 
   EXPECT_EQ(scene.outcome.exit, 0) << scene.outcome.err;
   ASSERT_EQ(scene.asked.size(), 1U);

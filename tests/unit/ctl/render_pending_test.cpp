@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render.h"
+
+namespace mauve::ctl {
+namespace {
+
+using testing::HasSubstr;
+
+Json with(const char* key, Json value) {
+  Json status = {{"generation", 4}, {"architecture", "a"}, {"components", Json::array()}};
+  status[key] = std::move(value);
+  return status;
+}
+
+Json probation(const char* state, double left) {
+  return Json::array({{{"generations", {3, 4}},
+                       {"components", {"control", "base"}},
+                       {"state", state},
+                       {"left_ns", left},
+                       {"jobs", 3000}}});
+}
+
+TEST(RenderPending, IsEmptyWhenAllIsSettled) {
+  EXPECT_EQ(render_pending(with("probations", Json::array()), {}), "");
+  EXPECT_EQ(render_pending(with("recovered", nullptr), {}), "");
+}
+
+TEST(RenderPending, TellsHowLongAChangeIsOnProbationAndWhatLeadsBack) {
+  EXPECT_EQ(render_pending(with("probations", probation("watching", 6e9)), {}),
+            "generations 3 to 4 (control, base): on probation for 6 s still, or 3000 jobs: a "
+            "failure, or mauvectl undo, leads back\n");
+  EXPECT_THAT(render_status(with("probations", probation("watching", 6e9)), {}),
+              HasSubstr("generation 4, on probation\n"));
+}
+
+TEST(RenderPending, CountsDownToAConfirmation) {
+  EXPECT_THAT(render_pending(with("probations", probation("awaits_confirmation", 2e9)), {}),
+              HasSubstr("goes back in 2 s unless somebody confirms it: mauvectl confirm"));
+}
+
+TEST(RenderPending, SaysThatTheFileWasNotStarted) {
+  EXPECT_THAT(render_pending(with("recovered", 42), {}),
+              HasSubstr("began with generation 42 after a crash, not with its file"));
+}
+
+TEST(RenderPending, CountsCoresInQuarantine) {
+  EXPECT_EQ(render_pending(with("quarantine", 2), {}),
+            "2 cores are in quarantine: mauvectl quarantine\n");
+}
+
+}  // namespace
+}  // namespace mauve::ctl
