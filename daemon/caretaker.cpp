@@ -181,7 +181,9 @@ void Caretaker::save(const Outcome& outcome) {
   }
   if (outcome.kind == Outcome::Kind::passed) {
     for (const auto generation : proofs_.passed(outcome)) {
-      keeper.mark(generation, Mark::confirmed);
+      if (generation != running_->unproven.generation) {  // it holds new code without a probation
+        keeper.mark(generation, Mark::confirmed);
+      }
     }
     return;
   }

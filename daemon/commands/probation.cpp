@@ -120,7 +120,8 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
   if (auto met = check_conditions(running, *call); !met) {
     return answer(running, *call, met.error());
   }
-  if (auto done = running.deployer.confirm(); !done && !confirm_unproven(running)) {
+  const auto done = running.deployer.confirm();
+  if (const bool new_code = confirm_unproven(running); !done && !new_code) {
     return answer(running, *call, done.error());
   }
   call->confirms = true;  // what a power cut could take back is no confirmation: the answer waits

@@ -67,7 +67,7 @@ void look_at_unproven(Running& running) {
   }
   if (failed) {
     running.unproven = {};
-  } else if (unproven.generation == running.generation &&
+  } else if (unproven.generation == running.generation && !running.deployer.on_probation() &&
              std::chrono::steady_clock::now() - unproven.since >= Probation{}.time) {
     static_cast<void>(confirm_unproven(running));
   }

@@ -294,6 +294,23 @@ TEST_F(Generations, OfAReloadOrASwapInPlaceAreUnconfirmedUntilTheyAreConfirmed) 
   EXPECT_EQ(exported(daemon), proved);
 }
 
+TEST_F(Generations, AreUnconfirmedAsLongAsAnyChangeInThemIs) {
+  TrialDaemon daemon(kTrial, options());
+  Json swap = {{"component", "first"}, {"core", "trial/other"}, {"confirm_within", "600s"}};
+  ASSERT_EQ(daemon.ask("core.swap", swap)["saved"], true);
+  ASSERT_EQ(
+      daemon.ask("core.swap",
+                 {{"component", "second"}, {"core", "trial/other"}, {"in_place", true}})["saved"],
+      true);
+  ASSERT_TRUE(eventually([&] { return daemon.ask("status.get")["uptime_s"] > 13; },
+                         std::chrono::seconds(60)));
+  EXPECT_EQ(newest(daemon)["mark"], "unconfirmed") << "the first change waits for its confirmation";
+
+  ASSERT_EQ(daemon.ask("change.confirm")["saved"], true);
+
+  EXPECT_EQ(newest(daemon)["mark"], "confirmed");
+}
+
 TEST_F(Generations, OfAReloadAreConfirmedWhenNothingFailed) {
   TrialDaemon daemon(kTrial, options());
   static_cast<void>(daemon.client());
