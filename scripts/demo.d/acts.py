@@ -61,6 +61,9 @@ def wait_for_the_building(robot):
 
 
 def throwing_core(robot):
+    # Else the next swap joins the probation of the last ones, and leads back to before all of them.
+    print("\n$ mauvectl confirm      # the core for clutter does well", flush=True)
+    robot.run("confirm")
     load(robot, "guidance_faulty")
     swap(robot, "guidance_faulty/throwing")
     until("it throws, and guidance/potential_field is back by itself",
