@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "arch/json_hint.h"
 #include "arch/token_places.h"
 
 namespace mauve::arch {
@@ -63,8 +64,10 @@ class TreeBuilder {
   }
 
   bool parse_error(std::size_t offset, const std::string&, const nlohmann::json::exception& error) {
-    return stop(TokenPlaces::place_of(text_, offset == 0 ? 0 : offset - 1), Errc::invalid_value,
-                plain_message(error.what()));
+    const std::size_t last = offset == 0 ? 0 : offset - 1;
+    const std::string message = plain_message(error.what());
+    return stop(TokenPlaces::place_of(text_, last), Errc::invalid_value, message,
+                json_hint(message, text_, last));
   }
 
   [[nodiscard]] bool refused() const { return refused_; }
@@ -89,9 +92,9 @@ class TreeBuilder {
     }
   }
 
-  bool stop(Position where, Errc code, std::string message) {
+  bool stop(Position where, Errc code, std::string message, std::string hint = {}) {
     refused_ = true;
-    problems_.add(where, code, "", std::move(message));
+    problems_.add(where, code, "", std::move(message), std::move(hint));
     return false;
   }
 

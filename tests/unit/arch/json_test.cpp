@@ -175,5 +175,39 @@ TEST(Json, SurvivesAnyBytesAndAlwaysNamesAPlace) {
   }
 }
 
+TEST(Json, HintsAtTheUsualSlips) {
+  const auto hint = [](std::string_view text) { return refused(text).front().error.hint; };
+  const std::string comma = "remove the comma before it: none stands behind the last item";
+  EXPECT_EQ(hint("[1, 2,]"), comma);
+  EXPECT_EQ(hint("{\n  \"a\": 1,\n}"), comma);
+  EXPECT_EQ(hint("{\"a\": 1,\n // more\n}"), comma);
+  const std::string missing = "a comma is missing behind the value before it";
+  EXPECT_EQ(hint("{\"a\": 1\n \"b\": 2}"), missing);
+  EXPECT_EQ(hint("[1 2]"), missing);
+  EXPECT_EQ(hint("[\"a\" \"b\"]"), missing);
+  EXPECT_EQ(hint("{\"a\": {} \"b\": 2}"), missing);
+  const std::string quotes = "strings and keys stand in double quotes: \"...\"";
+  EXPECT_EQ(hint("['a']"), quotes);
+  EXPECT_EQ(hint("{'a': 1}"), quotes);
+  EXPECT_EQ(hint("{\"a\": 'text'}"), quotes);
+  const std::string closing =
+      "a string ends in the line in which it begins: a closing \" is missing";
+  EXPECT_EQ(hint("{\"a\": \"text,\n \"b\": 1}"), closing);
+  EXPECT_EQ(hint("{\"a: 1}"), closing);
+  EXPECT_EQ(hint("{a: 1}"), "keys stand in double quotes: \"name\": ...");
+  EXPECT_EQ(hint("{\"a\" 1}"), "write a colon between key and value");
+  EXPECT_EQ(hint("{\"a\" = 1}"), "write a colon between key and value");
+  EXPECT_EQ(hint("{\"a\": }"), "write the value that is missing before it");
+  EXPECT_EQ(hint("{\"a\": True}"),
+            "text stands in double quotes; the words without are true, false and null");
+  EXPECT_EQ(hint("{\"a\": 10ms}"), "text with a unit stands in double quotes: \"10ms\"");
+  EXPECT_EQ(hint("{\"a\": .5}"), "a number begins with a digit or a minus sign");
+  EXPECT_EQ(hint("[1, 2}"), "a [ is closed by ]");
+  EXPECT_EQ(hint("{\"a\": 1]"), "a { is closed by }");
+  EXPECT_EQ(hint("{\"a\": [1, 2"), "a closing } or ] is missing, or the file was cut off");
+  EXPECT_EQ(hint(" \n"), "the file is empty");
+  EXPECT_EQ(hint("{} {}"), "a file holds one value: remove the rest");
+}
+
 }  // namespace
 }  // namespace mauve::arch
