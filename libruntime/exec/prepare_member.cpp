@@ -106,6 +106,9 @@ class MemberBuilder {
     const std::string at = component_.name() + ".core";
     Status done = check_contract(at, next_->core_type, next_->fsm_type, type().shell);
     if (done) done = make_element(at, next_->core_type.make, next_->core);
+    if (done && !edit_.fsm && !edit_.type) {
+      done = check_same_members(*base_.core, *next_->core, next_->core_type.contract);
+    }
     if (done) done = prepare_hand_over(*base_.core, *next_->core, edit_.state);
     const bool same_type = !edit_.core || edit_.core->name == base_.core_type.name;
     const bool anew = edit_.core && edit_.values == Values::defaults;

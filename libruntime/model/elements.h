@@ -38,6 +38,11 @@ Status drop_elements(const std::string& address, Drop&& drop) {
 [[nodiscard]] Status check_contract(const std::string& at, const CoreType& core, const FsmType& fsm,
                                     const ShellType& shell);
 
+/// Does the contract class of both cores declare the same members at the same places? Asked when
+/// the state machine stays, whose functions may use them.
+[[nodiscard]] Status check_same_members(const CoreBase& old, const CoreBase& now,
+                                        const Contract& contract);
+
 /// Configures from front to back; a failure cleans up what this call had configured.
 Status configure_in_order(std::span<Configurable* const> elements);
 /// Cleans up from back to front; returns the first error, but cleans all.

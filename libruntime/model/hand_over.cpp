@@ -26,6 +26,14 @@ Error lost(const CoreBase& into, const Capsule& from, const Capsule* found, cons
                       " of the core in force, and does not say that it needs none",
                   drop + member + " or mauve::Stateless in the new core");
   }
+  if (found->type().name == from.type().name && !from.type().vouched) {
+    return refuse(
+        Errc::type_mismatch, into.address(),
+        "was built anew, and its state " + shown(from.type()) +
+            " has no description: nobody knows whether its fields lie as in the core in force",
+        "specialise mauve::Described for it (fields, or a name with a revision alone, by which "
+        "you vouch for its layout) and build both again, or say --state drop to start it fresh");
+  }
   return refuse(Errc::type_mismatch, into.address(),
                 "has the state " + shown(found->type()) + ", but the core in force has " +
                     shown(from.type()) + ", which it cannot convert",

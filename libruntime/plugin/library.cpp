@@ -74,7 +74,9 @@ Result<std::shared_ptr<Library>> Library::open(const PluginFile& file) {
   if (!image) return refused(image.error());
   library->image_ = *std::move(image);
   info.serial = library->image_.serial();
-  if (Status mapped = library->map(file.name); !mapped) return refused(mapped.error());
+  if (Status mapped = library->map(file.name, facts->manifest.checksum); !mapped) {
+    return refused(mapped.error());
+  }
   if (Status good = library->declare(facts->manifest); !good) return refused(good.error());
   return library;
 }
@@ -87,12 +89,12 @@ std::shared_ptr<Library> Library::compiled_in(Plugin plugin) {
   return library;
 }
 
-Status Library::map(const std::string& name) {
+Status Library::map(const std::string& name, std::uint64_t build) {
   const std::string path = image_.path();
   handle_ = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle_ == nullptr) return cannot_link(dlerror(), path);
   code_ = rt::code_around(dlsym(handle_, "mauve_plugin"));
-  declared_ = std::make_unique<Plugin>(name);
+  declared_ = std::make_unique<Plugin>(name, build);
   return ok();
 }
 

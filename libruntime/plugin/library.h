@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -71,7 +72,7 @@ class Library {
   using Users = std::list<User>;
 
   Library() = default;
-  Status map(const std::string& name);
+  Status map(const std::string& name, std::uint64_t build);
   Status declare(const PluginManifest& checked);
 
   PluginInfo info_;

@@ -58,7 +58,8 @@ Status LoadedPlugin::collect_components() {
     if (!good) return good;
     const FsmType fsm{plain.fsm.name, plain.fsm.contract,
                       keep(library_, plain.fsm.make, plain.fsm.name)};
-    const ShellType shell{plain.shell.name, keep(library_, plain.shell.make, plain.name)};
+    const ShellType shell{plain.shell.name, keep(library_, plain.shell.make, plain.name),
+                          plain.shell.members};
     components[plain.name] = {plain.name, shell, fsm, plain.default_core};
     fsms.try_emplace(plain.name, fsm);
   }
@@ -71,7 +72,8 @@ Status LoadedPlugin::collect_resources() {
     if (!good) return good;
     const CoreType core{plain.core.name, plain.core.contract,
                         keep(library_, plain.core.make, plain.core.name)};
-    const ShellType shell{plain.shell.name, keep(library_, plain.shell.make, plain.name)};
+    const ShellType shell{plain.shell.name, keep(library_, plain.shell.make, plain.name),
+                          plain.shell.members};
     resources[plain.name] = {plain.name, shell, core, keep(library_, plain.interface, plain.name)};
     cores.try_emplace(plain.name, core);
   }

@@ -31,7 +31,7 @@ concept HasCodec = requires(const T& data, T& into, const Value& value) {
 /// The name that identifies T across plugins.
 template <typename T>
 std::string type_name() {
-  if constexpr (HasFields<T>) {
+  if constexpr (HasName<T>) {
     return std::string(Described<T>::name);
   } else if constexpr (std::is_void_v<T>) {
     return "void";

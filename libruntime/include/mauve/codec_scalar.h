@@ -45,8 +45,11 @@ constexpr Field<Owner, T> field(std::string_view name, T Owner::*member, std::st
 namespace detail {
 
 template <typename T>
-concept HasFields = requires {
+concept HasName = requires {
   { Described<T>::name } -> std::convertible_to<std::string_view>;
+};
+template <typename T>
+concept HasFields = HasName<T> && requires {
   Described<T>::fields();
 };
 

@@ -3,15 +3,16 @@
 /// and of the catalog.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <typeinfo>
+#include <vector>
 
 #include <mauve/class_name.h>
+#include <mauve/contract.h>
 #include <mauve/core.h>
 #include <mauve/fsm.h>
 #include <mauve/interface.h>
@@ -20,42 +21,7 @@
 
 namespace mauve {
 
-/// The class that a state machine calls and that a core implements. Cores of the same contract
-/// replace one another; the fingerprint differs when the plugins were built with different headers.
-struct Contract {
-  std::string name;               ///< "guidance/core/1", or the compiler's name
-  std::uint64_t fingerprint = 0;  ///< sizes of contract and shell
-  std::string shell;              ///< compiler's name of the shell the core expects
-
-  friend bool operator==(const Contract&, const Contract&) = default;
-};
-
 namespace detail {
-
-template <typename T>
-struct ContractOf {
-  using type = T;
-};
-template <typename T>
-requires requires { typename T::Contract; }
-struct ContractOf<T> {
-  using type = typename T::Contract;
-};
-
-template <typename CoreT>
-Contract contract_of() {
-  using C = typename ContractOf<CoreT>::type;
-  static_assert(std::is_base_of_v<C, CoreT>, "a core derives from its contract class");
-  Contract contract;
-  if constexpr (requires { C::contract; }) {
-    contract.name = C::contract;
-  } else {
-    contract.name = class_name(typeid(C));
-  }
-  contract.fingerprint = hash(sizeof(C), hash(sizeof(typename C::ShellType), hash(contract.name)));
-  contract.shell = class_name(typeid(typename C::ShellType));
-  return contract;
-}
 
 /// How instances are made: plain `new T`, wrapped by the catalog so that they keep their library.
 template <typename Base>
@@ -66,16 +32,27 @@ std::shared_ptr<Base> make() {
   return std::make_shared<T>();
 }
 
+/// The contract of a core class.
+template <typename CoreT>
+Contract contract_of_core() {
+  static_assert(std::is_base_of_v<CoreBase, CoreT>,
+                "mauve: a core derives from mauve::Core<YourShell> or from a contract class");
+  using C = typename ContractOf<CoreT>::type;
+  static_assert(std::is_base_of_v<C, CoreT>, "mauve: a core derives from its contract class");
+  return contract_of<C>();
+}
+
 }  // namespace detail
 
 /// A shell by name of its class.
 struct ShellType {
   std::string name;
   detail::Make<Shell> make;
+  std::vector<Member> members;  ///< as the plugin that makes it sees them
 
   template <typename T>
   static ShellType of() {
-    return {class_name(typeid(T)), detail::make<Shell, T>};
+    return {class_name(typeid(T)), detail::make<Shell, T>, detail::shell_members<T>()};
   }
 };
 
@@ -87,7 +64,7 @@ struct CoreType {
 
   template <typename T>
   static CoreType of(std::string name) {
-    return {std::move(name), detail::contract_of<T>(), detail::make<CoreBase, T>};
+    return {std::move(name), detail::contract_of_core<T>(), detail::make<CoreBase, T>};
   }
 };
 
@@ -99,7 +76,8 @@ struct FsmType {
 
   template <typename T>
   static FsmType of(std::string name) {
-    return {std::move(name), detail::contract_of<typename T::CoreType>(), detail::make<FsmBase, T>};
+    return {std::move(name), detail::contract_of_core<typename T::CoreType>(),
+            detail::make<FsmBase, T>};
   }
 };
 

@@ -33,9 +33,12 @@ namespace mauve {
 /// "guidance/potential_field".
 class Plugin {
  public:
-  explicit Plugin(std::string name) : name_(std::move(name)) {}
+  explicit Plugin(std::string name, std::uint64_t build = 0)
+      : name_(std::move(name)), build_(build) {}
 
   [[nodiscard]] const std::string& name() const { return name_; }
+  /// The checksum of its file; 0: it is part of the program.
+  [[nodiscard]] std::uint64_t build() const { return build_; }
 
   /// A core; its contract is `T::Contract`, or T itself.
   template <typename T>
@@ -88,6 +91,7 @@ class Plugin {
   }
 
   std::string name_;
+  std::uint64_t build_;
 };
 
 /// The first bytes of a plugin that the loader reads, from the file, before any of its code runs.
@@ -121,7 +125,8 @@ constexpr std::uint64_t abi_fingerprint() {
         sizeof(ConvertsBase), sizeof(FsmBase),      sizeof(FsmState),       sizeof(InterfaceBase),
         sizeof(ServiceBase),  sizeof(Binding),      sizeof(Cursor),         sizeof(Exchange),
         sizeof(LatestValue),  sizeof(TapList),      sizeof(Gate),           sizeof(Job),
-        sizeof(Plugin),       sizeof(DataType),     sizeof(std::string),    sizeof(void*)}) {
+        sizeof(Plugin),       sizeof(DataType),     sizeof(std::string),    sizeof(void*),
+        sizeof(CoreType),     sizeof(FsmType),      sizeof(ComponentType),  sizeof(ResourceType)}) {
     h = hash(static_cast<std::uint64_t>(size), h);
   }
 #if defined(_GLIBCXX_USE_CXX11_ABI)
@@ -163,10 +168,14 @@ constexpr PluginManifest make_manifest(const char* name, const char* version) {
 #endif
 
 /// Once per plugin: `MAUVE_PLUGIN(plugin) { plugin.core<MyCore>("my_core"); }`
-#define MAUVE_PLUGIN(parameter)                                                                \
-  static void mauve_declare(::mauve::Plugin& parameter);                                       \
-  extern "C" MAUVE_EXPORT __attribute__((section(".mauve.manifest")))                          \
-  const ::mauve::PluginEntry mauve_plugin;                                                     \
-  extern "C" MAUVE_EXPORT const ::mauve::PluginEntry mauve_plugin = {                          \
-      ::mauve::detail::make_manifest(MAUVE_PLUGIN_NAME, MAUVE_PLUGIN_VERSION), mauve_declare}; \
+#define MAUVE_PLUGIN(parameter)                                                              \
+  static void mauve_declare(::mauve::Plugin& parameter);                                     \
+  static void mauve_begin(::mauve::Plugin& plugin) {                                         \
+    ::mauve::detail::this_build = plugin.build();                                            \
+    mauve_declare(plugin);                                                                   \
+  }                                                                                          \
+  extern "C" MAUVE_EXPORT __attribute__((section(".mauve.manifest")))                        \
+  const ::mauve::PluginEntry mauve_plugin;                                                   \
+  extern "C" MAUVE_EXPORT const ::mauve::PluginEntry mauve_plugin = {                        \
+      ::mauve::detail::make_manifest(MAUVE_PLUGIN_NAME, MAUVE_PLUGIN_VERSION), mauve_begin}; \
   static void mauve_declare(::mauve::Plugin& parameter)

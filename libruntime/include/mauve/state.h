@@ -37,8 +37,9 @@ class StateBase : public Capsule {
 
 /// Declared as a member: `mauve::State<Guidance> state{*this};`, used as `state->goal`. Cores that
 /// share the state type hand it over in a swap; one of another type says how it converts it
-/// (converts.h). Describe T, so that its layout is compared field by field. Do not keep references
-/// into it.
+/// (converts.h). Describe T, so that its layout is compared field by field: a state without
+/// description or name (type.h) is handed over within one build of its plugin only. Do not keep
+/// references into it.
 template <typename T>
 class State final : public StateBase {
  public:

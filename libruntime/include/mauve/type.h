@@ -9,6 +9,10 @@
 ///     }
 ///   };
 ///
+/// A type that cannot be described field by field may have a name alone, without fields(): its
+/// author vouches that all builds of that revision lay it out alike. A type with neither is taken
+/// for the same in code of one build only.
+///
 /// A type that follows another one may say how it is made from it, which is kept beside it under
 /// its old description; then shared_data and ring_buffer keep what they hold when a change gives
 /// them the new type:
@@ -37,8 +41,11 @@ struct DataType {
   std::string name;      ///< "velocity/1", "double", or a compiler's name when not described
   std::size_t size = 0;  ///< bytes
   std::size_t alignment = 0;
-  std::uint64_t layout = 0;  ///< hash of names, kinds, offsets and sizes of all fields
-  bool flat = false;         ///< trivially copyable: may be exchanged as bytes
+  /// Hash of names, kinds, offsets and sizes of all fields; of a type without description: of its
+  /// size, its name and the build of its plugin.
+  std::uint64_t layout = 0;
+  bool vouched = true;  ///< described, or named by its author: same in all builds of a revision
+  bool flat = false;    ///< trivially copyable: may be exchanged as bytes
   Value (*to_value)(const void* data) = nullptr;  ///< null: not described
   Status (*from_value)(const Value& value, void* data) = nullptr;
   Value (*describe)() = nullptr;              ///< fields with kinds and units, for people and tools
@@ -72,6 +79,14 @@ constexpr std::uint64_t hash(std::uint64_t number, std::uint64_t seed) {
   return seed;
 }
 
+/// The build of the plugin that this code belongs to (the checksum of its file), set before it
+/// declares anything; 0: the program. Each plugin has its own.
+inline std::uint64_t this_build __attribute__((visibility("hidden"))) = 0;
+
+/// Is the layout of T known from its description, or by the word of its author?
+template <typename T>
+inline constexpr bool kVouched = HasCodec<T> || HasName<T>;
+
 template <typename T>
 std::uint64_t layout_of() {
   std::uint64_t h = hash(sizeof(T), hash(alignof(T), kHashSeed));
@@ -90,6 +105,7 @@ std::uint64_t layout_of() {
         Described<T>::fields());
   } else {
     h = hash(std::string_view(type_name<T>()), h);
+    if constexpr (!kVouched<T>) h = hash(this_build, h);
   }
   return h;
 }
@@ -102,6 +118,7 @@ DataType make_data_type() {
     type.size = sizeof(T);
     type.alignment = alignof(T);
     type.layout = layout_of<T>();
+    type.vouched = kVouched<T>;
     type.flat = std::is_trivially_copyable_v<T>;
     type.construct = [](void* memory) { ::new (memory) T{}; };
     if constexpr (requires { typename Described<T>::Before; }) {

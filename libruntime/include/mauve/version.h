@@ -10,6 +10,6 @@ inline constexpr int kVersionPatch = 0;
 inline constexpr const char* kVersion = "0.1.0";
 
 /// Raised with every change of a public class that a compiled plugin can see.
-inline constexpr int kAbi = 5;
+inline constexpr int kAbi = 6;
 
 }  // namespace mauve
