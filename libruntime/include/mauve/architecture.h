@@ -79,6 +79,7 @@ Component<ShellT, CoreT, FsmT>::Component(Architecture& architecture, std::strin
                      FsmType::of<FsmT>(class_name(typeid(FsmT))),
                      {}},
                     CoreType::of<CoreT>(class_name(typeid(CoreT)))) {
+  detail::check_parts<ShellT, CoreT, FsmT>();
   architecture.add(*this);
 }
 
@@ -87,6 +88,7 @@ Resource<ShellT, CoreT, InterfaceT>::Resource(Architecture& architecture, std::s
     : ResourceBase(std::move(name), {class_name(typeid(InterfaceT)), ShellType::of<ShellT>(),
                                      CoreType::of<CoreT>(class_name(typeid(CoreT))),
                                      detail::make<InterfaceBase, InterfaceT>}) {
+  detail::check_resource<ShellT, CoreT, InterfaceT>();
   architecture.add(*this);
 }
 

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include <mauve/version.h>
+
 namespace mauve {
 
 /// A sequence of at most N items inside its owner. [any]

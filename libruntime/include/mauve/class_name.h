@@ -5,6 +5,8 @@
 #include <string>
 #include <typeinfo>
 
+#include <mauve/version.h>
+
 namespace mauve {
 
 /// "guidance::ControlShell"; of a class in an unnamed namespace too. [any], not on a real-time

@@ -110,6 +110,46 @@ class FsmBase : public Configurable {
   FsmState* initial_ = nullptr;
 };
 
+namespace detail {
+
+// What a state is declared with, so that a wrong declaration is one sentence of the compiler.
+template <typename CoreT, typename Guard, typename Target>
+inline constexpr bool kIsGuard = std::is_convertible_v<Target&, FsmState&> &&
+                                 (std::is_convertible_v<Guard, bool (CoreT::*)()> ||
+                                  std::is_convertible_v<Guard, bool (CoreT::*)() const>);
+
+template <typename CoreT, typename... A>
+inline constexpr bool kMakesExec = false;
+template <typename CoreT, typename F, typename N, typename M>
+inline constexpr bool kMakesExec<CoreT, F, N, M> = std::is_convertible_v<F, FsmBase&>&&
+    std::is_convertible_v<N, std::string_view>&& std::is_convertible_v<M, void (CoreT::*)()>;
+
+template <typename... A>
+inline constexpr bool kMakesSync = false;
+template <typename F, typename N, typename D>
+inline constexpr bool kMakesSync<F, N, D> = std::is_convertible_v<F, FsmBase&>&&
+    std::is_convertible_v<N, std::string_view>&& std::is_convertible_v<D, Duration>;
+template <typename F, typename N, typename D, typename Text>
+inline constexpr bool kMakesSync<F, N, D, Text> =
+    kMakesSync<F, N, D>&& std::is_convertible_v<Text, std::string_view>;
+
+template <typename... A>
+struct WrongExec {
+  static_assert(sizeof...(A) == ~0U,
+                "mauve: an execution state is declared as `Exec NAME{*this, \"NAME\", "
+                "&Contract::method};` with a method `void method()` of the contract class");
+  static FsmBase& fsm();
+};
+template <typename... A>
+struct WrongSync {
+  static_assert(sizeof...(A) == ~0U,
+                "mauve: a synchronization state is declared as `Sync NAME{*this, \"NAME\", "
+                "100ms};` with a duration that has a unit");
+  static FsmBase& fsm();
+};
+
+}  // namespace detail
+
 /// Derive from Fsm<YourContract>; states are members.
 template <typename CoreT>
 class Fsm : public FsmBase {
@@ -129,6 +169,13 @@ class Fsm : public FsmBase {
       add(Method<bool()>(guard), target);
       return static_cast<Derived&>(*this);
     }
+    template <typename Guard, typename Target>
+    requires(!detail::kIsGuard<CoreT, Guard, Target>) Derived& when(Guard, Target&) {
+      static_assert(sizeof(Guard) == 0,
+                    "mauve: when() takes a method `bool f()` of the contract class and a state: "
+                    "when(&Contract::f, state)");
+      return static_cast<Derived&>(*this);
+    }
   };
 
   /// Execution state.
@@ -136,6 +183,9 @@ class Fsm : public FsmBase {
    public:
     Exec(FsmBase& fsm, std::string_view name, void (CoreT::*method)())
         : Guarded<Exec>(fsm, name, FsmState::Kind::execution), method_(method) {}
+    template <typename... Wrong>
+    requires(!detail::kMakesExec<CoreT, Wrong...>) explicit Exec(Wrong&&...)
+        : Exec(detail::WrongExec<Wrong...>::fsm(), {}, nullptr) {}
     void run(CoreBase& core) override { method_(core); }
 
    private:
@@ -149,6 +199,9 @@ class Fsm : public FsmBase {
         : Guarded<Sync>(fsm, name, FsmState::Kind::synchronization),
           duration_(fsm, name, duration, text,
                     {.min = Duration{std::chrono::microseconds(10)}, .max = {}}) {}
+    template <typename... Wrong>
+    requires(!detail::kMakesSync<Wrong...>) explicit Sync(Wrong&&...)
+        : Sync(detail::WrongSync<Wrong...>::fsm(), {}, Duration{0}) {}
     [[nodiscard]] Duration duration() const override { return duration_.get(); }
     /// In code: `fsm().pace = 10ms`.
     Sync& operator=(Duration duration) {

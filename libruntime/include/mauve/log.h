@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <mauve/version.h>
+
 namespace mauve {
 
 enum class LogLevel : std::uint8_t { debug, info, warning, error };

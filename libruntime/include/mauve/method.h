@@ -7,6 +7,8 @@
 #include <type_traits>
 #include <utility>
 
+#include <mauve/version.h>
+
 namespace mauve {
 
 class CoreBase;

@@ -54,6 +54,7 @@ class Plugin {
   /// plugin, or "other/core").
   template <typename ShellT, typename FsmT>
   void component(std::string_view name, std::string_view default_core = {}) {
+    detail::check_parts<ShellT, FsmT>();
     components.push_back({qualified(name), ShellType::of<ShellT>(),
                           FsmType::of<FsmT>(qualified(name)),
                           default_core.empty() ? std::string() : qualified(default_core)});
@@ -61,12 +62,14 @@ class Plugin {
   /// A kind of component with one core, registered under the same name.
   template <typename ShellT, typename CoreT, typename FsmT>
   void component(std::string_view name) {
+    detail::check_parts<ShellT, CoreT, FsmT>();
     core<CoreT>(name);
     component<ShellT, FsmT>(name, name);
   }
   /// A kind of resource.
   template <typename ShellT, typename CoreT, typename InterfaceT>
   void resource(std::string_view name) {
+    detail::check_resource<ShellT, CoreT, InterfaceT>();
     resources.push_back({qualified(name), ShellType::of<ShellT>(),
                          CoreType::of<CoreT>(qualified(name)),
                          detail::make<InterfaceBase, InterfaceT>});
@@ -74,7 +77,8 @@ class Plugin {
   /// A described data type.
   template <typename T>
   void type() {
-    static_assert(detail::HasFields<T>, "describe it: specialise mauve::Described<T>");
+    static_assert(detail::HasFields<T>,
+                  "mauve: a type of a plugin is described: specialise mauve::Described<T>");
     types.push_back(&data_type<T>());
   }
 

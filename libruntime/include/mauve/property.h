@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include <mauve/configurable.h>
 #include <mauve/type.h>
@@ -68,6 +69,25 @@ class PropertyBase {
   const DataType* type_;
 };
 
+namespace detail {
+
+template <typename T, typename... A>
+inline constexpr bool kMakesProperty = false;
+template <typename T, typename O, typename N, typename V, typename... Rest>
+inline constexpr bool kMakesProperty<T, O, N, V, Rest...> =
+    std::is_convertible_v<O, Configurable&>&& std::is_convertible_v<N, std::string_view>&&
+        std::is_convertible_v<V, T>;
+
+template <typename... A>
+struct WrongProperty {
+  static_assert(sizeof...(A) == ~0U,
+                "mauve: a property is declared as `Property<T> NAME{*this, \"NAME\", DEFAULT, "
+                "\"text\"};` with a default of its type");
+  static Configurable& owner();
+};
+
+}  // namespace detail
+
 /// Declared as a member: `mauve::Property<double> gain{*this, "gain", 0.2, "pull, 1/s"};`
 /// Reading is [any]; real-time code reads it as a plain value.
 template <typename T>
@@ -79,6 +99,9 @@ class Property final : public PropertyBase {
         default_(value),
         value_(std::move(value)),
         limits_(std::move(limits)) {}
+  template <typename... Wrong>
+  requires(!detail::kMakesProperty<T, Wrong...>) explicit Property(Wrong&&...)
+      : Property(detail::WrongProperty<Wrong...>::owner(), {}, T{}) {}
 
   operator const T&() const { return value_; }
   [[nodiscard]] const T& get() const { return value_; }

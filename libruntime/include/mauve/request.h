@@ -4,6 +4,8 @@
 
 #include <string_view>
 
+#include <mauve/version.h>
+
 namespace mauve {
 
 /// `mauve::request("drop_gnss");` in a job: asks for the transaction of this name. It is carried

@@ -8,6 +8,8 @@
 #include <utility>
 #include <variant>
 
+#include <mauve/version.h>
+
 namespace mauve {
 
 /// Why something was refused. Printed with to_string(), the same word in logs and on the wire.

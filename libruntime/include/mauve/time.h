@@ -5,6 +5,8 @@
 #include <chrono>
 #include <cstdint>
 
+#include <mauve/version.h>
+
 namespace mauve {
 
 /// Every duration of the API. Text form always has a unit: "10ms".
@@ -13,6 +15,8 @@ using Duration = std::chrono::nanoseconds;
 /// Nanoseconds of the monotonic clock (or of a ManualClock); never wall time.
 using Instant = std::int64_t;
 
-using namespace std::chrono_literals;  // 10ms in a declaration of a state
-
 }  // namespace mauve
+
+/// For `100ms` in a declaration. The compiler looks for literals in namespaces only, never in a
+/// base class; suffixes without an underscore belong to the standard, so nothing can collide.
+using namespace std::chrono_literals;

@@ -10,6 +10,8 @@
 #include <variant>
 #include <vector>
 
+#include <mauve/version.h>
+
 namespace mauve {
 
 /// A tree of null, bool, integer, number, string, array and object (order kept, as written).

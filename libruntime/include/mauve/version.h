@@ -2,6 +2,10 @@
 /// Version of the runtime and of the binary contract between runtime and plugins.
 #pragma once
 
+#if __cplusplus < 202002L
+#error "mauve needs C++20: compile with -std=c++20, or use mauve_add_plugin() of CMake"
+#endif
+
 namespace mauve {
 
 inline constexpr int kVersionMajor = 0;
