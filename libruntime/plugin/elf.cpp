@@ -72,14 +72,21 @@ Status check_exports(const std::vector<ElfSymbol>& symbols) {
   return ok();
 }
 
+Error thread_local_variables(const ElfFile& file) {
+  std::string names;
+  for (const ElfSymbol& at : file.symbols(SHT_SYMTAB)) {
+    if (GELF_ST_TYPE(at.symbol.st_info) != STT_TLS) continue;
+    names += (names.empty() ? ": " : ", ") + printable(readable_symbol(at.name));
+  }
+  return bad("has thread-local variables, whose first use allocates on a real-time thread" + names,
+             "make them members of the core; a header or library that brings one cannot be used");
+}
+
 Status check_segments(const ElfFile& file) {
   bool stack_declared = false;
   for (const GElf_Phdr& segment : file.segments()) {
     const bool executable = (segment.p_flags & PF_X) != 0;
-    if (segment.p_type == PT_TLS) {
-      return bad("has thread-local variables: their first use allocates on a real-time thread",
-                 "make them members of the core");
-    }
+    if (segment.p_type == PT_TLS) return thread_local_variables(file);
     if (segment.p_type == PT_GNU_STACK && !executable) stack_declared = true;
     if (segment.p_type == PT_LOAD && executable && (segment.p_flags & PF_W) != 0) {
       return bad("has a segment that is writable and executable", kHouseBuild);
@@ -106,16 +113,46 @@ Status check_needed(const ElfFile& file) {
   return ok();
 }
 
+bool has_symbol(const ElfFile& file, GElf_Word table, std::string_view name) {
+  return std::ranges::any_of(file.symbols(table),
+                             [name](const ElfSymbol& at) { return at.name == name; });
+}
+
+/// Of a plugin that was not stripped: the sources with initialisers, each by its first symbol.
+std::string initialised_by(const ElfFile& file) {
+  constexpr std::string_view kPrefix = "_GLOBAL__sub_I_";
+  std::string where;
+  for (const ElfSymbol& at : file.symbols(SHT_SYMTAB)) {
+    if (!at.name.starts_with(kPrefix)) continue;
+    const std::string first = at.name.substr(kPrefix.size());
+    where += (where.empty() ? "" : ", ") + printable(readable_symbol(first));
+  }
+  return where;
+}
+
 Status check_initialisers(const ElfFile& file) {
   const std::size_t count = file.dynamic(DT_INIT_ARRAYSZ).value_or(0) / sizeof(GElf_Addr);
   if (count <= kInitialisers) return ok();
-  std::string where;
-  for (const ElfSymbol& at : file.symbols(SHT_SYMTAB)) {
-    if (at.name.starts_with("_GLOBAL__sub_I_")) where += " " + printable(at.name);
+  if (has_symbol(file, SHT_SYMTAB, "set_fast_math")) {
+    return bad(
+        "is linked with -ffast-math (or -Ofast), whose start-up code crtfastmath would change the "
+        "floating-point mode of mauved",
+        "compile with the single options that you need, such as -fno-math-errno, or link without "
+        "-ffast-math");
   }
-  return bad("has static initialisers, which would run unguarded:" +
-                 (where.empty() ? " " + std::to_string(count - kInitialisers) : where),
-             "make the variables constexpr, or static inside a function");
+  const std::string where = initialised_by(file);
+  const std::string in = where.empty() ? "" : " (in the source of " + where + ")";
+  if (has_symbol(file, SHT_DYNSYM, "_ZNSt8ios_base4InitC1Ev")) {
+    return bad(
+        "includes <iostream>, which brings a static initialiser, std::ios_base::Init, that "
+        "would run unguarded" +
+            in,
+        "include <ostream> or <iomanip> instead, and write with mauve::log");
+  }
+  return bad("has static initialisers, which would run unguarded" +
+                 (where.empty() ? ": " + std::to_string(count - kInitialisers)
+                                : ": in the source of " + where),
+             "make the variables of that source constexpr, or static inside a function");
 }
 
 Status check_dynamic(const ElfFile& file) {
@@ -191,6 +228,28 @@ std::string build_id(const ElfFile& file) {
   return text;
 }
 
+/// "was built with _GLIBCXX_DEBUG, this runtime without"
+std::string differing_options(std::uint64_t theirs, std::uint64_t ours) {
+  constexpr std::pair<std::uint64_t, const char*> kOptions[] = {
+      {build_option::kNewStrings, "_GLIBCXX_USE_CXX11_ABI=1"},
+      {build_option::kDebugContainers, "_GLIBCXX_DEBUG"},
+      {build_option::kAddressSanitizer, "-fsanitize=address"},
+      {build_option::kThreadSanitizer, "-fsanitize=thread"}};
+  std::string with;
+  std::string without;
+  for (const auto& [option, name] : kOptions) {
+    if (((theirs ^ ours) & option) == 0) continue;
+    std::string& list = (theirs & option) != 0 ? with : without;
+    list += (list.empty() ? "" : " and ") + std::string(name);
+  }
+  if (with.empty() && without.empty()) return "was built with options this runtime does not know";
+  std::string text;
+  if (!with.empty()) text = "was built with " + with + ", this runtime without";
+  if (without.empty()) return text;
+  return (text.empty() ? "" : text + "; it ") + "was built without " + without +
+         ", this runtime with";
+}
+
 }  // namespace
 
 Status check_manifest(const PluginManifest& manifest, std::string_view name) {
@@ -205,11 +264,19 @@ Status check_manifest(const PluginManifest& manifest, std::string_view name) {
                       std::to_string(ours.abi),
                   rebuild);
   }
+  if (manifest.options != ours.options) {
+    return refuse(Errc::abi_mismatch, {}, differing_options(manifest.options, ours.options),
+                  "build it with the options of this runtime, so that both see the same classes");
+  }
   if (manifest.fingerprint != ours.fingerprint) {
+    const std::string theirs = text_of(manifest.compiler);
+    const std::string own = text_of(ours.compiler);
     return refuse(Errc::abi_mismatch, {},
-                  "was built with other headers, another standard library or other sanitizers (" +
-                      text_of(manifest.compiler) + ") than this runtime (" +
-                      text_of(ours.compiler) + ")",
+                  "was built with other headers of mauve or of the standard library than this "
+                  "runtime: its classes have other sizes (" +
+                      (theirs == own ? "both by compiler " + own
+                                     : "compiler " + theirs + ", this runtime " + own) +
+                      ")",
                   rebuild);
   }
   if (text_of(manifest.name) != name) {

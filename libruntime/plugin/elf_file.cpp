@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "plugin/elf_file.h"
 
+#include <cxxabi.h>
+
+#include <cstdlib>
 #include <cstring>
 
 namespace mauve::plugin {
@@ -52,6 +55,14 @@ Status check_header(std::span<const std::byte> bytes) {
 }
 
 }  // namespace
+
+std::string readable_symbol(const std::string& symbol) {
+  if (!symbol.starts_with("_Z")) return symbol;
+  int status = 0;
+  const std::unique_ptr<char, decltype(&std::free)> text(
+      abi::__cxa_demangle(symbol.c_str(), nullptr, nullptr, &status), &std::free);
+  return text ? text.get() : symbol;
+}
 
 Result<ElfFile> ElfFile::open(std::span<const std::byte> bytes) {
   if (Status good = check_header(bytes); !good) return good.error();

@@ -21,6 +21,9 @@ struct ElfSymbol {
   GElf_Sym symbol;
 };
 
+/// "zoo::calls" of "_ZN3zoo5callsE"; what is no mangled name stays as it is.
+[[nodiscard]] std::string readable_symbol(const std::string& symbol);
+
 /// A view: the bytes must outlive it.
 class ElfFile {
  public:

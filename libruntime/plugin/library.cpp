@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "plugin/library.h"
 
-#include <cxxabi.h>
 #include <dlfcn.h>
 
-#include <cstdlib>
 #include <cstring>
 #include <string_view>
 #include <utility>
 
 #include "model/guard.h"
 #include "plugin/elf.h"
+#include "plugin/elf_file.h"
 #include "plugin/prefault.h"
 
 namespace mauve::plugin {
@@ -22,13 +21,6 @@ std::string field_text(const char (&field)[N]) {
   return {field, strnlen(field, N)};
 }
 
-std::string demangled(const std::string& symbol) {
-  int status = 0;
-  const std::unique_ptr<char, decltype(&std::free)> text(
-      abi::__cxa_demangle(symbol.c_str(), nullptr, nullptr, &status), &std::free);
-  return text ? text.get() : symbol;
-}
-
 /// The dynamic linker's words, without the path that means nothing to people.
 Error cannot_link(std::string text, const std::string& path) {
   constexpr std::string_view kUndefined = "undefined symbol: ";
@@ -37,7 +29,7 @@ Error cannot_link(std::string text, const std::string& path) {
     const std::string symbol = text.substr(at + kUndefined.size());
     return refuse(Errc::plugin_refused, {},
                   "needs a symbol that nobody has: " +
-                      demangled(symbol.substr(0, symbol.find_first_of(" ,"))),
+                      readable_symbol(symbol.substr(0, symbol.find_first_of(" ,"))),
                   "link the source that defines it into the plugin");
   }
   return refuse(Errc::plugin_refused, {}, "cannot be linked: " + text,

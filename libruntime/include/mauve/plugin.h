@@ -109,8 +109,17 @@ struct PluginManifest {
   char version[32] = {};
   char compiler[64] = {};
   std::uint64_t checksum = 0;  ///< of what is mapped, written after linking; 0: not yet
-  std::uint64_t reserved[7] = {};
+  std::uint64_t options = 0;   ///< bits of build_option
+  std::uint64_t reserved[6] = {};
 };
+
+/// What changes the shape of classes beside headers and compiler. Values are fixed for all times.
+namespace build_option {
+inline constexpr std::uint64_t kNewStrings = 1;        ///< _GLIBCXX_USE_CXX11_ABI=1
+inline constexpr std::uint64_t kDebugContainers = 2;   ///< _GLIBCXX_DEBUG
+inline constexpr std::uint64_t kAddressSanitizer = 4;  ///< -fsanitize=address
+inline constexpr std::uint64_t kThreadSanitizer = 8;   ///< -fsanitize=thread
+}  // namespace build_option
 
 /// The one exported symbol of a plugin, `mauve_plugin`. The manifest comes first.
 struct PluginEntry {
@@ -119,6 +128,23 @@ struct PluginEntry {
 };
 
 namespace detail {
+
+constexpr std::uint64_t build_options() {
+  std::uint64_t options = 0;
+#if defined(_GLIBCXX_USE_CXX11_ABI) && _GLIBCXX_USE_CXX11_ABI
+  options |= build_option::kNewStrings;
+#endif
+#if defined(_GLIBCXX_DEBUG)
+  options |= build_option::kDebugContainers;
+#endif
+#if defined(__SANITIZE_ADDRESS__)
+  options |= build_option::kAddressSanitizer;
+#endif
+#if defined(__SANITIZE_THREAD__)
+  options |= build_option::kThreadSanitizer;
+#endif
+  return options;
+}
 
 /// Changes when two translation units disagree about the shape of the public classes.
 constexpr std::uint64_t abi_fingerprint() {
@@ -133,16 +159,7 @@ constexpr std::uint64_t abi_fingerprint() {
         sizeof(CoreType),     sizeof(FsmType),      sizeof(ComponentType),  sizeof(ResourceType)}) {
     h = hash(static_cast<std::uint64_t>(size), h);
   }
-#if defined(_GLIBCXX_USE_CXX11_ABI)
-  h = hash(static_cast<std::uint64_t>(_GLIBCXX_USE_CXX11_ABI), h);
-#endif
-#if defined(__SANITIZE_ADDRESS__)
-  h = hash("address", h);
-#endif
-#if defined(__SANITIZE_THREAD__)
-  h = hash("thread", h);
-#endif
-  return h;
+  return hash(build_options(), h);
 }
 
 template <std::size_t N>
@@ -153,6 +170,7 @@ constexpr void copy_text(char (&into)[N], const char* text) {
 constexpr PluginManifest make_manifest(const char* name, const char* version) {
   PluginManifest manifest;
   manifest.fingerprint = abi_fingerprint();
+  manifest.options = build_options();
   copy_text(manifest.name, name);
   copy_text(manifest.version, version);
 #if defined(__VERSION__)
