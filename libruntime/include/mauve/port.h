@@ -4,8 +4,10 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include <mauve/port_base.h>
 
@@ -41,11 +43,17 @@ class ReadPort final : public PortBase {
     }
     return status;
   }
-  /// Calls f(const T&) on the value in place; not at all when there is none.
+  /// Calls f(const T&) on the value; not at all when there is none. It is the value in place where
+  /// the port has a place of its own in a SharedData. Elsewhere the port copies it first, so that
+  /// f never runs under the lock of the resource; an item of a RingBuffer is then taken.
   template <typename F>
   DataStatus look(F&& f) {
-    auto show = [&f](const void* data) { f(*static_cast<const T*>(data)); };
-    return visit([&](ServiceBase& service) { return service.look(Visitor(show), cursor_); });
+    if constexpr (sizeof(T) <= kMaxByValue) {
+      T copy = default_;
+      return look_by(f, copy);
+    } else {
+      return look_by(f, *shown_);
+    }
   }
 
   /// Of the last read.
@@ -67,6 +75,18 @@ class ReadPort final : public PortBase {
     if (status_ == DataStatus::timed_out || status_ == DataStatus::poisoned) count_failure();
     return call.ended(status_ = aged(status_));
   }
+  template <typename F>
+  DataStatus look_by(F& f, T& copy) {
+    bool copied = false;
+    auto show = [&f](const void* data) { f(*static_cast<const T*>(data)); };
+    auto take = [&copy](const void* data) { copy = *static_cast<const T*>(data); };
+    const DataStatus status = visit([&](ServiceBase& service) {
+      copied = service.exchange() == nullptr || cursor_.slot == LatestValue::kNoSlot;
+      return service.look(copied ? Visitor(take) : Visitor(show), cursor_);
+    });
+    if (copied && mauve::has_value(status)) f(std::as_const(copy));
+    return status;
+  }
   DataStatus aged(DataStatus status) {
     if (max_age() == Duration{0} || !mauve::has_value(status)) [[likely]]
       return status;
@@ -74,6 +94,8 @@ class ReadPort final : public PortBase {
   }
 
   T default_;
+  /// The copy for look(), of a type that is too large for the stack.
+  std::unique_ptr<T> shown_ = sizeof(T) > kMaxByValue ? std::make_unique<T>() : nullptr;
   DataStatus status_ = DataStatus::no_data;
 };
 /// The value to write when the component stops or faults, or the port is disconnected.

@@ -146,7 +146,7 @@ struct Queued : Architecture {
   }
 };
 
-TEST(Fault, OfALookUnderTheLockOfAQueueIsThatOfItsCore) {
+TEST(Fault, OfALookAtAQueueIsThatOfItsCore) {
   Queued architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());

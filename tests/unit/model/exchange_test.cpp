@@ -2,9 +2,11 @@
 /// Ports that use the exchange inside a SharedData without a call.
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <thread>
+#include <vector>
 
 #include "unit/model/shared_data_users.h"
 
@@ -280,6 +282,62 @@ TEST_F(Look, ChangesNothingOnceItsThreadWasGivenUp) {
   this_job().detached = false;
 
   EXPECT_EQ(in_.look([](double value) { EXPECT_EQ(value, 3.0); }), DataStatus::old_data);
+}
+
+/// Writes from another thread, which gives up when the lock is taken.
+bool written_by_another(ServiceBase& service, double value) {
+  bool written = false;
+  std::thread([&] {
+    this_job().lock_bound = 1ms;
+    written = service.write(&value);
+  }).join();
+  return written;
+}
+
+struct OneReader : Shell {
+  explicit OneReader(ServiceBase& service) {
+    EXPECT_TRUE(in.connect(service));
+    table = std::move(initial_bindings());
+    use(&table);
+  }
+  ReadPort<double> in{*this, "in"};
+  Bindings table;
+};
+
+TEST(LookAtAQueue, KeepsNobodyFromWriting) {
+  RingBufferBase queue("queue", data_type<double>());
+  ASSERT_TRUE(queue.configure());
+  OneReader reader(queue.read_service());
+  ASSERT_TRUE(written_by_another(queue.write_service(), 1.0));
+
+  const DataStatus status = reader.in.look([&](double shown) {
+    EXPECT_TRUE(written_by_another(queue.write_service(), 2.0));
+    EXPECT_EQ(shown, 1.0);
+  });
+
+  EXPECT_EQ(status, DataStatus::new_data);
+  EXPECT_EQ(reader.in.read(), 2.0);
+  EXPECT_EQ(queue.gate().timeouts(), 0u);
+}
+
+TEST(LookWithoutAPlace, KeepsNobodyFromWriting) {
+  SharedDataBase data("data", data_type<double>());
+  Writer first(data);
+  std::vector<std::unique_ptr<OneReader>> readers;  // more than there are places
+  for (unsigned i = 0; i < 32; ++i) {
+    readers.push_back(std::make_unique<OneReader>(data.read_service()));
+  }
+  ReadPort<double>& last = readers.back()->in;
+  ASSERT_TRUE(written_by_another(data.write_service(), 1.0));
+
+  const DataStatus status = last.look([&](double shown) {
+    EXPECT_TRUE(written_by_another(data.write_service(), 2.0));
+    EXPECT_EQ(shown, 1.0);
+  });
+
+  EXPECT_EQ(status, DataStatus::new_data);
+  EXPECT_EQ(last.read(), 2.0);
+  EXPECT_EQ(data.gate().timeouts(), 0u);
 }
 
 /// What is not yet to be read when somebody begins to listen is told to him.
