@@ -38,7 +38,8 @@ Graph::Node node_of(const Json& row, bool is_resource) {
 
 Flow flow_of(const Graph::Node& user, const Graph::Node& resource, const std::string& status) {
   const bool poisoned = user.state == "poisoned" || resource.state == "poisoned";
-  if (poisoned || user.state == "faulted" || status == "poisoned") return Flow::dead;
+  const bool failed = user.state == "faulted" || user.state == "recovering";
+  if (poisoned || failed || status == "poisoned") return Flow::dead;
   if (!user.is_resource && user.state != "running") return Flow::resting;
   return status == "stale" ? Flow::stale : Flow::alive;
 }

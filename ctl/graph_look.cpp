@@ -23,7 +23,8 @@ constexpr std::array<FlowLook, 4> kFlowLooks{{{"#1f2328"},
 std::span<const NodeLook> node_looks() { return kNodeLooks; }
 
 const NodeLook& look_of(const Graph::Node& node) {
-  if (node.state == "faulted" || node.state == "poisoned") return kFailed;
+  const bool failed = node.state == "faulted" || node.state == "recovering";
+  if (failed || node.state == "poisoned") return kFailed;
   if (node.is_resource) return kResource;
   return node.state == "running" ? kRunning : kResting;
 }

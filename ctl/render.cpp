@@ -13,7 +13,7 @@ namespace {
 
 Paint paint_of_state(const std::string& state) {
   if (state == "running") return Paint::green;
-  if (state == "faulted") return Paint::red;
+  if (state == "faulted" || state == "recovering") return Paint::red;
   return state == "stopped" || state == "stale" ? Paint::yellow : Paint::plain;
 }
 
@@ -227,7 +227,10 @@ std::string render_status(const Json& status, Look look) {
   for (const Json& one : components) {
     if (const auto fault = word(one, "fault"); !fault.empty()) {
       const auto hint = word(one, "hint");
-      const std::string stands = hint.empty() ? "" : "; it does not run: " + hint;
+      std::string stands = hint.empty() ? "" : "; it does not run: " + hint;
+      if (const auto how = recovery_in_words(member(one, "recovery")); !how.empty()) {
+        stands = "; it does not run, and " + how;
+      }
       text += painted(word(one, "name") + ": " + fault + stands, Paint::red, look.colour) + "\n";
     }
     if (const double late = number(one, "late_ns"); late > 0) {

@@ -66,6 +66,9 @@ std::string why_heading(const Json& why, const Json& failure) {
   if (number(why, "late_ns") > 0) {
     line += ", its job should have ended " + nanoseconds_in_words(number(why, "late_ns")) + " ago";
   }
+  if (const auto how = recovery_in_words(member(why, "recovery")); !how.empty()) {
+    line += ", " + how;
+  }
   return failure.is_object() ? line
                              : line + "; nothing failed since mauved began, " + word(why, "since");
 }
@@ -76,7 +79,8 @@ std::string render_why(const Json& why, Look look) {
   const Json failure = why.is_object() ? why.value("failure", Json()) : Json();
   const Json change = why.is_object() ? why.value("change", Json()) : Json();
   Passage text(look);
-  const Paint paint = word(why, "state") == "faulted" ? Paint::red : Paint::bold;
+  const bool failed = word(why, "state") == "faulted" || word(why, "state") == "recovering";
+  const Paint paint = failed ? Paint::red : Paint::bold;
   text.text_ =
       painted(wrapped(why_heading(why, failure), look.width, 2), paint, look.colour) + "\n";
   if (failure.is_object()) {

@@ -84,7 +84,7 @@ std::vector<TopRow> top_rows(const TopData& now, const TopData& before) {
     const Json& statistics = named(counted_now, row.name);
     const std::string state = word(status, "state");
     row.running = state == "running";
-    row.faulted = state == "faulted";
+    row.faulted = state == "faulted" || state == "recovering";
     row.state = row.running ? word(status, "fsm_state") : state;
     row.core = core_of(status);
     row.priority = number(status, "priority");

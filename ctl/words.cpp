@@ -124,6 +124,17 @@ std::string nanoseconds_in_words(double nanoseconds) {
   return one_decimal(nanoseconds / 1e9, "s");
 }
 
+std::string recovery_in_words(const Json& recovery) {
+  const std::string by = word(recovery, "by");
+  if (by == "rollback") return "the change on probation is being rolled back";
+  if (by == "fallback") return "its fallback core takes over as soon as it stands by";
+  if (by != "restart") return {};
+  const double in = number(recovery, "in_ns");
+  return "it restarts with a fresh core " +
+         (in > 0 ? "in " + nanoseconds_in_words(in) : "as soon as that stands by") + ", " +
+         counted(whole_number(recovery, "restarts_left"), "restart") + " left";
+}
+
 std::string seconds_in_words(double seconds) {
   struct Unit {
     long seconds;

@@ -44,6 +44,8 @@ void join(std::string& all, std::string_view next, std::string_view between = ",
 
 /// "38 ns", "1.2 us", "3.4 ms", "5 s".
 [[nodiscard]] std::string nanoseconds_in_words(double nanoseconds);
+/// "it restarts with a fresh core in 80.0 ms, 2 restarts left"; empty: nothing recovers.
+[[nodiscard]] std::string recovery_in_words(const Json& recovery);
 
 /// "3 d 2 h", "5 min 12 s", "7 s".
 [[nodiscard]] std::string seconds_in_words(double seconds);

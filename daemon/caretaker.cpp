@@ -40,6 +40,8 @@ Event event_of(const Outcome& outcome) {
                                                                               : Event::rolled_back;
     case Outcome::Kind::fell_back:
       return Event::fell_back;
+    case Outcome::Kind::gave_up:
+      return Event::recovery_given_up;
     case Outcome::Kind::restarted:
       break;
   }
@@ -176,8 +178,8 @@ void Caretaker::tell(const Outcome& outcome) {
 void Caretaker::save(const Outcome& outcome) {
   auto& keeper = *running_->keeper;
   const auto began = outcome.began;
-  if (outcome.kind == Outcome::Kind::overtaken) {
-    return;  // it proved nothing; the newer one will
+  if (outcome.kind == Outcome::Kind::overtaken || outcome.kind == Outcome::Kind::gave_up) {
+    return;  // the one proved nothing, the newer one will; the other made no generation
   }
   if (outcome.kind == Outcome::Kind::passed) {
     for (const auto generation : proofs_.passed(outcome)) {
@@ -222,27 +224,44 @@ void Caretaker::save(const Outcome& outcome) {
   }
 }
 
-bool Caretaker::refused_before(const Change& relief) const {
-  const auto found = refused_.find(relief.edits[0].component);
-  return found != refused_.end() && found->second >= running_->generation;
+/// A component that waits for a relief that cannot be made stops waiting.
+bool Caretaker::refused_before(const Change& relief) {
+  const auto& component = relief.edits[0].component;
+  if (const auto free = check_barred(*running_, relief); !free) {
+    running_->deployer.refuse_relief(component, to_string(free.error()));
+    return true;
+  }
+  const auto found = refused_.find(component);
+  if (found == refused_.end() || found->second.generation < running_->generation) {
+    return false;
+  }
+  running_->deployer.refuse_relief(component, found->second.why);
+  return true;
 }
 
 void Caretaker::refuse_relief(const Change& relief, const Error& error, bool for_ever) {
   constexpr auto kAll = std::numeric_limits<std::uint64_t>::max();
-  refused_[relief.edits[0].component] = for_ever ? kAll : running_->generation.load();
-  running_->log.write(Event::relief_refused, {{"component", error.at}, {"text", to_string(error)}});
+  const auto& component = relief.edits[0].component;
+  refused_[component] = {for_ever ? kAll : running_->generation.load(),
+                         "no core stands by for it: " + to_string(error)};
+  running_->log.write(Event::relief_refused,
+                      {{"component", component}, {"text", to_string(error)}});
 }
 
 /// A change like any other, so that no two prepare at the same time.
 void Caretaker::make_reliefs() {
-  if (making_ || running_->control.busy() ||
-      !may_prepare(running_->control.left_behind(), std::nullopt)) {
+  if (making_ || running_->control.busy()) {
     return;
   }
   auto wanted = running_->deployer.wanted_reliefs();
-  std::erase_if(wanted, [this](const Change& relief) {
-    return refused_before(relief) || !check_barred(*running_, relief);
-  });
+  const auto may = may_prepare(running_->control.left_behind(), std::nullopt);
+  if (!may) {
+    for (const auto& relief : wanted) {
+      running_->deployer.refuse_relief(relief.edits[0].component, to_string(may.error()));
+    }
+    return;
+  }
+  std::erase_if(wanted, [this](const Change& relief) { return refused_before(relief); });
   if (wanted.empty()) {
     return;
   }
@@ -253,7 +272,7 @@ void Caretaker::make_reliefs() {
     running_->control.in_factory(
         [this, wanted, prepared] {
           for (const auto& change : wanted) {
-            prepared->push_back(running_->deployer.prepare(change));
+            prepared->push_back(running_->deployer.prepare_relief(change));
           }
         },
         [this, wanted, prepared, ticket]() mutable {

@@ -37,7 +37,7 @@ class Caretaker {
   void tell_of_holds();
   void tell_of_scheduling();
   void make_reliefs();
-  [[nodiscard]] bool refused_before(const Change& relief) const;
+  [[nodiscard]] bool refused_before(const Change& relief);
   void refuse_relief(const Change& relief, const Error& error, bool for_ever);
 
   Running* running_ = nullptr;
@@ -48,9 +48,13 @@ class Caretaker {
   bool making_ = false;               ///< [control] reliefs are being made
   Proofs proofs_;                     ///< [control]
   std::uint64_t relieved_ = 0;        ///< [control] the last generation that a relief made
-  /// [control] The generation in which the relief of a component was refused: it is tried again in
-  /// the next one, but never what hung.
-  std::map<std::string, std::uint64_t> refused_;
+  /// The relief of a component was refused in this generation: it is tried again in the next one,
+  /// but a relief whose hook hung is never tried again.
+  struct RefusedRelief {
+    std::uint64_t generation = 0;
+    std::string why;
+  };
+  std::map<std::string, RefusedRelief> refused_;  ///< [control] by component
   /// [control] By resource: how many calls of it were longer than declared when it was told last.
   std::map<std::string, std::uint64_t> over_hold_;
   /// [control] By component: the count of put-back schedulings that the log told last.

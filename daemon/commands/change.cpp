@@ -266,12 +266,13 @@ void say_who_stands(Running& running, const Change& change, Json& result) {
   auto standing = Json::array();
   for (const auto& edit : change.edits) {
     const auto now = running.deployer.status(edit.component);
+    const bool recovers = now.state == ComponentState::recovering;
     const bool stands =
-        now.state == ComponentState::faulted || now.state == ComponentState::stopped;
+        recovers || now.state == ComponentState::faulted || now.state == ComponentState::stopped;
     if (edit.mode != Mode::park && !now.name.empty() && stands) {
       standing.push_back({{"name", now.name},
                           {"state", to_string(now.state)},
-                          {"hint", "mauvectl start " + now.name}});
+                          {"hint", (recovers ? "mauvectl why " : "mauvectl start ") + now.name}});
     }
   }
   if (!standing.empty()) {

@@ -34,6 +34,19 @@ using arch::Target;
   return type.substr(0, type.find('/') == std::string::npos ? 0 : type.find('/'));
 }
 
+/// How a component recovers whose core failed; null: it does not.
+[[nodiscard]] inline Json recovery_json(const Recovery& recovery) {
+  if (recovery.way == Recovery::Way::none) {
+    return nullptr;
+  }
+  Json json = {{"by", to_string(recovery.way)}};
+  if (recovery.way == Recovery::Way::restart) {
+    json["in_ns"] = recovery.in.count();
+    json["restarts_left"] = recovery.restarts_left;
+  }
+  return json;
+}
+
 /// For as long as it lives the architecture stays as it is: elements that a change adds or takes
 /// away, also one that the system takes back by itself, come and go afterwards. It holds no thread
 /// up.

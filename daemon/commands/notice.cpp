@@ -15,6 +15,9 @@ Reaction reaction_of(Outcome::Kind kind) {
   if (kind == Outcome::Kind::rolled_back) {
     return Reaction::rolled_back;
   }
+  if (kind == Outcome::Kind::gave_up) {
+    return Reaction::parked;
+  }
   return kind == Outcome::Kind::fell_back ? Reaction::fell_back : Reaction::restarted;
 }
 
@@ -63,6 +66,11 @@ void notice(Running& running, const Outcome& outcome) {
     failure.reaction = reaction_of(outcome.kind);
     failure.generation = outcome.began;
     failure.generation_after = outcome.generation;
+    if (outcome.kind == Kind::gave_up) {
+      // It is about to be seen parked: that is this failure, not another one.
+      const auto status = running.deployer.status(outcome.component);
+      static_cast<void>(running.failures.parks(outcome.component, status.releases));
+    }
     if (const auto* component = running.architecture.find_component(outcome.component)) {
       failure.core_after = component->bundle()->core_type.name;
     }

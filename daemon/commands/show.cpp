@@ -6,6 +6,7 @@
 #include "arch/value_json.h"
 #include "base/duration.h"
 #include "commands/answer.h"
+#include "commands/model.h"
 #include "commands/parts_json.h"
 #include "commands/value.h"
 
@@ -131,6 +132,9 @@ Json show_component(const Running& running, ComponentBase& component) {
                  {"counters", counters_of(status)}};
   if (!status.fault.empty()) {
     object["fault"] = status.fault;
+  }
+  if (status.state == ComponentState::recovering) {
+    object["recovery"] = recovery_json(status.recovery);
   }
   add_parts(object, running, {&component, nullptr});
   return object;

@@ -78,6 +78,9 @@ Json row_of(const Running& running, const ComponentStatus& one) {
   if (!one.fault.empty()) {
     row["fault"] = one.fault;
   }
+  if (one.state == ComponentState::recovering) {
+    row["recovery"] = recovery_json(one.recovery);
+  }
   if (one.state == ComponentState::faulted) {
     row["hint"] = "mauvectl start " + one.name;
   }

@@ -60,7 +60,8 @@ void look_at_unproven(Running& running) {
   }
   const bool failed =
       std::any_of(unproven.components.begin(), unproven.components.end(), [&](const auto& name) {
-        return running.deployer.status(name).state == ComponentState::faulted;
+        const auto state = running.deployer.status(name).state;
+        return state == ComponentState::faulted || state == ComponentState::recovering;
       });
   if (failed && unproven.since == running.started.since) {
     running.started.proves = false;

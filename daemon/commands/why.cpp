@@ -174,6 +174,7 @@ Result<Json> why(Running& running, const Call& call) {
                  {"state", to_string(status.state)},
                  {"fsm_state", status.fsm_state},
                  {"core", status.core},
+                 {"recovery", recovery_json(status.recovery)},
                  {"late_ns", status.late.count()},
                  {"missed", status.missed},
                  {"overruns", status.overruns},

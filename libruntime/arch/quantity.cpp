@@ -103,8 +103,9 @@ class Finder {
     quantity_.statistic = found->first;
     quantity_.kind = found->second;
     if (found->first == "state") {
-      for (const auto state : {ComponentState::not_configured, ComponentState::stopped,
-                               ComponentState::running, ComponentState::faulted}) {
+      for (const auto state :
+           {ComponentState::not_configured, ComponentState::stopped, ComponentState::running,
+            ComponentState::faulted, ComponentState::recovering}) {
         quantity_.words.emplace_back(to_string(state));
       }
     } else if (found->first == "fsm_state") {

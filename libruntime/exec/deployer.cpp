@@ -45,6 +45,22 @@ std::string_view to_string(ComponentState state) {
       return "running";
     case ComponentState::faulted:
       return "faulted";
+    case ComponentState::recovering:
+      return "recovering";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(Recovery::Way way) {
+  switch (way) {
+    case Recovery::Way::none:
+      return "none";
+    case Recovery::Way::restart:
+      return "restart";
+    case Recovery::Way::fallback:
+      return "fallback";
+    case Recovery::Way::rollback:
+      return "rollback";
   }
   return "unknown";
 }
@@ -222,6 +238,17 @@ bool Deployer::settled() const {
 std::vector<Change> Deployer::wanted_reliefs() const {
   system_->advance();
   return exec::wanted_reliefs(*system_);
+}
+
+Result<PreparedChange> Deployer::prepare_relief(const Change& relief) {
+  Result<PreparedChange> prepared = prepare(relief);
+  if (!prepared) return exec::about_relief(relief, prepared.error());
+  return prepared;
+}
+
+void Deployer::refuse_relief(std::string_view component, const std::string& why) {
+  system_->advance();
+  exec::refuse_relief(*system_, component, why);
 }
 
 void Deployer::stand_by(PreparedChange& relief) {

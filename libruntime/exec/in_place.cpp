@@ -40,7 +40,8 @@ Result<PreparedChange> Deployer::prepare_in_place(const Edit& edit) {
 std::shared_ptr<Ongoing> Deployer::begin_in_place_park(PreparedChange& change) {
   exec::PreparedMember& member = change.content().members.front();
   // What the operator had stopped, or what had faulted, stays where it is.
-  member.resume = status(member.component->name()).state == ComponentState::running;
+  const ComponentState state = status(member.component->name()).state;
+  member.resume = state == ComponentState::running || state == ComponentState::recovering;
   const Mode mode = member.resume ? Mode::park : Mode::keep;
   // The core that runs is cleaned up: nothing may lead back meanwhile.
   for (auto& note : exec::notes_of(*system_, change.content())) {

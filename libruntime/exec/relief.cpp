@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "base/duration.h"
 #include "exec/commit.h"
 #include "model/left_behind.h"
 
@@ -57,6 +58,26 @@ void take_note(System& system, Deployed& deployed) {
   system.outcomes.push_back(std::move(outcome));
 }
 
+/// The component stays failed.
+void give_up(System& system, Deployed& deployed, Instant failed_at, const std::string& why) {
+  Outcome outcome;
+  outcome.kind = Outcome::Kind::gave_up;
+  outcome.began = outcome.generation = system.generation;
+  outcome.component = deployed.component->name();
+  outcome.reason = std::string(deployed.task->fault()) + "; " + why;
+  outcome.cores = {deployed.component->bundle()->core_type.name};
+  system.outcomes.push_back(std::move(outcome));
+  deployed.task->failed_core().give_up(failed_at);
+  system.runner->wake(*deployed.task);
+}
+
+/// Waits for a core that does not stand by; nothing else is on its way.
+bool waits_for_relief(const System& system, const Deployed& deployed) {
+  const bool other = deployed.hidden || deployed.changing || deployed.relief.content != nullptr;
+  return !other && !system.is_led_back() && deployed.task->failed_core().at() != 0 &&
+         !deployed.task->failed_core().is_hopeless();
+}
+
 using Fallback = std::optional<ComponentBase::Fallback>;
 
 /// Of a component that runs with this bundle; null: it was never restarted.
@@ -81,6 +102,22 @@ std::optional<Edit> relief_of(const System& system, const std::string& component
   edit.core = bundle.core_type;
   edit.state = StatePolicy::drop;
   return edit;
+}
+
+/// Empty: a relief is wanted.
+std::string why_no_relief(const System& system, const Deployed& deployed) {
+  const ComponentBase& component = *deployed.component;
+  if (system.runner->has_lost(deployed.task.get())) {
+    return "a thread that does not return is still inside this component";
+  }
+  const Bundle& bundle = *component.bundle();
+  if (relief_of(system, component.name(), bundle, component.fallback(), &deployed)) return {};
+  const FaultPolicy& policy = bundle.task.on_fault;
+  if (policy.action == Action::restart) {
+    return "all " + std::to_string(policy.restarts) + " restarts within " +
+           format_duration(policy.per) + " are used up";
+  }
+  return component.fallback() ? "this is the fallback core itself" : "there is no fallback core";
 }
 
 /// False: the task has one, or runs with another bundle than the relief was made for.
@@ -136,7 +173,7 @@ std::unique_ptr<Published> make_relief(PreparedMember& relief, std::size_t resta
 Status put_reliefs_in_readiness(System& system) {
   for (const Change& change : wanted_reliefs(system)) {
     Result<PreparedChange> prepared = prepare_change(system, change);
-    if (!prepared) return prepared.error();
+    if (!prepared) return about_relief(change, prepared.error());
     put_in_readiness(system, *prepared);
   }
   return ok();
@@ -169,6 +206,48 @@ void look_after_reliefs(System& system) {
       system.free.keep(std::exchange(relief, {}).content);
     }
   }
+  for (Deployed& deployed : system.deployed) {
+    const Instant failed_at =
+        deployed.task->failed_core().at();  // before the rest: it is given up for it
+    if (!waits_for_relief(system, deployed)) continue;
+    const std::string why = why_no_relief(system, deployed);
+    if (!why.empty()) give_up(system, deployed, failed_at, why);
+  }
+}
+
+void refuse_relief(System& system, std::string_view component, const std::string& why) {
+  Deployed* deployed = system.find(component);
+  if (deployed == nullptr) return;
+  const Instant failed_at = deployed->task->failed_core().at();
+  if (waits_for_relief(system, *deployed)) give_up(system, *deployed, failed_at, why);
+}
+
+Recovery recovery_of(const System& system, const Deployed& deployed, Instant failed_at) {
+  const ComponentBase& component = *deployed.component;
+  const FaultPolicy& policy = component.bundle()->task.on_fault;
+  Recovery recovery;
+  if (system.is_led_back()) {
+    recovery.way = Recovery::Way::rollback;
+  } else if (policy.action == Action::restart) {
+    const std::size_t used = recent_restarts(system, &deployed, policy);
+    const Instant due = failed_at + back_off(policy, used).count();
+    recovery.way = Recovery::Way::restart;
+    recovery.restarts_left = policy.restarts - std::min<std::size_t>(used, policy.restarts);
+    recovery.in = Duration{std::max<Instant>(due - system.runner->now(), 0)};
+  } else {
+    recovery.way = Recovery::Way::fallback;
+  }
+  return recovery;
+}
+
+Error about_relief(const Change& relief, Error error) {
+  const Edit& edit = relief.edits.front();
+  const std::string core = edit.component + ".core";
+  const bool inside = error.at == core || error.at.starts_with(core + ".");
+  if (edit.state == StatePolicy::offer && inside) {
+    error.at.replace(0, core.size(), edit.component + ".fallback_core");
+  }
+  return error;
 }
 
 }  // namespace mauve::exec

@@ -6,6 +6,8 @@
 
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "exec/system.h"
@@ -31,7 +33,18 @@ void put_in_readiness(System& system, PreparedChange& prepared);
 /// All that are wanted, made in the calling thread. [control], at deployment
 Status put_reliefs_in_readiness(System& system);
 
-/// Notices who was relieved: the model shows it, and it is told. [control]
+/// Enters reliefs that took over in the model and reports them. A component whose core failed, and
+/// for which no relief is wanted, parks as faulted, which is reported too. [control]
 void look_after_reliefs(System& system);
+
+/// No relief can be made for this component: if its core has failed, it parks as faulted. [control]
+void refuse_relief(System& system, std::string_view component, const std::string& why);
+
+/// How a component recovers whose core failed at this instant. [control]
+[[nodiscard]] Recovery recovery_of(const System& system, const Deployed& deployed,
+                                   Instant failed_at);
+
+/// An error of preparing this relief. A fallback core is named as such, since X.core runs.
+[[nodiscard]] Error about_relief(const Change& relief, Error error);
 
 }  // namespace mauve::exec

@@ -228,11 +228,20 @@ ComponentStatus look_at(const System& system, const Deployed& deployed) {
   status.next_release = Duration{counters.next_release.load(std::memory_order_relaxed)};
   status.watchdog = deployed.task->bound(deployed.realtime);
   status.restored = counters.restored.load(std::memory_order_relaxed);
+  const Instant failed_at = deployed.task->failed_core().at();
+  if (status.state == ComponentState::running && failed_at != 0) {
+    const bool hopeless =
+        deployed.task->failed_core().is_hopeless();  // it parks as soon as its thread looks
+    status.state = hopeless ? ComponentState::faulted : ComponentState::recovering;
+    if (!hopeless) status.recovery = recovery_of(system, deployed, failed_at);
+  }
   if (status.state == ComponentState::running) {
     status.missed += passing(deployed, status, system.runner->now() - system.t0);
     status.late = lateness_of(bundle, status.next_release, system.runner->now() - system.t0);
   }
-  if (status.state == ComponentState::faulted) status.fault = deployed.task->fault();
+  if (status.state == ComponentState::faulted || status.state == ComponentState::recovering) {
+    status.fault = deployed.task->fault();
+  }
   return status;
 }
 

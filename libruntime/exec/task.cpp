@@ -9,6 +9,13 @@
 namespace mauve::exec {
 namespace {
 
+/// A change that neither replaces the core nor says that the component runs, or stops, leaves a
+/// failed core failed. A probation is about what it brings: there everything begins anew.
+bool keeps_core(const Published& next, const Published& current) {
+  if (next.mode != Mode::keep || next.taken_as != TakenAs::change) return false;
+  return next.mode_only || (next.back == nullptr && next.bundle->core == current.bundle->core);
+}
+
 /// The first instant base + k * step that is not before `instant`.
 Instant next_on_grid(Instant base, Duration step, Instant instant) {
   if (instant <= base || step <= Duration{0}) return base;
@@ -125,6 +132,7 @@ bool Task::serve() {
     }
   }
   if (halted() && (running_ || waiting_)) stand_still();
+  if (failed_ && running_ && !may_recover()) park(ComponentState::faulted);
   looked();
   return true;
 }
@@ -179,10 +187,10 @@ Published* Task::take_over() {
   const bool goes_back =
       back != nullptr && back->transaction->meet(release_) == Transaction::Verdict::take;
   if (goes_back && empty(back_, *back)) return back;
-  if (!failed_ || leads_back()) return nullptr;
+  if (!failed_ || leads_back() || failed_.is_hopeless()) return nullptr;
   Published* relief = relief_.load(std::memory_order_acquire);
-  const bool ready = relief != nullptr && release_ >= relief_from_ && empty(relief_, *relief);
-  return ready ? relief : nullptr;
+  if (relief == nullptr || release_ < failed_.at() + relief->back_off.count()) return nullptr;
+  return empty(relief_, *relief) ? relief : nullptr;
 }
 
 MAUVE_RUNS_AT_A_SWAP bool Task::take(Published& next, Instant begin) {
@@ -230,9 +238,10 @@ MAUVE_RUNS_AT_A_SWAP bool Task::take_state(Published& next) {
   return true;
 }
 
-/// All of it but what the core before hands over.
+/// All of it but what the core before hands over. A start goes on with a failed core as with a
+/// stopped one.
 MAUVE_RUNS_AT_A_SWAP void Task::take_rest(Published& next) {
-  const bool was_running = running_;
+  const bool was_running = running_ && !(failed_ && next.mode == Mode::run);
   next.bundle->shell->use(next.bundle->bindings.get());
   map_state(next);
   Published* const old = current_;
@@ -282,11 +291,10 @@ void Task::keep_bundle(Published& next) const {
 /// What stood ready for the old bundle is of no use for another one.
 MAUVE_RUNS_AT_A_SWAP void Task::put_in_place(Published& next) {
   const bool same_bundle = next.bundle == current_->bundle;
+  if (!keeps_core(next, *current_)) failed_.forget();
   current_ = &next;
   bound_.store(next.bound.count(), std::memory_order_relaxed);
   has_safe_values_.store(next.has_safe_values, std::memory_order_relaxed);
-  // One that follows a change of others runs what it ran.
-  if (!next.mode_only || next.back == nullptr) failed_.reset();
   if (next.other_core) {
     counters_.execution_max.store(0, std::memory_order_relaxed);
     counters_.used_max.store(0, std::memory_order_relaxed);
@@ -298,7 +306,7 @@ MAUVE_RUNS_AT_A_SWAP void Task::put_in_place(Published& next) {
     Published* const before = back_.exchange(next.back.release(), std::memory_order_acq_rel);
     if (before != nullptr) pile_up(*before);
   }
-  if (failed_) give_up_core(*failed_, fault_.data());
+  if (failed_ && next.mode_only) give_up_core(failed_.cause(), fault_.data());
   if (same_bundle && next.relief == nullptr) return;  // what stands by is of use still
   if (Published* relief = relief_.exchange(next.relief.release(), std::memory_order_acq_rel)) {
     relief->answer->progress.store(Published::Progress::given_back, std::memory_order_release);
@@ -368,6 +376,7 @@ MAUVE_RUNS_AT_A_SWAP void Task::acknowledge() {
 
 void Task::park(ComponentState state) {
   running_ = false;
+  failed_.forget();
   parked_at_ = clock_.now();
   counters_.state.store(state, std::memory_order_release);
   if (state == ComponentState::stopped) {

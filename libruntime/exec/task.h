@@ -13,6 +13,7 @@
 
 #include "exec/counters.h"
 #include "exec/evidence.h"
+#include "exec/failed_core.h"
 #include "exec/published.h"
 #include "rt/event_ring.h"
 #include "rt/measured.h"
@@ -66,18 +67,18 @@ class Task {
   bool withdraw_back(Published& back) { return empty(back_, back); }
   void put_back(Published& back) { back_.store(&back, std::memory_order_release); }
   bool withdraw_relief(Published& relief) { return empty(relief_, relief); }
+  /// Waits for its way back or its relief. A hopeless one parks as faulted.
+  [[nodiscard]] FailedCore& failed_core() { return failed_; }
   /// How often the task looked for changes: what was taken out before the last look is not looked
   /// at any more.
   [[nodiscard]] std::uint64_t looks() const { return looks_.load(std::memory_order_acquire); }
   /// Tells the thread to look at its mailbox.
   [[nodiscard]] std::atomic<std::uint32_t>& command() { return command_; }
-
   /// It runs a core whose last jobs exceeded their budget, without a verdict yet. [any]
   [[nodiscard]] bool suspected() const {
     return suspected_.load(std::memory_order_relaxed) &&
            counters_.state.load(std::memory_order_relaxed) == ComponentState::running;
   }
-
   /// All that the thread still tries to write or read is dropped from now on. [any]
   void fence();
 
@@ -158,6 +159,7 @@ class Task {
   void begin_job(Instant now);
   void conclude(Instant start, const JobEnd& end, const rt::Fault& fault);
   void hung();
+  [[nodiscard]] bool may_recover() const;
   void skip_job();
   [[nodiscard]] FsmState* run_states(JobEnd& job);
   /// When a state ends, read once for each of them.
@@ -195,7 +197,6 @@ class Task {
   void miss(std::uint64_t releases, Instant time, bool planned = false);
 
   static constexpr std::int64_t kUnknown = -1;
-
   std::string name_;
   const std::uint32_t trace_name_;
   const Clock& clock_;
@@ -234,7 +235,6 @@ class Task {
   Duration wait_{0};     // that ended, or ends, at release_
   Instant parked_at_ = 0;
   std::uint64_t number_ = 0;   // of the last change it took
-  Instant relief_from_ = 0;    // not before
   rt::Fault hand_over_fault_;  // of the last converter
   Evidence evidence_;          // against the core, on probation
   Duration excused_{0};        // for so long the machine was held up during the job before
@@ -243,8 +243,8 @@ class Task {
   Duration cpu_before_{0};  // of this thread, when the job began; zero: was not asked for
   bool preempted_ = false;  // the last job was
   bool running_ = false;
-  bool waiting_ = false;         // at a barrier; it runs again after it
-  std::optional<Cause> failed_;  // waits for its way back or its relief; no job runs meanwhile
+  bool waiting_ = false;  // at a barrier; it runs again after it
+  FailedCore failed_;
 };
 
 }  // namespace mauve::exec

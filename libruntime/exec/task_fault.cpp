@@ -92,12 +92,18 @@ void Task::give_up_core(Cause cause, const char* what) {
   back->way_back->set_off(clock_, cause, this, what, thrown_out_of_);
 }
 
+/// A failed core waits while the way back is under way, or while its policy promises another core:
+/// the relief stands by already, or [control] makes it, or says that there will be none.
+bool Task::may_recover() const {
+  if (leads_back() || gets_way_back()) return true;
+  if (failed_.is_hopeless()) return false;
+  return failed_.cause() == Cause::overruns ||
+         current_->bundle->task.on_fault.action != FaultPolicy::Action::stop;
+}
+
 /// A failed core runs no more; its releases pass until something takes over.
 void Task::skip_job() {
-  const bool led_back = leads_back() || gets_way_back();
-  if (!led_back && relief_.load(std::memory_order_acquire) == nullptr) {
-    return park(ComponentState::faulted);
-  }
+  if (!may_recover()) return park(ComponentState::faulted);
   miss(1, clock_.now());
   release_ += current_->grid.count();
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
@@ -119,14 +125,10 @@ void Task::on_fault(Cause cause) {
   }
   events_.push(event);
   give_up_core(cause, fault_.data());
-  const Published* relief = relief_.load(std::memory_order_acquire);
-  const bool relieved =
-      relief != nullptr && current_->bundle->task.on_fault.action != FaultPolicy::Action::stop;
-  if (!leads_back() && !relieved && !gets_way_back()) return park(ComponentState::faulted);
-  failed_ = cause;
+  failed_.fail(cause, clock_.now());
+  if (!may_recover()) return park(ComponentState::faulted);
   wait_ = current_->grid;
   release_ += wait_.count();
-  relief_from_ = relieved ? clock_.now() + relief->back_off.count() : 0;
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
 }
 

@@ -244,8 +244,7 @@ void Task::overran_too_often(const TaskAttributes& task) {
     park(ComponentState::stopped);
   } else if (task.on_overrun == OnOverrun::fallback && relief_.load() != nullptr) {
     std::snprintf(fault_.data(), fault_.size(), "overran %u times in 64 jobs", task.overrun_limit);
-    failed_ = Cause::overruns;  // its relief takes over at the next release
-    relief_from_ = release_;
+    failed_.fail(Cause::overruns, release_);  // its relief takes over at the next release
   }
 }
 

@@ -76,6 +76,46 @@ TEST(Why, ACoreThrewAndItsComponentWasParked) {
   })) << daemon.ask("component.why", {{"component", "first"}});
 }
 
+TEST(Why, AFreshCoreThatFailsAtOnceIsRestartedUntilItsBudgetIsUsedUp) {
+  TrialDaemon daemon(
+      trial_with("trial/throwing_job", R"({"on_fault": {"restart": 3, "back_off": "200ms"}})"));
+
+  Json waits;
+  ASSERT_TRUE(eventually([&] {
+    waits = daemon.component("first");
+    return waits["state"] == "recovering" && waits["recovery"]["restarts_left"] == 1;
+  })) << waits;
+
+  EXPECT_EQ(waits["recovery"]["by"], "restart");
+  EXPECT_GT(waits["recovery"]["in_ns"].get<std::int64_t>(), 200'000'000) << "of 800 ms";
+  EXPECT_EQ(waits["fault"], "division by something");
+  EXPECT_THAT(daemon.ctl({"status"}).out, HasSubstr("restarts with a fresh core"));
+  EXPECT_THAT(told(daemon), HasSubstr("1 restart left"));
+  EXPECT_EQ(daemon.ask("object.get", {{"address", "first"}})["state"], "recovering");
+  ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
+  EXPECT_EQ(daemon.component("first")["releases"], 4) << "one job of each core";
+  EXPECT_GE(daemon.ask("status.get")["generation"], 4) << "each restart is a generation";
+  const auto said = why(daemon, "threw");
+  EXPECT_EQ(said["failure"]["did"], "parked") << said;
+  EXPECT_THAT(said["failure"]["text"].get<std::string>(),
+              HasSubstr("all 3 restarts within 1min are used up"));
+  EXPECT_EQ(said["failure"]["times"], 4);
+}
+
+TEST(Why, ASwapInPlaceToACoreThatFailsAtOnceReachesItsFallbackCore) {
+  TrialDaemon daemon(trial_with("trial/steady", R"({"on_fault": "fallback"})",
+                                R"("fallback_core": "trial/other",)"));
+
+  ASSERT_EQ(daemon.ask("core.swap", {{"component", "first"},
+                                     {"core", "trial/throwing_job"},
+                                     {"in_place", true}})["state"],
+            "applied");
+
+  EXPECT_TRUE(eventually([&] { return daemon.component("first")["core"] == "trial/other"; }))
+      << daemon.component("first");
+  EXPECT_EQ(daemon.component("first")["state"], "running");
+}
+
 TEST(Why, ACoreHungAndItsFallbackTookOver) {
   TrialDaemon daemon(trial_with("trial/hanging", R"({"on_fault": "fallback", "watchdog": "1s"})",
                                 R"("fallback_core": "trial/other",)"));

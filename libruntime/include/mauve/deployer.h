@@ -142,8 +142,13 @@ class Deployer {
   /// Cores that shall stand by for a failing one, and do not yet: after deployment, after each
   /// change, after each fault. Prepare each [factory], then let it stand by.
   [[nodiscard]] std::vector<Change> wanted_reliefs() const;
+  /// As prepare(); an error of a fallback core is about `X.fallback_core`.
+  Result<PreparedChange> prepare_relief(const Change& relief);
   /// Drops what is out of date meanwhile.
   void stand_by(PreparedChange& relief);
+  /// None can be made for this component. A component whose core has failed waits for its relief as
+  /// long as its policy allows: this ends the wait, and it is faulted. `why` goes to its outcome.
+  void refuse_relief(std::string_view component, const std::string& why);
 
   /// Shorthands for apply().
   Result<Receipt> start(const std::vector<std::string>& components, bool reset = false);

@@ -12,8 +12,28 @@
 
 namespace mauve {
 
-enum class ComponentState : std::uint8_t { not_configured, stopped, running, faulted };
+enum class ComponentState : std::uint8_t {
+  not_configured,
+  stopped,
+  running,
+  faulted,     ///< its core failed; it stays parked until somebody starts or changes it
+  recovering,  ///< its core failed, its outputs are safe; another core takes over by itself
+};
 [[nodiscard]] std::string_view to_string(ComponentState state);
+
+/// How a component recovers whose core failed.
+struct Recovery {
+  enum class Way : std::uint8_t {
+    none,
+    restart,   ///< with a fresh core, as soon as that stands by and the back-off has passed
+    fallback,  ///< with its fallback core, as soon as that stands by
+    rollback,  ///< the change on probation is rolled back
+  };
+  Way way = Way::none;
+  std::size_t restarts_left = 0;  ///< of a restart: this one and those after it, within its window
+  Duration in{0};                 ///< of a restart: what is left of the back-off
+};
+[[nodiscard]] std::string_view to_string(Recovery::Way way);
 
 /// A look at one component; numbers may be some jobs apart.
 struct ComponentStatus {
@@ -40,7 +60,8 @@ struct ComponentStatus {
   /// How long ago the job under way should have ended, once that is more than its longest wait;
   /// else zero. A core that hangs is running and late.
   Duration late{0};
-  std::string fault;  ///< what was thrown, when faulted
+  std::string fault;  ///< what was thrown, when faulted or recovering
+  Recovery recovery;  ///< when recovering
   /// How often its code had changed its priority or CPUs, and the guard put that back.
   std::uint64_t restored = 0;
 };
@@ -63,6 +84,7 @@ struct Outcome {
     rolled_back,  ///< all its members are as they were before
     fell_back,    ///< the fallback core took over
     restarted,    ///< a fresh core took over
+    gave_up,      ///< no other core takes over from one that failed: its component is faulted
   };
   Kind kind = Kind::passed;
   std::uint64_t began = 0;       ///< generation it happened to; of a probation: its first change

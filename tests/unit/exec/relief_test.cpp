@@ -77,8 +77,10 @@ TEST(Relief, AFreshCoreTakesOverWithinItsBudgetOfRestarts) {
     prepare_reliefs(deployer);
   }
 
-  ASSERT_EQ(outcomes.size(), 2u);
+  ASSERT_EQ(outcomes.size(), 3u);
   EXPECT_EQ(outcomes[0].kind, Outcome::Kind::restarted);
+  EXPECT_EQ(outcomes[2].kind, Outcome::Kind::gave_up);
+  EXPECT_EQ(outcomes[2].reason, "sensor lost; all 2 restarts within 1s are used up");
   EXPECT_EQ(deployer.status("control").state, ComponentState::faulted);
   EXPECT_EQ(deployer.status("control").fault, "sensor lost");
   // Two jobs each, three times; the fault ends a job that counts; each restart waited longer.
@@ -144,8 +146,9 @@ TEST(Relief, AFreshCoreComesWithTheChangeAsWell) {
   deployer.run_for(30ms);
 
   const auto outcomes = tend(deployer);
-  ASSERT_EQ(outcomes.size(), 1u);
+  ASSERT_EQ(outcomes.size(), 2u);
   EXPECT_EQ(outcomes[0].kind, Outcome::Kind::restarted);
+  EXPECT_EQ(outcomes[1].kind, Outcome::Kind::gave_up);
   EXPECT_EQ(deployer.status("control").fault, "wrong from the start");
   EXPECT_EQ(deployer.status("control").state, ComponentState::faulted) << "the fresh one failed";
 }
@@ -208,6 +211,9 @@ TEST(Relief, StandsByOnceAFaultedComponentIsStartedAgain) {
   ASSERT_TRUE(deployer.deploy());
   deployer.run_for(25ms);
   ASSERT_EQ(deployer.status("control").state, ComponentState::faulted) << "it has no fallback core";
+  const auto gave_up = tend(deployer);
+  ASSERT_EQ(gave_up.size(), 1u);
+  EXPECT_EQ(gave_up[0].reason, "sensor lost; there is no fallback core");
   architecture.control.fall_back_to(
       ComponentBase::Fallback{CoreType::of<ramp::Down>("ramp/down"), {}});
 
@@ -299,6 +305,7 @@ TEST(Relief, DeploymentIsRefusedWhenTheFallbackCoreCannotBeConfigured) {
 
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Errc::hook_threw);
+  EXPECT_EQ(refused.error().at, "control.fallback_core") << "control.core is sound";
 }
 
 /// Each job takes longer than the period.
