@@ -12,8 +12,12 @@ std::string did_in_words(const Json& failure) {
   const std::string did = word(failure, "did");
   const std::string core = word(failure, "core_after");
   const std::string generation = " (generation " + word(failure, "generation_after") + ")";
+  const std::string state = word(failure, "state_after");
+  const bool stands = state == "stopped" || state == "faulted";
   if (did == "rolled_back")
-    return "the change was rolled back: " + core + " runs again" + generation;
+    return "the change was rolled back: " + core +
+           (stands ? " is in its place again, and the component is " + state : " runs again") +
+           generation;
   if (did == "fell_back") return "its fallback core " + core + " took over" + generation;
   if (did == "restarted") return "a fresh core took over" + generation;
   return "it was stopped with its safe values written; others go on";

@@ -42,6 +42,7 @@ struct Failure {
   std::string fsm_state;  ///< empty: not known
   Reaction reaction = Reaction::parked;
   std::string core_after;        ///< that runs, or would
+  std::string state_after;       ///< of the component, when the failure was noticed; empty: faulted
   std::uint64_t generation = 0;  ///< in force when it failed
   std::uint64_t generation_after = 0;
   std::optional<Attempt> change;         ///< the last one before

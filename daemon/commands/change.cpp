@@ -75,12 +75,18 @@ void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
   answer(running, call, std::move(result));
 }
 
-/// To start and to stop is nothing that could be tried out.
-bool changes_modes_only(const Change& change) {
+/// A start or a stop brings nothing that could be tried out, and a way back from a start would only
+/// stop the component again. That holds for a start with a fresh core of the same type too.
+bool changes_modes_only(const Running& running, const Change& change) {
   return !change.has_companion && change.new_components.empty() && change.new_resources.empty() &&
          change.remove.empty() &&
-         std::all_of(change.edits.begin(), change.edits.end(),
-                     [](const Edit& one) { return one.mode != Mode::keep && !one.core; });
+         std::all_of(change.edits.begin(), change.edits.end(), [&](const Edit& one) {
+           const auto* component = running.architecture.find_component(one.component);
+           const bool other_core =
+               one.core &&
+               (component == nullptr || component->bundle()->core_type.name != one.core->name);
+           return one.mode != Mode::keep && !other_core;
+         });
 }
 
 using Stops = std::map<std::string, std::uint64_t>;
@@ -297,7 +303,7 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
   if (!probation) {
     return answer(running, *call, probation.error());
   }
-  if (!changes_modes_only(change)) {
+  if (!changes_modes_only(running, change)) {
     change.probation = *probation;
     call->mark = *probation ? Mark::unconfirmed : Mark::confirmed;
   }

@@ -73,6 +73,7 @@ void notice(Running& running, const Outcome& outcome) {
     }
     if (const auto* component = running.architecture.find_component(outcome.component)) {
       failure.core_after = component->bundle()->core_type.name;
+      failure.state_after = to_string(running.deployer.status(outcome.component).state);
     }
     running.failures.note(outcome.component, std::move(failure));
   }

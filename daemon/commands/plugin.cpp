@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// plugin.load and plugin.unload: code comes and goes while the robot moves.
+#include <chrono>
+#include <memory>
 #include <optional>
 
 #include "commands/answer.h"
@@ -106,8 +108,10 @@ void load_plugin(Running& running, const CallPtr& call, Ticket ticket) {
           });
 }
 
-void unload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
-  const auto name = text_or(call->params, "plugin");
+namespace {
+
+/// [control] Nothing that changes before this one left behind holds the library any more.
+void unload_settled(Running& running, const CallPtr& call, const std::string& name, Ticket ticket) {
   auto library = running.catalog.remove(name);
   if (!library) {
     return answer(running, *call, why_in_use(running, name, library.error()));
@@ -123,6 +127,29 @@ void unload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
       },
       [&running, call, name](const std::string& /*none*/) {
         finish_unload(running, *call, name, {false, "a thread was left behind in it"});
+      });
+}
+
+}  // namespace
+
+/// Cores that were replaced just now hold their library until their threads have looked elsewhere
+/// and [factory] has freed them. That takes moments, unless a thread hangs.
+void unload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
+  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  running.control.await(
+      [&running, patience] {
+        return running.deployer.settled() || std::chrono::steady_clock::now() > patience;
+      },
+      [&running, call, ticket = std::move(ticket)]() mutable {
+        auto free = std::make_shared<Retired>(running.deployer.collect());
+        running.control.in_factory(
+            [free] { static_cast<void>(free->release()); },
+            [&running, call, ticket = std::move(ticket)]() mutable {
+              unload_settled(running, call, text_or(call->params, "plugin"), std::move(ticket));
+            },
+            [&running, call](const std::string& hook) {
+              answer(running, *call, given_up(running, hook, text_or(call->params, "plugin")));
+            });
       });
 }
 

@@ -44,6 +44,7 @@ Json failure_json(const Running& running, const Failure& failure) {
           {"fsm_state", failure.fsm_state},
           {"did", to_string(failure.reaction)},
           {"core_after", failure.core_after},
+          {"state_after", failure.state_after},
           {"generation", failure.generation},
           {"generation_after", failure.generation_after},
           {"times", failure.times}};

@@ -116,6 +116,22 @@ TEST(Why, ASwapInPlaceToACoreThatFailsAtOnceReachesItsFallbackCore) {
   EXPECT_EQ(daemon.component("first")["state"], "running");
 }
 
+TEST(Why, AStartWithAFreshCoreKeepsTheRestartPolicy) {
+  TrialDaemon daemon(
+      trial_with("trial/throwing_job", R"({"on_fault": {"restart": 1, "back_off": "1ms"}})"));
+  ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
+  ASSERT_TRUE(eventually([&] { return daemon.component("first")["releases"] == 2; }));
+
+  const auto started = daemon.ask("component.start", {{"components", {"first"}}, {"reset", true}});
+
+  EXPECT_EQ(started["state"], "applied") << started;
+  EXPECT_FALSE(started.contains("probation")) << "a way back would only stop it again";
+  EXPECT_TRUE(eventually([&] { return daemon.component("first")["releases"] == 3; }));
+  ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }))
+      << daemon.component("first");
+  EXPECT_EQ(daemon.ask("component.why", {{"component", "first"}})["failure"]["did"], "parked");
+}
+
 TEST(Why, ACoreHungAndItsFallbackTookOver) {
   TrialDaemon daemon(trial_with("trial/hanging", R"({"on_fault": "fallback", "watchdog": "1s"})",
                                 R"("fallback_core": "trial/other",)"));
