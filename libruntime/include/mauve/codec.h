@@ -65,7 +65,8 @@ struct Codec<std::array<T, N>> {
       return detail::wrong_kind("an array of " + std::to_string(N) + " items", value);
     }
     for (std::size_t i = 0; i < N; ++i) {
-      if (Status done = Codec<T>::decode((*array)[i], data[i]); !done) return done;
+      Status done = Codec<T>::decode((*array)[i], data[i]);
+      if (!done) return detail::inside(std::move(done), "[" + std::to_string(i) + "]");
     }
     return ok();
   }
@@ -85,7 +86,8 @@ struct Codec<Bounded<T, N>> {
     data.clear();
     for (const Value& item : *array) {
       T decoded{};
-      if (Status done = Codec<T>::decode(item, decoded); !done) return done;
+      Status done = Codec<T>::decode(item, decoded);
+      if (!done) return detail::inside(std::move(done), "[" + std::to_string(data.size()) + "]");
       data.push_back(decoded);
     }
     return ok();
@@ -113,10 +115,14 @@ struct Codec<T> {
   /// Members that the object does not name keep their value; a name that is no field is refused.
   static Status decode(const Value& value, T& data) {
     const auto* object = value.get_if<Value::Object>();
-    if (object == nullptr) return detail::wrong_kind("an object", value);
+    if (object == nullptr) {
+      Error error = detail::wrong_kind("an object", value);
+      error.hint = fields_in_words();
+      return error;
+    }
     for (const auto& member : *object) {
       Status done = refuse(Errc::unknown_name, member.first,
-                           "no field of " + std::string(Described<T>::name));
+                           "no field of " + std::string(Described<T>::name), fields_in_words());
       const auto try_fields = [&](const auto&... f) {
         static_cast<void>((decode_field(f, member, data, done) || ...));
       };
@@ -147,9 +153,19 @@ struct Codec<T> {
                            Status& done) {
     if (member.first != f.name) return false;
     auto& field = data.*(f.member);
-    done = Codec<std::remove_cvref_t<decltype(field)>>::decode(member.second, field);
-    if (!done && done.error().at.empty()) done.error().at = member.first;
+    done = detail::inside(Codec<std::remove_cvref_t<decltype(field)>>::decode(member.second, field),
+                          member.first);
     return true;
+  }
+  /// "point2d/1 has the fields x, y"
+  static std::string fields_in_words() {
+    std::string names;
+    std::apply(
+        [&](const auto&... f) {
+          ((names += (names.empty() ? "" : ", ") + std::string(f.name)), ...);
+        },
+        Described<T>::fields());
+    return std::string(Described<T>::name) + " has the fields " + names;
   }
 };
 

@@ -58,6 +58,15 @@ concept HasFields = HasName<T> && requires {
                 "expected " + std::string(wanted) + ", got " + to_string(value));
 }
 
+/// The place of an error in a composed value, seen from outside: "y" in `goal` is "goal.y".
+[[nodiscard]] inline Status inside(Status done, const std::string& part) {
+  if (!done) {
+    std::string& at = done.error().at;
+    at = part + (at.empty() || at.front() == '[' ? "" : ".") + at;
+  }
+  return done;
+}
+
 /// "not an integer from 0 to 255: 300"
 [[nodiscard]] Error out_of_range(std::int64_t low, std::int64_t high, const Value& value);
 

@@ -129,9 +129,7 @@ class Property final : public PropertyBase {
   [[nodiscard]] std::string_view within() const override { return limits_.within; }
   [[nodiscard]] Status accepts(const Value& value) const override {
     T decoded = default_;
-    Status done = decode(value, decoded);
-    if (!done && done.error().at.empty()) done.error().at = address();
-    return done;
+    return decode(value, decoded);
   }
 
  protected:
@@ -152,8 +150,8 @@ class Property final : public PropertyBase {
   }
   Status decode(const Value& value, T& data) const {
     if constexpr (detail::HasCodec<T>) {
-      if (Status done = Codec<T>::decode(value, data); !done) return done;
-      return in_range(data);
+      Status done = Codec<T>::decode(value, data);
+      return done ? in_range(data) : detail::inside(std::move(done), address());
     } else {
       return refuse(Errc::unsupported, address(), "its type has no description");
     }
