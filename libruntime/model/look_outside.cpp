@@ -9,15 +9,13 @@
 
 namespace mauve {
 
-Result<DataStatus> look_outside(ServiceBase& service, Visitor visitor, Cursor& cursor) {
-  if (service.taps() != nullptr) return service.look(visitor, cursor);  // stored: no code of others
-  DataStatus status = DataStatus::no_data;
+namespace {
+
+/// Runs `body`, which runs code of the service, where a failure ends nobody else.
+template <typename Body>
+Status guarded(ServiceBase& service, const Body& body) {
   const std::size_t held = Gate::held();
   const rt::Deadline deadline(kLookMayTake);
-  const auto body = [&] {
-    status = service.look(visitor, cursor);
-    return ok();
-  };
   Status done = call_hook(service.address(), "the code of this service", body, deadline.watched());
   if (Gate::held() > held) {
     Gate::poison_and_leave_all(held);
@@ -25,8 +23,32 @@ Result<DataStatus> look_outside(ServiceBase& service, Visitor visitor, Cursor& c
                             " is poisoned: it refuses its users until it has a new core";
     done.error().hint = "mend it and reload its plugin, or apply a file that gives it another core";
   }
+  return done;
+}
+
+}  // namespace
+
+Result<DataStatus> look_outside(ServiceBase& service, Visitor visitor, Cursor& cursor) {
+  if (service.taps() != nullptr) return service.look(visitor, cursor);  // stored: no code of others
+  DataStatus status = DataStatus::no_data;
+  Status done = guarded(service, [&] {
+    status = service.look(visitor, cursor);
+    return ok();
+  });
   if (!done) return done.error();
   return status;
+}
+
+Result<bool> use_outside(ServiceBase& service, void* result, void* const* arguments) {
+  const bool writes = service.signature().kind == PortKind::write;
+  if (writes && service.taps() != nullptr) return service.write(arguments[0]);
+  bool taken = false;
+  Status done = guarded(service, [&] {
+    taken = writes ? service.write(arguments[0]) : service.invoke(result, arguments);
+    return ok();
+  });
+  if (!done) return done.error();
+  return taken;
 }
 
 }  // namespace mauve

@@ -18,4 +18,8 @@ inline constexpr Duration kLookMayTake{100'000'000};
 [[nodiscard]] Result<DataStatus> look_outside(ServiceBase& service, Visitor visitor,
                                               Cursor& cursor);
 
+/// Writes to, calls or fires a service, guarded in the same way; `arguments` of a write is the
+/// value. False: the service took nothing, since its resource was busy or is poisoned.
+[[nodiscard]] Result<bool> use_outside(ServiceBase& service, void* result, void* const* arguments);
+
 }  // namespace mauve

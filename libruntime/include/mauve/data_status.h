@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include <mauve/time.h>
 #include <mauve/type.h>
@@ -51,6 +52,8 @@ struct Signature {
   std::string types;               ///< "laser_scan/1", "motion_state/1(double)", "()"
   std::uint64_t layout = 0;        ///< all layouts together
   const DataType* data = nullptr;  ///< of read and write; lives with the library of the element
+  std::vector<const DataType*> arguments = {};  ///< of call and event, in their order
+  const DataType* result = nullptr;             ///< of call
 
   template <typename T>
   static Signature read() {
@@ -65,6 +68,7 @@ struct Signature {
     Signature signature = event<P...>();
     signature.kind = PortKind::call;
     signature.types = data_type<R>().name + signature.types;
+    signature.result = &data_type<R>();
     signature.layout = detail::hash(data_type<R>().layout, signature.layout);
     return signature;
   }
@@ -77,6 +81,7 @@ struct Signature {
           detail::hash(data_type<std::remove_cvref_t<P>>().layout, signature.layout)),
      ...);
     signature.types = "(" + signature.types + ")";
+    signature.arguments = {&data_type<std::remove_cvref_t<P>>()...};
     return signature;
   }
 
