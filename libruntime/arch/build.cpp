@@ -10,6 +10,7 @@
 #include "arch/check_rules.h"
 #include "arch/parts.h"
 #include "arch/resolve.h"
+#include "arch/task_attributes.h"
 #include "base/name.h"
 #include "model/connection.h"
 #include "model/elements.h"
@@ -18,19 +19,6 @@
 
 namespace mauve::arch {
 namespace {
-
-void apply(const TaskSpec& spec, TaskAttributes& task) {
-  if (spec.priority) task.priority = spec.priority->value;
-  task.cpus = spec.cpus.value;
-  if (spec.offset) task.offset = spec.offset->value;
-  if (spec.deadline) task.deadline = spec.deadline->value;
-  if (spec.budget) task.budget = spec.budget->value;
-  if (spec.stack) task.stack = spec.stack->value;
-  if (spec.on_overrun) task.on_overrun = spec.on_overrun->value;
-  if (spec.overrun_limit) task.overrun_limit = spec.overrun_limit->value;
-  if (spec.on_fault) task.on_fault = spec.on_fault->value;
-  if (spec.watchdog) task.watchdog = spec.watchdog->value;
-}
 
 // The shell of a component that could not be made: connected only to see whether it could be.
 class LooseShell {
@@ -97,7 +85,7 @@ class Builder {
     }
     set_properties(spec.name, spec.properties, parts_of(*component));
     component->fall_back_to(std::move(fallback_core));
-    apply(spec.task, component->task());
+    write_attributes(spec.task, component->task());
     component->task().start = spec.start;
     components_.emplace_back(&spec, &architecture_->own(std::move(component)));
   }
