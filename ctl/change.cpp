@@ -19,7 +19,9 @@ int change(Session& session, std::string_view method, Json params, std::string_v
   const auto answer = session.call(method, std::move(params));
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
   const auto& receipt = std::get<Json>(answer);
-  session.print(receipt, render(done, receipt, session.look()));
+  const bool tried = member(receipt, "dry_run") == true;
+  session.print(receipt, tried ? render_plan("the change", receipt, session.look())
+                               : render(done, receipt, session.look()));
   return exit_of(receipt);
 }
 
@@ -71,6 +73,7 @@ void add_options(const Session& session, Json& params) {
   for (const auto& [option, name] : kOptions) {
     if (session.arguments.has(option)) params[name] = session.arguments.one(option);
   }
+  if (session.arguments.has("--dry-run")) params["dry_run"] = true;
 }
 
 int exit_of(const Json& receipt) {
@@ -113,6 +116,7 @@ int run_start(Session& session) {
   if (components.empty()) params["all"] = true;
   if (!components.empty()) params["components"] = components;
   if (session.arguments.has("--reset")) params["reset"] = true;
+  add_options(session, params);
   const std::string done = components.empty() ? "everything" : listed(components);
   return change(session, "component.start", std::move(params), "started " + done);
 }
@@ -146,6 +150,7 @@ int run_connect(Session& session) {
   const std::string service = session.arguments.one("SERVICE");
   Json params = {{"port", port}, {"service", service}};
   if (session.arguments.has("--max-age")) params["max_age"] = session.arguments.one("--max-age");
+  if (session.arguments.has("--replace")) params["replace"] = true;
   add_options(session, params);
   return change(session, "port.connect", std::move(params), "connected " + port + " to " + service);
 }
@@ -155,6 +160,27 @@ int run_disconnect(Session& session) {
   Json params = {{"port", port}};
   add_options(session, params);
   return change(session, "port.disconnect", std::move(params), "disconnected " + port);
+}
+
+int run_change(Session& session) {
+  auto params = file_params(session, "-f,--file");
+  if (const auto* fault = std::get_if<Fault>(&params)) return session.fail(*fault);
+  Json asked = std::get<Json>(std::move(params));
+  add_options(session, asked);
+  const auto answer = session.call("change.apply", std::move(asked));
+  const std::string file = session.arguments.one("-f,--file");
+  if (const auto* fault = std::get_if<Fault>(&answer)) {
+    if (!session.screen.json && fault->errors.is_array()) {
+      session.screen.err << render_errors(file, {{"errors", fault->errors}},
+                                          {session.screen.width_err, session.screen.colour_err});
+    }
+    return session.fail(*fault);
+  }
+  const auto& receipt = std::get<Json>(answer);
+  const bool tried = member(receipt, "dry_run") == true;
+  session.print(receipt, tried ? render_plan("the change", receipt, session.look())
+                               : render_receipt("changed", receipt, session.look()));
+  return exit_of(receipt);
 }
 
 int run_confirm(Session& session) {

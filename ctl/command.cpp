@@ -57,12 +57,19 @@ constexpr Argument kMisses = maybe("--misses",
 constexpr Argument kConfirmWithin =
     maybe("--confirm-within", "rolled back unless confirmed in this time, such as 30s", Kind::none);
 
+constexpr Argument kDryRun =
+    flag("--dry-run", "tell what the change would do; it is prepared and dropped");
+
 constexpr Argument kList[] = {maybe(
     "KIND", "components (default), resources, cores, ports, plugins or clients", Kind::category)};
 constexpr Argument kShow[] = {
     one("ADDRESS", "component, resource or anything in them", Kind::address)};
 constexpr Argument kGet[] = {
     some("ADDRESS", "such as control.core.gain or fix.read", Kind::address)};
+constexpr Argument kWatch[] = {
+    some("ADDRESS", "such as control.core.gain or fix.read", Kind::address),
+    maybe("--every", "at most one value of each address in this time, such as 500ms", Kind::none),
+    flag("--changes", "only values that differ from the one before")};
 constexpr Argument kFor = maybe("--for", "how long, such as 10s; unsaid: until Ctrl-C", Kind::none);
 constexpr Argument kRecord[] = {
     some("ADDRESS", "such as pose.read or control.missed", Kind::address), kFor,
@@ -91,10 +98,30 @@ constexpr Argument kGraph[] = {
     maybe("--fsm", "the state machine of this component instead", Kind::component),
     maybe("-o,--output", "file for it; unsaid: standard output", Kind::file)};
 constexpr Argument kSet[] = {some("ADDRESS=VALUE", "JSON, or a bare text", Kind::assignment),
-                             kState, kProbation, kMisses, kConfirmWithin};
+                             kDryRun,
+                             kState,
+                             kProbation,
+                             kMisses,
+                             kConfirmWithin};
+constexpr Argument kSteps[] = {
+    {"-f,--file", "the steps, an array as of a transaction; - for standard input", Kind::file,
+     true},
+    kDryRun,
+    kState,
+    kProbation,
+    kMisses,
+    kConfirmWithin};
+constexpr Argument kCall[] = {
+    one("SERVICE", "a call or event service, such as localization.reset", Kind::service),
+    any("ARGUMENT", "what the service takes, JSON or a bare text", Kind::none)};
+constexpr Argument kWrite[] = {
+    one("SERVICE", "a write service, such as velocity.write", Kind::service),
+    one("VALUE", "JSON or a bare text", Kind::none)};
+constexpr Argument kWait[] = {
+    {"--for", "a condition as of a rule, such as \"control.missed > 3\"", Kind::none, true}};
 constexpr Argument kStart[] = {any("COMPONENT", "names of components", Kind::component),
                                flag("--all", "every component that does not run"),
-                               flag("--reset", "with a fresh core state")};
+                               flag("--reset", "with a fresh core state"), kDryRun};
 constexpr Argument kStop[] = {any("COMPONENT", "names of components", Kind::component),
                               flag("--all", "every component, at once")};
 constexpr Argument kSwap[] = {
@@ -105,6 +132,7 @@ constexpr Argument kSwap[] = {
     flag("--defaults", "the new core begins with its own values, not with those in force"),
     flag("--in-place",
          "stop, swap, start: for hardware that one core only can hold; without probation"),
+    kDryRun,
     kState,
     kProbation,
     kMisses,
@@ -113,10 +141,12 @@ constexpr Argument kConnect[] = {
     kPort,
     one("SERVICE", "such as scan.read", Kind::service),
     maybe("--max-age", "values older than this are stale, such as 50ms", Kind::none),
+    flag("--replace", "exchange the connection that the port has, at one instant"),
+    kDryRun,
     kProbation,
     kMisses,
     kConfirmWithin};
-constexpr Argument kDisconnect[] = {kPort, kProbation, kMisses, kConfirmWithin};
+constexpr Argument kDisconnect[] = {kPort, kDryRun, kProbation, kMisses, kConfirmWithin};
 constexpr Argument kQuarantine[] = {choice("ACTION", "\"release\", or nothing to list", "release"),
                                     maybe("CORE", "the core to release", Kind::core)};
 constexpr Argument kPlugin[] = {one("PLUGIN", "name of a plugin, not a path", Kind::plugin)};
@@ -203,7 +233,7 @@ constexpr Command kCommands[] = {
      run_get},
     {"set", "properties, all in one change", "mauvectl set control.core.gain=0.3", kSet, true,
      run_set},
-    {"watch", "every new value, one a line, until Ctrl-C", "mauvectl --json watch fix.read", kGet,
+    {"watch", "every new value, one a line, until Ctrl-C", "mauvectl --json watch fix.read", kWatch,
      false, run_watch},
     {"record", "every new value as a row of CSV",
      "mauvectl record pose.read --for 10s -o drive.csv", kRecord, false, run_record},
@@ -223,6 +253,14 @@ constexpr Command kCommands[] = {
      true, run_connect},
     {"disconnect", "a port", "mauvectl disconnect gnss.ports.fix", kDisconnect, true,
      run_disconnect},
+    {"change", "make several steps at one instant", "mauvectl change -f steps.json --dry-run",
+     kSteps, true, run_change},
+    {"call", "a call or event service of a resource", "mauvectl call localization.reset", kCall,
+     true, run_call},
+    {"write", "a value to a service of a resource", "mauvectl write limit.write 0.3", kWrite, true,
+     run_write},
+    {"wait", "until a condition holds; exit code 3 when --timeout passes first",
+     "mauvectl wait --for 'control.missed > 3' --timeout 10s", kWait, false, run_wait},
     {"confirm", "the change on probation: it stays", "mauvectl confirm", {}, true, run_confirm},
     {"undo", "the change on probation: back to before it", "mauvectl undo", {}, true, run_undo},
     {"quarantine", "new cores that failed and were rolled back; release one",

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
+#include <chrono>
+#include <map>
+#include <optional>
 #include <string>
 
 #include "actions.h"
+#include "protocol/message.h"
 #include "words.h"
 
 namespace mauve::ctl {
@@ -38,14 +42,54 @@ int follow(Session& session, const Json& subscription, std::string_view method, 
   }
 }
 
+/// Which samples are printed.
+class Thinning {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  Thinning(std::optional<std::chrono::nanoseconds> every, bool changes)
+      : every_(every), changes_(changes) {}
+
+  /// What is no value, but dropped or replaced, always is.
+  [[nodiscard]] bool passes(const Json& sample, const std::string& method) {
+    if (method != "value") return true;
+    const std::string address = word(sample, "address");
+    const Json& value = member(sample, "value");
+    const auto now = Clock::now();
+    const auto last = last_.find(address);
+    const bool same = last != last_.end() && last->second.value == value;
+    const bool soon = last != last_.end() && every_ && now - last->second.at < *every_;
+    if ((changes_ && same) || soon) return false;
+    last_[address] = {value, now};
+    return true;
+  }
+
+ private:
+  struct Last {
+    Json value;
+    Clock::time_point at;
+  };
+  std::optional<std::chrono::nanoseconds> every_;
+  bool changes_;
+  std::map<std::string, Last> last_;
+};
+
 }  // namespace
 
 int run_watch(Session& session) {
+  const std::string every = session.arguments.one("--every");
+  const auto interval = timeout_of(every);
+  if (!every.empty() && !interval) {
+    return session.fail(protocol::fault_of(protocol::kUsage, "'" + every + "' is no duration", {},
+                                           "example: mauvectl watch fix.read --every 500ms"));
+  }
+  Thinning thinning(interval, session.arguments.has("--changes"));
   const auto answer =
       session.call("watch.subscribe", {{"addresses", session.arguments.all("ADDRESS")}});
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
   return follow(session, subscription_of(std::get<Json>(answer)), "value",
                 [&](Json params, const std::string& method) {
+                  if (!thinning.passes(params, method)) return;
                   params = sample_line(std::move(params), method);
                   const std::string text = render_sample(params, session.look());
                   session.print(params, text);

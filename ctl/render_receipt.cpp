@@ -49,6 +49,18 @@ std::string gone(const Json& receipt, Look look) {
   return text;
 }
 
+/// "  mission.core.goal.y keeps 0: the value given does not name it", one a line.
+std::string kept(const Json& receipt, Look look) {
+  std::string text;
+  for (const Json& one : list_in(receipt, "kept")) {
+    text += wrapped("  " + word(one, "address") + " keeps " + word(one, "value") +
+                        ": the value given does not name it",
+                    look.width, 4) +
+            "\n";
+  }
+  return text;
+}
+
 /// "  control: its state pi_state/2 (24 bytes) is dropped", one a line.
 std::string dropped(const Json& receipt, Look look) {
   std::string text;
@@ -120,8 +132,8 @@ std::string render_receipt(std::string_view done, const Json& receipt, Look look
     text += ", " + counted(held, "rule") + (held == 1 ? " is held" : " are held");
   }
   text = wrapped(text, look.width, 2) + "\n";
-  text += already + defaults(receipt, look) + gone(receipt, look) + dropped(receipt, look) +
-          standing(receipt, look);
+  text += already + defaults(receipt, look) + gone(receipt, look) + kept(receipt, look) +
+          dropped(receipt, look) + standing(receipt, look);
   const Json& notes = member(receipt, "notes");
   for (const Json& note : notes.is_array() ? notes : Json::array()) {
     text += wrapped("note: " + harmless(compact(note)), look.width, 2) + "\n";

@@ -37,7 +37,11 @@ std::string status_of(const Json& value) {
 
 std::string render_value(const Json& value, Look look) {
   const std::string address = painted(word(value, "address"), Paint::bold, look.colour);
-  const std::string status = status_of(value);
+  std::string status = status_of(value);
+  if (value.is_object() && value.contains("kind")) {  // a port that does not read
+    const std::string service = word(value, "service");
+    status = status == "no_data" ? "leads to " + service : "leads to " + service + ", " + status;
+  }
   const Json content = value.is_object() ? value.value("value", Json()) : Json();
   if (content.is_object() && !content.empty()) {
     std::string text = address + " (" + status + ")\n";

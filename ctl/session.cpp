@@ -2,6 +2,7 @@
 #include "session.h"
 
 #include <algorithm>
+#include <iostream>
 #include <iterator>
 #include <thread>
 #include <utility>
@@ -51,8 +52,12 @@ Fault bad_file(const Error& error) {
   return protocol::fault_of(protocol::kUsage, error.message, error.at, error.hint);
 }
 
-std::variant<Json, Fault> file_params(const Session& session) {
-  const std::string file = session.arguments.one("FILE");
+std::variant<Json, Fault> file_params(const Session& session, std::string_view argument) {
+  const std::string file = session.arguments.one(argument);
+  if (file == "-") {
+    return Json{{"text", std::string{std::istreambuf_iterator<char>(std::cin), {}}},
+                {"file", "standard input"}};
+  }
   auto stream = open_to_read(file);
   if (!stream) return bad_file(stream.error());
   return Json{{"text", std::string{std::istreambuf_iterator<char>(*stream), {}}}, {"file", file}};

@@ -51,7 +51,8 @@ class Session {
 [[nodiscard]] Fault bad_file(const Error& error);
 
 /// {"text", "file"}: what FILE contains, and its name.
-[[nodiscard]] std::variant<Json, Fault> file_params(const Session& session);
+[[nodiscard]] std::variant<Json, Fault> file_params(const Session& session,
+                                                    std::string_view argument = "FILE");
 
 /// A number and a unit, "5s"; checked by the option parser.
 [[nodiscard]] std::optional<std::chrono::nanoseconds> timeout_of(std::string_view text);

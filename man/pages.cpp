@@ -67,6 +67,8 @@ std::string type_name(protocol::JsonType type) {
       return "integer";
     case protocol::JsonType::object:
       return "object";
+    case protocol::JsonType::array:
+      return "array";
     case protocol::JsonType::strings:
       break;
   }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "commands/answer.h"
+#include "commands/foreseen.h"
 #include "commands/given_up.h"
 #include "commands/model.h"
 #include "commands/quarantine.h"
@@ -66,6 +67,7 @@ void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
   auto result = to_json(*receipt);
   say_sync(journey.prepared, result);
   say_who_stands(running, journey.change, result);
+  say_kept(running, journey.change, result);
   if (journey.change.probation) {
     result["probation"] = to_json(*journey.change.probation);
   }
@@ -148,8 +150,16 @@ void put_in_force(Running& running, const CallPtr& call, JourneyPtr journey, Tic
 /// [control] The end of a dry run: what was prepared is told and dropped.
 void tell(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
   auto result = to_json(running.deployer.foresee(**journey->prepared));
+  result["dry_run"] = true;
+  result["lines"] = Json::array();
+  for (const auto& line : foreseen((*journey->prepared)->content())) {
+    result["lines"].push_back(to_json(line));
+  }
   say_sync(journey->prepared, result);
-  journey->companion->complete(result);
+  say_kept(running, journey->change, result);
+  if (journey->companion != nullptr) {
+    journey->companion->complete(result);
+  }
   answer(running, *call, std::move(result));
   free_in_factory(running, std::move(journey), std::move(ticket));
 }
@@ -309,7 +319,8 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
   }
   auto journey = std::make_shared<Journey>();
   journey->change = std::move(change);
-  const bool dry_run = companion != nullptr && companion->dry_run();
+  const bool dry_run =
+      flag(call->params, "dry_run") || (companion != nullptr && companion->dry_run());
   journey->companion = std::move(companion);
   journey->stops = stops_of(call->stops ? *call->stops : running.stops, journey->change);
   auto& edits = journey->change;

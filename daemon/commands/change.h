@@ -54,6 +54,12 @@ void say_sync(std::optional<Result<PreparedChange>>& prepared, Json& result);
 /// since the rest of the receipt reads as if all was well.
 void say_who_stands(Running& running, const Change& change, Json& result);
 
+/// [any] Appends the fields of `now` that `given` does not name: {"address","value"}.
+void add_kept(const std::string& address, const Value& given, const Value& now, Json& kept);
+
+/// [control] A structure may be given partly: which of its fields kept their values, as `kept`.
+void say_kept(const Running& running, const Change& change, Json& result);
+
 /// [control] A stop of a component that it starts was asked for later, and overtook it.
 [[nodiscard]] bool overtaken_by_stop(const Running& running, const Call& call,
                                      const Change& change);

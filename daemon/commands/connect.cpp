@@ -24,6 +24,27 @@ Result<Edit> edit_of_port(const Running& running, const Json& params, std::strin
   return edit_of(parts->first);
 }
 
+/// A connected port gives its connection up for the new one only when that was asked for.
+Status replace_connection(const Running& running, const Json& params, const std::string& port,
+                          Edit& edit) {
+  const auto address = text_or(params, "port");
+  const auto target = find_target(running, address);
+  if (!target) {
+    return target.error();
+  }
+  const auto* present = connection(target->element, *target->port);
+  if (present == nullptr) {
+    return ok();
+  }
+  if (!flag(params, "replace")) {
+    return refuse(Errc::duplicate, address,
+                  "is connected to " + present->service().address() + " already",
+                  "mauvectl connect --replace exchanges the connection at one instant");
+  }
+  edit.disconnect.push_back(port);
+  return ok();
+}
+
 /// `max_age`, or zero when it is not said.
 Result<Duration> limit_of(const Json& params) {
   if (!params.contains("max_age")) {
@@ -50,6 +71,9 @@ void connect(Running& running, const CallPtr& call, Ticket ticket) {
   const auto max_age = limit_of(call->params);
   if (!max_age) {
     return answer(running, *call, max_age.error());
+  }
+  if (auto free = replace_connection(running, call->params, port, *edit); !free) {
+    return answer(running, *call, free.error());
   }
   edit->connect.push_back({port, text_or(call->params, "service"), *max_age});
   apply(running, call, std::move(ticket), {{*std::move(edit)}});

@@ -30,7 +30,7 @@ Kind kind_of(const Call& call) {
     return Kind::ending;
   }
   const bool sets =
-      method == "param.set" || method == "config.rollback" ||
+      method == "param.set" || method == "change.apply" || method == "config.rollback" ||
       (method == "core.swap" && (call.params.contains("set") || flag(call.params, "defaults")));
   return sets ? Kind::property : Kind::other;
 }

@@ -115,8 +115,16 @@ class Properties final : public Companion {
   std::vector<std::pair<std::string, Value>> before_;
 };
 
-/// The old core is gone when the new one begins: there is no way back that stands ready.
-Status no_probation(const Json& params) {
+/// The old core is gone when the new one begins: there is no way back that stands ready, and
+/// nothing that could be prepared and dropped.
+Status may_be_in_place(const Json& params) {
+  if (flag(params, "dry_run")) {
+    return refuse(
+        Errc::unsupported, "dry_run",
+        "a swap in place prepares the new core only when the old one has let go, so there "
+        "is nothing to foresee",
+        "leave out in_place to see what a swap beside the old core would do");
+  }
   for (const char* option : {"probation", "misses", "confirm_within"}) {
     const auto text = text_or(params, option);
     if (!params.contains(option) || (text == "off" && option == std::string_view("probation"))) {
@@ -137,7 +145,7 @@ void swap_core(Running& running, const CallPtr& call, Ticket ticket) {
     return answer(running, *call, edit.error());
   }
   const bool in_place = flag(call->params, "in_place");
-  if (const auto sound = in_place ? no_probation(call->params) : ok(); !sound) {
+  if (const auto sound = in_place ? may_be_in_place(call->params) : ok(); !sound) {
     return answer(running, *call, sound.error());
   }
   auto properties = std::make_shared<Properties>(

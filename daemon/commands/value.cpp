@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/value.h"
 
+#include <optional>
+
 #include "arch/built_in.h"
+#include "arch/task_attributes.h"
 #include "arch/value_json.h"
 #include "base/duration.h"
 #include "model/look_outside.h"
@@ -31,11 +34,15 @@ class Slot {
 Result<Json> read_service(const Running& running, const std::string& address,
                           ServiceBase& service) {
   const auto* type = service.signature().data;
-  if (service.signature().kind != PortKind::read) {
-    return refuse(Errc::wrong_state, address,
-                  "is a " + std::string(to_string(service.signature().kind)) +
-                      " service, it has no value to read",
-                  "watch it to see every value, or get the read service");
+  const auto kind = service.signature().kind;
+  if (kind != PortKind::read) {
+    const auto word = std::string(to_string(kind));
+    return refuse(
+        Errc::wrong_state, address,
+        (kind == PortKind::event ? "is an " : "is a ") + word + " service, it has no value to read",
+        service.taps() != nullptr
+            ? "mauvectl get " + service.resource().name() + ".read has the last value"
+            : "mauvectl show " + address + " tells its types");
   }
   if (service.resource().type().name == arch::kRingBuffer) {
     return refuse(Errc::unsupported, address, "is a queue: reading would take an item away",
@@ -71,6 +78,23 @@ void add_connection(Json& out, const Binding& binding) {
   if (limit > Duration{0} && out.contains("age_ns") && out["age_ns"] > limit.count()) {
     out["status"] = to_string(DataStatus::stale);
   }
+}
+
+/// Of a port that does not read: the service that it leads to, and the value that was written there
+/// last, where that is stored.
+Result<Json> sample_output(const Running& running, const std::string& address,
+                           ServiceBase& service) {
+  const auto kind = service.signature().kind;
+  const bool stored = kind == PortKind::write && service.exchange() != nullptr;
+  auto* const reading = stored ? service.resource().find_service("read") : nullptr;
+  auto out = reading != nullptr
+                 ? read_service(running, address, *reading)
+                 : Result<Json>(answer_for(address, nullptr, to_string(DataStatus::no_data)));
+  if (out) {
+    (*out)["service"] = service.address();
+    (*out)["kind"] = to_string(kind);
+  }
+  return out;
 }
 
 Value statistic(const ComponentStatus& status, std::string_view name) {
@@ -157,9 +181,7 @@ Result<Json> sample(const Running& running, const std::string& address, const Ta
   }
   const bool is_port = target.port != nullptr;
   if (is_port && service->signature().kind != PortKind::read) {
-    auto out = answer_for(address, nullptr, to_string(DataStatus::no_data));
-    out["service"] = service->address();
-    return out;
+    return sample_output(running, address, *service);
   }
   auto out = read_service(running, address, *service);
   if (out && is_port) {
@@ -168,7 +190,33 @@ Result<Json> sample(const Running& running, const std::string& address, const Ta
   return out;
 }
 
+namespace {
+
+/// "control.task.budget"; nothing: the address is of something else.
+std::optional<Result<Json>> sample_task(const Running& running, const std::string& address) {
+  constexpr std::string_view kTask = ".task.";
+  const auto dot = address.find(kTask);
+  if (dot == std::string::npos || address.find('.') != dot) {
+    return std::nullopt;
+  }
+  const auto component = find_component(running, address.substr(0, dot));
+  if (!component) {
+    return component.error();
+  }
+  auto value = arch::attribute_of((*component)->bundle()->task, address.substr(0, dot) + ".task",
+                                  std::string_view(address).substr(dot + kTask.size()));
+  if (!value) {
+    return value.error();
+  }
+  return answer_for(address, arch::to_json(*value), "current");
+}
+
+}  // namespace
+
 Result<Json> sample_at(const Running& running, const std::string& address) {
+  if (auto attribute = sample_task(running, address)) {
+    return *std::move(attribute);
+  }
   const auto target = find_target(running, address);
   if (target) {
     return sample(running, address, *target);

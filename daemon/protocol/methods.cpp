@@ -22,22 +22,26 @@ constexpr Param kOneComponent[] = {{"component", string, true}};
 constexpr Param kRule[] = {{"rule", string}};
 constexpr Param kSub[] = {{"sub", integer, true}};
 constexpr Param kCore[] = {{"core", string, true}};
-constexpr Param kSet[] = {{"values", object, true},
-                          {"state", string},
-                          {"probation", string},
-                          {"misses", string},
-                          {"confirm_within", string}};
-constexpr Param kStart[] = {{"components", strings}, {"all", boolean}, {"reset", boolean}};
+constexpr Param kSet[] = {{"values", object, true}, {"dry_run", boolean},
+                          {"state", string},        {"probation", string},
+                          {"misses", string},       {"confirm_within", string}};
+constexpr Param kStart[] = {
+    {"components", strings}, {"all", boolean}, {"reset", boolean}, {"dry_run", boolean}};
 constexpr Param kStop[] = {{"components", strings}, {"all", boolean}};
-constexpr Param kSwap[] = {{"component", string, true}, {"core", string, true}, {"set", object},
-                           {"budget", string},          {"in_place", boolean},  {"state", string},
-                           {"defaults", boolean},       {"probation", string},  {"misses", string},
-                           {"confirm_within", string}};
+constexpr Param kSwap[] = {
+    {"component", string, true}, {"core", string, true},    {"set", object},
+    {"budget", string},          {"in_place", boolean},     {"state", string},
+    {"defaults", boolean},       {"dry_run", boolean},      {"probation", string},
+    {"misses", string},          {"confirm_within", string}};
 constexpr Param kConnect[] = {{"port", string, true}, {"service", string, true},
-                              {"max_age", string},    {"probation", string},
+                              {"max_age", string},    {"replace", boolean},
+                              {"dry_run", boolean},   {"probation", string},
                               {"misses", string},     {"confirm_within", string}};
-constexpr Param kDisconnect[] = {
-    {"port", string, true}, {"probation", string}, {"misses", string}, {"confirm_within", string}};
+constexpr Param kDisconnect[] = {{"port", string, true},
+                                 {"dry_run", boolean},
+                                 {"probation", string},
+                                 {"misses", string},
+                                 {"confirm_within", string}};
 constexpr Param kPlugin[] = {{"plugin", string, true}};
 constexpr Param kReload[] = {{"plugin", string, true}, {"state", string}};
 constexpr Param kCheck[] = {{"text", string, true}, {"file", string}};
@@ -46,6 +50,11 @@ constexpr Param kApply[] = {{"text", string, true}, {"file", string},
                             {"dry_run", boolean},   {"state", string},
                             {"sync", string},       {"probation", string},
                             {"misses", string},     {"confirm_within", string}};
+constexpr Param kSteps[] = {{"text", string, true},    {"file", string},      {"dry_run", boolean},
+                            {"state", string},         {"probation", string}, {"misses", string},
+                            {"confirm_within", string}};
+constexpr Param kCall[] = {{"service", string, true}, {"arguments", array}};
+constexpr Param kCondition[] = {{"condition", string, true}};
 constexpr Param kHistory[] = {{"n", integer}};
 constexpr Param kRollback[] = {{"generation", integer, true}, {"state", string}, {"sync", string}};
 constexpr Param kTraceStart[] = {{"detail", boolean}, {"seconds", integer}};
@@ -78,6 +87,7 @@ constexpr Method kMethods[] = {
     {"object.get", "everything about one object", kAddress},
     {"component.why", "its last failure: what, why, what was done, what to do", kOneComponent},
     {"param.get", "value and status of one address", kAddress},
+    {"condition.get", "what a condition, as of a rule, says now", kCondition},
     {"param.set", "sets properties in one change", kSet, true},
     {"watch.subscribe", "every new value of the addresses", kAddresses},
     {"watch.unsubscribe", "ends a watch or a log", kSub},
@@ -86,6 +96,8 @@ constexpr Method kMethods[] = {
     {"core.swap", "replaces the core of a component", kSwap, true},
     {"port.connect", "connects a port to a service", kConnect, true},
     {"port.disconnect", "disconnects a port", kDisconnect, true},
+    {"change.apply", "several steps at one instant, as those of a transaction", kSteps, true},
+    {"service.call", "writes to, calls or fires a service", kCall, true},
     {"change.confirm", "the change on probation stays", {}, true, false, false, true},
     {"change.undo", "back to before the change on probation", {}, true, false, false, true},
     {"quarantine.list", "cores that were rolled back, and why", {}},
@@ -122,6 +134,8 @@ bool fits(const Json& value, JsonType type) {
       return value.is_number_unsigned() || (value.is_number_integer() && value >= 0);
     case object:
       return value.is_object();
+    case array:
+      return value.is_array();
     case strings:
       return value.is_array() && std::all_of(value.begin(), value.end(),
                                              [](const Json& item) { return item.is_string(); });
@@ -139,6 +153,8 @@ std::string_view words_for(JsonType type) {
       return "an integer of 0 or more";
     case object:
       return "an object";
+    case array:
+      return "an array";
     case strings:
       return "an array of strings";
   }

@@ -10,7 +10,7 @@
 
 namespace mauve::protocol {
 
-enum class JsonType { string, boolean, integer, object, strings };
+enum class JsonType { string, boolean, integer, object, array, strings };
 
 struct Param {
   std::string_view name;

@@ -210,6 +210,11 @@ void read_transactions(const Source& source, std::vector<TransactionSpec>& into)
   });
 }
 
+void read_change(const Source& source, TransactionSpec& into) {
+  into.where = source.node.where;
+  read_steps(source, into);
+}
+
 void read_rules(const Source& source, std::vector<RuleSpec>& into) {
   read_items(source, [&](const Source& item) {
     RuleSpec rule;

@@ -12,6 +12,9 @@ namespace mauve::arch {
 /// `"drop_gnss": [ { "disconnect": "gnss.ports.fix" } ]`
 void read_transactions(const Source& source, std::vector<TransactionSpec>& into);
 
+/// `[ { "stop": "control" } ]`: the steps of one change, outside of a file.
+void read_change(const Source& source, TransactionSpec& into);
+
 /// `{ "name": "gnss_lost", "when": "gnss.core.satellites < 4", "for": "2s", "do": "drop_gnss" }`
 void read_rules(const Source& source, std::vector<RuleSpec>& into);
 

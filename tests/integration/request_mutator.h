@@ -82,6 +82,8 @@ class RequestMutator {
         return below(2) == 0 ? below(10) : random_();
       case protocol::JsonType::object:
         return {{some_word(), some_value(2)}};
+      case protocol::JsonType::array:
+        return Json::array({some_value(1)});
       case protocol::JsonType::strings:
         return Json::array({some_word(), some_word()});
     }

@@ -66,6 +66,7 @@ class MeterCore final : public mauve::Core<mauve::EmptyShell> {
  private:
   mauve::Stateless stateless_{*this};
   mauve::Property<double> breaks_at{*this, "breaks_at", 4.0, "hangs when it is given this value"};
+  mauve::Property<MemoryV2> mark{*this, "mark", {}, "a structure"};
 };
 struct MeterInterface : mauve::Interface<MeterCore> {
   mauve::WriteService<double> write{*this, "write", &MeterCore::note};
