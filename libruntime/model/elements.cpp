@@ -108,13 +108,16 @@ Status check_same_headers(const std::string& at, const CoreType& core, const Fsm
 
 }  // namespace
 
-std::vector<Member> members_of(const Shell& shell) {
+std::vector<Member> members_of(const Shell& shell, std::size_t size) {
   std::vector<Member> members;
   for (const PortBase* port : shell.ports()) {
     members.push_back({"port " + std::string(port->name()), to_string(port->signature()),
                        port->signature().layout, place_of(port, &shell)});
   }
   append_values(shell, &shell, members);
+  for (Member& member : members) {
+    if (member.offset >= size) member.offset = Member::kElsewhere;
+  }
   return members;
 }
 

@@ -21,12 +21,17 @@ struct Question {
 
 /// Every method that changes nothing, with arguments that let it do its work.
 std::vector<Question> all_reads(TrialDaemon& daemon) {
-  const std::map<std::string, Json> arguments = {
-      {"address", "first"},   {"addresses", {"signal.read", "first.core.count"}},
-      {"component", "first"}, {"components", {"first"}},
-      {"subscription", 1},    {"sub", 1},
-      {"text", kTrial},       {"name", "none"},
-      {"file", "none"},       {"generation", 1}};
+  const std::map<std::string, Json> arguments = {{"address", "first"},
+                                                 {"addresses", {"signal.read", "first.core.count"}},
+                                                 {"component", "first"},
+                                                 {"components", {"first"}},
+                                                 {"subscription", 1},
+                                                 {"sub", 1},
+                                                 {"text", kTrial},
+                                                 {"name", "none"},
+                                                 {"file", "none"},
+                                                 {"generation", 1},
+                                                 {"condition", "first.core.count > 1"}};
   std::vector<Question> found;
   const Json methods = daemon.ask("command.list");
   for (const auto& row : methods["items"]) {
@@ -68,6 +73,8 @@ std::vector<Question> all_changes() {
   return {{"core.swap", {{"component", "first"}, {"core", "trial/other"}, {"probation", off}}},
           {"param.set", {{"values", {{"second.core.gain", 2.0}}}}},
           {"change.undo", Json::object()},
+          {"change.apply", {{"text", R"([ { "set": "second.core.gain", "value": 3.0 } ])"}}},
+          {"service.call", {{"service", "signal.write"}, {"arguments", {0.5}}}},
           {"core.swap", {{"component", "first"}, {"core", "trial/throwing_job"}}},
           {"quarantine.release", {{"core", "trial/throwing_job"}}},
           {"core.swap", {{"component", "first"}, {"core", "trial/counting"}}},

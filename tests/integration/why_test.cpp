@@ -98,7 +98,7 @@ TEST(Why, AFreshCoreThatFailsAtOnceIsRestartedUntilItsBudgetIsUsedUp) {
   const auto said = why(daemon, "threw");
   EXPECT_EQ(said["failure"]["did"], "parked") << said;
   EXPECT_THAT(said["failure"]["text"].get<std::string>(),
-              HasSubstr("all 3 restarts within 1min are used up"));
+              HasSubstr("all 3 restarts within 60s are used up"));
   EXPECT_EQ(said["failure"]["times"], 4);
 }
 

@@ -24,7 +24,9 @@ struct Member {
   std::string name;          ///< "port out", "property gain", "state guidance/1"
   std::string type;          ///< "write double"
   std::uint64_t layout = 0;  ///< of its type
-  std::size_t offset = 0;    ///< where it lies in its object, bytes
+  std::size_t offset = 0;    ///< where it lies in its object, bytes; kElsewhere: on the heap
+
+  static constexpr std::size_t kElsewhere = static_cast<std::size_t>(-1);
 
   friend bool operator==(const Member&, const Member&) = default;
 };
@@ -43,8 +45,9 @@ struct Contract {
   friend bool operator==(const Contract&, const Contract&) = default;
 };
 
-/// The ports, properties and observables of a shell, in the order of their declaration. [factory]
-[[nodiscard]] std::vector<Member> members_of(const Shell& shell);
+/// The ports, properties and observables of a shell of `size` bytes, in the order of their
+/// declaration. A member that the shell keeps on the heap has no place to compare. [factory]
+[[nodiscard]] std::vector<Member> members_of(const Shell& shell, std::size_t size);
 /// The properties, observables and states within the first `size` bytes of a core: those of its
 /// contract class. [factory]
 [[nodiscard]] std::vector<Member> members_of(const CoreBase& core, std::size_t size);
@@ -86,7 +89,7 @@ std::size_t count_functions() {
 template <typename ShellT>
 std::vector<Member> shell_members() {
   if constexpr (std::is_default_constructible_v<ShellT>) {
-    return members_of(*std::make_unique<ShellT>());
+    return members_of(*std::make_unique<ShellT>(), sizeof(ShellT));
   } else {
     return {};
   }
