@@ -211,7 +211,8 @@ TEST_F(WholeRoverWithRos, DrivesToAGoalThatRosbagPlaysAndIsRecordedByIt) {
   EXPECT_NE(listed.find("sensor_msgs/LaserScan"), std::string::npos) << listed;
   Process reader({"/usr/bin/python3", "-c", kReadBag, drive});
   ASSERT_TRUE(eventually([&] { return !reader.running(); }, mauve::test::kLong));
-  EXPECT_THAT(reader.all_output(), testing::ContainsRegex("from 0 to [45], many scans of 541"));
+  // rosbag writes its first message up to some seconds after the rover counts it as a subscriber.
+  EXPECT_THAT(reader.all_output(), testing::ContainsRegex("from [0-3] to [45], many scans of 541"));
 }
 
 }  // namespace
