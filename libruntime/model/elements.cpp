@@ -30,6 +30,12 @@ void name_ports_in_trace(const Shell& shell) {
   }
 }
 
+Status check_machine(FsmBase& fsm) {
+  if (fsm.configured()) return ok();
+  if (Status built = fsm.configure(); !built) return built;
+  return fsm.cleanup();
+}
+
 Status configure_in_order(std::span<Configurable* const> elements) {
   std::vector<Configurable*> configured;
   for (Configurable* element : elements) {
