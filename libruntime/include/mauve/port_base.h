@@ -16,6 +16,30 @@ namespace mauve {
 
 class Shell;
 
+/// The answer of PortBase::connect(). An error that nobody looks at is reported by the next
+/// configure() of the shell, as a refused value of a property is.
+class Connected {
+ public:
+  Connected(Shell& shell, Status done) : shell_(shell), done_(std::move(done)) {}
+  Connected(const Connected&) = delete;
+  Connected& operator=(const Connected&) = delete;
+  ~Connected();
+
+  explicit operator bool() const { return look().has_value(); }
+  operator Status() const { return look(); }
+  [[nodiscard]] const Error& error() const { return look().error(); }
+
+ private:
+  const Status& look() const {
+    looked_at_ = true;
+    return done_;
+  }
+
+  Shell& shell_;
+  Status done_;
+  mutable bool looked_at_ = false;
+};
+
 /// What the runtime sees of a port. Use is [rt] by the component's own thread.
 class PortBase {
  public:
@@ -30,8 +54,9 @@ class PortBase {
   /// Dotted address, such as "control.ports.scan".
   [[nodiscard]] std::string address() const;
 
-  /// Connects in code, before deployment: `shell().scan.connect(scan.interface().read)`.
-  Status connect(ServiceBase& service, Duration max_age = Duration{0});
+  /// Connects in code, before deployment: `shell().scan.connect(scan.interface().read)`. The answer
+  /// need not be looked at.
+  Connected connect(ServiceBase& service, Duration max_age = Duration{0});
   [[nodiscard]] bool connected() const;
 
   /// Writes the declared safe value, if any: at stop, fault and disconnect. `by_owner`: on the
