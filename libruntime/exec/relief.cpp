@@ -40,6 +40,7 @@ std::size_t recent_restarts(const System& system, const Deployed* deployed,
 /// It took over: what the task runs is what the model shows.
 void take_note(System& system, Deployed& deployed) {
   const StandingBy taken = std::exchange(deployed.relief, {});
+  const FaultRecord& fault = taken.answer->fault;
   ComponentBase& component = *deployed.component;
   retire(*component.bundle(), *taken.member->next, system.free);
   const bool again = taken.member->restart;
@@ -52,7 +53,8 @@ void take_note(System& system, Deployed& deployed) {
   outcome.began = system.generation;
   outcome.generation = ++system.generation;
   outcome.component = component.name();
-  outcome.reason = deployed.task->fault();
+  outcome.reason = fault.text.data();
+  outcome.incident = to_incident(fault);
   outcome.cores = {component.bundle()->core_type.name};
   system.outcomes.push_back(std::move(outcome));
 }

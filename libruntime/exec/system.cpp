@@ -232,7 +232,10 @@ ComponentStatus look_at(const System& system, const Deployed& deployed) {
     status.missed += passing(deployed, status, system.runner->now() - system.t0);
     status.late = lateness_of(bundle, status.next_release, system.runner->now() - system.t0);
   }
-  if (status.state == ComponentState::faulted) status.fault = deployed.task->fault();
+  if (status.state == ComponentState::faulted) {
+    status.incident = to_incident(deployed.task->fault());
+    status.fault = status.incident->text;
+  }
   return status;
 }
 

@@ -182,6 +182,7 @@ Published* Task::take_over() {
   if (!failed_ || leads_back()) return nullptr;
   Published* relief = relief_.load(std::memory_order_acquire);
   const bool ready = relief != nullptr && release_ >= relief_from_ && empty(relief_, *relief);
+  if (ready) relief->answer->fault = fault_;
   return ready ? relief : nullptr;
 }
 
@@ -286,7 +287,7 @@ MAUVE_RUNS_AT_A_SWAP void Task::put_in_place(Published& next) {
   bound_.store(next.bound.count(), std::memory_order_relaxed);
   has_safe_values_.store(next.has_safe_values, std::memory_order_relaxed);
   // One that follows a change of others runs what it ran.
-  if (!next.mode_only || next.back == nullptr) failed_.reset();
+  if (!next.mode_only || next.back == nullptr) failed_ = false;
   if (next.other_core) {
     counters_.execution_max.store(0, std::memory_order_relaxed);
     counters_.used_max.store(0, std::memory_order_relaxed);
@@ -298,7 +299,7 @@ MAUVE_RUNS_AT_A_SWAP void Task::put_in_place(Published& next) {
     Published* const before = back_.exchange(next.back.release(), std::memory_order_acq_rel);
     if (before != nullptr) pile_up(*before);
   }
-  if (failed_) give_up_core(*failed_, fault_.data());
+  if (failed_) give_up_core();
   if (same_bundle && next.relief == nullptr) return;  // what stands by is of use still
   if (Published* relief = relief_.exchange(next.relief.release(), std::memory_order_acq_rel)) {
     relief->answer->progress.store(Published::Progress::given_back, std::memory_order_release);

@@ -48,8 +48,7 @@ class Task {
   };
   [[nodiscard]] Trace& trace() { return *trace_.load(std::memory_order_acquire); }
   [[nodiscard]] std::uint32_t trace_name() const { return trace_name_; }
-  /// What was thrown; valid while the state is faulted.
-  [[nodiscard]] const char* fault() const { return fault_.data(); }
+  [[nodiscard]] const FaultRecord& fault() const { return fault_; }  ///< valid while faulted
 
   /// Before the first release: what to run, and the common T0. [control]
   void begin(std::unique_ptr<Published> first, Instant t0);
@@ -183,7 +182,8 @@ class Task {
   };
   void watch_over(const JobUse& job);
   [[nodiscard]] JobTiming timing_of(const JobUse& job);
-  void give_up_core(Cause cause, const char* what);
+  void record_fault(Cause cause);
+  void give_up_core();
   void on_fault(Cause cause);
   [[nodiscard]] bool leads_back() const;
   [[nodiscard]] bool gets_way_back() const;
@@ -204,7 +204,7 @@ class Task {
   rt::EventRing events_;
   rt::RequestRing requests_;
   Counters counters_;
-  std::array<char, 128> fault_{};
+  FaultRecord fault_;
   std::atomic<Trace*> trace_;
   rt::Watched watched_;
   std::atomic<Job*> job_{nullptr};  // of its thread
@@ -243,8 +243,8 @@ class Task {
   Duration cpu_before_{0};  // of this thread, when the job began; zero: was not asked for
   bool preempted_ = false;  // the last job was
   bool running_ = false;
-  bool waiting_ = false;         // at a barrier; it runs again after it
-  std::optional<Cause> failed_;  // waits for its way back or its relief; no job runs meanwhile
+  bool waiting_ = false;  // at a barrier; it runs again after it
+  bool failed_ = false;   // waits for its way back or its relief; no job runs meanwhile
 };
 
 }  // namespace mauve::exec

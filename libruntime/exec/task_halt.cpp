@@ -31,7 +31,7 @@ void Task::answer_between_jobs() {
 void Task::stand_still() {
   const bool runs = running_ || waiting_;
   waiting_ = false;
-  failed_.reset();
+  failed_ = false;
   write_safe_values();
   if (runs) park(ComponentState::stopped);
 }

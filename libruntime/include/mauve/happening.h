@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +15,16 @@ namespace mauve {
 
 enum class ComponentState : std::uint8_t { not_configured, stopped, running, faulted };
 [[nodiscard]] std::string_view to_string(ComponentState state);
+
+/// A failure of a component: all of it was recorded by its thread when it happened.
+struct Incident {
+  Instant time = 0;       ///< monotonic
+  std::string cause;      ///< "threw", "crashed", "did not return", ...
+  std::string text;       ///< what was thrown, or the like
+  std::string core;       ///< that failed
+  std::string state;      ///< of the state machine; empty: not known
+  std::uint64_t job = 0;  ///< the number of the job, counted since the component began
+};
 
 /// A look at one component; numbers may be some jobs apart.
 struct ComponentStatus {
@@ -40,7 +51,8 @@ struct ComponentStatus {
   /// How long ago the job under way should have ended, once that is more than its longest wait;
   /// else zero. A core that hangs is running and late.
   Duration late{0};
-  std::string fault;  ///< what was thrown, when faulted
+  std::string fault;                 ///< what was thrown, when faulted
+  std::optional<Incident> incident;  ///< when faulted
   /// How often its code had changed its priority or CPUs, and the guard put that back.
   std::uint64_t restored = 0;
 };
@@ -69,7 +81,9 @@ struct Outcome {
   std::uint64_t generation = 0;  ///< in force now
   std::string component;         ///< whose fault it was; empty: nobody's
   std::string reason;            ///< "threw: sensor lost", "confirmed", "3000 jobs without a fault"
-  Duration commit{0};            ///< of a rollback, since T0
+  /// The failure that led to it; none: somebody asked, or nothing failed.
+  std::optional<Incident> incident = {};
+  Duration commit{0};  ///< of a rollback, since T0
   /// The core that was new and at fault in a rollback, if any; the one that took over.
   std::vector<std::string> cores;
   /// Of a probation: the generations that its changes made, the oldest first. There are several
