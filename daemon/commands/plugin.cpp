@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// plugin.load and plugin.unload: code comes and goes while the robot moves.
+#include <chrono>
 #include <optional>
 
 #include "commands/answer.h"
@@ -62,10 +63,22 @@ void finish_unload(Running& running, const Call& call, const std::string& name,
               {"generation", running.generation.load()}});
 }
 
+/// For so long an unload waits for elements that were replaced just before to be freed.
+constexpr std::chrono::milliseconds kFreeing{500};
+
+bool is_in_force(const Running& running, const std::string& plugin) {
+  return !members_of(running, plugin, StatePolicy::keep).edits.empty();
+}
+
+bool has_users(const Running& running, const std::string& plugin) {
+  const auto* loaded = running.catalog.find(plugin);
+  return loaded != nullptr && !loaded->library()->users().empty();
+}
+
 /// The users that are named may be what a probation leads back to, and nothing that runs.
 Error why_in_use(const Running& running, const std::string& plugin, Error error) {
-  const bool in_force = !members_of(running, plugin, StatePolicy::keep).edits.empty();
-  if (error.code != Errc::wrong_state || !running.deployer.on_probation() || in_force) {
+  if (error.code != Errc::wrong_state || !running.deployer.on_probation() ||
+      is_in_force(running, plugin)) {
     return error;
   }
   error.message += ", which does not run any more: it is kept for the way back until generation " +
@@ -89,6 +102,29 @@ void load_in_factory(Running& running, const CallPtr& call, const std::shared_pt
       });
 }
 
+/// [control] Nothing uses it, or what does is not being freed.
+void unload_now(Running& running, const CallPtr& call, const std::string& name, Ticket ticket) {
+  if (auto met = check_conditions(running, *call); !met) {
+    return answer(running, *call, met.error());
+  }
+  auto library = running.catalog.remove(name);
+  if (!library) {
+    return answer(running, *call, why_in_use(running, name, library.error()));
+  }
+  auto unmapped = std::make_shared<plugin::Unmapped>();
+  running.control.in_factory(
+      [&running, unmapped, library = *std::move(library)]() mutable {
+        running.log.flush();  // its messages are text in its code
+        *unmapped = Library::release(std::move(library));
+      },
+      [&running, call, name, unmapped, ticket = std::move(ticket)] {
+        finish_unload(running, *call, name, *unmapped);
+      },
+      [&running, call, name](const std::string& /*none*/) {
+        finish_unload(running, *call, name, {false, "a thread was left behind in it"});
+      });
+}
+
 }  // namespace
 
 void load_plugin(Running& running, const CallPtr& call, Ticket ticket) {
@@ -106,23 +142,21 @@ void load_plugin(Running& running, const CallPtr& call, Ticket ticket) {
           });
 }
 
+/// Elements that were replaced are freed on [factory] soon after their change: an unload right
+/// behind it waits for that.
 void unload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
   const auto name = text_or(call->params, "plugin");
-  auto library = running.catalog.remove(name);
-  if (!library) {
-    return answer(running, *call, why_in_use(running, name, library.error()));
+  const auto until = std::chrono::steady_clock::now() + kFreeing;
+  const bool may_become_free = has_users(running, name) && !is_in_force(running, name);
+  if (!may_become_free) {
+    return unload_now(running, call, name, std::move(ticket));
   }
-  auto unmapped = std::make_shared<plugin::Unmapped>();
-  running.control.in_factory(
-      [&running, unmapped, library = *std::move(library)]() mutable {
-        running.log.flush();  // its messages are text in its code
-        *unmapped = Library::release(std::move(library));
+  running.control.await(
+      [&running, name, until] {
+        return !has_users(running, name) || std::chrono::steady_clock::now() >= until;
       },
-      [&running, call, name, unmapped, ticket = std::move(ticket)] {
-        finish_unload(running, *call, name, *unmapped);
-      },
-      [&running, call, name](const std::string& /*none*/) {
-        finish_unload(running, *call, name, {false, "a thread was left behind in it"});
+      [&running, call, name, ticket = std::move(ticket)]() mutable {
+        unload_now(running, call, name, std::move(ticket));
       });
 }
 
