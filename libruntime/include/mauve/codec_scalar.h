@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -54,6 +55,9 @@ concept HasFields = requires {
   return refuse(Errc::invalid_value, {},
                 "expected " + std::string(wanted) + ", got " + to_string(value));
 }
+
+/// The number that "nan", "inf" or "-inf" stands for; empty for any other value.
+[[nodiscard]] std::optional<double> number_of_word(const Value& value);
 
 /// "not an integer from 0 to 255: 300"
 [[nodiscard]] Error out_of_range(std::int64_t low, std::int64_t high, const Value& value);
@@ -107,6 +111,8 @@ struct Codec<T> {
       data = static_cast<T>(*d);
     } else if (const auto* i = value.get_if<std::int64_t>()) {
       data = static_cast<T>(*i);
+    } else if (const auto word = detail::number_of_word(value)) {
+      data = static_cast<T>(*word);
     } else {
       return detail::wrong_kind("a number", value);
     }
