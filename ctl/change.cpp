@@ -19,7 +19,8 @@ int change(Session& session, std::string_view method, Json params, std::string_v
   const auto answer = session.call(method, std::move(params));
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
   const auto& receipt = std::get<Json>(answer);
-  session.print(receipt, render(done, receipt, session.look()));
+  session.print(receipt,
+                change_lines(receipt, session.look()) + render(done, receipt, session.look()));
   return exit_of(receipt);
 }
 

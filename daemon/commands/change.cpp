@@ -5,11 +5,13 @@
 #include <optional>
 
 #include "commands/answer.h"
+#include "commands/gate.h"
 #include "commands/given_up.h"
 #include "commands/model.h"
 #include "commands/quarantine.h"
 #include "commands/unproven.h"
 #include "exec/prepared.h"
+#include "judge/judgement.h"
 #include "model/elements.h"
 
 namespace mauve::daemon {
@@ -25,6 +27,7 @@ struct Journey {
   std::optional<Retired> retired{std::in_place};
   std::shared_ptr<Companion> companion;  ///< may be null
   Status exchanged;
+  std::vector<arch::Line> lines;  ///< what it makes different, once it is prepared
 };
 using JourneyPtr = std::shared_ptr<Journey>;
 
@@ -72,6 +75,7 @@ void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
   if (companion != nullptr) {
     companion->complete(result);
   }
+  say_lines(journey.lines, result);
   answer(running, call, std::move(result));
 }
 
@@ -105,7 +109,7 @@ Error stopped_meanwhile(const Journey& journey) {
 }
 
 /// [control] False when the change was given up before anything happened.
-bool may_go_on(Running& running, const Call& call, const Journey& journey) {
+bool may_go_on(Running& running, const Call& call, Journey& journey) {
   if (!*journey.prepared) {
     answer(running, call, journey.prepared->error());
     return false;
@@ -119,6 +123,11 @@ bool may_go_on(Running& running, const Call& call, const Journey& journey) {
   }
   if (met && journey.companion != nullptr) {
     met = journey.companion->ready();
+  }
+  if (met) {
+    const auto whole = journey.companion == nullptr ? std::nullopt : journey.companion->lines();
+    journey.lines = whole ? *whole : lines_of(running, **journey.prepared);
+    met = may_change(running, journey.lines);
   }
   if (!met) {
     answer(running, call, met.error());
@@ -254,6 +263,23 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
                           running.generation = running.deployer.generation();
                           then(*ongoing);
                         });
+}
+
+std::vector<arch::Line> lines_of(const Running& running, PreparedChange& change) {
+  const StandStill still(running);
+  return arch::lines_of(change.content(), [&running](const ComponentBase& component) {
+    return running.deployer.status(component.name()).state == ComponentState::running;
+  });
+}
+
+void say_lines(const std::vector<arch::Line>& lines, Json& result) {
+  if (lines.empty() || result.contains("lines")) {
+    return;
+  }
+  auto& said = result["lines"] = Json::array();
+  for (const auto& line : lines) {
+    said.push_back(to_json(line));
+  }
 }
 
 void say_sync(std::optional<Result<PreparedChange>>& prepared, Json& result) {

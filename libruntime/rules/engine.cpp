@@ -18,22 +18,22 @@ std::string seconds(Duration duration) {
 
 Engine::Engine(std::vector<Rule> rules) : rules_(std::move(rules)) {
   for (const Rule& rule : rules_) {
-    watched_.push_back({Trigger(rule.timing), {}, false, {}});
+    watched_.push_back({Trigger(rule.timing), {}, false, {}, {}});
   }
 }
 
-std::vector<std::size_t> Engine::step(Instant now, const Read& read, std::string_view held) {
-  held_ = held;
+std::vector<std::size_t> Engine::step(Instant now, const Read& read, const Held& held) {
   std::vector<std::size_t> fired;
   for (std::size_t i = 0; i < rules_.size(); ++i) {
     const Rule& rule = rules_[i];
     Watched& watched = watched_[i];
     watched.error.clear();
+    watched.held = held ? held(rule) : std::string_view{};
     const Truth when = rule.when.evaluate(read, watched.error);
     Truth rearm = !when;
     if (rule.until) rearm = rule.until->evaluate(read, watched.error);
     if (watched.waits_for_answer) rearm = Truth::no;
-    if (!watched.trigger.step(now, when, rearm, held.empty())) continue;
+    if (!watched.trigger.step(now, when, rearm, watched.held.empty())) continue;
     watched.waits_for_answer = true;
     fired.push_back(i);
   }
@@ -84,7 +84,7 @@ std::string Engine::why_not(const Watched& watched, const Rule& rule, Instant no
     case State::limited:
       return "limit " + std::to_string(rule.timing.per_hour) + " an hour reached";
     case State::held:
-      return held_;
+      return watched.held;
     case State::disabled:
       break;
   }
