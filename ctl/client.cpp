@@ -82,6 +82,7 @@ std::optional<Fault> Client::connect() {
                     path_);
   }
   const Deadline deadline = std::chrono::steady_clock::now() + greeting_timeout_;
+  connection_ = std::make_unique<Connection>();
   error_code error;
   connection_->socket.async_connect(asio::local::stream_protocol::endpoint(path_),
                                     [&](const error_code& result) { error = result; });

@@ -70,6 +70,7 @@ struct Globals {
   bool json = false;
   std::string colour = "auto";
   std::string timeout;  ///< as written, empty: what suits the command
+  std::string wait;     ///< as written, empty: a daemon that is not there is an error at once
   std::optional<std::uint64_t> if_generation;
   std::string reason;
 };

@@ -22,6 +22,7 @@ constexpr Argument kGlobals[] = {
     {"--socket", "of the daemon; else MAUVE_SOCKET, else the usual one", Kind::file},
     {"--json", "one line of JSON on stdout, errors included", Kind::none, false, false, true},
     {"--timeout", "how long to wait for an answer, such as 5s", Kind::none},
+    {"--wait", "try again for so long while mauved does not answer, such as 5s", Kind::none},
     {"--if-generation", "change only if this generation is running", Kind::none},
     {"--reason", "why you change it, for the log", Kind::none},
     {"--color", "auto, always or never", Kind::none, false, false, false, "auto always never"},
@@ -185,6 +186,10 @@ std::optional<Fault> read_globals(const Parser& parser, const Command& command, 
   globals.timeout = parser.global("--timeout");
   if (!globals.timeout.empty() && !timeout_of(globals.timeout)) {
     return misuse("'" + globals.timeout + "' is not a time to wait", "example: --timeout 5s");
+  }
+  globals.wait = parser.global("--wait");
+  if (!globals.wait.empty() && !timeout_of(globals.wait)) {
+    return misuse("'" + globals.wait + "' is not a time to wait", "example: --wait 5s");
   }
   if (const auto colour = parser.global("--color"); !colour.empty()) globals.colour = colour;
   const std::string generation = parser.global("--if-generation");

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "session.h"
 
+#include <algorithm>
 #include <iterator>
+#include <thread>
 #include <utility>
 
 #include "base/duration.h"
@@ -19,6 +21,7 @@ constexpr std::chrono::nanoseconds kQuestion = 5s;
 // So may judging a file, in whose process all its elements are made.
 constexpr std::chrono::nanoseconds kChange = 30s;
 constexpr std::chrono::nanoseconds kLongestWait = 24h;
+constexpr std::chrono::nanoseconds kBetweenTries = 20ms;
 
 bool is_change(std::string_view method) {
   const protocol::Method* known = protocol::find_method(method);
@@ -61,7 +64,22 @@ Session::Session(const Command& asked_command, Arguments asked_arguments, Global
       arguments(std::move(asked_arguments)),
       globals(std::move(asked_globals)),
       screen(where),
-      client_(globals.socket, timeout_of(globals.timeout).value_or(kQuestion)) {}
+      client_(globals.socket, std::max(timeout_of(globals.timeout).value_or(kQuestion),
+                                       timeout_of(globals.wait).value_or(0ns))) {}
+
+std::optional<Fault> Session::connect() {
+  const auto wait = timeout_of(globals.wait);
+  const auto end = std::chrono::steady_clock::now() + wait.value_or(0ns);
+  while (true) {
+    auto fault = client_.connect();
+    if (!fault || !wait || fault->code != protocol::kUnreachable) return fault;
+    if (std::chrono::steady_clock::now() >= end) {
+      fault->message += "; waited " + globals.wait;
+      return fault;
+    }
+    std::this_thread::sleep_for(kBetweenTries);
+  }
+}
 
 std::variant<Json, Fault> Session::call(std::string_view method, Json params) {
   const bool changes = is_change(method);
@@ -69,7 +87,7 @@ std::variant<Json, Fault> Session::call(std::string_view method, Json params) {
     return changes_nothing(command.name);
   }
   if (!connected_) {
-    if (auto fault = client_.connect()) return std::move(*fault);
+    if (auto fault = connect()) return std::move(*fault);
     connected_ = true;
   }
   const bool long_work = changes || is_judged(method);

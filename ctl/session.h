@@ -40,6 +40,9 @@ class Session {
   [[nodiscard]] Look look() const { return {screen.width, screen.colour_out}; }
 
  private:
+  /// With --wait again and again until mauved answers or the time is over.
+  std::optional<Fault> connect();
+
   Client client_;
   bool connected_ = false;
 };

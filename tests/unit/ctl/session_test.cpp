@@ -34,6 +34,32 @@ TEST(SwapCore, AsksWithEverythingThatWasSaid) {
   EXPECT_EQ(scene.outcome.out, "swapped control: pause 38 ns, 0 releases missed (generation 42)\n");
 }
 
+TEST(Wait, TriesAgainUntilADaemonAnswers) {
+  // The first connection ends without a greeting, as when the daemon is not ready.
+  int connections = 0;
+  FakeServer server(
+      [&](Peer& peer) {
+        if (++connections == 1) return;
+        peer.say(kHello);
+        const auto request = peer.hear();
+        peer.answer(request, {{"ok", true}});
+        peer.wait_for_the_end();
+      },
+      2);
+
+  const Outcome outcome = run(server.path(), {"ping", "--wait", "60s"});
+
+  EXPECT_EQ(outcome.exit, 0) << outcome.err;
+  EXPECT_EQ(connections, 2);
+}
+
+TEST(Wait, WithoutItADaemonThatDoesNotAnswerIsAnErrorAtOnce) {
+  EXPECT_EQ(run("/nowhere/mauve.sock", {"ping"}).exit, 7);
+  const Outcome waited = run("/nowhere/mauve.sock", {"ping", "--wait", "1ms"});
+  EXPECT_EQ(waited.exit, 7);
+  EXPECT_NE(waited.err.find("there is no socket; waited 1ms"), std::string::npos) << waited.err;
+}
+
 TEST(ChangingCommands, AskForNothingMoreWhereTheyOnlyLook) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> looks = {
       {{"--timeout", "5s", "stats"}, "stats.get"},
