@@ -24,9 +24,9 @@ class Client {
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
-  /// Connects and reads the greeting; may be called again after a fault. Nothing to be said, or the
-  /// Fault: unreachable, not_permitted, bad_answer, or what the server says in place of its
-  /// greeting.
+  /// Connects and reads the greeting; may be called again after a fault. Returns nothing on
+  /// success. Otherwise the Fault is unreachable, not_permitted or bad_answer, or the error that
+  /// the server sends in place of its greeting.
   [[nodiscard]] std::optional<Fault> connect();
 
   /// Sends one request and waits for its answer; notifications that come before it are kept for

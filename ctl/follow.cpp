@@ -50,7 +50,7 @@ class Thinning {
   Thinning(std::optional<std::chrono::nanoseconds> every, bool changes)
       : every_(every), changes_(changes) {}
 
-  /// What is no value, but dropped or replaced, always is.
+  /// Records of lost samples and of replaced resources always pass.
   [[nodiscard]] bool passes(const Json& sample, const std::string& method) {
     if (method != "value") return true;
     const std::string address = word(sample, "address");

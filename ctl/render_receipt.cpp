@@ -24,41 +24,39 @@ std::string on_probation(const Json& receipt) {
   return time >= kWholeDay ? jobs : jobs + " or " + nanoseconds_in_words(time);
 }
 
-/// "  speed 0.6 -> 0.8 (default; --set speed=... keeps another)", one a line.
+/// One line for each entry of a list of the receipt.
+template <typename F>
+std::string lines_of(const Json& receipt, const char* list, Look look, const F& line) {
+  std::string text;
+  for (const Json& one : list_in(receipt, list)) {
+    text += wrapped("  " + line(one), look.width, 4) + "\n";
+  }
+  return text;
+}
+
+/// "  speed 0.6 -> 0.8 (default; --set speed=... keeps another)"
 std::string defaults(const Json& receipt, Look look) {
-  std::string text;
-  for (const Json& one : list_in(receipt, "defaults")) {
+  return lines_of(receipt, "defaults", look, [](const Json& one) {
     const std::string name = word(one, "name");
-    text += wrapped("  " + name + " " + word(one, "before") + " -> " + word(one, "after") +
-                        " (default; --set " + name + "=... keeps another)",
-                    look.width, 4) +
-            "\n";
-  }
-  return text;
+    return name + " " + word(one, "before") + " -> " + word(one, "after") + " (default; --set " +
+           name + "=... keeps another)";
+  });
 }
 
-/// "  bypass (true) is gone: the new core has no such property", one a line.
+/// "  bypass (true) is gone: the new core has no such property"
 std::string gone(const Json& receipt, Look look) {
-  std::string text;
-  for (const Json& one : list_in(receipt, "gone")) {
-    text += wrapped("  " + word(one, "name") + " (" + word(one, "before") +
-                        ") is gone: the new core has no such property",
-                    look.width, 4) +
-            "\n";
-  }
-  return text;
+  return lines_of(receipt, "gone", look, [](const Json& one) {
+    return word(one, "name") + " (" + word(one, "before") +
+           ") is gone: the new core has no such property";
+  });
 }
 
-/// "  mission.core.goal.y keeps 0: the value given does not name it", one a line.
+/// "  mission.core.goal.y keeps 0: the value given does not name it"
 std::string kept(const Json& receipt, Look look) {
-  std::string text;
-  for (const Json& one : list_in(receipt, "kept")) {
-    text += wrapped("  " + word(one, "address") + " keeps " + word(one, "value") +
-                        ": the value given does not name it",
-                    look.width, 4) +
-            "\n";
-  }
-  return text;
+  return lines_of(receipt, "kept", look, [](const Json& one) {
+    return word(one, "address") + " keeps " + word(one, "value") +
+           ": the value given does not name it";
+  });
 }
 
 /// "  control: its state pi_state/2 (24 bytes) is dropped", one a line.

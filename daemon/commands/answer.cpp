@@ -119,6 +119,17 @@ void answer_fault(Running& running, const Call& call, Fault fault) {
   call.reply(std::move(fault));
 }
 
+void refuse_text(Running& running, const Call& call, const std::string& subject,
+                 const std::string& hint, Json errors) {
+  const auto count = errors.size();
+  auto fault = protocol::fault_of(
+      refuse(Errc::invalid_value, text_or(call.params, "file", "text"),
+             subject + " " + std::to_string(count) + (count == 1 ? " error" : " errors"), hint),
+      "unchanged", running.generation.load());
+  fault.errors = std::move(errors);
+  answer_fault(running, call, std::move(fault));
+}
+
 Status check_long_answers(const Running& running, const Call& call) {
   const auto uid = call.caller.peer.uid;
   if (running.control.long_answers(uid) < Control::kLongAnswers) {

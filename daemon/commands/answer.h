@@ -18,6 +18,10 @@ void answer(Running& running, const Call& call, Result<Json> result,
 /// [any] A refusal that says more than an Error can. A mutation leaves its audit line.
 void answer_fault(Running& running, const Call& call, Fault fault);
 
+/// [any] Refuses the text of a request: `subject` ("the file has") and the number of its errors.
+void refuse_text(Running& running, const Call& call, const std::string& subject,
+                 const std::string& hint, Json errors);
+
 /// [control] Refused: it is locked (gate.h), the generation is not the one the caller saw
 /// (`if_generation`), or his deadline has passed (`deadline_ms`). Nothing has happened yet.
 [[nodiscard]] Status check_conditions(const Running& running, const Call& call);

@@ -165,14 +165,8 @@ void free_in_factory(Running& running, ApplicationPtr application, Ticket ticket
 }
 
 void refuse_file(Running& running, const Call& call, Json errors) {
-  const auto count = errors.size();
-  auto fault = protocol::fault_of(
-      refuse(Errc::invalid_value, text_or(call.params, "file", "text"),
-             "the file has " + std::to_string(count) + (count == 1 ? " error" : " errors"),
-             "mend the file; mauvectl check looks at it again"),
-      "unchanged", running.generation.load());
-  fault.errors = std::move(errors);
-  answer_fault(running, call, std::move(fault));
+  refuse_text(running, call, "the file has", "mend the file; mauvectl check looks at it again",
+              std::move(errors));
 }
 
 void answer_unchanged(Running& running, const Call& call, Application& application) {

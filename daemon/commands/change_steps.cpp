@@ -31,14 +31,9 @@ rules::Steps steps_of(const Running& running, const std::string& text, arch::Pro
 }
 
 void refuse_steps(Running& running, const Call& call, const arch::Problems& problems) {
-  const auto count = problems.size();
-  auto fault = protocol::fault_of(
-      refuse(Errc::invalid_value, text_or(call.params, "file", "text"),
-             "the steps have " + std::to_string(count) + (count == 1 ? " error" : " errors"),
-             "all steps are those of a transaction: disconnect, connect, swap, set, stop, start"),
-      "unchanged", running.generation.load());
-  fault.errors = to_json(problems);
-  answer_fault(running, call, std::move(fault));
+  refuse_text(running, call, "the steps have",
+              "all steps are those of a transaction: disconnect, connect, swap, set, stop, start",
+              to_json(problems));
 }
 
 /// A request is refused where a reaction to a fault would lose a state or a value.

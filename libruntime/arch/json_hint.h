@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The usual slips in a JSON text, recognised from what the parser says and what stands there.
+/// Hints at common mistakes in JSON text, found by the message of the parser and the characters at
+/// the place that it names.
 #pragma once
 
 #include <cstddef>

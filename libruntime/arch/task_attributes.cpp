@@ -44,7 +44,7 @@ Error unknown_attribute(const std::string& at, std::string_view name) {
       nearest.empty() ? "its attributes are " + list : "did you mean " + at + "." + nearest + "?");
 }
 
-/// The limit of overruns has a meaning beside what is done about them only.
+/// The file accepts `overrun_limit` only beside `on_overrun`, so that is added.
 std::string object_with(const TaskAttributes& task, const std::string& name,
                         const std::string& json) {
   const std::string beside =

@@ -207,8 +207,8 @@ void look_after_reliefs(System& system) {
     }
   }
   for (Deployed& deployed : system.deployed) {
-    const Instant failed_at =
-        deployed.task->failed_core().at();  // before the rest: it is given up for it
+    // The failure is read first: the decision below names it, and a later failure is another one.
+    const Instant failed_at = deployed.task->failed_core().at();
     if (!waits_for_relief(system, deployed)) continue;
     const std::string why = why_no_relief(system, deployed);
     if (!why.empty()) give_up(system, deployed, failed_at, why);

@@ -9,8 +9,8 @@
 namespace mauve::exec {
 namespace {
 
-/// A change that neither replaces the core nor says that the component runs, or stops, leaves a
-/// failed core failed. A probation is about what it brings: there everything begins anew.
+/// A change that neither replaces the core nor starts or stops the component leaves a failed core
+/// failed. A change on probation forgets the failure: it is judged by the jobs that follow.
 bool keeps_core(const Published& next, const Published& current) {
   if (next.mode != Mode::keep || next.taken_as != TakenAs::change) return false;
   return next.mode_only || (next.back == nullptr && next.bundle->core == current.bundle->core);
@@ -238,8 +238,8 @@ MAUVE_RUNS_AT_A_SWAP bool Task::take_state(Published& next) {
   return true;
 }
 
-/// All of it but what the core before hands over. A start goes on with a failed core as with a
-/// stopped one.
+/// Takes everything of the update but the state that the old core hands over. A start resumes a
+/// component with a failed core as it resumes a stopped one.
 MAUVE_RUNS_AT_A_SWAP void Task::take_rest(Published& next) {
   const bool was_running = running_ && !(failed_ && next.mode == Mode::run);
   next.bundle->shell->use(next.bundle->bindings.get());

@@ -37,7 +37,7 @@ const Member* find(const std::vector<Member>& members, const std::string& name) 
   return nullptr;
 }
 
-/// What is not as in `other`, as a clause of a sentence.
+/// The difference of two members of one name, as a clause of a sentence. `other` may be null.
 std::string difference(const Member& member, const Member* other) {
   if (other == nullptr) return member.name + " is unknown to one of them";
   if (member.type != other->type) {

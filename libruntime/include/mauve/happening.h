@@ -31,7 +31,7 @@ struct Recovery {
   };
   Way way = Way::none;
   std::size_t restarts_left = 0;  ///< of a restart: this one and those after it, within its window
-  Duration in{0};                 ///< of a restart: what is left of the back-off
+  Duration in{0};                 ///< of a restart: the rest of the back-off
 };
 [[nodiscard]] std::string_view to_string(Recovery::Way way);
 
@@ -60,7 +60,7 @@ struct ComponentStatus {
   /// How long ago the job under way should have ended, once that is more than its longest wait;
   /// else zero. A core that hangs is running and late.
   Duration late{0};
-  std::string fault;  ///< what was thrown, when faulted or recovering
+  std::string fault;  ///< text of the last failure, when faulted or recovering
   Recovery recovery;  ///< when recovering
   /// How often its code had changed its priority or CPUs, and the guard put that back.
   std::uint64_t restored = 0;
