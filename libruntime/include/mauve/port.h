@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include <mauve/port_base.h>
@@ -49,10 +50,10 @@ class ReadPort final : public PortBase {
   template <typename F>
   DataStatus look(F&& f) {
     if constexpr (sizeof(T) <= kMaxByValue) {
-      T copy = default_;
+      std::optional<T> copy;  // made only where it is needed
       return look_by(f, copy);
     } else {
-      return look_by(f, *shown_);
+      return look_by(f, shown_);
     }
   }
 
@@ -75,16 +76,23 @@ class ReadPort final : public PortBase {
     if (status_ == DataStatus::timed_out || status_ == DataStatus::poisoned) count_failure();
     return call.ended(status_ = aged(status_));
   }
-  template <typename F>
-  DataStatus look_by(F& f, T& copy) {
+  template <typename F, typename Copy>
+  DataStatus look_by(F& f, Copy& copy) {
     bool copied = false;
     auto show = [&f](const void* data) { f(*static_cast<const T*>(data)); };
-    auto take = [&copy](const void* data) { copy = *static_cast<const T*>(data); };
+    auto take = [&copy](const void* data) {
+      const T& value = *static_cast<const T*>(data);
+      if constexpr (std::is_same_v<Copy, std::optional<T>>) {
+        copy.emplace(value);
+      } else {
+        *copy = value;
+      }
+    };
     const DataStatus status = visit([&](ServiceBase& service) {
       copied = service.exchange() == nullptr || cursor_.slot == LatestValue::kNoSlot;
       return service.look(copied ? Visitor(take) : Visitor(show), cursor_);
     });
-    if (copied && mauve::has_value(status)) f(std::as_const(copy));
+    if (copied && mauve::has_value(status)) f(std::as_const(*copy));
     return status;
   }
   DataStatus aged(DataStatus status) {
