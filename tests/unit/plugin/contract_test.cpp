@@ -16,10 +16,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-struct Outputs : Architecture {
-  SharedData<double> out{*this, "out"};
-};
-
 /// A component of plugin "line" that runs; cores for it come from plugin "line_core".
 class ContractOfTwoPlugins : public ::testing::Test {
  protected:
@@ -29,8 +25,10 @@ class ContractOfTwoPlugins : public ::testing::Test {
     const ComponentType type = *catalog_.component("line/unit");
     const auto unit = std::make_shared<ComponentBase>("unit", type, *catalog_.core("line/main"));
     ASSERT_TRUE(unit->made()) << to_string(unit->made().error());
+    const auto out = std::make_shared<SharedDataBase>("out", data_type<double>());
+    architecture_.own(out);
     architecture_.own(unit);
-    ASSERT_TRUE(unit->connect("out", architecture_.out.write_service(), nullptr));
+    ASSERT_TRUE(unit->connect("out", out->write_service(), nullptr));
     ASSERT_TRUE(deployer_.deploy());
     deployer_.run_for(30ms);
   }
@@ -66,7 +64,7 @@ class ContractOfTwoPlugins : public ::testing::Test {
 
   PluginDir folder_;
   Catalog catalog_{folder_.list()};
-  Outputs architecture_;
+  Architecture architecture_;
   Deployer deployer_{architecture_, {.simulated = true}};
 };
 
