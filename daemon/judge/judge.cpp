@@ -41,17 +41,17 @@ std::string signal_name(int signal) {
 }  // namespace
 
 Result<Json> verdict_of(const rt::ChildEnd& end, Duration within) {
-  using How = rt::ChildEnd::How;
-  if (end.how == How::cancelled) {
+  using Ended = rt::ChildEnd::How;
+  if (end.how == Ended::cancelled) {
     return refuse(Errc::wrong_state, "mauved", "is about to end, so the file was not judged");
   }
-  const bool by_its_timer = end.how == How::signalled && end.code == SIGALRM;
-  if (end.how == How::late || by_its_timer) {
+  const bool by_its_timer = end.how == Ended::signalled && end.code == SIGALRM;
+  if (end.how == Ended::late || by_its_timer) {
     return lost(Errc::timed_out, end.errors,
                 "did not return within " + format_duration(within) +
                     ", so the process in which it was tried was ended");
   }
-  if (end.how == How::signalled) {
+  if (end.how == Ended::signalled) {
     return lost(Errc::plugin_refused, end.errors,
                 "ended the process in which it was tried: " + signal_name(end.code));
   }
