@@ -30,6 +30,11 @@ void append_state(const Capsule* state, const char* kind, const void* object,
                      place_of(state, object)});
 }
 
+/// A member on the heap has an offset beyond the object, since that is unsigned.
+void leave_out_heap(std::vector<Member>& members, std::size_t size) {
+  std::erase_if(members, [size](const Member& member) { return member.offset >= size; });
+}
+
 const Member* find(const std::vector<Member>& members, const std::string& name) {
   for (const Member& member : members) {
     if (member.name == name) return &member;
@@ -115,9 +120,7 @@ std::vector<Member> members_of(const Shell& shell, std::size_t size) {
                        port->signature().layout, place_of(port, &shell)});
   }
   append_values(shell, &shell, members);
-  for (Member& member : members) {
-    if (member.offset >= size) member.offset = Member::kElsewhere;
-  }
+  leave_out_heap(members, size);
   return members;
 }
 
@@ -126,7 +129,7 @@ std::vector<Member> members_of(const CoreBase& core, std::size_t size) {
   append_values(core, &core, members);
   append_state(core.state(), "state ", &core, members);
   append_state(core.slow_state(), "slow state ", &core, members);
-  std::erase_if(members, [size](const Member& member) { return member.offset >= size; });
+  leave_out_heap(members, size);
   return members;
 }
 

@@ -24,9 +24,7 @@ struct Member {
   std::string name;          ///< "port out", "property gain", "state guidance/1"
   std::string type;          ///< "write double"
   std::uint64_t layout = 0;  ///< of its type
-  std::size_t offset = 0;    ///< where it lies in its object, bytes; kElsewhere: on the heap
-
-  static constexpr std::size_t kElsewhere = static_cast<std::size_t>(-1);
+  std::size_t offset = 0;    ///< where it lies in its object, bytes
 
   friend bool operator==(const Member&, const Member&) = default;
 };
@@ -45,8 +43,8 @@ struct Contract {
   friend bool operator==(const Contract&, const Contract&) = default;
 };
 
-/// The ports, properties and observables of a shell of `size` bytes, in the order of their
-/// declaration. A member that the shell keeps on the heap has no place to compare. [factory]
+/// The ports, properties and observables within the `size` bytes of a shell, in the order of their
+/// declaration. Members that the shell keeps on the heap are not part of its layout. [factory]
 [[nodiscard]] std::vector<Member> members_of(const Shell& shell, std::size_t size);
 /// The properties, observables and states within the first `size` bytes of a core: those of its
 /// contract class. [factory]

@@ -2,6 +2,10 @@
 /// Configurable elements: order, hooks, properties.
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <string>
+#include <vector>
+
 #include "support/ramp.h"
 
 namespace mauve {
@@ -216,6 +220,41 @@ TEST(Architecture, CleansEverythingUpAndTellsTheFirstFailure) {
   ASSERT_FALSE(failed);
   EXPECT_EQ(failed.error().at, "right.core") << "the one added last is cleaned up first";
   EXPECT_EQ(ramp::Up::configured_cores(), 0) << "the other one too";
+}
+
+struct ShellOfMany : Shell {
+  ShellOfMany() {
+    for (int i = 0; i < how_many(); ++i) {
+      names.push_back("out" + std::to_string(i));
+    }
+    for (const std::string& name : names) {
+      ports.push_back(std::make_unique<WritePort<double>>(*this, name));
+    }
+  }
+  static int& how_many() {
+    static int count = 1;
+    return count;
+  }
+  std::vector<std::string> names;
+  std::vector<std::unique_ptr<WritePort<double>>> ports;
+};
+struct CoreOfMany : Core<ShellOfMany> {
+  void update() {}
+};
+
+TEST(Shell, MayHaveAsManyPortsOnTheHeapAsItsConstructorMakes) {
+  struct System : Architecture {
+    Component<ShellOfMany, CoreOfMany, PeriodicFsm<CoreOfMany>> one{*this, "one"};
+  };
+  for (const int count : {1, 3, 0}) {
+    ShellOfMany::how_many() = count;
+    System system;
+
+    const Status made = system.one.made();
+
+    ASSERT_TRUE(made) << to_string(made.error());
+    EXPECT_EQ(system.one.shell().ports.size(), static_cast<std::size_t>(count));
+  }
 }
 
 }  // namespace
