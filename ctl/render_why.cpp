@@ -8,7 +8,7 @@
 namespace mauve::ctl {
 namespace {
 
-std::string did_in_words(const Json& failure) {
+std::string did_in_words(const Json& failure, bool runs) {
   const std::string did = word(failure, "did");
   const std::string core = word(failure, "core_after");
   const std::string generation = " (generation " + word(failure, "generation_after") + ")";
@@ -29,6 +29,9 @@ std::string what_happened(const Json& failure) {
   std::string line = cause.empty() ? text : cause + (text.empty() ? "" : ": " + text);
   if (line.empty()) line = "failed";
   if (const auto state = word(failure, "fsm_state"); !state.empty()) line += ", in state " + state;
+  if (const auto job = whole_number(failure, "job"); job > 0) {
+    line += ", job " + std::to_string(job);
+  }
   line += ", core " + word(failure, "core");
   if (const auto build = word(failure, "build_id"); !build.empty()) {
     line += " (build " + build.substr(0, 12) + ")";
@@ -93,7 +96,7 @@ std::string render_why(const Json& why, Look look) {
                          nanoseconds_in_words(number(failure, "ago_ns")) + " ago; " +
                          counted(whole_number(failure, "times"), "failure") +
                          " since mauved began");
-    text.add("then", did_in_words(failure));
+    text.add("then", did_in_words(failure, word(why, "state") == "running"));
   }
   if (change.is_object())
     text.add(failure.is_object() ? "before" : "changed", change_in_words(change));

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "failures.h"
 
-#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -9,18 +8,8 @@ namespace mauve::daemon {
 
 namespace {
 
-using logging::Event;
-
 /// The rings are emptied 50 times a second.
 constexpr std::int64_t kLogNeeds = 200'000'000;
-/// A failure is noticed later than it happens; longer ago is another one.
-constexpr std::int64_t kNoticedWithin = 2'000'000'000;
-
-std::string field(const logging::Record& record, std::string_view name) {
-  const auto found = std::find_if(record.fields.begin(), record.fields.end(),
-                                  [&](const auto& one) { return one.name == name; });
-  return found == record.fields.end() ? std::string() : logging::to_string(found->value);
-}
 
 }  // namespace
 
@@ -52,14 +41,17 @@ const Attempt* Failures::last_change(const std::string& component) const {
 
 void Failures::note(const std::string& component, Failure failure) {
   auto& entry = entries_[component];
-  failure.times = entry.failure ? entry.failure->times + 1 : 1;
+  const std::uint64_t before = entry.failure ? entry.failure->times : 0;
+  failure.times = knows(component, failure.monotonic_ns) ? before : before + 1;
   failure.change = entry.change;
   entry.failure = std::move(failure);
   entry.complete = false;
 }
 
-bool Failures::parks(const std::string& component, std::uint64_t releases) {
-  return std::exchange(entries_[component].parked_after, releases) != releases;
+bool Failures::knows(const std::string& component, std::int64_t monotonic_ns) const {
+  const auto found = entries_.find(component);
+  return found != entries_.end() && found->second.failure &&
+         found->second.failure->monotonic_ns == monotonic_ns;
 }
 
 void Failures::ask_log(const logging::History& history, std::int64_t now) {
@@ -82,7 +74,7 @@ const Failure* Failures::find(const std::string& component, const logging::Histo
   return &*found->second.failure;
 }
 
-/// What the failing thread itself said is nearer to the truth than when it was noticed.
+/// The records of the component up to the failure.
 void Failures::complete(const std::string& component, Entry& entry,
                         const logging::History& history) {
   entry.complete = true;
@@ -90,19 +82,6 @@ void Failures::complete(const std::string& component, Entry& entry,
   logging::Filter filter;
   filter.component = component;
   auto records = history.tail(4 * kRecords, filter);
-  const auto says = std::find_if(records.rbegin(), records.rend(), [&](const auto& record) {
-    return record.event == Event::component_faulted &&
-           record.monotonic_ns <= failure.monotonic_ns + kLogNeeds &&
-           record.monotonic_ns + kNoticedWithin >= failure.monotonic_ns;
-  });
-  if (says != records.rend()) {
-    failure.time = logging::utc(says->time);
-    failure.monotonic_ns = says->monotonic_ns;
-    failure.fsm_state = field(*says, "state");
-    if (auto cause = field(*says, "cause"); !cause.empty()) {
-      failure.cause = std::move(cause);
-    }
-  }
   std::erase_if(records,
                 [&](const auto& record) { return record.monotonic_ns > failure.monotonic_ns; });
   if (records.size() > kRecords) {

@@ -36,10 +36,11 @@ struct CoreBuild {
 struct Failure {
   std::string time;  ///< UTC
   std::int64_t monotonic_ns = 0;
-  std::string cause;  ///< "threw", "crashed"...; empty: not known
+  std::string cause;  ///< "threw", "crashed"...
   std::string text;   ///< "sensor lost"
   CoreBuild culprit;
   std::string fsm_state;  ///< empty: not known
+  std::uint64_t job = 0;  ///< the number of the job, counted since the component began
   Reaction reaction = Reaction::parked;
   std::string core_after;        ///< that runs, or would
   std::string state_after;       ///< of the component, when the failure was noticed; empty: faulted
@@ -62,11 +63,12 @@ class Failures {
   void changed(const std::vector<std::string>& components, const Attempt& attempt);
   [[nodiscard]] const Attempt* last_change(const std::string& component) const;
 
-  /// Takes the place of the one before. The log is asked later: real-time threads tell it a little
-  /// after things happen.
+  /// Takes the place of the one before. A failure of the same instant is the same one, about which
+  /// the system has done something else meanwhile: it is counted once. The log is asked later:
+  /// real-time threads tell it a little after things happen.
   void note(const std::string& component, Failure failure);
-  /// Seen parked after so many releases: true at the first look at this one.
-  [[nodiscard]] bool parks(const std::string& component, std::uint64_t releases);
+  /// Is the failure of this instant the last one that was noted?
+  [[nodiscard]] bool knows(const std::string& component, std::int64_t monotonic_ns) const;
   /// Adds to those that are old enough what the log says of them.
   void ask_log(const logging::History& history, std::int64_t now);
   /// The same at once; null: it never failed.
@@ -79,8 +81,7 @@ class Failures {
     CoreBuild core;
     std::optional<Attempt> change;
     std::optional<Failure> failure;
-    std::uint64_t parked_after = 0;  ///< releases: it has had one at least
-    bool complete = true;            ///< the log was asked
+    bool complete = true;  ///< the log was asked
   };
   static void complete(const std::string& component, Entry& entry, const logging::History& history);
 

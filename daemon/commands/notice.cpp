@@ -21,22 +21,24 @@ Reaction reaction_of(Outcome::Kind kind) {
   return kind == Outcome::Kind::fell_back ? Reaction::fell_back : Reaction::restarted;
 }
 
-Failure failure_now(const Running& running) {
+/// As the thread of the component recorded it.
+Failure failure_of(const Running& running, const std::string& component, const Incident& incident) {
+  using std::chrono::system_clock;
+  const std::chrono::nanoseconds ago{running.deployer.clock().now() - incident.time};
   Failure failure;
-  failure.time = logging::utc(std::chrono::system_clock::now());
-  failure.monotonic_ns = running.deployer.clock().now();
-  return failure;
-}
-
-/// "threw: sensor lost" tells the cause first; a text alone does not.
-void split_reason(const std::string& reason, bool has_cause, Failure& failure) {
-  const auto colon = has_cause ? reason.find(": ") : std::string::npos;
-  if (has_cause) {
-    failure.cause = reason.substr(0, colon);
+  failure.time =
+      logging::utc(system_clock::now() - std::chrono::duration_cast<system_clock::duration>(ago));
+  failure.monotonic_ns = incident.time;
+  failure.cause = incident.cause;
+  failure.text = incident.text;
+  failure.fsm_state = incident.state;
+  failure.job = incident.job;
+  // The build that ran is known by now only if no other one has taken its place.
+  failure.culprit = running.failures.running(component);
+  if (failure.culprit.core != incident.core) {
+    failure.culprit = {incident.core, build_of(running, incident.core)};
   }
-  failure.text = !has_cause                   ? reason
-                 : colon == std::string::npos ? std::string()
-                                              : reason.substr(colon + 2);
+  return failure;
 }
 
 }  // namespace
@@ -52,25 +54,11 @@ void remember_cores(Running& running) {
 }
 
 void notice(Running& running, const Outcome& outcome) {
-  using Kind = Outcome::Kind;
-  const bool fails =
-      !outcome.component.empty() && outcome.kind != Kind::passed && outcome.kind != Kind::overtaken;
-  if (fails) {
-    auto failure = failure_now(running);
-    const bool rolled_back = outcome.kind == Kind::rolled_back;
-    split_reason(outcome.reason, rolled_back, failure);
-    failure.culprit = running.failures.running(outcome.component);
-    if (rolled_back && !outcome.cores.empty()) {
-      failure.culprit = {outcome.cores.front(), build_of(running, outcome.cores.front())};
-    }
+  if (!outcome.component.empty() && outcome.incident) {
+    auto failure = failure_of(running, outcome.component, *outcome.incident);
     failure.reaction = reaction_of(outcome.kind);
     failure.generation = outcome.began;
     failure.generation_after = outcome.generation;
-    if (outcome.kind == Kind::gave_up) {
-      // It is about to be seen parked: that is this failure, not another one.
-      const auto status = running.deployer.status(outcome.component);
-      static_cast<void>(running.failures.parks(outcome.component, status.releases));
-    }
     if (const auto* component = running.architecture.find_component(outcome.component)) {
       failure.core_after = component->bundle()->core_type.name;
       failure.state_after = to_string(running.deployer.status(outcome.component).state);
@@ -82,13 +70,11 @@ void notice(Running& running, const Outcome& outcome) {
 
 void notice_parked(Running& running) {
   for (const auto& one : running.deployer.status()) {
-    if (one.state != ComponentState::faulted || !running.failures.parks(one.name, one.releases)) {
+    const bool parked = one.state == ComponentState::faulted && one.incident;
+    if (!parked || running.failures.knows(one.name, one.incident->time)) {
       continue;
     }
-    auto failure = failure_now(running);
-    failure.text = one.fault;
-    failure.culprit = {one.core, build_of(running, one.core)};
-    failure.fsm_state = one.fsm_state;
+    auto failure = failure_of(running, one.name, *one.incident);
     failure.core_after = one.core;
     failure.generation = failure.generation_after = running.generation;
     running.failures.note(one.name, std::move(failure));

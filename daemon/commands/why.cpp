@@ -42,6 +42,7 @@ Json failure_json(const Running& running, const Failure& failure) {
           {"core", failure.culprit.core},
           {"build_id", failure.culprit.build_id},
           {"fsm_state", failure.fsm_state},
+          {"job", failure.job},
           {"did", to_string(failure.reaction)},
           {"core_after", failure.core_after},
           {"state_after", failure.state_after},

@@ -187,8 +187,8 @@ void Commit::overtake_before() {
 
 /// Some member hangs in its job: those that have changed go back, so that there is no mixture.
 void Commit::take_back() {
-  const bool quietly = way_back_->set_off(system_.runner->clock(), Cause::asked, nullptr,
-                                          "some member did not end its job in time");
+  const bool quietly =
+      way_back_->set_off(system_.runner->clock(), "some member did not end its job in time");
   if (!quietly) ++system_.generation;  // a core failed meanwhile, which is told
   change_membership();
   for (std::size_t i = 0; i < deployed_.size(); ++i) {

@@ -127,7 +127,7 @@ bool OnProbation::awaits_verdict() {
 
 bool OnProbation::undo(const std::string& reason) {
   if (phase_ != Phase::watching) return false;
-  return way_back_->set_off(system_.runner->clock(), Cause::asked, nullptr, reason.c_str());
+  return way_back_->set_off(system_.runner->clock(), reason);
 }
 
 bool OnProbation::pass(const std::string& reason, Outcome::Kind kind) {
@@ -341,6 +341,7 @@ void OnProbation::tell(Outcome::Kind kind, const std::string& reason) {
       if (member.deployed->task.get() == way_back_->member())
         end.component = member.deployed->task->name();
     }
+    if (!end.component.empty()) end.incident = to_incident(way_back_->fault());
     name_cores(end);
   }
   system_.outcomes.push_back(std::move(end));

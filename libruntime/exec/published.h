@@ -69,6 +69,7 @@ struct Published {
     Duration pause{0};  ///< this and the next: valid when done
     std::size_t bytes = 0;
     bool failed = false;  ///< its state was not converted; also valid when done
+    FaultRecord fault;    ///< of a relief: what it took over from; also valid when done
     /// The last word the task writes: it touches neither this nor the transaction afterwards, but
     /// for what it runs with.
     std::atomic<Progress> progress{Progress::published};

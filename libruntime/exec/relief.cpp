@@ -41,6 +41,7 @@ std::size_t recent_restarts(const System& system, const Deployed* deployed,
 /// It took over: what the task runs is what the model shows.
 void take_note(System& system, Deployed& deployed) {
   const StandingBy taken = std::exchange(deployed.relief, {});
+  const FaultRecord& fault = taken.answer->fault;
   ComponentBase& component = *deployed.component;
   retire(*component.bundle(), *taken.member->next, system.free);
   const bool again = taken.member->restart;
@@ -53,7 +54,8 @@ void take_note(System& system, Deployed& deployed) {
   outcome.began = system.generation;
   outcome.generation = ++system.generation;
   outcome.component = component.name();
-  outcome.reason = deployed.task->fault();
+  outcome.reason = fault.text.data();
+  outcome.incident = to_incident(fault);
   outcome.cores = {component.bundle()->core_type.name};
   system.outcomes.push_back(std::move(outcome));
 }
@@ -64,7 +66,8 @@ void give_up(System& system, Deployed& deployed, Instant failed_at, const std::s
   outcome.kind = Outcome::Kind::gave_up;
   outcome.began = outcome.generation = system.generation;
   outcome.component = deployed.component->name();
-  outcome.reason = std::string(deployed.task->fault()) + "; " + why;
+  outcome.incident = to_incident(deployed.task->fault());
+  outcome.reason = outcome.incident->text += "; " + why;
   outcome.cores = {deployed.component->bundle()->core_type.name};
   system.outcomes.push_back(std::move(outcome));
   deployed.task->failed_core().give_up(failed_at);

@@ -240,7 +240,8 @@ ComponentStatus look_at(const System& system, const Deployed& deployed) {
     status.late = lateness_of(bundle, status.next_release, system.runner->now() - system.t0);
   }
   if (status.state == ComponentState::faulted || status.state == ComponentState::recovering) {
-    status.fault = deployed.task->fault();
+    status.incident = to_incident(deployed.task->fault());
+    status.fault = status.incident->text;
   }
   return status;
 }

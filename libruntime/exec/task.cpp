@@ -190,7 +190,9 @@ Published* Task::take_over() {
   if (!failed_ || leads_back() || failed_.is_hopeless()) return nullptr;
   Published* relief = relief_.load(std::memory_order_acquire);
   if (relief == nullptr || release_ < failed_.at() + relief->back_off.count()) return nullptr;
-  return empty(relief_, *relief) ? relief : nullptr;
+  if (!empty(relief_, *relief)) return nullptr;
+  relief->answer->fault = fault_;
+  return relief;
 }
 
 MAUVE_RUNS_AT_A_SWAP bool Task::take(Published& next, Instant begin) {
@@ -306,7 +308,7 @@ MAUVE_RUNS_AT_A_SWAP void Task::put_in_place(Published& next) {
     Published* const before = back_.exchange(next.back.release(), std::memory_order_acq_rel);
     if (before != nullptr) pile_up(*before);
   }
-  if (failed_ && next.mode_only) give_up_core(failed_.cause(), fault_.data());
+  if (failed_ && next.mode_only) give_up_core();
   if (same_bundle && next.relief == nullptr) return;  // what stands by is of use still
   if (Published* relief = relief_.exchange(next.relief.release(), std::memory_order_acq_rel)) {
     relief->answer->progress.store(Published::Progress::given_back, std::memory_order_release);

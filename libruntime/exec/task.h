@@ -49,8 +49,7 @@ class Task {
   };
   [[nodiscard]] Trace& trace() { return *trace_.load(std::memory_order_acquire); }
   [[nodiscard]] std::uint32_t trace_name() const { return trace_name_; }
-  /// What was thrown; valid while the state is faulted.
-  [[nodiscard]] const char* fault() const { return fault_.data(); }
+  [[nodiscard]] const FaultRecord& fault() const { return fault_; }  ///< valid while faulted
 
   /// Before the first release: what to run, and the common T0. [control]
   void begin(std::unique_ptr<Published> first, Instant t0);
@@ -185,7 +184,8 @@ class Task {
   };
   void watch_over(const JobUse& job);
   [[nodiscard]] JobTiming timing_of(const JobUse& job);
-  void give_up_core(Cause cause, const char* what);
+  void record_fault(Cause cause);
+  void give_up_core();
   void on_fault(Cause cause);
   [[nodiscard]] bool leads_back() const;
   [[nodiscard]] bool gets_way_back() const;
@@ -205,7 +205,7 @@ class Task {
   rt::EventRing events_;
   rt::RequestRing requests_;
   Counters counters_;
-  std::array<char, 128> fault_{};
+  FaultRecord fault_;
   std::atomic<Trace*> trace_;
   rt::Watched watched_;
   std::atomic<Job*> job_{nullptr};  // of its thread

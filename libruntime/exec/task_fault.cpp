@@ -68,28 +68,40 @@ JobTiming Task::timing_of(const JobUse& job) {
 /// On probation a core is judged also where it does not fail.
 void Task::watch_over(const JobUse& job) {
   if (const PortBase* port = this_job().implausible) {
-    std::array<char, 64> name{};
-    port->name().copy(name.data(), name.size() - 1);
-    return give_up_core(Cause::implausible, name.data());
+    copy_text(fault_.text, port->name());
+    return record_fault(Cause::implausible), give_up_core();
   }
   const Evidence::Rules rules{current_->tolerated, current_->window};
   const Evidence::Verdict verdict = evidence_.judge(timing_of(job), rules);
   suspected_.store(evidence_.suspicious(rules), std::memory_order_relaxed);
-  if (verdict == Evidence::Verdict::overruns) give_up_core(Cause::overruns, "");
+  if (verdict == Evidence::Verdict::none) return;
+  fault_.text.fill(0);
   if (verdict == Evidence::Verdict::over_budget) {
-    std::array<char, 96> text{};
-    std::snprintf(text.data(), text.size(), "job after job, the last one %lld us of %lld us",
+    std::snprintf(fault_.text.data(), fault_.text.size(),
+                  "job after job, the last one %lld us of %lld us",
                   static_cast<long long>(job.used.value_or(Duration{0}) / 1us),
                   static_cast<long long>(current_->bundle->task.budget / 1us));
-    give_up_core(Cause::over_budget, text.data());
   }
+  record_fault(verdict == Evidence::Verdict::overruns ? Cause::overruns : Cause::over_budget);
+  give_up_core();
+}
+
+/// `fault_` holds the text already.
+void Task::record_fault(Cause cause) {
+  fault_.time = clock_.now();
+  fault_.cause = cause;
+  fault_.job = counters_.releases.load(std::memory_order_relaxed);
+  copy_text(fault_.core, current_->bundle->core_type.name);
+  const auto& states = current_->bundle->fsm->states();
+  const std::size_t index = counters_.fsm_state.load(std::memory_order_relaxed);
+  copy_text(fault_.state, index < states.size() ? states[index]->name() : std::string_view());
 }
 
 /// Sets the way back off. The core goes on until its next release.
-void Task::give_up_core(Cause cause, const char* what) {
+void Task::give_up_core() {
   const Published* back = back_.load(std::memory_order_acquire);
   if (back == nullptr) return;
-  back->way_back->set_off(clock_, cause, this, what, thrown_out_of_);
+  back->way_back->set_off(clock_, fault_, this, thrown_out_of_);
 }
 
 /// A failed core waits while the way back is under way, or while its policy promises another core:
@@ -109,14 +121,15 @@ void Task::skip_job() {
   counters_.next_release.store(release_ - t0_, std::memory_order_relaxed);
 }
 
-/// `fault_` says what it was; the safe values are written.
+/// `fault_` holds the text already; the safe values are written.
 void Task::on_fault(Cause cause) {
   add<std::uint64_t>(counters_.faults, 1);
-  const Instant now = clock_.now();
+  record_fault(cause);
+  const Instant now = fault_.time;
   tell(TraceKind::fault, now, 0, 0, static_cast<std::uint32_t>(cause));
   rt::Event event{now, rt::EventKind::faulted, LogLevel::error, nullptr, {}, {}, {}};
   event.a = LogArgument(static_cast<std::int64_t>(cause));
-  std::string_view(fault_.data()).copy(event.text.data(), event.text.size() - 1);
+  std::string_view(fault_.text.data()).copy(event.text.data(), event.text.size() - 1);
   const auto& states = current_->bundle->fsm->states();
   const std::size_t index = counters_.fsm_state.load(std::memory_order_relaxed);
   if (index < states.size()) {
@@ -124,7 +137,7 @@ void Task::on_fault(Cause cause) {
     event.b = LogArgument(states[index]->name().size());
   }
   events_.push(event);
-  give_up_core(cause, fault_.data());
+  give_up_core();
   failed_.fail(cause, clock_.now());
   if (!may_recover()) return park(ComponentState::faulted);
   wait_ = current_->grid;
@@ -149,7 +162,7 @@ void Task::write_safe_values() {
 
 /// The job ran into its bound.
 void Task::hung() {
-  std::snprintf(fault_.data(), fault_.size(), "its job ran longer than %lld ms",
+  std::snprintf(fault_.text.data(), fault_.text.size(), "its job ran longer than %lld ms",
                 static_cast<long long>(current_->bound / 1ms));
   on_fault(Cause::hung);
 }
@@ -171,12 +184,13 @@ bool Task::lose_thread(Instant since) {
 void Task::fail_in_hand_over(const rt::Fault& fault) {
   thrown_out_of_ = nullptr;
   write_safe_values();
-  const auto text = std::string_view("its converter: ").copy(fault_.data(), fault_.size());
+  const auto text =
+      std::string_view("its converter: ").copy(fault_.text.data(), fault_.text.size());
   if (fault.interrupted) {
-    std::snprintf(&fault_.at(text), fault_.size() - text, "ran longer than %lld ms",
+    std::snprintf(&fault_.text.at(text), fault_.text.size() - text, "ran longer than %lld ms",
                   static_cast<long long>(current_->bound / 1ms));
   } else {
-    rt::describe(fault, &fault_.at(text), fault_.size() - text);
+    rt::describe(fault, &fault_.text.at(text), fault_.text.size() - text);
   }
   on_fault(fault.interrupted ? Cause::hung : Cause::crashed);
 }
@@ -189,7 +203,8 @@ std::vector<std::shared_ptr<const Bundle>> Task::bundles() const {
 }
 
 void Task::park_for_good(const char* why) {
-  std::snprintf(fault_.data(), fault_.size(), "%s", why);
+  std::snprintf(fault_.text.data(), fault_.text.size(), "%s", why);
+  record_fault(Cause::hung);
   park(ComponentState::faulted);
 }
 

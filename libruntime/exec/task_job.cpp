@@ -118,10 +118,10 @@ void Task::conclude(Instant start, const JobEnd& end, const rt::Fault& fault) {
   if (fault.interrupted) {
     hung();
   } else if (fault.happened()) {
-    rt::describe(fault, fault_.data(), fault_.size());
+    rt::describe(fault, fault_.text.data(), fault_.text.size());
     on_fault(Cause::crashed);
   } else if (end.threw) {
-    fault_ = end.text;
+    fault_.text = end.text;
     on_fault(Cause::threw);
   } else {
     state_ = end.state;
@@ -243,8 +243,10 @@ void Task::overran_too_often(const TaskAttributes& task) {
     write_safe_values();
     park(ComponentState::stopped);
   } else if (task.on_overrun == OnOverrun::fallback && relief_.load() != nullptr) {
-    std::snprintf(fault_.data(), fault_.size(), "overran %u times in 64 jobs", task.overrun_limit);
-    failed_.fail(Cause::overruns, release_);  // its relief takes over at the next release
+    std::snprintf(fault_.text.data(), fault_.text.size(), "overran %u times in 64 jobs",
+                  task.overrun_limit);
+    record_fault(Cause::overruns);
+    failed_.fail(Cause::overruns, release_);  // the standby core takes over at the next release
   }
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/transaction.h"
 
-#include <cstring>
-
 namespace mauve::exec {
 namespace {
 
@@ -12,33 +10,14 @@ constexpr int kAttempts = 6;
 
 }  // namespace
 
-std::string_view to_string(Cause cause) {
-  switch (cause) {
-    case Cause::threw:
-      return "threw";
-    case Cause::implausible:
-      return "wrote a value that is not plausible";
-    case Cause::over_budget:
-      return "took longer than its budget";
-    case Cause::overruns:
-      return "overran too often";
-    case Cause::crashed:
-      return "crashed";
-    case Cause::hung:
-      return "did not return";
-    case Cause::asked:
-      return "asked";
-  }
-  return "unknown";
+bool WayBack::set_off(const Clock& clock, std::string_view reason) {
+  FaultRecord asked;
+  asked.time = clock.now();
+  copy_text(asked.text, reason);
+  return set_off(clock, asked, nullptr);
 }
 
-std::string_view word_of(Cause cause) {
-  constexpr std::array<std::string_view, 7> kWords{
-      "threw", "implausible", "over_budget", "overruns", "crashed", "hung", "asked"};
-  return kWords.at(static_cast<std::size_t>(cause));
-}
-
-bool WayBack::set_off(const Clock& clock, Cause cause, const void* member, const char* text,
+bool WayBack::set_off(const Clock& clock, const FaultRecord& fault, const void* member,
                       const void* inside) {
   if (!transaction_.claim(kBeingSetOff)) return false;
   Transaction* const newer = newer_.load();
@@ -47,10 +26,9 @@ bool WayBack::set_off(const Clock& clock, Cause cause, const void* member, const
     transaction_.put_off(kClosed);
     return false;
   }
-  cause_ = cause;
+  fault_ = fault;
   member_ = member;
   inside_ = inside;
-  std::strncpy(text_.data(), text, text_.size() - 1);
   decide(clock);
   told_.store(true, std::memory_order_release);
   return true;

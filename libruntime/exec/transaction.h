@@ -2,13 +2,14 @@
 /// The decisions that all members of a change share.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <limits>
 #include <memory>
 #include <string_view>
 #include <vector>
+
+#include "exec/fault_record.h"
 
 #include <mauve/clock.h>
 
@@ -78,14 +79,6 @@ class Transaction {
   const bool tries_again_ = false;
 };
 
-/// Why a core did not do.
-enum class Cause : std::uint8_t { threw, implausible, over_budget, overruns, crashed, hung, asked };
-
-/// "threw", "wrote an implausible value", ...
-[[nodiscard]] std::string_view to_string(Cause cause);
-/// "threw", "implausible", ...
-[[nodiscard]] std::string_view word_of(Cause cause);
-
 /// The way back from a change on probation: a transaction that waits for its instant. The first
 /// member that fails, or [control], sets it off for all:
 ///
@@ -101,8 +94,10 @@ class WayBack {
   /// [any] Bounded, no lock. False: it was set off before, is closed, or a newer change is
   /// committed. `inside`: the gate of the resource in whose service the member failed; null: in its
   /// own code.
-  bool set_off(const Clock& clock, Cause cause, const void* member, const char* text,
+  bool set_off(const Clock& clock, const FaultRecord& fault, const void* member,
                const void* inside = nullptr);
+  /// No member failed: somebody wants it.
+  bool set_off(const Clock& clock, std::string_view reason);
   /// [control] Nobody can set it off any more; false when somebody has.
   bool close() { return transaction_.claim(kClosed); }
   /// [control] Either this one, which is about to be decided, or the way back; null: it came to
@@ -118,10 +113,11 @@ class WayBack {
   }
   /// Set off and decided, and the story of it can be read.
   [[nodiscard]] bool told() const { return told_.load(std::memory_order_acquire); }
-  [[nodiscard]] Cause cause() const { return cause_; }
+  [[nodiscard]] Cause cause() const { return fault_.cause; }
+  [[nodiscard]] const FaultRecord& fault() const { return fault_; }
   [[nodiscard]] const void* member() const { return member_; }
   [[nodiscard]] const void* inside() const { return inside_; }
-  [[nodiscard]] const char* text() const { return text_.data(); }
+  [[nodiscard]] const char* text() const { return fault_.text.data(); }
 
  private:
   class Decision : public Transaction {
@@ -139,10 +135,9 @@ class WayBack {
   std::atomic<Transaction*> newer_{nullptr};
   std::vector<std::shared_ptr<Transaction>> all_newer_;  // a member may still be looking at one
   std::atomic<bool> told_{false};
-  Cause cause_ = Cause::asked;
+  FaultRecord fault_;
   const void* member_ = nullptr;
   const void* inside_ = nullptr;
-  std::array<char, 128> text_{};
 };
 
 }  // namespace mauve::exec

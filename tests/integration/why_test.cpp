@@ -171,5 +171,29 @@ TEST(Why, AChangeWasRolledBackAndItsCoreIsKeptOut) {
   EXPECT_THAT(said["records"].dump(), HasSubstr("component_faulted"));
 }
 
+/// The second core writes nothing into the log of the component when it fails.
+TEST(Why, TwoFailuresWithinASecondAreNotMixed) {
+  TrialDaemon daemon;
+  ASSERT_EQ(
+      daemon.ask("core.swap", {{"component", "first"}, {"core", "trial/throwing_job"}})["state"],
+      "applied");
+  static_cast<void>(why(daemon, "threw"));
+  const Json swap = {{"component", "first"},
+                     {"core", "trial/hungry"},
+                     {"set", {{"uses", "15ms"}}},
+                     {"misses", "1/8"}};
+  ASSERT_EQ(daemon.ask("core.swap", swap)["state"], "applied") << daemon.ask("core.swap", swap);
+
+  const auto said = why(daemon, "overran too often");
+
+  const auto& failure = said["failure"];
+  EXPECT_EQ(failure["text"], "");
+  EXPECT_EQ(failure["core"], "trial/hungry");
+  EXPECT_EQ(failure["times"], 2);
+  EXPECT_GT(failure["job"].get<int>(), 0);
+  EXPECT_GT(failure["time"].get<std::string>(), said["change"]["time"].get<std::string>())
+      << "it failed after its own swap";
+}
+
 }  // namespace
 }  // namespace mauve::test

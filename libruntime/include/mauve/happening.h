@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +36,16 @@ struct Recovery {
 };
 [[nodiscard]] std::string_view to_string(Recovery::Way way);
 
+/// A failure of a component: the thread of the component recorded all of it when it happened.
+struct Incident {
+  Instant time = 0;       ///< monotonic
+  std::string cause;      ///< "threw", "crashed", "did not return", ...
+  std::string text;       ///< of the exception, or the like
+  std::string core;       ///< the core that failed
+  std::string state;      ///< of the state machine; empty: not known
+  std::uint64_t job = 0;  ///< the number of the job, counted since the component began
+};
+
 /// A look at one component; numbers may be some jobs apart.
 struct ComponentStatus {
   std::string name;
@@ -61,7 +72,8 @@ struct ComponentStatus {
   /// else zero. A core that hangs is running and late.
   Duration late{0};
   std::string fault;  ///< text of the last failure, when faulted or recovering
-  Recovery recovery;  ///< when recovering
+  std::optional<Incident> incident;  ///< when faulted or recovering
+  Recovery recovery;                 ///< when recovering
   /// How often its code had changed its priority or CPUs, and the guard put that back.
   std::uint64_t restored = 0;
 };
@@ -91,7 +103,9 @@ struct Outcome {
   std::uint64_t generation = 0;  ///< in force now
   std::string component;         ///< whose fault it was; empty: nobody's
   std::string reason;            ///< "threw: sensor lost", "confirmed", "3000 jobs without a fault"
-  Duration commit{0};            ///< of a rollback, since T0
+  /// The failure that led to it; none: somebody asked, or nothing failed.
+  std::optional<Incident> incident = {};
+  Duration commit{0};  ///< of a rollback, since T0
   /// The core that was new and at fault in a rollback, if any; the one that took over.
   std::vector<std::string> cores;
   /// Of a probation: the generations that its changes made, the oldest first. There are several

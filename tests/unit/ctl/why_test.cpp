@@ -2,6 +2,7 @@
 // Why a component failed, as it is told to people.
 #include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "render.h"
@@ -16,8 +17,8 @@ const Json kLastWords = Json::parse(R"({"seq": 7, "t": "2026-01-01T09:59:59.0000
 const Json kWhy = Json::parse(R"({"component": "control", "state": "faulted", "core": "g/gap",
   "late_ns": 0, "since": "2026-01-01T09:00:00.0Z", "failure": {"time": "2026-01-01T10:00:00.0Z",
     "ago_ns": 3000000000, "cause": "threw", "text": "sensor lost", "core": "g/gap",
-    "build_id": "9c32e8201234567890", "fsm_state": "go", "did": "parked", "core_after": "g/gap",
-    "generation": 42, "generation_after": 42, "times": 2},
+    "build_id": "9c32e8201234567890", "fsm_state": "go", "job": 17, "did": "parked",
+    "core_after": "g/gap", "generation": 42, "generation_after": 42, "times": 2},
   "change": {"generation": 42, "time": "2026-01-01T09:59:00.0Z", "method": "core.swap", "uid": 7,
     "reason": "try it"}, "poisoned": ["world"], "quarantine": [],
   "hints": ["mauvectl start control --reset: again"]})");
@@ -31,7 +32,7 @@ TEST(Why, IsToldInAFewLines) {
   EXPECT_EQ(scene.asked[0].params, (Json{{"component", "control"}}));
   EXPECT_EQ(scene.outcome.out,
             "control: faulted, core g/gap\n"
-            "what      threw: sensor lost, in state go, core g/gap (build 9c32e8201234)\n"
+            "what      threw: sensor lost, in state go, job 17, core g/gap (build 9c32e8201234)\n"
             "when      2026-01-01T10:00:00.0Z, 3.0 s ago; 2 failures since mauved began\n"
             "then      it was stopped with its safe values written; others go on\n"
             "before    generation 42 by core.swap, uid 7, 2026-01-01T09:59:00.0Z: try it\n"
@@ -39,6 +40,18 @@ TEST(Why, IsToldInAFewLines) {
             "next      mauvectl start control --reset: again\n"
             "its last records\n" +
                 render_record(kLastWords, {}));
+}
+
+TEST(Why, DoesNotSayThatAStoppedComponentRunsAgain) {
+  Json answer = kWhy;
+  answer["failure"]["did"] = "rolled_back";
+  answer["records"] = Json::array();
+  answer["state"] = "running";
+  EXPECT_THAT(Scene({"why", "control"}, answer).outcome.out,
+              testing::HasSubstr("rolled back: g/gap runs again (generation 42)"));
+  answer["state"] = "stopped";
+  EXPECT_THAT(Scene({"why", "control"}, answer).outcome.out,
+              testing::HasSubstr("rolled back: g/gap is its core again (generation 42)"));
 }
 
 TEST(Why, NothingFailedIsOneLine) {

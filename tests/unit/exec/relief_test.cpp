@@ -55,6 +55,13 @@ TEST(Relief, TheFallbackCoreTakesOverAtTheNextRelease) {
   EXPECT_EQ(outcomes[0].kind, Outcome::Kind::fell_back);
   EXPECT_EQ(outcomes[0].component, "control");
   EXPECT_EQ(outcomes[0].reason, "sensor lost");
+  ASSERT_TRUE(outcomes[0].incident);
+  EXPECT_EQ(outcomes[0].incident->cause, "threw");
+  EXPECT_EQ(outcomes[0].incident->text, "sensor lost");
+  EXPECT_NE(outcomes[0].incident->core, "ramp/down") << "the core that failed";
+  EXPECT_EQ(outcomes[0].incident->state, "update");
+  EXPECT_EQ(outcomes[0].incident->job, 3u);
+  EXPECT_EQ(Duration{outcomes[0].incident->time - deployer.t0()}, 20ms) << "when it failed";
   EXPECT_EQ(outcomes[0].cores, std::vector<std::string>{"ramp/down"});
   EXPECT_EQ(deployer.status("control").core, "ramp/down");
   EXPECT_EQ(deployer.status("control").missed, 0u);
@@ -83,6 +90,9 @@ TEST(Relief, AFreshCoreTakesOverWithinItsBudgetOfRestarts) {
   EXPECT_EQ(outcomes[2].reason, "sensor lost; all 2 restarts within 1s are used up");
   EXPECT_EQ(deployer.status("control").state, ComponentState::faulted);
   EXPECT_EQ(deployer.status("control").fault, "sensor lost");
+  EXPECT_EQ(outcomes[0].incident->job, 3u);
+  EXPECT_EQ(outcomes[1].incident->job, 6u) << "each has a record of its own";
+  EXPECT_EQ(deployer.status("control").incident->job, 9u);
   // Two jobs each, three times; the fault ends a job that counts; each restart waited longer.
   EXPECT_EQ(deployer.status("control").releases, 9u);
   EXPECT_EQ(deployer.status("control").missed, 3u) << "one in 15 ms, two in 30 ms";

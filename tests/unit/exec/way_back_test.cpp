@@ -26,10 +26,11 @@ class HeldUp : public Clock {
 
 class SetOff : public testing::Test {
  protected:
-  bool set_off() { return back.set_off(clock, Cause::threw, nullptr, "sensor lost"); }
+  bool set_off() { return back.set_off(clock, fault, nullptr); }
   Instant instant() { return back.transaction().instant(); }
 
   HeldUp clock;
+  FaultRecord fault;
   WayBack back;
 };
 
@@ -91,13 +92,13 @@ TEST_F(SetOff, AndANewerChangeExcludeEachOther) {
   WayBack other;
   const auto decided = std::make_shared<Transaction>(clock.time, Transaction::State::committed);
   other.give_way_to(decided);
-  EXPECT_FALSE(other.set_off(clock, Cause::threw, nullptr, ""));
+  EXPECT_FALSE(other.set_off(clock, fault, nullptr));
   EXPECT_TRUE(other.closed());
 
   WayBack kept;
   kept.give_way_to(decided);
   kept.give_way_to(nullptr);  // it was revoked
-  EXPECT_TRUE(kept.set_off(clock, Cause::threw, nullptr, ""));
+  EXPECT_TRUE(kept.set_off(clock, fault, nullptr));
 }
 
 }  // namespace
