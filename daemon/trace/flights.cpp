@@ -128,12 +128,23 @@ void Flights::write(const Recording& recording, const std::string& word,
              {{"component", component}, {"why", flight.why}, {"recording", flight.name}});
 }
 
+/// The oldest of a missed release while more than some of those are kept: a machine that is often
+/// late must not push the recordings of faults out, nor faults the last ones of misses.
+std::vector<Flight>::iterator Flights::least_wanted() {
+  const auto of_miss = [](const Flight& one) { return one.why.starts_with("missed"); };
+  const auto misses = std::count_if(flights_.begin(), flights_.end(), of_miss);
+  const bool many = static_cast<std::size_t>(misses) > kKeptOfMisses;
+  return std::find_if(flights_.begin(), flights_.end(),
+                      [&](const Flight& one) { return of_miss(one) == many; });
+}
+
 void Flights::drop_oldest() {
   const std::lock_guard lock(mutex_);
   while (flights_.size() > kKept) {
+    const auto oldest = least_wanted();
     std::error_code ignored;
-    std::filesystem::remove(directory_ / (flights_.front().name + kExtension), ignored);
-    flights_.erase(flights_.begin());
+    std::filesystem::remove(directory_ / (oldest->name + kExtension), ignored);
+    flights_.erase(oldest);
   }
 }
 

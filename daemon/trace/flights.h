@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Flight recordings: files flight-NNNN-WHY-COMPONENT.mtrace in the state directory. The oldest go
-/// when there are too many.
+/// when there are too many, and those of missed releases first.
 #pragma once
 
 #include <cstddef>
@@ -27,6 +27,7 @@ struct Flight {
 class Flights {
  public:
   static constexpr std::size_t kKept = 20;
+  static constexpr std::size_t kKeptOfMisses = 5;  ///< while there are more than kKept
 
   /// Finds those of earlier runs. Waits for the disk. [main]
   Flights(std::string directory, logging::Log& log);
@@ -41,6 +42,7 @@ class Flights {
 
  private:
   void drop_oldest();
+  [[nodiscard]] std::vector<Flight>::iterator least_wanted();
 
   const std::filesystem::path directory_;
   logging::Log& log_;

@@ -12,6 +12,7 @@ namespace mauve::daemon {
 
 namespace {
 
+using logging::Event;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
@@ -21,7 +22,6 @@ constexpr milliseconds kEveryInDetail{20};  // there is more of it
 constexpr milliseconds kAfterwards{200};
 /// [control] says what it is about; when that takes longer, what it said last is good enough.
 constexpr milliseconds kAboutMayTake{1'000};
-constexpr std::chrono::seconds kBetweenFlights{10};
 /// Each may take some megabytes.
 constexpr std::size_t kSnapshots = 2;
 
@@ -113,25 +113,46 @@ void Recorder::look(const TraceRecord& record) {
   if (record.kind == TraceKind::lost) {
     lost_ += record.a;
   }
-  const bool member = record.kind == TraceKind::member && pending_ &&
-                      pending_->word == "rollback" && pending_->component.empty();
-  if (member) {
-    pending_->component = trace_name(record.name);
+  auto& rollback = failures_.pending;
+  if (record.kind == TraceKind::member && rollback && rollback->word == "rollback" &&
+      rollback->component.empty()) {
+    rollback->component = trace_name(record.name);
   }
   // Releases that a change lets pass are named; nobody was late for them.
   const bool missed = record.kind == TraceKind::missed && record.name == 0;
-  const bool reason =
-      missed || record.kind == TraceKind::fault || record.kind == TraceKind::rollback;
-  const auto now = steady_clock::now();
-  const bool soon = written_ && now - *written_ < kBetweenFlights;
-  if (!reason || flights_ == nullptr || pending_ || soon) {
+  const bool failed = record.kind == TraceKind::fault || record.kind == TraceKind::rollback;
+  if ((missed || failed) && flights_ != nullptr) {
+    wait_for_rest(missed ? misses_ : failures_, record);
+  }
+}
+
+/// One that is about to be written tells of this too.
+void Recorder::wait_for_rest(Reason& reason, const TraceRecord& record) {
+  if (reason.pending) {
     return;
   }
+  const auto now = steady_clock::now();
   const bool of_control = record.kind == TraceKind::rollback;
-  pending_ = Pending{std::string(to_string(record.kind)),
-                     of_control ? std::string{} : std::string(trace_name(record.thread)),
-                     now + kAfterwards, std::make_shared<std::optional<TracedSystem>>()};
-  ask_what_it_is_about(*pending_);
+  Pending flight{std::string(to_string(record.kind)),
+                 of_control ? std::string{} : std::string(trace_name(record.thread)),
+                 now + kAfterwards, std::make_shared<std::optional<TracedSystem>>()};
+  if (!reason.allowance.take(now)) {
+    if (&reason == &failures_) {
+      tell_skipped(reason.allowance, flight);
+    }
+    return;
+  }
+  reason.pending = std::move(flight);
+  ask_what_it_is_about(*reason.pending);
+}
+
+void Recorder::tell_skipped(const FlightAllowance& allowance, const Pending& flight) {
+  const auto about = flight.word + (flight.component.empty() ? "" : " of " + flight.component);
+  running_->log.write(Event::flight_skipped,
+                      {{"component", flight.component},
+                       {"text", about + " comes after " + std::to_string(allowance.count()) +
+                                    " recordings of faults and rollbacks within " +
+                                    std::to_string(allowance.per().count()) + " s"}});
 }
 
 void Recorder::ask_what_it_is_about(const Pending& pending) {
@@ -143,19 +164,24 @@ void Recorder::ask_what_it_is_about(const Pending& pending) {
   });
 }
 
-/// On [disk], which may take its time; meanwhile this thread goes on collecting.
 void Recorder::write_when_due(bool now) {
   const std::lock_guard lock(mutex_);
-  if (!pending_) {
+  write_when_due(misses_, now);
+  write_when_due(failures_, now);
+}
+
+/// On [disk], which may take its time; meanwhile this thread goes on collecting.
+void Recorder::write_when_due(Reason& reason, bool now) {
+  auto& pending = reason.pending;
+  if (!pending) {
     return;
   }
   const auto time = steady_clock::now();
-  const bool told = pending_->about->has_value() || time >= pending_->due + kAboutMayTake;
-  if (!now && (time < pending_->due || !told)) {
+  const bool told = pending->about->has_value() || time >= pending->due + kAboutMayTake;
+  if (!now && (time < pending->due || !told)) {
     return;
   }
-  const Pending flight = *std::exchange(pending_, std::nullopt);
-  written_ = time;
+  const Pending flight = *std::exchange(pending, std::nullopt);
   auto recording = std::make_shared<Recording>(cut(0));
   recording->why = flight.word + (flight.component.empty() ? "" : " " + flight.component);
   running_->keeper->on_disk([this, recording, flight] {

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "commands/command.h"
+#include "trace/allowance.h"
 #include "trace/flights.h"
 #include "trace/memory.h"
 #include "trace/probe.h"
@@ -59,12 +60,21 @@ class Recorder {
     std::chrono::steady_clock::time_point due;
     std::shared_ptr<std::optional<TracedSystem>> about;  // under mutex_
   };
+  /// Missed releases have an allowance of their own, so that on a late machine they do not keep a
+  /// failure from being recorded.
+  struct Reason {
+    FlightAllowance allowance;
+    std::optional<Pending> pending = std::nullopt;
+  };
 
   void run();
   void collect();
   void look(const TraceRecord& record);
   void ask_what_it_is_about(const Pending& pending);
+  void wait_for_rest(Reason& reason, const TraceRecord& record);
+  void tell_skipped(const FlightAllowance& allowance, const Pending& flight);
   void write_when_due(bool now);
+  void write_when_due(Reason& reason, bool now);
   void start_probes();
   [[nodiscard]] Recording cut(Instant from) const;
   [[nodiscard]] TraceMode mode() const;
@@ -88,8 +98,8 @@ class Recorder {
   std::uint64_t snapshots_made_ = 0;
   std::vector<std::unique_ptr<Probe>> probes_;  ///< while it is on, where there is real time
   bool probed_ = false;                         ///< there is one on each of these CPUs
-  std::optional<Pending> pending_;
-  std::optional<std::chrono::steady_clock::time_point> written_;
+  Reason misses_{{1, std::chrono::seconds(10)}};
+  Reason failures_{{3, std::chrono::seconds(30)}};  ///< faults and rollbacks
   std::thread thread_;
 };
 

@@ -158,20 +158,35 @@ TEST_F(Traces, AFaultIsRecordedWithTheSecondsBefore) {
   EXPECT_EQ(read_trace(copy).records, trace.records);
 }
 
-TEST_F(Traces, ThereIsOneRecordingInTenSeconds) {
-  TrialDaemon daemon(calm(), options());
-  for (const char* component : {"first", "second"}) {
-    const Json swap = {
-        {"component", component}, {"core", "trial/throwing_job"}, {"probation", "off"}};
-    ASSERT_EQ(daemon.ask("core.swap", swap)["state"], "applied");
-    ASSERT_TRUE(was_logged(daemon, "component_faulted"));
-    static_cast<void>(flight("flight-0001-fault-first"));
-  }
-  ASSERT_TRUE(eventually([&] { return daemon.component("second")["state"] == "faulted"; }));
-  daemon.process().signal(SIGTERM);
-  EXPECT_EQ(daemon.process().wait(), 0);
+TEST_F(Traces, AFaultRightAfterAMissIsRecorded) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_TRUE(eventually([&] {
+    daemon.process().signal(SIGSTOP);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // some of its releases
+    daemon.process().signal(SIGCONT);
+    return !daemon.ask("trace.list")["items"].empty();
+  }));
+  const Json swap = {{"component", "first"}, {"core", "trial/throwing_job"}, {"probation", "off"}};
+  ASSERT_EQ(daemon.ask("core.swap", swap)["state"], "applied");
 
-  EXPECT_FALSE(std::filesystem::exists(state() / "flight-0002-fault-second.mtrace"));
+  EXPECT_TRUE(eventually([&] {
+    return daemon.ask("trace.list").dump().find("-fault-first") != std::string::npos;
+  })) << daemon.ask("trace.list");
+}
+
+TEST_F(Traces, TheFourthFaultInThirtySecondsIsNotRecordedAndTheLogSaysSo) {
+  TrialDaemon daemon(calm(), options());
+  const Json swap = {{"component", "first"}, {"core", "trial/throwing_job"}, {"probation", "off"}};
+  ASSERT_EQ(daemon.ask("core.swap", swap)["state"], "applied");
+  for (const char* name : {"flight-0001-fault-first", "flight-0002-fault-first"}) {
+    static_cast<void>(flight(name));
+    ASSERT_EQ(daemon.ask("component.start", {{"components", {"first"}}})["state"], "applied");
+  }
+  static_cast<void>(flight("flight-0003-fault-first"));
+  ASSERT_EQ(daemon.ask("component.start", {{"components", {"first"}}})["state"], "applied");
+
+  EXPECT_TRUE(was_logged(daemon, "flight_skipped"));
+  EXPECT_EQ(daemon.ask("trace.list")["items"].size(), 3U);
 }
 
 TEST_F(Traces, AMissedReleaseIsRecorded) {

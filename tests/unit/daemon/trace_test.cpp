@@ -3,12 +3,14 @@
 #include <gtest/gtest.h>
 #include <sched.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <sstream>
 
 #include "protocol/trace.h"
 #include "support/temp_dir.h"
+#include "trace/allowance.h"
 #include "trace/file.h"
 #include "trace/flights.h"
 #include "trace/memory.h"
@@ -147,8 +149,11 @@ TEST(Probe, IsRefusedWhereItCannotRun) {
 class FlightsTest : public testing::Test {
  protected:
   FlightsTest() { log_.start(); }
-  void write(Flights& flights, const std::string& component = "control") {
-    flights.write(example(3), "missed", component, "boot");
+  void write(Flights& flights, const std::string& component = "control",
+             const std::string& word = "missed") {
+    auto recording = example(3);
+    recording.why = word + " control";
+    flights.write(recording, word, component, "boot");
   }
   [[nodiscard]] std::size_t told(logging::Event event) {
     log_.flush();
@@ -247,6 +252,41 @@ TEST_F(FlightsTest, AreAtMostTwenty) {
   EXPECT_EQ(flights.list().front().number, 4U) << "the oldest went";
   const std::filesystem::directory_iterator files(place_.path());
   EXPECT_EQ(std::distance(begin(files), end(files)), static_cast<int>(Flights::kKept));
+}
+
+TEST_F(FlightsTest, OfMissesDoNotPushThoseOfFaultsOut) {
+  Flights flights(place_.path().string(), log_);
+  write(flights, "control", "fault");
+  write(flights, "control", "rollback");
+  for (std::size_t i = 0; i < 2 * Flights::kKept; ++i) {
+    write(flights);
+  }
+  EXPECT_EQ(flights.list().size(), Flights::kKept);
+  EXPECT_EQ(flights.list()[0].name, "flight-0001-fault-control");
+  EXPECT_EQ(flights.list()[1].name, "flight-0002-rollback-control");
+
+  for (std::size_t i = 0; i < 2 * Flights::kKept; ++i) {
+    write(flights, "control", "fault");
+  }
+  const auto kept = flights.list();
+  EXPECT_EQ(kept.size(), Flights::kKept);
+  EXPECT_EQ(std::count_if(kept.begin(), kept.end(),
+                          [](const Flight& one) { return one.why == "missed control"; }),
+            static_cast<std::ptrdiff_t>(Flights::kKeptOfMisses))
+      << "nor do faults push the last of misses out";
+}
+
+TEST(FlightAllowance, IsUsedUpUntilItsSpanHasPassed) {
+  using std::chrono::seconds;
+  FlightAllowance allowance(2, seconds(10));
+  const FlightAllowance::Time begin{};
+
+  EXPECT_TRUE(allowance.take(begin));
+  EXPECT_TRUE(allowance.take(begin + seconds(4)));
+  EXPECT_FALSE(allowance.take(begin + seconds(9)));
+  EXPECT_TRUE(allowance.take(begin + seconds(10)));
+  EXPECT_FALSE(allowance.take(begin + seconds(13))) << "two in any ten seconds";
+  EXPECT_TRUE(allowance.take(begin + seconds(14)));
 }
 
 TEST_F(FlightsTest, WhatTheDiskDoesNotTakeIsToldOnce) {
