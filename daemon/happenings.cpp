@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <functional>
 #include <memory>
 #include <utility>
+#include <vector>
 
+#include "late_summary.h"
 #include "request_limit.h"
 
 namespace mauve::daemon {
@@ -67,9 +70,12 @@ logging::Record ignored_request(const Happening& happening, std::uint64_t ignore
 /// What programs ask for, out of the sentence for people.
 logging::Fields fields_of(const Happening& happening) {
   const std::string& text = happening.text;
+  std::int64_t count = 0;
+  std::from_chars(text.data(), text.data() + text.size(), count);
+  if (happening.event == "missed") {
+    return {{"count", count}};
+  }
   if (happening.event == "lost") {
-    std::int64_t count = 0;
-    std::from_chars(text.data(), text.data() + text.size(), count);
     return {{"count", count}, {"source", happening.component}};
   }
   if (happening.event != "faulted") {
@@ -82,6 +88,24 @@ logging::Fields fields_of(const Happening& happening) {
     fields.push_back({"state", text.substr(state + kInState.size())});
   }
   return fields;
+}
+
+using Take = std::function<void(logging::Record)>;
+
+void take_all(const std::vector<Happening>& all, const Take& take) {
+  for (const auto& happening : all) {
+    take(record_of(happening));
+  }
+}
+
+/// What a component was late is told before it stopped.
+void take_one(const Happening& happening, LateSummary& late, const Take& take) {
+  if (happening.event == "stopped" || happening.event == "faulted") {
+    take_all(late.finish(happening.component, happening.time), take);
+  }
+  if (!LateSummary::concerns(happening) || late.pass(happening)) {
+    take(record_of(happening));
+  }
 }
 
 }  // namespace
@@ -100,10 +124,12 @@ logging::Record record_of(const Happening& happening) {
 
 logging::Log::Source happenings_of(Deployer& deployer, Supervisor& supervisor) {
   auto limit = std::make_shared<RequestLimit>();
-  return [&, limit](const std::function<void(logging::Record)>& take) {
+  auto late = std::make_shared<LateSummary>();
+  return [&, limit, late](const Take& take) {
+    take_all(late->due(deployer.clock().now()), take);
     deployer.drain([&](const Happening& happening) {
       if (happening.event != kRequested) {
-        return take(record_of(happening));
+        return take_one(happening, *late, take);
       }
       if (limit->pass(happening.component, happening.time)) {
         take(record_of(happening));

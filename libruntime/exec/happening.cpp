@@ -91,7 +91,8 @@ std::string text_of(const rt::Event& event) {
     case rt::EventKind::overrun:
       return "job ended " + time(event.a) + " late, overrun " + count(event.b);
     case rt::EventKind::missed:
-      return count(event.a) + " releases missed, " + count(event.b) + " in all";
+      return count(event.a) + (event.a.integer == 1 ? " release missed, " : " releases missed, ") +
+             count(event.b) + " in all";
     case rt::EventKind::faulted:
       return std::string(to_string(static_cast<Cause>(event.a.integer))) + ": " +
              event.text.data() + in_state(event);

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// How often the log tells that a component is late: on a late machine it may be so in every job.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mauve/happening.h"
+#include "mauve/time.h"
+
+namespace mauve::daemon {
+
+/// The first overrun and the first miss of a component are told at once, further ones in one line
+/// each `kEach`, with their number. [log]
+class LateSummary {
+ public:
+  static constexpr Duration kEach{10s};
+
+  /// Is this happening one of those that may be only counted?
+  [[nodiscard]] static bool concerns(const Happening& happening);
+  /// False: it is only counted. Times of one component never go back.
+  [[nodiscard]] bool pass(const Happening& happening);
+  /// What was counted, once its time is over.
+  [[nodiscard]] std::vector<Happening> due(Instant now);
+  /// What was counted of this component, at once: it has stopped.
+  [[nodiscard]] std::vector<Happening> finish(const std::string& component, Instant now);
+
+ private:
+  struct Counted {
+    Happening last;
+    Instant since = 0;      ///< of the line before
+    std::int64_t more = 0;  ///< releases, or jobs
+  };
+  [[nodiscard]] static Happening summary(Counted& counted, Instant now);
+
+  std::vector<Counted> all_;  ///< a few: one for each component and event
+};
+
+}  // namespace mauve::daemon

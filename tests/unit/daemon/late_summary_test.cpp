@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "late_summary.h"
+
+#include <gtest/gtest.h>
+
+namespace mauve::daemon {
+namespace {
+
+constexpr Instant kSecond = std::chrono::nanoseconds(1s).count();
+
+Happening missed(Instant time, int releases, int in_all, const std::string& component = "arm") {
+  return {time, LogLevel::warning, component, "missed",
+          std::to_string(releases) + " releases missed, " + std::to_string(in_all) + " in all"};
+}
+
+TEST(LateSummary, TellsTheFirstMissAtOnceAndTheOthersInOneLine) {
+  LateSummary summary;
+  EXPECT_TRUE(summary.pass(missed(kSecond, 1, 1)));
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_FALSE(summary.pass(missed((2 + i) * kSecond, 3, 4 + 3 * i)));
+  }
+  EXPECT_TRUE(summary.due(10 * kSecond).empty());
+
+  const auto lines = summary.due(11 * kSecond);
+
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0].component, "arm");
+  EXPECT_EQ(lines[0].event, "missed");
+  EXPECT_EQ(lines[0].text, "24 more releases missed in 10 s, 25 in all");
+  EXPECT_TRUE(summary.due(12 * kSecond).empty()) << "once";
+}
+
+TEST(LateSummary, ComesEachTenSecondsWhileAComponentIsLateAllTheTime) {
+  LateSummary summary;
+  std::size_t lines = 0;
+  for (Instant now = 0; now < 60 * kSecond; now += kSecond / 100) {
+    lines += summary.pass(missed(now, 1, 1)) ? 1U : 0U;
+    lines += summary.due(now).size();
+  }
+  EXPECT_EQ(lines, 6U) << "of 6000";
+}
+
+TEST(LateSummary, TellsASingleMissNowAndThenAtOnce) {
+  LateSummary summary;
+  for (Instant now = 0; now < 100 * kSecond; now += 10 * kSecond) {
+    EXPECT_TRUE(summary.pass(missed(now, 1, 1)));
+    EXPECT_TRUE(summary.due(now + kSecond).empty());
+  }
+}
+
+TEST(LateSummary, CountsComponentsAndEventsApart) {
+  LateSummary summary;
+  EXPECT_TRUE(summary.pass(missed(kSecond, 1, 1)));
+  EXPECT_TRUE(summary.pass(missed(kSecond, 1, 1, "leg")));
+  const Happening late{kSecond, LogLevel::warning, "arm", "overrun",
+                       "job ended 3.01 ms late, overrun 17"};
+  EXPECT_TRUE(summary.pass(late));
+  EXPECT_FALSE(summary.pass(late));
+
+  const auto lines = summary.due(11 * kSecond);
+
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0].text, "1 more job ended late in 10 s, overrun 17");
+}
+
+TEST(LateSummary, IsFinishedWhenTheComponentStops) {
+  LateSummary summary;
+  for (const char* component : {"arm", "leg"}) {
+    EXPECT_TRUE(summary.pass(missed(kSecond, 1, 1, component)));
+    EXPECT_FALSE(summary.pass(missed(2 * kSecond, 1, 2, component)));
+  }
+
+  const auto lines = summary.finish("arm", 3 * kSecond);
+
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0].text, "1 more release missed in 2 s, 2 in all");
+  EXPECT_TRUE(summary.finish("arm", 3 * kSecond).empty());
+}
+
+TEST(LateSummary, ConcernsNothingElse) {
+  EXPECT_TRUE(LateSummary::concerns(missed(0, 1, 1)));
+  EXPECT_FALSE(LateSummary::concerns({0, LogLevel::error, "arm", "faulted", "threw"}));
+}
+
+}  // namespace
+}  // namespace mauve::daemon
