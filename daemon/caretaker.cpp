@@ -153,6 +153,7 @@ void Caretaker::tell_of_scheduling() {
 }
 
 void Caretaker::tell(const Outcome& outcome) {
+  running_->counts.note(outcome);
   if (outcome.kind == Outcome::Kind::rolled_back) {
     running_->supervisor.take_back(outcome.changes);  // before the generation is saved
   }

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "control.h"
+#include "counts.h"
 #include "deciding_paths.h"
 #include "failures.h"
 #include "generations.h"
@@ -104,6 +105,7 @@ struct Running {
   std::vector<DecidingPath> deciding = {};  ///< see deciding_paths.h
   Failures failures = {};                   ///< [control] see commands/notice.h
   server::Refusals refusals = {};           ///< [any]
+  Counts counts = {};                       ///< [any]
   /// [any] Judges a file of this user beside what runs, then calls the function on [control]: see
   /// Judge::ask().
   std::function<void(const Asker&, const Question&, std::function<void(Result<Json>)>)> judge = {};

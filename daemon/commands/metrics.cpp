@@ -99,6 +99,45 @@ void add_system(Page& page, const Running& running) {
   page.sample({}, up.count());
 }
 
+/// Counted since mauved began, also of methods that nobody asks for any more.
+void add_commands(Page& page, const Counts& counts) {
+  page.family("commands_total", "counter", "Requests that were answered, refused ones included.");
+  for (const auto& [method, count] : counts.commands()) {
+    page.sample({{"method", method}}, as_number(count));
+  }
+  page.family("refusals_total", "counter", "Requests that were refused, by the name of the error.");
+  for (const auto& [what, count] : counts.refusals()) {
+    page.sample({{"method", what.first}, {"error", what.second}}, as_number(count));
+  }
+}
+
+/// What the system did by itself. An empty component: somebody asked, or nobody confirmed.
+void add_outcomes(Page& page, const Counts& counts, const std::vector<ComponentStatus>& all) {
+  struct Counter {
+    const char* name;
+    const char* help;
+    Outcome::Kind kind;
+  };
+  constexpr std::array<Counter, 3> kCounters{
+      {{"restarts_total", "Faults after which a fresh core took over.", Outcome::Kind::restarted},
+       {"fallbacks_total", "Faults after which the fallback core took over.",
+        Outcome::Kind::fell_back},
+       {"rollbacks_total",
+        "Changes that were taken back, by the component at fault; empty: somebody asked, or nobody "
+        "confirmed.",
+        Outcome::Kind::rolled_back}}};
+  for (const auto& counter : kCounters) {
+    page.family(counter.name, "counter", counter.help);
+    auto counted = counts.of(counter.kind);
+    for (const auto& one : all) {
+      counted[one.name] += 0;  // a series begins with zero
+    }
+    for (const auto& [component, count] : counted) {
+      page.sample({{"component", component}}, as_number(count));
+    }
+  }
+}
+
 void add_status(Page& page, const std::vector<ComponentStatus>& all) {
   page.family("component_info", "gauge", "Type and core of a component; always 1.");
   for (const auto& one : all) {
@@ -113,11 +152,12 @@ void add_status(Page& page, const std::vector<ComponentStatus>& all) {
     const char* help;
     std::uint64_t ComponentStatus::*value;
   };
-  constexpr std::array<Counter, 4> kCounters{
+  constexpr std::array<Counter, 5> kCounters{
       {{"releases_total", "Jobs that ran.", &ComponentStatus::releases},
        {"missed_releases_total", "Releases that never ran.", &ComponentStatus::missed},
        {"overruns_total", "Jobs that ended after their wait or deadline.",
         &ComponentStatus::overruns},
+       {"faults_total", "Jobs that threw, crashed or did not return.", &ComponentStatus::faults},
        {"over_budget_total", "Jobs longer than the declared budget.",
         &ComponentStatus::over_budget}}};
   for (const auto& counter : kCounters) {
@@ -186,7 +226,10 @@ Result<Json> metrics(Running& running, const Call& /*call*/) {
   const auto statistics = running.deployer.statistics();
   Page page;
   add_system(page, running);
-  add_status(page, running.deployer.status());
+  add_commands(page, running.counts);
+  const auto status = running.deployer.status();
+  add_status(page, status);
+  add_outcomes(page, running.counts, status);
   add_times(page, statistics);
   add_locks(page, statistics);
   add_states(page, statistics);

@@ -107,7 +107,7 @@ Json CommandTable::hello() {
 
 void CommandTable::dispatch(const server::Caller& caller, const protocol::Method& method,
                             protocol::Request request, server::Reply reply) {
-  auto call = call_of(caller, method, std::move(request), std::move(reply));
+  auto call = call_of(caller, method, std::move(request), counted(method, std::move(reply)));
   const auto* command = find_command(method.name);
   if (command == nullptr) {
     return answer(running_, *call,
@@ -119,8 +119,17 @@ void CommandTable::dispatch(const server::Caller& caller, const protocol::Method
   run(*command, call);
 }
 
+server::Reply CommandTable::counted(const protocol::Method& method, server::Reply reply) const {
+  return [&counts = running_.counts, &method, reply = std::move(reply)](server::Outcome outcome) {
+    const auto* fault = std::get_if<Fault>(&outcome);
+    counts.answered(method.name, fault == nullptr ? std::string() : fault->name);
+    reply(std::move(outcome));
+  };
+}
+
 void CommandTable::refused(const server::Caller& caller, const protocol::Method& method,
                            protocol::Request request, const Fault& fault) {
+  running_.counts.answered(method.name, fault.name);
   const auto call = call_of(caller, method, std::move(request), {});
   const auto line = audit_refused(running_, *call, fault);
   if (line && running_.keeper != nullptr) {

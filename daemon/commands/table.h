@@ -20,6 +20,8 @@ class CommandTable final : public server::Dispatcher {
  private:
   [[nodiscard]] CallPtr call_of(const server::Caller& caller, const protocol::Method& method,
                                 protocol::Request request, server::Reply reply) const;
+  /// The same reply, which counts the request as answered.
+  [[nodiscard]] server::Reply counted(const protocol::Method& method, server::Reply reply) const;
   void run(const Command& command, const CallPtr& call);
   void run_in_factory(const Command& command, const CallPtr& call);
 

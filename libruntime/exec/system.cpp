@@ -219,6 +219,7 @@ ComponentStatus look_at(const System& system, const Deployed& deployed) {
   status.releases = counters.releases.load(std::memory_order_relaxed);
   status.missed = counters.missed.load(std::memory_order_relaxed);
   status.overruns = counters.overruns.load(std::memory_order_relaxed);
+  status.faults = counters.faults.load(std::memory_order_relaxed);
   status.over_budget = counters.over_budget.load(std::memory_order_relaxed);
   status.lateness_max = Duration{counters.lateness_max.load(std::memory_order_relaxed)};
   status.lateness_last = Duration{counters.lateness_last.load(std::memory_order_relaxed)};

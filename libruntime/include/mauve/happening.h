@@ -59,6 +59,7 @@ struct ComponentStatus {
   std::uint64_t releases = 0;     ///< jobs that ran
   std::uint64_t missed = 0;       ///< releases that never ran, also those that are passing just now
   std::uint64_t overruns = 0;     ///< jobs that ended after their wait or deadline
+  std::uint64_t faults = 0;       ///< jobs that threw, crashed or did not return
   std::uint64_t over_budget = 0;  ///< jobs longer than the declared budget, on the wall clock
   Duration lateness_max{0};       ///< of job starts
   Duration lateness_last{0};

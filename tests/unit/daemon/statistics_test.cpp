@@ -211,5 +211,29 @@ TEST_F(Statistics, TellHowLongTheLongestOfEachShareTook) {
   near("p99_9_ns", 8);
 }
 
+TEST_F(Statistics, MetricsCountRequestsRefusalsAndWhatTheSystemDidByItself) {
+  static_cast<void>(told("status.get"));
+  static_cast<void>(told("status.get"));
+  static_cast<void>(refused(Role::viewer, "stats.get", {{"address", "lefd"}}));
+  for (const auto kind : {Outcome::Kind::rolled_back, Outcome::Kind::rolled_back,
+                          Outcome::Kind::fell_back, Outcome::Kind::restarted}) {
+    Outcome outcome;
+    outcome.kind = kind;
+    outcome.component = "left";
+    running.counts.note(outcome);
+  }
+
+  auto page = Exposition(told("metrics.get")["text"]).samples;
+
+  EXPECT_EQ(page.at(R"(mauve_commands_total{method="status.get"})"), 2);
+  EXPECT_EQ(page.at(R"(mauve_commands_total{method="stats.get"})"), 1);
+  EXPECT_EQ(page.at(R"(mauve_refusals_total{method="stats.get",error="unknown_name"})"), 1);
+  EXPECT_EQ(page.at(R"(mauve_rollbacks_total{component="left"})"), 2);
+  EXPECT_EQ(page.at(R"(mauve_fallbacks_total{component="left"})"), 1);
+  EXPECT_EQ(page.at(R"(mauve_restarts_total{component="left"})"), 1);
+  EXPECT_EQ(page.at(R"(mauve_restarts_total{component="right"})"), 0) << "a series begins with 0";
+  EXPECT_EQ(page.at(R"(mauve_faults_total{component="left"})"), 0);
+}
+
 }  // namespace
 }  // namespace mauve::daemon
