@@ -74,6 +74,7 @@ void Caretaker::stop() {
 void Caretaker::run() {
   std::unique_lock lock(mutex_);
   while (!wake_.wait_for(lock, kEvery, [this] { return stopping_; })) {
+    running_->deadlines.look(*running_, std::chrono::steady_clock::now());
     if (looking_.exchange(true)) {
       continue;  // [control] is busy: one look is enough
     }

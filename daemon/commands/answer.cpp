@@ -153,16 +153,26 @@ Status check_conditions(const Running& running, const Call& call) {
                       " is running" + made_by(running.maker, generation),
                   "look at what was changed meanwhile, then try again");
   }
-  const auto deadline = call.params.find("deadline_ms");
-  if (deadline != call.params.end() && deadline->get<std::uint64_t>() < 86'400'000U) {
-    const std::chrono::milliseconds allowed(deadline->get<std::int64_t>());
-    if (std::chrono::steady_clock::now() - call.received > allowed) {
-      return refuse(Errc::timed_out, std::string(call.method->name),
-                    "the deadline passed before the change could begin, so it was given up",
-                    "another change was under way; try again");
-    }
+  const auto allowed = deadline_in(call.params);
+  const bool late = allowed && std::chrono::steady_clock::now() - call.received > *allowed;
+  if (late || !advance_to(Stage::under_way, *call.stage)) {
+    return deadline_passed(call);
   }
   return ok();
+}
+
+std::optional<std::chrono::milliseconds> deadline_in(const Json& params) {
+  const auto deadline = params.find("deadline_ms");
+  if (deadline == params.end() || deadline->get<std::uint64_t>() >= 86'400'000U) {
+    return std::nullopt;
+  }
+  return std::chrono::milliseconds(deadline->get<std::int64_t>());
+}
+
+Error deadline_passed(const Call& call) {
+  return refuse(Errc::timed_out, std::string(call.method->name),
+                "the deadline passed before the change could begin, so it was given up",
+                "another change was under way; try again");
 }
 
 Json to_json(const Receipt& receipt) {

@@ -23,8 +23,14 @@ void refuse_text(Running& running, const Call& call, const std::string& subject,
                  const std::string& hint, Json errors);
 
 /// [control] Refused: it is locked (gate.h), the generation is not the one the caller saw
-/// (`if_generation`), or his deadline has passed (`deadline_ms`). Nothing has happened yet.
+/// (`if_generation`), or his deadline has passed (`deadline_ms`). Nothing has happened yet. Each
+/// mutation asks at last right before it takes effect: from then on its deadline does not give it
+/// up any more.
 [[nodiscard]] Status check_conditions(const Running& running, const Call& call);
+
+/// [any] How long after its arrival a request may take effect; none: as long as it takes.
+[[nodiscard]] std::optional<std::chrono::milliseconds> deadline_in(const Json& params);
+[[nodiscard]] Error deadline_passed(const Call& call);
 
 /// [control] Refused: the user of the call waits for too many long answers already, each of which
 /// takes memory. For a command that uses Control::write_out().

@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "commands/deadlines.h"
 #include "control.h"
 #include "counts.h"
 #include "deciding_paths.h"
@@ -106,6 +107,7 @@ struct Running {
   Failures failures = {};                   ///< [control] see commands/notice.h
   server::Refusals refusals = {};           ///< [any]
   Counts counts = {};                       ///< [any]
+  Deadlines deadlines = {};                 ///< [any]
   /// [any] Judges a file of this user beside what runs, then calls the function on [control]: see
   /// Judge::ask().
   std::function<void(const Asker&, const Question&, std::function<void(Result<Json>)>)> judge = {};
@@ -130,6 +132,8 @@ struct Call {
   /// Of the generation that it makes; nothing: that of the one before. What only stops or starts
   /// components proves nothing about them.
   std::optional<Mark> mark = std::nullopt;
+  /// See check_conditions(). Copies share it.
+  std::shared_ptr<std::atomic<Stage>> stage = std::make_shared<std::atomic<Stage>>(Stage::waiting);
   bool confirms = false;  ///< the generation that runs is confirmed before the answer
   std::shared_ptr<StopOrder> order = nullptr;  ///< of component.stop, where it is watched
   bool given_up = false;                       ///< a hook did not return, and keeps a thread

@@ -108,6 +108,10 @@ Json CommandTable::hello() {
 void CommandTable::dispatch(const server::Caller& caller, const protocol::Method& method,
                             protocol::Request request, server::Reply reply) {
   auto call = call_of(caller, method, std::move(request), counted(method, std::move(reply)));
+  // A stop is answered by itself when it is held up: see Stopper.
+  if (method.mutation && !method.out_of_band) {
+    running_.deadlines.watch(call);
+  }
   const auto* command = find_command(method.name);
   if (command == nullptr) {
     return answer(running_, *call,
@@ -182,6 +186,9 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
     call->before = running_.generation;
     call->stops = running_.stops;
     auto met = check_conditions(running_, *call);
+    if (met && !advance_to(Stage::preparing, *call->stage)) {
+      met = deadline_passed(*call);
+    }
     if (met) {
       met = may_prepare(running_.control.left_behind(), call->caller.peer.uid);
     }
