@@ -60,7 +60,7 @@ ROOMS = {
     "linux/futex.h": "libruntime/rt/",
     "linux/membarrier.h": "libruntime/rt/",
     "sys/mman.h": "libruntime/rt/ libruntime/plugin/ guardian/",
-    "sys/syscall.h": "libruntime/rt/ guardian/",
+    "sys/syscall.h": "libruntime/rt/ libruntime/include/mauve/job_cost.h guardian/",
     "systemd/": "daemon/",
     "iostream": "daemon/ ctl/",
     "syslog.h": "",

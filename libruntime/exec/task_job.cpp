@@ -108,7 +108,7 @@ void Task::begin_job(Instant now) {
   // budget, where measured times stand in for it, and the longest job may be just the one that is
   // preempted; and after a preempted job, as the next one may be preempted as well.
   const bool ask = watched || !has_budget || (preempted_ && rt::preemption_is_told());
-  cpu_before_ = ask ? rt::cpu_time() : Duration{0};
+  cpu_before_ = ask && simulated_ == nullptr ? rt::cpu_time() : Duration{0};
   waits_before_ = watched && simulated_ == nullptr ? rt::waits_so_far() : kUnknown;
   rt::watch_for_preemption();
 }

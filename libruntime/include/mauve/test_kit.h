@@ -7,6 +7,9 @@
 ///   bench.give(bench.shell().pose, Pose2D{1, 2, 0});
 ///   bench.core().advance();
 ///   EXPECT_GT(bench.written(bench.shell().command)->linear, 0);
+///
+/// Code of a real-time thread calls neither heap nor kernel:
+///   EXPECT_EQ(bench.cost([&] { bench.core().advance(); }).heap_calls, 0U);
 #pragma once
 
 #include <functional>
@@ -18,6 +21,7 @@
 #include <mauve/architecture.h>
 #include <mauve/deployer.h>
 #include <mauve/job.h>
+#include <mauve/job_cost.h>
 
 namespace mauve {
 
@@ -125,6 +129,12 @@ class CoreBench {
   }
   /// Moves the clock that ages of read values are measured with; it starts at one second.
   void advance(Duration by) { this_job().start = (now_ += by.count()); }
+  /// What `code`, such as a call of the core, asks of heap and kernel. The first call of a function
+  /// may cost more than later ones, since it touches its memory for the first time.
+  template <typename Code>
+  JobCost cost(Code&& code) {
+    return cost_of(std::forward<Code>(code));
+  }
 
  private:
   Instant now_ = this_job().start = 1'000'000'000;
@@ -147,11 +157,17 @@ class ComponentBench : public Architecture {
 
   /// Configures and releases at T0 of the simulated clock.
   Status deploy() { return deployer_.deploy(); }
-  void run_for(Duration duration) { deployer_.run_for(duration); }
+  void run_for(Duration duration) {
+    cost_ = cost_of([&] { deployer_.run_for(duration); }, true);
+  }
+  /// What the jobs of the last run_for() asked of heap and kernel; page faults are those of the
+  /// simulation too.
+  [[nodiscard]] const JobCost& cost() const { return cost_; }
 
  private:
   Component<ShellT, CoreT, FsmT> component_{*this, "component"};
   PortBench ports_{component_.shell()};
+  JobCost cost_;
   Deployer deployer_{*this, {.realtime = Realtime::off, .simulated = true}};
 };
 
