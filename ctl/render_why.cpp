@@ -8,7 +8,7 @@
 namespace mauve::ctl {
 namespace {
 
-std::string did_in_words(const Json& failure, bool runs) {
+std::string did_in_words(const Json& failure) {
   const std::string did = word(failure, "did");
   const std::string core = word(failure, "core_after");
   const std::string generation = " (generation " + word(failure, "generation_after") + ")";
@@ -96,7 +96,7 @@ std::string render_why(const Json& why, Look look) {
                          nanoseconds_in_words(number(failure, "ago_ns")) + " ago; " +
                          counted(whole_number(failure, "times"), "failure") +
                          " since mauved began");
-    text.add("then", did_in_words(failure, word(why, "state") == "running"));
+    text.add("then", did_in_words(failure));
   }
   if (change.is_object())
     text.add(failure.is_object() ? "before" : "changed", change_in_words(change));

@@ -72,7 +72,7 @@ struct ComponentStatus {
   /// How long ago the job under way should have ended, once that is more than its longest wait;
   /// else zero. A core that hangs is running and late.
   Duration late{0};
-  std::string fault;  ///< text of the last failure, when faulted or recovering
+  std::string fault;                 ///< text of the last failure, when faulted or recovering
   std::optional<Incident> incident;  ///< when faulted or recovering
   Recovery recovery;                 ///< when recovering
   /// How often its code had changed its priority or CPUs, and the guard put that back.

@@ -46,12 +46,13 @@ TEST(Why, DoesNotSayThatAStoppedComponentRunsAgain) {
   Json answer = kWhy;
   answer["failure"]["did"] = "rolled_back";
   answer["records"] = Json::array();
-  answer["state"] = "running";
+  answer["failure"]["state_after"] = "running";
   EXPECT_THAT(Scene({"why", "control"}, answer).outcome.out,
               testing::HasSubstr("rolled back: g/gap runs again (generation 42)"));
-  answer["state"] = "stopped";
+  answer["failure"]["state_after"] = "stopped";
   EXPECT_THAT(Scene({"why", "control"}, answer).outcome.out,
-              testing::HasSubstr("rolled back: g/gap is its core again (generation 42)"));
+              testing::HasSubstr("rolled back: g/gap is in its place again, and the component is "
+                                 "stopped (generation 42)"));
 }
 
 TEST(Why, NothingFailedIsOneLine) {

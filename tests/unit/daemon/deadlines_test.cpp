@@ -11,8 +11,6 @@
 namespace mauve::daemon {
 namespace {
 
-using std::chrono::milliseconds;
-
 class DeadlinesTest : public Front<ramp::One<ramp::Up>> {
  protected:
   CallPtr watched(Json params) {
@@ -24,7 +22,7 @@ class DeadlinesTest : public Front<ramp::One<ramp::Up>> {
     deadlines.watch(call);
     return call;
   }
-  void look_after(milliseconds time) { deadlines.look(running, begin + time); }
+  void look_after(std::chrono::milliseconds time) { deadlines.look(running, begin + time); }
   [[nodiscard]] const Fault& refusal() const { return std::get<Fault>(answers.at(0)); }
 
   const Deadlines::Time begin = std::chrono::steady_clock::now();
@@ -34,10 +32,10 @@ class DeadlinesTest : public Front<ramp::One<ramp::Up>> {
 
 TEST_F(DeadlinesTest, OfAChangeThatWaitsAreKeptAndItIsGivenUp) {
   const auto call = watched({{"deadline_ms", 100}});
-  look_after(milliseconds(100));
+  look_after(std::chrono::milliseconds(100));
   EXPECT_TRUE(answers.empty());
 
-  look_after(milliseconds(101));
+  look_after(std::chrono::milliseconds(101));
 
   ASSERT_EQ(answers.size(), 1U);
   EXPECT_EQ(refusal().name, "timed_out");
@@ -49,7 +47,7 @@ TEST_F(DeadlinesTest, OfAChangeThatIsBeingPreparedKeepItFromTakingEffect) {
   const auto call = watched({{"deadline_ms", 100}});
   ASSERT_TRUE(advance_to(Stage::preparing, *call->stage));
 
-  look_after(milliseconds(101));
+  look_after(std::chrono::milliseconds(101));
 
   EXPECT_EQ(refusal().state, "unchanged");
   EXPECT_FALSE(check_conditions(running, *call));
@@ -60,8 +58,8 @@ TEST_F(DeadlinesTest, OfAChangeThatTakesEffectAreAnsweredAsUnknownOnce) {
   const auto call = watched({{"deadline_ms", 100}});
   ASSERT_TRUE(advance_to(Stage::under_way, *call->stage));
 
-  look_after(milliseconds(101));
-  look_after(milliseconds(200));
+  look_after(std::chrono::milliseconds(101));
+  look_after(std::chrono::milliseconds(200));
   call->reply(Json{{"state", "applied"}});
 
   ASSERT_EQ(answers.size(), 1U);
@@ -74,7 +72,7 @@ TEST_F(DeadlinesTest, AreNotLookedAtAfterTheAnswer) {
     const auto call = watched({{"deadline_ms", 100}});
     call->reply(Json{{"state", "applied"}});
   }
-  look_after(milliseconds(101));
+  look_after(std::chrono::milliseconds(101));
 
   EXPECT_EQ(answers.size(), 1U);
 }

@@ -6,7 +6,7 @@
 namespace mauve::daemon {
 namespace {
 
-constexpr Instant kSecond = std::chrono::nanoseconds(1s).count();
+constexpr Instant kSummarySecond = std::chrono::nanoseconds(1s).count();
 
 Happening missed(Instant time, int releases, int in_all, const std::string& component = "arm") {
   return {time, LogLevel::warning, component, "missed",
@@ -15,25 +15,25 @@ Happening missed(Instant time, int releases, int in_all, const std::string& comp
 
 TEST(LateSummary, TellsTheFirstMissAtOnceAndTheOthersInOneLine) {
   LateSummary summary;
-  EXPECT_TRUE(summary.pass(missed(kSecond, 1, 1)));
+  EXPECT_TRUE(summary.pass(missed(kSummarySecond, 1, 1)));
   for (int i = 0; i < 8; ++i) {
-    EXPECT_FALSE(summary.pass(missed((2 + i) * kSecond, 3, 4 + 3 * i)));
+    EXPECT_FALSE(summary.pass(missed((2 + i) * kSummarySecond, 3, 4 + 3 * i)));
   }
-  EXPECT_TRUE(summary.due(10 * kSecond).empty());
+  EXPECT_TRUE(summary.due(10 * kSummarySecond).empty());
 
-  const auto lines = summary.due(11 * kSecond);
+  const auto lines = summary.due(11 * kSummarySecond);
 
   ASSERT_EQ(lines.size(), 1U);
   EXPECT_EQ(lines[0].component, "arm");
   EXPECT_EQ(lines[0].event, "missed");
   EXPECT_EQ(lines[0].text, "24 more releases missed in 10 s, 25 in all");
-  EXPECT_TRUE(summary.due(12 * kSecond).empty()) << "once";
+  EXPECT_TRUE(summary.due(12 * kSummarySecond).empty()) << "once";
 }
 
 TEST(LateSummary, ComesEachTenSecondsWhileAComponentIsLateAllTheTime) {
   LateSummary summary;
   std::size_t lines = 0;
-  for (Instant now = 0; now < 60 * kSecond; now += kSecond / 100) {
+  for (Instant now = 0; now < 60 * kSummarySecond; now += kSummarySecond / 100) {
     lines += summary.pass(missed(now, 1, 1)) ? 1U : 0U;
     lines += summary.due(now).size();
   }
@@ -42,22 +42,22 @@ TEST(LateSummary, ComesEachTenSecondsWhileAComponentIsLateAllTheTime) {
 
 TEST(LateSummary, TellsASingleMissNowAndThenAtOnce) {
   LateSummary summary;
-  for (Instant now = 0; now < 100 * kSecond; now += 10 * kSecond) {
+  for (Instant now = 0; now < 100 * kSummarySecond; now += 10 * kSummarySecond) {
     EXPECT_TRUE(summary.pass(missed(now, 1, 1)));
-    EXPECT_TRUE(summary.due(now + kSecond).empty());
+    EXPECT_TRUE(summary.due(now + kSummarySecond).empty());
   }
 }
 
 TEST(LateSummary, CountsComponentsAndEventsApart) {
   LateSummary summary;
-  EXPECT_TRUE(summary.pass(missed(kSecond, 1, 1)));
-  EXPECT_TRUE(summary.pass(missed(kSecond, 1, 1, "leg")));
-  const Happening late{kSecond, LogLevel::warning, "arm", "overrun",
+  EXPECT_TRUE(summary.pass(missed(kSummarySecond, 1, 1)));
+  EXPECT_TRUE(summary.pass(missed(kSummarySecond, 1, 1, "leg")));
+  const Happening late{kSummarySecond, LogLevel::warning, "arm", "overrun",
                        "job ended 3.01 ms late, overrun 17"};
   EXPECT_TRUE(summary.pass(late));
   EXPECT_FALSE(summary.pass(late));
 
-  const auto lines = summary.due(11 * kSecond);
+  const auto lines = summary.due(11 * kSummarySecond);
 
   ASSERT_EQ(lines.size(), 1U);
   EXPECT_EQ(lines[0].text, "1 more job ended late in 10 s, overrun 17");
@@ -66,15 +66,15 @@ TEST(LateSummary, CountsComponentsAndEventsApart) {
 TEST(LateSummary, IsFinishedWhenTheComponentStops) {
   LateSummary summary;
   for (const char* component : {"arm", "leg"}) {
-    EXPECT_TRUE(summary.pass(missed(kSecond, 1, 1, component)));
-    EXPECT_FALSE(summary.pass(missed(2 * kSecond, 1, 2, component)));
+    EXPECT_TRUE(summary.pass(missed(kSummarySecond, 1, 1, component)));
+    EXPECT_FALSE(summary.pass(missed(2 * kSummarySecond, 1, 2, component)));
   }
 
-  const auto lines = summary.finish("arm", 3 * kSecond);
+  const auto lines = summary.finish("arm", 3 * kSummarySecond);
 
   ASSERT_EQ(lines.size(), 1U);
   EXPECT_EQ(lines[0].text, "1 more release missed in 2 s, 2 in all");
-  EXPECT_TRUE(summary.finish("arm", 3 * kSecond).empty());
+  EXPECT_TRUE(summary.finish("arm", 3 * kSummarySecond).empty());
 }
 
 TEST(LateSummary, ConcernsNothingElse) {
