@@ -64,7 +64,7 @@ TEST(Why, ACoreThrewAndItsComponentWasParked) {
   EXPECT_EQ(failure["times"], 1);
   EXPECT_EQ(said["change"], nullptr) << "it began so";
   EXPECT_THAT(hints(said), Contains(HasSubstr("mauvectl start first --reset")));
-  EXPECT_THAT(told(daemon), HasSubstr("threw: division by something, in state update, core "
+  EXPECT_THAT(told(daemon), HasSubstr("threw: division by something, in state update, job 1, core "
                                       "trial/throwing_job (build "));
 
   ASSERT_EQ(
