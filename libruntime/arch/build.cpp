@@ -84,10 +84,18 @@ class Builder {
       return check_parts(spec, parts);
     }
     set_properties(spec.name, spec.properties, parts_of(*component));
+    check(component->fsm(), spec);
     component->fall_back_to(std::move(fallback_core));
     write_attributes(spec.task, component->task());
     component->task().start = spec.start;
     components_.emplace_back(&spec, &architecture_->own(std::move(component)));
+  }
+
+  /// Reports the error for which a start would refuse this state machine.
+  void check(FsmBase& fsm, const ComponentSpec& spec) {
+    if (Status sound = check_machine(fsm); !sound) {
+      problems_.add(spec.fsm ? spec.fsm->where : spec.type.where, std::move(sound.error()));
+    }
   }
 
   // What the deployer would refuse on this machine.
@@ -127,6 +135,7 @@ class Builder {
     if (parts.fsm) make(".fsm", parts.fsm->make, fsm);
     set_properties(spec.name, spec.properties,
                    {{{"shell", shell.get()}, {"core", core.get()}, {"fsm", fsm.get()}}});
+    if (parts.fsm) check(*fsm, spec);
     loose_.push_back({&spec, LooseShell(std::move(shell))});
   }
 

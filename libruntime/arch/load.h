@@ -25,8 +25,8 @@ namespace mauve::arch {
 void load_plugins(const Spec& spec, plugin::Catalog& catalog, Problems& problems);
 
 /// Parses, loads plugins and builds: everything that can be said about a file without configuring
-/// anything. All problems of all three steps come out together; null when there is any. The rules
-/// of the file go to `supervision`, when it is asked for.
+/// anything but state machines. All problems of all three steps come out together; null when there
+/// is any. The rules of the file go to `supervision`, when it is asked for.
 [[nodiscard]] std::unique_ptr<Architecture> load(std::string_view text, plugin::Catalog& catalog,
                                                  Problems& problems,
                                                  rules::Supervision* supervision = nullptr);

@@ -164,7 +164,7 @@ class MemberBuilder {
     if (remake_shell_) made_.add(next_->shell);
     if (remake_core_) made_.add(next_->core);
     if (remake_fsm_) made_.add(next_->fsm);
-    if (!configure_) return ok();
+    if (!configure_) return remake_fsm_ ? check_machine(*next_->fsm) : ok();
     const Detached detached;
     const std::array<Configurable*, 3> order{next_->shell.get(), next_->core.get(),
                                              next_->fsm.get()};

@@ -96,6 +96,13 @@ Status Architecture::configure() {
   for (const std::string& name : all) {
     if (!names.insert(name).second) return refuse(Errc::duplicate, name, "this name is used twice");
   }
+  // The hook uses the elements, so an element that could not be made is refused before it runs.
+  for (const ResourceBase* resource : resources_) {
+    if (!resource->made()) return resource->made();
+  }
+  for (const ComponentBase* component : components_) {
+    if (!component->made()) return component->made();
+  }
   Status done = call_hook(name_, "on_configure", [this] { return on_configure(); });
   for (ResourceBase* resource : resources_) {
     if (done) done = resource->configure();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "model/elements.h"
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -60,8 +61,9 @@ std::string difference(const Member& member, const Member* other) {
 /// The first difference; nothing when there is none.
 std::optional<std::string> difference(const std::vector<Member>& a, const std::vector<Member>& b) {
   for (const Member& member : a) {
-    const Member* other = find(b, member.name);
-    if (other == nullptr || member != *other) return difference(member, other);
+    // Two members may have one name, which is refused elsewhere and is no difference here.
+    const bool same = std::find(b.begin(), b.end(), member) != b.end();
+    if (!same) return difference(member, find(b, member.name));
   }
   for (const Member& member : b) {
     if (find(a, member.name) == nullptr) return difference(member, nullptr);
@@ -157,6 +159,12 @@ void name_ports_in_trace(const Shell& shell) {
   for (PortBase* port : shell.ports()) {
     port->name_in_trace(owner + "." + std::string(port->name()));
   }
+}
+
+Status check_machine(FsmBase& fsm) {
+  if (fsm.configured()) return ok();
+  if (Status built = fsm.configure(); !built) return built;
+  return fsm.cleanup();
 }
 
 Status configure_in_order(std::span<Configurable* const> elements) {

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "model/guard.h"
+#include "model/names.h"
 
 #include <mauve/element_type.h>
 
@@ -16,12 +17,14 @@ namespace mauve {
 /// In a trace a port is called by its component and its own name: "control.scan".
 void name_ports_in_trace(const Shell& shell);
 
-/// Runs a maker behind the door for exceptions, and gives the element its address.
+/// Runs a maker behind the door for exceptions, gives the element its address, and refuses names
+/// in it that are illegal or used twice.
 template <typename Base>
 Status make_element(const std::string& address, const detail::Make<Base>& make,
                     std::shared_ptr<Base>& into) {
   Status done = call_hook(address, "constructor", [&] { return into = make(), ok(); });
   if (done) into->adopt(address);
+  if (done) done = check_names(*into);
   if constexpr (std::is_same_v<Base, Shell>) {
     if (done) name_ports_in_trace(*into);
   }
@@ -42,6 +45,10 @@ Status drop_elements(const std::string& address, Drop&& drop) {
 /// the state machine stays, whose functions may use them.
 [[nodiscard]] Status check_same_members(const CoreBase& old, const CoreBase& now,
                                         const Contract& contract);
+
+/// Lets a state machine that is not configured build its transitions, which touches no device, and
+/// checks them; afterwards it is not configured, and its transitions are known.
+Status check_machine(FsmBase& fsm);
 
 /// Configures from front to back; a failure cleans up what this call had configured.
 Status configure_in_order(std::span<Configurable* const> elements);
