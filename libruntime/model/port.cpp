@@ -74,15 +74,21 @@ std::string PortBase::address() const {
   return owner.empty() ? std::string(name_) : owner + ".ports." + std::string(name_);
 }
 
-Status PortBase::connect(ServiceBase& service, Duration max_age) {
+Connected::~Connected() {
+  if (!examined_ && !done_ && !shell_.deferred_) shell_.deferred_ = std::move(done_.error());
+}
+
+Connected PortBase::connect(ServiceBase& service, Duration max_age) {
   if (shell_.bindings() != nullptr || shell_.configured()) {
-    return refuse(Errc::wrong_state, address(), "its component is deployed or configured",
-                  "use the deployer to connect ports of a running component");
+    return {shell_, refuse(Errc::wrong_state, address(), "its component is deployed or configured",
+                           "use the deployer to connect ports of a running component")};
   }
   std::shared_ptr<const Binding>& binding = shell_.initial_[index_];
-  if (Status fits = check_connection(*this, binding.get(), service, max_age); !fits) return fits;
-  binding = std::make_shared<const Binding>(service, service.resource().keep_alive(), max_age);
-  return ok();
+  Status fits = check_connection(*this, binding.get(), service, max_age);
+  if (fits) {
+    binding = std::make_shared<const Binding>(service, service.resource().keep_alive(), max_age);
+  }
+  return {shell_, std::move(fits)};
 }
 
 bool PortBase::connected() const {

@@ -60,11 +60,12 @@ class Configurable {
  private:
   friend class PropertyBase;
   friend class ObservableBase;
+  friend class Connected;
 
   std::string address_;
   std::function<void(const std::string& address)> told_address_;
   std::atomic<bool> configured_{false};
-  std::optional<Error> deferred_;  // a refused `property = value`, reported by configure()
+  std::optional<Error> deferred_;  // a refused value or connection, reported by configure()
   std::vector<PropertyBase*> properties_;
   std::vector<ObservableBase*> observables_;
 };

@@ -16,6 +16,31 @@ namespace mauve {
 
 class Shell;
 
+/// The result of PortBase::connect(). When the caller does not examine an error, the next
+/// configure() of the shell reports it, as it reports a refused value of a property.
+class Connected {
+ public:
+  Connected(Shell& shell, Status done) : shell_(shell), done_(std::move(done)) {}
+  Connected(const Connected&) = delete;
+  Connected& operator=(const Connected&) = delete;
+  ~Connected();
+
+  explicit operator bool() const { return examine().has_value(); }
+  [[nodiscard]] bool has_value() const { return examine().has_value(); }
+  operator Status() const { return examine(); }
+  [[nodiscard]] const Error& error() const { return examine().error(); }
+
+ private:
+  const Status& examine() const {
+    examined_ = true;
+    return done_;
+  }
+
+  Shell& shell_;
+  Status done_;
+  mutable bool examined_ = false;
+};
+
 /// What the runtime sees of a port. Use is [rt] by the component's own thread.
 class PortBase {
  public:
@@ -30,8 +55,9 @@ class PortBase {
   /// Dotted address, such as "control.ports.scan".
   [[nodiscard]] std::string address() const;
 
-  /// Connects in code, before deployment: `shell().scan.connect(scan.interface().read)`.
-  Status connect(ServiceBase& service, Duration max_age = Duration{0});
+  /// Connects in code, before deployment: `shell().scan.connect(scan.interface().read)`. The caller
+  /// may ignore the result: configure() of the shell then reports the error.
+  Connected connect(ServiceBase& service, Duration max_age = Duration{0});
   [[nodiscard]] bool connected() const;
 
   /// Writes the declared safe value, if any: at stop, fault and disconnect. `by_owner`: on the

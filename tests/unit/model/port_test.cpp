@@ -195,6 +195,29 @@ TEST(Port, IsRefusedAServiceOfAnotherTypeOrKind) {
   EXPECT_EQ(twice.error().message, "is connected to data.read already");
 }
 
+TEST(Port, ReportsARefusedConnectionThatNobodyLookedAtWhenItIsConfigured) {
+  Bench bench;
+  ProbeShell& shell = bench.probe.shell();
+
+  shell.out.connect(bench.data.read_service());
+
+  const Status configured = bench.configure();
+  ASSERT_FALSE(configured);
+  EXPECT_EQ(configured.error().at, "probe.ports.out");
+  EXPECT_EQ(configured.error().code, Errc::type_mismatch);
+}
+
+TEST(Port, LeavesARefusedConnectionToTheCallerThatLookedAtIt) {
+  Bench bench;
+  ProbeShell& shell = bench.probe.shell();
+
+  EXPECT_FALSE(shell.out.connect(bench.data.read_service()));
+  shell.out.connect(bench.data.write_service());
+
+  EXPECT_TRUE(bench.configure());
+  EXPECT_TRUE(shell.out.connected());
+}
+
 TEST(Port, IsNotConnectedOnAThreadThatPrepares) {
   Bench bench;
   ProbeShell& shell = bench.probe.shell();
