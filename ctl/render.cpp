@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "render_field.h"
 #include "table.h"
 #include "words.h"
 
@@ -15,13 +16,6 @@ Paint paint_of_state(const std::string& state) {
   if (state == "running") return Paint::green;
   if (state == "faulted" || state == "recovering") return Paint::red;
   return state == "stopped" || state == "stale" ? Paint::yellow : Paint::plain;
-}
-
-/// Ages are for people; other nanoseconds are for comparing.
-std::string title_of(const std::string& key) { return key == "age_ns" ? "age" : key; }
-std::string content_of(const Json& object, const std::string& key) {
-  if (key == "age_ns") return nanoseconds_in_words(number(object, key));
-  return word(object, key);
 }
 
 Cell count_cell(const Json& component, std::string_view key) {
@@ -61,13 +55,13 @@ std::string table_of(const Json& items, Look look) {
   std::erase_if(keys, [&](const std::string& key) { return !says_something(items, key); });
   std::vector<Column> columns;
   for (const auto& key : keys) {
-    columns.push_back({in_capitals(title_of(key)), all_numbers(items, key)});
+    columns.push_back({in_capitals(field_title(key)), all_numbers(items, key)});
   }
   Table table(std::move(columns));
   for (const Json& item : items) {
     std::vector<Cell> row;
     for (const auto& key : keys) {
-      std::string text = item.contains(key) ? content_of(item, key) : std::string{};
+      std::string text = item.contains(key) ? field_content(item, key) : std::string{};
       const bool state = key == "state" || key == "status";
       const Paint paint = state ? paint_of_state(text) : Paint::plain;
       row.push_back({std::move(text), paint});
@@ -95,6 +89,9 @@ Json short_property(Json property) {
 }
 
 std::string block_of(const std::string& key, const Json& value, Look look) {
+  if (key == "machine" && value.is_object()) {
+    return "initial  " + word(value, "initial") + "\n" + table_of(machine_rows(value), look);
+  }
   if (value.is_object()) return render_object(value, look);
   if (key != "properties") return table_of(value, look);
   Json rows = Json::array();
@@ -205,12 +202,12 @@ std::string render_status(const Json& status, Look look) {
   const Json& components = member(status, "components");
   Table table({{"NAME"},
                {"STATE"},
-               {"FSM"},
-               {"CORE"},
-               {"PRIO", true},
-               {"RELEASES", true},
-               {"MISSED", true},
-               {"OVERRUNS", true}});
+               {"FSM", false, 2},
+               {"CORE", false, 4},
+               {"PRIO", true, 5},
+               {"RELEASES", true, 6},
+               {"MISSED", true, 1},
+               {"OVERRUNS", true, 3}});
   for (const Json& one : components) {
     const std::string state = word(one, "state");
     table.add({{word(one, "name")},
@@ -222,7 +219,7 @@ std::string render_status(const Json& status, Look look) {
                count_cell(one, "missed"),
                count_cell(one, "overruns")});
   }
-  std::string text = cut(render_heading(status), look.width) + "\n";
+  std::string text = wrapped(render_heading(status), look.width, 2) + "\n";
   if (!components.empty()) text += table.text(look.width, look.colour);
   for (const Json& one : components) {
     if (const auto fault = word(one, "fault"); !fault.empty()) {
@@ -231,7 +228,9 @@ std::string render_status(const Json& status, Look look) {
       if (const auto how = recovery_in_words(member(one, "recovery")); !how.empty()) {
         stands = "; it does not run, and " + how;
       }
-      text += painted(word(one, "name") + ": " + fault + stands, Paint::red, look.colour) + "\n";
+      text += painted(wrapped(word(one, "name") + ": " + fault + stands, look.width, 2), Paint::red,
+                      look.colour) +
+              "\n";
     }
     if (const double late = number(one, "late_ns"); late > 0) {
       const std::string said = ": its job should have ended " + nanoseconds_in_words(late) + " ago";
@@ -250,6 +249,21 @@ std::string render_list(const Json& result, Look look) {
   return text;
 }
 
+namespace {
+
+/// The text in lines to the right of a column of titles.
+std::string beside(const std::string& text, std::size_t titles, Look look) {
+  const std::string lines = wrapped(text, look.width > titles ? look.width - titles : 0, 0) + "\n";
+  std::string result;
+  for (const std::string_view line : lines_of(lines)) {
+    if (!result.empty()) result.append(titles, ' ');
+    result.append(line).append("\n");
+  }
+  return result;
+}
+
+}  // namespace
+
 std::string render_object(const Json& object, Look look) {
   if (!object.is_object()) return compact(object) + "\n";
   auto keys = keys_in_order(object);
@@ -261,7 +275,7 @@ std::string render_object(const Json& object, Look look) {
   };
   std::size_t widest = 0;
   for (const auto& key : keys) {
-    if (!is_block(key)) widest = std::max(widest, columns(title_of(key)));
+    if (!is_block(key)) widest = std::max(widest, columns(field_title(key)));
   }
   std::string lines;
   std::string blocks;
@@ -271,9 +285,9 @@ std::string render_object(const Json& object, Look look) {
       blocks += titled(key, block_of(key, value, narrower(look, 2)), look);
       continue;
     }
-    const std::string title = title_of(key);
+    const std::string title = field_title(key);
     const std::string space(widest - columns(title) + 2, ' ');
-    lines += cut(harmless(title) + space + content_of(object, key), look.width) + "\n";
+    lines += harmless(title) + space + beside(field_content(object, key), widest + 2, look);
   }
   return lines + blocks;
 }

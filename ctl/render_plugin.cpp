@@ -58,7 +58,7 @@ std::string render_plugins(const Json& result, Look look) {
       if (names.empty()) continue;
       std::string line = "  " + std::string(kind);
       line.append(14 - line.size(), ' ').append(names);
-      text += cut(line, look.width) + "\n";
+      text += wrapped(line, look.width, 14) + "\n";
     }
     text += warnings_of(plugin, name, look);
   }

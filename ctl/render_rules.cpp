@@ -32,8 +32,13 @@ std::string last_of(const Json& rule) {
 std::string render_rules(const Json& result, Look look) {
   const Json items = result.is_object() ? result.value("items", Json::array()) : Json::array();
   if (items.empty()) return "none\n";
-  Table table(
-      {{"NAME"}, {"STATE"}, {"CONDITION"}, {"FIRED", true}, {"LAST"}, {"ANSWER"}, {"WHY NOT"}});
+  Table table({{"NAME"},
+               {"STATE"},
+               {"CONDITION"},
+               {"FIRED", true, 2},
+               {"LAST", false, 1},
+               {"ANSWER"},
+               {"WHY NOT"}});
   for (const Json& rule : items) {
     const std::string state = word(rule, "state");
     const std::string answer = word(rule, "answer");

@@ -139,7 +139,7 @@ std::string render_details(const Json& one, double now_ns, Look look) {
   add_figures(jobs, "execution", member(one, "execution"));
   add_figures(jobs, "  preempted", member(one, "preempted"));
   add_figures(jobs, "response", member(one, "response"));
-  return cut(since_when(one, now_ns), look.width) + jobs.text(look.width, look.colour) +
+  return wrapped(since_when(one, now_ns), look.width, 2) + jobs.text(look.width, look.colour) +
          remarks(one, look) + states_of(list_in(one, "states"), look);
 }
 

@@ -19,9 +19,6 @@ namespace mauve::ctl {
 /// Columns on a terminal: code points, which is exact for the texts that mauve prints.
 [[nodiscard]] std::size_t columns(std::string_view text);
 
-/// The text, its middle replaced by "…" where it is wider than the width.
-[[nodiscard]] std::string shortened(std::string_view text, std::size_t width);
-
 /// The text without what could steer a terminal: control characters, line separators and marks of
 /// direction become '?'.
 [[nodiscard]] std::string harmless(std::string_view text);
@@ -40,7 +37,8 @@ struct Column {
 /// In columns of the terminal.
 struct Spacing {
   std::size_t gap = 2;
-  std::size_t narrowest = 8;  ///< no text is made narrower
+  std::size_t narrowest = 8;  ///< no cell with several words is made narrower
+  bool one_line = false;      ///< a row is one line, whatever does not fit
 };
 
 class Table {
@@ -51,14 +49,29 @@ class Table {
   /// As many cells as columns.
   void add(std::vector<Cell> row) { rows_.push_back(std::move(row)); }
 
-  /// The titles, then the rows, each ended by a newline. With a width, columns with a rank are left
-  /// out and the widest text columns made narrower until a row fits.
+  /// The titles, then the rows, each ended by a newline. No word is cut. With a width, columns with
+  /// a rank are left out, cells with several words take several lines, and columns that still do
+  /// not fit stand on indented lines below the first. Without a width a cell that is much longer
+  /// than a name does not widen its column.
   [[nodiscard]] std::string text(std::size_t width, bool colour) const;
 
  private:
-  [[nodiscard]] std::vector<std::size_t> natural_widths() const;
-  void leave_out(std::vector<std::size_t>& widths, std::size_t width) const;
-  [[nodiscard]] std::vector<std::size_t> widths(std::size_t width) const;
+  using Widths = std::vector<std::size_t>;  ///< of each column; zero: the column is not shown
+  struct Group {                            ///< the columns that stand on one line
+    std::size_t first;
+    std::size_t end;
+    std::size_t indent;
+    bool wraps;
+  };
+
+  [[nodiscard]] Widths natural_widths(std::size_t widest_cell) const;
+  [[nodiscard]] Widths least_widths(const Widths& natural) const;
+  void leave_out(Widths& widths, Widths& least, std::size_t width) const;
+  [[nodiscard]] std::size_t total(const Widths& widths) const;
+  [[nodiscard]] Widths widths(std::size_t width) const;
+  [[nodiscard]] std::vector<Group> groups(const Widths& widths, std::size_t width) const;
+  [[nodiscard]] std::string line_of(const std::vector<Cell>& row, const Widths& widths,
+                                    const Group& group, bool colour) const;
 
   std::vector<Column> columns_;
   Spacing spacing_;

@@ -142,7 +142,7 @@ std::string top_table(const std::vector<TopRow>& rows, std::size_t width, bool c
                {"MISS", true, 1},
                {"OVER", true, 6},
                {"CORE", false, 7}},
-              {1, 6});
+              {1, 6, true});
   for (std::size_t i = 0; i < rows.size(); ++i) {
     std::vector<Cell> cells = cells_of(rows[i]);
     if (selected) cells[0].text.insert(0, i == *selected ? ">" : " ");

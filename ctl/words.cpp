@@ -11,11 +11,11 @@
 namespace mauve::ctl {
 namespace {
 
-constexpr std::array<std::string_view, 27> kFirst{
-    "address", "name",   "plugin",   "kind",   "type",     "data",      "core",
-    "state",   "status", "fsm",      "value",  "age_ns",   "default",   "min",
-    "max",     "range",  "unit",     "text",   "version",  "fsm_state", "priority",
-    "cpus",    "period", "releases", "missed", "overruns", "service"};
+constexpr std::array<std::string_view, 29> kFirst{
+    "address", "name",     "plugin",  "kind",      "type",     "data", "core",   "state",
+    "status",  "fsm",      "value",   "age_ns",    "default",  "min",  "max",    "range",
+    "unit",    "text",     "version", "fsm_state", "priority", "cpus", "period", "releases",
+    "missed",  "overruns", "service", "wait_ns",   "next"};
 
 std::size_t place_of(const std::string& key) {
   const auto found = std::find(kFirst.begin(), kFirst.end(), key);
@@ -94,15 +94,25 @@ std::string compact(const Json& value) {
   return protocol::to_line(value);
 }
 
+std::string_view first_words(std::string_view text, std::size_t width) {
+  if (columns(text) <= width) return text;
+  std::size_t end = std::string_view::npos;
+  for (std::size_t at = text.find(' ', 1); at != std::string_view::npos;
+       at = text.find(' ', at + 1)) {
+    if (end != std::string_view::npos && columns(text.substr(0, at)) > width) break;
+    end = at;
+  }
+  return text.substr(0, end);
+}
+
 std::string wrapped(std::string_view text, std::size_t width, std::size_t indent) {
   if (width <= indent + 20) return std::string(text);
   std::string result;
   for (std::size_t room = width; columns(text) > room; room = width - indent) {
-    const std::string fitting = cut(text, room + 2);
-    const auto space = fitting.rfind(' ');
-    if (space == std::string::npos || space == 0) break;
-    result.append(text.substr(0, space)).append("\n").append(indent, ' ');
-    text.remove_prefix(space + 1);
+    const std::string_view line = first_words(text, room);
+    if (line.size() == text.size()) break;
+    result.append(line).append("\n").append(indent, ' ');
+    text.remove_prefix(line.size() + 1);
   }
   return result.append(text);
 }

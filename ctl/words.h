@@ -38,6 +38,9 @@ void join(std::string& all, std::string_view next, std::string_view between = ",
 /// At most so many columns, "…" at the end of what was cut; 0: as it is.
 [[nodiscard]] std::string cut(std::string_view text, std::size_t width);
 
+/// The beginning of a text, up to a blank: as many words as fit, and at least one.
+[[nodiscard]] std::string_view first_words(std::string_view text, std::size_t width);
+
 /// Lines of at most so many columns, broken at spaces; lines after the first begin with `indent`
 /// spaces. 0: as it is.
 [[nodiscard]] std::string wrapped(std::string_view text, std::size_t width, std::size_t indent);

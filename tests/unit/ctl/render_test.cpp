@@ -45,31 +45,26 @@ TEST(RenderStatus, SaysWhatIsLockedAndNotSaved) {
             "a: 0 of 0 components running, generation 4, NOT saved, params locked\n");
 }
 
-TEST(RenderHistory, IsATableOfWhoAndWhy) {
-  const Json history = Json::parse(R"({"state_dir": "/s", "items": [
-    {"generation": 42, "time": "2026-01-31T12:00:00.123456Z", "uid": 1000, "command": "param.set",
-     "reason": "too slow", "mark": "confirmed", "boot": "b"},
-    {"generation": 41, "mark": "damaged"}]})");
-
-  EXPECT_EQ(render_history(history, {}),
-            "GENERATION  TIME                   UID  COMMAND    MARK       REASON\n"
-            "        42  2026-01-31 12:00:00Z  1000  param.set  confirmed  too slow\n"
-            "        41                                         damaged\n");
-}
-
-TEST(RenderHistory, SaysWhenNothingIsKept) {
-  EXPECT_EQ(render_history({{"items", Json::array()}, {"state_dir", nullptr}}, {}),
-            "nothing is kept: mauved runs without --state-dir\n");
-}
-
 TEST(RenderStatus, FitsInto80Columns) {
   const std::string text = render_status(kStatus, {80, false});
 
   EXPECT_EQ(text,
             "rover: 1 of 2 components running, generation 42, up 3 min 12 s, real time\n"
-            "NAME     STATE    FSM         CORE              PRIO  RELEASES  MISSED  OVERRUNS\n"
-            "laser    running  period      drivers/…ser_sim    60      7680       0         0\n"
-            "control  stopped  reach_goal  guidance…l_field    40     19200       3         0\n");
+            "NAME     STATE    FSM         CORE                      PRIO  MISSED  OVERRUNS\n"
+            "laser    running  period      drivers/laser_sim           60       0         0\n"
+            "control  stopped  reach_goal  guidance/potential_field    40       3         0\n");
+}
+
+TEST(RenderStatus, FitsInto40ColumnsWithWholeNames) {
+  const std::string text = render_status(kStatus, {40, false});
+
+  EXPECT_EQ(text,
+            "rover: 1 of 2 components running,\n"
+            "  generation 42, up 3 min 12 s, real\n"
+            "  time\n"
+            "NAME     STATE    FSM         MISSED\n"
+            "laser    running  period           0\n"
+            "control  stopped  reach_goal       3\n");
 }
 
 TEST(RenderStatus, HasEscapesOnlyWithColours) {

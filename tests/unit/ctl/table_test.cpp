@@ -22,18 +22,63 @@ TEST(Table, PutsTextsLeftAndNumbersRight) {
             "control_of_the_arm     12345\n");
 }
 
-TEST(Table, FitsTheTerminalByShorteningTheWidestText) {
+TEST(Table, KeepsNamesWholeAndPutsWhatDoesNotFitBelow) {
   EXPECT_EQ(small().text(22, false),
-            "NAME          RELEASES\n"
-            "laser                7\n"
-            "contro…e_arm     12345\n");
+            "NAME\n"
+            "    RELEASES\n"
+            "laser\n"
+            "           7\n"
+            "control_of_the_arm\n"
+            "       12345\n");
 }
 
-TEST(Table, DoesNotShortenBelowWhatCanBeRead) {
-  EXPECT_EQ(small().text(5, false),
-            "NAME      RELEASES\n"
-            "laser            7\n"
-            "cont…arm     12345\n");
+TEST(Table, LeavesOutColumnsWithARankBeforeItUsesSecondLines) {
+  Table table({{"NAME"}, {"CORE", false, 1}, {"RELEASES", true, 2}});
+  table.add({{"control_of_the_arm"}, {"guidance/potential_field"}, {"12345"}});
+
+  EXPECT_EQ(table.text(44, false),
+            "NAME                CORE\n"
+            "control_of_the_arm  guidance/potential_field\n");
+  EXPECT_EQ(table.text(40, false), "NAME\ncontrol_of_the_arm\n");
+}
+
+TEST(Table, BreaksTheWidestTextAtItsBlanks) {
+  Table table({{"NAME"}, {"TEXT"}, {"UNIT"}});
+  table.add({{"gain"}, {"how fast it turns to the goal"}, {"1/s"}});
+  table.add({{"speed"}, {"the most"}, {"m/s"}});
+
+  EXPECT_EQ(table.text(30, false),
+            "NAME   TEXT               UNIT\n"
+            "gain   how fast it turns  1/s\n"
+            "       to the goal\n"
+            "speed  the most           m/s\n");
+}
+
+TEST(Table, MakesNoLineWiderThanTheTerminalUnlessOneWordIs) {
+  Table table({{"NAME"}, {"CONDITION"}, {"FIRED", true}, {"WHY NOT"}});
+  table.add({{"in_the_building"},
+             {"gnss.core.satellites < 4 and odometry.read.x > 3"},
+             {"0"},
+             {"the condition does not hold"}});
+  for (std::size_t width = 24; width <= 120; ++width) {
+    const std::string text = table.text(width, false);
+    for (const auto line : lines_of(text)) EXPECT_LE(columns(line), width) << text;
+    for (const char* word :
+         {"in_the_building", "gnss.core.satellites", "odometry.read.x", "hold"}) {
+      EXPECT_NE(text.find(word), std::string::npos) << width << "\n" << text;
+    }
+  }
+}
+
+TEST(Table, DoesNotPadAllRowsForOneLongCellWhenItIsPiped) {
+  Table table({{"NAME"}, {"VALUE"}, {"UNIT"}});
+  table.add({{"discs"}, {std::string(300, 'x')}, {"m"}});
+  table.add({{"gain"}, {"0.2"}, {"1/s"}});
+
+  const std::string text = table.text(0, false);
+
+  EXPECT_EQ(lines_of(text)[2], "gain   0.2    1/s");
+  EXPECT_NE(text.find(std::string(300, 'x')), std::string::npos);
 }
 
 TEST(Table, PaintsOnlyWithColours) {
@@ -44,13 +89,7 @@ TEST(Table, PaintsOnlyWithColours) {
   EXPECT_EQ(table.text(0, true), "\033[1mSTATE  \033[0m\n\033[1;31mfaulted\033[0m\n");
 }
 
-TEST(Shortened, CountsCodePointsNotBytes) {
-  EXPECT_EQ(columns("µs…"), 3U);
-  EXPECT_EQ(shortened("ééééé", 5), "ééééé");
-  EXPECT_EQ(shortened("éééééé", 5), "éé…éé");
-  EXPECT_EQ(shortened("abc", 1), "…");
-  EXPECT_EQ(shortened("abc", 0), "");
-}
+TEST(Columns, CountCodePointsNotBytes) { EXPECT_EQ(columns("µs…"), 3U); }
 
 TEST(Harmless, TakesEscapesAndControlsAway) {
   EXPECT_EQ(harmless("a\033[2Jb\nc\x7f"), "a?[2Jb?c?");

@@ -138,8 +138,19 @@ TEST(TopKeys, SelectAndShowDetails) {
   EXPECT_FALSE(view.help);
 }
 
-TEST(TopFrame, ShowsEveryColumnOn80) {
-  const auto lines = frame({}, {80, 24});
+TEST(TopFrame, KeepsTheNamesOfCoresWholeAtEveryWidth) {
+  for (std::size_t width = 40; width <= 140; ++width) {
+    const auto lines = frame({}, {width, 24});
+    for (const std::string& line : lines) EXPECT_EQ(line.find("…r"), std::string::npos) << line;
+    if (lines[2].find("CORE") == std::string::npos) continue;
+    for (const TopRow& row : rows()) {
+      EXPECT_NE(joined(lines).find(row.core), std::string::npos) << joined(lines);
+    }
+  }
+}
+
+TEST(TopFrame, ShowsEveryColumnOn100) {
+  const auto lines = frame({}, {100, 24});
 
   ASSERT_EQ(lines.size(), 24U);
   EXPECT_EQ(lines[0], "rover: 3 of 4 components running");
@@ -150,6 +161,10 @@ TEST(TopFrame, ShowsEveryColumnOn80) {
   EXPECT_NE(lines[3].find(">laser"), std::string::npos) << lines[3];
   EXPECT_NE(lines[3].find("+++"), std::string::npos) << lines[3];
   EXPECT_NE(lines[23].find("q quit"), std::string::npos);
+}
+
+TEST(TopFrame, ShowsTheCoreOn80BeforeLessImportantColumns) {
+  EXPECT_NE(frame({}, {80, 24})[2].find("CORE"), std::string::npos);
 }
 
 TEST(TopFrame, FitsEveryTerminal) {

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "render.h"
+
+namespace mauve::ctl {
+namespace {
+
+TEST(RenderObject, WritesDurationsInstantsAndSizesWithUnits) {
+  const Json object = Json::parse(R"({"address":"heater",
+    "counters":{"execution_max_ns":50900,"late_ns":0,"next_release_ns":3940000000},
+    "task":{"budget":"2ms","deadline":"0s","stack":65536}})");
+
+  EXPECT_EQ(render_object(object, {}),
+            "address  heater\n"
+            "counters\n"
+            "  execution_max  50.9 us\n"
+            "  late           0 ns\n"
+            "  next_release   T0 + 3.940000000 s\n"
+            "task\n"
+            "  budget    2ms\n"
+            "  deadline  none\n"
+            "  stack     64KiB\n");
+}
+
+TEST(RenderObject, ShowsAStateMachineWithItsWaitsAndSuccessors) {
+  const Json object = Json::parse(R"({"address":"heater","machine":{"initial":"heat","states":[
+    {"name":"heat","kind":"execution","transitions":[{"to":"doze","guarded":true},
+      {"to":"pace","guarded":false}]},
+    {"name":"pace","kind":"synchronization","wait_ns":10000000,
+     "transitions":[{"to":"heat","guarded":false}]}]}})");
+
+  EXPECT_EQ(render_object(object, {}),
+            "address  heater\n"
+            "machine\n"
+            "  initial  heat\n"
+            "  NAME  KIND                WAIT  NEXT\n"
+            "  heat  execution                 [1] doze, [else] pace\n"
+            "  pace  synchronization  10.0 ms  heat\n");
+}
+
+TEST(RenderHistory, IsATableOfWhoAndWhy) {
+  const Json history = Json::parse(R"({"state_dir": "/s", "items": [
+    {"generation": 42, "time": "2026-01-31T12:00:00.123456Z", "uid": 1000, "command": "param.set",
+     "reason": "too slow", "mark": "confirmed", "boot": "b"},
+    {"generation": 41, "mark": "damaged"}]})");
+
+  EXPECT_EQ(render_history(history, {}),
+            "GENERATION  TIME                   UID  COMMAND    MARK       REASON\n"
+            "        42  2026-01-31 12:00:00Z  1000  param.set  confirmed  too slow\n"
+            "        41                                         damaged\n");
+}
+
+TEST(RenderHistory, SaysWhenNothingIsKept) {
+  EXPECT_EQ(render_history({{"items", Json::array()}, {"state_dir", nullptr}}, {}),
+            "nothing is kept: mauved runs without --state-dir\n");
+}
+
+}  // namespace
+}  // namespace mauve::ctl
