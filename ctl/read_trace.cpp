@@ -14,10 +14,12 @@ std::variant<mtrace::Trace, Fault> read_trace(const std::string& file) {
   return std::move(*trace);
 }
 
-std::variant<mtrace::Trace, Fault> read_live(Session& session, const std::string& recording) {
+std::variant<mtrace::Trace, Fault> read_live(Session& session, const std::string& recording,
+                                             Live live) {
   mtrace::Builder builder;
   Json params{{"from", 0}, {"count", protocol::kMostRecords}};
   if (!recording.empty()) params["recording"] = recording;
+  if (live == Live::now) params["now"] = true;
   for (bool end = false; !end;) {
     auto answer = session.call("trace.read", params);
     if (auto* fault = std::get_if<Fault>(&answer)) return std::move(*fault);

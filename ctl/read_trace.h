@@ -12,8 +12,14 @@ namespace mauve::ctl {
 
 [[nodiscard]] std::variant<mtrace::Trace, Fault> read_trace(const std::string& file);
 
-/// The recording of this name, page by page; empty: the trace that runs, or ran last.
+enum class Live {
+  newest,  ///< the trace that is on, else the one that ended last
+  now,     ///< what happens now: the trace that is on, else the flight recorder
+};
+
+/// The recording of this name, page by page; without a name the live trace.
 [[nodiscard]] std::variant<mtrace::Trace, Fault> read_live(Session& session,
-                                                           const std::string& recording);
+                                                           const std::string& recording,
+                                                           Live live = Live::newest);
 
 }  // namespace mauve::ctl

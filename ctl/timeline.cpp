@@ -15,7 +15,7 @@ namespace {
 
 std::variant<mtrace::Trace, Fault> trace_of(Session& session) {
   const std::string file = session.arguments.one("FILE");
-  if (file.empty() || file == "live") return read_live(session, {});
+  if (file.empty() || file == "live") return read_live(session, {}, Live::now);
   return read_trace(file);
 }
 
@@ -36,6 +36,21 @@ std::vector<std::string> split(const std::vector<std::string>& lists) {
     }
   }
   return names;
+}
+
+/// The fault of a window that lies outside the trace.
+std::optional<Fault> nothing_in(const mtrace::Trace& trace, const mtrace::View& view) {
+  const std::int64_t first = trace.first_time();
+  const std::int64_t last = trace.last_time();
+  const bool after = view.from && *view.from > last;
+  const bool before = view.to && *view.to < first;
+  if (!after && !before) return std::nullopt;
+  return protocol::fault_of(protocol::kUsage,
+                            std::string(after ? "--from lies after" : "--to lies before") +
+                                " the trace, so there is nothing to draw",
+                            {},
+                            "the trace goes from " + mtrace::instant_in_words(first) + " to " +
+                                mtrace::instant_in_words(last));
 }
 
 int write_picture(Session& session, const mtrace::Timeline& timeline) {
@@ -63,7 +78,9 @@ int run_timeline(Session& session) {
   }
   const auto trace = trace_of(session);
   if (const auto* fault = std::get_if<Fault>(&trace)) return session.fail(*fault);
-  return write_picture(session, mtrace::draw_timeline(std::get<mtrace::Trace>(trace), view));
+  const auto& found = std::get<mtrace::Trace>(trace);
+  if (auto nothing = nothing_in(found, view)) return session.fail(*nothing);
+  return write_picture(session, mtrace::draw_timeline(found, view));
 }
 
 }  // namespace mauve::ctl

@@ -13,8 +13,9 @@ namespace mauve::ctl::mtrace {
 namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
-constexpr std::int64_t kPeriods = 5;  // around what the trace was kept for
-constexpr std::int64_t kAir = 80;     // part of the window on both sides
+constexpr std::int64_t kPeriods = 5;        // around what the trace was kept for
+constexpr std::int64_t kReadableJobs = 50;  // of one component, where no window is asked for
+constexpr std::int64_t kAir = 80;           // part of the window on both sides
 
 struct Interval {
   std::int64_t from;
@@ -108,14 +109,13 @@ std::int64_t period_around(const Trace& trace, const Record& cause) {
   return period > 0 ? period : kSecond / kPeriods;
 }
 
-std::size_t spans_in(const Scene& scene) {
-  std::size_t count = 0;
+std::int64_t most_jobs_of_one(const Scene& scene) {
+  std::ptrdiff_t most = 0;
   for (const Lane& lane : scene.lanes) {
-    count += static_cast<std::size_t>(
-        std::count_if(lane.states.begin(), lane.states.end(),
-                      [&](const Span& state) { return within(state, scene); }));
+    most = std::max(most, std::count_if(lane.jobs.begin(), lane.jobs.end(),
+                                        [&](const Job& job) { return within(job, scene); }));
   }
-  return count;
+  return most;
 }
 
 void choose_window(Scene& scene, const Trace& trace, const View& view) {
@@ -133,11 +133,9 @@ void choose_window(Scene& scene, const Trace& trace, const View& view) {
     scene.to = std::min(last, scene.from + kPeriods * period);
   } else {
     scene.from = std::max(first, last - kSecond);
-    const std::size_t spans = spans_in(scene);
-    if (spans > kMostBoxes) {
-      const auto parts = static_cast<std::int64_t>(spans / kMostBoxes + 1);
-      scene.from = last - (last - scene.from) / parts;
-    }
+    // Jobs of the most frequent component must stay apart in the picture.
+    const std::int64_t jobs = most_jobs_of_one(scene);
+    if (jobs > kReadableJobs) scene.from = last - (last - scene.from) * kReadableJobs / jobs;
   }
   if (scene.to <= scene.from) scene.to = scene.from + 1;
   const bool whole = scene.from <= first && scene.to >= last;

@@ -18,9 +18,9 @@ namespace {
 using Snapshot = std::pair<std::string, RecordingPtr>;
 
 /// [control] A new snapshot of the trace when `name` is empty, else the snapshot of this name.
-Result<Snapshot> snapshot_of(Running& running, const std::string& name) {
+Result<Snapshot> snapshot_of(Running& running, const std::string& name, bool now) {
   if (name.empty()) {
-    return running.recorder->snapshot();
+    return running.recorder->snapshot(now);
   }
   auto recording = running.recorder->find_snapshot(name);
   if (recording == nullptr) {
@@ -97,7 +97,7 @@ void read_trace(Running& running, const CallPtr& call, Ticket /*none*/) {
   if (auto room = check_long_answers(running, *call); !room) {
     return answer(running, *call, room.error());
   }
-  auto snapshot = snapshot_of(running, name);
+  auto snapshot = snapshot_of(running, name, flag(call->params, "now"));
   if (!snapshot) {
     return answer(running, *call, snapshot.error());
   }

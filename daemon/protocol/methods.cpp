@@ -58,7 +58,8 @@ constexpr Param kCondition[] = {{"condition", string, true}};
 constexpr Param kHistory[] = {{"n", integer}};
 constexpr Param kRollback[] = {{"generation", integer, true}, {"state", string}, {"sync", string}};
 constexpr Param kTraceStart[] = {{"detail", boolean}, {"seconds", integer}};
-constexpr Param kTraceRead[] = {{"recording", string}, {"from", integer}, {"count", integer}};
+constexpr Param kTraceRead[] = {
+    {"recording", string}, {"from", integer}, {"count", integer}, {"now", boolean}};
 constexpr Param kLock[] = {{"lock", string, true}};
 constexpr Param kTail[] = {{"component", string}, {"level", string}, {"n", integer},
                            {"follow", boolean},   {"since", string}, {"grep", string}};

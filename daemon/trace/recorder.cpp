@@ -238,15 +238,16 @@ Status Recorder::end() {
   return ok();
 }
 
-Result<std::pair<std::string, RecordingPtr>> Recorder::snapshot() {
+Result<std::pair<std::string, RecordingPtr>> Recorder::snapshot(bool now) {
   auto about = running_->deployer.traced();
   collect();
   const std::lock_guard lock(mutex_);
-  if (!on_ && last_ == nullptr && !flights_wanted_) {
+  const bool ended = !on_ && !now && last_ != nullptr;
+  if (!on_ && !ended && !flights_wanted_) {
     return refuse(Errc::wrong_state, "trace", "nothing is traced", "mauvectl trace start");
   }
   about_ = std::move(about);
-  auto recording = std::make_shared<Recording>(!on_ && last_ ? *last_ : cut(on_ ? since_ : 0));
+  auto recording = std::make_shared<Recording>(ended ? *last_ : cut(on_ ? since_ : 0));
   recording->why = "command";
   snapshots_.emplace_back("snapshot-" + std::to_string(++snapshots_made_), recording);
   if (snapshots_.size() > kSnapshots) {

@@ -45,8 +45,9 @@ class Recorder {
   /// Ends it; it can be read until the next one begins. [control]
   Status end();
   [[nodiscard]] Json status() const;  // [control]
-  /// What is traced, or was last, as it is now, and its name for further pages. [control]
-  Result<std::pair<std::string, RecordingPtr>> snapshot();
+  /// The trace that is on, else the one that ended, else the flight recorder; and its name for
+  /// further pages. With `now` the trace that ended is passed over. [control]
+  Result<std::pair<std::string, RecordingPtr>> snapshot(bool now);
   /// One of the newest snapshots, or null. [control]
   [[nodiscard]] RecordingPtr find_snapshot(const std::string& name) const;
   /// Null: nothing is kept. [any]

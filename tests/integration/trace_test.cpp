@@ -102,6 +102,10 @@ TEST_F(Traces, BeginAndEndAndTellOfAChangeInBetween) {
   EXPECT_GT(count(records, "call", "first"), 0U);
   const auto again = daemon.ask("trace.read");
   EXPECT_EQ(again["records"], page["records"]) << "the trace is over";
+  EXPECT_TRUE(eventually([&] {
+    const auto now = daemon.ask("trace.read", {{"now", true}});
+    return now["header"]["to"] > page["header"]["to"] && !now["records"].empty();
+  })) << "the flight recorder goes on";
 }
 
 TEST_F(Traces, ComeInPagesThatBelongTogether) {

@@ -109,6 +109,20 @@ TEST_F(TraceCommand, SaysInTheWordsOfTheSystemThatItCannotWrite) {
   }
 }
 
+TEST_F(TraceCommand, TimelineRefusesAPartOutsideTheTrace) {
+  for (const std::vector<std::string>& part :
+       {std::vector<std::string>{"--from", "100s"}, {"--from", "90s", "--to", "100s"}}) {
+    std::vector<std::string> words{"timeline", file_, "-o", folder_ / "none.svg"};
+    words.insert(words.end(), part.begin(), part.end());
+    const Outcome outcome = run_alone(words);
+
+    EXPECT_EQ(outcome.exit, 2) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr("--from lies after the trace"));
+    EXPECT_THAT(outcome.err, HasSubstr("the trace goes from T0 "));
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "none.svg"));
+  }
+}
+
 TEST_F(TraceCommand, TimelineDrawsAPartOfAFile) {
   const Outcome outcome = run_alone({"timeline", file_, "--from", "10ms", "--to", "20ms",
                                      "--component", "c0,c1", "-o", folder_ / "a.svg"});
