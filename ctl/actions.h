@@ -40,6 +40,7 @@ int run_log(Session& session);
 int run_trace(Session& session);
 int run_ping(Session& session);
 int run_doctor(Session& session);
+int run_help(Session& session);
 int run_completion(Session& session);
 int run_version(Session& session);
 

@@ -54,8 +54,8 @@ constexpr Argument kMisses = maybe("--misses",
                                    "(2/64; M is at least 1); a late "
                                    "job counts once, however many releases it cost",
                                    Kind::none);
-constexpr Argument kConfirmWithin =
-    maybe("--confirm-within", "rolled back unless confirmed in this time, such as 30s", Kind::none);
+constexpr Argument kConfirmWithin = maybe(
+    "--confirm-within", "rolled back unless confirmed in this time, such as 30s", Kind::duration);
 
 constexpr Argument kDryRun =
     flag("--dry-run", "tell what the change would do; it is prepared and dropped");
@@ -68,9 +68,11 @@ constexpr Argument kGet[] = {
     some("ADDRESS", "such as control.core.gain or fix.read", Kind::address)};
 constexpr Argument kWatch[] = {
     some("ADDRESS", "such as control.core.gain or fix.read", Kind::address),
-    maybe("--every", "at most one value of each address in this time, such as 500ms", Kind::none),
+    maybe("--every", "at most one value of each address in this time, such as 500ms",
+          Kind::duration),
     flag("--changes", "only values that differ from the one before")};
-constexpr Argument kFor = maybe("--for", "how long, such as 10s; unsaid: until Ctrl-C", Kind::none);
+constexpr Argument kFor =
+    maybe("--for", "how long, such as 10s; unsaid: until Ctrl-C", Kind::duration);
 constexpr Argument kRecord[] = {
     some("ADDRESS", "such as pose.read or control.missed", Kind::address), kFor,
     maybe("-o,--output", "file for the CSV; unsaid: standard output", Kind::file)};
@@ -127,8 +129,8 @@ constexpr Argument kStop[] = {any("COMPONENT", "names of components", Kind::comp
 constexpr Argument kSwap[] = {
     kComponent,
     one("CORE", "such as guidance/finite_time", Kind::core),
-    any("--set", "KEY=VALUE of a property of the new core", Kind::none),
-    maybe("--budget", "processor time that a job of it may use, such as 2ms", Kind::none),
+    any("--set", "KEY=VALUE of a property of the new core", Kind::setting),
+    maybe("--budget", "processor time that a job of it may use, such as 2ms", Kind::duration),
     flag("--defaults", "the new core begins with its own values, not with those in force"),
     flag("--in-place",
          "stop, swap, start: for hardware that one core only can hold; without probation"),
@@ -140,7 +142,7 @@ constexpr Argument kSwap[] = {
 constexpr Argument kConnect[] = {
     kPort,
     one("SERVICE", "such as scan.read", Kind::service),
-    maybe("--max-age", "values older than this are stale, such as 50ms", Kind::none),
+    maybe("--max-age", "values older than this are stale, such as 50ms", Kind::duration),
     flag("--replace", "exchange the connection that the port has, at one instant"),
     kDryRun,
     kProbation,
@@ -150,6 +152,7 @@ constexpr Argument kDisconnect[] = {kPort, kDryRun, kProbation, kMisses, kConfir
 constexpr Argument kQuarantine[] = {choice("ACTION", "\"release\", or nothing to list", "release"),
                                     maybe("CORE", "the core to release", Kind::core)};
 constexpr Argument kPlugin[] = {one("PLUGIN", "name of a plugin, not a path", Kind::plugin)};
+constexpr Argument kLoad[] = {one("PLUGIN", "name of a plugin, not a path", Kind::available)};
 constexpr Argument kReload[] = {kPlugin[0], kState};
 constexpr Argument kPlugins[] = {
     maybe("--for", "the cores that fit this component", Kind::component)};
@@ -159,8 +162,8 @@ constexpr Argument kStats[] = {
     maybe("COMPONENT", "of reset: only this one", Kind::component)};
 constexpr Argument kTop[] = {
     flag("-b,--batch", "tables one below the other, for scripts; with --json a line each"),
-    maybe("-n,--count", "end after so many", Kind::none),
-    maybe("--interval", "how often it looks, such as 500ms; unsaid: 1s", Kind::none)};
+    maybe("-n,--count", "end after so many", Kind::number),
+    maybe("--interval", "how often it looks, such as 500ms; unsaid: 1s", Kind::duration)};
 constexpr Argument kRules[] = {maybe("RULE", "only this one, with all its parts", Kind::rule)};
 constexpr Argument kWhy[] = {kComponent};
 constexpr Argument kCheck[] = {one("FILE", "an architecture file", Kind::file)};
@@ -173,14 +176,14 @@ constexpr Argument kApply[] = {one("FILE", "an architecture file", Kind::file),
                                kConfirmWithin};
 constexpr Argument kPlan[] = {one("FILE", "an architecture file", Kind::file), kState, kSync,
                               kProbation};
-constexpr Argument kHistory[] = {maybe("-n,--lines", "how many of the newest", Kind::none)};
-constexpr Argument kRollback[] = {one("GENERATION", "a number of mauvectl history", Kind::none),
-                                  kState, kSync};
+constexpr Argument kHistory[] = {maybe("-n,--lines", "how many of the newest", Kind::number)};
+constexpr Argument kRollback[] = {
+    one("GENERATION", "a number of mauvectl history", Kind::generation), kState, kSync};
 constexpr Argument kTrace[] = {
     one_of("ACTION", "start, stop, status, list or dump", "start stop status list dump"),
-    maybe("RECORDING", "of dump: one of the list; unsaid: what is traced now", Kind::none),
+    maybe("RECORDING", "of dump: one of the list; unsaid: what is traced now", Kind::recording),
     flag("--detail", "of start: every use of a port too"),
-    maybe("--for", "of start: what is kept, such as 10s", Kind::none),
+    maybe("--for", "of start: what is kept, such as 10s", Kind::duration),
     maybe("-o,--output", "of dump: *.mtrace, *.json for Perfetto, else a folder of CTF",
           Kind::file)};
 constexpr Argument kLock[] = {one_of("LOCK", "none, params or all", "none params all")};
@@ -192,7 +195,7 @@ constexpr Argument kLogs[] = {
     flag("--explain",
          "what the event of this name means and what to do; without a name, all events"),
     flag("-f,--follow", "go on with what comes"),
-    maybe("-n,--lines", "how many of the last records", Kind::none),
+    maybe("-n,--lines", "how many of the last records", Kind::number),
     choice("--level", "debug, info, warn or error, and worse", "debug info warn error"),
     maybe("--since", "10min ago, 12:30, or a whole time such as 2026-01-31T12:00:00Z", Kind::none),
     maybe("--grep", "with this in text, component or event; capitals do not matter", Kind::none)};
@@ -202,15 +205,15 @@ constexpr Argument kLog[] = {
         "debug info warn error default",
         maybe("SETTING", "[COMPONENT=]LEVEL: debug, info, warn, error or default; unsaid: shows it",
               Kind::none)),
-    maybe("--for", "reverts by itself after this time, such as 10min", Kind::none)};
+    maybe("--for", "reverts by itself after this time, such as 10min", Kind::duration)};
 constexpr Argument kTraceFile = one("FILE", "a trace, *.mtrace", Kind::file);
 constexpr Argument kTimeline[] = {
     also("live", maybe("FILE", "a trace, *.mtrace; unsaid, or live: that of the running system",
                        Kind::file)),
     maybe("--from",
           "time since T0, such as 1.2s; unsaid: around why it was kept, or the last second",
-          Kind::none),
-    maybe("--to", "time since T0", Kind::none),
+          Kind::duration),
+    maybe("--to", "time since T0", Kind::duration),
     {"--component", "only these, such as control,scan", Kind::component, false, true},
     kPicture};
 constexpr Argument kCheckTrace[] = {kTraceFile};
@@ -220,118 +223,137 @@ constexpr Argument kConvertTrace[] = {
     choice("--format", "chrome, ctf or mtrace, whatever the name of the output is",
            "chrome ctf mtrace")};
 
+constexpr Argument kHelp[] = {maybe("COMMAND", "name of a command", Kind::command)};
 constexpr Argument kCompletion[] = {one_of("SHELL", "bash, zsh or fish", "bash zsh fish")};
 constexpr Argument kDoctor[] = {
-    maybe("--wake", "also measure wake-up latencies for so long, such as 10s", Kind::none)};
+    maybe("--wake", "also measure wake-up latencies for so long, such as 10s", Kind::duration)};
 
 constexpr Command kCommands[] = {
-    {"status", "generation and one line a component", "mauvectl status", {}, false, run_status},
-    {"list", "components, resources, cores, ports, plugins or clients", "mauvectl list ports",
+    {"status",
+     "Show the generation and one line for each component",
+     "mauvectl status",
+     {},
+     false,
+     run_status},
+    {"list", "List components, resources, cores, ports, plugins or clients", "mauvectl list ports",
      kList, false, run_list},
-    {"show", "everything about one object", "mauvectl show control", kShow, false, run_show},
-    {"get", "values and their status", "mauvectl get control.core.gain fix.read", kGet, false,
+    {"show", "Show everything about one object", "mauvectl show control", kShow, false, run_show},
+    {"get", "Print values and their status", "mauvectl get control.core.gain fix.read", kGet, false,
      run_get},
-    {"set", "properties, all in one change", "mauvectl set control.core.gain=0.3", kSet, true,
+    {"set", "Set properties, all in one change", "mauvectl set control.core.gain=0.3", kSet, true,
      run_set},
-    {"watch", "every new value, one a line, until Ctrl-C", "mauvectl --json watch fix.read", kWatch,
-     false, run_watch},
-    {"record", "every new value as a row of CSV",
+    {"watch", "Print every new value, one a line, until Ctrl-C", "mauvectl --json watch fix.read",
+     kWatch, false, run_watch},
+    {"record", "Write every new value as a row of CSV",
      "mauvectl record pose.read --for 10s -o drive.csv", kRecord, false, run_record},
-    {"plot", "values over time, as an SVG picture",
+    {"plot", "Draw values over time as an SVG picture",
      "mauvectl plot pose.read --for 10s -o drive.svg", kPlot, false, run_plot},
-    {"map", "the way driven, as an SVG picture with what was seen on it",
+    {"map", "Draw the way driven as an SVG picture with what was seen on it",
      "mauvectl map pose.read --mode control.core --for 30s -o drive.svg", kMap, false, run_map},
-    {"graph", "the architecture, or a state machine, as a picture", "mauvectl graph -o rover.svg",
-     kGraph, false, run_graph},
-    {"start", "components, at the next instant of their grid", "mauvectl start gnss", kStart, true,
-     run_start},
-    {"stop", "components: end the job, write safe values, park", "mauvectl stop --all", kStop, true,
-     run_stop},
-    {"swap-core", "replace the core of a running component",
+    {"graph", "Draw the architecture, or a state machine", "mauvectl graph -o rover.svg", kGraph,
+     false, run_graph},
+    {"start", "Start components at the next instant of their release grid", "mauvectl start gnss",
+     kStart, true, run_start},
+    {"stop", "Stop components: each ends its job and writes safe values", "mauvectl stop --all",
+     kStop, true, run_stop},
+    {"swap-core", "Replace the core of a running component",
      "mauvectl swap-core control guidance/finite_time --set gain=0.3", kSwap, true, run_swap_core},
-    {"connect", "a port to a service", "mauvectl connect control.ports.scan scan.read", kConnect,
-     true, run_connect},
-    {"disconnect", "a port", "mauvectl disconnect gnss.ports.fix", kDisconnect, true,
+    {"connect", "Connect a port to a service", "mauvectl connect control.ports.scan scan.read",
+     kConnect, true, run_connect},
+    {"disconnect", "Disconnect a port", "mauvectl disconnect gnss.ports.fix", kDisconnect, true,
      run_disconnect},
-    {"change", "make several steps at one instant", "mauvectl change -f steps.json --dry-run",
+    {"change", "Make several steps at one instant", "mauvectl change -f steps.json --dry-run",
      kSteps, true, run_change},
-    {"call", "a call or event service of a resource", "mauvectl call localization.reset", kCall,
-     true, run_call},
-    {"write", "a value to a service of a resource", "mauvectl write limit.write 0.3", kWrite, true,
-     run_write},
-    {"wait", "until a condition holds; exit code 3 when --timeout passes first",
+    {"call", "Call a call or event service of a resource", "mauvectl call localization.reset",
+     kCall, true, run_call},
+    {"write", "Write a value to a service of a resource", "mauvectl write limit.write 0.3", kWrite,
+     true, run_write},
+    {"wait", "Wait until a condition holds; exit code 3 when --timeout passes first",
      "mauvectl wait --for 'control.missed > 3' --timeout 10s", kWait, false, run_wait},
-    {"confirm", "the change on probation: it stays", "mauvectl confirm", {}, true, run_confirm},
-    {"undo", "the change on probation: back to before it", "mauvectl undo", {}, true, run_undo},
-    {"quarantine", "new cores that failed and were rolled back; release one",
+    {"confirm",
+     "Confirm the change on probation, so that it stays",
+     "mauvectl confirm",
+     {},
+     true,
+     run_confirm},
+    {"undo", "Undo the change on probation", "mauvectl undo", {}, true, run_undo},
+    {"quarantine", "List cores that failed and were rolled back, or release one",
      "mauvectl quarantine release guidance/widest_gap", kQuarantine, true, run_quarantine},
-    {"apply", "make the running system that of a file, all at once",
+    {"apply", "Make the running system that of a file, all at once",
      "mauvectl apply rover.json --dry-run", kApply, true, run_apply},
-    {"plan", "what apply would do, prepared and dropped", "mauvectl plan rover.json", kPlan, true,
-     run_plan},
-    {"diff", "what a file would change; exit code 1 when it is something",
+    {"plan", "Prepare and drop what apply would do, and print it", "mauvectl plan rover.json",
+     kPlan, true, run_plan},
+    {"diff", "Print what a file would change; exit code 1 when it is something",
      "mauvectl diff rover.json", kCheck, false, run_diff},
-    {"load", "a plugin, by name", "mauvectl load guidance_extra", kPlugin, true, run_load},
-    {"unload", "a plugin that nothing uses", "mauvectl unload guidance_extra", kPlugin, true,
+    {"load", "Load a plugin by its name", "mauvectl load guidance_extra", kLoad, true, run_load},
+    {"unload", "Unload a plugin that nothing uses", "mauvectl unload guidance_extra", kPlugin, true,
      run_unload},
-    {"reload", "a rebuilt plugin: move every instance to the new code, without probation",
+    {"reload", "Move every instance to the new code of a rebuilt plugin, without probation",
      "mauvectl reload guidance", kReload, true, run_reload},
-    {"plugins", "what is loaded and what it brings", "mauvectl plugins --for control", kPlugins,
-     false, run_plugins},
+    {"plugins", "List the loaded plugins and what they bring", "mauvectl plugins --for control",
+     kPlugins, false, run_plugins},
     {"analyze",
-     "response times: is every deadline met, by how much",
+     "Print response times: whether every deadline is met, and by how much",
      "mauvectl analyze",
      {},
      false,
      run_analyze},
-    {"stats", "what jobs and states took; reset counts anew", "mauvectl stats control", kStats,
-     true, run_stats},
-    {"top", "live, one row a component; ? tells the keys", "mauvectl top --interval 500ms", kTop,
-     false, run_top},
+    {"stats", "Print how long jobs and states took, or count them anew", "mauvectl stats control",
+     kStats, true, run_stats},
+    {"top", "Show one row for each component, live; ? lists the keys",
+     "mauvectl top --interval 500ms", kTop, false, run_top},
     {"metrics",
-     "state and statistics in the text format of Prometheus",
+     "Print state and statistics in the text format of Prometheus",
      "mauvectl metrics > mauve.prom",
      {},
      false,
      run_metrics},
-    {"rules", "what the daemon does by itself: state, last firing, why not", "mauvectl rules",
-     kRules, false, run_rules},
-    {"why", "a component failed: what happened, what was done, what to do", "mauvectl why control",
+    {"rules", "List the rules of the daemon: state, last firing, why not", "mauvectl rules", kRules,
+     false, run_rules},
+    {"why", "Say why a component failed, what was done and what to do", "mauvectl why control",
      kWhy, false, run_why},
-    {"check", "an architecture file, all errors at once", "mauvectl check rover.json", kCheck,
-     false, run_check},
+    {"check", "Check an architecture file and print all its errors", "mauvectl check rover.json",
+     kCheck, false, run_check},
     {"export",
-     "the running system as an architecture file",
+     "Print the running system as an architecture file",
      "mauvectl export > now.json",
      {},
      false,
      run_export},
-    {"history", "saved generations: when, who, what", "mauvectl history -n 10", kHistory, false,
-     run_history},
-    {"rollback", "to a saved generation", "mauvectl rollback 41", kRollback, true, run_rollback},
-    {"lock", "what may not be changed, but by stop, confirm and undo",
+    {"history", "List the saved generations with time, user and reason", "mauvectl history -n 10",
+     kHistory, false, run_history},
+    {"rollback", "Return to a saved generation", "mauvectl rollback 41", kRollback, true,
+     run_rollback},
+    {"lock", "Lock the system against changes, except stop, confirm and undo",
      "mauvectl lock all --reason mission", kLock, true, run_lock},
-    {"logs", "the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},
-    {"explain", "what an event of the log means and what to do, or what a plugin's name is",
+    {"logs", "Print the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},
+    {"explain", "Explain an event of the log, or a name that a plugin brings",
      "mauvectl explain rule_fired", kExplain, false, run_explain},
-    {"trace", "what every thread did when, and recordings of what went wrong",
+    {"trace", "Record what every thread does when, and read flight recordings",
      "mauvectl trace dump -o now.mtrace", kTrace, false, run_trace},
-    {"log", "level: from which level on is logged, also of one component, for a time",
+    {"log", "Set from which level on is logged, also of one component, for a time",
      "mauvectl log level control=debug --for 10min", kLog, true, run_log},
-    {"doctor", "is the machine fit for real time; what was found, and the remedy",
+    {"doctor", "Check whether the machine is fit for real time, with a remedy for each finding",
      "mauvectl doctor --wake 10s", kDoctor, false, run_doctor},
-    {"completion", "the script that makes a shell complete command lines of mauvectl",
+    {"completion", "Print the script that completes command lines in a shell",
      "mauvectl completion bash > ~/.local/share/bash-completion/completions/mauvectl", kCompletion,
      false, run_completion},
-    {"timeline", "what ran when, as an SVG picture",
+    {"timeline", "Draw what ran when as an SVG picture",
      "mauvectl timeline drive.mtrace --from 1.2s --to 1.25s -o drive.svg", kTimeline, false,
      run_timeline},
-    {"check-trace", "prove a trace against the model; exit code 1 when it breaks a rule",
+    {"check-trace", "Check a trace against the model; exit code 1 when it breaks a rule",
      "mauvectl check-trace drive.mtrace", kCheckTrace, false, run_check_trace},
-    {"convert-trace", "for Perfetto and Chrome, or babeltrace2 and Trace Compass",
+    {"convert-trace", "Convert a trace for Perfetto and Chrome, or babeltrace2 and Trace Compass",
      "mauvectl convert-trace drive.mtrace -o drive.json", kConvertTrace, false, run_convert_trace},
-    {"ping", "does the daemon answer", "mauvectl ping", {}, false, run_ping},
-    {"version", "of client and daemon", "mauvectl version", {}, false, run_version},
+    {"help", "Print help for a command, or list all commands", "mauvectl help swap-core", kHelp,
+     false, run_help},
+    {"ping", "Ask whether the daemon answers", "mauvectl ping", {}, false, run_ping},
+    {"version",
+     "Print the versions of client and daemon",
+     "mauvectl version",
+     {},
+     false,
+     run_version},
 };
 
 constexpr Category kCategories[] = {

@@ -15,7 +15,7 @@ namespace mauve::ctl {
 
 class Session;
 
-/// What completion offers for an argument.
+/// What an argument is: what completion offers for it, and its placeholder in help.
 enum class Kind {
   none,
   component,
@@ -28,7 +28,14 @@ enum class Kind {
   rule,
   explained,
   file,
-  category
+  category,
+  command,
+  available,   ///< a plugin that is not loaded
+  setting,     ///< KEY= of a property of a core
+  generation,  ///< a saved one
+  recording,   ///< a flight recording
+  duration,
+  number
 };
 
 struct Argument {
@@ -43,11 +50,13 @@ struct Argument {
 
   [[nodiscard]] bool is_option() const { return name.starts_with('-'); }
   [[nodiscard]] std::vector<std::string> words() const;
+  /// What stands for the value of an option in help and manual: "DURATION", "FILE", "cut|barrier".
+  [[nodiscard]] std::string placeholder() const;
 };
 
 struct Command {
   std::string_view name;
-  std::string_view text;  ///< one sentence, lower case
+  std::string_view text;  ///< one sentence without its full stop
   std::string_view example;
   std::span<const Argument> arguments;
   bool changes = false;  ///< takes --if-generation and --reason

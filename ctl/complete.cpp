@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "actions.h"
@@ -77,7 +79,7 @@ Typed understand(const Words& words) {
 using Candidates = std::vector<Candidate>;
 
 Candidates options_of(const Command* command) {
-  Candidates names{{"--help", "what can be said"}};
+  Candidates names{{"--help", "Print help"}};
   const auto add = [&](const Argument& one) {
     if (!one.is_option()) return;
     names.push_back({std::string(one.name.substr(one.name.rfind(',') + 1)), std::string(one.text)});
@@ -107,10 +109,15 @@ class Live {
         connected_(!client_.connect()) {}
 
   Words names(std::string_view method, const Json& params = Json::object()) {
+    return column(method, "name", params);
+  }
+
+  /// This member of each item.
+  Words column(std::string_view method, std::string_view key, const Json& params = Json::object()) {
     Words result;
     const Json found = items(ask(method, params), "items");
     for (const Json& item : found) {
-      if (std::string name = word(item, "name"); !name.empty()) result.push_back(std::move(name));
+      if (std::string name = word(item, key); !name.empty()) result.push_back(std::move(name));
     }
     return result;
   }
@@ -129,12 +136,43 @@ class Live {
     return names("core.list", component.empty() ? Json::object() : Json{{"for", component}});
   }
 
-  Words services() {
+  /// All services; of a port that exists, those that it can be connected to.
+  Words services(const std::string& port) {
+    const Json graph = ask("architecture.graph", Json::object());
+    const Json wanted = port_in(graph, port);
     Words result;
-    for (const Json& resource : items(ask("resource.list", Json::object()), "items")) {
-      for (const Json& service : items(resource, "services")) {
-        result.push_back(word(resource, "name") + "." + compact(service));
+    for (const Json& resource : list_in(graph, "resources")) {
+      for (const Json& service : list_in(resource, "services")) {
+        const bool fits = wanted.is_null() || (member(service, "kind") == member(wanted, "kind") &&
+                                               member(service, "type") == member(wanted, "type"));
+        if (fits) result.push_back(word(resource, "name") + "." + word(service, "name"));
       }
+    }
+    return result;
+  }
+
+  /// Files in the directories of the daemon that are not loaded.
+  Words available_plugins() {
+    const Words loaded = names("plugin.list");
+    Words result;
+    for (const Json& place : list_in(ask("daemon.doctor", Json::object()), "plugin_dirs")) {
+      std::error_code ignored;
+      for (const auto& file :
+           std::filesystem::directory_iterator(text_in(place, "path"), ignored)) {
+        std::string name = file.path().stem().string();
+        const bool is_loaded = std::find(loaded.begin(), loaded.end(), name) != loaded.end();
+        if (file.path().extension() == ".so" && !is_loaded) result.push_back(std::move(name));
+      }
+    }
+    return result;
+  }
+
+  /// "gain=" of the core that the component has: a core that replaces it has most of them too.
+  Words settings(const std::string& component) {
+    Words result;
+    for (const std::string& address : inside(component, "properties")) {
+      const auto dot = address.find(".core.");
+      if (dot != std::string::npos) result.push_back(address.substr(dot + 6) + "=");
     }
     return result;
   }
@@ -144,6 +182,18 @@ class Live {
     if (!connected_) return {};
     auto answer = client_.call(method, params, kMoment);
     return std::holds_alternative<Json>(answer) ? std::get<Json>(std::move(answer)) : Json();
+  }
+
+  /// The row of "control.ports.scan"; null: there is none.
+  static Json port_in(const Json& graph, const std::string& address) {
+    for (const char* elements : {"components", "resources"}) {
+      for (const Json& element : list_in(graph, elements)) {
+        for (const Json& port : list_in(element, "ports")) {
+          if (word(element, "name") + ".ports." + word(port, "name") == address) return port;
+        }
+      }
+    }
+    return {};
   }
 
   static Json items(const Json& object, const char* key) {
@@ -194,11 +244,29 @@ Words category_names() {
   return names;
 }
 
+Words command_words() {
+  Words names;
+  for (const Command& one : commands()) names.emplace_back(one.name);
+  return names;
+}
+
 Words names_of(const Typed& typed, const Argument& argument, const std::string& begun) {
   switch (argument.kind) {
     case Kind::none:
     case Kind::file:
+    case Kind::duration:
+    case Kind::number:
       return {};
+    case Kind::command:
+      return command_words();
+    case Kind::available:
+      return Live(typed).available_plugins();
+    case Kind::setting:
+      return Live(typed).settings(component_named(typed));
+    case Kind::generation:
+      return Live(typed).column("config.history", "generation");
+    case Kind::recording:
+      return Live(typed).names("trace.list");
     case Kind::category:
       return category_names();
     case Kind::component:
@@ -214,7 +282,7 @@ Words names_of(const Typed& typed, const Argument& argument, const std::string& 
     case Kind::rule:
       return Live(typed).names("rules.list");
     case Kind::service:
-      return Live(typed).services();
+      return Live(typed).services(typed.positionals.empty() ? "" : typed.positionals.front());
     case Kind::address:
       return Live(typed).addresses(begun);
     case Kind::assignment:

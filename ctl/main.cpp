@@ -47,7 +47,9 @@ int run(const std::vector<std::string>& words) {
     std::cout << completion_lines(complete({words.begin() + 1, words.end()}));
     return 0;
   }
-  auto parsed = parse_options(words);
+  constexpr std::size_t kPiped = 80;
+  const std::size_t width = standard_screen(false, Colour::never).width;
+  auto parsed = parse_options(words, width == 0 ? kPiped : width);
   if (const auto* misuse = std::get_if<Misuse>(&parsed)) return refuse_use(*misuse);
   if (const auto* text = std::get_if<Text>(&parsed)) {
     std::cout << text->text;

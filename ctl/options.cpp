@@ -10,6 +10,7 @@
 
 #include "base/duration.h"
 #include "base/name.h"
+#include "help.h"
 #include "protocol/socket_path.h"
 #include "session.h"
 
@@ -21,20 +22,12 @@ using protocol::fault_of;
 constexpr Argument kGlobals[] = {
     {"--socket", "of the daemon; else MAUVE_SOCKET, else the usual one", Kind::file},
     {"--json", "one line of JSON on stdout, errors included", Kind::none, false, false, true},
-    {"--timeout", "how long to wait for an answer, such as 5s", Kind::none},
-    {"--wait", "try again for so long while mauved does not answer, such as 5s", Kind::none},
+    {"--timeout", "how long to wait for an answer, such as 5s", Kind::duration},
+    {"--wait", "try again for so long while mauved does not answer, such as 5s", Kind::duration},
     {"--if-generation", "change only if this generation is running", Kind::none},
     {"--reason", "why you change it, for the log", Kind::none},
     {"--color", "auto, always or never", Kind::none, false, false, false, "auto always never"},
 };
-
-constexpr std::string_view kExamples =
-    "Examples:\n"
-    "  mauvectl status\n"
-    "  mauvectl watch fix.read\n"
-    "  mauvectl set control.core.gain=0.3\n"
-    "  mauvectl swap-core control guidance/finite_time\n"
-    "Texts for people may change between releases; JSON only grows.";
 
 constexpr ExitCode kExitCodes[] = {
     {0, "done", "Done."},
@@ -42,23 +35,14 @@ constexpr ExitCode kExitCodes[] = {
      "Refused, nothing changed. Of diff: something differs. Of check: the file has errors. Of "
      "check-trace: the trace breaks a rule. Of doctor: something fails."},
     {2, "wrong use", "Wrong use."},
-    {3, "condition false", "The condition asked for is false."},
+    {3, "condition false", "Of wait: the condition did not hold in time."},
     {4, "no such object", "No such object."},
     {5, "permission", "Not permitted."},
     {6, "conflict", "Conflict: another generation, locked, busy."},
     {7, "no daemon", "No daemon, or it went away."},
     {8, "timed out", "Timed out, outcome unknown."},
-    {9, "done partly", "Done partly: mauvectl status shows who did not obey."},
+    {9, "done partly", "Done partly: mauvectl status shows which components did not obey."},
 };
-
-std::string footer() {
-  std::string codes = "Exit codes:";
-  for (const ExitCode& one : kExitCodes) {
-    const char* before = one.code == 0 ? " " : one.code % 5 == 0 ? ",\n  " : ", ";
-    codes += before + std::to_string(one.code) + " " + std::string(one.word);
-  }
-  return std::string(kExamples) + "\n" + codes + ".";
-}
 
 using Values = std::map<std::string_view, std::vector<std::string>>;
 
@@ -76,7 +60,7 @@ void add_argument(CLI::App& app, const Argument& argument, Values& values) {
     return;
   }
   CLI::Option* option = app.add_option(name, values[argument.name], text);
-  option->type_name(argument.is_option() ? "VALUE" : "")->required(argument.required);
+  option->required(argument.required);
   const bool takes_many = argument.many && !argument.is_option();
   if (!takes_many) option->expected(1)->allow_extra_args(false);
   if (argument.many) option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -126,20 +110,22 @@ struct Parser {
   Values global_values;
   std::map<std::string_view, Values> values;
 
-  Parser() {
-    app.footer(footer());
-    app.get_formatter()->column_width(24);
+  explicit Parser(const std::vector<std::string>& words) {
     app.allow_extras();
     app.require_subcommand(0, 1);
     app.set_version_flag("--version", std::string("mauvectl ") + MAUVE_VERSION);
     for (const Argument& argument : kGlobals) add_argument(app, argument, global_values);
-    for (const Command& command : commands()) add_command(command);
+    for (const Command& command : commands()) {
+      const bool named = std::ranges::find(words, command.name) != words.end();
+      add_command(command, named);
+    }
   }
 
-  void add_command(const Command& command) {
+  /// A command that the line does not name needs no arguments: all would take a millisecond.
+  void add_command(const Command& command, bool with_arguments) {
     CLI::App* sub = app.add_subcommand(std::string(command.name), std::string(command.text));
     sub->fallthrough();
-    sub->footer("Example: " + std::string(command.example));
+    if (!with_arguments) return;
     for (const Argument& argument : command.arguments) {
       add_argument(*sub, argument, values[command.name]);
     }
@@ -243,14 +229,16 @@ std::variant<Invocation, Text, Misuse> invocation_of(const Parser& parser) {
 
 }  // namespace
 
-std::variant<Invocation, Text, Misuse> parse_options(const std::vector<std::string>& words) {
-  Parser parser;
+std::variant<Invocation, Text, Misuse> parse_options(const std::vector<std::string>& words,
+                                                     std::size_t width) {
+  Parser parser(words);
   for (const Command& command : commands()) parser.values.try_emplace(command.name);
   // The door of the library's exceptions: they also carry the calls for help.
   try {
     parser.app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::CallForHelp&) {
-    return Text{parser.app.help()};
+    const Command* command = parser.chosen();
+    return Text{command == nullptr ? help_text(width) : help_text(*command, width)};
   } catch (const CLI::CallForVersion& version) {
     return Text{std::string(version.what()) + "\n"};
   } catch (const CLI::ParseError& error) {

@@ -28,9 +28,9 @@ struct Misuse {
   std::string colour = "auto";
 };
 
-/// `words` is the command line without the program.
+/// `words` is the command line without the program; help is at most `width` columns wide.
 [[nodiscard]] std::variant<Invocation, Text, Misuse> parse_options(
-    const std::vector<std::string>& words);
+    const std::vector<std::string>& words, std::size_t width = 80);
 
 /// Options before or after any command, with a text each; completion offers them as well.
 [[nodiscard]] std::span<const Argument> global_options();

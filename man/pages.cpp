@@ -25,7 +25,7 @@ std::string argument_synopsis(const ctl::Argument& argument) {
     if (comma != std::string_view::npos) {
       text = bold(argument.name.substr(0, comma)) + ", " + bold(argument.name.substr(comma + 1));
     }
-    if (!argument.flag) text += " " + italic("VALUE");
+    if (!argument.flag) text += " " + italic(argument.placeholder());
     return text;
   }
   text = italic(argument.name) + (argument.many ? "..." : "");

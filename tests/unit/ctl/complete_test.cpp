@@ -2,10 +2,12 @@
 #include "complete.h"
 
 #include <algorithm>
+#include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "support/temp_dir.h"
 #include "unit/ctl/scene.h"
 
 namespace mauve::ctl {
@@ -20,6 +22,14 @@ Words completed(const Words& words) {
   return result;
 }
 
+/// Holds loaded.so, extra.so and a file that is no plugin.
+std::string plugin_dir() {
+  static const test::TempDir folder;
+  for (const char* name : {"loaded.so", "extra.so", "notes.txt"})
+    std::ofstream(folder / name) << "";
+  return folder.path().string();
+}
+
 void serve_names(Peer& peer) {
   peer.say(kHello);
   for (auto request = peer.hear(); !request.id.is_null(); request = peer.hear()) {
@@ -32,6 +42,26 @@ void serve_names(Peer& peer) {
     } else if (request.method == "core.list") {
       const auto wanted = request.params.value("for", std::string("all"));
       peer.answer(request, {{"items", {{{"name", "for_" + wanted}}}}});
+    } else if (request.method == "architecture.graph") {
+      peer.answer(request, protocol::Json::parse(R"({
+          "components":[{"name":"control","ports":[{"name":"scan","kind":"read","type":["s/1"]}]}],
+          "resources":[
+            {"name":"scan","ports":[],"services":[{"name":"read","kind":"read","type":["s/1"]},
+                                                  {"name":"write","kind":"write","type":["s/1"]}]},
+            {"name":"pose","services":[{"name":"read","kind":"read","type":["p/1"]}]}]})"));
+    } else if (request.method == "plugin.list") {
+      peer.answer(request, protocol::Json::parse(R"({"items":[{"name":"loaded"}]})"));
+    } else if (request.method == "daemon.doctor") {
+      Json dirs = Json::array();
+      for (const std::string& path : {plugin_dir(), std::string("/no/such")}) {
+        dirs.push_back(Json{{"path", path}});
+      }
+      peer.answer(request, Json{{"plugin_dirs", dirs}});
+    } else if (request.method == "config.history") {
+      peer.answer(request,
+                  protocol::Json::parse(R"({"items":[{"generation":42},{"generation":41}]})"));
+    } else if (request.method == "trace.list") {
+      peer.answer(request, protocol::Json::parse(R"({"items":[{"name":"flight-0001-fault"}]})"));
     } else if (request.method == "rules.list") {
       peer.answer(request, protocol::Json::parse(R"({"items":[{"name":"gnss_lost"}]})"));
     } else {
@@ -80,8 +110,23 @@ TEST(Completion, AsksTheDaemonForNames) {
   EXPECT_EQ(completed({"--socket", server.path(), "get", "control.p"}),
             Words{"control.ports.scan"});
   EXPECT_EQ(completed({"--socket", server.path(), "connect", "control.ports.scan", "s"}),
-            (Words{"scan.read", "scan.write"}));
+            Words{"scan.read"});
   EXPECT_EQ(completed({"--socket", server.path(), "rules", "g"}), Words{"gnss_lost"});
+}
+
+TEST(Completion, OffersWhatTheCommandAccepts) {
+  FakeServer server(serve_names, 7);
+  const std::string socket = "--socket=" + server.path();
+
+  EXPECT_EQ(completed({socket, "load", ""}), Words{"extra"}) << "those that are not loaded";
+  EXPECT_EQ(completed({socket, "unload", ""}), Words{"loaded"});
+  EXPECT_EQ(completed({socket, "connect", "other.ports.x", ""}),
+            (Words{"pose.read", "scan.read", "scan.write"}));
+  EXPECT_EQ(completed({socket, "rollback", ""}), (Words{"41", "42"}));
+  EXPECT_EQ(completed({socket, "trace", "dump", ""}), Words{"flight-0001-fault"});
+  EXPECT_EQ(completed({socket, "swap-core", "control", "a/b", "--set", ""}), Words{"gain="});
+  EXPECT_EQ(completed({socket, "swap-core", "control", "a/b", "--set=g"}), Words{"--set=gain="});
+  EXPECT_EQ(completed({"help", "swap"}), Words{"swap-core"});
 }
 
 TEST(Completion, OffersTheWordsThatAnOptionTakes) {

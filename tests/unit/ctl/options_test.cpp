@@ -5,6 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include "help.h"
+#include "table.h"
+#include "unit/ctl/scene.h"
+#include "words.h"
+
 namespace mauve::ctl {
 namespace {
 
@@ -134,6 +139,66 @@ TEST(Options, PrintHelpAndVersion) {
   EXPECT_NE(std::get<Text>(help).text.find("swap-core"), std::string::npos);
   EXPECT_NE(std::get<Text>(one).text.find("mauvectl swap-core"), std::string::npos);
   EXPECT_EQ(std::get<Text>(version).text.rfind("mauvectl ", 0), 0U);
+}
+
+TEST(Help, OfOneCommandNamesItsArgumentsWithUnits) {
+  const std::string text = help_text(*find_command("swap-core"), 80);
+
+  EXPECT_EQ(text.find("Usage: mauvectl swap-core COMPONENT CORE [OPTIONS]\n\n"
+                      "Replace the core of a running component.\n"),
+            0U)
+      << text;
+  EXPECT_NE(text.find("\n  --budget DURATION"), std::string::npos) << text;
+  EXPECT_NE(text.find("\n  --set KEY=VALUE"), std::string::npos) << text;
+  EXPECT_NE(help_text(*find_command("apply"), 80).find("--sync cut|barrier"), std::string::npos);
+  EXPECT_NE(help_text(*find_command("plot"), 80).find("-o, --output FILE"), std::string::npos);
+}
+
+TEST(Help, SaysOfEveryOptionWhatItsValueIs) {
+  const auto check = [](const Argument& option) {
+    if (!option.is_option() || option.flag) return;
+    EXPECT_NE(option.placeholder(), "VALUE") << option.name;
+  };
+  for (const Argument& option : global_options()) check(option);
+  for (const Command& command : commands()) {
+    for (const Argument& option : command.arguments) check(option);
+  }
+}
+
+TEST(Help, FitsTheTerminalAndCutsNothing) {
+  for (const std::size_t width : {50U, 60U, 80U, 120U}) {
+    std::string text = help_text(width);
+    for (const Command& command : commands()) {
+      const std::string text_of_one = help_text(command, width);
+      EXPECT_EQ(text_of_one.find("…"), std::string::npos);
+      // An example is one line to be copied.
+      text += text_of_one.substr(0, text_of_one.find("\nExample: "));
+    }
+    for (const auto line : lines_of(text)) EXPECT_LE(columns(line), width) << line;
+  }
+}
+
+TEST(Help, IsTheSameByCommandAndByOption) {
+  const auto option = parse_options({"stats", "--help"});
+  const Outcome command = run("/nowhere", {"help", "stats"});
+
+  EXPECT_EQ(command.exit, 0);
+  EXPECT_EQ(command.out, std::get<Text>(option).text);
+  EXPECT_NE(run("/nowhere", {"help"}).out.find("\nExit codes:\n  0 "), std::string::npos);
+}
+
+TEST(Help, NamesTheNearestCommandToAnUnknownOne) {
+  const Outcome outcome = run("/nowhere", {"help", "swap"});
+
+  EXPECT_EQ(outcome.exit, 2);
+  EXPECT_NE(outcome.err.find("did you mean 'swap-core'?"), std::string::npos) << outcome.err;
+}
+
+TEST(Commands, AreDescribedByASentenceWithAVerb) {
+  for (const Command& command : commands()) {
+    EXPECT_TRUE(command.text.front() >= 'A' && command.text.front() <= 'Z') << command.name;
+    EXPECT_NE(command.text.back(), '.') << command.name << ": readers add the full stop";
+  }
 }
 
 TEST(Commands, HaveAnExampleThatParses) {
