@@ -189,7 +189,7 @@ TEST_F(Traces, TheFourthFaultInThirtySecondsIsNotRecordedAndTheLogSaysSo) {
   static_cast<void>(flight("flight-0003-fault-first"));
   ASSERT_EQ(daemon.ask("component.start", {{"components", {"first"}}})["state"], "applied");
 
-  EXPECT_TRUE(was_logged(daemon, "flight_skipped")) << daemon.ask("log.tail", {{"n", 100}})["records"].dump(1);
+  EXPECT_TRUE(was_logged(daemon, "flight_skipped"));
   EXPECT_EQ(daemon.ask("trace.list")["items"].size(), 3U);
 }
 
