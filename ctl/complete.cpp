@@ -155,7 +155,8 @@ class Live {
   Words available_plugins() {
     const Words loaded = names("plugin.list");
     Words result;
-    for (const Json& place : list_in(ask("daemon.doctor", Json::object()), "plugin_dirs")) {
+    const Json doctor = ask("daemon.doctor", Json::object());
+    for (const Json& place : list_in(doctor, "plugin_dirs")) {
       std::error_code ignored;
       for (const auto& file :
            std::filesystem::directory_iterator(text_in(place, "path"), ignored)) {
