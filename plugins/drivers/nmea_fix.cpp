@@ -100,6 +100,13 @@ bool same_epoch(const Witness& said, const GnssFix& fix) {
   return said.grain > 0.0 && fix.mode > 1 && std::abs(said.time - fix.time) < 1e-3;
 }
 
+/// A measured position from 0 satellites is no fix, whatever its quality: while a receiver
+/// searches, it repeats an old position. Estimated, manual and simulated positions (quality 6 to 8)
+/// need no satellite. An empty field does not tell the number.
+bool without_satellites(const Fields& fields, double quality, double satellites) {
+  return !fields[7].empty() && satellites == 0.0 && (quality < 6.0 || quality > 8.0);
+}
+
 /// GGA: 1 time, 2-5 position, 6 quality, 7 satellites, 8 dilution, 9 altitude. Nothing: malformed.
 std::optional<GnssFix> parse_gga(const Fields& fields, int dimensions) {
   const auto time = time_of_day(fields[1]);
@@ -116,6 +123,7 @@ std::optional<GnssFix> parse_gga(const Fields& fields, int dimensions) {
   fix.satellites = static_cast<std::int32_t>(*satellites);
   fix.hdop = *hdop;
   if (*quality == 0.0 || (fields[2].empty() && fields[4].empty())) return fix;
+  if (without_satellites(fields, *quality, *satellites)) return fix;
   const auto latitude = angle(fields[2], fields[3], "NS", 90.0);
   const auto longitude = angle(fields[4], fields[5], "EW", 180.0);
   if (!latitude || !longitude) return {};

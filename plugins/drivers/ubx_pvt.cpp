@@ -61,7 +61,7 @@ std::optional<double> time_of(Bytes payload) {
 std::int32_t mode_of(Bytes payload) {
   const bool vouched = (payload[kFlags] & kFixOk) != 0 &&
                        (payload.size() < 92 || (payload[kFlags3] & kInvalidPosition) == 0);
-  if (!vouched) return 1;
+  if (!vouched || payload[kSatellites] == 0) return 1;
   const unsigned type = payload[kFixType];
   return type == 2 ? 2 : type == 3 || type == 4 ? 3 : 1;
 }

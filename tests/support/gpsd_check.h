@@ -18,13 +18,24 @@ struct GpsdReport {
   std::optional<double> latitude;
   std::optional<double> longitude;
   std::optional<double> altitude;  ///< above mean sea level
+  std::optional<double> time;      ///< s of the day, UTC
 };
 
 /// One epoch: a GGA sentence and the reports that followed it, perhaps none.
 struct GpsdEpoch {
   std::string gga;
   std::vector<GpsdReport> reports;
+  std::vector<double> dilutions;  ///< horizontal, each time it was reported
+  std::optional<int> satellites;  ///< used, when the epoch was complete
 };
+
+/// Of "2014-12-31T03:07:19.000Z".
+inline std::optional<double> second_of_day(const nlohmann::json& report) {
+  if (!report.contains("time")) return std::nullopt;
+  const auto text = report.at("time").get<std::string>();
+  return std::stod(text.substr(11, 2)) * 3600.0 + std::stod(text.substr(14, 2)) * 60.0 +
+         std::stod(text.substr(17));
+}
 
 inline std::vector<GpsdEpoch> gpsd_epochs(const std::filesystem::path& check) {
   std::vector<GpsdEpoch> epochs;
@@ -34,11 +45,16 @@ inline std::vector<GpsdEpoch> gpsd_epochs(const std::filesystem::path& check) {
   };
   for (std::string line; std::getline(file, line);) {
     if (line.size() > 6 && line[0] == '$' && line.compare(3, 3, "GGA") == 0) {
-      epochs.push_back({line, {}});
+      epochs.push_back({line, {}, {}, {}});
     } else if (!epochs.empty() && line.find("\"class\":\"TPV\"") != std::string::npos) {
       const auto json = nlohmann::json::parse(line);
       epochs.back().reports.push_back({json.value("mode", 0), number(json, "lat"),
-                                       number(json, "lon"), number(json, "altMSL")});
+                                       number(json, "lon"), number(json, "altMSL"),
+                                       second_of_day(json)});
+    } else if (!epochs.empty() && line.find("\"class\":\"SKY\"") != std::string::npos) {
+      const auto json = nlohmann::json::parse(line);
+      if (const auto hdop = number(json, "hdop")) epochs.back().dilutions.push_back(*hdop);
+      if (json.contains("uSat")) epochs.back().satellites = json.at("uSat").get<int>();
     }
   }
   return epochs;

@@ -171,6 +171,30 @@ TEST(NmeaFix, KnowsTwoAndThreeDimensions) {
   EXPECT_EQ(reading.fixes[2].mode, 2);
 }
 
+TEST(NmeaFix, APositionFromZeroSatellitesIsNoFix) {
+  // A receiver that was searching sent this position, 3.8 m away from its first real one.
+  const NmeaReading reading =
+      read("$GPGGA,194050.00,4221.8237733,N,07101.9411707,W,1,00,3.3,10.835,M,-33.320,M,,*62\r\n" +
+           sentence("GPGGA,1,4807.038,N,01131.000,E,1,0,0.9,10,M,,M,,") +
+           sentence("GPGGA,2,4807.038,N,01131.000,E,1,01,0.9,10,M,,M,,"));
+
+  ASSERT_EQ(reading.fixes.size(), 3U);
+  EXPECT_EQ(reading.bad, 0U);
+  EXPECT_EQ(reading.fixes[0].mode, 1);
+  EXPECT_EQ(reading.fixes[0].satellites, 0);
+  EXPECT_EQ(reading.fixes[1].mode, 1);
+  EXPECT_EQ(reading.fixes[2].mode, 3) << "one satellite";
+}
+
+TEST(NmeaFix, APositionThatNeedsNoSatelliteOrDoesNotSayTheirNumberIsAFix) {
+  const NmeaReading reading = read(sentence("GPGGA,1,4807.038,N,01131.000,E,6,00,0.9,10,M,,M,,") +
+                                   sentence("GPGGA,2,4807.038,N,01131.000,E,1,,0.9,10,M,,M,,"));
+
+  ASSERT_EQ(reading.fixes.size(), 2U);
+  EXPECT_EQ(reading.fixes[0].mode, 3) << "estimated by dead reckoning";
+  EXPECT_EQ(reading.fixes[1].mode, 3) << "an empty number of satellites";
+}
+
 TEST(NmeaFix, CallsFieldsThatCannotBeMalformed) {
   FixReader fixes;
 

@@ -228,6 +228,8 @@ TEST(UbxPvt, HasAPositionOnlyWhenTheReceiverVouchesForIt) {
   EXPECT_EQ(mode_of(changed_pvt(20, {1, 1})), 1) << "dead reckoning only";
   EXPECT_EQ(mode_of(changed_pvt(20, {5, 1})), 1) << "time only";
   EXPECT_EQ(mode_of(changed_pvt(78, {1})), 1) << "position marked invalid";
+  EXPECT_EQ(mode_of(changed_pvt(23, {0})), 1) << "from 0 satellites";
+  EXPECT_EQ(mode_of(changed_pvt(23, {1})), 3) << "from 1 satellite";
   EXPECT_EQ(mode_of(changed_pvt(78, {1}, 84)), 3) << "reserved in the shorter message";
 }
 
