@@ -49,7 +49,7 @@ struct Ports : mauve::Architecture {
   }
   mauve::Status on_configure() override {
     for (std::size_t i = 0; i < data.size(); ++i) {
-      auto done = component.shell().in[i].connect(data[i].read_service());
+      mauve::Status done = component.shell().in[i].connect(data[i].read_service());
       if (done) done = component.shell().out[i].connect(data[i].write_service());
       if (!done) return done;
     }
