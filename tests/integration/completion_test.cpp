@@ -114,7 +114,7 @@ TEST_F(CompletionIn, ZshOffersCommandsOptionsAndLiveNames) {
   ASSERT_FALSE(daemon_.ask("status.get").is_null());
 
   EXPECT_THAT(offered(&CompletionIn::zsh, "mauvectl sta"),
-              Contains("status:generation and one line a component"));
+              Contains("status:Show the generation and one line for each component"));
   EXPECT_THAT(offered(&CompletionIn::zsh, "mauvectl start "), ElementsAre("first", "second"));
   EXPECT_THAT(offered(&CompletionIn::zsh, "mauvectl set first.core.g"),
               ElementsAre("first.core.gain="));
@@ -137,7 +137,7 @@ TEST_F(CompletionIn, FishOffersCommandsOptionsAndLiveNames) {
   ASSERT_FALSE(daemon_.ask("status.get").is_null());
 
   EXPECT_THAT(offered(&CompletionIn::fish, "mauvectl sta"),
-              Contains("status\tgeneration and one line a component"));
+              Contains("status\tShow the generation and one line for each component"));
   EXPECT_THAT(offered(&CompletionIn::fish, "mauvectl start "), IsSupersetOf({"first", "second"}));
   EXPECT_THAT(offered(&CompletionIn::fish, "mauvectl start f"), ElementsAre("first"));
   EXPECT_THAT(offered(&CompletionIn::fish, "mauvectl set first.core.g"),
