@@ -38,12 +38,16 @@ ComponentBase::ComponentBase(std::string name, ComponentType type, CoreType core
   auto bundle = std::make_shared<Bundle>();
   auto table = std::make_shared<Bindings>();
   made_ = check_contract(name_ + ".core", core, type_.fsm, type_.shell);
-  if (made_) made_ = make_element(name_ + ".shell", type_.shell.make, bundle->shell);
-  if (made_) made_ = make_element(name_ + ".core", core.make, bundle->core);
-  if (made_) made_ = make_element(name_ + ".fsm", type_.fsm.make, bundle->fsm);
+  if (made_) made_ = construct_element(name_ + ".shell", type_.shell.make, bundle->shell);
+  if (made_) made_ = construct_element(name_ + ".core", core.make, bundle->core);
+  if (made_) made_ = construct_element(name_ + ".fsm", type_.fsm.make, bundle->fsm);
   if (made_) {
     bundle->core->bind(*bundle->shell);
     table->resize(bundle->shell->ports().size());
+    // Code uses all three elements before configure() reports a wrong name in one of them.
+    made_ = check_names(*bundle->shell);
+    if (made_) made_ = check_names(*bundle->core);
+    if (made_) made_ = check_names(*bundle->fsm);
   }
   bundle->bindings = std::move(table);
   bundle->core_type = std::move(core);

@@ -17,18 +17,25 @@ namespace mauve {
 /// In a trace a port is called by its component and its own name: "control.scan".
 void name_ports_in_trace(const Shell& shell);
 
-/// Runs a maker behind the door for exceptions, gives the element its address, and refuses names
-/// in it that are illegal or used twice.
+/// Runs a maker behind the door for exceptions, and gives the element its address. The names in it
+/// are not checked yet: see check_names().
 template <typename Base>
-Status make_element(const std::string& address, const detail::Make<Base>& make,
-                    std::shared_ptr<Base>& into) {
+Status construct_element(const std::string& address, const detail::Make<Base>& make,
+                         std::shared_ptr<Base>& into) {
   Status done = call_hook(address, "constructor", [&] { return into = make(), ok(); });
   if (done) into->adopt(address);
-  if (done) done = check_names(*into);
   if constexpr (std::is_same_v<Base, Shell>) {
     if (done) name_ports_in_trace(*into);
   }
   return done;
+}
+
+/// Constructs an element and refuses names in it that are illegal or used twice.
+template <typename Base>
+Status make_element(const std::string& address, const detail::Make<Base>& make,
+                    std::shared_ptr<Base>& into) {
+  Status done = construct_element(address, make, into);
+  return done ? check_names(*into) : done;
 }
 
 /// Runs destructors behind the same door.

@@ -12,13 +12,17 @@ ResourceBase::ResourceBase(std::string name, ResourceType type)
     : name_(std::move(name)), type_(std::move(type)) {
   gate_.name_in_trace(trace_name_id(name_));
   auto table = std::make_shared<Bindings>();
-  made_ = make_element(name_ + ".shell", type_.shell.make, shell_);
-  if (made_) made_ = make_element(name_ + ".core", type_.core.make, core_);
-  if (made_) made_ = make_element(name_ + ".interface", type_.interface, interface_);
+  made_ = construct_element(name_ + ".shell", type_.shell.make, shell_);
+  if (made_) made_ = construct_element(name_ + ".core", type_.core.make, core_);
+  if (made_) made_ = construct_element(name_ + ".interface", type_.interface, interface_);
   if (made_) {
     core_->bind(*shell_);
     interface_->bind(*this, core_);
     table->resize(shell_->ports().size());
+    // Code uses all three elements before configure() reports a wrong name in one of them.
+    made_ = check_names(*shell_);
+    if (made_) made_ = check_names(*core_);
+    if (made_) made_ = check_names(*interface_);
   }
   bindings_ = std::move(table);
 }

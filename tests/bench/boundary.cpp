@@ -2,6 +2,7 @@
 /// What the runtime adds to each state and to each job, against calling the same core methods one
 /// after the other. Releases are run back to back, on a clock that is moved forward by the wait
 /// instead of sleeping through it.
+#include <deque>
 #include <memory>
 #include <string>
 
@@ -46,7 +47,8 @@ template <std::size_t States, bool Guards>
 struct Chain : mauve::Fsm<Stepping> {
   Chain() {
     for (std::size_t i = 0; i < States; ++i) {
-      states.push_back(std::make_unique<Exec>(*this, "step", &Stepping::step));
+      const std::string& name = names.emplace_back("step" + std::to_string(i));
+      states.push_back(std::make_unique<Exec>(*this, name, &Stepping::step));
     }
   }
   mauve::Status on_configure() override {
@@ -60,6 +62,7 @@ struct Chain : mauve::Fsm<Stepping> {
     return mauve::ok();
   }
 
+  std::deque<std::string> names;  // a state does not copy its name
   std::vector<std::unique_ptr<Exec>> states;
   Sync wait{*this, "wait", kWait};
 };

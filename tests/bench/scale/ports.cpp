@@ -23,10 +23,11 @@ int width = 1;
 struct Wide : mauve::Shell {
   Wide() {
     for (int i = 0; i < width; ++i) {
-      in.emplace_back(*this, "in" + std::to_string(i));
-      out.emplace_back(*this, "out" + std::to_string(i));
+      in.emplace_back(*this, names.emplace_back("in" + std::to_string(i)));
+      out.emplace_back(*this, names.emplace_back("out" + std::to_string(i)));
     }
   }
+  std::deque<std::string> names;  // a port does not copy its name
   std::deque<mauve::ReadPort<double>> in;
   std::deque<mauve::WritePort<double>> out;
 };
