@@ -28,6 +28,7 @@ Json property_row(const std::string& name, const PropertyBase& property) {
 Json observable_row(const std::string& name, const ObservableBase& observable) {
   return {{"name", name},
           {"value", arch::to_json(observable.value())},
+          {"unit", observable.unit()},
           {"type", observable.type().name},
           {"text", observable.text()}};
 }

@@ -44,8 +44,8 @@ Error invalid(const PropertyBase& property, std::string message) {
 }
 
 ObservableBase::ObservableBase(Configurable& owner, std::string_view name, std::string_view text,
-                               const DataType& type)
-    : owner_(owner), name_(name), text_(text), type_(&type) {
+                               std::string_view unit, const DataType& type)
+    : owner_(owner), name_(name), text_(text), unit_(unit), type_(&type) {
   owner.observables_.push_back(this);
 }
 

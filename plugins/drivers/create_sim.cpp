@@ -60,8 +60,8 @@ class CreateSim final : public mauve::Core<WheelsShell> {
   mauve::Observable<std::uint64_t> commands{*this, "commands", 0, "heard"};
   mauve::Observable<std::uint64_t> frames{*this, "frames", 0, "sent"};
   mauve::Observable<std::uint64_t> lost{*this, "lost", 0, "not sent: nobody reads the line"};
-  mauve::Observable<double> left{*this, "left", 0.0, "speed of the wheel, m/s"};
-  mauve::Observable<double> right{*this, "right", 0.0, "speed of the wheel, m/s"};
+  mauve::Observable<double> left{*this, "left", 0.0, "speed of the wheel", "m/s"};
+  mauve::Observable<double> right{*this, "right", 0.0, "speed of the wheel", "m/s"};
 
   mauve::Status on_configure() override {
     mode_ = create::Mode::off;

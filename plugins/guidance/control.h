@@ -34,7 +34,8 @@ class GuidanceCore : public mauve::Core<ControlShell> {
   mauve::State<Guidance> state{*this};  // what survives a change: shared by all guidance cores
   mauve::Property<double> tolerance{
       *this, "tolerance", 0.15, "arrived when this near", {.unit = "m", .min = 0.01, .max = 10.0}};
-  mauve::Observable<double> distance_to_goal{*this, "distance_to_goal", 0.0, "m"};
+  mauve::Observable<double> distance_to_goal{*this, "distance_to_goal", 0.0,
+                                             "along the straight line", "m"};
   mauve::Observable<int> goals_reached{*this, "goals_reached", 0, "since the start"};
 
   /// [rt] state wait_goal, every 100 ms: is there a goal, and are we away from it?

@@ -145,8 +145,8 @@ class EkfCore final : public mauve::Core<mauve::EmptyShell> {
   Observable<std::uint64_t> too_late{*this, "too_late", 0, "measurements dropped for their age"};
   Observable<std::uint64_t> refused{*this, "refused", 0, "measurements that are none"};
   Observable<double> innovation{*this, "innovation", 0.0, "of the last pose, squared, normalised"};
-  Observable<double> dispersion{*this, "dispersion", 0.0, "worst deviation of the place, m"};
-  Observable<double> pose_age{*this, "pose_age", 0.0, "s since the last pose inside the gate"};
+  Observable<double> dispersion{*this, "dispersion", 0.0, "worst deviation of the place", "m"};
+  Observable<double> pose_age{*this, "pose_age", 0.0, "since the last pose inside the gate", "s"};
   Observable<bool> placed{*this, "placed", false, "the place is known"};
   Observable<bool> aligned{*this, "aligned", false, "the heading is known"};
 

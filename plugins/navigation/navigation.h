@@ -95,7 +95,8 @@ class Navigation final : public mauve::Core<NavigationShell> {
   mauve::Observable<int> strayed{*this, "strayed", 0, "plans because the path was left"};
   mauve::Observable<int> stuck{*this, "stuck", 0, "plans because it did not get on"};
   mauve::Observable<int> way_points{*this, "way_points", 0, "still to come"};
-  mauve::Observable<double> distance_to_goal{*this, "distance_to_goal", 0.0, "m"};
+  mauve::Observable<double> distance_to_goal{*this, "distance_to_goal", 0.0,
+                                             "along the straight line", "m"};
   mauve::Observable<int> goals_reached{*this, "goals_reached", 0, "since the start"};
 
   mauve::Status on_configure() override;

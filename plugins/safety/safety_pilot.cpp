@@ -92,7 +92,7 @@ class Pilot final : public mauve::Core<PilotShell> {
                                                 500ms,
                                                 "an older scan counts as none; 0ms: never",
                                                 {.min = 0ms, .max = {}}};
-  mauve::Observable<double> free_way{*this, "free_way", 0.0, "to the next obstacle ahead, m"};
+  mauve::Observable<double> free_way{*this, "free_way", 0.0, "to the next obstacle ahead", "m"};
   mauve::Observable<std::uint64_t> blind_scans{*this, "blind_scans", 0,
                                                "looks at a scan that says nothing"};
   mauve::Observable<std::uint64_t> bad_commands{*this, "bad_commands", 0, "not a number"};

@@ -22,6 +22,7 @@ class ObservableBase {
 
   [[nodiscard]] std::string_view name() const { return name_; }
   [[nodiscard]] std::string_view text() const { return text_; }
+  [[nodiscard]] std::string_view unit() const { return unit_; }
   [[nodiscard]] std::string address() const;
   [[nodiscard]] const DataType& type() const { return *type_; }
   [[nodiscard]] virtual Value value() const = 0;
@@ -32,25 +33,28 @@ class ObservableBase {
 
  protected:
   ObservableBase(Configurable& owner, std::string_view name, std::string_view text,
-                 const DataType& type);
+                 std::string_view unit, const DataType& type);
   std::atomic<std::uint64_t> bits_{0};
 
  private:
   Configurable& owner_;
   std::string_view name_;
   std::string_view text_;
+  std::string_view unit_;
   const DataType* type_;
 };
 
 /// Declared as a member: `mauve::Observable<int> bad_frames{*this, "bad_frames", 0, "refused"};`
+/// With a unit: `mauve::Observable<double> sigma{*this, "sigma", 0.0, "of the place", "m"};`
 /// Written by the component's own thread ([rt], wait-free), read by anyone.
 template <typename T>
 class Observable final : public ObservableBase {
   static_assert(std::is_arithmetic_v<T>, "an observable is a number or a boolean");
 
  public:
-  Observable(Configurable& owner, std::string_view name, T value = {}, std::string_view text = {})
-      : ObservableBase(owner, name, text, data_type<T>()) {
+  Observable(Configurable& owner, std::string_view name, T value = {}, std::string_view text = {},
+             std::string_view unit = {})
+      : ObservableBase(owner, name, text, unit, data_type<T>()) {
     *this = value;
   }
 
