@@ -34,8 +34,7 @@ struct BaseLine {
   LineBytes bytes;
   create::ReportReader reports;
   WheelOdometry wheels;
-  std::int64_t since = 0;  // when the first job began, monotonic
-  bool begun = false;      // the base may be driving
+  bool begun = false;  // the base may be driving
 };
 
 }  // namespace drivers
@@ -43,7 +42,7 @@ struct BaseLine {
 /// Opaque to tools; raise the revision when anything in it changes.
 template <>
 struct mauve::Described<drivers::BaseLine> {
-  static constexpr std::string_view name = "base_line/2";
+  static constexpr std::string_view name = "base_line/3";
   static constexpr auto fields() { return std::tuple{}; }
 };
 
@@ -110,7 +109,6 @@ class CreateOi final : public BaseCore {
 
   void begin() override {
     heard_ = mauve::job_time();
-    if (state->since == 0) state->since = heard_;
     silent_ = false;
     state->begun = true;
     line_.send(create::begin_text());
@@ -171,11 +169,10 @@ class CreateOi final : public BaseCore {
 
   void publish(mauve::Instant now) {
     rover::Odometry odometry = state->wheels.odometry();
-    odometry.time = static_cast<double>(now - state->since) * 1e-9;
+    odometry.time = static_cast<double>(now) * 1e-9 - state->wheels.lag();
     shell().odometry.write(odometry);
     shell().pose.write({odometry.x, odometry.y, odometry.heading});
-    shell().twist.write(
-        {static_cast<double>(now) * 1e-9 - state->wheels.lag(), odometry.linear, odometry.angular});
+    shell().twist.write({odometry.time, odometry.linear, odometry.angular});
   }
 
   /// The command, as far as it can be followed.

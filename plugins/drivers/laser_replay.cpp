@@ -42,7 +42,11 @@ class LaserReplay final : public mauve::Core<LaserReplayShell> {
     finished = state->next >= recording_->size();
     if (finished) return;
     const std::size_t index = state->next++;
-    shell().scan.fill([&](LaserScan& scan) { recording_->show(index, scan); });
+    shell().scan.fill([&](LaserScan& scan) {
+      recording_->show(index, scan);
+      scan.time =
+          static_cast<double>(mauve::job_time()) * 1e-9;  // the recording's clock is another
+    });
     ++scans;
   }
 

@@ -3,6 +3,7 @@
 /// seed gives the same run. Obstacles are listed in `obstacles`, or thrown at random when
 /// `random_discs` is set; walls are the occupied cells of `map`.
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -69,13 +70,15 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
     if (left < nearest) nearest = left;
     x = pose.x;
     y = pose.y;
-    return state_->robot.odometry();
+    Odometry odometry = state_->robot.odometry();
+    odometry.time = static_cast<double>(mauve::job_time()) * 1e-9;
+    return odometry;
   }
 
   /// [rt] One turn of the laser.
   LaserScan scan() {
     LaserScan scan;
-    scan.time = state_->robot.odometry().time;
+    scan.time = static_cast<double>(mauve::job_time()) * 1e-9;
     world::cast(map_, state_->robot.pose(), {0.02, laser_range, laser_noise}, state_->random, scan,
                 walls_.get());
     return scan;
@@ -88,7 +91,8 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
     const double north = origin_.y + pose.y + state_->random.normal(gnss_noise);
     const localization::Geographic there = utm_.reverse({east, north}, kZone);
     GnssFix fix;
-    fix.time = state_->robot.odometry().time;
+    // In this world it was midnight when the drive began.
+    fix.time = std::fmod(state_->robot.odometry().time, 86400.0);
     fix.latitude = there.latitude;
     fix.longitude = there.longitude;
     fix.altitude = kGroundAltitude + state_->random.normal(2.0 * gnss_noise);
@@ -149,9 +153,9 @@ class WorldCore final : public mauve::Core<mauve::EmptyShell> {
                                             0.0,
                                             "standard deviation of the compass; 0: there is none",
                                             {.unit = "rad", .min = 0.0, .max = 1.0}};
-  mauve::Observable<double> nearest{*this, "nearest", 1e9, "the robot came to an obstacle, m"};
-  mauve::Observable<double> x{*this, "x", 0.0, "true position, m"};
-  mauve::Observable<double> y{*this, "y", 0.0, "true position, m"};
+  mauve::Observable<double> nearest{*this, "nearest", 1e9, "the robot came to an obstacle", "m"};
+  mauve::Observable<double> x{*this, "x", 0.0, "true position", "m"};
+  mauve::Observable<double> y{*this, "y", 0.0, "true position", "m"};
 
   mauve::Status on_configure() override {
     const auto number = static_cast<std::uint64_t>(seed.get());

@@ -27,7 +27,7 @@ struct mauve::Described<rover::GnssFix> {
   static constexpr auto fields() {
     using rover::GnssFix;
     return std::tuple{
-        field("time", &GnssFix::time, "s", "of the day, UTC"),
+        field("time", &GnssFix::time, "s", "of the day, UTC, as the receiver says"),
         field("latitude", &GnssFix::latitude, "deg", "north positive"),
         field("longitude", &GnssFix::longitude, "deg", "east positive"),
         field("altitude", &GnssFix::altitude, "m", "above mean sea level"),

@@ -40,7 +40,7 @@ struct mauve::Described<rover::OccupancyGrid> {
   static constexpr auto fields() {
     using rover::OccupancyGrid;
     return std::tuple{
-        field("time", &OccupancyGrid::time, "s"),
+        field("time", &OccupancyGrid::time, "s", "monotonic clock; another one means another map"),
         field("resolution", &OccupancyGrid::resolution, "m"),
         field("origin", &OccupancyGrid::origin, "m", "corner of the first cell"),
         field("width", &OccupancyGrid::width, "", "cells"),

@@ -25,7 +25,7 @@ struct mauve::Described<rover::Imu> {
   static constexpr std::string_view name = "imu/1";
   static constexpr auto fields() {
     using rover::Imu;
-    return std::tuple{field("time", &Imu::time, "s"),
+    return std::tuple{field("time", &Imu::time, "s", "monotonic clock; 0: now"),
                       field("yaw_rate", &Imu::yaw_rate, "rad/s", "anticlockwise"),
                       field("acceleration_x", &Imu::acceleration_x, "m/s2", "forward"),
                       field("acceleration_y", &Imu::acceleration_y, "m/s2", "to the left"),

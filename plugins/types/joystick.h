@@ -26,7 +26,7 @@ struct mauve::Described<rover::Joystick> {
   static constexpr std::string_view name = "joystick/1";
   static constexpr auto fields() {
     using rover::Joystick;
-    return std::tuple{field("time", &Joystick::time, "s", "of the last event"),
+    return std::tuple{field("time", &Joystick::time, "s", "monotonic clock; of the last event"),
                       field("axes", &Joystick::axes, "", "-1 to 1; forward and left are positive"),
                       field("buttons", &Joystick::buttons, "", "a bit for each"),
                       field("connected", &Joystick::connected)};

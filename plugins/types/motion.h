@@ -43,7 +43,7 @@ struct mauve::Described<rover::Twist> {
   static constexpr std::string_view name = "twist/1";
   static constexpr auto fields() {
     using rover::Twist;
-    return std::tuple{field("time", &Twist::time, "s"),
+    return std::tuple{field("time", &Twist::time, "s", "monotonic clock; 0: now"),
                       field("linear", &Twist::linear, "m/s", "forward"),
                       field("angular", &Twist::angular, "rad/s", "anticlockwise")};
   }
@@ -54,8 +54,8 @@ struct mauve::Described<rover::Pose> {
   static constexpr std::string_view name = "pose/1";
   static constexpr auto fields() {
     using rover::Pose;
-    return std::tuple{field("time", &Pose::time, "s"), field("x", &Pose::x, "m"),
-                      field("y", &Pose::y, "m"),
+    return std::tuple{field("time", &Pose::time, "s", "monotonic clock; 0: now"),
+                      field("x", &Pose::x, "m"), field("y", &Pose::y, "m"),
                       field("deviation", &Pose::deviation, "m", "one sigma along each axis")};
   }
 };
@@ -65,7 +65,7 @@ struct mauve::Described<rover::MotionState> {
   static constexpr std::string_view name = "motion_state/1";
   static constexpr auto fields() {
     using rover::MotionState;
-    return std::tuple{field("time", &MotionState::time, "s"),
+    return std::tuple{field("time", &MotionState::time, "s", "monotonic clock; of the motion"),
                       field("x", &MotionState::x, "m"),
                       field("y", &MotionState::y, "m"),
                       field("heading", &MotionState::heading, "rad", "anticlockwise from x"),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Where something is in the plane: pose2d/1, point2d/1, odometry/1. Metres, radians, x east.
+/// Where something is in the plane: pose2d/1, point2d/1, odometry/2. Metres, radians, x east.
 #pragma once
 
 #include <cmath>
@@ -24,7 +24,7 @@ struct Point2D {
 
 /// What the wheels say: the pose dead-reckoned since the start, and the speeds now.
 struct Odometry {
-  double time = 0.0;  ///< s since the driver was configured
+  double time = 0.0;  ///< s, monotonic clock
   double x = 0.0;
   double y = 0.0;
   double heading = 0.0;
@@ -70,10 +70,10 @@ struct mauve::Described<rover::Point2D> {
 
 template <>
 struct mauve::Described<rover::Odometry> {
-  static constexpr std::string_view name = "odometry/1";
+  static constexpr std::string_view name = "odometry/2";
   static constexpr auto fields() {
     using rover::Odometry;
-    return std::tuple{field("time", &Odometry::time, "s"),
+    return std::tuple{field("time", &Odometry::time, "s", "monotonic clock"),
                       field("x", &Odometry::x, "m"),
                       field("y", &Odometry::y, "m"),
                       field("heading", &Odometry::heading, "rad"),

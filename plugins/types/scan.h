@@ -14,7 +14,7 @@ namespace rover {
 struct LaserScan {
   static constexpr std::size_t kCapacity = 1081;
 
-  double time = 0.0;  ///< s, on the clock of the driver
+  double time = 0.0;  ///< s, monotonic clock
   float angle_min = 0.0F;
   float angle_increment = 0.0F;
   float range_min = 0.0F;
@@ -40,7 +40,7 @@ struct mauve::Described<rover::LaserScan> {
   static constexpr std::string_view name = "laser_scan/1";
   static constexpr auto fields() {
     using rover::LaserScan;
-    return std::tuple{field("time", &LaserScan::time, "s"),
+    return std::tuple{field("time", &LaserScan::time, "s", "monotonic clock"),
                       field("angle_min", &LaserScan::angle_min, "rad"),
                       field("angle_increment", &LaserScan::angle_increment, "rad"),
                       field("range_min", &LaserScan::range_min, "m"),

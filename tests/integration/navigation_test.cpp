@@ -33,7 +33,7 @@ std::string architecture(const std::string& discs, const std::string& goal) {
     "world": { "type": "drivers/world",
                "properties": { "core.map": ")" +
          kMap + R"(", "core.obstacles": [)" + discs + R"(] } },
-    "odometry": { "type": "shared_data", "data": "odometry/1" },
+    "odometry": { "type": "shared_data", "data": "odometry/2" },
     "pose": { "type": "shared_data", "data": "pose2d/1" },
     "goal": { "type": "shared_data", "data": "point2d/1" },
     "target": { "type": "shared_data", "data": "point2d/1" },

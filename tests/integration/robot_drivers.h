@@ -33,7 +33,7 @@ inline constexpr const char* kHead = R"({ "schema": "mauve/architecture/1", "nam
       "core.obstacles": [ { "at": { "x": 4.0, "y": 0.0 }, "radius": 0.5 } ] } },
     "brake": { "type": "drivers/create_brake", "properties": { "core.device": "BASE" } },
     "scan": { "type": "shared_data", "data": "laser_scan/1" },
-    "odometry": { "type": "shared_data", "data": "odometry/1" },
+    "odometry": { "type": "shared_data", "data": "odometry/2" },
     "twist": { "type": "shared_data", "data": "twist/1" },
     "command": { "type": "shared_data", "data": "velocity/1" },
     "safe_command": { "type": "shared_data", "data": "velocity/1" } },
