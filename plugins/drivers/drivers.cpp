@@ -6,6 +6,7 @@ MAUVE_PLUGIN(plugin) {
   drivers::declare_gnss(plugin);
   drivers::declare_imu(plugin);
   drivers::declare_laser_replay(plugin);
+  drivers::declare_playback(plugin);
   drivers::declare_world(plugin);
   drivers::declare_robot_sim(plugin);
   drivers::declare_hokuyo(plugin);

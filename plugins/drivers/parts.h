@@ -9,6 +9,7 @@ namespace drivers {
 void declare_gnss(mauve::Plugin& plugin);
 void declare_imu(mauve::Plugin& plugin);
 void declare_laser_replay(mauve::Plugin& plugin);
+void declare_playback(mauve::Plugin& plugin);
 void declare_world(mauve::Plugin& plugin);
 void declare_robot_sim(mauve::Plugin& plugin);
 void declare_hokuyo(mauve::Plugin& plugin);

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The rows that `mauvectl record` wrote of one address, read back as values of one type.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <mauve/result.h>
+#include <mauve/type.h>
+#include <mauve/value.h>
+
+namespace drivers {
+
+/// One recorded value.
+struct CsvRow {
+  std::int64_t time = 0;  ///< ns since T0 of the run that was recorded
+  std::size_t line = 0;   ///< of the file
+  mauve::Value value;
+};
+
+/// Reads CSV as RFC 4180 has it: column 1 is `time_s`, the others are an address and the field of
+/// its value, such as `pose.read.x`. Rows of other addresses and rows that mark a gap are left out.
+/// `address` may be empty when all columns are of one. Numbers come back exactly as they were.
+/// `name` stands for the file in errors, which say the line. [factory]
+[[nodiscard]] mauve::Result<std::vector<CsvRow>> read_csv(std::string_view text,
+                                                          const mauve::DataType& type,
+                                                          const std::string& address,
+                                                          const std::string& name);
+
+}  // namespace drivers
