@@ -17,7 +17,8 @@ namespace {
 constexpr double kBetweenScans = 1.0;
 
 std::optional<Place> place_of(const Json& value) {
-  if (!value.is_object() || !value.contains("x") || !value.contains("y")) return std::nullopt;
+  // A coordinate that is "nan" on the wire is a string: there is no place to draw.
+  if (!member(value, "x").is_number() || !member(value, "y").is_number()) return std::nullopt;
   return Place{number(value, "x"), number(value, "y")};
 }
 

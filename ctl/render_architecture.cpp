@@ -14,15 +14,15 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 // The order of the examples: what it is, what is inside, how it is wired, how it runs.
-constexpr std::array<std::string_view, 46> kOrder{
-    "$schema",       "schema",    "name",      "plugins",       "resources",   "components",
-    "transactions",  "rules",     "when",      "for",           "until",       "do",
-    "disconnect",    "connect",   "swap",      "set",           "to",          "type",
-    "data",          "interface", "core",      "fallback_core", "fsm",         "start",
-    "properties",    "ports",     "hold",      "task",          "may_request", "priority",
-    "cpus",          "offset",    "deadline",  "budget",        "stack",       "on_overrun",
-    "overrun_limit", "on_fault",  "watchdog",  "restart",       "per",         "back_off",
-    "max_age",       "state",     "cool_down", "per_hour"};
+constexpr std::array<std::string_view, 47> kOrder{
+    "$schema",       "schema",    "name",         "plugins",       "resources",   "components",
+    "transactions",  "rules",     "when",         "for",           "until",       "do",
+    "disconnect",    "connect",   "swap",         "set",           "to",          "type",
+    "data",          "interface", "core",         "fallback_core", "fsm",         "start",
+    "properties",    "ports",     "hold",         "task",          "may_request", "priority",
+    "cpus",          "offset",    "deadline",     "budget",        "stack",       "on_overrun",
+    "overrun_limit", "on_fault",  "watchdog",     "restart",       "per",         "back_off",
+    "max_age",       "state",     "when_unknown", "cool_down",     "per_hour"};
 
 std::size_t rank(const std::string& key) {
   const auto found = std::find(kOrder.begin(), kOrder.end(), key);

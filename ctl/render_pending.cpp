@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What is not settled yet: changes on probation, a start after a crash, cores in quarantine.
+/// What is not settled yet: changes on probation, a start after a crash, cores in quarantine,
+/// values that rules need and that are unknown.
 #include "render.h"
 #include "table.h"
 #include "words.h"
@@ -47,6 +48,9 @@ std::string render_pending(const Json& status, Look look) {
     text += painted(wrapped(harmless(line), look.width, 2), Paint::yellow, look.colour) + "\n";
   };
   for (const Json& one : list_in(status, "probations")) add(sentence_of(one));
+  for (const Json& one : list_in(status, "unknown_values")) {
+    add(word(one, "address") + " is " + word(one, "text") + ": mauvectl rules");
+  }
   if (const auto recovered = word(status, "recovered"); number(status, "recovered") > 0) {
     add("this run began with generation " + recovered +
         " after a crash, not with its file: an orderly end and a start begin with the file, as "

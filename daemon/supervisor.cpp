@@ -38,6 +38,29 @@ bool is_a_matter_of_time(const Fault& fault) {
   return fault.name == to_string(Errc::conflict) || fault.name == to_string(Errc::timed_out);
 }
 
+std::string shown(const Value& value) { return value.is_null() ? "not there" : to_string(value); }
+
+/// "rule too_hot cannot be judged and does not fire (when_unknown hold)".
+std::string consequence(const rules::Engine& engine, const rules::SightChange& change) {
+  std::string holding;
+  std::string firing;
+  for (const auto& rule : engine.rules()) {
+    if (std::ranges::find(change.rules, rule.name) == change.rules.end()) {
+      continue;
+    }
+    auto& names = rule.when_unknown == rules::Unknown::fire ? firing : holding;
+    names += (names.empty() ? "" : ", ") + rule.name;
+  }
+  std::string text;
+  if (!holding.empty()) {
+    text = "rule " + holding + " cannot be judged and does not fire (when_unknown is hold)";
+  }
+  if (!firing.empty()) {
+    text += (text.empty() ? "rule " : "; rule ") + firing + " fires (when_unknown is fire)";
+  }
+  return text;
+}
+
 /// Else there is nothing to prove: a late job shall not bring back what a rule took away.
 bool brings_something_new(const rules::Steps& steps) {
   return std::ranges::any_of(steps, [](const rules::Step& step) {
@@ -105,9 +128,32 @@ void Supervisor::run() {
 void Supervisor::look() {
   look_pending_ = false;
   const std::string_view held = this->held() > 0 ? "everything is locked" : "";
-  for (const auto rule : engine_.step(running_->deployer.clock().now(), reader(), held)) {
+  const auto fired = engine_.step(running_->deployer.clock().now(), reader(), held);
+  for (const auto& change : engine_.changes()) {
+    report_sight(change);
+  }
+  for (const auto rule : fired) {
     fire(rule);
   }
+}
+
+void Supervisor::report_sight(const rules::SightChange& change) {
+  logging::Fields fields = {{"address", change.address}, {"value", shown(change.value)}};
+  if (change.lost) {
+    fields.push_back({"text", consequence(engine_, change)});
+  }
+  running_->log.write(change.lost ? Event::value_unknown : Event::value_known, std::move(fields));
+}
+
+Json Supervisor::lost_values() const {
+  Json rows = Json::array();
+  for (const auto& one : engine_.lost()) {
+    rows.push_back({{"address", one.address},
+                    {"value", arch::to_json(one.value)},
+                    {"rules", one.rules},
+                    {"text", shown(one.value) + ": " + consequence(engine_, one)}});
+  }
+  return rows;
 }
 
 std::size_t Supervisor::held() const {
@@ -278,6 +324,7 @@ Json Supervisor::row(std::size_t index, Instant now) const {
           {"values", std::move(values)},
           {"for", format_duration(rule.timing.hold)},
           {"until", rule.until ? Json(rule.until->text()) : Json()},
+          {"when_unknown", to_string(rule.when_unknown)},
           {"do", rule.transaction.empty() ? Json() : Json(rule.transaction)},
           {"cool_down", format_duration(rule.timing.cool_down)},
           {"per_hour", rule.timing.per_hour},

@@ -46,6 +46,8 @@ class Supervisor {
   [[nodiscard]] std::uint64_t adoptions() const { return adoptions_; }
   /// How many rules the lock keeps from firing. [control]
   [[nodiscard]] std::size_t held() const;
+  /// The values that rules look at and that are unknown, with what this means. [control]
+  [[nodiscard]] Json lost_values() const;
   /// One row a rule, of one rule only when it is named. [control]
   [[nodiscard]] Result<Json> list(const std::string& rule) const;
 
@@ -64,6 +66,7 @@ class Supervisor {
   void run();
   void look();
   void fire(std::size_t rule);
+  void report_sight(const rules::SightChange& change);
   void serve(const std::string& component, const std::string& transaction);
   void refuse_request(const Order& order, const Error& error);
   void carry_out(Order order);

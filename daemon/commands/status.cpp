@@ -13,6 +13,7 @@
 #include "guardian.h"
 #include "keeper.h"
 #include "mauve/version.h"
+#include "supervisor.h"
 
 namespace mauve::daemon {
 
@@ -117,6 +118,7 @@ Result<Json> status(Running& running, const Call& /*call*/) {
                  {"left_behind", left_behind(running)},
                  {"lost_to_quarantine", lost_to_quarantine(running)},
                  {"probations", probations(running)},
+                 {"unknown_values", running.supervisor.lost_values()},
                  {"recovered", running.recovered == 0 ? Json() : Json(running.recovered)},
                  {"quarantine", running.quarantined.size()}};
   if (running.guardian != nullptr) {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "log/json_text.h"
+#include "mauve/value.h"
 
 namespace mauve::logging {
 
@@ -56,7 +57,8 @@ std::string json_value(const Field::Value& value) {
     return json_string(*text);
   }
   const auto* number = std::get_if<double>(&value);
-  return number != nullptr && !std::isfinite(*number) ? "null" : to_string(value);
+  const bool fits_json = number == nullptr || std::isfinite(*number);
+  return fits_json ? to_string(value) : json_string(to_string(value));
 }
 
 }  // namespace
@@ -99,6 +101,9 @@ std::string to_string(const Field::Value& value) {
     return *text;
   }
   if (const auto* number = std::get_if<double>(&value)) {
+    if (const std::string_view word = word_of_number(*number); !word.empty()) {
+      return std::string(word);
+    }
     return fmt::format("{}", *number);
   }
   return fmt::format("{}", std::get<std::int64_t>(value));

@@ -48,6 +48,7 @@ class Checker {
     rules::Rule rule{spec.name.value, spec.when->value,       {},
                      spec.timing,     spec.transaction.value, std::move(inline_steps)};
     if (spec.until) rule.until = spec.until->value;
+    rule.when_unknown = spec.when_unknown;
     supervision_.rules.push_back(std::move(rule));
   }
 

@@ -36,6 +36,9 @@ Value describe(const rules::Rule& rule) {
   };
   add_duration("for", timing.hold, defaults.hold);
   if (rule.until) object.emplace_back("until", rule.until->text());
+  if (rule.when_unknown != rules::Unknown::hold) {
+    object.emplace_back("when_unknown", to_string(rule.when_unknown));
+  }
   object.emplace_back(
       "do", rule.transaction.empty() ? Value(describe(rule.steps)) : Value(rule.transaction));
   add_duration("cool_down", timing.cool_down, defaults.cool_down);

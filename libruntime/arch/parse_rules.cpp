@@ -172,6 +172,14 @@ void read_do(const Source& source, RuleSpec& rule) {
   }
 }
 
+void read_when_unknown(const Source& source, rules::Unknown& into) {
+  using rules::Unknown;
+  constexpr Unknown kAnswers[] = {Unknown::hold, Unknown::fire};
+  const auto word =
+      read_word(source, {std::string(to_string(kAnswers[0])), std::string(to_string(kAnswers[1]))});
+  if (word) into = kAnswers[*word];
+}
+
 void read_rule(const Source& source, RuleSpec& rule) {
   const auto* members = read_object(
       source,
@@ -184,6 +192,7 @@ void read_rule(const Source& source, RuleSpec& rule) {
        {"when", [&](const Source& value) { read_condition(value, rule.when); }},
        {"for", [&](const Source& value) { rule.timing.hold = read_duration(value).value_or(0ns); }},
        {"until", [&](const Source& value) { read_condition(value, rule.until); }},
+       {"when_unknown", [&](const Source& value) { read_when_unknown(value, rule.when_unknown); }},
        {"do", [&](const Source& value) { read_do(value, rule); }},
        {"cool_down",
         [&](const Source& value) { rule.timing.cool_down = read_duration(value).value_or(1s); }},

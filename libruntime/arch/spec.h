@@ -120,6 +120,7 @@ struct RuleSpec {
   std::optional<ConditionSpec> when;
   std::optional<ConditionSpec> until;
   rules::Timing timing;
+  rules::Unknown when_unknown = rules::Unknown::hold;
   PlacedText transaction;  ///< "do" as a name; empty: `steps`
   TransactionSpec steps;   ///< "do" as a list
 };

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "arch/value_json.h"
 
-#include <cmath>
 #include <cstdint>
 #include <utility>
 
@@ -15,7 +14,8 @@ Json converted(const Value& value) {
   if (const auto* flag = value.get_if<bool>()) return *flag;
   if (const auto* integer = value.get_if<std::int64_t>()) return *integer;
   if (const auto* number = value.get_if<double>()) {
-    return std::isfinite(*number) ? Json(*number) : Json(nullptr);
+    const std::string_view word = word_of_number(*number);
+    return word.empty() ? Json(*number) : Json(word);
   }
   if (const auto* text = value.get_if<std::string>()) return *text;
   if (const auto* items = value.get_if<Value::Array>()) {

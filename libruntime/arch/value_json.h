@@ -11,8 +11,8 @@
 
 namespace mauve::arch {
 
-/// The same tree; members of objects keep their order. A number that JSON cannot hold (NaN,
-/// infinite) becomes null. [any]
+/// The same tree; members of objects keep their order. A number that JSON cannot hold
+/// becomes the string "nan", "inf" or "-inf"; null means that there is no value. [any]
 [[nodiscard]] nlohmann::ordered_json to_ordered_json(const Value& value);
 
 /// The same for the wire, whose objects have no order.

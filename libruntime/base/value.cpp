@@ -3,6 +3,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 #include <mauve/codec.h>
 
@@ -24,7 +25,7 @@ std::string quoted(std::string_view text) {
 
 /// The shortest text that reads back as the same number.
 std::string shortest(double number) {
-  if (!std::isfinite(number)) return "null";
+  if (const std::string_view word = word_of_number(number); !word.empty()) return std::string(word);
   char buffer[40];
   const auto end = std::to_chars(buffer, buffer + sizeof buffer, number).ptr;
   return {buffer, end};
@@ -75,7 +76,23 @@ std::string_view kind_of(const Value& value) { return value.visit(KindName{}); }
 
 std::string to_string(const Value& value) { return value.visit(Printer{}); }
 
+std::string_view word_of_number(double number) {
+  if (std::isfinite(number)) return {};
+  if (std::isnan(number)) return "nan";
+  return number < 0.0 ? "-inf" : "inf";
+}
+
 namespace detail {
+
+std::optional<double> number_of_word(const Value& value) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto* word = value.get_if<std::string>();
+  if (word == nullptr) return std::nullopt;
+  for (const double number : {std::numeric_limits<double>::quiet_NaN(), kInfinity, -kInfinity}) {
+    if (*word == word_of_number(number)) return number;
+  }
+  return std::nullopt;
+}
 
 Error out_of_range(std::int64_t low, std::int64_t high, const Value& value) {
   return refuse(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "rules/engine.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <utility>
 
@@ -19,19 +20,62 @@ std::string seconds(Duration duration) {
 Engine::Engine(std::vector<Rule> rules) : rules_(std::move(rules)) {
   for (const Rule& rule : rules_) {
     watched_.push_back({Trigger(rule.timing), {}, false, {}});
+    const auto looks_at = [&](const Condition& condition) {
+      for (const Comparison& one : condition.comparisons()) {
+        std::vector<std::string>& names = seen_[one.address].rules;
+        if (names.empty() || names.back() != rule.name) names.push_back(rule.name);
+      }
+    };
+    looks_at(rule.when);
+    if (rule.until) looks_at(*rule.until);
   }
+}
+
+void Engine::look(Instant now, const Read& read) {
+  changes_.clear();
+  for (auto& [address, seen] : seen_) {
+    seen.value = read(address);
+    if (!seen.sight.step(now, is_known(seen.value))) continue;
+    changes_.push_back(
+        {address, seen.value ? *seen.value : Value(), seen.sight.lost(), seen.rules});
+  }
+}
+
+std::vector<SightChange> Engine::lost() const {
+  std::vector<SightChange> lost;
+  for (const auto& [address, seen] : seen_) {
+    if (!seen.sight.lost()) continue;
+    lost.push_back({address, seen.value ? *seen.value : Value(), true, seen.rules});
+  }
+  return lost;
+}
+
+Truth Engine::answered_by(const Rule& rule, const Watched& watched, Truth truth) const {
+  if (truth != Truth::unknown || rule.when_unknown == Unknown::hold || !watched.error.empty()) {
+    return truth;
+  }
+  const auto is_lost = [&](const Comparison& one) {
+    const Seen& seen = seen_.find(one.address)->second;
+    return seen.sight.lost() && !is_known(seen.value);
+  };
+  return std::ranges::any_of(rule.when.comparisons(), is_lost) ? Truth::yes : truth;
 }
 
 std::vector<std::size_t> Engine::step(Instant now, const Read& read, std::string_view held) {
   held_ = held;
+  look(now, read);
+  const Read as_seen = [&](const std::string& address) {
+    return seen_.find(address)->second.value;
+  };
   std::vector<std::size_t> fired;
   for (std::size_t i = 0; i < rules_.size(); ++i) {
     const Rule& rule = rules_[i];
     Watched& watched = watched_[i];
     watched.error.clear();
-    const Truth when = rule.when.evaluate(read, watched.error);
+    const Truth truth = rule.when.evaluate(as_seen, watched.error);
+    const Truth when = answered_by(rule, watched, truth);
     Truth rearm = !when;
-    if (rule.until) rearm = rule.until->evaluate(read, watched.error);
+    if (rule.until) rearm = rule.until->evaluate(as_seen, watched.error);
     if (watched.waits_for_answer) rearm = Truth::no;
     if (!watched.trigger.step(now, when, rearm, held.empty())) continue;
     watched.waits_for_answer = true;

@@ -4,11 +4,13 @@
 
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "rules/sight.h"
 #include "rules/supervision.h"
 #include "rules/trigger.h"
 
@@ -36,6 +38,11 @@ class Engine {
   /// `until`. `held`: why none may fire now; empty: all may.
   [[nodiscard]] std::vector<std::size_t> step(Instant now, const Read& read,
                                               std::string_view held = {});
+  /// What the last step() found to have become unknown or known again. A value that rules look at
+  /// several times is there once.
+  [[nodiscard]] const std::vector<SightChange>& changes() const { return changes_; }
+  /// All values that are unknown now and were reported as such.
+  [[nodiscard]] std::vector<SightChange> lost() const;
   /// What came of the firing: "applied", "refused: ...". `again`: it was not its time, so the rule
   /// tries again while its condition holds.
   void answered(std::size_t rule, std::string answer, bool again = false);
@@ -53,9 +60,22 @@ class Engine {
   [[nodiscard]] std::string why_not(const Watched& watched, const Rule& rule, Instant now,
                                     const Read& read) const;
 
+  /// A value that rules look at, as of the last step.
+  struct Seen {
+    Sight sight;
+    Result<Value> value = Value();
+    std::vector<std::string> rules;
+  };
+
+  void look(Instant now, const Read& read);
+  /// The truth that counts: unknown is yes for a rule that says so.
+  [[nodiscard]] Truth answered_by(const Rule& rule, const Watched& watched, Truth truth) const;
+
   std::vector<Rule> rules_;
-  std::vector<Watched> watched_;  // by rule
-  std::string held_;              // why none may fire
+  std::vector<Watched> watched_;                   // by rule
+  std::map<std::string, Seen, std::less<>> seen_;  // by address
+  std::vector<SightChange> changes_;
+  std::string held_;  // why none may fire
 };
 
 }  // namespace mauve::rules

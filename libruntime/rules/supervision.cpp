@@ -10,6 +10,8 @@ std::string_view to_string(Action action) {
   return kTexts[static_cast<std::size_t>(action)];
 }
 
+std::string_view to_string(Unknown answer) { return answer == Unknown::fire ? "fire" : "hold"; }
+
 std::string_view element_of(const Step& step) {
   return std::string_view(step.subject).substr(0, step.subject.find('.'));
 }

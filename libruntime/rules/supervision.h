@@ -37,6 +37,11 @@ using Steps = std::vector<Step>;
 /// The component that a step changes: the first name of its subject.
 [[nodiscard]] std::string_view element_of(const Step& step);
 
+/// What a rule does while its condition is unknown.
+enum class Unknown : std::uint8_t { hold, fire };
+/// "hold", "fire".
+[[nodiscard]] std::string_view to_string(Unknown answer);
+
 struct Rule {
   std::string name;
   Condition when;
@@ -44,6 +49,7 @@ struct Rule {
   Timing timing;
   std::string transaction;  ///< what it applies, by name; empty: `steps`
   Steps steps;
+  Unknown when_unknown = Unknown::hold;
 };
 
 struct Supervision {

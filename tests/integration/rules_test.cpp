@@ -93,6 +93,37 @@ TEST(Rules, DisconnectAndAreArmedAgain) {
   EXPECT_TRUE(daemon.fired("loud", 2)) << daemon.rule("loud");
 }
 
+TEST(Rules, SayOnceThatAValueBecameNanAndFireOnlyWhenTheySaySo) {
+  RulesDaemon daemon(supervised(
+      R"({ "name": "loud", "when": "second.core.input > 5", "do": "deaf" },
+         { "name": "safe", "when": "second.core.input > 5", "when_unknown": "fire",
+           "for": "100ms", "do": "rest" })"));
+  ASSERT_TRUE(daemon.becomes("second.core.input", 1.0));
+  EXPECT_TRUE(daemon.ask("status.get")["unknown_values"].empty());
+
+  daemon.ask("core.swap", {{"component", "first"}, {"core", "trial/undefined"}});
+
+  ASSERT_TRUE(daemon.fired("safe", 1)) << daemon.rule("safe");
+  EXPECT_EQ(daemon.rule("loud")["fired"], 0);
+  EXPECT_EQ(daemon.rule("safe")["when_unknown"], "fire");
+  EXPECT_EQ(daemon.rule("loud")["why_not"], "condition is unknown: second.core.input is nan");
+  EXPECT_EQ(daemon.ask("param.get", {{"address", "second.core.input"}})["value"], "nan");
+  EXPECT_EQ(daemon.ask("param.get", {{"address", "signal.read"}})["value"], "nan");
+  EXPECT_EQ(daemon.events("value_unknown", "second.core.input is nan: rule loud cannot be judged"),
+            1U);
+  const auto unknown = daemon.ask("status.get")["unknown_values"];
+  ASSERT_EQ(unknown.size(), 1U) << unknown;
+  EXPECT_EQ(unknown[0]["address"], "second.core.input");
+  EXPECT_EQ(unknown[0]["value"], "nan");
+  EXPECT_EQ(unknown[0]["rules"], Json({"loud", "safe"}));
+
+  daemon.set("first.core.gain", 2.0);
+  daemon.ask("component.start", {{"components", {"second"}}});
+  EXPECT_TRUE(eventually([&] { return daemon.events("value_known", "second.core.input") == 1; }));
+  EXPECT_TRUE(daemon.ask("status.get")["unknown_values"].empty());
+  EXPECT_EQ(daemon.events("value_unknown"), 1U);
+}
+
 TEST(Rules, AreOnProbationOnlyWhenTheyBringSomethingThatMustProveItself) {
   RulesDaemon daemon(supervised(
       R"({ "name": "loud", "when": "second.core.input > 5", "do": "deaf", "cool_down": "1ms" },

@@ -15,6 +15,7 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -87,6 +88,14 @@ class Counting final : public Steady {
   void update() override {
     Steady::update();
     shell().output.write(static_cast<double>(state->count));
+  }
+};
+
+/// Writes its gain while that is over 1, else no number.
+class Undefined final : public Steady {
+  void update() override {
+    Steady::update();
+    if (gain <= 1.0) shell().output.write(std::numeric_limits<double>::quiet_NaN());
   }
 };
 
@@ -302,6 +311,7 @@ MAUVE_PLUGIN(plugin) {
   plugin.core<trial::Other>("other");
   plugin.core<trial::Noting>("noting");
   plugin.core<trial::Counting>("counting");
+  plugin.core<trial::Undefined>("undefined");
   plugin.core<trial::Talking>("talking");
   plugin.core<trial::Slow>("slow");
   plugin.core<trial::Stuck>("stuck");

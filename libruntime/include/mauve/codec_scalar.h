@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -67,6 +68,9 @@ concept HasFields = HasName<T> && requires {
   return done;
 }
 
+/// The number that "nan", "inf" or "-inf" stands for; empty for any other value.
+[[nodiscard]] std::optional<double> number_of_word(const Value& value);
+
 /// "not an integer from 0 to 255: 300"
 [[nodiscard]] Error out_of_range(std::int64_t low, std::int64_t high, const Value& value);
 
@@ -119,6 +123,8 @@ struct Codec<T> {
       data = static_cast<T>(*d);
     } else if (const auto* i = value.get_if<std::int64_t>()) {
       data = static_cast<T>(*i);
+    } else if (const auto word = detail::number_of_word(value)) {
+      data = static_cast<T>(*word);
     } else {
       return detail::wrong_kind("a number", value);
     }

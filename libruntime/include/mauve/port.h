@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <utility>
 
+#include <mauve/finite.h>
 #include <mauve/port_base.h>
 
 namespace mauve {
@@ -116,10 +117,13 @@ Safe(T) -> Safe<T>;
 
 /// What a port lets out, asked on the real-time thread before each write; `last` is the value
 /// before, or `value` itself at first: `[](double v, double last) { return std::abs(v - last) <
-/// 0.1; }`
+/// 0.1; }`. A NaN or an infinity in a described field is not plausible either, unless `finite` is
+/// false; `accepts` is asked only afterwards. `Plausible<T>{}` asks for finite numbers alone. A
+/// port without Plausible checks nothing, and pays nothing.
 template <typename T>
 struct Plausible {
-  std::function<bool(const T& value, const T& last)> accepts;
+  std::function<bool(const T& value, const T& last)> accepts = {};
+  bool finite = true;
 };
 
 /// Writes to a connected service; not connected: counted and dropped. So is what is not plausible:
@@ -133,7 +137,7 @@ class WritePort final : public PortBase {
   WritePort(Shell& shell, std::string_view name, Safe<T> safe, Plausible<T> plausible)
       : PortBase(shell, name, Signature::write<T>()),
         safe_(std::move(safe.value)),
-        plausible_(std::move(plausible.accepts)) {
+        plausible_(std::move(plausible)) {
     always_call();
   }
 
@@ -182,7 +186,9 @@ class WritePort final : public PortBase {
   }
   bool lets_out(const T& value) {
     if (!plausible_) return true;
-    const bool accepted = plausible_(value, last_ ? *last_ : value);
+    const Plausible<T>& asked = *plausible_;
+    const bool accepted = (!asked.finite || detail::all_finite(value)) &&
+                          (!asked.accepts || asked.accepts(value, last_ ? *last_ : value));
     Job& job = this_job();
     if (job.is_detached()) return false;  // given up in there
     if (!accepted) {
@@ -194,7 +200,7 @@ class WritePort final : public PortBase {
   }
 
   std::optional<T> safe_;
-  std::function<bool(const T&, const T&)> plausible_;
+  std::optional<Plausible<T>> plausible_;
   std::optional<T> last_;
 };
 

@@ -56,7 +56,11 @@ class Value {
 /// "null", "a boolean", "an integer", "a number", "a string", "an array", "an object".
 [[nodiscard]] std::string_view kind_of(const Value& value);
 
-/// Compact text for messages: `0.3`, `"10ms"`, `{"x":1,"y":2}`.
+/// Compact text for messages: `0.3`, `nan`, `"10ms"`, `{"x":1,"y":2}`.
 [[nodiscard]] std::string to_string(const Value& value);
+
+/// The word for a number that JSON cannot hold, as displays show it and as a string on the wire and
+/// in files: "nan", "inf" or "-inf". Empty for a finite number.
+[[nodiscard]] std::string_view word_of_number(double number);
 
 }  // namespace mauve

@@ -29,7 +29,8 @@ constexpr const char* kSupervision = R"(
   "rules": [
     { "name": "lost", "when": "left.missed > 3", "do": "blind" },
     { "name": "careful", "when": "left.ports.pose.status == stale and not relay.interface.strict",
-      "for": "2s", "until": "pose.read.x < 1.5", "do": [ { "start": "right" } ],
+      "for": "2s", "until": "pose.read.x < 1.5",
+      "when_unknown": "fire", "do": [ { "start": "right" } ],
       "cool_down": "10s", "per_hour": 6 }
   ],)";
 
@@ -89,6 +90,7 @@ TEST_F(RulesInFiles, AreReadWithTheirTransactionsAndPermissions) {
   const rules::Rule& careful = supervision_.rules[1];
   EXPECT_EQ(careful.timing, (rules::Timing{2s, 10s, 6}));
   EXPECT_EQ(careful.until->text(), "pose.read.x < 1.5");
+  EXPECT_EQ(careful.when_unknown, rules::Unknown::fire);
   EXPECT_EQ(careful.steps.size(), 1U);
   EXPECT_EQ(supervision_.rules[0].transaction, "blind");
   EXPECT_EQ(supervision_.find("blind")->at(1).max_age, 20ms);
@@ -177,6 +179,7 @@ TEST_F(RulesInFiles, NameTransactionsThatAreThere) {
   EXPECT_TRUE(has(refusal("\"start\": false", "\"may_request\": [\"calm\", \"calm\"]"), "twice"));
   EXPECT_TRUE(has(refusal("\"careful\"", "\"lost\""), "a rule has this name already"));
   EXPECT_TRUE(has(refusal("\"name\": \"lost\", ", ""), "\"name\" is missing"));
+  EXPECT_TRUE(has(refusal("\"fire\"", "\"fires\""), "fire"));
   EXPECT_TRUE(has(refusal("\"per_hour\": 6", "\"per_hour\": 0"), "is not from 1 to 3600"));
   EXPECT_TRUE(has(refusal("\"cool_down\"", "\"cooldown\""), "did you mean \"cool_down\""));
 }

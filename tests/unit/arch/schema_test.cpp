@@ -143,6 +143,7 @@ TEST(Schema, HasTheLimitsAndDefaultsOfTheRuntime) {
   EXPECT_EQ(part(rule, {"per_hour", "maximum"}), Value(static_cast<std::int64_t>(kMostPerHour)));
   EXPECT_EQ(part(rule, {"per_hour", "default"}), Value(static_cast<std::int64_t>(timing.per_hour)));
   EXPECT_EQ(part(rule, {"cool_down", "default"}), Value("1s"));
+  EXPECT_EQ(part(rule, {"when_unknown", "default"}), Value(to_string(rules::Unknown::hold)));
   EXPECT_EQ(timing.cool_down, 1s);
   EXPECT_EQ(part(schema(), {"definitions", "condition", "maxLength"}),
             Value(static_cast<std::int64_t>(rules::Condition::kLongest)));

@@ -75,9 +75,28 @@ TEST(ValueJson, GoesOverTheWireAndBack) {
   EXPECT_EQ(*value->find("a"), *kSample.find("a"));
 }
 
-TEST(ValueJson, WritesNullForANumberThatJsonCannotHold) {
-  EXPECT_TRUE(to_json(Value(std::nan(""))).is_null());
-  EXPECT_TRUE(to_json(Value(std::numeric_limits<double>::infinity())).is_null());
+TEST(ValueJson, WritesAWordForANumberThatJsonCannotHoldAndNullOnlyForNoValue) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(to_json(Value(std::nan(""))), "nan");
+  EXPECT_EQ(to_json(Value(-std::nan(""))), "nan");
+  EXPECT_EQ(to_json(Value(kInfinity)), "inf");
+  EXPECT_EQ(to_json(Value(-kInfinity)), "-inf");
+  EXPECT_TRUE(to_json(Value()).is_null());
+}
+
+TEST(ValueJson, TheWordsComeBackAsNumbersWhereANumberIsExpected) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const double number : {std::nan(""), kInfinity, -kInfinity}) {
+    const auto value = from_json(to_json(Value(number)));
+    ASSERT_TRUE(value);
+    double back = 0.0;
+    ASSERT_TRUE(Codec<double>::decode(*value, back)) << to_string(*value);
+    EXPECT_TRUE(std::isnan(number) ? std::isnan(back) : back == number);
+    std::int64_t integer = 0;
+    EXPECT_FALSE(Codec<std::int64_t>::decode(*value, integer));
+  }
+  double number = 1.0;
+  EXPECT_FALSE(Codec<double>::decode("NaN or so", number));
 }
 
 TEST(ValueJson, RefusesIntegersBeyond64BitsSigned) {

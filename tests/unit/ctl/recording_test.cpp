@@ -80,6 +80,14 @@ TEST(Record, QuotesWhatWouldBreakARow) {
             "time_s,a.b\n0.000000000,\"say \"\"a,b\"\"\"\n0.000000000,\"[1,2]\"\n");
 }
 
+TEST(Record, WritesNanAndInfinityAsWordsAndNoValueAsNothing) {
+  Json pose = pose_at(1.5, 1, 2);
+  pose["value"] = {{"x", "nan"}, {"y", "-inf"}, {"heading", nullptr}};
+  const Shown shown({"record", "pose.read"}, kPose, {pose});
+
+  EXPECT_THAT(shown.outcome.out, HasSubstr("\n1.500000000,nan,-inf,\n"));
+}
+
 TEST(Record, SaysThatAFileCannotBeWritten) {
   const Shown shown({"record", "pose.read", "-o", "/no/such/folder/x.csv"}, kPose, {});
 
@@ -161,6 +169,16 @@ TEST(Map, DrawsWhatALaserSaw) {
   const Shown shown({"map", "pose.read", "--scan", "scan.read"}, kPose, {pose_at(1, 0, 0), scan});
 
   EXPECT_EQ(count_in(shown.outcome.out, "r=\"1.2\""), 1U) << "the others are no returns";
+}
+
+TEST(Map, LeavesOutAPlaceThatIsNoNumber) {
+  Json nowhere = pose_at(2, 0, 0);
+  nowhere["value"]["x"] = "nan";
+  const Shown with({"map", "pose.read"}, kPose, {pose_at(1, 5, 5), nowhere, pose_at(3, 6, 6)});
+  const Shown without({"map", "pose.read"}, kPose, {pose_at(1, 5, 5), pose_at(3, 6, 6)});
+
+  EXPECT_EQ(with.outcome.out, without.outcome.out);
+  EXPECT_THAT(with.outcome.out, HasSubstr("<svg"));
 }
 
 TEST(Map, NeedsAPlace) {

@@ -1,9 +1,29 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Values that are not plausible, on a clock that is moved by hand.
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "support/outcomes.h"
 #include "support/ramp.h"
+
+namespace rover_like {
+struct Speeds {
+  double linear = 0.0;
+  mauve::Bounded<float, 4> wheels;
+  int mode = 0;
+};
+}  // namespace rover_like
+
+template <>
+struct mauve::Described<rover_like::Speeds> {
+  static constexpr std::string_view name = "speeds/1";
+  static constexpr auto fields() {
+    using rover_like::Speeds;
+    return std::tuple{field("linear", &Speeds::linear), field("wheels", &Speeds::wheels),
+                      field("mode", &Speeds::mode)};
+  }
+};
 
 namespace mauve {
 namespace {
@@ -47,6 +67,51 @@ TEST(Plausibility, AnImplausibleValueIsNotLetOutAndRollsBack) {
   EXPECT_EQ(ramp::read(architecture.value), 1.0);
   ASSERT_EQ(ends.size(), 1u);
   EXPECT_EQ(ends[0].reason, "wrote a value that is not plausible: out");
+}
+
+/// Writes a number that is none, into a port that asks for finite numbers alone or for none.
+struct FiniteShell : Shell {
+  WritePort<rover_like::Speeds> out{*this, "out", Safe{rover_like::Speeds{}},
+                                    Plausible<rover_like::Speeds>{}};
+  WritePort<double> any{*this, "any", Safe{0.0}, Plausible<double>{.finite = false}};
+};
+struct Divides : Core<FiniteShell> {
+  using Contract = Divides;
+  static constexpr const char* contract = "divides/core/1";
+  Stateless stateless{*this};
+  virtual void update() {
+    rover_like::Speeds speeds{1.0, {}, 7};
+    speeds.wheels.push_back(2.0F);
+    out = shell().out.write(speeds);
+    speeds.wheels.push_back(std::numeric_limits<float>::quiet_NaN());
+    bad = shell().out.write(speeds);
+    any = shell().any.write(std::numeric_limits<double>::infinity());
+  }
+  Observable<bool> out{*this, "out"};
+  Observable<bool> bad{*this, "bad"};
+  Observable<bool> any{*this, "any"};
+};
+struct DividingArchitecture : Architecture {
+  SharedData<rover_like::Speeds> speeds{*this, "speeds"};
+  SharedData<double> any{*this, "any"};
+  Component<FiniteShell, Divides, PeriodicFsm<Divides>> pump{*this, "pump"};
+  Status on_configure() override {
+    if (Status done = pump.shell().any.connect(any.write_service()); !done) return done;
+    return pump.shell().out.connect(speeds.write_service());
+  }
+};
+
+TEST(Plausibility, LetsNoNanOutUnlessThePortSaysSo) {
+  DividingArchitecture architecture;
+  Deployer deployer{architecture, {.simulated = true}};
+  ASSERT_TRUE(deployer.deploy());
+
+  deployer.run_for(100ms);
+
+  const Divides& core = architecture.pump.core();
+  EXPECT_TRUE(core.out);
+  EXPECT_FALSE(core.bad) << "a float in a list within a described type";
+  EXPECT_TRUE(core.any);
 }
 
 }  // namespace

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Sight: whether a value that a rule looks at is known. Pure: time and value come in.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mauve/result.h"
+#include "mauve/time.h"
+#include "mauve/value.h"
+
+namespace mauve::rules {
+
+/// True for a value that a condition can be judged by: it is there, and no NaN.
+[[nodiscard]] bool is_known(const Result<Value>& value);
+
+/// Decides when a change between known and unknown is reported. A value that was known is lost at
+/// once; one that was never known is lost after kSettled, so that a start reports nothing; a lost
+/// value is known again after it was known for kSettled, so that a value which comes and goes
+/// reports at most two changes in that time. [control]
+class Sight {
+ public:
+  static constexpr Duration kSettled{1s};
+
+  /// Called at every look. True: lost() is another one than before.
+  [[nodiscard]] bool step(Instant now, bool known);
+  [[nodiscard]] bool lost() const { return lost_; }
+
+ private:
+  bool lost_ = false;
+  bool was_known_ = false;
+  std::optional<Instant> since_;  // the value has been otherwise than lost_ says
+};
+
+/// A value that became unknown, or is known again.
+struct SightChange {
+  std::string address;
+  Value value;  ///< null: there is none
+  bool lost = false;
+  std::vector<std::string> rules;  ///< that look at it
+};
+
+}  // namespace mauve::rules
