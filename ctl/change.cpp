@@ -21,7 +21,8 @@ int change(Session& session, std::string_view method, Json params, std::string_v
   const auto& receipt = std::get<Json>(answer);
   const bool tried = member(receipt, "dry_run") == true;
   session.print(receipt, tried ? render_plan("the change", receipt, session.look())
-                               : render(done, receipt, session.look()));
+                               : change_lines(receipt, session.look()) +
+                                     render(done, receipt, session.look()));
   return exit_of(receipt);
 }
 

@@ -186,7 +186,8 @@ constexpr Argument kTrace[] = {
     maybe("--for", "of start: what is kept, such as 10s", Kind::duration),
     maybe("-o,--output", "of dump: *.mtrace, *.json for Perfetto, else a folder of CTF",
           Kind::file)};
-constexpr Argument kLock[] = {one_of("LOCK", "none, params or all", "none params all")};
+constexpr Argument kLock[] = {
+    one_of("LOCK", "none, params, topology or all", "none params topology all")};
 constexpr Argument kExplain[] = {
     maybe("NAME", "an event, or what a plugin brings; without it, all events", Kind::explained)};
 constexpr Argument kLogs[] = {

@@ -192,7 +192,7 @@ std::string render_heading(const Json& status) {
   if (realtime.is_string()) text += ", real time: " + compact(realtime);
   if (member(status, "saved") == false) text += ", NOT saved";
   if (!list_in(status, "probations").empty()) text += ", on probation";
-  if (const auto lock = word(status, "lock"); lock == "params" || lock == "all") {
+  if (const auto lock = word(status, "lock"); !lock.empty() && lock != "none") {
     text += ", " + lock + " locked";
   }
   return text + log_levels(status);

@@ -40,6 +40,8 @@ struct Look {
 [[nodiscard]] std::string render_record(const Json& record, Look look);
 
 /// "swapped control: pause 38 ns, 0 releases missed (generation 42)".
+/// What a change made different, a line each: "~ control.core.gain: 0.6 -> 0.8".
+[[nodiscard]] std::string change_lines(const Json& result, Look look);
 [[nodiscard]] std::string render_receipt(std::string_view done, const Json& receipt, Look look);
 /// States that nobody takes, one a line.
 [[nodiscard]] std::string dropped_states(const Json& receipt, Look look);

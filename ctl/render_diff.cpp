@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <string>
 
+#include "protocol/in_words.h"
 #include "render.h"
 #include "table.h"
 #include "words.h"
@@ -8,36 +9,12 @@
 namespace mauve::ctl {
 namespace {
 
-/// "component watcher" where the address alone does not say what it is.
-std::string subject(const Json& line) {
-  const std::string kind = word(line, "kind");
-  const bool element = kind == "component" || kind == "resource" || kind == "plugin";
-  return (element ? kind + " " : "") + word(line, "address");
-}
-
 std::string text_of(const Json& line, Look look) {
-  const std::string op = word(line, "op");
-  const std::string kind = word(line, "kind");
-  if (op == "change") {
-    return painted("~", Paint::yellow, look.colour) + " " + subject(line) + ": " +
-           word(line, "old") + " -> " + word(line, "new") + "\n";
-  }
-  const bool added = op == "add";
-  const std::string content = word(line, added ? "new" : "old");
-  std::string text = painted(added ? "+" : "-", added ? Paint::green : Paint::red, look.colour) +
-                     " " + subject(line);
-  if (kind == "component" || kind == "resource") {
-    text += " (" + content + ")";
-  } else if (kind != "plugin") {
-    text += ": " + content;
-  }
-  return text + "\n";
-}
-
-std::string difference_lines(const Json& result, Look look) {
-  std::string text;
-  for (const Json& line : list_in(result, "lines")) text += text_of(line, look);
-  return text;
+  const std::string text = harmless(protocol::line_in_words(line));
+  if (text.empty()) return {};
+  const char sign = text.front();
+  const Paint paint = sign == '~' ? Paint::yellow : sign == '+' ? Paint::green : Paint::red;
+  return painted(text.substr(0, 1), paint, look.colour) + text.substr(1) + "\n";
 }
 
 /// Why everybody waits for everybody, and in a plan at what cost.
@@ -65,21 +42,27 @@ std::string same_as(std::string_view file, const Json& result) {
 
 }  // namespace
 
+std::string change_lines(const Json& result, Look look) {
+  std::string text;
+  for (const Json& line : list_in(result, "lines")) text += text_of(line, look);
+  return text;
+}
+
 std::string render_diff(std::string_view file, const Json& result, Look look) {
-  const std::string lines = difference_lines(result, look);
+  const std::string lines = change_lines(result, look);
   if (lines.empty()) return same_as(file, result);
   return "--- what runs, generation " + word(result, "generation") + "\n+++ " + harmless(file) +
          "\n" + lines;
 }
 
 std::string render_applied(std::string_view file, const Json& result, Look look) {
-  const std::string lines = difference_lines(result, look);
+  const std::string lines = change_lines(result, look);
   return lines + at_barrier(result, false, look) +
          render_receipt("applied " + harmless(file), result, look);
 }
 
 std::string render_plan(std::string_view file, const Json& result, Look look) {
-  const std::string lines = difference_lines(result, look);
+  const std::string lines = change_lines(result, look);
   if (lines.empty()) return same_as(file, result);
   std::string members;
   for (const Json& member : list_in(result, "components")) {

@@ -28,7 +28,13 @@ std::string render_history(const Json& result, Look look) {
   }
   const Json items = result.is_object() ? result.value("items", Json::array()) : Json::array();
   if (items.empty()) return "none\n";
-  Table table({{"GENERATION", true}, {"TIME"}, {"UID", true}, {"COMMAND"}, {"MARK"}, {"REASON"}});
+  Table table({{"GENERATION", true},
+               {"TIME"},
+               {"UID", true},
+               {"COMMAND"},
+               {"MARK"},
+               {"CHANGES"},
+               {"REASON"}});
   for (const Json& one : items) {
     const std::string mark = word(one, "mark");
     table.add({{word(one, "generation")},
@@ -36,7 +42,8 @@ std::string render_history(const Json& result, Look look) {
                {word(one, "command") == "supervision" ? "-" : word(one, "uid")},
                {word(one, "command")},
                {mark, paint_of_mark(mark)},
-               {harmless(word(one, "reason"))}});
+               {word(one, "changes")},
+               {word(one, "reason")}});
   }
   return table.text(look.width, look.colour);
 }

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cstdio>
 
+#include "protocol/in_words.h"
 #include "table.h"
 
 namespace mauve::ctl {
@@ -20,21 +21,6 @@ constexpr std::array<std::string_view, 29> kFirst{
 std::size_t place_of(const std::string& key) {
   const auto found = std::find(kFirst.begin(), kFirst.end(), key);
   return static_cast<std::size_t>(found - kFirst.begin());
-}
-
-std::string joined(const Json& value) {
-  std::string result;
-  for (const auto& [key, member] : value.items()) {
-    join(result, (value.is_object() ? harmless(key) + ": " : "") + compact(member));
-  }
-  return result;
-}
-
-/// Enough for people and for a millimetre on the globe; JSON is exact.
-std::string ten_digits(double value) {
-  std::array<char, 48> text{};
-  std::snprintf(text.data(), text.size(), "%.10g", value);
-  return text.data();
 }
 
 std::string one_decimal(double value, const char* unit) {
@@ -85,14 +71,7 @@ std::vector<std::string_view> lines_of(std::string_view text) {
   return lines;
 }
 
-std::string compact(const Json& value) {
-  if (value.is_null()) return "-";
-  if (value.is_string()) return harmless(value.get_ref<const std::string&>());
-  if (value.is_object()) return "{" + joined(value) + "}";
-  if (value.is_array()) return "[" + joined(value) + "]";
-  if (value.is_number_float()) return ten_digits(value.get<double>());
-  return protocol::to_line(value);
-}
+std::string compact(const Json& value) { return harmless(protocol::in_words(value)); }
 
 std::string_view first_words(std::string_view text, std::size_t width) {
   if (columns(text) <= width) return text;

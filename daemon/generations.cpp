@@ -45,6 +45,9 @@ std::string content_of(const Generation& about, const std::string& text) {
                {"time", about.time},           {"uid", about.uid},
                {"command", about.command},     {"reason", about.reason},
                {"mark", to_string(about.mark)}};
+  if (!about.changes.empty()) {
+    head["changes"] = about.changes;
+  }
   if (!about.folder.empty()) {
     head["folder"] = about.folder;
   }
@@ -81,6 +84,9 @@ Read read_of(const Json& head, std::string_view text) {
   read.about.command = head["command"].get<std::string>();
   read.about.reason = head["reason"].get<std::string>();
   read.about.mark = mark_named(head["mark"].get<std::string>()).value_or(Mark::unconfirmed);
+  if (const auto changes = head.find("changes"); changes != head.end() && changes->is_string()) {
+    read.about.changes = changes->get<std::string>();
+  }
   if (const auto folder = head.find("folder"); folder != head.end() && folder->is_string()) {
     read.about.folder = folder->get<std::string>();
   }

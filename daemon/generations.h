@@ -35,6 +35,7 @@ struct Generation {
   std::uint32_t uid = 0;     ///< who made it
   std::string command;       ///< the method of the wire, or "start", "recover"
   std::string reason;        ///< as given, may be empty
+  std::string changes;       ///< from the one before, in the lines of `plan`, bounded; may be empty
   std::string folder;        ///< where its relative paths begin; empty: not known
   Mark mark = Mark::confirmed;
   unsigned crashes = 0;  ///< runs in a row that ended by a crash soon after they started it

@@ -127,7 +127,9 @@ void Supervisor::run() {
 /// [control]
 void Supervisor::look() {
   look_pending_ = false;
-  const std::string_view held = this->held() > 0 ? "everything is locked" : "";
+  const auto held = [this](const rules::Rule& rule) {
+    return held_by(running_->lock, steps_of(rule));
+  };
   const auto fired = engine_.step(running_->deployer.clock().now(), reader(), held);
   for (const auto& change : engine_.changes()) {
     report_sight(change);
@@ -156,9 +158,17 @@ Json Supervisor::lost_values() const {
   return rows;
 }
 
+const rules::Steps& Supervisor::steps_of(const rules::Rule& rule) const {
+  return rule.transaction.empty() ? rule.steps : *supervision_.find(rule.transaction);
+}
+
 std::size_t Supervisor::held() const {
-  const bool free = running_ == nullptr || may_change(*running_, Kind::other);
-  return free ? 0 : engine_.rules().size();
+  if (running_ == nullptr) {
+    return 0;
+  }
+  return static_cast<std::size_t>(std::ranges::count_if(engine_.rules(), [this](const auto& rule) {
+    return !held_by(running_->lock, steps_of(rule)).empty();
+  }));
 }
 
 rules::Read Supervisor::reader() const {
@@ -173,14 +183,15 @@ rules::Read Supervisor::reader() const {
 
 void Supervisor::fire(std::size_t index) {
   const auto& rule = engine_.rules()[index];
-  const bool named = !rule.transaction.empty();
-  Order order{named ? rule.transaction : kOwnSteps, "by rule " + rule.name, {}, rule.steps, {}};
-  if (named) {
-    order.steps = *supervision_.find(rule.transaction);
-  }
-  running_->log.write(Event::rule_fired, {{"rule", rule.name},
-                                          {"transaction", order.transaction},
-                                          {"text", rules::in_words(rule.when.values(reader()))}});
+  const auto values = rules::in_words(rule.when.values(reader()));
+  Order order{rule.transaction.empty() ? kOwnSteps : rule.transaction,
+              "by rule " + rule.name,
+              {},
+              steps_of(rule),
+              {},
+              values};
+  running_->log.write(Event::rule_fired,
+                      {{"rule", rule.name}, {"transaction", order.transaction}, {"text", values}});
   order.done = [this, index, adoption = adoptions_](const std::string& answer, bool again) {
     if (adoption == adoptions_) {
       engine_.answered(index, answer, again);
@@ -197,7 +208,7 @@ void Supervisor::request(std::string component, std::string transaction) {
 
 /// [control] The component is real-time code of a plugin: it may do what the file permits.
 void Supervisor::serve(const std::string& component, const std::string& transaction) {
-  Order order{transaction, "requested by " + component, component, {}, {}};
+  Order order{transaction, "requested by " + component, component, {}, {}, {}};
   const auto* steps = supervision_.find(transaction);
   if (!supervision_.permits(component, transaction)) {
     std::vector<std::string> names;
@@ -268,7 +279,8 @@ void Supervisor::carry_out(Order order) {
 }
 
 void Supervisor::conclude(const Order& order, const server::Outcome& outcome, bool given_up) {
-  logging::Fields fields = {{"transaction", order.transaction}, {"by", order.by}};
+  const std::string cause = order.values.empty() ? "" : " (" + order.values + ")";
+  logging::Fields fields = {{"transaction", order.transaction}, {"by", order.by + cause}};
   if (!order.component.empty()) {
     fields.push_back({"component", order.component});
   }
@@ -286,7 +298,8 @@ void Supervisor::conclude(const Order& order, const server::Outcome& outcome, bo
   } else {
     const auto& receipt = std::get<Json>(outcome);
     answer = text_or(receipt, "state") + ", generation " + receipt["generation"].dump();
-    fields.push_back({"text", answer});
+    const auto lines = changes_of(receipt);
+    fields.push_back({"text", answer + (lines.empty() ? "" : ": " + lines)});
     running_->log.write(Event::transaction_applied, std::move(fields));
   }
   if (order.done) {

@@ -60,6 +60,7 @@ class Supervisor {
     rules::Steps steps;
     /// `again`: it was refused because this was not the time.
     std::function<void(const std::string& answer, bool again)> done;
+    std::string values = {};  ///< of the rule's condition: "second.core.input is 6"
   };
 
   void begin_to_look();
@@ -72,6 +73,7 @@ class Supervisor {
   void carry_out(Order order);
   void conclude(const Order& order, const server::Outcome& outcome, bool given_up = false);
   [[nodiscard]] rules::Read reader() const;
+  [[nodiscard]] const rules::Steps& steps_of(const rules::Rule& rule) const;
   [[nodiscard]] Json row(std::size_t rule, Instant now) const;
 
   Control& control_;

@@ -23,6 +23,7 @@ void keep(Running& running, const Call& call, std::optional<Mark> mark, Json lin
   about.uid = call.caller.peer.uid;
   about.command = call.method->name;
   about.reason = text_or(call.params, "reason");
+  about.changes = text_or(line, "changes");
   const bool tried = running.deployer.on_probation();
   about.mark = tried ? Mark::unconfirmed : mark.value_or(Mark::unconfirmed);
   auto as = tried || mark ? Keeper::As::marked : Keeper::As::before;

@@ -22,6 +22,7 @@
 #include "arch/value_json.h"
 #include "commands/answer.h"
 #include "commands/change.h"
+#include "commands/gate.h"
 #include "commands/given_up.h"
 #include "commands/model.h"
 #include "commands/trial.h"
@@ -117,14 +118,10 @@ class Application final : public Companion {
     }
   }
   void complete(Json& result) override {
-    auto lines = Json::array();
-    for (const auto& name : plugins_) {
-      lines.push_back(to_json(arch::make_line("plugin", name, {}, name)));
+    result["lines"] = Json::array();
+    for (const auto& line : all_lines()) {
+      result["lines"].push_back(to_json(line));
     }
-    for (const auto& line : difference_.lines) {
-      lines.push_back(to_json(line));
-    }
-    result["lines"] = std::move(lines);
     if (!difference_.exchanged.empty()) {
       result["exchanged"] = difference_.exchanged;
     }
@@ -132,9 +129,20 @@ class Application final : public Companion {
       result["dry_run"] = true;
     }
   }
+  [[nodiscard]] std::optional<std::vector<arch::Line>> lines() const override {
+    return all_lines();
+  }
   [[nodiscard]] bool dry_run() const override { return dry_run_; }
 
  private:
+  [[nodiscard]] std::vector<arch::Line> all_lines() const {
+    std::vector<arch::Line> lines;
+    for (const auto& name : plugins_) {
+      lines.push_back(arch::make_line("plugin", name, {}, name));
+    }
+    std::ranges::copy(difference_.lines, std::back_inserter(lines));
+    return lines;
+  }
   void compare_supervision() {
     compared_with_ = running_.supervisor.adoptions();
     auto lines = arch::compare(running_.supervisor.supervision(), supervision_);
@@ -198,6 +206,9 @@ void load_only(Running& running, const Call& call, Application& application) {
   }
   if (good) {
     good = application.ready();
+  }
+  if (good) {
+    good = may_change(running, *application.lines());
   }
   if (!good) {
     return answer(running, call, good.error());

@@ -6,6 +6,7 @@
 
 #include "commands/answer.h"
 #include "keeper.h"
+#include "protocol/in_words.h"
 
 namespace mauve::daemon {
 
@@ -56,33 +57,51 @@ Line begin(const Call& call) {
   return line;
 }
 
-/// What a receipt is about, in words: "control (its state pi/2, 24 bytes, is dropped), laser".
+/// What a receipt is about, in words: "~ control.core: pi -> pid; its state pi/2, 24 bytes, is
+/// dropped".
 std::string detail_of(const Json& result) {
-  if (result.contains("components")) {
-    std::string names;
-    for (const auto& member : result["components"]) {
-      names += (names.empty() ? "" : ", ") + member["name"].get<std::string>();
-      if (member.contains("dropped")) {
-        names += " (its state " + member["dropped"].get<std::string>() + ", " +
-                 member["dropped_bytes"].dump() + " bytes, is dropped)";
-      }
-    }
-    return names;
+  auto detail = changes_of(result);
+  if (!result.contains("components")) {
+    return detail.empty() ? text_or(result, "plugin", text_or(result, "lock")) : detail;
   }
-  return text_or(result, "plugin", text_or(result, "lock"));
+  std::string names;
+  for (const auto& member : result["components"]) {
+    const bool dropped = member.contains("dropped");
+    if (!detail.empty() && !dropped) {
+      continue;
+    }
+    names += (names.empty() ? "" : ", ") + member["name"].get<std::string>();
+    if (dropped) {
+      names += " (its state " + member["dropped"].get<std::string>() + ", " +
+               member["dropped_bytes"].dump() + " bytes, is dropped)";
+    }
+  }
+  return detail + (detail.empty() || names.empty() ? "" : "; ") + names;
 }
 
 }  // namespace
+
+std::string changes_of(const Json& result) {
+  constexpr std::size_t kMost = 8;
+  const auto lines = result.find("lines");
+  return lines == result.end() ? std::string() : bounded(protocol::lines_in_words(*lines, kMost));
+}
 
 Json audit_applied(Running& running, const Call& call, const Json& result) {
   auto line = begin(call);
   line.add("generation", number(running.deployer.generation()));
   line.add("state", text_or(result, "state", "applied"));
   line.json["outcome"] = "applied";
+  if (auto changes = changes_of(result); !changes.empty()) {
+    line.json["changes"] = std::move(changes);
+  }
   auto detail = detail_of(result);
   line.json["detail"] = bounded(detail);
   line.fields.push_back({"detail", std::move(detail)});
-  running.log.write(Event::change_applied, std::move(line.fields));
+  // What the system does by itself is one event of the supervisor.
+  if (call.method->name != kSupervision) {
+    running.log.write(Event::change_applied, std::move(line.fields));
+  }
   return std::move(line.json);
 }
 
@@ -98,7 +117,10 @@ std::optional<Json> audit_refused(Running& running, const Call& call, const Faul
   line.json["state"] = fault.state;
   line.json["outcome"] = "refused";
   line.json["generation"] = running.generation.load();
-  running.log.write(unsafe ? Event::change_unsafe : Event::change_refused, std::move(line.fields));
+  if (call.method->name != kSupervision) {
+    running.log.write(unsafe ? Event::change_unsafe : Event::change_refused,
+                      std::move(line.fields));
+  }
   return std::move(line.json);
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "commands/command.h"
@@ -15,6 +16,10 @@ inline constexpr std::string_view kSupervision = "supervision";
 
 /// [control] `result` as it will be answered.
 [[nodiscard]] Json audit_applied(Running& running, const Call& call, const Json& result);
+
+/// [any] What a result says that has changed, in the lines of `plan`: "~ a.core.x: 1 -> 2; ...".
+/// Bounded; empty: nothing.
+[[nodiscard]] std::string changes_of(const Json& result);
 
 /// [any] Nothing when this user was refused too often in this second, so that it is only counted;
 /// never of a refusal that changed something.

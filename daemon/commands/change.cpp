@@ -5,12 +5,13 @@
 #include <optional>
 
 #include "commands/answer.h"
-#include "commands/foreseen.h"
+#include "commands/gate.h"
 #include "commands/given_up.h"
 #include "commands/model.h"
 #include "commands/quarantine.h"
 #include "commands/unproven.h"
 #include "exec/prepared.h"
+#include "judge/judgement.h"
 #include "model/elements.h"
 
 namespace mauve::daemon {
@@ -26,6 +27,7 @@ struct Journey {
   std::optional<Retired> retired{std::in_place};
   std::shared_ptr<Companion> companion;  ///< may be null
   Status exchanged;
+  std::vector<arch::Line> lines;  ///< what it makes different, once it is prepared
 };
 using JourneyPtr = std::shared_ptr<Journey>;
 
@@ -74,6 +76,7 @@ void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
   if (companion != nullptr) {
     companion->complete(result);
   }
+  say_lines(journey.lines, result);
   answer(running, call, std::move(result));
 }
 
@@ -113,7 +116,7 @@ Error stopped_meanwhile(const Journey& journey) {
 }
 
 /// [control] False when the change was given up before anything happened.
-bool may_go_on(Running& running, const Call& call, const Journey& journey) {
+bool may_go_on(Running& running, const Call& call, Journey& journey) {
   if (!*journey.prepared) {
     answer(running, call, journey.prepared->error());
     return false;
@@ -127,6 +130,11 @@ bool may_go_on(Running& running, const Call& call, const Journey& journey) {
   }
   if (met && journey.companion != nullptr) {
     met = journey.companion->ready();
+  }
+  if (met) {
+    const auto whole = journey.companion == nullptr ? std::nullopt : journey.companion->lines();
+    journey.lines = whole ? *whole : lines_of(running, **journey.prepared);
+    met = may_change(running, journey.lines);
   }
   if (!met) {
     answer(running, call, met.error());
@@ -151,14 +159,14 @@ void put_in_force(Running& running, const CallPtr& call, JourneyPtr journey, Tic
 void tell(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
   auto result = to_json(running.deployer.foresee(**journey->prepared));
   result["dry_run"] = true;
-  result["lines"] = Json::array();
-  for (const auto& line : foreseen((*journey->prepared)->content())) {
-    result["lines"].push_back(to_json(line));
-  }
   say_sync(journey->prepared, result);
   say_kept(running, journey->change, result);
   if (journey->companion != nullptr) {
     journey->companion->complete(result);
+  }
+  say_lines(journey->lines, result);
+  if (!result.contains("lines")) {
+    result["lines"] = Json::array();
   }
   answer(running, *call, std::move(result));
   free_in_factory(running, std::move(journey), std::move(ticket));
@@ -270,6 +278,23 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
                           running.generation = running.deployer.generation();
                           then(*ongoing);
                         });
+}
+
+std::vector<arch::Line> lines_of(const Running& running, PreparedChange& change) {
+  const StandStill still(running);
+  return arch::lines_of(change.content(), [&running](const ComponentBase& component) {
+    return running.deployer.status(component.name()).state == ComponentState::running;
+  });
+}
+
+void say_lines(const std::vector<arch::Line>& lines, Json& result) {
+  if (lines.empty() || result.contains("lines")) {
+    return;
+  }
+  auto& said = result["lines"] = Json::array();
+  for (const auto& line : lines) {
+    said.push_back(to_json(line));
+  }
 }
 
 void say_sync(std::optional<Result<PreparedChange>>& prepared, Json& result) {

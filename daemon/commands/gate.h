@@ -3,28 +3,37 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
+
+#include "arch/change_lines.h"
 
 #include "commands/command.h"
+#include "rules/supervision.h"
 
 namespace mauve::daemon {
 
-/// What somebody, or a rule, is about to do.
+/// What somebody, or a rule, is about to do, as far as the request tells.
 enum class Kind : std::uint8_t {
   harmless,  ///< touches nothing that runs: the lock itself, what is logged, what is counted
   stop,      ///< stop components: for safety, always allowed
   ending,    ///< confirm or undo the change on probation, which began before the lock
-  property,  ///< change values of properties
-  other,     ///< everything else: cores, connections, starts, plugins
+  other,     ///< everything else: properties, cores, connections, starts, plugins
 };
 
-/// "none", "params", "all".
+/// "none", "params", "topology", "all".
 [[nodiscard]] std::string_view to_string(Lock lock);
 
-/// What a mutation is about to do; a swap that also sets properties counts as one of these.
 [[nodiscard]] Kind kind_of(const Call& call);
 
-/// [control] Refused with `conflict` while the lock forbids it. Ask before preparing a change, and
+/// [control] Refused with `conflict` while everything is locked. Ask before preparing a change, and
 /// again before it is committed.
 [[nodiscard]] Status may_change(const Running& running, Kind kind);
+
+/// [control] Refused with `conflict` while a lock holds something that the change makes different,
+/// whatever asked for it. Ask when the change is prepared, before it is committed.
+[[nodiscard]] Status may_change(const Running& running, const std::vector<arch::Line>& lines);
+
+/// Why the lock keeps a rule with these steps from firing; empty: it does not.
+[[nodiscard]] std::string_view held_by(Lock lock, const rules::Steps& steps);
 
 }  // namespace mauve::daemon

@@ -24,6 +24,7 @@ Json row(const Generation& one) {
               {"uid", one.uid},
               {"command", one.command},
               {"reason", one.reason},
+              {"changes", one.changes},
               {"mark", to_string(one.mark)}});
   return row;
 }

@@ -6,13 +6,16 @@
 
 #include "commands/answer.h"
 #include "commands/gate.h"
+#include "judge/judgement.h"
+#include "protocol/in_words.h"
 #include "supervisor.h"
 
 namespace mauve::daemon {
 
 namespace {
 
-constexpr std::array<std::string_view, 3> kLocks = {"none", "params", "all"};
+constexpr std::array<std::string_view, 4> kLocks = {"none", "params", "topology", "all"};
+constexpr const char* kHint = "an administrator ends it: mauvectl lock none";
 
 }  // namespace
 
@@ -29,24 +32,55 @@ Kind kind_of(const Call& call) {
   if (method == "change.confirm" || method == "change.undo") {
     return Kind::ending;
   }
-  const bool sets =
-      method == "param.set" || method == "change.apply" || method == "config.rollback" ||
-      (method == "core.swap" && (call.params.contains("set") || flag(call.params, "defaults")));
-  return sets ? Kind::property : Kind::other;
+  return Kind::other;
 }
 
 Status may_change(const Running& running, Kind kind) {
-  const bool always = kind == Kind::harmless || kind == Kind::stop || kind == Kind::ending;
-  const bool free =
-      always || running.lock == Lock::none || (running.lock == Lock::params && kind == Kind::other);
-  if (free) {
+  if (kind != Kind::other || running.lock != Lock::all) {
     return ok();
   }
-  const bool all = running.lock == Lock::all;
   return refuse(Errc::conflict, "lock",
-                all ? "everything that runs is locked: only stop, confirm and undo may change it"
-                    : "params are locked: no property may be changed",
-                "an administrator ends it: mauvectl lock none");
+                "everything that runs is locked: only stop, confirm and undo may change it", kHint);
+}
+
+Status may_change(const Running& running, const std::vector<arch::Line>& lines) {
+  const bool params = running.lock == Lock::params;
+  if (!params && running.lock != Lock::topology) {
+    return ok();
+  }
+  const auto held =
+      std::ranges::find_if(lines, params ? arch::changes_a_property : arch::changes_the_topology);
+  if (held == lines.end()) {
+    return ok();
+  }
+  return refuse(Errc::conflict, held->address,
+                (params ? "params are locked, so no property may be changed; this change has: "
+                        : "topology is locked, so only properties may be changed, and components "
+                          "started and stopped; this change has: ") +
+                    protocol::line_in_words(to_json(*held)),
+                kHint);
+}
+
+std::string_view held_by(Lock lock, const rules::Steps& steps) {
+  using rules::Action;
+  const auto is_of = [&](auto matches) {
+    return std::ranges::any_of(steps,
+                               [&](const rules::Step& step) { return matches(step.action); });
+  };
+  switch (lock) {
+    case Lock::none:
+      return {};
+    case Lock::all:
+      return "everything is locked";
+    case Lock::params:
+      return is_of([](Action action) { return action == Action::set; }) ? "params are locked" : "";
+    case Lock::topology:
+      break;
+  }
+  const bool other = is_of([](Action action) {
+    return action != Action::set && action != Action::start && action != Action::stop;
+  });
+  return other ? "topology is locked" : "";
 }
 
 void set_lock(Running& running, const CallPtr& call, Ticket /*none: it waits for no change*/) {
@@ -55,7 +89,7 @@ void set_lock(Running& running, const CallPtr& call, Ticket /*none: it waits for
   if (found == kLocks.end()) {
     return answer(running, *call,
                   refuse(Errc::invalid_value, "lock", "'" + word.substr(0, 64) + "' is no lock",
-                         "none, params or all"));
+                         "none, params, topology or all"));
   }
   if (auto met = check_conditions(running, *call); !met) {
     return answer(running, *call, met.error());

@@ -6,6 +6,7 @@
 
 #include "commands/answer.h"
 #include "commands/change.h"
+#include "commands/gate.h"
 #include "commands/given_up.h"
 #include "commands/trial.h"
 
@@ -37,31 +38,41 @@ void finish_load(Running& running, const Call& call, Load& load) {
     return answer(running, call, met.error());
   }
   const auto info = (*load.loaded)->info();
+  const std::vector lines = {arch::make_line("plugin", info.name, {}, info.name)};
+  if (auto free = may_change(running, lines); !free) {
+    return answer(running, call, free.error());
+  }
   auto done = running.catalog.commit(std::move(**load.loaded));
   if (!done) {
     return answer(running, call, done.error());
   }
   log_loaded(running, info);
-  answer(running, call,
-         Json{{"plugin", info.name},
+  Json result{{"plugin", info.name},
               {"version", info.version},
               {"warnings", info.warnings},
               {"loaded", true},
               {"unmapped", nullptr},
               {"why", ""},
-              {"generation", running.generation.load()}});
+              {"generation", running.generation.load()}};
+  say_lines(lines, result);
+  answer(running, call, std::move(result));
+}
+
+arch::Line line_of_unloading(const std::string& name) {
+  return arch::make_line("plugin", name, name, {});
 }
 
 void finish_unload(Running& running, const Call& call, const std::string& name,
                    const plugin::Unmapped& unmapped) {
   const auto event = unmapped.unmapped ? Event::plugin_unloaded : Event::plugin_resident;
   running.log.write(event, {{"plugin", name}, {"text", unmapped.reason}});
-  answer(running, call,
-         Json{{"plugin", name},
+  Json result{{"plugin", name},
               {"loaded", false},
               {"unmapped", unmapped.unmapped},
               {"why", unmapped.reason},
-              {"generation", running.generation.load()}});
+              {"generation", running.generation.load()}};
+  say_lines({line_of_unloading(name)}, result);
+  answer(running, call, std::move(result));
 }
 
 /// The users that are named may be what a probation leads back to, and nothing that runs.
@@ -112,6 +123,9 @@ namespace {
 
 /// [control] Nothing that changes before this one left behind holds the library any more.
 void unload_settled(Running& running, const CallPtr& call, const std::string& name, Ticket ticket) {
+  if (auto free = may_change(running, {line_of_unloading(name)}); !free) {
+    return answer(running, *call, free.error());
+  }
   auto library = running.catalog.remove(name);
   if (!library) {
     return answer(running, *call, why_in_use(running, name, library.error()));

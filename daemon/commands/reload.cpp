@@ -6,11 +6,14 @@
 ///   [factory] map the new file, make and configure the new elements
 ///   [control] the names change hands, all members swap at one instant; with resources at a barrier
 ///   [factory] the old elements are cleaned up and freed, the old code unmapped
+#include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "arch/value_json.h"
 #include "commands/answer.h"
 #include "commands/change.h"
+#include "commands/gate.h"
 #include "commands/given_up.h"
 #include "commands/model.h"
 #include "commands/quarantine.h"
@@ -34,6 +37,7 @@ struct Reload {
   std::optional<Receipt> receipt;
   std::shared_ptr<Library> old;
   plugin::Unmapped unmapped;
+  std::vector<arch::Line> lines;  ///< what it makes different, once it is prepared
 };
 using ReloadPtr = std::shared_ptr<Reload>;
 
@@ -100,8 +104,26 @@ void prepare(Running& running, Reload& reload) {
   }
 }
 
+/// "1.0.0 (build 3f2a91c4)"
+std::string build_of(const plugin::PluginInfo& info) {
+  constexpr std::size_t kEnough = 8;
+  return info.version + " (build " + info.build_id.substr(0, kEnough) + ")";
+}
+
+/// [control]
+std::vector<arch::Line> lines_of_reload(const Running& running, Reload& reload) {
+  const auto* now = running.catalog.find(reload.name);
+  auto before = now == nullptr ? Value() : Value(build_of(now->info()));
+  std::vector<arch::Line> lines = {arch::make_line("plugin", reload.name, std::move(before),
+                                                   build_of((*reload.loaded)->info()))};
+  if (reload.prepared) {
+    std::ranges::move(lines_of(running, **reload.prepared), std::back_inserter(lines));
+  }
+  return lines;
+}
+
 /// [control] What could refuse the new code is asked before anything moves.
-Status may_go_on(Running& running, const Call& call, const Reload& reload) {
+Status may_go_on(Running& running, const Call& call, Reload& reload) {
   if (reload.prepared && !*reload.prepared) {
     return reload.prepared->error();
   }
@@ -118,7 +140,11 @@ Status may_go_on(Running& running, const Call& call, const Reload& reload) {
       return free;
     }
   }
-  return running.catalog.check_types(**reload.loaded);
+  if (auto good = running.catalog.check_types(**reload.loaded); !good) {
+    return good;
+  }
+  reload.lines = lines_of_reload(running, reload);
+  return may_change(running, reload.lines);
 }
 
 /// [control] The names change hands last, since that cannot be taken back.
@@ -148,6 +174,7 @@ Json result_of(Running& running, Reload& reload) {
   auto result = reload.receipt ? to_json(*reload.receipt) : to_json(Receipt{});
   say_sync(reload.prepared, result);
   say_who_stands(running, reload.change, result);
+  say_lines(reload.lines, result);
   result["changed"] = true;
   result["state"] = "applied";
   result["plugin"] = reload.name;

@@ -112,9 +112,14 @@ void stop(Running& running, const CallPtr& call, Ticket /*none: it waits for no 
     return answer(running, *call, names.error());
   }
   std::vector<std::string> stopped;
+  std::vector<arch::Line> lines;
   for (const auto& name : *names) {
-    if (running.deployer.status(name).state == ComponentState::stopped) {
+    const auto state = running.deployer.status(name).state;
+    if (state == ComponentState::stopped) {
       stopped.push_back(name);
+    }
+    if (state == ComponentState::running) {
+      lines.push_back(arch::make_line("start", name + ".start", true, false));
     }
     ++running.stops[name];
     auto& came = running.stops_came[name];
@@ -126,19 +131,23 @@ void stop(Running& running, const CallPtr& call, Ticket /*none: it waits for no 
   if (!stopping) {
     return answer(running, *call, stopping.error());
   }
-  when_answered(running, *std::move(stopping), [&running, call, over, stopped](Ongoing& done) {
-    const auto receipt = done.result();
-    if (!receipt) {
-      return answer(running, *call, receipt.error(), "safe");
-    }
-    const auto ran =
-        call->order != nullptr ? call->order->stopped_directly() : std::vector<std::string>();
-    auto result = ran.empty() ? to_json(*receipt) : directly(to_json(*receipt), ran);
-    if (ran.empty()) {
-      say_already(stopped, "stopped", result);
-    }
-    answer(running, *call, std::move(result));
-  });
+  when_answered(
+      running, *std::move(stopping), [&running, call, over, stopped, lines](Ongoing& done) {
+        const auto receipt = done.result();
+        if (!receipt) {
+          return answer(running, *call, receipt.error(), "safe");
+        }
+        const auto ran =
+            call->order != nullptr ? call->order->stopped_directly() : std::vector<std::string>();
+        auto result = ran.empty() ? to_json(*receipt) : directly(to_json(*receipt), ran);
+        if (ran.empty()) {
+          say_already(stopped, "stopped", result);
+        }
+        if (flag(result, "changed")) {
+          say_lines(lines, result);
+        }
+        answer(running, *call, std::move(result));
+      });
 }
 
 }  // namespace mauve::daemon

@@ -42,13 +42,6 @@ std::vector<NewConnection> take_connections(Element& element) {
   return taken;
 }
 
-/// "guidance/control", "shared_data velocity/1".
-std::string title(const ComponentBase& component) { return component.type().name; }
-std::string title(const ResourceBase& resource) {
-  const std::string& type = resource.type().name;
-  return is_built_in(type) ? type + " " + resource.find_service("read")->signature().types : type;
-}
-
 bool same_properties(const Configurable& a, const Configurable& b) {
   return std::all_of(a.properties().begin(), a.properties().end(), [&](const PropertyBase* one) {
     const PropertyBase* const other = b.find_property(one->name());
@@ -57,9 +50,11 @@ bool same_properties(const Configurable& a, const Configurable& b) {
 }
 
 /// Can the one become the other while it runs?
-bool same_element(const ComponentBase& a, const ComponentBase& b) { return title(a) == title(b); }
+bool same_element(const ComponentBase& a, const ComponentBase& b) {
+  return title_of(a) == title_of(b);
+}
 bool same_element(const ResourceBase& a, const ResourceBase& b) {
-  return title(a) == title(b) && same_properties(a.shell(), b.shell()) &&
+  return title_of(a) == title_of(b) && same_properties(a.shell(), b.shell()) &&
          same_properties(a.interface(), b.interface());
 }
 
@@ -119,17 +114,17 @@ class Differ {
   void visit(const char* kind, const Element* now, const Element& then) {
     if (now != nullptr && same_element(*now, then)) return change(*now, then);
     joining_.insert(then.name());
-    if (now == nullptr) return say(kind, then.name(), {}, title(then));
+    if (now == nullptr) return say(kind, then.name(), {}, title_of(then));
     difference_.change.remove.push_back(now->name());
-    say(kind, now->name(), title(*now), title(then));
+    say(kind, now->name(), title_of(*now), title_of(then));
     Edit unused = edit_of(now->name());
-    if (title(*now) == title(then)) properties_and_ports(*now, then, true, unused);
+    if (title_of(*now) == title_of(then)) properties_and_ports(*now, then, true, unused);
   }
 
   template <typename Element>
   void leaves(const char* kind, const Element& now) {
     difference_.change.remove.push_back(now.name());
-    say(kind, now.name(), title(now), {});
+    say(kind, now.name(), title_of(now), {});
   }
 
   /// Last: until then the others are connected to what joins. What stays in `wanted` loses its
@@ -270,6 +265,13 @@ const double* number_of(const Value& value, double& storage) {
 }
 
 }  // namespace
+
+std::string title_of(const ComponentBase& component) { return component.type().name; }
+
+std::string title_of(const ResourceBase& resource) {
+  const std::string& type = resource.type().name;
+  return is_built_in(type) ? type + " " + resource.find_service("read")->signature().types : type;
+}
 
 std::string_view to_string(Line::Op op) {
   switch (op) {

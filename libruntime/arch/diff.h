@@ -57,6 +57,10 @@ struct Difference {
 [[nodiscard]] Difference compare(const Architecture& running, Architecture& wanted,
                                  const Parked& parked = {});
 
+/// "guidance/control", "shared_data velocity/1": the type of an element as lines give it.
+[[nodiscard]] std::string title_of(const ComponentBase& component);
+[[nodiscard]] std::string title_of(const ResourceBase& resource);
+
 /// Equal content: numbers by value (1 is 1.0), not a number is itself.
 [[nodiscard]] bool same_value(const Value& a, const Value& b);
 

@@ -19,7 +19,7 @@ std::string seconds(Duration duration) {
 
 Engine::Engine(std::vector<Rule> rules) : rules_(std::move(rules)) {
   for (const Rule& rule : rules_) {
-    watched_.push_back({Trigger(rule.timing), {}, false, {}});
+    watched_.push_back({Trigger(rule.timing), {}, false, {}, {}});
     const auto looks_at = [&](const Condition& condition) {
       for (const Comparison& one : condition.comparisons()) {
         std::vector<std::string>& names = seen_[one.address].rules;
@@ -61,8 +61,7 @@ Truth Engine::answered_by(const Rule& rule, const Watched& watched, Truth truth)
   return std::ranges::any_of(rule.when.comparisons(), is_lost) ? Truth::yes : truth;
 }
 
-std::vector<std::size_t> Engine::step(Instant now, const Read& read, std::string_view held) {
-  held_ = held;
+std::vector<std::size_t> Engine::step(Instant now, const Read& read, const Held& held) {
   look(now, read);
   const Read as_seen = [&](const std::string& address) {
     return seen_.find(address)->second.value;
@@ -72,12 +71,13 @@ std::vector<std::size_t> Engine::step(Instant now, const Read& read, std::string
     const Rule& rule = rules_[i];
     Watched& watched = watched_[i];
     watched.error.clear();
+    watched.held = held ? held(rule) : std::string_view{};
     const Truth truth = rule.when.evaluate(as_seen, watched.error);
     const Truth when = answered_by(rule, watched, truth);
     Truth rearm = !when;
     if (rule.until) rearm = rule.until->evaluate(as_seen, watched.error);
     if (watched.waits_for_answer) rearm = Truth::no;
-    if (!watched.trigger.step(now, when, rearm, held.empty())) continue;
+    if (!watched.trigger.step(now, when, rearm, watched.held.empty())) continue;
     watched.waits_for_answer = true;
     fired.push_back(i);
   }
@@ -128,7 +128,7 @@ std::string Engine::why_not(const Watched& watched, const Rule& rule, Instant no
     case State::limited:
       return "limit " + std::to_string(rule.timing.per_hour) + " an hour reached";
     case State::held:
-      return held_;
+      return watched.held;
     case State::disabled:
       break;
   }

@@ -26,6 +26,9 @@ struct Report {
   std::string why_not;          ///< it does not fire now: "holds for 0.4 of 2 s"
 };
 
+/// Why this rule may not fire now; empty: it may.
+using Held = std::function<std::string_view(const Rule&)>;
+
 /// Used by one thread, [control].
 class Engine {
  public:
@@ -35,9 +38,8 @@ class Engine {
   [[nodiscard]] const std::vector<Rule>& rules() const { return rules_; }
 
   /// The rules that fire now, as indices. A rule that fired waits for its answer, then for its
-  /// `until`. `held`: why none may fire now; empty: all may.
-  [[nodiscard]] std::vector<std::size_t> step(Instant now, const Read& read,
-                                              std::string_view held = {});
+  /// `until`. Without `held`, all may fire.
+  [[nodiscard]] std::vector<std::size_t> step(Instant now, const Read& read, const Held& held = {});
   /// What the last step() found to have become unknown or known again. A value that rules look at
   /// several times is there once.
   [[nodiscard]] const std::vector<SightChange>& changes() const { return changes_; }
@@ -55,6 +57,7 @@ class Engine {
     std::string error;  ///< why the condition cannot be evaluated
     bool waits_for_answer = false;
     std::string answer;
+    std::string held;  ///< why it may not fire
   };
 
   [[nodiscard]] std::string why_not(const Watched& watched, const Rule& rule, Instant now,
@@ -75,7 +78,6 @@ class Engine {
   std::vector<Watched> watched_;                   // by rule
   std::map<std::string, Seen, std::less<>> seen_;  // by address
   std::vector<SightChange> changes_;
-  std::string held_;  // why none may fire
 };
 
 }  // namespace mauve::rules
