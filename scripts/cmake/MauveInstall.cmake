@@ -89,6 +89,9 @@ if(EXISTS "${mauve_sources}/etc/minimal.json")
     endif()")
 endif()
 
+# A plugin to begin with: README.md copies it from here.
+install(DIRECTORY "${mauve_sources}/plugins/template" DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve")
+
 # The services. The prefix is known only at install time; the units in the sources say /usr.
 foreach(name mauved mauve-guardian)
   set(unit "${PROJECT_BINARY_DIR}/package/${name}.service")

@@ -5,6 +5,7 @@
 # Builds NAME.so as mauved wants its plugins: one exported symbol, everything resolved at link time,
 # nothing that would pin the code in memory after dlclose, no search path of its own, and a checksum
 # in its manifest by which mauved notices damage (mauve-stamp, after linking). The target is called NAME unless TARGET says otherwise. Works in this tree and after find_package(mauve).
+# A project that sets no build type gets RelWithDebInfo: without one the compiler would not optimise.
 set(MAUVE_PLUGIN_VERSION_SCRIPT "${CMAKE_CURRENT_LIST_DIR}/mauve_plugin.map")
 
 function(mauve_add_plugin name)
@@ -35,6 +36,12 @@ function(mauve_add_plugin name)
     endif()
   endif()
 
+  get_property(multi_config GLOBAL PROPERTY GENERATOR_IS_MULTI_CONFIG)
+  if(NOT CMAKE_BUILD_TYPE AND NOT multi_config)
+    message(STATUS "mauve_add_plugin(${name}): no build type is set, so it is RelWithDebInfo "
+      "(-DCMAKE_BUILD_TYPE=Debug for a debugger)")
+    set(CMAKE_BUILD_TYPE RelWithDebInfo CACHE STRING "Debug, Release, RelWithDebInfo or MinSizeRel" FORCE)
+  endif()
   add_library(${ARG_TARGET} MODULE ${ARG_SOURCES})
   set_target_properties(${ARG_TARGET} PROPERTIES
     PREFIX "" SUFFIX ".so" OUTPUT_NAME "${name}"
