@@ -3,14 +3,13 @@
 /// crash when nothing is connected.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string_view>
 #include <type_traits>
 #include <utility>
 
-#include <mauve/finite.h>
+#include <mauve/plausible.h>
 #include <mauve/port_base.h>
 
 namespace mauve {
@@ -115,17 +114,6 @@ struct Safe {
 template <typename T>
 Safe(T) -> Safe<T>;
 
-/// What a port lets out, asked on the real-time thread before each write; `last` is the value
-/// before, or `value` itself at first: `[](double v, double last) { return std::abs(v - last) <
-/// 0.1; }`. A NaN or an infinity in a described field is not plausible either, unless `finite` is
-/// false; `accepts` is asked only afterwards. `Plausible<T>{}` asks for finite numbers alone. A
-/// port without Plausible checks nothing, and pays nothing.
-template <typename T>
-struct Plausible {
-  std::function<bool(const T& value, const T& last)> accepts = {};
-  bool finite = true;
-};
-
 /// Writes to a connected service; not connected: counted and dropped. So is what is not plausible:
 /// a core on probation is then rolled back.
 template <typename T>
@@ -186,9 +174,7 @@ class WritePort final : public PortBase {
   }
   bool lets_out(const T& value) {
     if (!plausible_) return true;
-    const Plausible<T>& asked = *plausible_;
-    const bool accepted = (!asked.finite || detail::all_finite(value)) &&
-                          (!asked.accepts || asked.accepts(value, last_ ? *last_ : value));
+    const bool accepted = (*plausible_)(value, last_ ? *last_ : value);
     Job& job = this_job();
     if (job.is_detached()) return false;  // given up in there
     if (!accepted) {

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Whether a value has a NaN or an infinity in it. Included by port.h.
+/// Which values a write port lets out. Included by port.h.
 #pragma once
 
 #include <concepts>
+#include <functional>
 #include <tuple>
 #include <type_traits>
 
 #include <mauve/codec.h>
 
-namespace mauve::detail {
+namespace mauve {
+namespace detail {
 
 /// True when every floating-point number in the value is finite: in a number itself, in the fields
 /// of a described type, and in the items of arrays. Other content is not looked at. [rt], as long
@@ -33,4 +35,21 @@ template <typename T>
   }
 }
 
-}  // namespace mauve::detail
+}  // namespace detail
+
+/// The values that a port lets out. The port asks on the real-time thread before each write; `last`
+/// is the value before, or `value` itself at first: `[](double v, double last) { return
+/// std::abs(v - last) < 0.1; }`. A NaN or an infinity in a described field is not plausible either,
+/// unless `finite` is false; `accepts` is asked only afterwards. `Plausible<T>{}` asks for finite
+/// numbers alone. A port without Plausible checks nothing, and pays nothing.
+template <typename T>
+struct Plausible {
+  std::function<bool(const T& value, const T& last)> accepts = {};
+  bool finite = true;
+
+  [[nodiscard]] bool operator()(const T& value, const T& last) const {
+    return (!finite || detail::all_finite(value)) && (!accepts || accepts(value, last));
+  }
+};
+
+}  // namespace mauve
