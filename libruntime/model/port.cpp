@@ -58,8 +58,11 @@ bool Binding::told(const void* value, Instant stamp) const {
   return true;
 }
 
-PortBase::PortBase(Shell& shell, std::string_view name, Signature signature)
+PortBase::PortBase(Shell& shell, std::string_view name, Signature signature, Need need,
+                   Writers writers)
     : version_(shell.version_),
+      need_(need),
+      writers_(writers),
       index_(shell.ports_.size()),
       shell_(shell),
       name_(name),

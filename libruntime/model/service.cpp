@@ -8,8 +8,9 @@
 
 namespace mauve {
 
-ServiceBase::ServiceBase(InterfaceBase& owner, std::string_view name, Signature signature)
-    : owner_(owner), name_(name), signature_(std::move(signature)) {
+ServiceBase::ServiceBase(InterfaceBase& owner, std::string_view name, Signature signature,
+                         Writers writers)
+    : owner_(owner), name_(name), signature_(std::move(signature)), writers_(writers) {
   owner.services_.push_back(this);
 }
 

@@ -21,9 +21,13 @@ class ReadPort final : public PortBase {
  public:
   static constexpr std::size_t kMaxByValue = 4096;
 
-  /// `fallback` is what a read returns while there is no data.
-  ReadPort(Shell& shell, std::string_view name, T fallback = T{})
-      : PortBase(shell, name, Signature::read<T>()), default_(std::move(fallback)) {}
+  /// `fallback` is what a read returns while there is no data. `Writers::one`: the value moves
+  /// something, so one port at most may write into each service of the resource that it comes from.
+  ReadPort(Shell& shell, std::string_view name, T fallback = T{}, Need need = Need::usual,
+           Writers writers = Writers::many)
+      : PortBase(shell, name, Signature::read<T>(), need, writers), default_(std::move(fallback)) {}
+  ReadPort(Shell& shell, std::string_view name, Need need, Writers writers = Writers::many)
+      : ReadPort(shell, name, T{}, need, writers) {}
 
   [[nodiscard]] T read() {
     static_assert(sizeof(T) <= kMaxByValue, "over 4 kB: use read(into) or look()");
@@ -119,11 +123,13 @@ Safe(T) -> Safe<T>;
 template <typename T>
 class WritePort final : public PortBase {
  public:
-  WritePort(Shell& shell, std::string_view name) : PortBase(shell, name, Signature::write<T>()) {}
-  WritePort(Shell& shell, std::string_view name, Safe<T> safe)
-      : PortBase(shell, name, Signature::write<T>()), safe_(std::move(safe.value)) {}
-  WritePort(Shell& shell, std::string_view name, Safe<T> safe, Plausible<T> plausible)
-      : PortBase(shell, name, Signature::write<T>()),
+  WritePort(Shell& shell, std::string_view name, Need need = Need::usual)
+      : PortBase(shell, name, Signature::write<T>(), need) {}
+  WritePort(Shell& shell, std::string_view name, Safe<T> safe, Need need = Need::usual)
+      : PortBase(shell, name, Signature::write<T>(), need), safe_(std::move(safe.value)) {}
+  WritePort(Shell& shell, std::string_view name, Safe<T> safe, Plausible<T> plausible,
+            Need need = Need::usual)
+      : PortBase(shell, name, Signature::write<T>(), need),
         safe_(std::move(safe.value)),
         plausible_(std::move(plausible)) {
     always_call();
@@ -198,8 +204,8 @@ class CallPort;
 template <typename R, typename... P>
 class CallPort<R(P...)> final : public PortBase {
  public:
-  CallPort(Shell& shell, std::string_view name)
-      : PortBase(shell, name, mauve::Signature::call<R, P...>()) {}
+  CallPort(Shell& shell, std::string_view name, Need need = Need::usual)
+      : PortBase(shell, name, mauve::Signature::call<R, P...>(), need) {}
 
   auto operator()(std::remove_cvref_t<P>... arguments) {
     void* pointers[sizeof...(P) + 1] = {&arguments..., nullptr};
@@ -225,8 +231,8 @@ class CallPort<R(P...)> final : public PortBase {
 template <typename... P>
 class EventPort final : public PortBase {
  public:
-  EventPort(Shell& shell, std::string_view name)
-      : PortBase(shell, name, Signature::event<P...>()) {}
+  EventPort(Shell& shell, std::string_view name, Need need = Need::usual)
+      : PortBase(shell, name, Signature::event<P...>(), need) {}
 
   bool operator()(std::remove_cvref_t<P>... arguments) {
     void* pointers[sizeof...(P) + 1] = {&arguments..., nullptr};

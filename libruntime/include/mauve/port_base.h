@@ -16,6 +16,10 @@ namespace mauve {
 
 class Shell;
 
+/// How important a connection is. `mauved --check`, a start and `status` name ports without one that
+/// are required, and those that have a safe value unless they are optional.
+enum class Need : std::uint8_t { usual, optional, required };
+
 /// The result of PortBase::connect(). When the caller does not examine an error, the next
 /// configure() of the shell reports it, as it reports a refused value of a property.
 class Connected {
@@ -44,7 +48,8 @@ class Connected {
 /// What the runtime sees of a port. Use is [rt] by the component's own thread.
 class PortBase {
  public:
-  PortBase(Shell& shell, std::string_view name, Signature signature);
+  PortBase(Shell& shell, std::string_view name, Signature signature, Need need = Need::usual,
+           Writers writers = Writers::many);
   PortBase(const PortBase&) = delete;
   PortBase& operator=(const PortBase&) = delete;
   virtual ~PortBase() = default;
@@ -59,6 +64,9 @@ class PortBase {
   /// may ignore the result: configure() of the shell then reports the error.
   Connected connect(ServiceBase& service, Duration max_age = Duration{0});
   [[nodiscard]] bool connected() const;
+  [[nodiscard]] Need need() const { return need_; }
+  /// Of a read port: how many ports may write the value that it reads.
+  [[nodiscard]] Writers writers() const { return writers_; }
 
   /// Writes the declared safe value, if any: at stop, fault and disconnect. `by_owner`: on the
   /// thread of its component, or one that has taken its place. [any]
@@ -99,6 +107,8 @@ class PortBase {
   Duration max_age_{0};                // too
   std::uint64_t seen_ = 0;             // id of the connection that the cursor belongs to
   bool calls_ = false;
+  Need need_;
+  Writers writers_;
   std::size_t index_;
   std::atomic<std::uint64_t> failures_{0};
   std::uint32_t trace_name_ = 0;

@@ -25,17 +25,23 @@ class TapList;
 template <typename CoreT>
 class Interface;
 
+/// How many ports may be connected to a service at once. `one`: it moves something, and two that
+/// command it would contradict each other; a second one is refused.
+enum class Writers : std::uint8_t { many, one };
+
 /// What a port sees of a service. Data moves through untyped pointers; connect() has compared the
 /// signatures, so the casts are safe. Calls are [any] but not from inside the same resource.
 class ServiceBase {
  public:
-  ServiceBase(InterfaceBase& owner, std::string_view name, Signature signature);
+  ServiceBase(InterfaceBase& owner, std::string_view name, Signature signature,
+              Writers writers = Writers::many);
   ServiceBase(const ServiceBase&) = delete;
   ServiceBase& operator=(const ServiceBase&) = delete;
   virtual ~ServiceBase() = default;
 
   [[nodiscard]] std::string_view name() const { return name_; }
   [[nodiscard]] const Signature& signature() const { return signature_; }
+  [[nodiscard]] Writers writers() const { return writers_; }
   [[nodiscard]] ResourceBase& resource() const;
   /// Dotted address, such as "scan.read".
   [[nodiscard]] std::string address() const;
@@ -69,6 +75,7 @@ class ServiceBase {
   InterfaceBase& owner_;
   std::string_view name_;
   Signature signature_;
+  Writers writers_;
 };
 
 /// `ReadService<Pose> predict{*this, "predict", &EkfCore::predict};` The method may return
@@ -110,14 +117,15 @@ class ReadService final : public ServiceBase {
   std::optional<Method<std::optional<T>()>> maybe_;
 };
 
-/// `WriteService<Imu> update_imu{*this, "update_imu", &EkfCore::update_imu};`
+/// `WriteService<Imu> update_imu{*this, "update_imu", &EkfCore::update_imu};` One that moves
+/// something: `{*this, "drive", &Motor::drive, mauve::Writers::one}`.
 template <typename T>
 class WriteService final : public ServiceBase {
  public:
   template <typename C>
   WriteService(Interface<C>& owner, std::string_view name,
-               std::type_identity_t<void (C::*)(const T&)> method)
-      : ServiceBase(owner, name, Signature::write<T>()), method_(method) {}
+               std::type_identity_t<void (C::*)(const T&)> method, Writers writers = Writers::many)
+      : ServiceBase(owner, name, Signature::write<T>(), writers), method_(method) {}
 
   bool write(const void* data) override {
     Entry entry(gate());
@@ -144,8 +152,8 @@ class CallService<R(P...)> final : public ServiceBase {
  public:
   template <typename C>
   CallService(Interface<C>& owner, std::string_view name,
-              std::type_identity_t<R (C::*)(P...)> method)
-      : ServiceBase(owner, name, Signature::call<R, P...>()), method_(method) {}
+              std::type_identity_t<R (C::*)(P...)> method, Writers writers = Writers::many)
+      : ServiceBase(owner, name, Signature::call<R, P...>(), writers), method_(method) {}
 
   bool invoke(void* result, void* const* arguments) override {
     return invoke(result, arguments, std::index_sequence_for<P...>{});
