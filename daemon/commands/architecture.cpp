@@ -25,6 +25,7 @@
 #include "commands/gate.h"
 #include "commands/given_up.h"
 #include "commands/model.h"
+#include "commands/policies.h"
 #include "commands/trial.h"
 #include "supervisor.h"
 

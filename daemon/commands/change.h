@@ -89,10 +89,4 @@ inline constexpr std::string_view kUndone = "undone";
 [[nodiscard]] Change members_of(const Running& running, const std::string& plugin,
                                 StatePolicy state);
 
-/// [any] "drop" or nothing; anything else is refused.
-[[nodiscard]] Result<StatePolicy> state_policy(const Json& params);
-
-/// [any] "cut", "barrier" or nothing: what the change wants by itself; anything else is refused.
-[[nodiscard]] Result<std::optional<Sync>> sync_of(const Json& params);
-
 }  // namespace mauve::daemon

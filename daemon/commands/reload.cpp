@@ -16,6 +16,7 @@
 #include "commands/gate.h"
 #include "commands/given_up.h"
 #include "commands/model.h"
+#include "commands/policies.h"
 #include "commands/quarantine.h"
 #include "commands/trial.h"
 #include "commands/unproven.h"

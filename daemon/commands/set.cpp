@@ -9,6 +9,7 @@
 #include "commands/change.h"
 #include "commands/model.h"
 #include "commands/path_rule.h"
+#include "commands/policies.h"
 
 namespace mauve::daemon {
 
