@@ -109,7 +109,12 @@ int run_graph(Session& session) {
     session.print(names.empty() ? result : part_of(result, graph), {});
     return 0;
   }
-  return write_output(session, drawn(graph, std::get<Form>(form)));
+  const int code = write_output(session, drawn(graph, std::get<Form>(form)));
+  for (const Json& note : names.empty() ? list_in(result, "notes") : Json::array()) {
+    session.screen.err << "note: " << harmless(word(note, "address") + " " + word(note, "text"))
+                       << "\n";
+  }
+  return code;
 }
 
 }  // namespace mauve::ctl

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// What is not settled yet: changes on probation, a start after a crash, cores in quarantine,
-/// values that rules need and that are unknown.
+/// values that rules need and that are unknown, connections that may be a mistake.
 #include "render.h"
 #include "table.h"
 #include "words.h"
@@ -48,6 +48,9 @@ std::string render_pending(const Json& status, Look look) {
     text += painted(wrapped(harmless(line), look.width, 2), Paint::yellow, look.colour) + "\n";
   };
   for (const Json& one : list_in(status, "probations")) add(sentence_of(one));
+  for (const Json& one : list_in(status, "notes")) {
+    add("note: " + word(one, "address") + " " + word(one, "text"));
+  }
   for (const Json& one : list_in(status, "unknown_values")) {
     add(word(one, "address") + " is " + word(one, "text") + ": mauvectl rules");
   }

@@ -9,6 +9,7 @@
 #include "daemon.h"
 #include "exec/admission.h"
 #include "log/json_text.h"
+#include "model/wiring.h"
 
 namespace mauve::daemon {
 namespace {
@@ -98,6 +99,9 @@ int check_file(const Options& options) {
   if (architecture != nullptr && !architecture->components().empty()) {
     const auto timing = exec::analyze(*architecture, options.machine);
     print(timing);
+    for (const auto& note : Wiring(*architecture).notes()) {
+      std::cout << "note: " << logging::printable(to_string(note)) << "\n";
+    }
     if (options.admission == Admission::strict && !timing.problems.empty()) {
       std::cerr << "not admitted: " << logging::printable(timing.problems.front()) << "\n";
       return 1;

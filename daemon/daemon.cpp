@@ -19,6 +19,7 @@
 #include "mauve/version.h"
 #include "notify.h"
 #include "rt/last_words.h"
+#include "start_warnings.h"
 
 namespace mauve::daemon {
 
@@ -52,16 +53,6 @@ std::string counted(std::size_t count, const std::string& noun) {
 
 /// "core 'x' is unknown (did you mean 'y'?)", with its address in front.
 std::string sentence(const Error& error) { return to_string(error); }
-
-Event event_of(const std::string& warning) {
-  if (warning.starts_with("timing")) {
-    return Event::realtime_missing;
-  }
-  if (warning.starts_with("throttling")) {
-    return Event::throttling_first;
-  }
-  return warning.starts_with("admission") ? Event::not_admitted : Event::task_placed;
-}
 
 }  // namespace
 
@@ -201,9 +192,7 @@ Status Daemon::deploy() {
   if (options_.realtime == Realtime::off) {
     log_.write(Event::realtime_off);
   }
-  for (const auto& warning : deployer_->warnings()) {
-    log_.write(event_of(warning), {{"text", warning}});
-  }
+  log_start_warnings(log_, *deployer_, *architecture_);
   return ok();
 }
 

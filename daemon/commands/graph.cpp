@@ -57,7 +57,8 @@ Result<Json> graph(Running& running, const Call& /*call*/) {
   return Json{{"generation", running.deployer.generation()},
               {"architecture", running.architecture.name()},
               {"components", std::move(components)},
-              {"resources", std::move(resources)}};
+              {"resources", std::move(resources)},
+              {"notes", wiring_notes(running)}};
 }
 
 }  // namespace mauve::daemon

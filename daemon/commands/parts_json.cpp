@@ -2,6 +2,7 @@
 #include "commands/parts_json.h"
 
 #include "arch/built_in.h"
+#include "model/wiring.h"
 
 namespace mauve::daemon {
 
@@ -54,6 +55,14 @@ Json machine_json(const FsmBase& fsm) {
   const auto* initial = fsm.initial();
   return {{"initial", initial == nullptr ? Json() : Json(initial->name())},
           {"states", std::move(states)}};
+}
+
+Json wiring_notes(const Running& running) {
+  Json rows = Json::array();
+  for (const auto& note : Wiring(running.architecture).notes()) {
+    rows.push_back({{"address", note.address}, {"text", note.text}});
+  }
+  return rows;
 }
 
 }  // namespace mauve::daemon

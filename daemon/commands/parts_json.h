@@ -21,4 +21,7 @@ namespace mauve::daemon {
 /// transitions in the order in which guards are asked, what is taken when none is true last.
 [[nodiscard]] Json machine_json(const FsmBase& fsm);
 
+/// [{"address","text"}]: connections of what runs that may be a mistake. [control]
+[[nodiscard]] Json wiring_notes(const Running& running);
+
 }  // namespace mauve::daemon

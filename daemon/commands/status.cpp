@@ -9,6 +9,7 @@
 #include "commands/given_up.h"
 #include "commands/log_json.h"
 #include "commands/model.h"
+#include "commands/parts_json.h"
 #include "commands/quarantine.h"
 #include "guardian.h"
 #include "keeper.h"
@@ -118,6 +119,7 @@ Result<Json> status(Running& running, const Call& /*call*/) {
                  {"left_behind", left_behind(running)},
                  {"lost_to_quarantine", lost_to_quarantine(running)},
                  {"probations", probations(running)},
+                 {"notes", wiring_notes(running)},
                  {"unknown_values", running.supervisor.lost_values()},
                  {"recovered", running.recovered == 0 ? Json() : Json(running.recovered)},
                  {"quarantine", running.quarantined.size()}};

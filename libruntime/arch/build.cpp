@@ -15,6 +15,7 @@
 #include "model/connection.h"
 #include "model/elements.h"
 #include "model/resource_graph.h"
+#include "model/wiring.h"
 #include "rt/thread.h"
 
 namespace mauve::arch {
@@ -55,6 +56,7 @@ class Builder {
     for (const auto& [spec, component] : components_) connect(*spec, component);
     for (auto& [spec, shell] : loose_) connect(*spec, shell.made() ? &shell : nullptr);
     check_cycles();
+    check_writers();
     auto checked = check_rules(spec_, *architecture_, catalog_, problems_);
     if (supervision != nullptr) *supervision = std::move(checked);
     return problems_.empty() ? std::move(architecture_) : nullptr;
@@ -223,6 +225,23 @@ class Builder {
         [&](const ResourceSpec& resource) { return resource.name == sound.error().at; });
     problems_.add(found == spec_.resources.end() ? Position{} : found->where,
                   std::move(sound.error()));
+  }
+
+  void check_writers() {
+    Status sound = Wiring(*architecture_).check();
+    if (sound) return;
+    const std::string& at = sound.error().at;
+    Position where;
+    const auto find = [&](const auto& elements) {
+      for (const auto& [spec, element] : elements) {
+        for (const ConnectionSpec& connection : spec->connections) {
+          if (spec->name + ".ports." + connection.port == at) where = connection.where;
+        }
+      }
+    };
+    find(resources_);
+    find(components_);
+    problems_.add(where, std::move(sound.error()));
   }
 
   const Spec& spec_;

@@ -8,6 +8,7 @@
 
 #include "exec/barrier.h"
 #include "exec/probation.h"
+#include "exec/rewired.h"
 
 namespace mauve::exec {
 namespace {
@@ -127,7 +128,8 @@ bool concerns(const System& system, const Content& change, const Content& before
   Resources joined;
   for (const auto& resource : before.new_resources) joined.insert(resource.get());
   const Resources leaving(change.leaving_resources.begin(), change.leaving_resources.end());
-  return any_leads_into(change, joined) || any_leads_into(before, leaving);
+  if (any_leads_into(change, joined) || any_leads_into(before, leaving)) return true;
+  return clash(system.architecture, change, before);
 }
 
 bool changes_modes_only(const Content& change) {

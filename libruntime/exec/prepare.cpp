@@ -9,6 +9,7 @@
 #include "exec/barrier.h"
 #include "exec/relief.h"
 #include "exec/renew.h"
+#include "exec/rewired.h"
 #include "model/elements.h"
 #include "model/leavable.h"
 #include "model/resource_graph.h"
@@ -98,9 +99,12 @@ class Preparation {
     }
     if (Status cut_off = check_all_left(); !cut_off) return cut_off.error();
     if (Status nested = check_nesting(); !nested) return nested.error();
+    const Wiring wiring = rewired(system_.architecture, *content_);
+    if (Status alone = wiring.check(); !alone) return alone.error();
     auto admitted = admit_change(system_, *content_);
     if (!admitted) return admitted.error();
     content_->warnings = *std::move(admitted);
+    warn_of_new(wiring.notes());
     content_->fallbacks = change_.fallbacks;
     if (Status done = make_reliefs(configure); !done) return done.error();
     if (content_->barrier) content_->barrier->waits = waits_of(system_, *content_);
@@ -212,6 +216,13 @@ class Preparation {
       graph.put(*changed.resource, *changed.parts.bindings);
     }
     return graph.check();
+  }
+
+  void warn_of_new(const std::vector<Wiring::Note>& notes) {
+    const std::vector<Wiring::Note> known = Wiring(system_.architecture).notes();
+    for (const Wiring::Note& note : notes) {
+      if (!contains(known, note)) content_->warnings.push_back(to_string(note));
+    }
   }
 
   System& system_;

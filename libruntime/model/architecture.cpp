@@ -9,6 +9,7 @@
 #include "model/find_named.h"
 #include "model/guard.h"
 #include "model/resource_graph.h"
+#include "model/wiring.h"
 
 namespace mauve {
 namespace {
@@ -111,6 +112,7 @@ Status Architecture::configure() {
   for (ComponentBase* component : components_) {
     if (done) done = component->configure();
   }
+  if (done) done = Wiring(*this).check();  // connections that are made in code are in force now
   configured_ = true;
   if (!done) static_cast<void>(cleanup());
   return done;

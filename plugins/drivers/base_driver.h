@@ -14,7 +14,9 @@ namespace drivers {
 using namespace std::chrono_literals;  // NOLINT: durations of states
 
 struct BaseShell : mauve::Shell {
-  mauve::ReadPort<rover::Velocity> command{*this, "command"};
+  /// The wheels obey it, so one port at most may write into its resource.
+  mauve::ReadPort<rover::Velocity> command{*this, "command", mauve::Need::usual,
+                                           mauve::Writers::one};
   mauve::WritePort<rover::Odometry> odometry{*this, "odometry"};
   mauve::WritePort<rover::Pose2D> pose{*this, "pose"};
   mauve::WritePort<rover::Twist> twist{*this, "twist"};

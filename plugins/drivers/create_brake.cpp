@@ -79,7 +79,8 @@ class CreateBrake final : public mauve::Core<mauve::EmptyShell> {
 };
 
 struct BrakeInterface : mauve::Interface<CreateBrake> {
-  mauve::WriteService<rover::Velocity> write{*this, "write", &CreateBrake::stop};
+  mauve::WriteService<rover::Velocity> write{*this, "write", &CreateBrake::stop,
+                                             mauve::Writers::one};
 };
 
 }  // namespace

@@ -17,7 +17,7 @@ using rover::Pose2D;
 using rover::Velocity;
 
 struct RobotShell : mauve::Shell {
-  mauve::ReadPort<Velocity> command{*this, "command"};
+  mauve::ReadPort<Velocity> command{*this, "command", mauve::Need::usual, mauve::Writers::one};
   mauve::WritePort<Odometry> odometry{*this, "odometry"};
   mauve::WritePort<Pose2D> pose{*this, "pose"};
   mauve::WritePort<rover::Twist> twist{*this, "twist"};

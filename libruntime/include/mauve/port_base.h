@@ -16,8 +16,8 @@ namespace mauve {
 
 class Shell;
 
-/// How important a connection is. `mauved --check`, a start and `status` name ports without one that
-/// are required, and those that have a safe value unless they are optional.
+/// How important a connection is. `mauved --check`, a start and `status` name ports without one
+/// that are required, and those that have a safe value unless they are optional.
 enum class Need : std::uint8_t { usual, optional, required };
 
 /// The result of PortBase::connect(). When the caller does not examine an error, the next

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What a start has to say about an architecture that it puts in force nevertheless.
+#pragma once
+
+#include "log/log.h"
+#include "mauve/deployer.h"
+
+namespace mauve::daemon {
+
+/// [main] Logs each warning of the deployer, and each connection that may be a mistake.
+void log_start_warnings(logging::Log& log, const Deployer& deployer,
+                        const Architecture& architecture);
+
+}  // namespace mauve::daemon

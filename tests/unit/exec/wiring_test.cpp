@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Two writers of one output, and outputs without a connection.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "model/wiring.h"
+#include "support/outcomes.h"
+
+#include <mauve/deployer.h>
+#include <mauve/plugin.h>
+
+namespace mauve {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+using testing::SizeIs;
+
+struct PilotShell : Shell {
+  WritePort<double> speed{*this, "speed", Safe{0.0}};
+  WritePort<double> horn{*this, "horn", Safe{0.0}, Need::optional};
+  ReadPort<double> map{*this, "map", Need::required};
+  WritePort<double> log{*this, "log"};
+};
+struct Pilot : Core<PilotShell> {
+  void update() {}
+};
+struct MotorShell : Shell {
+  ReadPort<double> command{*this, "command", Need::usual, Writers::one};
+};
+struct Motor : Core<MotorShell> {
+  void update() {}
+};
+struct Valve : Core<EmptyShell> {
+  void open(const double& /*how*/) {}
+};
+struct ValveInterface : Interface<Valve> {
+  WriteService<double> open{*this, "open", &Valve::open, Writers::one};
+};
+
+struct Robot : Architecture {
+  SharedData<double> command{*this, "command"};
+  SharedData<double> shared{*this, "shared"};
+  RingBuffer<double> queue{*this, "queue"};
+  Resource<EmptyShell, Valve, ValveInterface> valve{*this, "valve"};
+  Component<PilotShell, Pilot, PeriodicFsm<Pilot>> human{*this, "human"};
+  Component<PilotShell, Pilot, PeriodicFsm<Pilot>> machine{*this, "machine"};
+  Component<MotorShell, Motor, PeriodicFsm<Motor>> motor{*this, "motor"};
+
+  Robot() {
+    motor.shell().command.connect(command.read_service());
+    human.shell().speed.connect(command.write_service());
+  }
+};
+
+Edit connect(const char* component, const char* port, const char* service) {
+  Edit edit;
+  edit.component = component;
+  edit.connect.push_back({port, service, {}});
+  return edit;
+}
+
+Edit disconnect(const char* component, const char* port) {
+  Edit edit;
+  edit.component = component;
+  edit.disconnect.emplace_back(port);
+  return edit;
+}
+
+/// The port `speed`.
+bool is_connected(const ComponentBase& component) {
+  return component.bundle()->bindings->front() != nullptr;
+}
+
+std::vector<std::string> notes_of(const Architecture& architecture) {
+  std::vector<std::string> texts;
+  for (const auto& note : Wiring(architecture).notes()) texts.push_back(to_string(note));
+  return texts;
+}
+
+TEST(ExclusiveOutput, RefusesASecondWriterBeforeTheStart) {
+  Robot robot;
+  robot.machine.shell().speed.connect(robot.command.write_service());
+
+  const Status done = robot.configure();
+
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, Errc::conflict);
+  EXPECT_EQ(done.error().at, "machine.ports.speed");
+  EXPECT_THAT(done.error().message, HasSubstr("second writer of command.write"));
+  EXPECT_THAT(done.error().message, HasSubstr("motor.ports.command obeys its values"));
+  EXPECT_THAT(done.error().message, HasSubstr("human.ports.speed writes into it"));
+}
+
+TEST(ExclusiveOutput, OfAServiceRefusesASecondWriter) {
+  Robot robot;
+  robot.human.shell().horn.connect(robot.valve.interface().open);
+  robot.machine.shell().horn.connect(robot.valve.interface().open);
+
+  const Status done = robot.configure();
+
+  ASSERT_FALSE(done);
+  EXPECT_THAT(done.error().message, HasSubstr("second writer of valve.open: human.ports.horn"));
+}
+
+class ExclusiveOutputAtRunTime : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(deployer.deploy()); }
+
+  Robot robot;
+  Deployer deployer{robot, {.simulated = true}};
+};
+
+TEST_F(ExclusiveOutputAtRunTime, RefusesASecondWriterAndNamesTheNewOne) {
+  // By name the new writer comes before the other one.
+  ASSERT_TRUE(deployer.apply({{disconnect("human", "speed")}}));
+  ASSERT_TRUE(deployer.apply({{connect("machine", "speed", "command.write")}}));
+
+  const auto done = deployer.apply({{connect("human", "speed", "command.write")}});
+
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().at, "human.ports.speed");
+  EXPECT_THAT(done.error().message, HasSubstr("machine.ports.speed writes into it"));
+  EXPECT_EQ(deployer.generation(), 3u);
+}
+
+TEST_F(ExclusiveOutputAtRunTime, ChangesHandsInOneChange) {
+  EXPECT_TRUE(deployer.apply(
+      {{connect("machine", "speed", "command.write"), disconnect("human", "speed")}}));
+}
+
+TEST_F(ExclusiveOutputAtRunTime, HasOneWriterAfterARollbackToo) {
+  Change leave{{disconnect("human", "speed")}};
+  leave.probation = Probation{};
+  ASSERT_TRUE(deployer.apply(leave));
+
+  const auto take = deployer.apply({{connect("machine", "speed", "command.write")}});
+  ASSERT_TRUE(take) << to_string(take.error());
+  EXPECT_THAT(take->notes, ElementsAre(HasSubstr("generation 1")))
+      << "both have one way back: to the one writer before";
+  ASSERT_TRUE(deployer.undo());
+  deployer.run_for(50ms);
+  EXPECT_THAT(test::tend(deployer), SizeIs(1));
+
+  EXPECT_TRUE(is_connected(robot.human));
+  EXPECT_FALSE(is_connected(robot.machine));
+}
+
+TEST_F(ExclusiveOutputAtRunTime, ThatJoinsIsRefusedWhereTwoWriteAlready) {
+  ASSERT_TRUE(deployer.apply({{disconnect("motor", "command")}}));
+  const auto second = deployer.apply({{connect("machine", "speed", "command.write")}});
+  ASSERT_TRUE(second) << "nothing obeys these values now";
+  EXPECT_THAT(second->warnings, Contains(HasSubstr("command.write has 2 writers")));
+
+  EXPECT_FALSE(deployer.apply({{connect("motor", "command", "command.read")}}));
+}
+
+TEST(Notes, NameOutputsAndRequiredPortsWithoutConnectionAndNothingElse) {
+  Robot robot;
+  ASSERT_TRUE(robot.configure());
+
+  EXPECT_THAT(
+      notes_of(robot),
+      ElementsAre("human.ports.map is not connected, and its component requires it",
+                  "machine.ports.speed is not connected: its values, and its safe value, reach "
+                  "nothing",
+                  "machine.ports.map is not connected, and its component requires it"));
+}
+
+TEST(Notes, NameTheWritersOfOneValueAndNotThoseOfAQueue) {
+  Robot robot;
+  robot.human.shell().map.connect(robot.shared.read_service());
+  robot.machine.shell().map.connect(robot.shared.read_service());
+  robot.machine.shell().speed.connect(robot.queue.write_service());
+  robot.human.shell().log.connect(robot.shared.write_service());
+  robot.machine.shell().log.connect(robot.shared.write_service());
+  robot.human.shell().horn.connect(robot.queue.write_service());
+  ASSERT_TRUE(robot.configure());
+
+  EXPECT_THAT(notes_of(robot), ElementsAre("shared.write has 2 writers, and the last value counts: "
+                                           "human.ports.log, machine.ports.log"));
+}
+
+TEST_F(ExclusiveOutputAtRunTime, IsWarnedOfOnlyByTheChangeThatLeavesItAlone) {
+  const auto other = deployer.apply({{connect("human", "log", "shared.write")}});
+  ASSERT_TRUE(other);
+  EXPECT_THAT(other->warnings, Not(Contains(HasSubstr("is not connected"))));
+
+  const auto alone = deployer.apply({{disconnect("human", "speed")}});
+  ASSERT_TRUE(alone);
+  EXPECT_THAT(alone->warnings, Contains(HasSubstr("human.ports.speed is not connected")));
+}
+
+}  // namespace
+}  // namespace mauve
