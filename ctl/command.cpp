@@ -176,7 +176,10 @@ constexpr Argument kApply[] = {one("FILE", "an architecture file", Kind::file),
                                kConfirmWithin};
 constexpr Argument kPlan[] = {one("FILE", "an architecture file", Kind::file), kState, kSync,
                               kProbation};
-constexpr Argument kHistory[] = {maybe("-n,--lines", "how many of the newest", Kind::number)};
+constexpr Argument kHistory[] = {
+    maybe("-n,--lines", "how many of the newest", Kind::number),
+    any("GENERATION", "two numbers: print what differs between these generations",
+        Kind::generation)};
 constexpr Argument kRollback[] = {
     one("GENERATION", "a number of mauvectl history", Kind::generation), kState, kSync};
 constexpr Argument kTrace[] = {
@@ -321,8 +324,9 @@ constexpr Command kCommands[] = {
      {},
      false,
      run_export},
-    {"history", "List the saved generations with time, user and reason", "mauvectl history -n 10",
-     kHistory, false, run_history},
+    {"history",
+     "List the saved generations with time, user, changes and reason, or compare two of them",
+     "mauvectl history -n 10", kHistory, false, run_history},
     {"rollback", "Return to a saved generation", "mauvectl rollback 41", kRollback, true,
      run_rollback},
     {"lock", "Lock the system against changes, except stop, confirm and undo",

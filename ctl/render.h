@@ -76,6 +76,9 @@ struct Look {
 /// "~ control.core.gain: 0.2 -> 0.3", one a line, below what is compared with what. Nothing
 /// differs: one sentence.
 [[nodiscard]] std::string render_diff(std::string_view file, const Json& result, Look look);
+/// The same for two saved generations.
+[[nodiscard]] std::string render_compared(std::uint64_t from, std::uint64_t to, const Json& result,
+                                          Look look);
 /// The same lines, then the receipt.
 [[nodiscard]] std::string render_applied(std::string_view file, const Json& result, Look look);
 /// The same lines, then what each component would hand over.

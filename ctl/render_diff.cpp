@@ -55,6 +55,14 @@ std::string render_diff(std::string_view file, const Json& result, Look look) {
          "\n" + lines;
 }
 
+std::string render_compared(std::uint64_t from, std::uint64_t to, const Json& result, Look look) {
+  const std::string before = "generation " + std::to_string(from);
+  const std::string after = "generation " + std::to_string(to);
+  const std::string lines = change_lines(result, look);
+  if (lines.empty()) return after + " is the same as " + before + "\n";
+  return "--- " + before + "\n+++ " + after + "\n" + lines;
+}
+
 std::string render_applied(std::string_view file, const Json& result, Look look) {
   const std::string lines = change_lines(result, look);
   return lines + at_barrier(result, false, look) +

@@ -226,6 +226,7 @@ void apply_file(Running&, const CallPtr&, Ticket);
 void load_plugin(Running&, const CallPtr&, Ticket);
 void unload_plugin(Running&, const CallPtr&, Ticket);
 void reload_plugin(Running&, const CallPtr&, Ticket);
+void compare_generations(Running&, const CallPtr&, Ticket);
 void rollback(Running&, const CallPtr&, Ticket);
 void set_lock(Running&, const CallPtr&, Ticket);
 

@@ -44,6 +44,7 @@ constexpr Command kCommands[] = {
     {"architecture.graph", Role::viewer, Lane::read, graph, nullptr},
     {"architecture.diff", Role::viewer, Lane::read, nullptr, diff_architecture},
     {"config.history", Role::viewer, Lane::any, history, nullptr},
+    {"config.compare", Role::viewer, Lane::read, nullptr, compare_generations},
     {"daemon.doctor", Role::viewer, Lane::factory, doctor, nullptr},
     {"watch.subscribe", Role::viewer, Lane::read, watch, nullptr},
     {"watch.unsubscribe", Role::viewer, Lane::read, unwatch, nullptr},

@@ -56,6 +56,7 @@ constexpr Param kSteps[] = {{"text", string, true},    {"file", string},      {"
 constexpr Param kCall[] = {{"service", string, true}, {"arguments", array}};
 constexpr Param kCondition[] = {{"condition", string, true}};
 constexpr Param kHistory[] = {{"n", integer}};
+constexpr Param kCompare[] = {{"from", integer, true}, {"to", integer, true}};
 constexpr Param kRollback[] = {{"generation", integer, true}, {"state", string}, {"sync", string}};
 constexpr Param kTraceStart[] = {{"detail", boolean}, {"seconds", integer}};
 constexpr Param kTraceRead[] = {
@@ -113,6 +114,7 @@ constexpr Method kMethods[] = {
     {"architecture.apply", "the running system becomes that of a file, or nothing happens", kApply,
      true},
     {"config.history", "the saved generations, newest first", kHistory},
+    {"config.compare", "what differs between two saved generations", kCompare},
     {"config.rollback", "back to a saved generation", kRollback, true},
     {"lock.set", "none, params, topology or all: what may not be changed", kLock, true, false,
      true},

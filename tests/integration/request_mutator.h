@@ -50,8 +50,9 @@ class RequestMutator {
     for (;;) {
       const auto& method = protocol::methods()[below(protocol::methods().size())];
       const bool slow = method.name == "config.check" || method.name == "architecture.diff" ||
-                        method.name == "architecture.apply" || method.name == "config.rollback" ||
-                        method.name == "daemon.doctor" || method.name.starts_with("plugin.");
+                        method.name == "config.compare" || method.name == "architecture.apply" ||
+                        method.name == "config.rollback" || method.name == "daemon.doctor" ||
+                        method.name.starts_with("plugin.");
       const bool hinders = method.name == "component.stop" || method.name == "lock.set";
       if ((!slow && !hinders) || below(20) == 0) return method;
     }

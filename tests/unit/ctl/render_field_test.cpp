@@ -41,16 +41,17 @@ TEST(RenderObject, ShowsAStateMachineWithItsWaitsAndSuccessors) {
             "  pace  synchronization  10.0 ms  heat\n");
 }
 
-TEST(RenderHistory, IsATableOfWhoAndWhy) {
+TEST(RenderHistory, IsATableOfWhoWhatAndWhy) {
   const Json history = Json::parse(R"({"state_dir": "/s", "items": [
     {"generation": 42, "time": "2026-01-31T12:00:00.123456Z", "uid": 1000, "command": "param.set",
-     "reason": "too slow", "mark": "confirmed", "boot": "b"},
+     "changes": "~ a.core.x: 1 -> 2", "reason": "too slow", "mark": "confirmed", "boot": "b"},
     {"generation": 41, "mark": "damaged"}]})");
 
-  EXPECT_EQ(render_history(history, {}),
-            "GENERATION  TIME                   UID  COMMAND    MARK       REASON\n"
-            "        42  2026-01-31 12:00:00Z  1000  param.set  confirmed  too slow\n"
-            "        41                                         damaged\n");
+  EXPECT_EQ(
+      render_history(history, {}),
+      "GENERATION  TIME                   UID  COMMAND    MARK       CHANGES             REASON\n"
+      "        42  2026-01-31 12:00:00Z  1000  param.set  confirmed  ~ a.core.x: 1 -> 2  too slow\n"
+      "        41                                         damaged\n");
 }
 
 TEST(RenderHistory, SaysWhenNothingIsKept) {
