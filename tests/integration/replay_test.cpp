@@ -4,6 +4,8 @@
 /// pilot.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -250,6 +252,66 @@ TEST(ReplayLaser, TheSafetyPilotSlowsAndStopsOnARealRecording) {
   EXPECT_EQ(daemon.value("scan.read")["ranges"].size(), 682U);
   EXPECT_TRUE(speeds.count(0.0)) << "stops";
   EXPECT_TRUE(speeds.count(0.25)) << "slows";
+}
+
+/// etc/playback.json with this recording, stopped at first, one value each job.
+std::string playback(const std::filesystem::path& recording) {
+  std::ifstream file(kRoot / "etc" / "playback.json");
+  json architecture = json::parse(file, nullptr, true, true);
+  json& player = architecture["components"]["player"];
+  player["start"] = false;
+  player["properties"]["core.recording"] = recording.string();
+  player["properties"]["core.speed"] = 0.0;
+  player["properties"]["core.repeat"] = false;
+  player["properties"]["core.restamp"] = false;
+  return architecture.dump();
+}
+
+/// The rows of a CSV file without their times, and without those of the sentinel.
+std::vector<std::string> rows_of(const std::filesystem::path& file) {
+  std::vector<std::string> rows;
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);) {
+    const auto comma = line.find(',');
+    if (comma == std::string::npos || line.find("-77.0") != std::string::npos) continue;
+    rows.push_back(line.substr(comma));
+  }
+  return rows;
+}
+
+/// Plays `recording`, and records it into `into`.
+void play_and_record(const std::filesystem::path& recording, const std::filesystem::path& into) {
+  TempDir place;
+  DaemonProcess daemon(place.write("playback.json", playback(recording)));
+  ASSERT_TRUE(daemon.up()) << daemon.errors();
+  Process recorder = daemon.client({"record", "odometry.read", "-o", into.string()});
+  const auto lines = [&] {
+    const std::string text = TempDir::read(into.string());
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  // A value of our own until it is seen: from then on nothing is lost.
+  ASSERT_TRUE(eventually([&] {
+    static_cast<void>(daemon.ask({"write", "odometry.write", R"({"x": -77.0})"}));
+    return lines() > 1;
+  })) << daemon.errors();
+  static_cast<void>(daemon.ask({"start", "player"}));
+  ASSERT_TRUE(eventually([&] { return daemon.value("player.core.finished") == true; }));
+  const auto wanted = rows_of(recording).size();
+  EXPECT_TRUE(eventually([&] { return rows_of(into).size() >= wanted; }));
+  recorder.signal(SIGINT);
+  EXPECT_EQ(recorder.wait(), 0);
+}
+
+TEST(Playback, WritesTheRecordedValuesAndARecordingOfItPlaysAgain) {
+  TempDir place;
+  const auto sample = kRoot / "etc" / "samples" / "odometry.csv";
+  ASSERT_EQ(rows_of(sample).size(), 51U) << "with the header";
+
+  play_and_record(sample, place / "once.csv");
+  play_and_record(place / "once.csv", place / "twice.csv");
+
+  EXPECT_EQ(rows_of(place / "once.csv"), rows_of(sample));
+  EXPECT_EQ(rows_of(place / "twice.csv"), rows_of(sample));
 }
 
 TEST(ReplaySamples, PlayFromAnyFolderBecauseTheirPathsBeginAtTheArchitecture) {

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// Playing a recording: when its values are written, and with which stamps.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "../../../plugins/drivers/playback.h"
+#include "../../../plugins/types/motion.h"
+#include "../../../plugins/types/pose.h"
+#include "support/temp_dir.h"
+
+#include <mauve/test_kit.h>
+
+namespace {
+
+using mauve::Value;
+using rover::Odometry;
+using namespace std::chrono_literals;
+
+/// Four values; the stamps in them are 0.5 s older than their rows, on a clock that began earlier.
+constexpr const char* kDrive =
+    "time_s,o.read.time,o.read.x,o.read.y,o.read.heading,o.read.linear,o.read.angular\n"
+    "1.000000000,1000.5,1.0,0.0,0.0,0.5,0.0\n"
+    "1.100000000,1000.6,2.0,0.0,0.0,0.5,0.0\n"
+    "1.200000000,1000.7,3.0,0.0,0.0,0.5,0.0\n"
+    "1.210000000,1000.71,4.0,0.0,0.0,0.5,0.0\n";
+
+class Playing : public testing::Test {
+ protected:
+  using Shell = drivers::PlaybackShell<Odometry>;
+  using Core = drivers::Playback<Odometry>;
+
+  void begin(double speed, bool repeat = false, bool restamp = true) {
+    const auto set = [&](const char* name, const Value& value) {
+      ASSERT_TRUE(bench_.core().find_property(name)->set(value)) << name;
+    };
+    set("recording", Value(place_.write("drive.csv", kDrive).string()));
+    set("speed", Value(speed));
+    set("repeat", Value(repeat));
+    set("restamp", Value(restamp));
+    const auto done = bench_.configure();
+    ASSERT_TRUE(done) << to_string(done.error());
+  }
+  /// The x of the value that is there after a job that runs `later` than the one before.
+  double x_after(mauve::Duration later) {
+    bench_.advance(later);
+    bench_.core().update();
+    return written().x;
+  }
+  Odometry written() {
+    const auto value = bench_.written(bench_.shell().out);
+    return value ? *value : Odometry{};
+  }
+  std::string observed(const char* name) {
+    return to_string(bench_.core().find_observable(name)->value());
+  }
+
+  mauve::test::TempDir place_;
+  mauve::CoreBench<Shell, Core> bench_;
+};
+
+TEST_F(Playing, WritesEachValueInTheFirstJobAtOrAfterItsTime) {
+  begin(1.0);
+
+  EXPECT_EQ(x_after(0ms), 1.0) << "the first job begins the recording";
+  EXPECT_EQ(x_after(99ms), 1.0);
+  EXPECT_EQ(x_after(1ms), 2.0);
+  EXPECT_EQ(x_after(105ms), 3.0);
+  EXPECT_EQ(observed("finished"), "false");
+  EXPECT_EQ(x_after(5ms), 4.0);
+  EXPECT_EQ(observed("finished"), "true");
+  EXPECT_EQ(observed("played"), "4");
+}
+
+TEST_F(Playing, GoesTwiceAsFastWhereItIsToldSo) {
+  begin(2.0);
+
+  EXPECT_EQ(x_after(0ms), 1.0);
+  EXPECT_EQ(x_after(49ms), 1.0);
+  EXPECT_EQ(x_after(1ms), 2.0);
+}
+
+TEST_F(Playing, WritesOneValueInEachJobWithoutAClock) {
+  begin(0.0);
+
+  for (const double x : {1.0, 2.0, 3.0, 4.0, 4.0}) EXPECT_EQ(x_after(1ms), x);
+}
+
+TEST_F(Playing, BeginsAgainWhereItIsToldSo) {
+  begin(0.0, true);
+
+  for (const double x : {1.0, 2.0, 3.0, 4.0, 1.0, 2.0}) EXPECT_EQ(x_after(1ms), x);
+}
+
+TEST_F(Playing, MovesTheStampsToThisRunAndKeepsTheirAge) {
+  begin(1.0);
+  static_cast<void>(x_after(0ms));
+  const double first = written().time;
+  EXPECT_EQ(x_after(100ms), 2.0);
+
+  EXPECT_NEAR(written().time - first, 0.1, 1e-9);
+  EXPECT_NEAR(written().time, 1.1, 1e-9) << "the bench began at 1 s, and this value is new";
+}
+
+TEST_F(Playing, LeavesTheStampsAsTheyWereWhereItIsToldSo) {
+  begin(1.0, false, false);
+  static_cast<void>(x_after(0ms));
+
+  EXPECT_EQ(written().time, 1000.5);
+}
+
+TEST_F(Playing, AsksNothingOfHeapAndKernel) {
+  begin(1.0, true);
+  static_cast<void>(x_after(0ms));
+
+  const auto cost = bench_.cost([&] { bench_.core().update(); });
+
+  EXPECT_EQ(cost.heap_calls, 0U);
+  EXPECT_EQ(cost.system_calls, 0U);
+}
+
+TEST_F(Playing, RefusesAFileOfAnotherType) {
+  const auto file = place_.write("other.csv", "time_s,a.read.z\n1.0,2\n");
+  ASSERT_TRUE(bench_.core().find_property("recording")->set(Value(file.string())));
+
+  const auto done = bench_.configure();
+
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().message.find("has no column of odometry/2"), std::string::npos)
+      << to_string(done.error());
+}
+
+}  // namespace
