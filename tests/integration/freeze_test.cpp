@@ -64,6 +64,54 @@ TEST(Freeze, OfParamsRefusesPropertiesOnly) {
   EXPECT_EQ(daemon.ask("core.swap", swap)["data"]["name"], "conflict");
 }
 
+/// `architecture` with another value of this property of `first`.
+std::string with_property(const std::string& name, const Json& value) {
+  auto file = Json::parse(std::string(kTrial));
+  file["components"]["first"]["properties"][name] = value;
+  return file.dump();
+}
+
+TEST(Freeze, OfParamsHoldsEveryWayToSetAProperty) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("lock.set", {{"lock", "params"}})["lock"], "params");
+
+  const std::vector<std::pair<std::string, Json>> changes = {
+      {"architecture.apply", {{"text", with_property("core.gain", 3.0)}}},
+      {"change.apply", {{"text", R"([ { "set": "first.core.gain", "value": 3.0 } ])"}}},
+      {"core.swap", {{"component", "first"}, {"core", "trial/other"}, {"set", {{"gain", 3.0}}}}}};
+  for (const auto& [method, params] : changes) {
+    const auto error = daemon.ask(method, params);
+    EXPECT_EQ(error["data"]["name"], "conflict") << method << error;
+    EXPECT_EQ(error["data"]["where"], "first.core.gain") << method;
+    EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("first.core.gain")) << method;
+  }
+  EXPECT_EQ(daemon.value("first.core.gain"), 1.0);
+  EXPECT_EQ(daemon.ask("status.get")["generation"], 1);
+}
+
+TEST(Freeze, OfTopologyLeavesTuningStartsAndStopsFree) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("lock.set", {{"lock", "topology"}})["lock"], "topology");
+  const std::vector<std::pair<std::string, Json>> held = {
+      {"core.swap", {{"component", "first"}, {"core", "trial/other"}}},
+      {"port.disconnect", {{"port", "second.ports.input"}}},
+      {"param.set", {{"values", {{"first.task.budget", "900us"}}}}},
+      {"plugin.reload", {{"plugin", "trial"}}},
+      {"change.apply", {{"text", R"([ { "disconnect": "second.ports.input" } ])"}}}};
+
+  for (const auto& [method, params] : held) {
+    const auto error = daemon.ask(method, params);
+    EXPECT_EQ(error["data"]["name"], "conflict") << method << error;
+    EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("topology is locked")) << method;
+  }
+
+  EXPECT_EQ(daemon.ask("param.set", gain(3.0))["state"], "applied");
+  EXPECT_EQ(daemon.ask("architecture.apply", {{"text", with_property("core.gain", 4.0)}})["state"],
+            "applied");
+  EXPECT_EQ(daemon.ask("component.stop", {{"components", {"second"}}})["state"], "applied");
+  EXPECT_EQ(daemon.ask("component.start", {{"components", {"second"}}})["state"], "applied");
+}
+
 TEST(Freeze, StopsAChangeThatIsPrepared) {
   TrialDaemon daemon;
   auto changing = daemon.client();

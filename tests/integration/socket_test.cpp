@@ -82,7 +82,7 @@ TEST(Socket, ServesEveryReadingMethod) {
     EXPECT_FALSE(shown["result"]["kind"].get<std::string>().empty());
   }
   const auto cores = client.ask("core.list", {{"for", "first"}})["result"]["items"];
-  EXPECT_EQ(cores.size(), 27U) << cores;
+  EXPECT_EQ(cores.size(), 28U) << cores;
 }
 
 TEST(Socket, RefusesBadRequestsAndChangesNothing) {

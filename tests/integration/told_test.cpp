@@ -51,6 +51,7 @@ TEST(Swap, SaysWhichStateItDropsInItsAnswerAndInTheLog) {
 
 TEST(Swap, WithDefaultsChangesValuesAndSoIsRefusedWhileParamsAreLocked) {
   TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("param.set", {{"values", {{"first.core.gain", 2.5}}}})["state"], "applied");
   ASSERT_EQ(daemon.ask("lock.set", {{"lock", "params"}})["lock"], "params");
   auto defaults = swap_first("trial/other");
   defaults["defaults"] = true;

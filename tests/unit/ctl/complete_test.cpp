@@ -138,7 +138,7 @@ TEST(Completion, OffersTheWordsThatAnOptionTakes) {
   EXPECT_EQ(completed({"trace", "st"}), (Words{"start", "status", "stop"}));
   EXPECT_EQ(completed({"log", ""}), Words{"level"});
   EXPECT_EQ(completed({"log", "level", "d"}), (Words{"debug", "default"}));
-  EXPECT_EQ(completed({"lock", ""}), (Words{"all", "none", "params"}));
+  EXPECT_EQ(completed({"lock", ""}), (Words{"all", "none", "params", "topology"}));
   EXPECT_EQ(completed({"convert-trace", "a", "--format", ""}), (Words{"chrome", "ctf", "mtrace"}));
   EXPECT_EQ(completed({"--socket", "/nowhere", "stats", ""}), Words{"reset"});
   EXPECT_EQ(completed({"status", "--json="}), Words{});

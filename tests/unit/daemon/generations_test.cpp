@@ -13,7 +13,8 @@ namespace {
 using test::TempDir;
 
 Generation numbered(std::uint64_t number, Mark mark = Mark::confirmed) {
-  return {number, "b007", "2026-01-31T12:00:00.000000Z", 1000, "param.set", "why", "/robot", mark};
+  return {number,   "b007", "2026-01-31T12:00:00.000000Z", 1000, "param.set", "why", "",
+          "/robot", mark};
 }
 
 class GenerationsTest : public testing::Test {

@@ -16,7 +16,8 @@ using protocol::Json;
 using test::TempDir;
 
 Generation with_number(std::uint64_t number, Mark mark = Mark::confirmed) {
-  return {number, "b007", "2026-01-31T12:00:00.000000Z", 1000, "param.set", "why", "/robot", mark};
+  return {number,   "b007", "2026-01-31T12:00:00.000000Z", 1000, "param.set", "why", "",
+          "/robot", mark};
 }
 
 Value named(const std::string& name) { return Value::Object{{"name", name}}; }
