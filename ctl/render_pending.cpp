@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What is not settled yet: changes on probation, a start after a crash, cores in quarantine,
-/// values that rules need and that are unknown, connections that may be a mistake.
+/// The pending things that `status` tells: changes on probation, a start after a crash, cores in
+/// quarantine, unknown values that rules need, connections that may be a mistake.
 #include "render.h"
 #include "table.h"
 #include "words.h"

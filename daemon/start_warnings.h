@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a start has to say about an architecture that it puts in force nevertheless.
+/// The warnings of a start about an architecture that it puts in force nevertheless.
 #pragma once
 
 #include "log/log.h"

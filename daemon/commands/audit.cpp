@@ -57,8 +57,8 @@ Line begin(const Call& call) {
   return line;
 }
 
-/// What a receipt is about, in words: "~ control.core: pi -> pid; its state pi/2, 24 bytes, is
-/// dropped".
+/// The changes that a receipt tells, in words: "~ control.core: pi -> pid; its state pi/2, 24
+/// bytes, is dropped".
 std::string detail_of(const Json& result) {
   auto detail = changes_of(result);
   if (!result.contains("components")) {
@@ -98,7 +98,7 @@ Json audit_applied(Running& running, const Call& call, const Json& result) {
   auto detail = detail_of(result);
   line.json["detail"] = bounded(detail);
   line.fields.push_back({"detail", std::move(detail)});
-  // What the system does by itself is one event of the supervisor.
+  // The supervisor logs one event for each change that the system makes by itself.
   if (call.method->name != kSupervision) {
     running.log.write(Event::change_applied, std::move(line.fields));
   }

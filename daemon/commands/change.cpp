@@ -27,7 +27,7 @@ struct Journey {
   std::optional<Retired> retired{std::in_place};
   std::shared_ptr<Companion> companion;  ///< may be null
   Status exchanged;
-  std::vector<arch::Line> lines;  ///< what it makes different, once it is prepared
+  std::vector<arch::Line> lines;  ///< the differences that it makes, once it is prepared
 };
 using JourneyPtr = std::shared_ptr<Journey>;
 

@@ -30,7 +30,7 @@ class Companion {
   virtual void in_force(std::uint64_t generation) = 0;
   /// [control] Adds to the answer.
   virtual void complete(Json& result) = 0;
-  /// [control] All that the change makes different; nothing: what arch::lines_of() finds in it.
+  /// [control] All differences that the change makes; none: arch::lines_of() finds them in it.
   [[nodiscard]] virtual std::optional<std::vector<arch::Line>> lines() const { return {}; }
   /// The change is prepared, told and dropped.
   [[nodiscard]] virtual bool dry_run() const { return false; }
@@ -51,7 +51,7 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
 /// What the system is in after a change that was refused with this.
 [[nodiscard]] std::string state_after(const Error& error);
 
-/// [control] What a prepared change makes different.
+/// [control] The differences that a prepared change makes.
 [[nodiscard]] std::vector<arch::Line> lines_of(const Running& running, PreparedChange& change);
 /// [any] Adds `lines` to the result, where there are any and none stand there yet.
 void say_lines(const std::vector<arch::Line>& lines, Json& result);

@@ -42,8 +42,9 @@ class Watches;
 using protocol::Fault;
 using protocol::Json;
 
-/// What an administrator has locked: `params` the values of properties, `topology` everything but
-/// these values and whether components run, `all` every change. A stop is never locked.
+/// The lock that an administrator has set: `params` holds the values of properties, `topology`
+/// everything but these values and whether components run, `all` every change. A stop is never
+/// locked.
 enum class Lock : std::uint8_t { none, params, topology, all };
 
 /// Who made the generation in force, where that is known.

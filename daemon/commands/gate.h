@@ -12,7 +12,7 @@
 
 namespace mauve::daemon {
 
-/// What somebody, or a rule, is about to do, as far as the request tells.
+/// The kind of a request of a client or a rule, as far as the request itself tells.
 enum class Kind : std::uint8_t {
   harmless,  ///< touches nothing that runs: the lock itself, what is logged, what is counted
   stop,      ///< stop components: for safety, always allowed

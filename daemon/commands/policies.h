@@ -11,7 +11,7 @@ namespace mauve::daemon {
 /// "drop" or nothing; anything else is refused.
 [[nodiscard]] Result<StatePolicy> state_policy(const Json& params);
 
-/// "cut", "barrier" or nothing: what the change wants by itself; anything else is refused.
+/// "cut", "barrier", or nothing: the change then chooses by itself. Anything else is refused.
 [[nodiscard]] Result<std::optional<Sync>> sync_of(const Json& params);
 
 }  // namespace mauve::daemon

@@ -38,7 +38,7 @@ struct Reload {
   std::optional<Receipt> receipt;
   std::shared_ptr<Library> old;
   plugin::Unmapped unmapped;
-  std::vector<arch::Line> lines;  ///< what it makes different, once it is prepared
+  std::vector<arch::Line> lines;  ///< the differences that it makes, once it is prepared
 };
 using ReloadPtr = std::shared_ptr<Reload>;
 

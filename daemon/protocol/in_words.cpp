@@ -44,7 +44,7 @@ std::string line_in_words(const Json& line) {
   const std::string op = member_of(line, "op");
   const std::string kind = member_of(line, "kind");
   const bool element = kind == "component" || kind == "resource";
-  // Where the address alone does not say what it is.
+  // The kind stands before an address that does not show it.
   const std::string subject =
       (element || kind == "plugin" ? kind + " " : "") + member_of(line, "address");
   if (op == "change") {

@@ -10,8 +10,8 @@
 
 namespace mauve::protocol {
 
-/// "0.8", "[1, 2]", "{x: 1}", "-" for null. A text stays as it is: whoever prints it on a terminal
-/// makes it harmless.
+/// "0.8", "[1, 2]", "{x: 1}", "-" for null. A text stays as it is: the caller makes it harmless
+/// before it goes to a terminal.
 [[nodiscard]] std::string in_words(const Json& value);
 
 /// Of {"op","kind","address","old","new"}: "~ control.core.gain: 0.6 -> 0.8",

@@ -133,7 +133,7 @@ class ChangeLines {
         describe_fallback(of->component->fallback()), describe_fallback(changed.fallback));
   }
 
-  /// A property that only the new element has is told where it does not have its default.
+  /// A property that only the new element has makes a line unless it has its default.
   void properties(const std::string& name, std::string_view group, const Configurable& before,
                   const Configurable& after) {
     if (&before == &after) return;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The lines of a prepared change: what differs before and after, whatever asked for the change.
+/// The lines of a prepared change: all differences between before and after. The same lines come
+/// out whichever command or rule asked for the change.
 #pragma once
 
 #include <functional>

@@ -50,7 +50,7 @@ class Wiring {
 
   /// The services that ports write into or call, by address.
   [[nodiscard]] std::map<std::string, Written> written() const;
-  /// The read port that takes what is written into this resource as commands of an output, if any.
+  /// The read port of an exclusive output that obeys the values of this resource; null: none.
   [[nodiscard]] const Port* output_behind(const ResourceBase& resource) const;
 
   void put(const std::string& name, const Shell& shell, const Bindings& bindings, bool is_new);

@@ -40,8 +40,8 @@ class Engine {
   /// The rules that fire now, as indices. A rule that fired waits for its answer, then for its
   /// `until`. Without `held`, all may fire.
   [[nodiscard]] std::vector<std::size_t> step(Instant now, const Read& read, const Held& held = {});
-  /// What the last step() found to have become unknown or known again. A value that rules look at
-  /// several times is there once.
+  /// The values that became unknown, or known again, in the last step(). A value that several rules
+  /// look at is there once.
   [[nodiscard]] const std::vector<SightChange>& changes() const { return changes_; }
   /// All values that are unknown now and were reported as such.
   [[nodiscard]] std::vector<SightChange> lost() const;

@@ -38,7 +38,8 @@ std::string text_of(const Value* value) {
   return text == nullptr ? std::string() : *text;
 }
 
-/// Nested structs are told apart by their path; lists stay whole, as the client records them.
+/// Each field of a nested struct is a leaf of its own, with its path. A list is one leaf, since the
+/// client records it in one column.
 void add_leaves(const Value& fields, const std::vector<std::string>& path,
                 std::vector<Leaf>& leaves) {
   const auto* items = fields.get_if<Value::Array>();

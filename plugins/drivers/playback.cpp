@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Component kinds "drivers/playback_TYPE": what `mauvectl record` wrote, played into an
+/// Component kinds "drivers/playback_TYPE": they play recordings of `mauvectl record` into an
 /// architecture. Example: mauvectl get player.core.played player.core.finished
 #include "playback.h"
 

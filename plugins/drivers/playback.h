@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Component kinds that play what `mauvectl record` wrote, one for each described type. The file is
-/// read when the core is configured; playing does no I/O.
+/// Component kinds that play recordings of `mauvectl record`, one for each described type. The file
+/// is read when the core is configured; playing does no I/O.
 #pragma once
 
 #include <cmath>
@@ -19,7 +19,7 @@
 
 namespace drivers {
 
-/// What survives a change.
+/// The place in the recording, which survives a change of the core.
 struct PlaybackPosition {
   std::uint64_t next = 0;  ///< row
   std::int64_t at = 0;     ///< ns, on the clock of the recording
@@ -46,7 +46,7 @@ struct PlaybackShell : mauve::Shell {
   mauve::WritePort<T> out{*this, "out"};
 };
 
-/// A value has a stamp of the monotonic clock. The time of a GNSS fix is what its receiver said.
+/// A value has a stamp of the monotonic clock. The time of a GNSS fix is that of its receiver.
 template <typename T>
 concept Stamped = requires(T value) {
   { value.time } -> std::same_as<double&>;
