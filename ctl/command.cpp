@@ -153,7 +153,7 @@ constexpr Argument kQuarantine[] = {choice("ACTION", "\"release\", or nothing to
                                     maybe("CORE", "the core to release", Kind::core)};
 constexpr Argument kPlugin[] = {one("PLUGIN", "name of a plugin, not a path", Kind::plugin)};
 constexpr Argument kLoad[] = {one("PLUGIN", "name of a plugin, not a path", Kind::available)};
-constexpr Argument kReload[] = {kPlugin[0], kState};
+constexpr Argument kReload[] = {kPlugin[0], kState, kProbation, kMisses, kConfirmWithin, kDryRun};
 constexpr Argument kPlugins[] = {
     maybe("--for", "the cores that fit this component", Kind::component)};
 constexpr Argument kStats[] = {
@@ -292,7 +292,7 @@ constexpr Command kCommands[] = {
     {"load", "Load a plugin by its name", "mauvectl load guidance_extra", kLoad, true, run_load},
     {"unload", "Unload a plugin that nothing uses", "mauvectl unload guidance_extra", kPlugin, true,
      run_unload},
-    {"reload", "Move every instance to the new code of a rebuilt plugin, without probation",
+    {"reload", "Move every instance to the new code of a rebuilt plugin",
      "mauvectl reload guidance", kReload, true, run_reload},
     {"plugins", "List the loaded plugins and what they bring", "mauvectl plugins --for control",
      kPlugins, false, run_plugins},

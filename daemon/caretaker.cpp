@@ -92,6 +92,7 @@ void Caretaker::look() {
     tell_of_scheduling();
   }
   look_at_unproven(*running_);
+  free_former(*running_);
   tell_counted_refusals(*running_, std::chrono::steady_clock::now());
   make_reliefs();
   looking_ = false;
@@ -166,14 +167,13 @@ void Caretaker::tell(const Outcome& outcome) {
   if (running_->keeper != nullptr) {
     save(outcome);
   }
-  if (outcome.kind != Outcome::Kind::rolled_back) {
-    return;
-  }
-  for (const auto& core : outcome.cores) {
+  const bool rolled_back = outcome.kind == Outcome::Kind::rolled_back;
+  for (const auto& core : rolled_back ? outcome.cores : std::vector<std::string>()) {
     if (quarantine(*running_, core, outcome.reason)) {
       running_->log.write(Event::quarantined, {{"core", core}, {"text", outcome.reason}});
     }
   }
+  let_former_go(*running_, outcome);  // last: the quarantine is of the build that failed
 }
 
 /// A generation that the system made by itself is saved like others; nobody waits for it.

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "commands/deadlines.h"
+#include "commands/former.h"
 #include "control.h"
 #include "counts.h"
 #include "deciding_paths.h"
@@ -54,7 +55,7 @@ struct Maker {
   std::string command;
 };
 
-/// A generation in force that has no way back: after a start, a reload or a swap in place.
+/// A generation in force that has no way back: after a start, or a reload with probation off.
 struct Unproven {
   std::uint64_t generation = 0;
   std::chrono::steady_clock::time_point since = {};
@@ -95,6 +96,7 @@ struct Running {
   /// [control] Components that a thread which was left behind may still be in, and its hook.
   std::map<std::string, std::string> barred = {};
   Unproven unproven = {};       ///< [control] see unproven.h
+  Former former = {};           ///< [control]
   Started started = {};         ///< [control]
   std::uint64_t recovered = 0;  ///< the saved generation that this run began with; 0: the file
   Keeper* keeper = nullptr;     ///< null: nothing is kept

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// plugin.reload: everything that components run, and all resources, move to the new code in one
-/// transaction, then the old code is unmapped, or it is said why not.
+/// transaction. The old code stays in memory while the change is on probation (see former.h);
+/// without a probation it is unmapped at once, or it is said why not.
 ///
 ///   [trial]   make everything that runs from the new file in a process of its own
 ///   [factory] map the new file, make and configure the new elements
 ///   [control] the names change hands, all members swap at one instant; with resources at a barrier
-///   [factory] the old elements are cleaned up and freed, the old code unmapped
+///   [factory] without a probation: the old elements are cleaned up and freed, the old code
+///   unmapped
 #include <algorithm>
 #include <iterator>
 #include <optional>
@@ -13,6 +15,7 @@
 #include "arch/value_json.h"
 #include "commands/answer.h"
 #include "commands/change.h"
+#include "commands/former.h"
 #include "commands/gate.h"
 #include "commands/given_up.h"
 #include "commands/model.h"
@@ -36,7 +39,7 @@ struct Reload {
   std::optional<Result<PreparedChange>> prepared;
   std::optional<Retired> retired{std::in_place};
   std::optional<Receipt> receipt;
-  std::shared_ptr<Library> old;
+  std::optional<LoadedPlugin> old;
   plugin::Unmapped unmapped;
   std::vector<arch::Line> lines;  ///< the differences that it makes, once it is prepared
 };
@@ -150,9 +153,15 @@ Status may_go_on(Running& running, const Call& call, Reload& reload) {
 
 /// [control] The names change hands last, since that cannot be taken back.
 Status hand_names_over(Running& running, Reload& reload) {
-  auto old = running.catalog.commit(std::move(**reload.loaded));
+  auto old = running.catalog.exchange(std::move(**reload.loaded));
   if (!old) {
     return old.error();
+  }
+  if (reload.change.probation && reload.receipt && *old) {
+    keep_former(running, **std::move(old));
+    reload.unmapped = {false, "generation " + std::to_string(reload.receipt->generation) +
+                                  " is on probation, and its way back leads there"};
+    return ok();
   }
   reload.old = *std::move(old);
   return ok();
@@ -164,9 +173,11 @@ void free_old(Running& running, Reload& reload, bool in_force) {
   reload.prepared.reset();
   reload.change = {};  // the new types, and with them their library
   reload.loaded.reset();
-  if (in_force) {
+  if (in_force && reload.old) {
     running.log.flush();
-    reload.unmapped = Library::release(std::move(reload.old));
+    auto library = reload.old->library();
+    reload.old.reset();
+    reload.unmapped = Library::release(std::move(library));
   }
 }
 
@@ -176,6 +187,9 @@ Json result_of(Running& running, Reload& reload) {
   say_sync(reload.prepared, result);
   say_who_stands(running, reload.change, result);
   say_lines(reload.lines, result);
+  if (reload.receipt && reload.change.probation) {
+    result["probation"] = to_json(*reload.change.probation);
+  }
   result["changed"] = true;
   result["state"] = "applied";
   result["plugin"] = reload.name;
@@ -231,10 +245,32 @@ void end_when_settled(Running& running, const CallPtr& call, ReloadPtr reload, T
       });
 }
 
+/// [control] The end of a dry run: what was prepared is told and dropped.
+void tell_reload(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket) {
+  Receipt nothing;
+  nothing.generation = running.deployer.generation();
+  auto result = to_json(reload->prepared ? running.deployer.foresee(**reload->prepared) : nothing);
+  result["dry_run"] = true;
+  say_sync(reload->prepared, result);
+  say_lines(reload->lines, result);
+  answer(running, *call, std::move(result));
+  running.control.in_factory(
+      [reload = std::move(reload)]() mutable {
+        reload->prepared.reset();
+        reload->change = {};
+        reload->loaded.reset();
+        reload.reset();
+      },
+      [ticket = std::move(ticket)] {});
+}
+
 /// [control]
 void put_reload_in_force(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket) {
   if (auto good = may_go_on(running, *call, *reload); !good) {
     return end(running, call, std::move(reload), std::move(ticket), good);
+  }
+  if (flag(call->params, "dry_run")) {
+    return tell_reload(running, call, std::move(reload), std::move(ticket));
   }
   if (reload->change.edits.empty()) {
     const auto done = hand_names_over(running, *reload);
@@ -248,10 +284,17 @@ void put_reload_in_force(Running& running, const CallPtr& call, ReloadPtr reload
                   Status done = ok();
                   if (receipt) {
                     reload->receipt = *receipt;
-                    begin_unproven(running, *call, reload->change);
+                    if (reload->change.probation) {
+                      call->mark = Mark::unconfirmed;
+                    } else {
+                      begin_unproven(running, *call, reload->change);
+                    }
                     done = hand_names_over(running, *reload);
                   } else {
                     done = receipt.error();
+                  }
+                  if (reload->change.probation && done) {
+                    return end(running, call, std::move(reload), std::move(ticket), done);
                   }
                   end_when_settled(running, call, std::move(reload), std::move(ticket), done);
                 });
@@ -319,11 +362,22 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
   if (!policy) {
     return answer(running, *call, policy.error());
   }
+  const auto probation = probation_of(call->params);
+  if (!probation) {
+    return answer(running, *call, probation.error());
+  }
+  if (auto free = check_former(running, reload->name); !free) {
+    return answer(running, *call, free.error());
+  }
   Question question{arch::to_json_text(described(running))};
   question.loads = true;
   try_out(running, call, question, reload->name,
-          [&running, call, reload, policy = *policy, ticket = std::move(ticket)] {
+          [&running, call, reload, policy = *policy, probation = *probation,
+           ticket = std::move(ticket)] {
             reload->change = members_of(running, reload->name, policy);
+            if (!reload->change.edits.empty()) {
+              reload->change.probation = probation;
+            }
             if (auto free = check_barred(running, reload->change); !free) {
               return answer(running, *call, free.error());
             }

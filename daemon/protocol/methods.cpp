@@ -43,7 +43,9 @@ constexpr Param kDisconnect[] = {{"port", string, true},
                                  {"misses", string},
                                  {"confirm_within", string}};
 constexpr Param kPlugin[] = {{"plugin", string, true}};
-constexpr Param kReload[] = {{"plugin", string, true}, {"state", string}};
+constexpr Param kReload[] = {{"plugin", string, true},   {"state", string},
+                             {"probation", string},      {"misses", string},
+                             {"confirm_within", string}, {"dry_run", boolean}};
 constexpr Param kCheck[] = {{"text", string, true}, {"file", string}};
 constexpr Param kDiff[] = {{"text", string, true}, {"file", string}};
 constexpr Param kApply[] = {{"text", string, true}, {"file", string},

@@ -317,7 +317,8 @@ void OnProbation::name_cores(Outcome& end) const {
   if (failed_in() != nullptr) return;
   for (const PreparedMember& member : content_->members) {
     const std::string& core = member.next->core_type.name;
-    const bool is_new = member.part == Part::joins || core != member.base->core_type.name;
+    const bool is_new =
+        member.part == Part::joins || is_other_code(*member.base->core, *member.next->core);
     if (is_new && member.component->name() == end.component) end.cores.push_back(core);
   }
 }

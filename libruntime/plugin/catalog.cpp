@@ -154,14 +154,21 @@ Status Catalog::check_types(const LoadedPlugin& loaded) const {
 }
 
 Result<std::shared_ptr<Library>> Catalog::commit(LoadedPlugin loaded) {
+  const auto old = exchange(std::move(loaded));
+  if (!old) return old.error();
+  return *old ? (*old)->library() : nullptr;
+}
+
+Result<std::optional<LoadedPlugin>> Catalog::exchange(LoadedPlugin loaded) {
   if (Status good = check_types(loaded); !good) return good.error();
-  std::shared_ptr<Library> old;
+  std::optional<LoadedPlugin> old;
   const auto found = plugins_.find(loaded.info().name);
   if (found != plugins_.end()) {
-    old = found->second.library();
-    old->retire();
+    found->second.library()->retire();
+    old = std::move(found->second);
     plugins_.erase(found);
   }
+  loaded.library()->use_again();
   std::string name = loaded.info().name;
   plugins_.emplace(std::move(name), std::move(loaded));
   return old;

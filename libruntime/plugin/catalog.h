@@ -4,6 +4,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,6 +52,9 @@ class Catalog {
   /// (null: none), for release() once its instances are replaced. Refused: a data type that
   /// another plugin registered with another layout. [control]
   Result<std::shared_ptr<Library>> commit(LoadedPlugin loaded);
+  /// The same, and returns the whole plugin that had the names before (none: nothing had them).
+  /// exchange() of that one gives its names back to it. [control]
+  Result<std::optional<LoadedPlugin>> exchange(LoadedPlugin loaded);
   /// Takes the names away. Refused while anything made by the plugin exists: the message names
   /// the users. [control]
   Result<std::shared_ptr<Library>> remove(std::string_view plugin);

@@ -57,6 +57,8 @@ class Library {
 
   /// From now on nothing new is made from it: a newer version took its names. [control]
   void retire() { retired_.store(true, std::memory_order_release); }
+  /// It has its names again: the newer version was taken back. [control]
+  void use_again() { retired_.store(false, std::memory_order_release); }
   [[nodiscard]] bool retired() const { return retired_.load(std::memory_order_acquire); }
 
   /// Drops this reference and says what became of the code. Code whose threads still run stays
