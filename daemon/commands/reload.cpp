@@ -366,6 +366,7 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
   if (!probation) {
     return answer(running, *call, probation.error());
   }
+  running.tell_outcomes();  // a probation that has ended keeps nothing
   if (auto free = check_former(running, reload->name); !free) {
     return answer(running, *call, free.error());
   }

@@ -313,7 +313,8 @@ class ChangeCampaign : public testing::Test {
     static_cast<void>(daemon.ask("lock.set", {{"lock", "none"}}));
     daemon.install(1);
     static_cast<void>(daemon.ask("change.confirm"));
-    static_cast<void>(daemon.ask("plugin.reload", {{"plugin", "trial"}, {"state", "drop"}}));
+    static_cast<void>(daemon.ask("plugin.reload",
+                                 {{"plugin", "trial"}, {"state", "drop"}, {"probation", "off"}}));
     const auto applied =
         daemon.ask("architecture.apply",
                    {{"text", system.file.dump()}, {"state", "drop"}, {"probation", "off"}});

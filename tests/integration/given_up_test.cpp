@@ -173,7 +173,8 @@ TEST_F(GivenUp, InPlaceLeavesTheComponentSafeAndBarred) {
   const auto refused = ask("component.start", {{"components", {"first"}}});
   EXPECT_EQ(refused["data"]["name"], "wrong_state") << refused;
   EXPECT_THAT(refused["message"].get<std::string>(), HasSubstr("left behind"));
-  EXPECT_EQ(ask("plugin.reload", {{"plugin", "trial"}})["data"]["name"], "wrong_state");
+  EXPECT_EQ(ask("plugin.reload", {{"plugin", "trial"}, {"probation", "off"}})["data"]["name"],
+            "wrong_state");
   expect_next_change_works(2.0);
   open();
   EXPECT_TRUE(eventually([&] { return left_behind().empty(); }));
@@ -201,13 +202,13 @@ TEST_F(GivenUp, IsAReloadWhoseNewCoresAreNotReady) {
   close();
   daemon_->install(2);
 
-  const auto error = ask("plugin.reload", {{"plugin", "trial"}});
+  const auto error = ask("plugin.reload", {{"plugin", "trial"}, {"probation", "off"}});
 
   EXPECT_EQ(error["data"]["name"], "timed_out") << error;
   EXPECT_TRUE(daemon_->becomes("first.core.number", 1)) << "the old code runs on";
   open();
   ASSERT_TRUE(eventually([&] { return left_behind().empty(); }));
-  const auto reloaded = ask("plugin.reload", {{"plugin", "trial"}});
+  const auto reloaded = ask("plugin.reload", {{"plugin", "trial"}, {"probation", "off"}});
   EXPECT_EQ(reloaded["unmapped"], true) << reloaded;
   EXPECT_TRUE(daemon_->becomes("first.core.number", 2));
 }

@@ -169,8 +169,10 @@ class Robot {
             Step::Kind::trial};
   }
   Step reload() {
-    return {
-        "plugin.reload", {{"plugin", "trial"}, {"state", "drop"}}, [](Json&) {}, Step::Kind::trial};
+    return {"plugin.reload",
+            {{"plugin", "trial"}, {"state", "drop"}, {"probation", "off"}},
+            [](Json&) {},
+            Step::Kind::trial};
   }
   Step stop_or_start() {
     const Json params = {{"components", {"second"}}};

@@ -277,7 +277,8 @@ TEST_F(Generations, OfAReloadOrASwapInPlaceAreUnconfirmedUntilTheyAreConfirmed) 
   TrialDaemon daemon(kTrial, options());
   static_cast<void>(daemon.client());
   daemon.install(2);
-  ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}})["saved"], true);
+  ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}, {"probation", "off"}})["saved"],
+            true);
   EXPECT_EQ(newest(daemon)["mark"], "unconfirmed");
   EXPECT_EQ(daemon.ask("change.confirm")["changed"], true);
   EXPECT_TRUE(eventually([&] { return newest(daemon)["mark"] == "confirmed"; }));
@@ -315,7 +316,8 @@ TEST_F(Generations, OfAReloadAreConfirmedWhenNothingFailed) {
   TrialDaemon daemon(kTrial, options());
   static_cast<void>(daemon.client());
   daemon.install(2);
-  ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}})["saved"], true);
+  ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}, {"probation", "off"}})["saved"],
+            true);
 
   EXPECT_TRUE(
       eventually([&] { return newest(daemon)["mark"] == "confirmed"; }, std::chrono::seconds(60)));

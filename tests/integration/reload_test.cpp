@@ -10,13 +10,21 @@ namespace {
 using testing::HasSubstr;
 using Json = protocol::Json;
 
+/// The old code goes at once: reload_probation_test.cpp is about the others.
+Json without_probation() { return {{"plugin", "trial"}, {"probation", "off"}}; }
+Json dropping() {
+  auto params = without_probation();
+  params["state"] = "drop";
+  return params;
+}
+
 TEST(Reload, RunsTheNewCodeOfAFileRebuiltAtTheSamePath) {
   TrialDaemon daemon;
   ASSERT_TRUE(daemon.becomes("first.core.number", 1));
   ASSERT_TRUE(eventually([&] { return daemon.value("first.core.count") > 5; }));
   daemon.install(2);
 
-  const auto result = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+  const auto result = daemon.ask("plugin.reload", without_probation());
 
   EXPECT_EQ(result["state"], "applied") << result;
   EXPECT_EQ(result["components"].size(), 2U);
@@ -30,7 +38,7 @@ TEST(Reload, UnmapsTheOldCodeAndKeepsTheConnections) {
   static_cast<void>(daemon.client());
   daemon.install(2);
 
-  const auto result = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+  const auto result = daemon.ask("plugin.reload", without_probation());
 
   EXPECT_EQ(result["unmapped"], true) << result;
   EXPECT_EQ(result["why"], "");
@@ -45,7 +53,7 @@ TEST(Reload, KeepsTheOldCodeWhenTheNewFileIsDamaged) {
   std::filesystem::remove(daemon.plugins() / "trial.so");
   daemon.place().write("plugins/trial.so", "this is no library");
 
-  const auto error = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+  const auto error = daemon.ask("plugin.reload", without_probation());
 
   EXPECT_EQ(error["data"]["name"], "plugin_refused") << error;
   EXPECT_EQ(daemon.component("first")["state"], "running");
@@ -58,7 +66,7 @@ TEST(Reload, CanBeDoneOverAndOver) {
   static_cast<void>(daemon.client());
   for (int round = 0; round < 10; ++round) {
     daemon.install(round % 2 == 0 ? 2 : 1);
-    ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}})["state"], "applied") << round;
+    ASSERT_EQ(daemon.ask("plugin.reload", without_probation())["state"], "applied") << round;
     EXPECT_TRUE(daemon.becomes("first.core.number", round % 2 == 0 ? 2 : 1));
   }
   EXPECT_EQ(daemon.ask("param.set", {{"values", {{"first.core.gain", 2}}}})["state"], "applied");
@@ -69,7 +77,7 @@ TEST(Reload, ConvertsTheStateOfAnOlderRevisionAndUnmapsItsCode) {
   ASSERT_TRUE(eventually([&] { return daemon.value("first.core.count") > 50; }));
   daemon.install(3);
 
-  const auto result = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+  const auto result = daemon.ask("plugin.reload", without_probation());
 
   EXPECT_EQ(result["unmapped"], true) << result;
   EXPECT_EQ(result["components"][0]["bytes"], 8);
@@ -81,15 +89,14 @@ TEST(Reload, RefusesToLoseAStateUnlessItIsToldTo) {
   TrialDaemon daemon;
   static_cast<void>(daemon.client());
   daemon.install(3);
-  ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}})["state"], "applied");
+  ASSERT_EQ(daemon.ask("plugin.reload", without_probation())["state"], "applied");
   daemon.install(1);
 
-  const auto error = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+  const auto error = daemon.ask("plugin.reload", without_probation());
   EXPECT_EQ(error["data"]["name"], "type_mismatch") << error;
   EXPECT_EQ(daemon.value("first.core.number"), 3);
 
-  EXPECT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}, {"state", "drop"}})["state"],
-            "applied");
+  EXPECT_EQ(daemon.ask("plugin.reload", dropping())["state"], "applied");
   EXPECT_TRUE(daemon.becomes("first.core.number", 1));
 }
 
@@ -115,7 +122,7 @@ TEST(Reload, RenewsTheFallbackCores) {
   std::filesystem::remove(place / "ready");
   daemon.install(2);
 
-  const auto result = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+  const auto result = daemon.ask("plugin.reload", without_probation());
 
   EXPECT_EQ(result["unmapped"], true) << result;
   ASSERT_TRUE(eventually([&] { return std::filesystem::exists(place / "ready"); }));
@@ -138,12 +145,12 @@ TEST(Reload, FallsBackWhenTheNewCodeFailsInItsFirstJob) {
 
   for (int round = 0; round < 3; ++round) {
     daemon.install(2);
-    ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}})["state"], "applied");
+    ASSERT_EQ(daemon.ask("plugin.reload", without_probation())["state"], "applied");
     ASSERT_TRUE(eventually([&] { return daemon.component("first")["core"] == "trial/other"; }))
         << daemon.component("first");
     EXPECT_EQ(daemon.component("first")["state"], "running");
     daemon.install(1);
-    ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}})["state"], "applied");
+    ASSERT_EQ(daemon.ask("plugin.reload", without_probation())["state"], "applied");
     const Json back = {{"component", "first"}, {"core", "trial/regressing"}, {"probation", "off"}};
     ASSERT_EQ(daemon.ask("core.swap", back)["state"], "applied");
   }
@@ -172,7 +179,7 @@ class ReloadOfResources : public testing::Test {
 TEST_F(ReloadOfResources, RunsTheNewCodeWithTheOldStateAndUnmapsTheOldCode) {
   daemon.install(2);
 
-  const auto result = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+  const auto result = daemon.ask("plugin.reload", without_probation());
 
   EXPECT_EQ(result["state"], "applied") << result;
   EXPECT_EQ(result["unmapped"], true) << result;
@@ -188,12 +195,12 @@ TEST_F(ReloadOfResources, RunsTheNewCodeWithTheOldStateAndUnmapsTheOldCode) {
 
 TEST_F(ReloadOfResources, ConvertsTheirStateOrRefusesToLoseIt) {
   daemon.install(3);
-  ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}})["state"], "applied");
+  ASSERT_EQ(daemon.ask("plugin.reload", without_probation())["state"], "applied");
   EXPECT_TRUE(daemon.becomes("tally.core.number", 3));
   EXPECT_GT(daemon.value("tally.core.count"), 50);
   daemon.install(1);
 
-  const auto error = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+  const auto error = daemon.ask("plugin.reload", without_probation());
 
   EXPECT_EQ(error["data"]["name"], "type_mismatch") << error;
   EXPECT_EQ(daemon.value("tally.core.number"), 3);
@@ -204,7 +211,7 @@ TEST_F(ReloadOfResources, CanBeDoneOverAndOver) {
   for (int round = 0; round < 6; ++round) {
     const int build = round % 2 == 0 ? 2 : 1;
     daemon.install(build);
-    const auto result = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+    const auto result = daemon.ask("plugin.reload", without_probation());
     ASSERT_EQ(result["unmapped"], true) << result;
     ASSERT_TRUE(daemon.becomes("tally.core.number", build));
   }
@@ -240,7 +247,7 @@ TEST(Reload, KeepsWhatTheOldCodeLoggedUpToItsLastJob) {
   ASSERT_TRUE(eventually([&] { return !said(daemon).empty(); }));
   daemon.install(2);
 
-  const auto result = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+  const auto result = daemon.ask("plugin.reload", without_probation());
 
   ASSERT_EQ(result["unmapped"], true) << result;
   ASSERT_TRUE(eventually([&] { return said(daemon).back().starts_with("two"); }));
@@ -267,7 +274,7 @@ TEST(Reload, OfAPluginThatNothingUsesTakesTheNewFile) {
       R"({ "schema": "mauve/architecture/1", "name": "idle", "plugins": ["trial"] })");
   daemon.install(2);
 
-  const auto reloaded = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+  const auto reloaded = daemon.ask("plugin.reload", without_probation());
 
   EXPECT_EQ(reloaded["state"], "applied") << reloaded;
   EXPECT_EQ(reloaded["unmapped"], true) << reloaded;

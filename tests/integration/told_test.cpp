@@ -105,7 +105,7 @@ TEST(Swap, SaysThatTheComponentDoesNotRun) {
   EXPECT_EQ(swapped["standing"][0]["state"], "faulted");
   EXPECT_EQ(swapped["standing"][0]["hint"], "mauvectl start first");
   daemon.install(2);
-  const auto reloaded = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+  const auto reloaded = daemon.ask("plugin.reload", {{"plugin", "trial"}, {"probation", "off"}});
   EXPECT_EQ(reloaded["standing"][0]["name"], "first") << reloaded;
 
   const auto started = daemon.ask("component.start", {{"components", {"first"}}});
