@@ -154,7 +154,7 @@ void Commit::conclude() {
     barrier_->end();
   }
   if (!whole && way_back_ != nullptr) return take_back();
-  receipt_.generation = ++system_.generation;
+  receipt_.generation = content_->step ? system_.generation : ++system_.generation;
   system_.newest = weak_from_this();
   system_.looks_at_newest = 0;
   change_membership();

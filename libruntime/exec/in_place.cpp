@@ -5,6 +5,7 @@
 #include "exec/commit.h"
 #include "exec/inherit.h"
 #include "model/elements.h"
+#include "model/hand_over.h"
 #include "model/leavable.h"
 
 #include <mauve/job.h>
@@ -18,13 +19,14 @@ Status configure_pair(const Bundle& bundle) {
   return configure_in_order(order);
 }
 
-/// A change that leaves everything as it is but for the mode.
+/// A step that leaves everything as it is but for the mode, and makes no generation.
 std::shared_ptr<Ongoing> begin_mode(exec::System& system, ComponentBase& component, Mode mode,
                                     bool count_gap, bool ends_probation = false) {
   auto content = std::make_unique<PreparedChange::Content>();
   content->members.push_back(exec::member_of(component, mode));
   content->members.front().count_gap = count_gap;
   content->in_place = ends_probation;
+  content->step = true;
   content->what =
       exec::what_of(mode == Mode::park ? "component.stop" : "component.start", {component.name()});
   PreparedChange change(std::move(content));
@@ -37,12 +39,38 @@ Result<PreparedChange> Deployer::prepare_in_place(const Edit& edit) {
   return exec::prepare_change(*system_, {{edit}}, false);
 }
 
+Result<PreparedChange> Deployer::prepare_back_in_place(std::string_view component,
+                                                       std::shared_ptr<const Bundle> before) {
+  const exec::ModelLock::Hold hold(system_->model);
+  if (!hold) return refuse(Errc::timed_out, "deployer", "the change was given up before it began");
+  const Result<ComponentBase*> found = system_->component(component);
+  if (!found) return found.error();
+  exec::PreparedMember member = exec::member_of(**found, Mode::keep);
+  member.next = std::move(before);
+  member.restores = true;
+  member.restart = true;
+  const CoreBase& from = *member.base->core;
+  const CoreBase& into = *member.next->core;
+  if (!prepare_hand_over(from, into, member.state)) {
+    member.state = StatePolicy::drop;
+    if (Status dropped = prepare_hand_over(from, into, member.state); !dropped) {
+      return dropped.error();
+    }
+  }
+  auto content = std::make_unique<PreparedChange::Content>();
+  content->members.push_back(std::move(member));
+  content->in_place = true;
+  content->what = exec::what_of("core.swap", {std::string(component)});
+  return PreparedChange(std::move(content));
+}
+
 std::shared_ptr<Ongoing> Deployer::begin_in_place_park(PreparedChange& change) {
   exec::PreparedMember& member = change.content().members.front();
   // What the operator had stopped, or what had faulted, stays where it is.
   const ComponentState state = status(member.component->name()).state;
-  member.resume = state == ComponentState::running || state == ComponentState::recovering;
-  const Mode mode = member.resume ? Mode::park : Mode::keep;
+  const bool runs = state == ComponentState::running || state == ComponentState::recovering;
+  member.resume = runs || (member.restores && state == ComponentState::faulted);
+  const Mode mode = runs ? Mode::park : Mode::keep;
   // The core that runs is cleaned up: nothing may lead back meanwhile.
   for (auto& note : exec::notes_of(*system_, change.content())) {
     change.content().warnings.push_back(std::move(note));
@@ -58,7 +86,7 @@ Status Deployer::in_place_exchange(PreparedChange& change) {
   Status configured = cleanup_in_reverse(old);
   if (!left_here()) configured = configure_pair(*member.next);
   // Of one that was left behind the component is parked: nobody gives it the old core back.
-  if (configured || left_here()) return configured;
+  if (configured || left_here() || member.restores) return configured;
   if (Status back = configure_pair(*member.base); !back) {
     configured.error().message +=
         "; and the old core could not be configured again: " + back.error().message;

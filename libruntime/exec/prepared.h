@@ -40,8 +40,9 @@ struct PreparedMember {
   StatePolicy state = StatePolicy::keep;
   bool restart = false;
   bool count_gap = false;
-  bool resume = false;  ///< in place: it ran before it was parked
-  Retired made;         ///< its new elements, cleaned up and freed unless they get in force
+  bool resume = false;    ///< in place: it ran before it was parked
+  bool restores = false;  ///< in place: back to the core before, so what has faulted runs again
+  Retired made;           ///< its new elements, cleaned up and freed unless they get in force
   /// What takes over should `next` fail, from its first job on; null: nothing.
   std::shared_ptr<PreparedChange::Content> relief;
 };
@@ -96,6 +97,7 @@ class PreparedChange::Content {
   std::optional<Probation> probation;
   bool has_companion = false;  ///< see Change
   bool in_place = false;       ///< elements in force are cleaned up before those that come are used
+  bool step = false;           ///< of a change whose last step makes the generation
   std::vector<NewFallback> fallbacks;
   std::optional<exec::PreparedBarrier> barrier;  ///< none: the cut
   std::vector<std::string> warnings;             ///< for the receipt

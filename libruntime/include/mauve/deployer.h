@@ -197,6 +197,11 @@ class Deployer {
                                                          const Status& exchanged);
   /// Step 1 of a swap in place: makes the elements but does not configure them. [factory]
   Result<PreparedChange> prepare_in_place(const Edit& edit);
+  /// Step 1 of the way back: to the core and state machine that a swap in place cleaned up, in the
+  /// bundle that the component had before. A component that has faulted runs again afterwards. The
+  /// state goes along where the core before takes it. [factory]
+  Result<PreparedChange> prepare_back_in_place(std::string_view component,
+                                               std::shared_ptr<const Bundle> before);
 
   /// [log] Takes what happened since the last call. One caller.
   std::size_t drain(const std::function<void(const Happening&)>& visit);

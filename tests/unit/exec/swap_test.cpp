@@ -310,6 +310,40 @@ TEST_F(Swap, InPlaceStopsCleansConfiguresAndStartsOnTheGrid) {
   EXPECT_LT(ramp::read(architecture.position), 10.0);
 }
 
+TEST_F(Swap, InPlaceMakesOneGeneration) {
+  deployer.run_for(100ms);
+  const auto before = deployer.generation();
+
+  const Result<Receipt> done = deployer.swap_core_in_place(ramp::to_core<ramp::Down>("ramp/down"));
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  EXPECT_EQ(done->generation, before + 1);
+  EXPECT_EQ(deployer.generation(), before + 1);
+  EXPECT_FALSE(deployer.swap_core_in_place(ramp::to_core<ramp::ThrowingOnConfigure>("throwing")));
+  EXPECT_EQ(deployer.generation(), before + 1) << "nothing is different";
+}
+
+TEST_F(Swap, InPlaceLeadsBackInPlaceToTheCoreBefore) {
+  const auto before = architecture.control.bundle();
+  deployer.run_for(100ms);
+  ASSERT_TRUE(deployer.swap_core_in_place(ramp::to_core<ramp::Down>("ramp/down")));
+  deployer.run_for(50ms);
+
+  auto back = deployer.prepare_back_in_place("control", before);
+  ASSERT_TRUE(back) << to_string(back.error());
+  ASSERT_TRUE(deployer.wait(*deployer.begin_in_place_park(*back)));
+  const Status exchanged = deployer.in_place_exchange(*back);
+  ASSERT_TRUE(exchanged);
+  auto resumed = deployer.begin_in_place_resume(*back, exchanged);
+  ASSERT_TRUE(resumed);
+  ASSERT_TRUE(deployer.wait(**resumed));
+  deployer.run_for(50ms);
+
+  EXPECT_EQ(architecture.control.bundle(), before);
+  EXPECT_EQ(control().state, ComponentState::running);
+  EXPECT_EQ(control().next_release.count() % 10'000'000, 0);
+}
+
 TEST_F(Swap, InPlaceLeavesAStoppedComponentStopped) {
   ASSERT_TRUE(deployer.stop({"control"}));
 
