@@ -58,6 +58,7 @@ std::string cause_of(const Outcome& outcome) {
 void Caretaker::start(Running& running) {
   running_ = &running;
   running.tell_outcomes = [this] { tell_outcomes(); };
+  running.settle = [this](const Outcome& outcome) { settle(outcome); };
   running.control.read([&running] { remember_cores(running); });
   thread_ = std::thread([this] { run(); });
 }
@@ -91,6 +92,7 @@ void Caretaker::look() {
     notice_parked(*running_);
     tell_of_scheduling();
   }
+  look_at_places(*running_);
   look_at_unproven(*running_);
   free_former(*running_);
   tell_counted_refusals(*running_, std::chrono::steady_clock::now());
@@ -102,13 +104,22 @@ void Caretaker::tell_outcomes() {
   auto free = std::make_shared<Retired>();
   const auto outcomes = running_->deployer.tend(*free);
   running_->generation = running_->deployer.generation();
-  for (const auto& outcome : outcomes) {
-    tell(outcome);
-    notice(*running_, outcome);
+  for (auto outcome : outcomes) {
+    const auto place = oldest_place(*running_);
+    if (place != 0 && (outcome.oldest_open == 0 || place < outcome.oldest_open)) {
+      outcome.oldest_open = place;
+    }
+    settle(outcome);
   }
   if (!free->empty()) {
     running_->control.in_factory([free] { static_cast<void>(free->release()); }, [] {});
   }
+}
+
+void Caretaker::settle(const Outcome& outcome) {
+  running_->generation = running_->deployer.generation();
+  tell(outcome);
+  notice(*running_, outcome);
 }
 
 void Caretaker::tell_of_factory() {
@@ -263,7 +274,9 @@ void Caretaker::make_reliefs() {
     }
     return;
   }
-  std::erase_if(wanted, [this](const Change& relief) { return refused_before(relief); });
+  std::erase_if(wanted, [this](const Change& relief) {
+    return refused_before(relief) || is_place(*running_, relief.edits[0].component);
+  });
   if (wanted.empty()) {
     return;
   }

@@ -31,6 +31,7 @@ class Caretaker {
   void run();
   void look();
   void tell_outcomes();
+  void settle(const Outcome& outcome);
   void tell(const Outcome& outcome);
   void save(const Outcome& outcome);
   void tell_of_factory();

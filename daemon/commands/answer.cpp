@@ -24,7 +24,7 @@ void keep(Running& running, const Call& call, std::optional<Mark> mark, Json lin
   about.command = call.method->name;
   about.reason = text_or(call.params, "reason");
   about.changes = text_or(line, "changes");
-  const bool tried = running.deployer.on_probation();
+  const bool tried = running.deployer.on_probation() || !running.places.empty();
   about.mark = tried ? Mark::unconfirmed : mark.value_or(Mark::unconfirmed);
   auto as = tried || mark ? Keeper::As::marked : Keeper::As::before;
   if (call.confirms) {

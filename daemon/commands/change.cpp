@@ -28,6 +28,8 @@ struct Journey {
   std::shared_ptr<Companion> companion;  ///< may be null
   Status exchanged;
   std::vector<arch::Line> lines;  ///< the differences that it makes, once it is prepared
+  std::vector<std::string> notes;
+  std::shared_ptr<const Bundle> before;  ///< of a swap in place
 };
 using JourneyPtr = std::shared_ptr<Journey>;
 
@@ -56,6 +58,12 @@ void free_in_factory(Running& running, JourneyPtr journey, Ticket ticket) {
       [ticket = std::move(ticket)] {});
 }
 
+void say_notes(const std::vector<std::string>& notes, Json& result) {
+  for (const auto& note : notes) {
+    result["notes"].push_back(note);
+  }
+}
+
 void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
             const std::string& state, Journey& journey) {
   Companion* const companion = journey.companion.get();
@@ -77,6 +85,7 @@ void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
     companion->complete(result);
   }
   say_lines(journey.lines, result);
+  say_notes(journey.notes, result);
   answer(running, call, std::move(result));
 }
 
@@ -135,6 +144,7 @@ bool may_go_on(Running& running, const Call& call, Journey& journey) {
     const auto whole = journey.companion == nullptr ? std::nullopt : journey.companion->lines();
     journey.lines = whole ? *whole : lines_of(running, **journey.prepared);
     met = may_change(running, journey.lines);
+    journey.notes = place_notes(running, journey.change);
   }
   if (!met) {
     answer(running, call, met.error());
@@ -165,6 +175,7 @@ void tell(Running& running, const CallPtr& call, JourneyPtr journey, Ticket tick
     journey->companion->complete(result);
   }
   say_lines(journey->lines, result);
+  say_notes(journey->notes, result);
   if (!result.contains("lines")) {
     result["lines"] = Json::array();
   }
@@ -176,10 +187,13 @@ void tell(Running& running, const CallPtr& call, JourneyPtr journey, Ticket tick
 
 void end_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket,
                   const Result<Receipt>& receipt) {
-  if (receipt) {
+  const auto& name = journey->change.edits[0].component;
+  const auto& probation = journey->change.probation;
+  if (receipt && probation) {
+    begin_place_probation(running, *call, name, journey->before, *probation);
+  } else if (receipt) {
     begin_unproven(running, *call, journey->change);
   }
-  const auto& name = journey->change.edits[0].component;
   const bool back = !receipt && running.deployer.status(name).state == ComponentState::running;
   finish(running, *call, receipt, back ? "rolled_back" : "safe", *journey);
   free_in_factory(running, std::move(journey), std::move(ticket));
@@ -228,6 +242,7 @@ void exchange_in_place(Running& running, const CallPtr& call, JourneyPtr journey
 }
 
 void park_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
+  journey->before = (**journey->prepared).content().members.front().base;
   auto parking = running.deployer.begin_in_place_park(**journey->prepared);
   when_answered(running, std::move(parking),
                 [&running, call, journey, ticket = std::move(ticket)](Ongoing& done) mutable {
@@ -357,9 +372,14 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
 
 void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit,
                     std::shared_ptr<Companion> companion) {
+  const auto probation = probation_of(call->params);
+  if (!probation) {
+    return answer(running, *call, probation.error());
+  }
   auto journey = std::make_shared<Journey>();
   journey->companion = std::move(companion);
   journey->change.edits.push_back(std::move(edit));
+  journey->change.probation = *probation;
   auto free = check_quarantine(running, journey->change);
   if (free) {
     free = check_barred(running, journey->change);

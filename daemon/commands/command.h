@@ -17,6 +17,7 @@
 
 #include "commands/deadlines.h"
 #include "commands/former.h"
+#include "commands/place_probation.h"
 #include "control.h"
 #include "counts.h"
 #include "deciding_paths.h"
@@ -95,9 +96,10 @@ struct Running {
   std::map<std::string, std::string> quarantined = {};
   /// [control] Components that a thread which was left behind may still be in, and its hook.
   std::map<std::string, std::string> barred = {};
-  Unproven unproven = {};       ///< [control] see unproven.h
-  Former former = {};           ///< [control]
-  Started started = {};         ///< [control]
+  Unproven unproven = {};                   ///< [control] see unproven.h
+  Former former = {};                       ///< [control]
+  std::vector<PlaceProbation> places = {};  ///< [control]
+  Started started = {};                     ///< [control]
   std::uint64_t recovered = 0;  ///< the saved generation that this run began with; 0: the file
   Keeper* keeper = nullptr;     ///< null: nothing is kept
   Guardian* guardian = nullptr;
@@ -120,6 +122,8 @@ struct Running {
   /// [control] Tells and saves what the system did by itself since the last look, rollbacks above
   /// all: before a change that came later is saved.
   std::function<void()> tell_outcomes = [] {};
+  /// [control] Tells and saves one more outcome, which the deployer does not know of.
+  std::function<void(const Outcome&)> settle = [](const Outcome&) {};
 };
 
 /// One request under way. Dropped unanswered only when the daemon ends.

@@ -71,7 +71,8 @@ void notice(Running& running, const Outcome& outcome) {
 void notice_parked(Running& running) {
   for (const auto& one : running.deployer.status()) {
     const bool parked = one.state == ComponentState::faulted && one.incident;
-    if (!parked || running.failures.knows(one.name, one.incident->time)) {
+    if (!parked || is_place(running, one.name) ||
+        running.failures.knows(one.name, one.incident->time)) {
       continue;
     }
     auto failure = failure_of(running, one.name, *one.incident);

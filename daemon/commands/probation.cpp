@@ -68,6 +68,23 @@ Error no_way_back(const Running& running, Error error) {
   return error;
 }
 
+void answer_undone(Running& running, const Call& call) {
+  answer(running, call,
+         Json{{"generation", running.generation.load()},
+              {"changed", true},
+              {"state", "applied"},
+              {"components", Json::array()}});
+}
+
+/// The generation of the newest probation of the deployer; 0: there is none.
+std::uint64_t newest_open(const Running& running) {
+  std::uint64_t newest = 0;
+  for (const auto& open : running.deployer.probations()) {
+    newest = std::max(newest, open.changes.back());
+  }
+  return newest;
+}
+
 }  // namespace
 
 Result<std::optional<Probation>> probation_of(const Json& params) {
@@ -121,7 +138,8 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
     return answer(running, *call, met.error());
   }
   const auto done = running.deployer.confirm();
-  if (const bool new_code = confirm_unproven(running); !done && !new_code) {
+  const bool places = confirm_places(running);
+  if (const bool new_code = confirm_unproven(running); !done && !places && !new_code) {
     return answer(running, *call, done.error());
   }
   call->confirms = true;  // what a power cut could take back is no confirmation: the answer waits
@@ -133,8 +151,12 @@ void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
     return answer(running, *call, met.error());
   }
   const auto reason = text_or(call->params, "reason");
-  auto begun = running.deployer.undo(std::string(kUndone) +
-                                     (reason.empty() ? " by request" : ": " + reason));
+  const auto text = std::string(kUndone) + (reason.empty() ? " by request" : ": " + reason);
+  if (undo_place(running, newest_open(running), text)) {
+    return running.control.await([&running] { return !places_lead_back(running); },
+                                 [&running, call] { answer_undone(running, *call); });
+  }
+  auto begun = running.deployer.undo(text);
   if (!begun) {
     return answer(running, *call, no_way_back(running, begun.error()));
   }
@@ -146,11 +168,7 @@ void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
       },
       [&running, call] {
         running.tell_outcomes();  // that saves it, with the mark of the one that it goes back to
-        answer(running, *call,
-               Json{{"generation", running.generation.load()},
-                    {"changed", true},
-                    {"state", "applied"},
-                    {"components", Json::array()}});
+        answer_undone(running, *call);
       });
 }
 

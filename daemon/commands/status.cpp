@@ -31,6 +31,20 @@ Json poisoned(const Running& running) {
   return names;
 }
 
+/// A swap in place, in the same form.
+Json row_of(const PlaceProbation& place) {
+  const Duration passed = std::chrono::steady_clock::now() - place.since;
+  const bool confirms = place.rules.confirm_within > Duration{0};
+  const auto left = (confirms ? place.rules.confirm_within : place.rules.time) - passed;
+  return {{"generations", {place.generation}},
+          {"components", {place.component}},
+          {"state", place.leads_back ? "leads_back"
+                    : confirms       ? "awaits_confirmation"
+                                     : "watching"},
+          {"left_ns", std::max(left, Duration{0}).count()},
+          {"jobs", confirms ? Json() : Json(place.rules.activations)}};
+}
+
 /// What waits to prove itself or to be confirmed, the oldest first.
 Json probations(const Running& running) {
   Json rows = Json::array();
@@ -45,6 +59,9 @@ Json probations(const Running& running) {
                                              : "watching"},
                     {"left_ns", std::max(left, Duration{0}).count()},
                     {"jobs", confirms ? Json() : Json(rules.activations)}});
+  }
+  for (const auto& place : running.places) {
+    rows.push_back(row_of(place));
   }
   return rows;
 }

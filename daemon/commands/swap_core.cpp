@@ -116,8 +116,8 @@ class Properties final : public Companion {
   std::vector<std::pair<std::string, Value>> before_;
 };
 
-/// The old core is gone when the new one begins: there is no way back that stands ready, and
-/// nothing that could be prepared and dropped.
+/// The old core lets go before the new one begins: nothing could be prepared and dropped, and the
+/// way back takes as long as the swap, so that a late job does not lead back.
 Status may_be_in_place(const Json& params) {
   if (flag(params, "dry_run")) {
     return refuse(
@@ -126,14 +126,11 @@ Status may_be_in_place(const Json& params) {
         "is nothing to foresee",
         "leave out in_place to see what a swap beside the old core would do");
   }
-  for (const char* option : {"probation", "misses", "confirm_within"}) {
-    const auto text = text_or(params, option);
-    if (!params.contains(option) || (text == "off" && option == std::string_view("probation"))) {
-      continue;
-    }
-    return refuse(Errc::invalid_value, option,
-                  "a swap in place has no way back in readiness, so it is never on probation",
-                  "leave out " + std::string(option) + ", or in_place");
+  if (params.contains("misses")) {
+    return refuse(Errc::invalid_value, "misses",
+                  "the way back from a swap in place stops the component as long as the swap did, "
+                  "so only a failure leads back, not late jobs",
+                  "leave out misses, or in_place");
   }
   return ok();
 }
