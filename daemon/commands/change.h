@@ -12,6 +12,7 @@
 
 #include "arch/change_lines.h"
 #include "commands/command.h"
+#include "commands/say.h"
 
 namespace mauve::daemon {
 
@@ -53,16 +54,6 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
 
 /// [control] The differences that a prepared change makes.
 [[nodiscard]] std::vector<arch::Line> lines_of(const Running& running, PreparedChange& change);
-/// [any] Adds `lines` to the result, where there are any and none stand there yet.
-void say_lines(const std::vector<arch::Line>& lines, Json& result);
-
-/// [any] Whether all members wait for each other, as it was prepared.
-void say_sync(std::optional<Result<PreparedChange>>& prepared, Json& result);
-
-/// [control] Of those that were changed: who does not run, and will not by itself. To be told,
-/// since the rest of the receipt reads as if all was well.
-void say_who_stands(Running& running, const Change& change, Json& result);
-
 /// [any] Appends the fields of `now` that `given` does not name: {"address","value"}.
 void add_kept(const std::string& address, const Value& given, const Value& now, Json& kept);
 

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "commands/say.h"
+
+#include "exec/prepared.h"
+#include "judge/judgement.h"
+
+namespace mauve::daemon {
+
+void say_lines(const std::vector<arch::Line>& lines, Json& result) {
+  if (lines.empty() || result.contains("lines")) {
+    return;
+  }
+  auto& said = result["lines"] = Json::array();
+  for (const auto& line : lines) {
+    said.push_back(to_json(line));
+  }
+}
+
+void say_notes(const std::vector<std::string>& notes, Json& result) {
+  for (const auto& note : notes) {
+    result["notes"].push_back(note);
+  }
+}
+
+void say_sync(std::optional<Result<PreparedChange>>& prepared, Json& result) {
+  if (prepared && *prepared && (*prepared)->content().barrier) {
+    result["sync"] = "barrier";
+  }
+}
+
+void say_who_stands(Running& running, const Change& change, Json& result) {
+  auto standing = Json::array();
+  for (const auto& edit : change.edits) {
+    const auto now = running.deployer.status(edit.component);
+    const bool recovers = now.state == ComponentState::recovering;
+    const bool stands =
+        recovers || now.state == ComponentState::faulted || now.state == ComponentState::stopped;
+    if (edit.mode != Mode::park && !now.name.empty() && stands) {
+      standing.push_back({{"name", now.name},
+                          {"state", to_string(now.state)},
+                          {"hint", (recovers ? "mauvectl why " : "mauvectl start ") + now.name}});
+    }
+  }
+  if (!standing.empty()) {
+    result["standing"] = std::move(standing);
+  }
+}
+
+}  // namespace mauve::daemon
