@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// A swap in place is on probation: the core before takes over again where the new one fails.
+#include "trial_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using testing::HasSubstr;
+using Json = protocol::Json;
+
+Json place_swap(const std::string& core, const Json& more = Json::object()) {
+  Json params = {{"component", "first"}, {"core", core}, {"in_place", true}};
+  params.update(more);
+  return params;
+}
+
+[[nodiscard]] bool has_core(TrialDaemon& daemon, const std::string& core) {
+  return eventually([&] {
+    const auto row = daemon.component("first");
+    return row["core"] == core && row["state"] == "running";
+  });
+}
+
+TEST(PlaceProbation, LeadsBackToTheCoreBeforeWhenTheNewOneFails) {
+  TrialDaemon daemon;
+  static_cast<void>(daemon.client());
+
+  const auto swapped = daemon.ask("core.swap", place_swap("trial/throwing_job"));
+
+  EXPECT_EQ(swapped["generation"], 2) << swapped;
+  EXPECT_TRUE(swapped.contains("probation")) << swapped;
+  ASSERT_TRUE(has_core(daemon, "trial/steady")) << daemon.errors();
+  EXPECT_EQ(daemon.ask("status.get")["generation"], 3);
+  EXPECT_EQ(daemon.ask("quarantine.list")["cores"][0]["core"], "trial/throwing_job");
+  EXPECT_TRUE(daemon.ask("status.get")["probations"].empty());
+  const auto why = daemon.ask("component.why", {{"component", "first"}});
+  EXPECT_THAT(why.dump(), HasSubstr("rolled_back")) << why;
+}
+
+TEST(PlaceProbation, IsShownConfirmedAndUndone) {
+  TrialDaemon daemon;
+  static_cast<void>(daemon.client());
+  ASSERT_EQ(daemon.ask("core.swap", place_swap("trial/other"))["state"], "applied");
+
+  const auto open = daemon.ask("status.get")["probations"];
+  ASSERT_EQ(open.size(), 1U);
+  EXPECT_EQ(open[0]["components"], Json::array({"first"}));
+  EXPECT_EQ(open[0]["state"], "watching");
+  const auto undone = daemon.ask("change.undo");
+  EXPECT_EQ(undone["state"], "applied") << undone;
+  EXPECT_TRUE(has_core(daemon, "trial/steady")) << daemon.errors();
+
+  ASSERT_EQ(daemon.ask("core.swap", place_swap("trial/other"))["state"], "applied");
+  EXPECT_EQ(daemon.ask("change.confirm")["changed"], true);
+  EXPECT_TRUE(daemon.ask("status.get")["probations"].empty());
+  EXPECT_TRUE(has_core(daemon, "trial/other"));
+}
+
+TEST(PlaceProbation, GoesBackUnlessItIsConfirmedInItsTime) {
+  TrialDaemon daemon;
+  static_cast<void>(daemon.client());
+
+  ASSERT_EQ(
+      daemon.ask("core.swap", place_swap("trial/other", {{"confirm_within", "50ms"}}))["state"],
+      "applied");
+
+  EXPECT_TRUE(has_core(daemon, "trial/steady")) << daemon.errors();
+  EXPECT_TRUE(daemon.ask("quarantine.list")["cores"].empty()) << "nothing failed";
+}
+
+TEST(PlaceProbation, EndsEarlyByAChangeOfItsComponentWhichSaysSo) {
+  TrialDaemon daemon;
+  static_cast<void>(daemon.client());
+  ASSERT_EQ(daemon.ask("core.swap", place_swap("trial/other"))["state"], "applied");
+
+  const auto elsewhere = daemon.ask("param.set", {{"values", {{"second.core.gain", 2.0}}}});
+  EXPECT_FALSE(elsewhere.contains("notes")) << elsewhere;
+  const auto set = daemon.ask("param.set", {{"values", {{"first.core.gain", 2.0}}}});
+
+  ASSERT_EQ(set["notes"].size(), 1U) << set;
+  EXPECT_THAT(set["notes"][0].get<std::string>(),
+              HasSubstr("generation 2 (first, swapped in place)"));
+  EXPECT_TRUE(eventually([&] { return daemon.ask("status.get")["probations"].size() == 2U; }))
+      << "those of the two sets: " << daemon.ask("status.get")["probations"];
+}
+
+TEST(PlaceProbation, LeavesAComponentStoppedThatWasStoppedMeanwhile) {
+  TrialDaemon daemon;
+  static_cast<void>(daemon.client());
+  ASSERT_EQ(daemon.ask("core.swap", place_swap("trial/other"))["state"], "applied");
+  ASSERT_EQ(daemon.ask("component.stop", {{"components", {"first"}}})["state"], "applied");
+
+  ASSERT_EQ(daemon.ask("change.undo")["state"], "applied");
+
+  EXPECT_EQ(daemon.component("first")["core"], "trial/steady");
+  EXPECT_EQ(daemon.component("first")["state"], "stopped");
+}
+
+}  // namespace
+}  // namespace mauve::test
