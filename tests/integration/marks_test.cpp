@@ -285,7 +285,8 @@ TEST_F(Generations, OfAReloadOrASwapInPlaceAreUnconfirmedUntilTheyAreConfirmed) 
   EXPECT_EQ(daemon.ask("change.confirm")["data"]["name"], "wrong_state") << "it is";
 
   const auto proved = exported(daemon);
-  const Json swap = {{"component", "first"}, {"core", "trial/other"}, {"in_place", true}};
+  const Json swap = {
+      {"component", "first"}, {"core", "trial/other"}, {"in_place", true}, {"probation", "off"}};
   ASSERT_EQ(daemon.ask("core.swap", swap)["saved"], true);
   EXPECT_EQ(newest(daemon)["mark"], "unconfirmed");
 
@@ -299,10 +300,11 @@ TEST_F(Generations, AreUnconfirmedAsLongAsAnyChangeInThemIs) {
   TrialDaemon daemon(kTrial, options());
   Json swap = {{"component", "first"}, {"core", "trial/other"}, {"confirm_within", "600s"}};
   ASSERT_EQ(daemon.ask("core.swap", swap)["saved"], true);
-  ASSERT_EQ(
-      daemon.ask("core.swap",
-                 {{"component", "second"}, {"core", "trial/other"}, {"in_place", true}})["saved"],
-      true);
+  ASSERT_EQ(daemon.ask("core.swap", {{"component", "second"},
+                                     {"core", "trial/other"},
+                                     {"in_place", true},
+                                     {"probation", "off"}})["saved"],
+            true);
   ASSERT_TRUE(eventually([&] { return daemon.ask("status.get")["uptime_s"] > 13; },
                          std::chrono::seconds(60)));
   EXPECT_EQ(newest(daemon)["mark"], "unconfirmed") << "the first change waits for its confirmation";

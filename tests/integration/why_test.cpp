@@ -108,7 +108,8 @@ TEST(Why, ASwapInPlaceToACoreThatFailsAtOnceReachesItsFallbackCore) {
 
   ASSERT_EQ(daemon.ask("core.swap", {{"component", "first"},
                                      {"core", "trial/throwing_job"},
-                                     {"in_place", true}})["state"],
+                                     {"in_place", true},
+                                     {"probation", "off"}})["state"],
             "applied");
 
   EXPECT_TRUE(eventually([&] { return daemon.component("first")["core"] == "trial/other"; }))
