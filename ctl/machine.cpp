@@ -20,9 +20,7 @@ void add_transitions(const Json& rows, const std::vector<Machine::State>& states
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto to = find(states, word(rows[i], "to"));
     if (!to) continue;
-    const bool guarded = word(rows[i], "guarded") == "true";
-    const std::string otherwise = rows.size() > 1 ? "[else]" : "";
-    state.transitions.push_back({*to, guarded ? "[" + std::to_string(i + 1) + "]" : otherwise});
+    state.transitions.push_back({*to, mark_of_transition(rows, i)});
   }
 }
 

@@ -14,7 +14,7 @@ namespace mauve::ctl {
 struct Machine {
   struct Transition {
     std::size_t to = 0;
-    std::string mark;  ///< "[1]", "[2]" of guards in their order, "[else]"; empty: always
+    std::string mark;  ///< as mark_of_transition() gives it
   };
   struct State {
     std::string name;

@@ -46,10 +46,8 @@ Json machine_rows(const Json& machine) {
     const Json& transitions = list_in(state, "transitions");
     std::string next;
     for (std::size_t i = 0; i < transitions.size(); ++i) {
-      const bool guarded = member(transitions[i], "guarded") == true;
-      const std::string otherwise = transitions.size() > 1 ? "[else] " : "";
-      join(next,
-           (guarded ? "[" + std::to_string(i + 1) + "] " : otherwise) + word(transitions[i], "to"));
+      const std::string mark = mark_of_transition(transitions, i);
+      join(next, mark + (mark.empty() ? "" : " ") + word(transitions[i], "to"));
     }
     row.erase("transitions");
     row["next"] = next;

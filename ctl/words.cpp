@@ -184,4 +184,11 @@ std::uint64_t whole_number(const Json& object, std::string_view key) {
   return value > 0 && value < 1.8e19 ? static_cast<std::uint64_t>(value) : 0;
 }
 
+std::string mark_of_transition(const Json& transitions, std::size_t index) {
+  const Json& one = transitions[index];
+  if (member(one, "guarded") != true) return transitions.size() > 1 ? "[else]" : "";
+  const Json& name = member(one, "guard");
+  return "[" + (name.is_string() ? compact(name) : std::to_string(index + 1)) + "]";
+}
+
 }  // namespace mauve::ctl

@@ -59,6 +59,10 @@ void join(std::string& all, std::string_view next, std::string_view between = ",
 /// A count as written, or nothing.
 [[nodiscard]] std::optional<std::uint64_t> count_of(std::string_view text);
 
+/// When this one of the transitions of a state is taken: "[has_goal]" with the name of its guard,
+/// "[2]" with its place where the guard has none, "[else]"; empty: always.
+[[nodiscard]] std::string mark_of_transition(const Json& transitions, std::size_t index);
+
 /// The keys of an object, or of all objects in an array: what people look for first, then a to z.
 [[nodiscard]] std::vector<std::string> keys_in_order(const Json& value);
 

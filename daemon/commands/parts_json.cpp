@@ -44,7 +44,9 @@ Json machine_json(const FsmBase& fsm) {
     }
     Json transitions = Json::array();
     for (const auto& transition : state->transitions()) {
-      transitions.push_back({{"to", transition.target->name()}, {"guarded", true}});
+      transitions.push_back({{"to", transition.target->name()},
+                             {"guarded", true},
+                             {"guard", transition.name.empty() ? Json() : Json(transition.name)}});
     }
     if (state->successor() != nullptr) {
       transitions.push_back({{"to", state->successor()->name()}, {"guarded", false}});

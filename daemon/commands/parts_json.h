@@ -17,7 +17,7 @@ namespace mauve::daemon {
 [[nodiscard]] Json service_row(const ServiceBase& service);
 [[nodiscard]] Json service_rows(const ResourceBase& resource);
 
-/// {"initial","states":[{"name","kind","wait_ns","transitions":[{"to","guarded"}]}]};
+/// {"initial","states":[{"name","kind","wait_ns","transitions":[{"to","guarded","guard"}]}]};
 /// transitions in the order in which guards are asked, what is taken when none is true last.
 [[nodiscard]] Json machine_json(const FsmBase& fsm);
 

@@ -48,11 +48,13 @@ struct BaseFsm : mauve::Fsm<BaseCore> {
 
   mauve::Status on_configure() override {
     start_at(begin);
-    begin.when(&BaseCore::lost, reopen).then(wait_begin);
+    begin.when("lost", &BaseCore::lost, reopen).then(wait_begin);
     wait_begin.then(work);
-    work.when(&BaseCore::lost, reopen).when(&BaseCore::silent, begin).then(period);
+    work.when("lost", &BaseCore::lost, reopen)
+        .when("silent", &BaseCore::silent, begin)
+        .then(period);
     period.then(work);
-    reopen.when(&BaseCore::lost, wait_device).then(wait_begin);
+    reopen.when("lost", &BaseCore::lost, wait_device).then(wait_begin);
     wait_device.then(reopen);
     return mauve::ok();
   }

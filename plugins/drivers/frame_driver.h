@@ -47,14 +47,18 @@ struct FrameFsm : mauve::Fsm<CoreT> {
 
   mauve::Status on_configure() override {
     this->start_at(read_sync);
-    read_sync.when(&CoreT::lost, reopen).when(&CoreT::synced, read_frame).then(wait_sync);
+    read_sync.when("lost", &CoreT::lost, reopen)
+        .when("synced", &CoreT::synced, read_frame)
+        .then(wait_sync);
     wait_sync.then(read_sync);
-    read_frame.when(&CoreT::has_frame, parse).when(&CoreT::lost, reopen).then(wait_frame);
+    read_frame.when("has_frame", &CoreT::has_frame, parse)
+        .when("lost", &CoreT::lost, reopen)
+        .then(wait_frame);
     wait_frame.then(read_frame);
-    parse.when(&CoreT::more, breathe).then(period);
+    parse.when("more", &CoreT::more, breathe).then(period);
     breathe.then(read_sync);
     period.then(read_sync);
-    reopen.when(&CoreT::lost, wait_device).then(wait_sync);
+    reopen.when("lost", &CoreT::lost, wait_device).then(wait_sync);
     wait_device.then(reopen);
     return mauve::ok();
   }

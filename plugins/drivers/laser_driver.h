@@ -50,23 +50,25 @@ struct LaserFsm : mauve::Fsm<LaserCore> {
 
   mauve::Status on_configure() override {
     start_at(ask);
-    ask.when(&LaserCore::measuring, breathe).when(&LaserCore::lost, reopen).then(wait_answer);
+    ask.when("measuring", &LaserCore::measuring, breathe)
+        .when("lost", &LaserCore::lost, reopen)
+        .then(wait_answer);
     wait_answer.then(hear);
-    hear.when(&LaserCore::lost, reopen)
-        .when(&LaserCore::failed, pause)
-        .when(&LaserCore::measuring, read_scan)
-        .when(&LaserCore::answered, ask)
+    hear.when("lost", &LaserCore::lost, reopen)
+        .when("failed", &LaserCore::failed, pause)
+        .when("measuring", &LaserCore::measuring, read_scan)
+        .when("answered", &LaserCore::answered, ask)
         .then(wait_answer);
     pause.then(ask);
-    read_scan.when(&LaserCore::lost, reopen)
-        .when(&LaserCore::has_scan, publish)
-        .when(&LaserCore::failed, pause)
+    read_scan.when("lost", &LaserCore::lost, reopen)
+        .when("has_scan", &LaserCore::has_scan, publish)
+        .when("failed", &LaserCore::failed, pause)
         .then(wait_scan);
     wait_scan.then(read_scan);
-    publish.when(&LaserCore::more, breathe).then(period);
+    publish.when("more", &LaserCore::more, breathe).then(period);
     breathe.then(read_scan);
     period.then(read_scan);
-    reopen.when(&LaserCore::lost, wait_device).then(pause);
+    reopen.when("lost", &LaserCore::lost, wait_device).then(pause);
     wait_device.then(reopen);
     return mauve::ok();
   }

@@ -121,8 +121,8 @@ struct ControlFsm : mauve::Fsm<GuidanceCore> {
 
   mauve::Status on_configure() override {
     start_at(wait_goal);
-    wait_goal.when(&GuidanceCore::has_goal, reach_goal).then(idle);
-    reach_goal.when(&GuidanceCore::arrived, at_goal).then(pace);
+    wait_goal.when("has_goal", &GuidanceCore::has_goal, reach_goal).then(idle);
+    reach_goal.when("arrived", &GuidanceCore::arrived, at_goal).then(pace);
     at_goal.then(settle);
     idle.then(wait_goal);
     pace.then(reach_goal);

@@ -138,9 +138,11 @@ struct NavigationFsm : mauve::Fsm<Navigation> {
 
   mauve::Status on_configure() override {
     start_at(wait_goal);
-    wait_goal.when(&Navigation::has_goal, plan).then(idle);
-    plan.when(&Navigation::no_way, stand).then(pace);
-    follow.when(&Navigation::arrived, at_goal).when(&Navigation::must_plan, plan).then(pace);
+    wait_goal.when("has_goal", &Navigation::has_goal, plan).then(idle);
+    plan.when("no_way", &Navigation::no_way, stand).then(pace);
+    follow.when("arrived", &Navigation::arrived, at_goal)
+        .when("must_plan", &Navigation::must_plan, plan)
+        .then(pace);
     stand.then(retry);
     at_goal.then(settle);
     idle.then(wait_goal);

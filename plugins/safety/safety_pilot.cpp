@@ -141,7 +141,9 @@ struct PilotFsm : mauve::Fsm<Pilot> {
 
   mauve::Status on_configure() override {
     start_at(look);
-    look.when(&Pilot::must_stop, stop).when(&Pilot::must_slow, slow).then(clear);
+    look.when("must_stop", &Pilot::must_stop, stop)
+        .when("must_slow", &Pilot::must_slow, slow)
+        .then(clear);
     clear.then(period);
     slow.then(period);
     stop.then(period);

@@ -6,7 +6,7 @@
 ///     Sync idle{*this, "idle", 100ms};
 ///     mauve::Status on_configure() override {
 ///       start_at(wait_goal);
-///       wait_goal.when(&GuidanceCore::has_goal, reach_goal).then(idle);
+///       wait_goal.when("has_goal", &GuidanceCore::has_goal, reach_goal).then(idle);
 ///       idle.then(wait_goal);
 ///       return mauve::ok();
 ///     }
@@ -37,6 +37,7 @@ class FsmState {
   struct Transition {
     Method<bool()> guard;
     FsmState* target;
+    std::string_view name;  ///< of the guard, for pictures and tables; empty: the author gave none
   };
 
   FsmState(FsmBase& fsm, std::string_view name, Kind kind);
@@ -71,7 +72,9 @@ class FsmState {
   }
 
  protected:
-  void add(Method<bool()> guard, FsmState& target) { transitions_.push_back({guard, &target}); }
+  void add(std::string_view name, Method<bool()> guard, FsmState& target) {
+    transitions_.push_back({guard, &target, name});
+  }
 
  private:
   friend class FsmBase;
@@ -161,13 +164,18 @@ class Fsm : public FsmBase {
   class Guarded : public FsmState {
    public:
     using FsmState::FsmState;
-    Derived& when(bool (CoreT::*guard)(), FsmState& target) {
-      add(Method<bool()>(guard), target);
+    /// A guard with a name, which `show` and `graph --fsm` show: a text that lives with the code.
+    Derived& when(std::string_view name, bool (CoreT::*guard)(), FsmState& target) {
+      add(name, Method<bool()>(guard), target);
       return static_cast<Derived&>(*this);
     }
-    Derived& when(bool (CoreT::*guard)() const, FsmState& target) {
-      add(Method<bool()>(guard), target);
+    Derived& when(std::string_view name, bool (CoreT::*guard)() const, FsmState& target) {
+      add(name, Method<bool()>(guard), target);
       return static_cast<Derived&>(*this);
+    }
+    Derived& when(bool (CoreT::*guard)(), FsmState& target) { return when({}, guard, target); }
+    Derived& when(bool (CoreT::*guard)() const, FsmState& target) {
+      return when({}, guard, target);
     }
     template <typename Guard, typename Target>
     requires(!detail::kIsGuard<CoreT, Guard, Target>) Derived& when(Guard, Target&) {

@@ -27,8 +27,8 @@ TEST(RenderObject, WritesDurationsInstantsAndSizesWithUnits) {
 
 TEST(RenderObject, ShowsAStateMachineWithItsWaitsAndSuccessors) {
   const Json object = Json::parse(R"({"address":"heater","machine":{"initial":"heat","states":[
-    {"name":"heat","kind":"execution","transitions":[{"to":"doze","guarded":true},
-      {"to":"pace","guarded":false}]},
+    {"name":"heat","kind":"execution","transitions":[
+      {"to":"doze","guarded":true,"guard":"too_warm"},{"to":"pace","guarded":false}]},
     {"name":"pace","kind":"synchronization","wait_ns":10000000,
      "transitions":[{"to":"heat","guarded":false}]}]}})");
 
@@ -37,7 +37,7 @@ TEST(RenderObject, ShowsAStateMachineWithItsWaitsAndSuccessors) {
             "machine\n"
             "  initial  heat\n"
             "  NAME  KIND                WAIT  NEXT\n"
-            "  heat  execution                 [1] doze, [else] pace\n"
+            "  heat  execution                 [too_warm] doze, [else] pace\n"
             "  pace  synchronization  10.0 ms  heat\n");
 }
 
