@@ -61,7 +61,8 @@ int run_list(Session& session) {
   const std::string nearest = nearest_category(kind);
   return session.fail(fault_of(protocol::kUsage, "there is no list of '" + kind + "'", {},
                                nearest.empty()
-                                   ? "components, resources, cores, ports, plugins, clients"
+                                   ? "components, resources, services, cores, fsms, types, ports, "
+                                     "plugins, clients"
                                    : "did you mean '" + nearest + "'?"));
 }
 

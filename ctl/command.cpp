@@ -61,7 +61,9 @@ constexpr Argument kDryRun =
     flag("--dry-run", "tell what the change would do; it is prepared and dropped");
 
 constexpr Argument kList[] = {maybe(
-    "KIND", "components (default), resources, cores, ports, plugins or clients", Kind::category)};
+    "KIND",
+    "components (default), resources, services, cores, fsms, types, ports, plugins or clients",
+    Kind::category)};
 constexpr Argument kShow[] = {
     one("ADDRESS", "component, resource or anything in them", Kind::address)};
 constexpr Argument kGet[] = {
@@ -362,8 +364,11 @@ constexpr Command kCommands[] = {
 };
 
 constexpr Category kCategories[] = {
-    {"components", "component.list"}, {"resources", "resource.list"}, {"cores", "core.list"},
-    {"ports", "port.list"},           {"plugins", "plugin.list"},     {"clients", "client.list"},
+    {"components", "component.list"}, {"resources", "resource.list"},
+    {"cores", "core.list"},           {"fsms", "fsm.list"},
+    {"types", "type.list"},           {"services", "service.list"},
+    {"ports", "port.list"},           {"plugins", "plugin.list"},
+    {"clients", "client.list"},
 };
 
 }  // namespace

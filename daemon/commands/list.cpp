@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// component.list, resource.list, core.list, port.list, plugin.list, client.list, command.list
+/// component.list, resource.list, service.list, core.list, fsm.list, type.list, port.list,
+/// plugin.list, client.list, command.list
 #include <algorithm>
 
 #include "commands/answer.h"
@@ -97,6 +98,47 @@ Result<Json> list_resources(Running& running, const Call& /*call*/) {
     rows.push_back({{"name", resource->name()},
                     {"type", resource->type().name},
                     {"services", std::move(services)}});
+  }
+  return items(std::move(rows));
+}
+
+Result<Json> list_services(Running& running, const Call& /*call*/) {
+  Json rows = Json::array();
+  for (const auto* resource : running.architecture.resources()) {
+    for (const auto* service : resource->interface().services()) {
+      rows.push_back({{"name", service->address()},
+                      {"kind", to_string(service->signature().kind)},
+                      {"type", service->signature().types}});
+    }
+  }
+  return items(std::move(rows));
+}
+
+Result<Json> list_fsms(Running& running, const Call& /*call*/) {
+  Json rows = Json::array();
+  for (const auto* loaded : running.catalog.plugins()) {
+    for (const auto& [name, fsm] : loaded->fsms) {
+      rows.push_back({{"name", name},
+                      {"plugin", loaded->info().name},
+                      {"contract", public_name(fsm.contract)}});
+    }
+  }
+  return items(std::move(rows));
+}
+
+/// Kinds of components and resources, and types of data: what a file can name as "type" or "data".
+Result<Json> list_types(Running& running, const Call& /*call*/) {
+  Json rows = Json::array();
+  const auto add = [&](const auto& names, const std::string& plugin, const char* of) {
+    for (const auto& [name, type] : names) {
+      rows.push_back({{"name", name}, {"of", of}, {"plugin", plugin}});
+    }
+  };
+  for (const auto* loaded : running.catalog.plugins()) {
+    const auto& plugin = loaded->info().name;
+    add(loaded->components, plugin, "component");
+    add(loaded->resources, plugin, "resource");
+    add(loaded->types, plugin, "data");
   }
   return items(std::move(rows));
 }

@@ -72,7 +72,8 @@ TEST(Socket, ServesEveryReadingMethod) {
   auto client = daemon.client();
   for (const auto* method :
        {"ping", "version", "status.get", "component.list", "resource.list", "core.list",
-        "port.list", "plugin.list", "client.list", "command.list", "config.get", "log.tail"}) {
+        "service.list", "fsm.list", "type.list", "port.list", "plugin.list", "client.list",
+        "command.list", "config.get", "log.tail"}) {
     EXPECT_TRUE(client.ask(method).contains("result")) << method;
   }
   for (const auto* address : {"first", "signal", "first.core.gain", "first.core.count",
