@@ -5,6 +5,7 @@
 #include "base/name.h"
 #include "commands/answer.h"
 #include "commands/model.h"
+#include "thread_counts.h"
 
 namespace mauve::daemon {
 
@@ -36,7 +37,17 @@ Json to_json(const StateStatistics& state) {
           {"preempted", to_json(state.preempted)}};
 }
 
-Json to_json(const ComponentStatistics& one) {
+Json to_json(const ThreadCounts* counts) {
+  if (counts == nullptr) {
+    return nullptr;
+  }
+  return {{"minor_faults", counts->minor_faults},
+          {"major_faults", counts->major_faults},
+          {"waits", counts->waits},
+          {"preemptions", counts->preemptions}};
+}
+
+Json to_json(const ComponentStatistics& one, const ThreadCounts* counts) {
   return {{"name", one.name},
           {"core", one.core},
           {"since_ns", one.since == Duration{0} ? Json() : Json(one.since.count())},
@@ -48,7 +59,8 @@ Json to_json(const ComponentStatistics& one) {
           {"execution", to_json(one.execution)},
           {"preempted", to_json(one.preempted)},
           {"response", to_json(one.response)},
-          {"lock_waits", to_json(one.lock_waits)}};
+          {"lock_waits", to_json(one.lock_waits)},
+          {"kernel", to_json(counts)}};
 }
 
 /// Its states, or the one of this name.
@@ -80,7 +92,8 @@ Result<Json> statistics_at(const Running& running, const std::string& address) {
   if (!states) {
     return states.error();
   }
-  auto row = to_json(one);
+  const auto counts = thread_counts();
+  auto row = to_json(one, find_counts(counts, one.name));
   row["states"] = *std::move(states);
   return row;
 }
@@ -96,8 +109,9 @@ Result<Json> statistics(Running& running, const Call& call) {
     }
     rows.push_back(*std::move(row));
   } else {
+    const auto counts = thread_counts();
     for (const auto& one : running.deployer.statistics()) {
-      rows.push_back(to_json(one));
+      rows.push_back(to_json(one, find_counts(counts, one.name)));
     }
   }
   return Json{{"t_ns", running.deployer.clock().now() - running.deployer.t0()},
