@@ -126,11 +126,12 @@ int run_stop(Session& session) {
   const auto names = names_or_all(session, "stop");
   if (const auto* fault = std::get_if<Fault>(&names)) return session.fail(*fault);
   const auto& components = std::get<std::vector<std::string>>(names);
-  if (components.empty()) {
-    return change(session, "component.stop", {{"all", true}}, "stopped everything");
-  }
-  return change(session, "component.stop", {{"components", components}},
-                "stopped " + listed(components));
+  Json params = Json::object();
+  if (components.empty()) params["all"] = true;
+  if (!components.empty()) params["components"] = components;
+  add_options(session, params);
+  const std::string done = components.empty() ? "everything" : listed(components);
+  return change(session, "component.stop", std::move(params), "stopped " + done);
 }
 
 int run_swap_core(Session& session) {

@@ -127,7 +127,7 @@ constexpr Argument kStart[] = {any("COMPONENT", "names of components", Kind::com
                                flag("--all", "every component that does not run"),
                                flag("--reset", "with a fresh core state"), kDryRun};
 constexpr Argument kStop[] = {any("COMPONENT", "names of components", Kind::component),
-                              flag("--all", "every component, at once")};
+                              flag("--all", "every component, at once"), kDryRun};
 constexpr Argument kSwap[] = {
     kComponent,
     one("CORE", "such as guidance/finite_time", Kind::core),
@@ -154,7 +154,8 @@ constexpr Argument kDisconnect[] = {kPort, kDryRun, kProbation, kMisses, kConfir
 constexpr Argument kQuarantine[] = {choice("ACTION", "\"release\", or nothing to list", "release"),
                                     maybe("CORE", "the core to release", Kind::core)};
 constexpr Argument kPlugin[] = {one("PLUGIN", "name of a plugin, not a path", Kind::plugin)};
-constexpr Argument kLoad[] = {one("PLUGIN", "name of a plugin, not a path", Kind::available)};
+constexpr Argument kLoad[] = {one("PLUGIN", "name of a plugin, not a path", Kind::available),
+                              kDryRun};
 constexpr Argument kReload[] = {kPlugin[0], kState, kProbation, kMisses, kConfirmWithin, kDryRun};
 constexpr Argument kPlugins[] = {
     maybe("--for", "the cores that fit this component", Kind::component)};

@@ -42,6 +42,15 @@ void finish_load(Running& running, const Call& call, Load& load) {
   if (auto free = may_change(running, lines); !free) {
     return answer(running, call, free.error());
   }
+  if (flag(call.params, "dry_run")) {
+    Json foretold{{"plugin", info.name},
+                  {"version", info.version},
+                  {"warnings", info.warnings},
+                  {"dry_run", true},
+                  {"generation", running.generation.load()}};
+    say_lines(lines, foretold);
+    return answer(running, call, std::move(foretold));
+  }
   auto done = running.catalog.commit(std::move(**load.loaded));
   if (!done) {
     return answer(running, call, done.error());

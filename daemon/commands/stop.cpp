@@ -72,6 +72,21 @@ std::shared_ptr<void> until_over(Running& running, std::shared_ptr<StopOrder> or
           }};
 }
 
+/// What a stop would do.
+Json foretold(const Running& running, const std::vector<arch::Line>& lines,
+              const std::vector<std::string>& stopped) {
+  Receipt nothing;
+  nothing.generation = running.deployer.generation();
+  auto result = to_json(nothing);
+  result["dry_run"] = true;
+  result["lines"] = Json::array();
+  for (const auto& line : lines) {
+    result["lines"].push_back(to_json(line));
+  }
+  say_already(stopped, "stopped", result);
+  return result;
+}
+
 }  // namespace
 
 bool overtaken_by_stop(const Running& running, const Call& call, const Change& change) {
@@ -83,7 +98,7 @@ bool overtaken_by_stop(const Running& running, const Call& call, const Change& c
 }
 
 void watch_over_stop(Running& running, const CallPtr& call) {
-  if (running.stopper == nullptr) {
+  if (running.stopper == nullptr || flag(call->params, "dry_run")) {
     return;
   }
   // [control] and [stop] may both have an answer: the first one counts.
@@ -121,6 +136,11 @@ void stop(Running& running, const CallPtr& call, Ticket /*none: it waits for no 
     if (state == ComponentState::running) {
       lines.push_back(arch::make_line("start", name + ".start", true, false));
     }
+  }
+  if (flag(call->params, "dry_run")) {
+    return answer(running, *call, foretold(running, lines, stopped));
+  }
+  for (const auto& name : *names) {
     ++running.stops[name];
     auto& came = running.stops_came[name];
     came = std::max(came, call->received);

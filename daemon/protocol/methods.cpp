@@ -27,7 +27,7 @@ constexpr Param kSet[] = {{"values", object, true}, {"dry_run", boolean},
                           {"misses", string},       {"confirm_within", string}};
 constexpr Param kStart[] = {
     {"components", strings}, {"all", boolean}, {"reset", boolean}, {"dry_run", boolean}};
-constexpr Param kStop[] = {{"components", strings}, {"all", boolean}};
+constexpr Param kStop[] = {{"components", strings}, {"all", boolean}, {"dry_run", boolean}};
 constexpr Param kSwap[] = {
     {"component", string, true}, {"core", string, true},    {"set", object},
     {"budget", string},          {"in_place", boolean},     {"state", string},
@@ -43,6 +43,7 @@ constexpr Param kDisconnect[] = {{"port", string, true},
                                  {"misses", string},
                                  {"confirm_within", string}};
 constexpr Param kPlugin[] = {{"plugin", string, true}};
+constexpr Param kLoad[] = {{"plugin", string, true}, {"dry_run", boolean}};
 constexpr Param kReload[] = {{"plugin", string, true},   {"state", string},
                              {"probation", string},      {"misses", string},
                              {"confirm_within", string}, {"dry_run", boolean}};
@@ -111,7 +112,7 @@ constexpr Method kMethods[] = {
     {"change.undo", "back to before the change on probation", {}, true, false, false, true},
     {"quarantine.list", "cores that were rolled back, and why", {}},
     {"quarantine.release", "lets a core be used again", kCore, true},
-    {"plugin.load", "loads a plugin by name", kPlugin, true},
+    {"plugin.load", "loads a plugin by name", kLoad, true},
     {"plugin.unload", "unloads a plugin that nothing uses", kPlugin, true},
     {"plugin.reload", "moves every instance to the new code", kReload, true},
     {"config.get", "the running system as an architecture file", {}},

@@ -166,7 +166,9 @@ TEST(DryRun, TellsTheLinesOfEveryChangeAndChangesNothing) {
       {{"connect", "second.ports.output", "spare.write"}, "second.ports.output"},
       {{"disconnect", "first.ports.output"}, "first.ports.output"},
       {{"swap-core", "first", "trial/other", "--state", "drop"}, "trial/other"},
-      {{"start", "second"}, "second.start"}};
+      {{"start", "second"}, "second.start"},
+      {{"stop", "first"}, "first.start: true -> false"},
+      {{"reload", "trial"}, "plugin trial"}};
   for (auto [words, line] : all) {
     words.emplace_back("--dry-run");
 
@@ -179,6 +181,7 @@ TEST(DryRun, TellsTheLinesOfEveryChangeAndChangesNothing) {
   EXPECT_EQ(generation(daemon), before);
   EXPECT_EQ(daemon.value("first.core.gain"), 1.0);
   EXPECT_EQ(daemon.component("second")["state"], "stopped");
+  EXPECT_EQ(daemon.component("first")["state"], "running");
 }
 
 TEST(WriteFromTheShell, ReachesStoredDataAndNamesTheOtherWriters) {
