@@ -26,7 +26,7 @@ struct TopRow {
   std::string core;  ///< with its version
   double priority = 0;
   std::string cpus;
-  double period = 0;
+  double every = 0;  ///< mean time from job to job
   std::optional<double> late_last;
   std::optional<double> late_max;
   bool unfinished = false;  ///< released, and its job has not ended

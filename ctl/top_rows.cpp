@@ -2,6 +2,7 @@
 /// From answers of the daemon to rows.
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdint>
 #include <map>
 
@@ -42,6 +43,22 @@ std::optional<double> busy_share(const Json& now, double now_ns, const Json& bef
   const double time = goes_on ? now_ns - before_ns : now_ns - *since;
   if (time <= 0) return std::nullopt;
   return (used(now) - (goes_on ? used(before) : 0)) / time;
+}
+
+/// The mean time from job to job. Where that is the grid of the releases within a few jobs, the
+/// grid.
+double every(double grid, const Json& now, double now_ns, const Json& before, double before_ns) {
+  constexpr double kNear = 0.05;
+  const auto jobs_of = [](const Json& one) { return number(member(one, "lateness"), "count"); };
+  const std::optional<double> since = maybe_time(now, "since_ns");
+  if (!since) return grid;
+  const bool goes_on = maybe_time(before, "since_ns") == since && now_ns > before_ns &&
+                       jobs_of(now) > jobs_of(before);
+  const double time = goes_on ? now_ns - before_ns : now_ns - *since;
+  const double jobs = jobs_of(now) - (goes_on ? jobs_of(before) : 0);
+  if (jobs < 1 || time <= 0) return grid;
+  const double mean = time / jobs;
+  return std::abs(mean - grid) <= std::max(kNear * grid, grid / jobs) ? grid : mean;
 }
 
 std::string core_of(const Json& status) {
@@ -89,7 +106,8 @@ std::vector<TopRow> top_rows(const TopData& now, const TopData& before) {
     row.core = core_of(status);
     row.priority = number(status, "priority");
     row.cpus = cpus_of(status);
-    row.period = number(status, "period_ns");
+    row.every = every(number(status, "period_ns"), statistics, now_ns,
+                      named(counted_before, row.name), number(before.statistics, "t_ns"));
     const bool counted = number(member(statistics, "lateness"), "count") > 0;
     if (counted) row.late_last = maybe_time(status, "lateness_last_ns");
     if (counted) row.execution_last = maybe_time(status, "execution_last_ns");
@@ -118,7 +136,7 @@ Json to_json(const TopRow& row) {
           {"core", row.core},
           {"priority", whole(row.priority)},
           {"cpus", row.cpus},
-          {"period_ns", whole(row.period)},
+          {"every_ns", whole(row.every)},
           {"lateness_last_ns", maybe(row.late_last)},
           {"lateness_max_ns", maybe(row.late_max)},
           {"unfinished", row.unfinished},

@@ -66,6 +66,21 @@ TEST(TopRows, TellHowBusyItWasSinceTheLastLook) {
   EXPECT_NEAR(top_rows(anew, before)[0].busy.value(), 0.3, 1e-9) << "with what came between";
 }
 
+TEST(TopRows, TellHowOftenAComponentReallyRuns) {
+  const TopData before = top_answers();
+  TopData now = before;
+  now.statistics["t_ns"] = number_of(before.statistics, "t_ns") + 1e9;
+  const auto jobs = number_of(before.statistics["components"][0]["lateness"], "count");
+  const auto every = [&](double more) {
+    now.statistics["components"][0]["lateness"]["count"] = jobs + more;
+    return top_rows(now, before)[0].every;
+  };
+  const double grid = number_of(before.status["components"][0], "period_ns");
+
+  EXPECT_EQ(every(1e9 / grid - 1), grid) << "the second does not begin at a release";
+  EXPECT_NEAR(every(10), 1e8, 1) << "ten jobs in a second, whatever the grid";
+}
+
 TEST(TopRows, SurviveAnswersOfAnotherShape) {
   EXPECT_TRUE(top_rows({}, {}).empty());
   const TopData odd{Json::parse(R"({"components": [{"name": 3, "cpus": "x"}, 5, null]})"),
