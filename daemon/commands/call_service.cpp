@@ -10,6 +10,7 @@
 #include "commands/model.h"
 #include "commands/value.h"
 #include "model/look_outside.h"
+#include "model/wiring.h"
 
 namespace mauve::daemon {
 
@@ -129,6 +130,17 @@ Json users_of(const Running& running, const ServiceBase& service) {
   return users;
 }
 
+/// A client would be a second writer of an output that is declared for one.
+Status check_writer(const Running& running, const ServiceBase& service) {
+  const auto writer = Wiring(running.architecture).only_writer(service);
+  if (writer.empty()) {
+    return ok();
+  }
+  return refuse(Errc::conflict, service.address(),
+                "is an output of one writer, and " + writer + " writes into it",
+                "mauvectl disconnect " + writer + " first, or write where its component reads");
+}
+
 Status not_taken(const ServiceBase& service) {
   const bool poisoned = service.resource().gate().poisoned();
   return refuse(poisoned ? Errc::wrong_state : Errc::timed_out, service.address(),
@@ -158,6 +170,9 @@ void call_service(Running& running, const CallPtr& call, Ticket /*none*/) {
   const auto service = service_at(running, text_or(call->params, "service"));
   if (!service) {
     return answer(running, *call, service.error());
+  }
+  if (auto alone = check_writer(running, **service); !alone) {
+    return answer(running, *call, alone.error());
   }
   auto kept = Json::array();
   const auto given = call->params.value("arguments", Json::array());

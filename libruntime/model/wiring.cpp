@@ -98,6 +98,15 @@ Status Wiring::check() const {
   return ok();
 }
 
+std::string Wiring::only_writer(const ServiceBase& service) const {
+  const bool alone =
+      service.writers() == Writers::one || output_behind(service.resource()) != nullptr;
+  if (!alone) return {};
+  const auto all = written();
+  const auto found = all.find(service.address());
+  return found == all.end() ? std::string() : found->second.by.front()->address;
+}
+
 std::vector<Wiring::Note> Wiring::notes() const {
   std::vector<Note> notes;
   for (const auto& [name, ports] : elements_) {

@@ -25,6 +25,10 @@ class Wiring {
   /// brought, where it can.
   [[nodiscard]] Status check() const;
 
+  /// The port that alone may write into this service, because the author declares so; empty: others
+  /// may write too, or none does.
+  [[nodiscard]] std::string only_writer(const ServiceBase& service) const;
+
   /// A sentence about a connection that may be a mistake, and is none to the runtime.
   struct Note {
     std::string address;  ///< of a port or a service

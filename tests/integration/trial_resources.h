@@ -84,6 +84,8 @@ class TallyCore final : public mauve::Core<TallyShell> {
     number = NUMBER;
     size = shell().size;
   }
+  double scaled(double value, std::int64_t by) { return gain * value * static_cast<double>(by); }
+  void forget() { count = state->count = 0; }
 
  private:
   mauve::State<Memory> state{*this};
@@ -98,6 +100,8 @@ class TallyCore final : public mauve::Core<TallyShell> {
 };
 struct TallyInterface : mauve::Interface<TallyCore> {
   mauve::WriteService<double> note{*this, "note", &TallyCore::note};
+  mauve::CallService<double(double, std::int64_t)> scaled{*this, "scaled", &TallyCore::scaled};
+  mauve::EventService<> forget{*this, "forget", &TallyCore::forget};
 };
 
 /// A resource whose value is computed, and that does not answer while the file of the environment

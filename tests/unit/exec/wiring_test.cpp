@@ -157,6 +157,18 @@ TEST_F(ExclusiveOutputAtRunTime, ThatJoinsIsRefusedWhereTwoWriteAlready) {
   EXPECT_FALSE(deployer.apply({{connect("motor", "command", "command.read")}}));
 }
 
+TEST(ExclusiveOutput, KnowsItsOnlyWriter) {
+  Robot robot;
+  robot.human.shell().log.connect(robot.shared.write_service());
+  robot.human.shell().horn.connect(robot.valve.interface().open);
+  ASSERT_TRUE(robot.configure());
+  const Wiring wiring(robot);
+
+  EXPECT_EQ(wiring.only_writer(robot.command.write_service()), "human.ports.speed");
+  EXPECT_EQ(wiring.only_writer(robot.valve.interface().open), "human.ports.horn");
+  EXPECT_EQ(wiring.only_writer(robot.shared.write_service()), "") << "others may write too";
+}
+
 TEST(Notes, NameOutputsAndRequiredPortsWithoutConnectionAndNothingElse) {
   Robot robot;
   ASSERT_TRUE(robot.configure());
