@@ -5,7 +5,7 @@
 #include "base/name.h"
 #include "commands/answer.h"
 #include "commands/model.h"
-#include "thread_counts.h"
+#include "rt/process.h"
 
 namespace mauve::daemon {
 
@@ -37,17 +37,23 @@ Json to_json(const StateStatistics& state) {
           {"preempted", to_json(state.preempted)}};
 }
 
-Json to_json(const ThreadCounts* counts) {
-  if (counts == nullptr) {
+/// What the kernel counts of the thread of this component; null where two threads have its name,
+/// of which the kernel knows 15 characters. Reading it costs the threads nothing.
+Json kernel_json(const std::vector<rt::ThreadFacts>& threads, const std::string& component) {
+  constexpr std::size_t kKernelName = 15;
+  const auto name = component.substr(0, kKernelName);
+  const auto is_its = [&](const rt::ThreadFacts& thread) { return thread.name == name; };
+  if (std::ranges::count_if(threads, is_its) != 1) {
     return nullptr;
   }
-  return {{"minor_faults", counts->minor_faults},
-          {"major_faults", counts->major_faults},
-          {"waits", counts->waits},
-          {"preemptions", counts->preemptions}};
+  const auto& thread = *std::ranges::find_if(threads, is_its);
+  return {{"minor_faults", thread.minor_faults},
+          {"major_faults", thread.major_faults},
+          {"waits", thread.waits},
+          {"preemptions", thread.preemptions}};
 }
 
-Json to_json(const ComponentStatistics& one, const ThreadCounts* counts) {
+Json to_json(const ComponentStatistics& one, const std::vector<rt::ThreadFacts>& threads) {
   return {{"name", one.name},
           {"core", one.core},
           {"since_ns", one.since == Duration{0} ? Json() : Json(one.since.count())},
@@ -60,7 +66,7 @@ Json to_json(const ComponentStatistics& one, const ThreadCounts* counts) {
           {"preempted", to_json(one.preempted)},
           {"response", to_json(one.response)},
           {"lock_waits", to_json(one.lock_waits)},
-          {"kernel", to_json(counts)}};
+          {"kernel", kernel_json(threads, one.name)}};
 }
 
 /// Its states, or the one of this name.
@@ -92,8 +98,7 @@ Result<Json> statistics_at(const Running& running, const std::string& address) {
   if (!states) {
     return states.error();
   }
-  const auto counts = thread_counts();
-  auto row = to_json(one, find_counts(counts, one.name));
+  auto row = to_json(one, rt::threads_of("/", "self"));
   row["states"] = *std::move(states);
   return row;
 }
@@ -109,9 +114,9 @@ Result<Json> statistics(Running& running, const Call& call) {
     }
     rows.push_back(*std::move(row));
   } else {
-    const auto counts = thread_counts();
+    const auto threads = rt::threads_of("/", "self");
     for (const auto& one : running.deployer.statistics()) {
-      rows.push_back(to_json(one, find_counts(counts, one.name)));
+      rows.push_back(to_json(one, threads));
     }
   }
   return Json{{"t_ns", running.deployer.clock().now() - running.deployer.t0()},

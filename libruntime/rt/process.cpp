@@ -74,7 +74,13 @@ void read_status(std::string_view status, ProcessFacts& facts) {
   const auto held = number_in<std::uint64_t>(first_word(after(status, "CapEff:")), 16);
   facts.nice_capability = (held >> CAP_SYS_NICE & 1U) != 0;
   facts.lock_capability = (held >> CAP_IPC_LOCK & 1U) != 0;
-  facts.locked_kib = number_in<std::uint64_t>(first_word(after(status, "VmLck:")));
+}
+
+/// VmLck of `status` counts address space, also what no page was touched of yet.
+std::uint64_t locked_kib(const std::filesystem::path& folder, std::string_view status) {
+  const auto sums = file_text(folder / "smaps_rollup");
+  return number_in<std::uint64_t>(
+      first_word(sums ? after(*sums, "Locked:") : after(status, "VmLck:")));
 }
 
 }  // namespace
@@ -90,21 +96,28 @@ std::optional<std::string> file_text(const std::filesystem::path& file) {
   return text;
 }
 
-std::optional<ThreadFacts> thread_facts(std::string_view line) {
+std::optional<ThreadFacts> thread_facts(std::string_view line, std::string_view status) {
   // "12 (its name) R ...": the name may hold anything.
   const auto begin = line.find('(');
   const auto end = line.rfind(") ");
   if (begin == std::string_view::npos || end == std::string_view::npos || end < begin) return {};
-  // proc(5): 3 state, 9 flags, 39 processor, 40 rt_priority, 41 policy.
+  // proc(5): 3 state, 9 flags, 10 minflt, 12 majflt, 39 processor, 40 rt_priority, 41 policy.
   const auto words = words_of(line.substr(end + 2));
   if (words.size() < 39) return std::nullopt;
   ThreadFacts thread;
   thread.id = number_in<int>(line);
   thread.name = line.substr(begin + 1, end - begin - 1);
   thread.kernel = (number_in<std::uint64_t>(words[6]) & kKernelThread) != 0;
+  thread.minor_faults = number_in<std::uint64_t>(words[7]);
+  thread.major_faults = number_in<std::uint64_t>(words[9]);
   thread.cpu = number_in<int>(words[36]);
   thread.priority = number_in<int>(words[37]);
   thread.policy = policy_named(number_in<int>(words[38]));
+  const auto count = [&](std::string_view title) {
+    return number_in<std::uint64_t>(first_word(after(status, title)));
+  };
+  thread.waits = count("voluntary_ctxt_switches:");
+  thread.preemptions = count("nonvoluntary_ctxt_switches:");
   return thread;
 }
 
@@ -116,7 +129,8 @@ std::vector<ThreadFacts> threads_of(const std::filesystem::path& root, std::stri
   for (std::filesystem::directory_iterator one(folder, failed), end; !failed && one != end;
        one.increment(failed)) {
     const auto line = file_text(one->path() / "stat");
-    auto thread = line ? thread_facts(*line) : std::nullopt;
+    auto thread =
+        line ? thread_facts(*line, file_text(one->path() / "status").value_or("")) : std::nullopt;
     if (!thread) continue;
     thread->process = number_in<int>(process);
     threads.push_back(*std::move(thread));
@@ -134,7 +148,9 @@ ProcessFacts process_facts(const std::filesystem::path& root, std::string_view p
     facts.lock_limit = std::nullopt;
     read_limits(*limits, facts);
   }
-  read_status(file_text(folder / "status").value_or(""), facts);
+  const auto status = file_text(folder / "status").value_or("");
+  read_status(status, facts);
+  facts.locked_kib = locked_kib(folder, status);
   const auto group = cpu_group(file_text(folder / "cgroup").value_or(""));
   if (!group) return facts;
   facts.cpu_group = *group;

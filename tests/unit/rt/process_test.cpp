@@ -16,9 +16,15 @@ constexpr const char* kPipewire =
     "18446744073709551615 1 1 0 0 0 0 0 4096 16384 0 0 0 -1 3 88 1 0 0 0 0 0 0 0 0 0 0 0";
 
 TEST(ThreadFactsOf, ALineInProcKeepAnyName) {
-  const auto thread = thread_facts(kPipewire);
+  const auto thread = thread_facts(kPipewire,
+                                   "Name:\tpipe\nvoluntary_ctxt_switches:\t12\n"
+                                   "nonvoluntary_ctxt_switches:\t3");
 
   ASSERT_TRUE(thread);
+  EXPECT_EQ(thread->minor_faults, 10U);
+  EXPECT_EQ(thread->major_faults, 0U);
+  EXPECT_EQ(thread->waits, 12U);
+  EXPECT_EQ(thread->preemptions, 3U);
   EXPECT_EQ(thread->id, 812);
   EXPECT_EQ(thread->name, "pipe) wire (x");
   EXPECT_EQ(thread->policy, "SCHED_FIFO");
@@ -76,6 +82,13 @@ TEST_F(OfAProcess, LimitsAndCapabilitiesAreRead) {
   EXPECT_TRUE(facts.nice_capability);
   EXPECT_TRUE(facts.lock_capability);
   EXPECT_FALSE(facts.group_runtime_us);
+}
+
+TEST_F(OfAProcess, OnlyPagesInMemoryAreLocked) {
+  write_process("90", "8388608", "0000000000804000");
+  write("proc/7/smaps_rollup", "00400000-7fff Rollup\nRss:  900 kB\nLocked:   92 kB\n");
+
+  EXPECT_EQ(process_facts(tree_.path(), "7").locked_kib, 92U);
 }
 
 TEST_F(OfAProcess, NoLimitIsNone) {
