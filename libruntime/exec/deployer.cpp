@@ -232,7 +232,7 @@ Retired Deployer::collect() {
 
 bool Deployer::settled() const {
   system_->advance();
-  return system_->fading.empty();
+  return system_->fading.empty() && !exec::holds_stale_relief(*system_);
 }
 
 std::vector<Change> Deployer::wanted_reliefs() const {

@@ -44,6 +44,7 @@ void take_note(System& system, Deployed& deployed) {
   const FaultRecord& fault = taken.answer->fault;
   ComponentBase& component = *deployed.component;
   retire(*component.bundle(), *taken.member->next, system.free);
+  static_cast<void>(deployed.task->reclaim());  // what it ran with: words, no elements
   const bool again = taken.member->restart;
   component.install(taken.member->next);
   taken.member->made.forget();
@@ -216,6 +217,13 @@ void look_after_reliefs(System& system) {
     const std::string why = why_no_relief(system, deployed);
     if (!why.empty()) give_up(system, deployed, failed_at, why);
   }
+}
+
+bool holds_stale_relief(const System& system) {
+  return std::any_of(system.deployed.begin(), system.deployed.end(), [](const Deployed& deployed) {
+    return deployed.relief.content != nullptr && deployed.component != nullptr &&
+           deployed.relief.member->base != deployed.component->bundle();
+  });
 }
 
 void refuse_relief(System& system, std::string_view component, const std::string& why) {

@@ -37,6 +37,9 @@ Status put_reliefs_in_readiness(System& system);
 /// for which no relief is wanted, parks as faulted, which is reported too. [control]
 void look_after_reliefs(System& system);
 
+/// Some core still stands by for a bundle that its component does not run any more. [control]
+[[nodiscard]] bool holds_stale_relief(const System& system);
+
 /// No relief can be made for this component: if its core has failed, it parks as faulted. [control]
 void refuse_relief(System& system, std::string_view component, const std::string& why);
 

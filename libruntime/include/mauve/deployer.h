@@ -136,7 +136,8 @@ class Deployer {
   std::vector<Outcome> tend(Retired& retired);
   /// What became free, without the outcomes.
   Retired collect();
-  /// No thread can still be looking at what a probation kept.
+  /// No thread can still be looking at elements that a probation kept, or at a core that stood by
+  /// for one of them.
   [[nodiscard]] bool settled() const;
 
   /// Cores that shall stand by for a failing one, and do not yet: after deployment, after each

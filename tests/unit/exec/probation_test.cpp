@@ -139,6 +139,19 @@ TEST_F(OnProbation, ACoreThatThrowsIsRolledBackAtTheNextRelease) {
   EXPECT_FALSE(deployer.on_probation());
 }
 
+TEST_F(OnProbation, ACoreThatWasRolledBackIsFreedWithWhatIsCollectedThen) {
+  ASSERT_TRUE(swap_to<Bad>());
+  const std::weak_ptr<const CoreBase> bad = architecture.control.bundle()->core;
+
+  deployer.run_for(100ms);
+  ASSERT_EQ(tend().size(), 1u);
+  while (!deployer.settled()) deployer.run_for(10ms);
+  Retired retired = deployer.collect();
+
+  EXPECT_TRUE(retired.release());
+  EXPECT_TRUE(bad.expired()) << "the next change would free it, on [control]";
+}
+
 TEST_F(OnProbation, TheStateGoesBackAsItIs) {
   ASSERT_TRUE(swap_to<Bad>());  // counts down: 10, 9, 8, 7, 6, thrown
   end_after(100ms);

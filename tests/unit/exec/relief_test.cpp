@@ -71,6 +71,18 @@ TEST(Relief, TheFallbackCoreTakesOverAtTheNextRelease) {
   EXPECT_TRUE(deployer.wanted_reliefs().empty()) << "nothing falls back from the fallback";
 }
 
+TEST(Relief, TheCoreThatFailedIsFreedWithWhatIsCollectedThen) {
+  FallingBack architecture;
+  Deployer deployer(architecture, {.simulated = true});
+  ASSERT_TRUE(deployer.deploy());
+  const std::weak_ptr<const CoreBase> failed = architecture.control.bundle()->core;
+
+  deployer.run_for(50ms);
+  ASSERT_EQ(tend(deployer).size(), 1u);
+
+  EXPECT_TRUE(failed.expired()) << "the next change would free it, on [control]";
+}
+
 TEST(Relief, AFreshCoreTakesOverWithinItsBudgetOfRestarts) {
   UnsteadyArchitecture architecture(
       {.action = FaultPolicy::Action::restart, .restarts = 2, .per = 1s, .back_off = 15ms});
