@@ -245,12 +245,36 @@ bool confirm_places(Running& running) {
   return any;
 }
 
-bool undo_place(Running& running, std::uint64_t than, const std::string& reason) {
+std::optional<PlaceTarget> newest_place(const Running& running, std::uint64_t than) {
   const auto newest = std::ranges::max_element(running.places, {}, &PlaceProbation::generation);
-  if (newest == running.places.end() || newest->generation < than || newest->leads_back) {
-    return false;
+  if (newest == running.places.end() || newest->generation < than) {
+    return std::nullopt;
   }
-  return lead_back(running, *newest, reason, std::nullopt);
+  return PlaceTarget{newest->generation, newest->component, newest->before};
+}
+
+Status undo_place(Running& running, const PlaceTarget& target, const std::string& reason) {
+  const auto found =
+      std::ranges::find(running.places, target.generation, &PlaceProbation::generation);
+  if (found->leads_back || lead_back(running, *found, reason, std::nullopt)) {
+    return ok();
+  }
+  return refuse(Errc::conflict, target.component,
+                "another change is being prepared, so the core before cannot be configured now",
+                "mauvectl undo again when that change has ended");
+}
+
+Status is_back(const Running& running, const PlaceTarget& target) {
+  const auto* component = running.architecture.find_component(target.component);
+  const auto now = component == nullptr ? nullptr : component->bundle();
+  if (now != nullptr && !target.before.owner_before(now) && !now.owner_before(target.before)) {
+    return ok();
+  }
+  return refuse(Errc::partly, target.component,
+                "the core before could not take over again; the component is " +
+                    std::string(to_string(running.deployer.status(target.component).state)) +
+                    " and its outputs have their safe values",
+                "mauvectl why " + target.component);
 }
 
 bool places_lead_back(const Running& running) {

@@ -41,9 +41,23 @@ void look_at_places(Running& running);
 /// [control] By hand. False: there was none.
 [[nodiscard]] bool confirm_places(Running& running);
 
-/// [control] Back to before the newest one, if it is newer than `than`. The end is told as that of
-/// any probation. False: there is none.
-[[nodiscard]] bool undo_place(Running& running, std::uint64_t than, const std::string& reason);
+/// Names a swap in place, and the core that its way back leads to.
+struct PlaceTarget {
+  std::uint64_t generation = 0;
+  std::string component;
+  std::weak_ptr<const Bundle> before;
+};
+
+/// [control] The newest one, if it is newer than the generation `than`.
+[[nodiscard]] std::optional<PlaceTarget> newest_place(const Running& running, std::uint64_t than);
+
+/// [control] Begins the way back, for this reason. The end is told as that of any probation.
+/// Refused while another change is being prepared.
+[[nodiscard]] Status undo_place(Running& running, const PlaceTarget& target,
+                                const std::string& reason);
+
+/// [control] After the way back: whether the core before has taken over.
+[[nodiscard]] Status is_back(const Running& running, const PlaceTarget& target);
 
 /// [control] Some swap in place is being led back.
 [[nodiscard]] bool places_lead_back(const Running& running);

@@ -76,6 +76,21 @@ void answer_undone(Running& running, const Call& call) {
               {"components", Json::array()}});
 }
 
+/// Back to the core before a swap in place, which takes as long as the swap did.
+void undo_in_place(Running& running, const CallPtr& call, const PlaceTarget& target,
+                   const std::string& reason) {
+  if (auto begun = undo_place(running, target, reason); !begun) {
+    return answer(running, *call, begun.error());
+  }
+  running.control.await([&running] { return !places_lead_back(running); },
+                        [&running, call, target] {
+                          if (auto back = is_back(running, target); !back) {
+                            return answer(running, *call, back.error());
+                          }
+                          answer_undone(running, *call);
+                        });
+}
+
 /// The generation of the newest probation of the deployer; 0: there is none.
 std::uint64_t newest_open(const Running& running) {
   std::uint64_t newest = 0;
@@ -152,9 +167,8 @@ void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
   }
   const auto reason = text_or(call->params, "reason");
   const auto text = std::string(kUndone) + (reason.empty() ? " by request" : ": " + reason);
-  if (undo_place(running, newest_open(running), text)) {
-    return running.control.await([&running] { return !places_lead_back(running); },
-                                 [&running, call] { answer_undone(running, *call); });
+  if (const auto target = newest_place(running, newest_open(running))) {
+    return undo_in_place(running, call, *target, text);
   }
   auto begun = running.deployer.undo(text);
   if (!begun) {
