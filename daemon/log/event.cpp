@@ -90,7 +90,17 @@ const EventInfo& info(Event event) {
   return it == events.end() ? info(Event::core_message) : *it;
 }
 
-std::string_view to_string(Event event) { return info(event).name; }
+/// A switch: an event number that stands twice does not compile.
+std::string_view to_string(Event event) {
+  switch (event) {
+#define MAUVE_EVENT(number, name, level, text, advice) \
+  case Event::name:                                    \
+    return #name;
+#include "log/events.def"
+#undef MAUVE_EVENT
+  }
+  return to_string(Event::core_message);
+}
 
 std::string message_id(Event event) {
   return fmt::format("{}{:04x}", kMessageIdPrefix, static_cast<unsigned>(event));
