@@ -198,7 +198,8 @@ Json result_of(Running& running, Reload& reload) {
 }
 
 void finish(Running& running, const Call& call, Json result, const plugin::Unmapped& old) {
-  running.log.write(old.unmapped ? Event::plugin_unloaded : Event::plugin_resident,
+  const auto stays = result.contains("probation") ? Event::plugin_kept : Event::plugin_resident;
+  running.log.write(old.unmapped ? Event::plugin_unloaded : stays,
                     {{"plugin", text_or(result, "plugin")},
                      {"text", old.unmapped ? std::string("replaced by a new one") : old.reason}});
   result["generation"] = running.generation.load();

@@ -88,6 +88,22 @@ TEST(ReloadOnProbation, IsUndoneWithTheChangesThatJoinedIt) {
   EXPECT_EQ(daemon.ask("plugin.reload", kTrialAgain)["state"], "applied") << "nothing failed";
 }
 
+TEST(ReloadOnProbation, LeavesNoCodeBehindWhereACoreStoodBy) {
+  std::string text(kTrial);
+  const std::string first = R"("first":  { "type": "trial/unit", )";
+  ASSERT_NE(text.find(first), std::string::npos);
+  TrialDaemon daemon(text.replace(text.find(first), first.size(), first + R"(
+      "task": { "on_fault": "fallback" }, "fallback_core": "trial/other", )"));
+  static_cast<void>(daemon.client());
+  daemon.install(2);
+  ASSERT_EQ(daemon.ask("plugin.reload", kTrialAgain)["state"], "applied");
+  EXPECT_TRUE(logs(daemon, "the code of plugin trial before stays in memory")) << daemon.errors();
+
+  ASSERT_EQ(daemon.ask("change.undo")["state"], "applied");
+
+  EXPECT_TRUE(logs(daemon, "unloaded: its reload was rolled back")) << daemon.errors();
+}
+
 TEST(ReloadOnProbation, LeadsResourcesBackToo) {
   std::string text(kTrial);
   const std::string resources = R"("resources": {)";
