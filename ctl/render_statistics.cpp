@@ -105,19 +105,6 @@ std::string since_when(const Json& one, double now) {
   return text + "; counted for " + seconds_in_words((now - number(one, "since_ns")) / 1e9) + "\n";
 }
 
-/// A job of real-time code waits once, for its next release, and touches no new memory.
-std::string kernel_remark(const Json& one, Look look) {
-  const Json& kernel = member(one, "kernel");
-  if (!kernel.is_object()) return {};
-  const auto faults = whole_number(kernel, "minor_faults") + whole_number(kernel, "major_faults");
-  const std::string text =
-      "the kernel counts, since the thread began: " + counted(faults, "page fault") + " (" +
-      word(kernel, "major_faults") + " from disk), " +
-      counted(whole_number(kernel, "waits"), "wait") + ", preempted " +
-      counted(whole_number(kernel, "preemptions"), "time");
-  return wrapped(text, look.width, 2) + "\n";
-}
-
 std::string remarks(const Json& one, Look look) {
   std::string text = counted(whole_number(one, "missed"), "release") + " missed, " +
                      counted(whole_number(one, "overruns"), "overrun");
@@ -130,7 +117,9 @@ std::string remarks(const Json& one, Look look) {
     text += "; waited " + counted(whole_number(waits, "count"), "time") + " for resources, " +
             time_in(waits, "sum_ns") + " in all, at most " + time_in(waits, "max_ns");
   }
-  return wrapped(text, look.width, 2) + "\n" + kernel_remark(one, look);
+  text = wrapped(text, look.width, 2) + "\n";
+  const auto kernel = kernel_in_words(member(one, "kernel"));
+  return kernel.empty() ? text : text + wrapped(kernel, look.width, 2) + "\n";
 }
 
 std::string states_of(const Json& states, Look look) {

@@ -100,6 +100,12 @@ std::string render_why(const Json& why, Look look) {
   }
   if (change.is_object())
     text.add(failure.is_object() ? "before" : "changed", change_in_words(change));
+  auto counts = counted(whole_number(why, "missed"), "release") + " missed, " +
+                counted(whole_number(why, "overruns"), "overrun");
+  if (const auto kernel = kernel_in_words(member(why, "kernel")); !kernel.empty()) {
+    join(counts, kernel, "; ");
+  }
+  text.add("counted", counts);
   text.add("poisoned", listed(list_in(why, "poisoned")));
   for (const Json& one : list_in(why, "quarantine")) {
     text.add("kept out", word(one, "core") + ": it " + word(one, "reason"));

@@ -184,6 +184,21 @@ std::uint64_t whole_number(const Json& object, std::string_view key) {
   return value > 0 && value < 1.8e19 ? static_cast<std::uint64_t>(value) : 0;
 }
 
+std::string time_in_words(std::string time) {
+  if (const auto dot = time.find('.'); dot != std::string::npos) time.erase(dot, 7);
+  if (const auto day = time.find('T'); day != std::string::npos) time[day] = ' ';
+  return time;
+}
+
+std::string kernel_in_words(const Json& kernel) {
+  if (!kernel.is_object()) return {};
+  const auto faults = whole_number(kernel, "minor_faults") + whole_number(kernel, "major_faults");
+  return "the kernel counts, since the thread began: " + counted(faults, "page fault") + " (" +
+         word(kernel, "major_faults") + " from disk), " +
+         counted(whole_number(kernel, "waits"), "wait") + ", preempted " +
+         counted(whole_number(kernel, "preemptions"), "time");
+}
+
 std::string mark_of_transition(const Json& transitions, std::size_t index) {
   const Json& one = transitions[index];
   if (member(one, "guarded") != true) return transitions.size() > 1 ? "[else]" : "";

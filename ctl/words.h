@@ -29,6 +29,9 @@ using protocol::Json;
 /// A value in one line: {latitude: 43.1, mode: 3}, [1, 2], bare text; numbers with ten digits.
 [[nodiscard]] std::string compact(const Json& value);
 
+/// "2026-01-31T12:00:00.123456Z" is "2026-01-31 12:00:00Z".
+[[nodiscard]] std::string time_in_words(std::string time);
+
 /// "a" and "b" become "a, b".
 void join(std::string& all, std::string_view next, std::string_view between = ", ");
 
@@ -69,5 +72,9 @@ void join(std::string& all, std::string_view next, std::string_view between = ",
 /// A number of nanoseconds, counts and so on: 0 where the member is absent or of another type.
 [[nodiscard]] double number(const Json& object, std::string_view key);
 [[nodiscard]] std::uint64_t whole_number(const Json& object, std::string_view key);
+
+/// What the kernel counts of a component's thread; "" where it is not told. A job of real-time code
+/// waits once, for its next release, and touches no new memory.
+[[nodiscard]] std::string kernel_in_words(const Json& kernel);
 
 }  // namespace mauve::ctl

@@ -4,6 +4,7 @@
 
 #include "base/name.h"
 #include "commands/answer.h"
+#include "commands/kernel_counts.h"
 #include "commands/model.h"
 #include "rt/process.h"
 
@@ -11,7 +12,7 @@ namespace mauve::daemon {
 
 namespace {
 
-Json to_json(const Distribution& times) {
+Json statistics_json(const Distribution& times) {
   const bool none = times.count == 0;
   const auto ns = [none](Duration time) { return none ? Json() : Json(time.count()); };
   return {{"count", times.count},
@@ -25,35 +26,19 @@ Json to_json(const Distribution& times) {
           {"max_ns", ns(times.max)}};
 }
 
-Json to_json(const TimeTotal& total) {
+Json statistics_json(const TimeTotal& total) {
   return {{"count", total.count},
           {"sum_ns", total.sum.count()},
           {"max_ns", total.count == 0 ? Json() : Json(total.longest.count())}};
 }
 
-Json to_json(const StateStatistics& state) {
+Json statistics_json(const StateStatistics& state) {
   return {{"name", state.name},
-          {"execution", to_json(state.execution)},
-          {"preempted", to_json(state.preempted)}};
+          {"execution", statistics_json(state.execution)},
+          {"preempted", statistics_json(state.preempted)}};
 }
 
-/// What the kernel counts of the thread of this component; null where two threads have its name,
-/// of which the kernel knows 15 characters. Reading it costs the threads nothing.
-Json kernel_json(const std::vector<rt::ThreadFacts>& threads, const std::string& component) {
-  constexpr std::size_t kKernelName = 15;
-  const auto name = component.substr(0, kKernelName);
-  const auto is_its = [&](const rt::ThreadFacts& thread) { return thread.name == name; };
-  if (std::ranges::count_if(threads, is_its) != 1) {
-    return nullptr;
-  }
-  const auto& thread = *std::ranges::find_if(threads, is_its);
-  return {{"minor_faults", thread.minor_faults},
-          {"major_faults", thread.major_faults},
-          {"waits", thread.waits},
-          {"preemptions", thread.preemptions}};
-}
-
-Json to_json(const ComponentStatistics& one, const std::vector<rt::ThreadFacts>& threads) {
+Json statistics_json(const ComponentStatistics& one, const std::vector<rt::ThreadFacts>& threads) {
   return {{"name", one.name},
           {"core", one.core},
           {"since_ns", one.since == Duration{0} ? Json() : Json(one.since.count())},
@@ -61,12 +46,12 @@ Json to_json(const ComponentStatistics& one, const std::vector<rt::ThreadFacts>&
           {"missed", one.missed},
           {"overruns", one.overruns},
           {"over_budget", one.over_budget},
-          {"lateness", to_json(one.lateness)},
-          {"execution", to_json(one.execution)},
-          {"preempted", to_json(one.preempted)},
-          {"response", to_json(one.response)},
-          {"lock_waits", to_json(one.lock_waits)},
-          {"kernel", kernel_json(threads, one.name)}};
+          {"lateness", statistics_json(one.lateness)},
+          {"execution", statistics_json(one.execution)},
+          {"preempted", statistics_json(one.preempted)},
+          {"response", statistics_json(one.response)},
+          {"lock_waits", statistics_json(one.lock_waits)},
+          {"kernel", kernel_counts(threads, one.name)}};
 }
 
 /// Its states, or the one of this name.
@@ -76,7 +61,7 @@ Result<Json> states_of(const ComponentStatistics& one, const std::string& state)
   for (const auto& each : one.states) {
     names.push_back(each.name);
     if (state.empty() || each.name == state) {
-      rows.push_back(to_json(each));
+      rows.push_back(statistics_json(each));
     }
   }
   if (!state.empty() && rows.empty()) {
@@ -98,7 +83,7 @@ Result<Json> statistics_at(const Running& running, const std::string& address) {
   if (!states) {
     return states.error();
   }
-  auto row = to_json(one, rt::threads_of("/", "self"));
+  auto row = statistics_json(one, rt::threads_of("/", "self"));
   row["states"] = *std::move(states);
   return row;
 }
@@ -116,7 +101,7 @@ Result<Json> statistics(Running& running, const Call& call) {
   } else {
     const auto threads = rt::threads_of("/", "self");
     for (const auto& one : running.deployer.statistics()) {
-      rows.push_back(to_json(one, threads));
+      rows.push_back(statistics_json(one, threads));
     }
   }
   return Json{{"t_ns", running.deployer.clock().now() - running.deployer.t0()},

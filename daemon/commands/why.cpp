@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "commands/answer.h"
+#include "commands/kernel_counts.h"
 #include "commands/log_json.h"
 #include "commands/model.h"
 #include "keeper.h"
@@ -180,6 +181,7 @@ Result<Json> why(Running& running, const Call& call) {
                  {"late_ns", status.late.count()},
                  {"missed", status.missed},
                  {"overruns", status.overruns},
+                 {"kernel", kernel_counts(rt::threads_of("/", "self"), name)},
                  {"since", began(running)},
                  {"failure", failure == nullptr ? Json() : failure_json(running, *failure)},
                  {"change", attempt_json(change)},

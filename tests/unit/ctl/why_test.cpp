@@ -15,7 +15,8 @@ const Json kLastWords = Json::parse(R"({"seq": 7, "t": "2026-01-01T09:59:59.0000
   "level": "warn", "component": "control", "event": "core_message", "text": "no scan"})");
 
 const Json kWhy = Json::parse(R"({"component": "control", "state": "faulted", "core": "g/gap",
-  "late_ns": 0, "since": "2026-01-01T09:00:00.0Z", "failure": {"time": "2026-01-01T10:00:00.0Z",
+  "late_ns": 0, "missed": 3, "overruns": 1,
+  "kernel": {"minor_faults": 7, "major_faults": 1, "waits": 17, "preemptions": 2}, "since": "2026-01-01T09:00:00.0Z", "failure": {"time": "2026-01-01T10:00:00.0Z",
     "ago_ns": 3000000000, "cause": "threw", "text": "sensor lost", "core": "g/gap",
     "build_id": "9c32e8201234567890", "fsm_state": "go", "job": 17, "did": "parked",
     "core_after": "g/gap", "generation": 42, "generation_after": 42, "times": 2},
@@ -36,6 +37,8 @@ TEST(Why, IsToldInAFewLines) {
             "when      2026-01-01T10:00:00.0Z, 3.0 s ago; 2 failures since mauved began\n"
             "then      it was stopped with its safe values written; others go on\n"
             "before    generation 42 by core.swap, uid 7, 2026-01-01T09:59:00.0Z: try it\n"
+            "counted   3 releases missed, 1 overrun; the kernel counts, since the thread began: 8 "
+            "page faults (1 from disk), 17 waits, preempted 2 times\n"
             "poisoned  world\n"
             "next      mauvectl start control --reset: again\n"
             "its last records\n" +
@@ -55,16 +58,18 @@ TEST(Why, DoesNotSayThatAStoppedComponentRunsAgain) {
                                  "stopped (generation 42)"));
 }
 
-TEST(Why, NothingFailedIsOneLine) {
+TEST(Why, NothingFailedIsTwoLines) {
   Json answer = kWhy;
   answer["state"] = "running";
   answer["failure"] = nullptr;
   answer["change"] = nullptr;
+  answer["kernel"] = nullptr;
   answer["poisoned"] = answer["hints"] = Json::array();
 
   EXPECT_EQ(Scene({"why", "control"}, answer).outcome.out,
             "control: running, core g/gap; nothing failed since mauved began, "
-            "2026-01-01T09:00:00.0Z\n");
+            "2026-01-01T09:00:00.0Z\n"
+            "counted   3 releases missed, 1 overrun\n");
 }
 
 TEST(Why, OfAnAnswerThatMakesNoSenseDoesNotFail) {
