@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// mauved --check: what is wrong with a file, and whether its deadlines can be met.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <iterator>
 
+#include "arch/check_rules.h"
 #include "arch/load.h"
 #include "daemon.h"
 #include "exec/admission.h"
@@ -85,7 +88,8 @@ int check_file(const Options& options) {
   }
   plugin::Catalog catalog(options.plugin_dirs);
   arch::Problems problems;
-  const auto architecture = arch::load(*text, catalog, problems);
+  rules::Supervision supervision;
+  const auto architecture = arch::load(*text, catalog, problems, &supervision);
   for (const auto& problem : problems.sorted()) {
     std::cerr << logging::printable(arch::to_string(problem, options.architecture)) << "\n";
   }
@@ -99,7 +103,9 @@ int check_file(const Options& options) {
   if (architecture != nullptr && !architecture->components().empty()) {
     const auto timing = exec::analyze(*architecture, options.machine);
     print(timing);
-    for (const auto& note : Wiring(*architecture).notes()) {
+    auto notes = Wiring(*architecture).notes();
+    std::ranges::copy(arch::notes_on(supervision, *architecture), std::back_inserter(notes));
+    for (const auto& note : notes) {
       std::cout << "note: " << logging::printable(to_string(note)) << "\n";
     }
     if (options.admission == Admission::strict && !timing.problems.empty()) {

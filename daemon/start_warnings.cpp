@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "start_warnings.h"
 
+#include <algorithm>
+#include <iterator>
 #include <string>
 
+#include "arch/check_rules.h"
 #include "model/wiring.h"
 
 namespace mauve::daemon {
@@ -24,11 +27,13 @@ Event event_of(const std::string& warning) {
 }  // namespace
 
 void log_start_warnings(logging::Log& log, const Deployer& deployer,
-                        const Architecture& architecture) {
+                        const Architecture& architecture, const rules::Supervision& supervision) {
   for (const auto& warning : deployer.warnings()) {
     log.write(event_of(warning), {{"text", warning}});
   }
-  for (const auto& note : Wiring(architecture).notes()) {
+  auto notes = Wiring(architecture).notes();
+  std::ranges::copy(arch::notes_on(supervision, architecture), std::back_inserter(notes));
+  for (const auto& note : notes) {
     log.write(Event::connection_doubtful, {{"text", to_string(note)}, {"at", note.address}});
   }
 }

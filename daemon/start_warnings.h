@@ -4,11 +4,13 @@
 
 #include "log/log.h"
 #include "mauve/deployer.h"
+#include "rules/supervision.h"
 
 namespace mauve::daemon {
 
-/// [main] Logs each warning of the deployer, and each connection that may be a mistake.
+/// [main] Logs each warning of the deployer, each connection that may be a mistake, and each
+/// transaction that these connections keep from taking effect.
 void log_start_warnings(logging::Log& log, const Deployer& deployer,
-                        const Architecture& architecture);
+                        const Architecture& architecture, const rules::Supervision& supervision);
 
 }  // namespace mauve::daemon

@@ -9,6 +9,7 @@
 #include "arch/check_steps.h"
 #include "arch/quantity.h"
 #include "arch/read.h"
+#include "arch/target.h"
 
 namespace mauve::arch {
 namespace {
@@ -125,6 +126,40 @@ class Checker {
 rules::Supervision check_rules(const Spec& spec, const Architecture& architecture,
                                const plugin::Catalog& catalog, Problems& problems) {
   return Checker(spec, architecture, catalog, problems).run();
+}
+
+namespace {
+
+void add_note(const std::string& at, const rules::Steps& steps, const Architecture& architecture,
+              std::vector<Wiring::Note>& notes) {
+  Wiring after(architecture);
+  for (const rules::Step& step : steps) {
+    const bool connects = step.action == rules::Action::connect;
+    if (!connects && step.action != rules::Action::disconnect) continue;
+    const auto target = find_target(architecture, step.subject);
+    const auto service = architecture.find_service(step.object);
+    if (!target || target->port == nullptr || (connects && !service)) continue;
+    after.connect(target->element.name() + ".ports." + std::string(target->port->name()),
+                  connects ? *service : nullptr);
+  }
+  const Status good = after.check();
+  if (good) return;
+  notes.push_back({at, "is refused when it fires on the connections of this file: " +
+                           good.error().at + " " + good.error().message});
+}
+
+}  // namespace
+
+std::vector<Wiring::Note> notes_on(const rules::Supervision& supervision,
+                                   const Architecture& architecture) {
+  std::vector<Wiring::Note> notes;
+  for (const auto& [name, steps] : supervision.transactions) {
+    add_note("transactions." + name, steps, architecture, notes);
+  }
+  for (const rules::Rule& rule : supervision.rules) {
+    add_note("rules." + rule.name + ".do", rule.steps, architecture, notes);
+  }
+  return notes;
 }
 
 }  // namespace mauve::arch

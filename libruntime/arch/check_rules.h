@@ -4,6 +4,7 @@
 
 #include "arch/spec.h"
 #include "mauve/architecture.h"
+#include "model/wiring.h"
 #include "plugin/catalog.h"
 #include "rules/supervision.h"
 
@@ -16,5 +17,10 @@ namespace mauve::arch {
 /// plugins, no hooks. [control]
 [[nodiscard]] rules::Supervision check_rules(const Spec& spec, const Architecture& architecture,
                                              const plugin::Catalog& catalog, Problems& problems);
+
+/// Transactions that are refused when they fire while the connections are as the architecture has
+/// them: they would let a second port write into an output that takes one. [control]
+[[nodiscard]] std::vector<Wiring::Note> notes_on(const rules::Supervision& supervision,
+                                                 const Architecture& architecture);
 
 }  // namespace mauve::arch

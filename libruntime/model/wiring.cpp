@@ -57,6 +57,13 @@ void Wiring::put(const std::string& name, const Shell& shell, const Bindings& bi
   }
 }
 
+void Wiring::connect(const std::string& port, const ServiceBase* service) {
+  for (auto& [name, ports] : elements_) {
+    const auto found = std::ranges::find(ports, port, &Port::address);
+    if (found != ports.end()) *found = {port, found->port, service, true};
+  }
+}
+
 std::map<std::string, Wiring::Written> Wiring::written() const {
   std::map<std::string, Written> written;
   for (const auto& [name, ports] : elements_) {

@@ -18,6 +18,9 @@ class Wiring {
   explicit Wiring(const Architecture& architecture);
   /// The element `name` has these connections, instead of those that it had.
   void put(const std::string& name, const Shell& shell, const Bindings& bindings);
+  /// The port of this address is connected to the service, or to none (null). An address that no
+  /// port has changes nothing.
+  void connect(const std::string& port, const ServiceBase* service);
   void remove(const std::string& name) { elements_.erase(name); }
 
   /// Refused with `conflict` when two ports write into an output of which the author declares that

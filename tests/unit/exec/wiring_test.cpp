@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "arch/check_rules.h"
 #include "model/wiring.h"
 #include "support/outcomes.h"
 
@@ -193,6 +194,29 @@ TEST(Notes, NameTheWritersOfOneValueAndNotThoseOfAQueue) {
 
   EXPECT_THAT(notes_of(robot), ElementsAre("shared.write has 2 writers, and the last value counts: "
                                            "human.ports.log, machine.ports.log"));
+}
+
+TEST(Notes, NameTransactionsThatWouldAddASecondWriter) {
+  using rules::Action;
+  Robot robot;
+  const rules::Step take{Action::connect, "machine.ports.speed", "command.write", {}};
+  const rules::Step give{Action::disconnect, "human.ports.speed", "", {}};
+  rules::Supervision supervision;
+  supervision.transactions = {{"take", {take}}, {"change_hands", {give, take}}};
+  ASSERT_TRUE(robot.configure());
+  const auto when = rules::Condition::parse("motor.missed > 3");
+  ASSERT_TRUE(when);
+  supervision.rules.push_back({"alone", *when, {}, {}, "", {take}});
+  supervision.rules.push_back({"leave", *when, {}, {}, "", {give}});
+
+  const auto notes = arch::notes_on(supervision, robot);
+
+  ASSERT_THAT(notes, SizeIs(2));
+  EXPECT_EQ(notes[0].address, "transactions.take");
+  EXPECT_THAT(notes[0].text, HasSubstr("is refused when it fires"));
+  EXPECT_THAT(notes[0].text, HasSubstr("machine.ports.speed would be the second writer of "
+                                       "command.write"));
+  EXPECT_EQ(notes[1].address, "rules.alone.do");
 }
 
 TEST_F(ExclusiveOutputAtRunTime, IsWarnedOfOnlyByTheChangeThatLeavesItAlone) {
