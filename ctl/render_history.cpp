@@ -8,13 +8,6 @@
 namespace mauve::ctl {
 namespace {
 
-/// "2026-01-31T12:00:00.123456Z" is "2026-01-31 12:00:00Z".
-std::string time_in_words(std::string time) {
-  if (const auto dot = time.find('.'); dot != std::string::npos) time.erase(dot, 7);
-  if (const auto day = time.find('T'); day != std::string::npos) time[day] = ' ';
-  return time;
-}
-
 Paint paint_of_mark(const std::string& mark) {
   if (mark == "confirmed") return Paint::plain;
   return mark == "damaged" ? Paint::red : Paint::yellow;

@@ -8,6 +8,7 @@
 #include "base/duration.h"
 #include "mtrace/convert.h"
 #include "read_trace.h"
+#include "table.h"
 #include "words.h"
 
 namespace mauve::ctl {
@@ -61,12 +62,20 @@ int list(Session& session) {
   const auto answer = session.call("trace.list", Json::object());
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
   const Json& result = std::get<Json>(answer);
-  std::string text;
-  for (const Json& one : list_in(result, "items")) {
-    text += word(one, "name") + "  " + word(one, "when") + "  " +
-            counted(whole_number(one, "records"), "record") + "  " + word(one, "why") + "\n";
+  const auto items = list_in(result, "items");
+  if (items.empty()) {
+    session.print(result, "no flight recordings\n");
+    return 0;
   }
-  session.print(result, text.empty() ? "no flight recordings\n" : text);
+  Table table({{"NAME"}, {"TIME"}, {"RECORDS", true}, {"REASON"}});
+  for (const Json& one : items) {
+    table.add({{word(one, "name")},
+               {time_in_words(word(one, "when"))},
+               {word(one, "records")},
+               {word(one, "why")}});
+  }
+  const Look look = session.look();
+  session.print(result, table.text(look.width, look.colour));
   return 0;
 }
 

@@ -157,6 +157,9 @@ TEST_F(Traces, AFaultIsRecordedWithTheSecondsBefore) {
   ASSERT_EQ(list.size(), 1U) << list;
   EXPECT_EQ(list[0]["name"], "flight-0001-fault-first");
   EXPECT_EQ(list[0]["records"], trace.records.size());
+  const auto table = daemon.ctl({"trace", "list"}).out;
+  EXPECT_EQ(table.find("NAME"), 0U) << table;
+  EXPECT_NE(table.find("fault first"), std::string::npos) << table;
   const auto copy = place_ / "copy.mtrace";
   ASSERT_EQ(daemon.ctl({"trace", "dump", "flight-0001-fault-first", "-o", copy.string()}).exit, 0);
   EXPECT_EQ(read_trace(copy).records, trace.records);
