@@ -79,9 +79,9 @@ Json foretold(const Running& running, const std::vector<arch::Line>& lines,
   nothing.generation = running.deployer.generation();
   auto result = to_json(nothing);
   result["dry_run"] = true;
-  result["lines"] = Json::array();
-  for (const auto& line : lines) {
-    result["lines"].push_back(to_json(line));
+  say_lines(lines, result);
+  if (!result.contains("lines")) {
+    result["lines"] = Json::array();
   }
   say_already(stopped, "stopped", result);
   return result;
