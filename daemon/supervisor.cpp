@@ -218,7 +218,7 @@ void Supervisor::serve(const std::string& component, const std::string& transact
     return refuse_request(
         order, steps == nullptr
                    ? refuse(Errc::unknown_name, transaction, "there is no such transaction",
-                            did_you_mean(transaction, names))
+                            known_names(transaction, names))
                    : refuse(Errc::not_permitted, component, "may not request this",
                             "name it under \"may_request\" of " + component));
   }
@@ -319,7 +319,7 @@ Result<Json> Supervisor::list(const std::string& rule) const {
   }
   if (!rule.empty() && rows.empty()) {
     return refuse(Errc::unknown_name, rule, "there is no rule of this name",
-                  did_you_mean(rule, names));
+                  known_names(rule, names));
   }
   return Json{{"items", std::move(rows)}};
 }

@@ -66,7 +66,7 @@ Result<Json> states_of(const ComponentStatistics& one, const std::string& state)
   }
   if (!state.empty() && rows.empty()) {
     return refuse(Errc::unknown_name, one.name + "." + state, "is no execution state",
-                  did_you_mean(state, names, ""));
+                  known_names(state, names));
   }
   return rows;
 }

@@ -57,7 +57,7 @@ Error no_property(const Step& step, const Configurable& core, std::string_view n
   std::vector<std::string> names;
   for (const PropertyBase* known : core.properties()) names.emplace_back(known->name());
   return refuse(Errc::unknown_name, step.subject, "the new core has no property of this name",
-                did_you_mean(name, names));
+                known_names(name, names));
 }
 
 /// Of a core that the same transaction puts in place.

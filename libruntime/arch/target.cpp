@@ -70,7 +70,7 @@ Result<Element> find_element(const Architecture& architecture, std::string_view 
     names.push_back(resource->name());
   }
   return refuse(Errc::unknown_name, std::string(name.substr(0, 255)),
-                "there is no component or resource of this name", did_you_mean(name, names));
+                "there is no component or resource of this name", known_names(name, names));
 }
 
 Result<ComponentBase*> find_component(const Architecture& architecture, std::string_view name) {

@@ -62,4 +62,12 @@ std::string did_you_mean(std::string_view wanted, const std::vector<std::string>
   return std::string("did you mean ").append(quote).append(nearest).append(quote) + "?";
 }
 
+std::string known_names(std::string_view wanted, const std::vector<std::string>& known) {
+  constexpr std::size_t kFew = 12;
+  std::string hint = did_you_mean(wanted, known);
+  if (!hint.empty() || known.empty() || known.size() > kFew) return hint;
+  for (const std::string& name : known) hint += (hint.empty() ? "" : ", ") + name;
+  return (known.size() == 1 ? "there is " : "there are ") + hint;
+}
+
 }  // namespace mauve

@@ -18,4 +18,8 @@ namespace mauve {
                                        const std::vector<std::string>& known,
                                        std::string_view quote = "");
 
+/// The same hint; when none is near and there are twelve names at most, "there are A, B, C". [any]
+[[nodiscard]] std::string known_names(std::string_view wanted,
+                                      const std::vector<std::string>& known);
+
 }  // namespace mauve

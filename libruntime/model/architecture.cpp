@@ -55,7 +55,7 @@ Result<ServiceBase*> Architecture::find_service(std::string_view address) const 
     std::vector<std::string> names;
     collect_names(names, resources_);
     return refuse(Errc::unknown_name, std::string(address),
-                  "there is no resource " + std::string(owner), did_you_mean(owner, names));
+                  "there is no resource " + std::string(owner), known_names(owner, names));
   }
   const std::string_view name = dot == std::string_view::npos ? "" : address.substr(dot + 1);
   if (ServiceBase* service = resource->find_service(name)) return service;
@@ -65,7 +65,7 @@ Result<ServiceBase*> Architecture::find_service(std::string_view address) const 
   }
   return refuse(Errc::unknown_name, std::string(address),
                 "resource " + resource->name() + " has no service of this name",
-                did_you_mean(address, names));
+                known_names(address, names));
 }
 
 ComponentBase& Architecture::own(std::shared_ptr<ComponentBase> component) {

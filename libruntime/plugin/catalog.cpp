@@ -178,7 +178,7 @@ Error Catalog::not_loaded(std::string_view plugin) const {
   std::vector<std::string> known;
   append_names(known, plugins_);
   return refuse(Errc::unknown_name, std::string(plugin.substr(0, 255)), "no such plugin is loaded",
-                did_you_mean(plugin, known, "\""));
+                known_names(plugin, known));
 }
 
 Result<std::shared_ptr<Library>> Catalog::remove(std::string_view plugin) {

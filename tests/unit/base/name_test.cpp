@@ -36,6 +36,10 @@ TEST(NearestName, BecomesAHintInTheQuotesOfTheCaller) {
   EXPECT_EQ(did_you_mean("cora", kKnown), "did you mean core?");
   EXPECT_EQ(did_you_mean("cora", kKnown, "'"), "did you mean 'core'?");
   EXPECT_EQ(did_you_mean("xyz", kKnown, "'"), "");
+  EXPECT_EQ(known_names("cora", kKnown), "did you mean core?");
+  EXPECT_EQ(known_names("xyz", {"fsm", "core"}), "there are fsm, core");
+  EXPECT_EQ(known_names("xyz", {"fsm"}), "there is fsm");
+  EXPECT_EQ(known_names("xyz", std::vector<std::string>(13, "many")), "");
 }
 
 TEST(NearestName, DoesNotWorkHardForHostileNames) {
