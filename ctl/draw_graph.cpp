@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <algorithm>
+#include <array>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "actions.h"
@@ -17,6 +19,14 @@ using protocol::fault_of;
 
 enum class Form { dot, mermaid, svg };
 
+/// A name without an ending may be of any form.
+bool is_known_form(const std::string& file) {
+  const auto name = file.substr(file.rfind('/') + 1);
+  if (name.find('.') == name.npos) return true;
+  constexpr std::array<std::string_view, 5> kEndings = {".svg", ".mmd", ".mermaid", ".dot", ".gv"};
+  return std::ranges::any_of(kEndings, [&](std::string_view end) { return name.ends_with(end); });
+}
+
 /// As an option says, else as the file is called.
 std::variant<Form, Fault> form_of(const Arguments& given) {
   const int said = (given.has("--dot") ? 1 : 0) + (given.has("--mermaid") ? 1 : 0) +
@@ -26,6 +36,11 @@ std::variant<Form, Fault> form_of(const Arguments& given) {
                     "example: mauvectl graph --svg -o rover.svg");
   }
   const std::string file = given.one("-o,--output");
+  if (said == 0 && !file.empty() && !is_known_form(file)) {
+    return fault_of(protocol::kUsage, "the name of the file does not tell its form", file,
+                    "end it with .svg, .mmd, .mermaid, .dot or .gv, or give --svg, --mermaid or "
+                    "--dot");
+  }
   if (given.has("--svg") || (said == 0 && file.ends_with(".svg"))) return Form::svg;
   const bool mermaid = file.ends_with(".mmd") || file.ends_with(".mermaid");
   return given.has("--mermaid") || (said == 0 && mermaid) ? Form::mermaid : Form::dot;
@@ -47,10 +62,15 @@ std::optional<Fault> unknown_name(const Graph& graph, const std::vector<std::str
   for (const std::string& name : wanted) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     Fault fault = fault_of(refuse(Errc::unknown_name, name, "there is nothing of this name",
-                                  did_you_mean(name, known)));
+                                  known_names(name, known)));
     return fault;
   }
   return std::nullopt;
+}
+
+/// Told where the picture goes into a file.
+std::string told_of(const Session& session, const std::string& drawn) {
+  return session.arguments.has("-o,--output") ? "drew " + drawn : std::string();
 }
 
 /// The rows of what is drawn; all else as it was.
@@ -85,7 +105,8 @@ int draw_machine(Session& session, Form form) {
     session.print(object.value("machine", Json()), {});
     return 0;
   }
-  return write_output(session, drawn(machine, form));
+  return write_output(session, drawn(machine, form),
+                      told_of(session, "the state machine of " + name));
 }
 
 }  // namespace
@@ -109,7 +130,8 @@ int run_graph(Session& session) {
     session.print(names.empty() ? result : part_of(result, graph), {});
     return 0;
   }
-  const int code = write_output(session, drawn(graph, std::get<Form>(form)));
+  const int code = write_output(session, drawn(graph, std::get<Form>(form)),
+                                told_of(session, counted(graph.nodes.size(), "element")));
   for (const Json& note : names.empty() ? list_in(result, "notes") : Json::array()) {
     session.screen.err << "note: " << harmless(word(note, "address") + " " + word(note, "text"))
                        << "\n";
