@@ -27,3 +27,14 @@ _mauvectl() {
   fi
 }
 complete -F _mauvectl mauvectl
+
+# bash completion for mauved: its options, and files.
+_mauved() {
+  local options
+  options=$(mauved --help 2>/dev/null | sed -nE 's/^  (-[a-z],)?(--[a-z-]+).*/\2/p')
+  COMPREPLY=()
+  if [[ ${COMP_WORDS[COMP_CWORD]} == -* ]]; then
+    mapfile -t COMPREPLY < <(compgen -W "$options" -- "${COMP_WORDS[COMP_CWORD]}")
+  fi
+}
+complete -o default -F _mauved mauved

@@ -12,3 +12,9 @@ function __mauvectl_complete
     end
 end
 complete --command mauvectl --no-files --arguments '(__mauvectl_complete)'
+
+# fish completion for mauved: its options, and files.
+function __mauved_options
+    mauved --help 2>/dev/null | string replace --regex --filter '^  (?:-[a-z],)?(--[a-z-]+).*' '$1'
+end
+complete --command mauved --arguments '(__mauved_options)'

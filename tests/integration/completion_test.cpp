@@ -75,6 +75,13 @@ class CompletionIn : public testing::Test {
   TempDir home_;
 };
 
+TEST_F(CompletionIn, BashOffersTheOptionsOfMauved) {
+  const auto options = lines("bash", {"--norc", "--noprofile"},
+                             ". $script; COMP_WORDS=(mauved --s); COMP_CWORD=1; _mauved; "
+                             "printf '%s\\n' \"${COMPREPLY[@]}\"");
+  EXPECT_THAT(options, ElementsAre("--socket", "--state-dir"));
+}
+
 TEST_F(CompletionIn, BashOffersCommandsOptionsAndLiveNames) {
   ASSERT_FALSE(daemon_.ask("status.get").is_null());
 
