@@ -24,8 +24,10 @@ Result<Snapshot> snapshot_of(Running& running, const std::string& name, bool now
   }
   auto recording = running.recorder->find_snapshot(name);
   if (recording == nullptr) {
-    return refuse(Errc::unknown_name, name, "others were read meanwhile, so it is gone",
-                  "begin again, without a name");
+    return refuse(Errc::unknown_name, name,
+                  "there is no flight recording of this name (a snapshot of this name is gone when "
+                  "others were read meanwhile)",
+                  "mauvectl trace list; without a name the trace of now is read");
   }
   return Snapshot(name, std::move(recording));
 }
