@@ -34,13 +34,16 @@ std::string lines_of(const Json& receipt, const char* list, Look look, const F& 
   return text;
 }
 
-/// "  speed 0.6 -> 0.8 (default; --set speed=... keeps another)"
+/// The lines of the change tell the values.
 std::string defaults(const Json& receipt, Look look) {
-  return lines_of(receipt, "defaults", look, [](const Json& one) {
-    const std::string name = word(one, "name");
-    return name + " " + word(one, "before") + " -> " + word(one, "after") + " (default; --set " +
-           name + "=... keeps another)";
-  });
+  std::string names;
+  for (const Json& one : list_in(receipt, "defaults")) join(names, word(one, "name"));
+  if (names.empty()) return {};
+  const bool one = list_in(receipt, "defaults").size() == 1;
+  return wrapped("  " + names + (one ? " has its default value" : " have their default values") +
+                     "; --set NAME=VALUE keeps another",
+                 look.width, 4) +
+         "\n";
 }
 
 /// "  bypass (true) is gone: the new core has no such property"

@@ -30,7 +30,7 @@ TEST(RenderReceipt, SaysWhatTheNewCoreHasByDefault) {
     "defaults":[{"name":"speed","before":0.6,"after":0.8}]})"),
                            {}),
             "swapped control (generation 2)\n"
-            "  speed 0.6 -> 0.8 (default; --set speed=... keeps another)\n");
+            "  speed has its default value; --set NAME=VALUE keeps another\n");
 }
 
 TEST(RenderReceipt, SaysWhichPropertiesAndStatesAreGone) {
