@@ -213,10 +213,13 @@ std::vector<std::string> notes_of(const System& system, const Content& change) {
     const std::string names = in_words(open.components);
     const std::string first = std::to_string(open.changes.front() - 1);
     if (can_join(change, one->content())) {
-      notes.push_back(in_words(open.changes) + " (" + names +
-                      ") has not proved itself yet: this change joins it, so a failure or `undo` "
-                      "leads back to before both, as in generation " +
-                      first);
+      const bool several = open.changes.size() > 1;
+      notes.push_back(in_words(open.changes) + " (" + names + ")" +
+                      (several ? " have not proved themselves yet: this change joins them, so a "
+                                 "failure or `undo` leads back to before all of them"
+                               : " has not proved itself yet: this change joins it, so a failure "
+                                 "or `undo` leads back to before both") +
+                      ", as in generation " + first);
     } else {
       notes.push_back("the probation of " + in_words(open.changes) + " (" + names +
                       ") ends early: a failure leads back to before this change only");
