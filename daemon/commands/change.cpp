@@ -146,8 +146,30 @@ bool may_go_on(Running& running, const Call& call, Journey& journey) {
   return met.has_value();
 }
 
+/// Nothing but values and attributes of tasks, each of which is in force already.
+bool is_so_already(const Journey& journey) {
+  const auto& change = journey.change;
+  const bool elements = !change.new_components.empty() || !change.new_resources.empty() ||
+                        !change.remove.empty() || journey.companion != nullptr;
+  return !elements && journey.lines.empty() &&
+         std::ranges::all_of(change.edits, [](const Edit& edit) {
+           return !edit.core && !edit.fsm && !edit.type && !edit.resource && edit.connect.empty() &&
+                  edit.disconnect.empty() && edit.mode == Mode::keep;
+         });
+}
+
+void answer_so_already(Running& running, const Call& call) {
+  Receipt nothing;
+  nothing.generation = running.generation;
+  answer(running, call, to_json(nothing));
+}
+
 /// [control] Commits, answers, and lets [factory] free what it replaced.
 void put_in_force(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
+  if (is_so_already(*journey)) {
+    answer_so_already(running, *call);
+    return free_in_factory(running, std::move(journey), std::move(ticket));
+  }
   auto ongoing = running.deployer.begin(**journey->prepared);
   when_answered(running, std::move(ongoing),
                 [&running, call, journey, ticket = std::move(ticket)](Ongoing& done) mutable {
