@@ -186,11 +186,32 @@ int run_change(Session& session) {
 }
 
 int run_confirm(Session& session) {
-  return change(session, "change.confirm", Json::object(), "confirmed: the change stays");
+  const auto answer = session.call("change.confirm", Json::object());
+  if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
+  const auto& receipt = std::get<Json>(answer);
+  std::string changes;
+  for (const Json& one : list_in(receipt, "confirmed")) join(changes, changes_in_words(one));
+  if (changes.empty()) changes = "the generation that runs";  // new code without a probation
+  session.print(receipt, render_receipt("confirmed " + changes, receipt, session.look()));
+  return exit_of(receipt);
 }
 
 int run_undo(Session& session) {
-  return change(session, "change.undo", Json::object(), "undone: everything is as it was before");
+  Json params = Json::object();
+  add_options(session, params);
+  const auto answer = session.call("change.undo", std::move(params));
+  if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
+  const auto& receipt = std::get<Json>(answer);
+  const std::string lines = change_lines(receipt, session.look());
+  const std::string changes = changes_in_words(member(receipt, "undone"));
+  if (member(receipt, "dry_run") == true) {
+    session.print(receipt, lines + "undo would take back " + changes +
+                               "\nnothing was changed (generation " + word(receipt, "generation") +
+                               " still running)\n");
+    return 0;
+  }
+  session.print(receipt, lines + render_receipt("took back " + changes, receipt, session.look()));
+  return exit_of(receipt);
 }
 
 int run_quarantine(Session& session) {

@@ -184,7 +184,14 @@ constexpr Argument kHistory[] = {
     any("GENERATION", "two numbers: print what differs between these generations",
         Kind::generation)};
 constexpr Argument kRollback[] = {
-    one("GENERATION", "a number of mauvectl history", Kind::generation), kState, kSync};
+    one("GENERATION", "a number of mauvectl history", Kind::generation),
+    kDryRun,
+    kState,
+    kSync,
+    kProbation,
+    kMisses,
+    kConfirmWithin};
+constexpr Argument kUndo[] = {flag("--dry-run", "tell which changes it takes back")};
 constexpr Argument kTrace[] = {
     one_of("ACTION", "start, stop, status, list or dump", "start stop status list dump"),
     maybe("RECORDING", "of dump: one of the list; unsaid: what is traced now", Kind::recording),
@@ -283,7 +290,7 @@ constexpr Command kCommands[] = {
      {},
      true,
      run_confirm},
-    {"undo", "Undo the change on probation", "mauvectl undo", {}, true, run_undo},
+    {"undo", "Undo the change on probation", "mauvectl undo --dry-run", kUndo, true, run_undo},
     {"quarantine", "List cores that failed and were rolled back, or release one",
      "mauvectl quarantine release guidance/widest_gap", kQuarantine, true, run_quarantine},
     {"apply", "Make the running system that of a file, all at once",

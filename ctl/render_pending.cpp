@@ -9,25 +9,8 @@ namespace mauve::ctl {
 
 namespace {
 
-/// "generation 3", "generations 3 to 5".
-std::string generations_of(const Json& one) {
-  const Json& all = list_in(one, "generations");
-  if (all.empty()) return "a change";
-  const std::string last = compact(all.back());
-  return all.size() == 1 ? "generation " + last
-                         : "generations " + compact(all.front()) + " to " + last;
-}
-
-std::string components_of(const Json& one) {
-  std::string names;
-  for (const Json& name : list_in(one, "components")) {
-    names += (names.empty() ? "" : ", ") + compact(name);
-  }
-  return names.empty() ? "" : " (" + names + ")";
-}
-
 std::string sentence_of(const Json& one) {
-  const std::string which = generations_of(one) + components_of(one);
+  const std::string which = changes_in_words(one);
   const std::string left = seconds_in_words(number(one, "left_ns") * 1e-9);
   const std::string state = word(one, "state");
   if (state == "leads_back") return which + ": a failure or undo leads back now";

@@ -190,6 +190,17 @@ std::string time_in_words(std::string time) {
   return time;
 }
 
+std::string changes_in_words(const Json& one) {
+  std::string names;
+  for (const Json& name : list_in(one, "components")) join(names, compact(name));
+  if (!names.empty()) names = " (" + names + ")";
+  const Json& all = list_in(one, "generations");
+  if (all.empty()) return "a change" + names;
+  const std::string last = compact(all.back());
+  if (all.size() == 1) return "generation " + last + names;
+  return "generations " + compact(all.front()) + " to " + last + names;
+}
+
 std::string kernel_in_words(const Json& kernel) {
   if (!kernel.is_object()) return {};
   const auto faults = whole_number(kernel, "minor_faults") + whole_number(kernel, "major_faults");

@@ -32,6 +32,9 @@ using protocol::Json;
 /// "2026-01-31T12:00:00.123456Z" is "2026-01-31 12:00:00Z".
 [[nodiscard]] std::string time_in_words(std::string time);
 
+/// "generations 3 to 5 (control, mission)" of {"generations","components"}.
+[[nodiscard]] std::string changes_in_words(const Json& one);
+
 /// "a" and "b" become "a, b".
 void join(std::string& all, std::string_view next, std::string_view between = ", ");
 

@@ -170,14 +170,17 @@ void Caretaker::tell(const Outcome& outcome) {
   if (outcome.kind == Outcome::Kind::rolled_back) {
     running_->supervisor.take_back(outcome.changes);  // before the generation is saved
   }
+  const auto changes = changes_back(outcome);
   running_->log.write(event_of(outcome), {{"component", outcome.component},
                                           {"generation", to_signed(outcome.generation)},
                                           {"began", to_signed(outcome.began)},
                                           {"cause", cause_of(outcome)},
-                                          {"text", outcome.reason}});
+                                          {"text", outcome.reason},
+                                          {"changes", changes}});
   if (running_->keeper != nullptr) {
-    save(outcome);
+    save(outcome, changes);
   }
+  running_->way_back.forget(outcome.changes);
   const bool rolled_back = outcome.kind == Outcome::Kind::rolled_back;
   for (const auto& core : rolled_back ? outcome.cores : std::vector<std::string>()) {
     if (quarantine(*running_, core, outcome.reason)) {
@@ -187,8 +190,16 @@ void Caretaker::tell(const Outcome& outcome) {
   let_former_go(*running_, outcome);  // last: the quarantine is of the build that failed
 }
 
+/// The differences that a rollback makes, in the lines of `plan`; empty of other outcomes.
+std::string Caretaker::changes_back(const Outcome& outcome) const {
+  if (outcome.kind != Outcome::Kind::rolled_back) {
+    return {};
+  }
+  return changes_of({{"lines", running_->way_back.back_from(outcome.changes)}});
+}
+
 /// A generation that the system made by itself is saved like others; nobody waits for it.
-void Caretaker::save(const Outcome& outcome) {
+void Caretaker::save(const Outcome& outcome, const std::string& changes) {
   auto& keeper = *running_->keeper;
   const auto began = outcome.began;
   if (outcome.kind == Outcome::Kind::overtaken || outcome.kind == Outcome::Kind::gave_up) {
@@ -210,12 +221,16 @@ void Caretaker::save(const Outcome& outcome) {
   about.uid = geteuid();
   about.command = to_string(outcome.kind);
   about.reason = cause_of(outcome);
+  about.changes = changes;
   about.mark = Mark::unconfirmed;
   Json line = {{"time", about.time},         {"method", about.command},
                {"uid", about.uid},           {"pid", getpid()},
                {"reason", about.reason},     {"before", began},
                {"generation", about.number}, {"outcome", "applied"},
                {"state", about.command}};
+  if (!changes.empty()) {
+    line["changes"] = changes;
+  }
   const auto now = about.number;
   if (now == running_->deployer.generation()) {
     keeper.keep(std::move(about), described(*running_), std::move(line), {});

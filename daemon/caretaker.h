@@ -33,7 +33,8 @@ class Caretaker {
   void tell_outcomes();
   void settle(const Outcome& outcome);
   void tell(const Outcome& outcome);
-  void save(const Outcome& outcome);
+  void save(const Outcome& outcome, const std::string& changes);
+  [[nodiscard]] std::string changes_back(const Outcome& outcome) const;
   void tell_of_factory();
   void tell_of_holds();
   void tell_of_scheduling();

@@ -12,6 +12,11 @@ namespace mauve::daemon {
 
 namespace {
 
+/// Some change is on probation.
+bool is_tried(const Running& running) {
+  return running.deployer.on_probation() || !running.places.empty();
+}
+
 /// [control] Saves what runs now, then says in the audit log what was asked and what became of it.
 void keep(Running& running, const Call& call, std::optional<Mark> mark, Json line,
           std::function<void(bool saved)> then) {
@@ -24,7 +29,7 @@ void keep(Running& running, const Call& call, std::optional<Mark> mark, Json lin
   about.command = call.method->name;
   about.reason = text_or(call.params, "reason");
   about.changes = text_or(line, "changes");
-  const bool tried = running.deployer.on_probation() || !running.places.empty();
+  const bool tried = is_tried(running);
   about.mark = tried ? Mark::unconfirmed : mark.value_or(Mark::unconfirmed);
   auto as = tried || mark ? Keeper::As::marked : Keeper::As::before;
   if (call.confirms) {
@@ -67,6 +72,9 @@ void answer_applied(Running& running, const Call& call, Json result) {
   if (!call.method->harmless) {
     remember_maker(running, call, generation);
     remember_change(running, call, result, its);
+  }
+  if (const auto lines = result.find("lines"); lines != result.end() && is_tried(running)) {
+    running.way_back.remember(its, *lines);
   }
   if (!call.mark && generation != call.before) {
     carry_unproven(running, generation);

@@ -18,6 +18,7 @@
 #include "commands/deadlines.h"
 #include "commands/former.h"
 #include "commands/place_probation.h"
+#include "commands/way_back.h"
 #include "control.h"
 #include "counts.h"
 #include "deciding_paths.h"
@@ -99,6 +100,7 @@ struct Running {
   Unproven unproven = {};                   ///< [control] see unproven.h
   Former former = {};                       ///< [control]
   std::vector<PlaceProbation> places = {};  ///< [control]
+  WayBackLines way_back = {};               ///< [control] of the changes on probation
   Started started = {};                     ///< [control]
   std::uint64_t recovered = 0;  ///< the saved generation that this run began with; 0: the file
   Keeper* keeper = nullptr;     ///< null: nothing is kept

@@ -68,36 +68,83 @@ Error no_way_back(const Running& running, Error error) {
   return error;
 }
 
-void answer_undone(Running& running, const Call& call) {
-  answer(running, call,
-         Json{{"generation", running.generation.load()},
-              {"changed", true},
-              {"state", "applied"},
-              {"components", Json::array()}});
+/// A change on probation, with those that it joined.
+struct Tried {
+  std::vector<std::uint64_t> changes;
+  std::vector<std::string> components;
+  std::optional<PlaceTarget> place;  ///< of a swap in place
+};
+
+Json tried_json(const Tried& change) {
+  return {{"generations", change.changes}, {"components", change.components}};
+}
+
+/// All changes that are on probation and not led back, each with those that it joined.
+Json on_probation(const Running& running) {
+  Json all = Json::array();
+  for (const auto& open : running.deployer.probations()) {
+    if (!open.leads_back) {
+      all.push_back(tried_json(Tried{open.changes, open.components, std::nullopt}));
+    }
+  }
+  for (const auto& place : running.places) {
+    if (!place.leads_back) {
+      all.push_back(tried_json(Tried{{place.generation}, {place.component}, std::nullopt}));
+    }
+  }
+  return all;
+}
+
+/// The one that `undo` takes back; no changes: there is none.
+Tried newest_of(const Running& running) {
+  Tried newest;
+  for (const auto& open : running.deployer.probations()) {
+    if (!open.leads_back) {
+      newest = {open.changes, open.components, std::nullopt};
+    }
+  }
+  const auto than = newest.changes.empty() ? 0 : newest.changes.back();
+  if (auto place = newest_place(running, than)) {
+    newest = {{place->generation}, {place->component}, std::move(place)};
+  }
+  return newest;
+}
+
+/// The answer to `undo` of these changes, before they are taken back.
+Json undone_json(const Running& running, const Tried& newest) {
+  return {{"lines", running.way_back.back_from(newest.changes)},
+          {"undone", tried_json(newest)},
+          {"components", Json::array()}};
+}
+
+void answer_undone(Running& running, const Call& call, Json result) {
+  result["generation"] = running.generation.load();
+  result["changed"] = true;
+  result["state"] = "applied";
+  answer(running, call, std::move(result));
+}
+
+void answer_foretold(Running& running, const Call& call, Json result) {
+  result["generation"] = running.generation.load();
+  result["changed"] = false;
+  result["state"] = "unchanged";
+  result["dry_run"] = true;
+  answer(running, call, std::move(result));
 }
 
 /// Back to the core before a swap in place, which takes as long as the swap did.
-void undo_in_place(Running& running, const CallPtr& call, const PlaceTarget& target,
+void undo_in_place(Running& running, const CallPtr& call, const PlaceTarget& target, Json result,
                    const std::string& reason) {
   if (auto begun = undo_place(running, target, reason); !begun) {
     return answer(running, *call, begun.error());
   }
   running.control.await([&running] { return !places_lead_back(running); },
-                        [&running, call, target] {
+                        [&running, call, target, result = std::move(result)]() mutable {
                           if (auto back = is_back(running, target); !back) {
                             return answer(running, *call, back.error());
                           }
-                          answer_undone(running, *call);
+                          answer_undone(running, *call, std::move(result));
                         });
-}
-
-/// The generation of the newest probation of the deployer; 0: there is none.
-std::uint64_t newest_open(const Running& running) {
-  std::uint64_t newest = 0;
-  for (const auto& open : running.deployer.probations()) {
-    newest = std::max(newest, open.changes.back());
-  }
-  return newest;
 }
 
 }  // namespace
@@ -152,23 +199,32 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
   if (auto met = check_conditions(running, *call); !met) {
     return answer(running, *call, met.error());
   }
+  Json confirmed = on_probation(running);
   const auto done = running.deployer.confirm();
   const bool places = confirm_places(running);
   if (const bool new_code = confirm_unproven(running); !done && !places && !new_code) {
     return answer(running, *call, done.error());
   }
   call->confirms = true;  // what a power cut could take back is no confirmation: the answer waits
-  answer(running, *call, Json{{"generation", running.deployer.generation()}, {"changed", true}});
+  answer(running, *call,
+         Json{{"generation", running.deployer.generation()},
+              {"changed", true},
+              {"confirmed", std::move(confirmed)}});
 }
 
 void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
   if (auto met = check_conditions(running, *call); !met) {
     return answer(running, *call, met.error());
   }
+  const auto newest = newest_of(running);
+  auto result = undone_json(running, newest);
+  if (flag(call->params, "dry_run") && !newest.changes.empty()) {
+    return answer_foretold(running, *call, std::move(result));
+  }
   const auto reason = text_or(call->params, "reason");
   const auto text = std::string(kUndone) + (reason.empty() ? " by request" : ": " + reason);
-  if (const auto target = newest_place(running, newest_open(running))) {
-    return undo_in_place(running, call, *target, text);
+  if (newest.place) {
+    return undo_in_place(running, call, *newest.place, std::move(result), text);
   }
   auto begun = running.deployer.undo(text);
   if (!begun) {
@@ -180,9 +236,9 @@ void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
         running.generation = running.deployer.generation();
         return running.generation != before || !running.deployer.going_back();
       },
-      [&running, call] {
+      [&running, call, result = std::move(result)]() mutable {
         running.tell_outcomes();  // that saves it, with the mark of the one that it goes back to
-        answer_undone(running, *call);
+        answer_undone(running, *call, std::move(result));
       });
 }
 

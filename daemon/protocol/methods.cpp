@@ -60,7 +60,14 @@ constexpr Param kCall[] = {{"service", string, true}, {"arguments", array}};
 constexpr Param kCondition[] = {{"condition", string, true}};
 constexpr Param kHistory[] = {{"n", integer}};
 constexpr Param kCompare[] = {{"from", integer, true}, {"to", integer, true}};
-constexpr Param kRollback[] = {{"generation", integer, true}, {"state", string}, {"sync", string}};
+constexpr Param kUndo[] = {{"dry_run", boolean}};
+constexpr Param kRollback[] = {{"generation", integer, true},
+                               {"dry_run", boolean},
+                               {"state", string},
+                               {"sync", string},
+                               {"probation", string},
+                               {"misses", string},
+                               {"confirm_within", string}};
 constexpr Param kTraceStart[] = {{"detail", boolean}, {"seconds", integer}};
 constexpr Param kTraceRead[] = {
     {"recording", string}, {"from", integer}, {"count", integer}, {"now", boolean}};
@@ -109,7 +116,7 @@ constexpr Method kMethods[] = {
     {"change.apply", "several steps at one instant, as those of a transaction", kSteps, true},
     {"service.call", "writes to, calls or fires a service", kCall, true},
     {"change.confirm", "the change on probation stays", {}, true, false, false, true},
-    {"change.undo", "back to before the change on probation", {}, true, false, false, true},
+    {"change.undo", "back to before the change on probation", kUndo, true, false, false, true},
     {"quarantine.list", "cores that were rolled back, and why", {}},
     {"quarantine.release", "lets a core be used again", kCore, true},
     {"plugin.load", "loads a plugin by name", kLoad, true},

@@ -72,6 +72,14 @@ TEST(History, TellsWhatChangedAndComparesTwoGenerations) {
   EXPECT_EQ(two["lines"][1]["address"], "second.ports.input");
   EXPECT_EQ(daemon.ask("config.compare", {{"from", 1}, {"to", 1}})["same"], true);
 
+  ASSERT_EQ(daemon.ask("change.undo")["state"], "applied");
+  EXPECT_EQ(daemon.ask("config.history", {{"n", 1}})["items"][0]["changes"],
+            "~ first.core.gain: 4 -> 1; + second.ports.input: signal.read");
+  const auto back = daemon.ask("config.rollback", {{"generation", 2}, {"dry_run", true}});
+  EXPECT_EQ(back["dry_run"], true) << back;
+  EXPECT_EQ(back["lines"][0]["address"], "first.core.gain") << back;
+  EXPECT_EQ(daemon.ask("status.get")["generation"], 5);
+
   const auto said = daemon.ctl({"history", "2", "4"});
   EXPECT_EQ(said.exit, 0);
   EXPECT_THAT(said.out, HasSubstr("--- generation 2\n+++ generation 4\n"));

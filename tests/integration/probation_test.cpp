@@ -101,6 +101,45 @@ TEST(Probation, UndoAnswersWhenEverythingIsBack) {
   EXPECT_EQ(again["data"].value("hint", ""), "") << "nothing is kept that could be rolled back to";
 }
 
+TEST(Probation, UndoTellsWhatItTakesBackBeforeAndAfter) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/other"))["state"], "applied");
+  ASSERT_EQ(daemon.ask("param.set", {{"values", {{"first.core.gain", 3.0}}}})["state"], "applied");
+
+  const auto foretold = daemon.ask("change.undo", {{"dry_run", true}});
+  EXPECT_EQ(foretold["generation"], 3) << foretold;
+  EXPECT_EQ(foretold["undone"]["generations"], Json({2, 3}));
+  EXPECT_EQ(foretold["undone"]["components"], Json({"first"}));
+  EXPECT_EQ(daemon.component("first")["core"], "trial/other");
+
+  const auto undone = daemon.ctl({"undo"}).out;
+  EXPECT_THAT(undone, HasSubstr("~ first.core: trial/other -> trial/steady\n"));
+  EXPECT_THAT(undone, HasSubstr("~ first.core.gain: 3 -> 1\n"));
+  EXPECT_THAT(undone, HasSubstr("took back generations 2 to 3 (first) (generation 4)"));
+  EXPECT_EQ(daemon.ask("change.undo", {{"dry_run", true}})["data"]["name"], "wrong_state");
+}
+
+TEST(Probation, ConfirmTellsAllThatItConfirms) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/other"))["state"], "applied");
+  ASSERT_EQ(daemon.ask("param.set", {{"values", {{"second.core.gain", 3.0}}}})["state"], "applied");
+
+  EXPECT_EQ(daemon.ctl({"confirm"}).out,
+            "confirmed generation 2 (first), generation 3 (second) (generation 3)\n");
+}
+
+TEST(Probation, ValuesThatAreInForceMakeNoGeneration) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("param.set", {{"values", {{"first.core.gain", 3}}}})["generation"], 2);
+
+  const auto again = daemon.ask("param.set", {{"values", {{"first.core.gain", 3}}}});
+
+  EXPECT_EQ(again["changed"], false) << again;
+  EXPECT_EQ(again["generation"], 2);
+  EXPECT_EQ(daemon.ask("status.get")["generation"], 2);
+  EXPECT_THAT(daemon.ctl({"set", "first.core.gain=3"}).out, HasSubstr("nothing to change"));
+}
+
 TEST(Probation, WhatNobodyConfirmsIsRolledBack) {
   TrialDaemon daemon;
   ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/other", {{"confirm_within", "100ms"}}))["state"],
@@ -199,10 +238,13 @@ TEST(Probation, AnUndoIsToldAsWhatItIs) {
 
   const auto undone = record_of(daemon, "undone");
   EXPECT_EQ(undone["level"], "info") << undone;
-  EXPECT_EQ(undone["text"], "generation 2 was taken back, 3 is in force: undone by request");
+  EXPECT_EQ(undone["text"],
+            "generation 2 was taken back, 3 is in force: undone by request "
+            "~ first.core: trial/other -> trial/steady");
   const auto change = record_of(daemon, "change_applied");
   EXPECT_EQ(change["text"],
-            "change.undo by uid " + std::to_string(geteuid()) + ": generation 3, applied");
+            "change.undo by uid " + std::to_string(geteuid()) +
+                ": generation 3, applied ~ first.core: trial/other -> trial/steady");
 }
 
 TEST(Probation, ARollBackNamesWhoFailed) {

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The differences that changes on probation made, kept so that the way back can be told in the
+/// lines of `plan`: before somebody takes it, and when the system took it by itself.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "protocol/message.h"
+
+namespace mauve::daemon {
+
+/// [control]
+class WayBackLines {
+ public:
+  using Json = protocol::Json;
+
+  /// The change that made this generation made these differences ({"op","kind","address","old",
+  /// "new"} each). Only the newest kMost are kept.
+  void remember(std::uint64_t generation, const Json& lines);
+  /// The differences that going back to before these changes makes, each address once.
+  [[nodiscard]] Json back_from(const std::vector<std::uint64_t>& changes) const;
+  /// Nothing leads back to before these changes any more.
+  void forget(const std::vector<std::uint64_t>& changes);
+
+  static constexpr std::size_t kMost = 256;
+
+ private:
+  std::map<std::uint64_t, Json> lines_;  // by generation
+};
+
+}  // namespace mauve::daemon

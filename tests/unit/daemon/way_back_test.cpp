@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// What the way back from changes on probation makes different.
+#include "commands/way_back.h"
+
+#include <gtest/gtest.h>
+
+namespace mauve::daemon {
+namespace {
+
+using protocol::Json;
+
+Json line(const char* address, Json before, Json after) {
+  const char* op = before.is_null() ? "add" : after.is_null() ? "remove" : "change";
+  return {{"op", op},
+          {"kind", "property"},
+          {"address", address},
+          {"old", std::move(before)},
+          {"new", std::move(after)}};
+}
+
+TEST(WayBackLines, LeadFromTheLastValueToTheFirst) {
+  WayBackLines lines;
+  lines.remember(2, Json::array({line("a.core.x", 1, 2)}));
+  lines.remember(3, Json::array({line("b.core.y", 5, 6)}));
+  lines.remember(4, Json::array({line("a.core.x", 2, 7)}));
+
+  EXPECT_EQ(lines.back_from({2, 4}), Json::array({line("a.core.x", 7, 1)}));
+  EXPECT_EQ(lines.back_from({3}), Json::array({line("b.core.y", 6, 5)}));
+  EXPECT_EQ(lines.back_from({9}), Json::array()) << "nothing is known of it";
+}
+
+TEST(WayBackLines, TakeAwayTheAddedAndAddTheRemoved) {
+  WayBackLines lines;
+  lines.remember(2, Json::array({line("a.ports.in", nullptr, "pose.read"),
+                                 line("a.ports.out", "scan.write", nullptr)}));
+
+  EXPECT_EQ(lines.back_from({2}), Json::array({line("a.ports.in", "pose.read", nullptr),
+                                               line("a.ports.out", nullptr, "scan.write")}));
+}
+
+TEST(WayBackLines, LeaveOutWhatIsAgainAsItWas) {
+  WayBackLines lines;
+  lines.remember(2, Json::array({line("a.core.x", 1, 2)}));
+  lines.remember(3, Json::array({line("a.core.x", 2, 1)}));
+
+  EXPECT_EQ(lines.back_from({2, 3}), Json::array());
+}
+
+TEST(WayBackLines, AreForgottenWithTheirChangesAndBounded) {
+  WayBackLines lines;
+  for (std::uint64_t generation = 1; generation <= WayBackLines::kMost + 1; ++generation) {
+    lines.remember(generation, Json::array({line("a.core.x", 1, 2)}));
+  }
+  EXPECT_EQ(lines.back_from({1}), Json::array()) << "the oldest";
+  EXPECT_EQ(lines.back_from({2}).size(), 1U);
+
+  lines.forget({2});
+
+  EXPECT_EQ(lines.back_from({2}), Json::array());
+}
+
+}  // namespace
+}  // namespace mauve::daemon
