@@ -76,8 +76,8 @@ void join(std::string& all, std::string_view next, std::string_view between = ",
 [[nodiscard]] double number(const Json& object, std::string_view key);
 [[nodiscard]] std::uint64_t whole_number(const Json& object, std::string_view key);
 
-/// What the kernel counts of a component's thread; "" where it is not told. A job of real-time code
-/// waits once, for its next release, and touches no new memory.
+/// The counts of the kernel for the thread of a component; "" where none are given. A job of
+/// real-time code waits once, for its next release, and touches no new memory.
 [[nodiscard]] std::string kernel_in_words(const Json& kernel);
 
 }  // namespace mauve::ctl

@@ -153,8 +153,9 @@ bool is_so_already(const Journey& journey) {
                         !change.remove.empty() || journey.companion != nullptr;
   return !elements && journey.lines.empty() &&
          std::ranges::all_of(change.edits, [](const Edit& edit) {
-           return !edit.core && !edit.fsm && !edit.type && !edit.resource && edit.connect.empty() &&
-                  edit.disconnect.empty() && edit.mode == Mode::keep;
+           return edit.state != StatePolicy::drop && !edit.core && !edit.fsm && !edit.type &&
+                  !edit.resource && edit.connect.empty() && edit.disconnect.empty() &&
+                  edit.mode == Mode::keep;
          });
 }
 
@@ -170,6 +171,9 @@ void put_in_force(Running& running, const CallPtr& call, JourneyPtr journey, Tic
     answer_so_already(running, *call);
     return free_in_factory(running, std::move(journey), std::move(ticket));
   }
+  if (journey->change.probation) {
+    remember_lines(running, journey->lines);
+  }
   auto ongoing = running.deployer.begin(**journey->prepared);
   when_answered(running, std::move(ongoing),
                 [&running, call, journey, ticket = std::move(ticket)](Ongoing& done) mutable {
@@ -181,7 +185,7 @@ void put_in_force(Running& running, const CallPtr& call, JourneyPtr journey, Tic
                 });
 }
 
-/// [control] The end of a dry run: what was prepared is told and dropped.
+/// [control] The end of a dry run: the prepared change is told and dropped.
 void tell(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
   auto result = to_json(running.deployer.foresee(**journey->prepared));
   result["dry_run"] = true;

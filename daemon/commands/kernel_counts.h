@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the kernel counts of the thread of a component. Reading it costs the thread nothing.
+/// The counts of the kernel for the thread of a component. Reading them costs the thread nothing.
 #pragma once
 
 #include <string>

@@ -126,7 +126,7 @@ Result<Json> list_fsms(Running& running, const Call& /*call*/) {
   return items(std::move(rows));
 }
 
-/// Kinds of components and resources, and types of data: what a file can name as "type" or "data".
+/// Kinds of components and resources, and types of data: values of "type" and "data" in a file.
 Result<Json> list_types(Running& running, const Call& /*call*/) {
   Json rows = Json::array();
   const auto add = [&](const auto& names, const std::string& plugin, const char* of) {

@@ -17,7 +17,7 @@ namespace {
 struct Reason {
   PlaceProbation place;
   std::string text;
-  std::optional<Incident> incident;  ///< none: somebody asked
+  std::optional<Incident> incident;  ///< none: a user asked for it
 };
 
 /// The core before takes over again. Created on [control], freed on [factory].
@@ -165,7 +165,7 @@ bool lead_back(Running& running, PlaceProbation& place, const std::string& text,
   return place.leads_back;
 }
 
-/// What has become of it: a failure, its end, or nothing yet.
+/// The result of a look: a failure, its end, or neither yet.
 struct Verdict {
   std::optional<Outcome::Kind> kind = std::nullopt;
   std::string reason = {};

@@ -246,7 +246,7 @@ void end_when_settled(Running& running, const CallPtr& call, ReloadPtr reload, T
       });
 }
 
-/// [control] The end of a dry run: what was prepared is told and dropped.
+/// [control] The end of a dry run: the prepared change is told and dropped.
 void tell_reload(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket) {
   Receipt nothing;
   nothing.generation = running.deployer.generation();
@@ -276,6 +276,9 @@ void put_reload_in_force(Running& running, const CallPtr& call, ReloadPtr reload
   if (reload->change.edits.empty()) {
     const auto done = hand_names_over(running, *reload);
     return end(running, call, std::move(reload), std::move(ticket), done);
+  }
+  if (reload->change.probation) {
+    remember_lines(running, reload->lines);
   }
   auto ongoing = running.deployer.begin(**reload->prepared);
   when_answered(running, std::move(ongoing),

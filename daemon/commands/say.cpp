@@ -16,6 +16,12 @@ void say_lines(const std::vector<arch::Line>& lines, Json& result) {
   }
 }
 
+void remember_lines(Running& running, const std::vector<arch::Line>& lines) {
+  Json foreseen;
+  say_lines(lines, foreseen);
+  running.way_back.remember(running.deployer.generation() + 1, foreseen["lines"]);
+}
+
 void say_notes(const std::vector<std::string>& notes, Json& result) {
   for (const auto& note : notes) {
     result["notes"].push_back(note);

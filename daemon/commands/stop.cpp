@@ -72,7 +72,7 @@ std::shared_ptr<void> until_over(Running& running, std::shared_ptr<StopOrder> or
           }};
 }
 
-/// What a stop would do.
+/// The answer to a dry run of a stop.
 Json foretold(const Running& running, const std::vector<arch::Line>& lines,
               const std::vector<std::string>& stopped) {
   Receipt nothing;

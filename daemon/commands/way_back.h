@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The differences that changes on probation made, kept so that the way back can be told in the
-/// lines of `plan`: before somebody takes it, and when the system took it by itself.
+/// lines of `plan`: before a user takes it, and when the system took it by itself.
 #pragma once
 
 #include <cstdint>

@@ -57,15 +57,24 @@ const Bindings& Element::bindings() const {
   return component != nullptr ? *component->bundle()->bindings : resource->bindings();
 }
 
+namespace {
+
+std::vector<std::string> component_names(const Architecture& architecture) {
+  std::vector<std::string> names;
+  for (const auto* component : architecture.components()) {
+    names.push_back(component->name());
+  }
+  return names;
+}
+
+}  // namespace
+
 Result<Element> find_element(const Architecture& architecture, std::string_view name) {
   const Element found{architecture.find_component(name), architecture.find_resource(name)};
   if (found.component != nullptr || found.resource != nullptr) {
     return found;
   }
-  std::vector<std::string> names;
-  for (const auto* component : architecture.components()) {
-    names.push_back(component->name());
-  }
+  auto names = component_names(architecture);
   for (const auto* resource : architecture.resources()) {
     names.push_back(resource->name());
   }
@@ -74,8 +83,11 @@ Result<Element> find_element(const Architecture& architecture, std::string_view 
 }
 
 Result<ComponentBase*> find_component(const Architecture& architecture, std::string_view name) {
-  const auto element = find_element(architecture, name);
+  auto element = find_element(architecture, name);
   if (!element) {
+    if (element.error().hint.empty()) {
+      element.error().hint = known_names(name, component_names(architecture));
+    }
     return element.error();
   }
   if (element->component == nullptr) {

@@ -41,7 +41,7 @@ struct PreparedMember {
   bool restart = false;
   bool count_gap = false;
   bool resume = false;    ///< in place: it ran before it was parked
-  bool restores = false;  ///< in place: back to the core before, so what has faulted runs again
+  bool restores = false;  ///< in place: back to the core before, so a faulted component runs again
   Retired made;           ///< its new elements, cleaned up and freed unless they get in force
   /// What takes over should `next` fail, from its first job on; null: nothing.
   std::shared_ptr<PreparedChange::Content> relief;

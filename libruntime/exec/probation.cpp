@@ -270,7 +270,7 @@ void OnProbation::install_old() {
     }
     schedule(system_, *deployed);
     retire(*member.next, *member.base, free_);
-    static_cast<void>(deployed->task->reclaim());  // what it ran with: words, no elements
+    static_cast<void>(deployed->task->reclaim());  // the words that it ran with; elements stay
     if (member.part != Part::joins) continue;
     static_cast<void>(architecture.take_out(*member.component));
     static_cast<void>(let_go(system_, *deployed));

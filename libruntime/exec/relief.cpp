@@ -44,7 +44,7 @@ void take_note(System& system, Deployed& deployed) {
   const FaultRecord& fault = taken.answer->fault;
   ComponentBase& component = *deployed.component;
   retire(*component.bundle(), *taken.member->next, system.free);
-  static_cast<void>(deployed.task->reclaim());  // what it ran with: words, no elements
+  static_cast<void>(deployed.task->reclaim());  // the words that it ran with; elements stay
   const bool again = taken.member->restart;
   component.install(taken.member->next);
   taken.member->made.forget();

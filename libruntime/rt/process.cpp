@@ -76,7 +76,7 @@ void read_status(std::string_view status, ProcessFacts& facts) {
   facts.lock_capability = (held >> CAP_IPC_LOCK & 1U) != 0;
 }
 
-/// VmLck of `status` counts address space, also what no page was touched of yet.
+/// VmLck of `status` counts address space, including pages that nothing has touched yet.
 std::uint64_t locked_kib(const std::filesystem::path& folder, std::string_view status) {
   const auto sums = file_text(folder / "smaps_rollup");
   return number_in<std::uint64_t>(

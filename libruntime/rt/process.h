@@ -31,8 +31,8 @@ struct ThreadFacts {
   [[nodiscard]] bool urgent() const { return priority > 0 || policy == "SCHED_DEADLINE"; }
 };
 
-/// The line in /proc/PID/task/ID/stat, and what `status` there counts; nothing when the line makes
-/// no sense.
+/// The line in /proc/PID/task/ID/stat, and the counts of `status` there; nullopt when the line
+/// makes no sense.
 [[nodiscard]] std::optional<ThreadFacts> thread_facts(std::string_view line,
                                                       std::string_view status = {});
 
@@ -47,7 +47,7 @@ struct ProcessFacts {
   bool lock_capability = false;                            ///< CAP_IPC_LOCK is effective
   std::uint64_t priority_limit = 0;                        ///< RLIMIT_RTPRIO
   std::optional<std::uint64_t> lock_limit = std::nullopt;  ///< RLIMIT_MEMLOCK; none: unlimited
-  std::uint64_t locked_kib = 0;  ///< in memory and locked, not what may be locked later
+  std::uint64_t locked_kib = 0;  ///< in memory and locked, without pages that may be locked later
   std::string cpu_group;         ///< "" where it is the root's
   std::optional<std::int64_t> group_runtime_us = std::nullopt;  ///< none: not to be read
 };

@@ -117,7 +117,7 @@ TEST_F(Judging, LooksAtTwoFilesOfAUserAtATimeAndNeverHoldsUpAChange) {
   EXPECT_EQ(third["error"]["data"]["name"], "limit") << third;
 
   for (int i = 0; i < 5; ++i) {
-    const auto set = daemon_->ask("param.set", {{"values", {{"second.core.gain", 1.0 + i}}}});
+    const auto set = daemon_->ask("param.set", {{"values", {{"second.core.gain", 2.0 + i}}}});
     EXPECT_EQ(set["state"], "applied") << set;
   }
   EXPECT_EQ(daemon_->ask("component.stop", {{"all", true}})["state"], "applied");

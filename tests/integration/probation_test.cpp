@@ -254,7 +254,8 @@ TEST(Probation, ARollBackNamesWhoFailed) {
   const auto rolled_back = record_of(daemon, "rolled_back");
   EXPECT_EQ(rolled_back["level"], "error") << rolled_back;
   EXPECT_EQ(rolled_back["text"],
-            "generation 2 was rolled back, 3 is in force: first threw: division by something");
+            "generation 2 was rolled back, 3 is in force: first threw: division by something "
+            "~ first.core: trial/throwing_job -> trial/steady");
 }
 
 TEST(Probation, AStopDuringARollBackIsObeyed) {

@@ -16,7 +16,8 @@ const Json kLastWords = Json::parse(R"({"seq": 7, "t": "2026-01-01T09:59:59.0000
 
 const Json kWhy = Json::parse(R"({"component": "control", "state": "faulted", "core": "g/gap",
   "late_ns": 0, "missed": 3, "overruns": 1,
-  "kernel": {"minor_faults": 7, "major_faults": 1, "waits": 17, "preemptions": 2}, "since": "2026-01-01T09:00:00.0Z", "failure": {"time": "2026-01-01T10:00:00.0Z",
+  "kernel": {"minor_faults": 7, "major_faults": 1, "waits": 17, "preemptions": 2},
+  "since": "2026-01-01T09:00:00.0Z", "failure": {"time": "2026-01-01T10:00:00.0Z",
     "ago_ns": 3000000000, "cause": "threw", "text": "sensor lost", "core": "g/gap",
     "build_id": "9c32e8201234567890", "fsm_state": "go", "job": 17, "did": "parked",
     "core_after": "g/gap", "generation": 42, "generation_after": 42, "times": 2},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// What the way back from changes on probation makes different.
+// The differences that the way back from changes on probation makes.
 #include "commands/way_back.h"
 
 #include <gtest/gtest.h>
