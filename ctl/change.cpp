@@ -14,15 +14,21 @@ using protocol::Exit;
 using protocol::fault_of;
 using RenderReceipt = std::string (*)(std::string_view, const Json&, Look);
 
+/// The lines of the change and its receipt; of a dry run, the plan.
+void print_change(Session& session, const Json& receipt, std::string_view done,
+                  RenderReceipt render) {
+  const bool tried = member(receipt, "dry_run") == true;
+  session.print(receipt, tried ? render_plan("the change", receipt, session.look())
+                               : change_lines(receipt, session.look()) +
+                                     render(done, receipt, session.look()));
+}
+
 int change(Session& session, std::string_view method, Json params, std::string_view done,
            RenderReceipt render = render_receipt) {
   const auto answer = session.call(method, std::move(params));
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
   const auto& receipt = std::get<Json>(answer);
-  const bool tried = member(receipt, "dry_run") == true;
-  session.print(receipt, tried ? render_plan("the change", receipt, session.look())
-                               : change_lines(receipt, session.look()) +
-                                     render(done, receipt, session.look()));
+  print_change(session, receipt, done, render);
   return exit_of(receipt);
 }
 
@@ -179,9 +185,7 @@ int run_change(Session& session) {
     return session.fail(*fault);
   }
   const auto& receipt = std::get<Json>(answer);
-  const bool tried = member(receipt, "dry_run") == true;
-  session.print(receipt, tried ? render_plan("the change", receipt, session.look())
-                               : render_receipt("changed", receipt, session.look()));
+  print_change(session, receipt, "changed", render_receipt);
   return exit_of(receipt);
 }
 

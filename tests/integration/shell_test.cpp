@@ -125,9 +125,12 @@ TEST(ChangeOfSteps, TakesEffectAtOneInstant) {
   const auto said = daemon.ctl({"change", "-f", file.string()});
 
   EXPECT_EQ(said.exit, 0) << errors_of(daemon);
+  EXPECT_THAT(said.out, HasSubstr("~ first.core.gain: 1 -> 3"));
   EXPECT_EQ(generation(daemon), before + 1);
   EXPECT_EQ(daemon.value("first.core.gain"), 3.0);
   EXPECT_EQ(daemon.component("second")["state"], "stopped");
+  EXPECT_THAT(daemon.ctl({"connect", "--replace", "first.ports.output", "spare.write"}).out,
+              HasSubstr("nothing to change"));
 }
 
 TEST(ChangeOfSteps, IsRefusedAsAWholeWithThePlaceOfEachError) {
