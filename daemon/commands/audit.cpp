@@ -57,12 +57,26 @@ Line begin(const Call& call) {
   return line;
 }
 
+/// Of a command that changes no component: "goal.write [{x: 1, y: 2}]", a plugin, a lock, a core.
+std::string subject_of(const Call& call, const Json& result) {
+  if (const auto service = text_or(call.params, "service"); !service.empty()) {
+    const auto given = call.params.find("arguments");
+    return bounded(service + (given == call.params.end() ? "" : " " + protocol::in_words(*given)));
+  }
+  for (const char* name : {"plugin", "lock", "core"}) {
+    if (auto subject = text_or(result, name); !subject.empty()) {
+      return subject;
+    }
+  }
+  return {};
+}
+
 /// The changes that a receipt tells, in words: "~ control.core: pi -> pid; its state pi/2, 24
 /// bytes, is dropped".
-std::string detail_of(const Json& result) {
+std::string detail_of(const Call& call, const Json& result) {
   auto detail = changes_of(result);
   if (!result.contains("components")) {
-    return detail.empty() ? text_or(result, "plugin", text_or(result, "lock")) : detail;
+    return detail.empty() ? subject_of(call, result) : detail;
   }
   std::string names;
   for (const auto& member : result["components"]) {
@@ -95,7 +109,7 @@ Json audit_applied(Running& running, const Call& call, const Json& result) {
   if (auto changes = changes_of(result); !changes.empty()) {
     line.json["changes"] = std::move(changes);
   }
-  auto detail = detail_of(result);
+  auto detail = detail_of(call, result);
   line.json["detail"] = bounded(detail);
   line.fields.push_back({"detail", std::move(detail)});
   // The supervisor logs one event for each change that the system makes by itself.

@@ -74,7 +74,8 @@ arch::Line line_of_unloading(const std::string& name) {
 void finish_unload(Running& running, const Call& call, const std::string& name,
                    const plugin::Unmapped& unmapped) {
   const auto event = unmapped.unmapped ? Event::plugin_unloaded : Event::plugin_resident;
-  running.log.write(event, {{"plugin", name}, {"text", unmapped.reason}});
+  running.log.write(
+      event, {{"plugin", name}, {"text", unmapped.unmapped ? "by request" : unmapped.reason}});
   Json result{{"plugin", name},
               {"loaded", false},
               {"unmapped", unmapped.unmapped},

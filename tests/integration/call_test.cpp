@@ -49,10 +49,11 @@ TEST(CallFromTheShell, IsRefusedWhileAllIsLockedAndToldInTheLog) {
   const auto refused = daemon.ask("service.call", {{"service", "tally.forget"}});
   EXPECT_EQ(refused["data"]["name"], "conflict") << refused;
   ASSERT_EQ(daemon.ask("lock.set", {{"lock", "none"}})["lock"], "none");
-  ASSERT_EQ(daemon.ask("service.call", {{"service", "tally.forget"}})["state"], "applied");
+  const Json scaled = {{"service", "tally.scaled"}, {"arguments", {2.5, 4}}};
+  ASSERT_EQ(daemon.ask("service.call", scaled)["state"], "applied");
 
   EXPECT_TRUE(eventually([&] {
-    return daemon.errors().find("service.call by uid") != std::string::npos;
+    return daemon.errors().find("applied tally.scaled [2.5, 4]") != std::string::npos;
   })) << daemon.errors();
 }
 
