@@ -146,7 +146,7 @@ bool may_go_on(Running& running, const Call& call, Journey& journey) {
   return met.has_value();
 }
 
-/// Nothing but values and attributes of tasks, each of which is in force already.
+/// Nothing but values, attributes of tasks and connections, each of which is in force already.
 bool is_so_already(const Journey& journey) {
   const auto& change = journey.change;
   const bool elements = !change.new_components.empty() || !change.new_resources.empty() ||
@@ -154,8 +154,7 @@ bool is_so_already(const Journey& journey) {
   return !elements && journey.lines.empty() &&
          std::ranges::all_of(change.edits, [](const Edit& edit) {
            return edit.state != StatePolicy::drop && !edit.core && !edit.fsm && !edit.type &&
-                  !edit.resource && edit.connect.empty() && edit.disconnect.empty() &&
-                  edit.mode == Mode::keep;
+                  !edit.resource && edit.mode == Mode::keep;
          });
 }
 

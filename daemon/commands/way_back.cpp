@@ -13,14 +13,15 @@ bool is_of_same(const Json& a, const Json& b) {
   return a["kind"] == b["kind"] && a["address"] == b["address"];
 }
 
-/// A later change of the same address: only the value at the end counts.
-void add_later(const Json& line, Json& all) {
+/// Only the value at the end counts. Of a change to which no way back belongs (a start or a stop)
+/// only addresses count that an earlier one changed.
+void add_later(const Json& line, bool leads_back, Json& all) {
   const auto earlier =
       std::ranges::find_if(all, [&](const Json& one) { return is_of_same(one, line); });
-  if (earlier == all.end()) {
-    all.push_back(line);
-  } else {
+  if (earlier != all.end()) {
     (*earlier)["new"] = line["new"];
+  } else if (leads_back) {
+    all.push_back(line);
   }
 }
 
@@ -44,9 +45,10 @@ void WayBackLines::remember(std::uint64_t generation, const Json& lines) {
 
 Json WayBackLines::back_from(const std::vector<std::uint64_t>& changes) const {
   Json made = Json::array();
-  for (const auto generation : changes) {
-    if (const auto found = lines_.find(generation); found != lines_.end()) {
-      std::ranges::for_each(found->second, [&](const Json& line) { add_later(line, made); });
+  for (const auto& [generation, lines] : lines_) {
+    const bool leads_back = std::ranges::find(changes, generation) != changes.end();
+    for (const auto& line : lines) {
+      add_later(line, leads_back, made);
     }
   }
   Json back = Json::array();

@@ -19,7 +19,7 @@ class WayBackLines {
   /// The change that made this generation made these differences ({"op","kind","address","old",
   /// "new"} each). Only the newest kMost are kept.
   void remember(std::uint64_t generation, const Json& lines);
-  /// The differences that going back to before these changes makes, each address once.
+  /// The differences that going back to before these changes makes now, each address once.
   [[nodiscard]] Json back_from(const std::vector<std::uint64_t>& changes) const;
   /// Nothing leads back to before these changes any more.
   void forget(const std::vector<std::uint64_t>& changes);

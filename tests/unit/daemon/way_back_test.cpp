@@ -46,6 +46,14 @@ TEST(WayBackLines, LeaveOutWhatIsAgainAsItWas) {
   EXPECT_EQ(lines.back_from({2, 3}), Json::array());
 }
 
+TEST(WayBackLines, KnowWhatALaterStartOrStopMadeOfIt) {
+  WayBackLines lines;
+  lines.remember(2, Json::array({line("a.start", true, false)}));
+  lines.remember(3, Json::array({line("a.start", false, true), line("b.start", false, true)}));
+
+  EXPECT_EQ(lines.back_from({2}), Json::array()) << "it runs already";
+}
+
 TEST(WayBackLines, AreForgottenWithTheirChangesAndBounded) {
   WayBackLines lines;
   for (std::uint64_t generation = 1; generation <= WayBackLines::kMost + 1; ++generation) {
