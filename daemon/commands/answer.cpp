@@ -55,6 +55,9 @@ void remember_change(Running& running, const Call& call, const Json& result,
   for (const auto& member : *members) {
     names.push_back(text_or(member, "name"));
   }
+  if (const auto undone = result.find("undone"); undone != result.end()) {
+    names = (*undone)["components"].get<std::vector<std::string>>();
+  }
   running.failures.changed(names, {generation, logging::utc(std::chrono::system_clock::now()),
                                    std::string(call.method->name), call.caller.peer.uid,
                                    text_or(call.params, "reason")});

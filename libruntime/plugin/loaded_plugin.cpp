@@ -109,11 +109,12 @@ Status LoadedPlugin::check_component(const ComponentType& component) const {
                   "add plugin.core<...>(...) for it");
   }
   if (core->second.contract != component.fsm.contract) {
-    return refuse(Errc::type_mismatch, component.name,
-                  "its default core " + component.default_core + " has contract " +
-                      core->second.contract.name + ", its state machine calls " +
-                      component.fsm.contract.name,
-                  "let both use the same contract class");
+    return refuse(
+        Errc::type_mismatch, component.name,
+        "its default core " + component.default_core + " has contract " +
+            core->second.contract.name + ", its state machine calls " + component.fsm.contract.name,
+        "let the core inherit `using Contract = ...;` from the class that the state machine "
+        "calls (mauve/core.h)");
   }
   return ok();
 }

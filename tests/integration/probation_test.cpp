@@ -116,6 +116,7 @@ TEST(Probation, UndoTellsWhatItTakesBackBeforeAndAfter) {
   EXPECT_THAT(undone, HasSubstr("~ first.core: trial/other -> trial/steady\n"));
   EXPECT_THAT(undone, HasSubstr("~ first.core.gain: 3 -> 1\n"));
   EXPECT_THAT(undone, HasSubstr("took back generations 2 to 3 (first) (generation 4)"));
+  EXPECT_THAT(daemon.ctl({"why", "first"}).out, HasSubstr("generation 4 by change.undo"));
   EXPECT_EQ(daemon.ask("change.undo", {{"dry_run", true}})["data"]["name"], "wrong_state");
 }
 
