@@ -184,7 +184,7 @@ void put_in_force(Running& running, const CallPtr& call, JourneyPtr journey, Tic
                 });
 }
 
-/// [control] The end of a dry run: the prepared change is told and dropped.
+/// [control] Ends a dry run: the answer tells the prepared change, and [factory] frees it.
 void tell(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
   auto result = to_json(running.deployer.foresee(**journey->prepared));
   result["dry_run"] = true;

@@ -51,8 +51,9 @@ struct PlaceTarget {
 /// [control] The newest one, if it is newer than the generation `than`.
 [[nodiscard]] std::optional<PlaceTarget> newest_place(const Running& running, std::uint64_t than);
 
-/// [control] Begins the way back, for this reason. The end is told as that of any probation.
-/// Refused while another change is being prepared.
+/// [control] Begins to put the core before in force again; the log shows `reason`. The log, the
+/// audit log and the history tell the end of the way back, as they do for every probation. The call
+/// is refused while another change is being prepared.
 [[nodiscard]] Status undo_place(Running& running, const PlaceTarget& target,
                                 const std::string& reason);
 

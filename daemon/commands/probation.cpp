@@ -79,7 +79,8 @@ Json tried_json(const Tried& change) {
   return {{"generations", change.changes}, {"components", change.components}};
 }
 
-/// All changes that are on probation and not led back, each with those that it joined.
+/// The changes on probation, each with the changes that it joined. A change that a rollback is
+/// taking back is left out.
 Json on_probation(const Running& running) {
   Json all = Json::array();
   for (const auto& open : running.deployer.probations()) {

@@ -246,7 +246,7 @@ void end_when_settled(Running& running, const CallPtr& call, ReloadPtr reload, T
       });
 }
 
-/// [control] The end of a dry run: the prepared change is told and dropped.
+/// [control] Ends a dry run: the answer tells the prepared reload, and [factory] frees it.
 void tell_reload(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket) {
   Receipt nothing;
   nothing.generation = running.deployer.generation();
