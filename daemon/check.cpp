@@ -17,16 +17,23 @@
 namespace mauve::daemon {
 namespace {
 
-/// "21.9 ms", "614 us"; none: "-".
+/// "21.9 ms", "614 us", "2 s"; none: "-".
 std::string in_words(const std::optional<Duration>& duration) {
   if (!duration) {
     return "-";
   }
-  const double microseconds = std::chrono::duration<double, std::micro>(*duration).count();
-  const bool small = std::abs(microseconds) < 1000;
+  constexpr double kThreeDigits = 999.5;
+  double count = std::chrono::duration<double, std::micro>(*duration).count();
+  const char* unit = "us";
+  for (const char* larger : {"ms", "s"}) {
+    if (std::abs(count) < kThreeDigits) {
+      break;
+    }
+    count /= 1000;
+    unit = larger;
+  }
   std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), small ? "%.3g us" : "%.3g ms",
-                small ? microseconds : microseconds / 1000);
+  std::snprintf(text.data(), text.size(), "%.3g %s", count, unit);
   return text.data();
 }
 

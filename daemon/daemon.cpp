@@ -216,8 +216,8 @@ Status Daemon::serve() {
   keep_the_first();
   recorder_.start(*running_);
   table_ = std::make_unique<CommandTable>(*running_);
-  server_ = std::make_unique<server::Server>(server::ServerOptions{{}, server::machine_rules()},
-                                             *table_, log_);
+  server_ = std::make_unique<server::Server>(
+      server::ServerOptions{{}, server::machine_rules(), server::machine_rules}, *table_, log_);
   const auto state = state_line();
   supervisor_.start(*running_);
   stopper_.start(*deployer_);

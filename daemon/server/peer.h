@@ -44,7 +44,8 @@ struct RoleRules {
   std::optional<gid_t> admins;
 };
 
-/// [main] The rules of this machine: groups mauve-view, mauve, mauve-admin and the effective uid.
+/// [main] or [io] The rules of this machine: groups mauve-view, mauve, mauve-admin and the
+/// effective uid.
 [[nodiscard]] RoleRules machine_rules();
 
 /// [any] The highest role that a rule gives.

@@ -16,6 +16,7 @@ using logging::Event;
 namespace {
 
 constexpr std::chrono::milliseconds kSweep{200};
+constexpr std::chrono::seconds kLooksAgain{1};
 
 std::int64_t number(std::uint64_t value) { return static_cast<std::int64_t>(value); }
 
@@ -146,12 +147,23 @@ void Server::resume_accept() {
   }
 }
 
+Role Server::role_for(const Peer& peer) {
+  const auto role = role_of(peer, options_.roles);
+  const auto now = std::chrono::steady_clock::now();
+  if (role != Role::none || !options_.look_again || now - looked_again_ < kLooksAgain) {
+    return role;
+  }
+  looked_again_ = now;
+  options_.roles = options_.look_again();
+  return role_of(peer, options_.roles);
+}
+
 void Server::admit(Protocol::socket socket) {
   auto peer = peer_of(socket.native_handle());
   if (!peer) {
     return;
   }
-  const auto role = role_of(*peer, options_.roles);
+  const auto role = role_for(*peer);
   const auto entry = entry_of(*peer, role);
   if (!entry) {
     return turn_away(std::move(socket), *peer, entry.error());

@@ -9,6 +9,7 @@
 #include <boost/asio/local/stream_protocol.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -37,6 +38,8 @@ struct ClientInfo {
 struct ServerOptions {
   Limits limits;
   RoleRules roles;
+  /// Asked when a user has no role, at most once a second: his group may be new. None: never asked.
+  std::function<RoleRules()> look_again = {};
 };
 
 class Server {
@@ -68,6 +71,7 @@ class Server {
   void pause_accept();
   void resume_accept();
   void admit(Protocol::socket socket);
+  [[nodiscard]] Role role_for(const Peer& peer);
   /// How a newcomer is admitted.
   struct Entry {
     bool only_urgent = false;
@@ -91,6 +95,7 @@ class Server {
   void sweep();
 
   ServerOptions options_;
+  std::chrono::steady_clock::time_point looked_again_;  // [io]
   Dispatcher& dispatcher_;
   logging::Log& log_;
   std::optional<Endpoint> endpoint_;

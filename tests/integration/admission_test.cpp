@@ -81,6 +81,15 @@ TEST(StrictAdmission, NamesTheAssumptionWhereItDecidesAndStartAndCheckAgree) {
   EXPECT_THAT(TempDir::read(daemon.place() / "check.txt"), HasSubstr("not admitted: first"));
 }
 
+TEST(Check, WritesLongTimesInSeconds) {
+  TrialDaemon daemon(budgeted("1500ms"), {"--realtime", "off", "--admission", "off"});
+  auto words = daemon.command();
+  words.emplace_back("--check");
+  Process check(words);
+
+  EXPECT_THAT(check.all_output(), HasSubstr(" 1.5 s declared"));
+}
+
 TEST(Swap, DeclaresTheBudgetOfTheNewCore) {
   TrialDaemon daemon;
 

@@ -98,12 +98,13 @@ class FakeDispatcher final : public server::Dispatcher {
 
 /// A server on a socket of its own, for as long as the test lasts.
 struct ServedSocket {
-  explicit ServedSocket(server::Limits limits = {}, server::RoleRules rules = {})
+  explicit ServedSocket(server::Limits limits = {}, server::RoleRules rules = {},
+                        std::function<server::RoleRules()> look_again = {})
       : log(logging::Level::debug) {
     log.start();
     rules.own_uid = geteuid();
-    server =
-        std::make_unique<server::Server>(server::ServerOptions{limits, rules}, dispatcher, log);
+    server = std::make_unique<server::Server>(
+        server::ServerOptions{limits, rules, std::move(look_again)}, dispatcher, log);
     auto endpoint = server::Endpoint::open(path());
     opened = endpoint ? server->open(std::move(*endpoint)) : Status(endpoint.error());
     server->start();

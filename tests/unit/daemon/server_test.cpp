@@ -269,6 +269,21 @@ TEST(Server, GivesTheOldestPlaceForAStopToAFurtherUserWhenTheReserveIsUsedUp) {
   EXPECT_EQ(served.server->clients().size(), 4U);
 }
 
+TEST(Server, KnowsAGroupThatWasMadeAfterItsStart) {
+  if (geteuid() != 0) GTEST_SKIP() << "SKIPPED: needs root, for a client of another user";
+  server::RoleRules later;
+  later.viewers = getegid();
+  ServedSocket served({}, {}, [later] { return later; });
+  std::filesystem::permissions(served.path().parent_path(), std::filesystem::perms::all);
+  std::filesystem::permissions(served.path(), std::filesystem::perms::all);
+
+  ASSERT_EQ(seteuid(50'001), 0);
+  RawClient client(served.path());
+  ASSERT_EQ(seteuid(0), 0);
+
+  EXPECT_EQ(client.json()["params"]["role"], "viewer");
+}
+
 TEST(Server, GivesAnAdminThePlaceOfTheOldestViewerWhenAllAreTaken) {
   if (geteuid() != 0) GTEST_SKIP() << "SKIPPED: needs root, for clients of another user";
   server::Limits limits;
