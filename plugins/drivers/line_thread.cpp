@@ -48,6 +48,9 @@ std::uint64_t look(std::uint64_t& word) {
 void store(std::uint64_t& word, std::uint64_t value) {
   std::atomic_ref(word).store(value, std::memory_order_release);
 }
+bool replace(std::uint64_t& word, std::uint64_t seen, std::uint64_t value) {
+  return std::atomic_ref(word).compare_exchange_strong(seen, value);
+}
 
 constexpr std::size_t kHead = 3;  // before a request: how long it is, and after how many orders
 
@@ -140,14 +143,20 @@ void LineThread::fill(LineBytes& bytes) {
     device_->reader.store(id(), std::memory_order_release);
     news = true;
   }
-  const std::uint64_t filler = look(bytes.filler);
-  const bool ours = filler == 0 || filler == id();  // else it will let go
-  if (ours && (filler == 0 || target_.load(std::memory_order_relaxed) != &bytes)) {
-    store(bytes.filler, id());
-    target_.store(&bytes, std::memory_order_release);
-    news = true;
-  }
+  if (offer(bytes)) news = true;
   if (news) kick();
+}
+
+/// Bytes that no line has, or that a job which was thrown out had offered by half. The offer is
+/// read before its mark: an offer that the thread took has another mark by then.
+bool LineThread::offer(LineBytes& bytes) {
+  const bool offered = target_.load(std::memory_order_acquire) == &bytes;
+  const std::uint64_t filler = look(bytes.filler);
+  if (filler != 0 && (filler != id() || offered)) return false;
+  store(bytes.filler, id());
+  LineBytes* const earlier = target_.exchange(&bytes);
+  if (earlier != nullptr && earlier != &bytes) replace(earlier->filler, id(), 0);
+  return true;
 }
 
 bool LineThread::send(std::string_view bytes) {
@@ -215,20 +224,21 @@ void LineThread::run() {
     wait();
   }
   send_rest();
+  if (LineBytes* const offered = target_.exchange(nullptr)) replace(offered->filler, id(), 0);
   let_go();
-  // Given to us and not looked at yet.
-  if (LineBytes* const bytes = target_.exchange(nullptr)) store(bytes->filler, 0);
 }
 
-/// Takes those it was given; leaves those that another line wants.
+/// Takes those it was offered; leaves those that another line wants. Whether it still may take
+/// them, their mark alone tells.
 void LineThread::choose_bytes() {
-  LineBytes* target = target_.load(std::memory_order_acquire);
-  if (filled_ != nullptr && (filled_ != target || look(filled_->wanted) != id())) {
-    target = filled_;
-    if (target_.compare_exchange_strong(target, nullptr)) target = nullptr;
-    let_go();
+  if (LineBytes* offered = target_.load(std::memory_order_acquire)) {
+    if (replace(offered->filler, id(), own())) {
+      let_go();
+      filled_ = offered;
+    }
+    target_.compare_exchange_strong(offered, nullptr);
   }
-  filled_ = target;
+  if (filled_ != nullptr && look(filled_->wanted) != id()) let_go();
 }
 
 /// The last that this line does to them.

@@ -26,7 +26,7 @@ namespace drivers {
 /// predecessor has let go.
 struct LineBytes {
   ByteRing<16'384> ring;
-  std::uint64_t filler = 0;  // the line that writes into it
+  std::uint64_t filler = 0;  // the line that it is offered to, or, one more, that writes into it
   std::uint64_t wanted = 0;  // the line that shall
   std::uint64_t home = 0;    // where this is: a copy has no filler
 };
@@ -86,6 +86,7 @@ class LineThread {
   void tune();
   void follow_the_component();
   void hurry();
+  bool offer(LineBytes& bytes);
   void choose_bytes();
   void let_go();
   void open_again();
@@ -103,6 +104,7 @@ class LineThread {
   void send_rest();
   void kick() const;
   [[nodiscard]] std::uint64_t id() const { return reinterpret_cast<std::uintptr_t>(this); }
+  [[nodiscard]] std::uint64_t own() const { return id() + 1; }  // the mark of bytes it fills
 
   LineEnd* end_ = nullptr;
   std::shared_ptr<Device> device_;
@@ -119,8 +121,8 @@ class LineThread {
   std::atomic<bool> asked_{false};
   std::atomic<bool> open_{false};
   std::atomic<int> error_{0};
-  std::atomic<LineBytes*> target_{nullptr};
-  ByteRing<16'384> waiting_;  // requests, each after its head
+  std::atomic<LineBytes*> target_{nullptr};  // offered, and not taken yet
+  ByteRing<16'384> waiting_;                 // requests, each after its head
 
   // The thread's own.
   LineBytes* filled_ = nullptr;

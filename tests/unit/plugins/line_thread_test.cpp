@@ -125,6 +125,32 @@ TEST_F(Line, ASuccessorReadsOnWhereItsPredecessorStopped) {
   bytes.reset();
 }
 
+TEST_F(Line, HasOneFillerHoweverOftenCoresFollowEachOther) {
+  const std::string text = numbered(40'000);
+  Core first(far_.device());
+  Core second(far_.device());
+  auto bytes = std::make_unique<LineBytes>();
+  std::string came;
+  std::string_view left = text;
+  // A core is wanted again while its line lets go of the bytes.
+  for (int change = 0; change < 5'000; ++change) {
+    Core& core = change % 2 == 0 ? first : second;
+    left.remove_prefix(far_.send_some(left.substr(0, 7)));
+    for (int job = 0; job <= change % 5; ++job) came += core.job(*bytes);
+  }
+  ASSERT_TRUE(eventually([&] {
+    left.remove_prefix(far_.send_some(left));
+    return (came += first.job(*bytes)).size() >= text.size();
+  }));
+  EXPECT_EQ(came, text);
+
+  first.line.stop();
+  second.line.stop();
+  first.line.empty_handed(*bytes);
+  second.line.empty_handed(*bytes);
+  bytes.reset();
+}
+
 TEST_F(Line, ReadsAlthoughAJobWasThrownOutWhileItSaidWhatToFill) {
   Core core(far_.device());
   LineBytes bytes;
