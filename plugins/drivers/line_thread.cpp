@@ -42,16 +42,6 @@ void introduce() {
   pthread_sigmask(SIG_BLOCK, &all, nullptr);
 }
 
-std::uint64_t look(std::uint64_t& word) {
-  return std::atomic_ref(word).load(std::memory_order_acquire);
-}
-void store(std::uint64_t& word, std::uint64_t value) {
-  std::atomic_ref(word).store(value, std::memory_order_release);
-}
-bool replace(std::uint64_t& word, std::uint64_t seen, std::uint64_t value) {
-  return std::atomic_ref(word).compare_exchange_strong(seen, value);
-}
-
 constexpr std::size_t kHead = 3;  // before a request: how long it is, and after how many orders
 
 /// The bytes of an order, and in the last one how many there are.
@@ -123,40 +113,15 @@ void LineThread::stop() {
   running_ = open_ = false;
 }
 
-void LineThread::empty_handed(LineBytes& bytes) const {
-  store(bytes.wanted, 0);
-  if (bytes.home != reinterpret_cast<std::uintptr_t>(&bytes)) return;
-  if (look(bytes.filler) == id()) store(bytes.filler, 0);  // a job was thrown out of fill()
-  while (look(bytes.filler) != 0) std::this_thread::sleep_for(1ms);
-}
-
 /// May be thrown out anywhere: whatever is missing then, the next job does.
 void LineThread::fill(LineBytes& bytes) {
-  if (const auto here = reinterpret_cast<std::uintptr_t>(&bytes); bytes.home != here) {
-    store(bytes.filler, 0);
-    bytes.home = here;
-  }
-  store(bytes.wanted, id());
+  bool news = filler_.want(bytes);
   follow_the_component();
-  bool news = false;
   if (device_ != nullptr && device_->reader.load(std::memory_order_relaxed) != id()) {
     device_->reader.store(id(), std::memory_order_release);
     news = true;
   }
-  if (offer(bytes)) news = true;
   if (news) kick();
-}
-
-/// Bytes that no line has, or that a job which was thrown out had offered by half. The offer is
-/// read before its mark: an offer that the thread took has another mark by then.
-bool LineThread::offer(LineBytes& bytes) {
-  const bool offered = target_.load(std::memory_order_acquire) == &bytes;
-  const std::uint64_t filler = look(bytes.filler);
-  if (filler != 0 && (filler != id() || offered)) return false;
-  store(bytes.filler, id());
-  LineBytes* const earlier = target_.exchange(&bytes);
-  if (earlier != nullptr && earlier != &bytes) replace(earlier->filler, id(), 0);
-  return true;
 }
 
 bool LineThread::send(std::string_view bytes) {
@@ -217,38 +182,18 @@ void* LineThread::enter(void* self) {
 void LineThread::run() {
   while (!stopping_.load(std::memory_order_acquire)) {
     if (hurried_.exchange(false)) hurry();
-    choose_bytes();
+    filler_.choose();
     if (asked_.exchange(false)) open_again();
     write_out();
     read_in();
     wait();
   }
   send_rest();
-  if (LineBytes* const offered = target_.exchange(nullptr)) replace(offered->filler, id(), 0);
-  let_go();
-}
-
-/// Takes those it was offered; leaves those that another line wants. Whether it still may take
-/// them, their mark alone tells.
-void LineThread::choose_bytes() {
-  if (LineBytes* offered = target_.load(std::memory_order_acquire)) {
-    if (replace(offered->filler, id(), own())) {
-      let_go();
-      filled_ = offered;
-    }
-    target_.compare_exchange_strong(offered, nullptr);
-  }
-  if (filled_ != nullptr && look(filled_->wanted) != id()) let_go();
-}
-
-/// The last that this line does to them.
-void LineThread::let_go() {
-  LineBytes* const bytes = std::exchange(filled_, nullptr);
-  if (bytes != nullptr) store(bytes->filler, 0);
+  filler_.end();
 }
 
 bool LineThread::reads() const {
-  return open() && filled_ != nullptr &&
+  return open() && filler_.bytes() != nullptr &&
          (device_ == nullptr || device_->reader.load(std::memory_order_acquire) == id());
 }
 
@@ -269,13 +214,13 @@ void LineThread::open_again() {
 
 void LineThread::read_in() {
   while (reads()) {
-    const std::span<char> room = filled_->ring.room();
+    const std::span<char> room = filler_.bytes()->ring.room();
     if (room.empty()) return;
     const std::ptrdiff_t count = read_some(room);
     if (count < 0) return lose();
     if (count == 0) return;
     idle_ = false;
-    filled_->ring.filled(static_cast<std::size_t>(count));
+    filler_.bytes()->ring.filled(static_cast<std::size_t>(count));
     if (tell_received_) tell_received_(static_cast<std::size_t>(count));
   }
 }
@@ -379,14 +324,14 @@ void LineThread::drop_waiting() {
 
 void LineThread::wait() {
   const bool filling = reads();
-  const bool full = filling && filled_->ring.room().empty();
+  const bool full = filling && filler_.bytes()->ring.room().empty();
   pollfd bell{bell_.number(), POLLIN, 0};
   pollfd line{-1, 0, 0};
   if (filling && !full && !idle_) line.events = POLLIN;
   if (open() && next_request()) line.events |= POLLOUT;
   if (line.events != 0) line.fd = end_->number();
   std::array<pollfd, 2> both{bell, line};
-  const int longest = full || idle_ ? kPause : filled_ != nullptr ? kGlance : -1;
+  const int longest = full || idle_ ? kPause : filler_.bytes() != nullptr ? kGlance : -1;
   ::poll(both.data(), both.size(), longest);
   idle_ = false;
   if ((both[0].revents & POLLIN) != 0) {

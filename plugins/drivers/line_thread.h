@@ -17,19 +17,10 @@
 #include <mauve/result.h>
 
 #include "byte_ring.h"
+#include "line_bytes.h"
 #include "serial_port.h"
 
 namespace drivers {
-
-/// What came from a device and was not used yet. Part of a core's state, so that it survives a
-/// change: the successor reads on here, and its own line goes on filling it once the line of its
-/// predecessor has let go.
-struct LineBytes {
-  ByteRing<16'384> ring;
-  std::uint64_t filler = 0;  // the line that it is offered to, or, one more, that writes into it
-  std::uint64_t wanted = 0;  // the line that shall
-  std::uint64_t home = 0;    // where this is: a copy has no filler
-};
 
 /// Serves one end of a line from start() to stop(). A line reads only into bytes that it fills, and
 /// no more than find room there: what is beyond that waits in the kernel, and a core that does not
@@ -57,7 +48,7 @@ class LineThread {
   /// Sends what waits, for 200 ms at most, and joins the thread. [factory]
   void stop();
   /// Until no line fills it any more, so that it can go. After stop(). [factory]
-  void empty_handed(LineBytes& bytes) const;
+  void empty_handed(LineBytes& bytes) const { filler_.empty_handed(bytes); }
 
   /// The line fills this from now on, and no other line of the device any; to be said again in each
   /// job. [rt]
@@ -86,9 +77,6 @@ class LineThread {
   void tune();
   void follow_the_component();
   void hurry();
-  bool offer(LineBytes& bytes);
-  void choose_bytes();
-  void let_go();
   void open_again();
   void read_in();
   std::ptrdiff_t read_some(std::span<char> room);
@@ -104,7 +92,6 @@ class LineThread {
   void send_rest();
   void kick() const;
   [[nodiscard]] std::uint64_t id() const { return reinterpret_cast<std::uintptr_t>(this); }
-  [[nodiscard]] std::uint64_t own() const { return id() + 1; }  // the mark of bytes it fills
 
   LineEnd* end_ = nullptr;
   std::shared_ptr<Device> device_;
@@ -121,11 +108,10 @@ class LineThread {
   std::atomic<bool> asked_{false};
   std::atomic<bool> open_{false};
   std::atomic<int> error_{0};
-  std::atomic<LineBytes*> target_{nullptr};  // offered, and not taken yet
-  ByteRing<16'384> waiting_;                 // requests, each after its head
+  LineFiller filler_;
+  ByteRing<16'384> waiting_;  // requests, each after its head
 
   // The thread's own.
-  LineBytes* filled_ = nullptr;
   std::size_t request_size_ = 0;     // of the first that waits, with its head
   std::size_t request_sent_ = 0;     // of these, gone
   std::uint8_t request_orders_ = 0;  // that had been given when it was sent

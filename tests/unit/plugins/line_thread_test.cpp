@@ -151,20 +151,6 @@ TEST_F(Line, HasOneFillerHoweverOftenCoresFollowEachOther) {
   bytes.reset();
 }
 
-TEST_F(Line, ReadsAlthoughAJobWasThrownOutWhileItSaidWhatToFill) {
-  Core core(far_.device());
-  LineBytes bytes;
-  bytes.home = reinterpret_cast<std::uintptr_t>(&bytes);
-  bytes.wanted = bytes.filler = reinterpret_cast<std::uintptr_t>(&core.line);
-  ASSERT_TRUE(far_.send("heard"));
-
-  EXPECT_EQ(core.jobs(bytes, 5), "heard");
-  core.line.stop();
-  bytes.filler = reinterpret_cast<std::uintptr_t>(&core.line);
-  core.line.empty_handed(bytes);
-  EXPECT_EQ(bytes.filler, 0U);
-}
-
 TEST_F(Line, FillsACopyOfTheBytesAnew) {
   LineBytes before;
   LineBytes after;

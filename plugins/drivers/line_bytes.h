@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The received bytes of a serial line, and which line fills them.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "byte_ring.h"
+
+namespace drivers {
+
+/// What came from a device and was not used yet. Part of a core's state, so that it survives a
+/// change: the successor reads on here, and its own line goes on filling it once the line of its
+/// predecessor has let go.
+struct LineBytes {
+  ByteRing<16'384> ring;
+  std::uint64_t filler = 0;  // the line that it is offered to, or, one more, that writes into it
+  std::uint64_t wanted = 0;  // the line that shall
+  std::uint64_t home = 0;    // where this is: a copy has no filler
+};
+
+/// The part of a line that fills bytes: a component offers them in each job, the thread of the
+/// line takes them, and lets go of them when another line wants them. A mark in the bytes tells
+/// which line may write into them, so that it is never more than one.
+class LineFiller {
+ public:
+  LineFiller() = default;
+  LineFiller(const LineFiller&) = delete;
+  LineFiller& operator=(const LineFiller&) = delete;
+
+  /// This line shall fill them, and no other: true when its thread has to look. To be said again
+  /// in each job, which may be thrown out anywhere. [rt]
+  bool want(LineBytes& bytes);
+  /// Until no line fills them any more, so that they can go. After the thread of this line has
+  /// ended. [factory]
+  void empty_handed(LineBytes& bytes) const;
+
+  // The thread's own.
+
+  /// Takes the bytes it was offered; lets go of those that another line wants.
+  void choose();
+  /// The last that the thread does.
+  void end();
+  /// The bytes it fills, or none.
+  [[nodiscard]] LineBytes* bytes() const { return filled_; }
+
+ private:
+  bool offer(LineBytes& bytes);
+  void let_go();
+  // The marks of bytes that it is offered, and of those it fills.
+  [[nodiscard]] std::uint64_t id() const { return reinterpret_cast<std::uintptr_t>(this); }
+  [[nodiscard]] std::uint64_t own() const { return id() + 1; }
+
+  std::atomic<LineBytes*> offered_{nullptr};  // and not taken yet
+  LineBytes* filled_ = nullptr;               // the thread's own
+};
+
+}  // namespace drivers
