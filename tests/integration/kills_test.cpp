@@ -2,11 +2,13 @@
 /// Nothing that was answered as saved is lost: mauved is killed MAUVE_KILLS times (6), each time
 /// right after an answer, in an order of changes that MAUVE_SEED decides. One state directory lives
 /// through many kills, as that of a robot.
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <functional>
+#include <map>
 #include <random>
-#include <set>
+#include <vector>
 
 #include "kept_daemon.h"
 #include "kept_oracle.h"
@@ -98,7 +100,7 @@ class Robot {
     ++applied_[step.method];
     account(step, answer["result"]);
     if (kill) return static_cast<void>(daemon_.process().wait());
-    if (!may_be_last(step)) wait_for_quarantine();
+    if (!may_be_last(step)) wait_for_quarantine(answer["result"]);
     const auto exported = client_.ask("config.get")["result"]["architecture"];
     EXPECT_EQ(exported, now_) << "the test does not know what this does" << story_;
   }
@@ -162,7 +164,7 @@ class Robot {
     auto it = oracle_.all().begin();
     std::advance(it, below(oracle_.all().size()));
     const Json content = it->second.content;
-    if (content.dump().find(kFailing) != std::string::npos) return set();
+    if (content.is_null() || content.dump().find(kFailing) != std::string::npos) return set();
     return {"config.rollback",
             {{"generation", it->first}, {"state", "drop"}},
             [content](Json& system) { system = content; },
@@ -198,65 +200,120 @@ class Robot {
     const auto its = before == nullptr ? Worth::either : before->worth;
     const auto number = result["generation"].get<std::uint64_t>();
     Kept next{now_, Worth::unconfirmed, step.method != "component.stop"};
+    // A file that only starts or stops something has nothing to prove.
+    const bool order = step.kind == Step::Kind::order ||
+                       (step.method == "config.rollback" && !result.contains("probation"));
     if (step.kind == Step::Kind::undo) {
       undo(next);
     } else {
       step.makes(next.content);
+      if (!order) open(step, result, next.content);
     }
-    // A file that only starts or stops something has nothing to prove.
-    const bool order = step.kind == Step::Kind::order ||
-                       (step.method == "config.rollback" && !result.contains("probation"));
-    if (step.kind == Step::Kind::taken) next.worth = Worth::confirmed;
-    if (order) next.worth = its;
-    if (step.kind == Step::Kind::trial && !order) undo_to_ = {generation_, now_};
-    ordered_ = order && (ordered_ || step.kind == Step::Kind::order);
-    if (step.kind == Step::Kind::taken) undo_to_.reset();
+    if (step.kind == Step::Kind::taken && open_.empty()) next.worth = Worth::confirmed;
+    if (order) {
+      next.worth = its;
+      for (auto& one : open_) one.ordered = true;
+    }
     now_ = next.content;
     generation_ = number;
     oracle_.add(number, std::move(next));
   }
+  /// A change on probation, with those that it joined: the components as they were before.
+  struct Open {
+    std::uint64_t before = 0;  ///< the generation
+    std::uint64_t newest = 0;
+    std::map<std::string, Json> components;
+    bool ordered = false;  ///< something was stopped or started by request since then
+
+    void join(const Open& earlier) {
+      before = std::min(before, earlier.before);
+      ordered = ordered || earlier.ordered;
+      for (const auto& [component, content] : earlier.components) components[component] = content;
+    }
+  };
+  /// The components that it changes; a swap and a reload change those that stay the same, too.
+  [[nodiscard]] std::map<std::string, Json> touched(const Step& step, const Json& next) const {
+    std::map<std::string, Json> found;
+    for (const std::string component : {"first", "second", "guest"}) {
+      const Json before = now_["components"].value(component, Json());
+      const bool swapped = step.method == "core.swap" && component == "first";
+      const bool reloaded = step.method == "plugin.reload" && !before.is_null();
+      if (swapped || reloaded || before != next["components"].value(component, Json())) {
+        found[component] = before;
+      }
+    }
+    return found;
+  }
+  /// The notes of an answer tell which probations a change joins, and which it ends.
+  static std::string told_about(const Json& notes, std::uint64_t generation) {
+    const auto last = std::to_string(generation) + " (";
+    for (const auto& one : notes) {
+      const auto note = one.get<std::string>();
+      const bool names = note.find("generation " + last) != std::string::npos ||
+                         note.find(" to " + last) != std::string::npos;
+      if (names) return note;
+    }
+    return {};
+  }
+  void open(const Step& step, const Json& result, const Json& next) {
+    Open fresh{generation_, result["generation"], touched(step, next)};
+    bool joins = false;
+    std::erase_if(open_, [&](const Open& earlier) {
+      const auto note = told_about(result.value("notes", Json::array()), earlier.newest);
+      if (note.find(" joins ") == std::string::npos) return !note.empty();
+      joins = true;
+      fresh.join(earlier);
+      return true;
+    });
+    const bool tried =
+        step.kind == Step::Kind::trial && step.params.value("probation", "") != "off";
+    if (joins || tried) open_.push_back(std::move(fresh));
+  }
   /// It confirms what runs, so also what that came from on its probation.
   void confirm() {
-    for (auto number = undo_to_ ? undo_to_->first + 1 : generation_; number < generation_;
-         ++number) {
-      oracle_.set_worth(number, Worth::either);
-    }
+    auto number = generation_;
+    for (const auto& one : open_) number = std::min(number, one.before + 1);
+    for (; number < generation_; ++number) oracle_.set_worth(number, Worth::either);
     oracle_.set_worth(generation_, Worth::confirmed);
-    undo_to_.reset();
+    open_.clear();
   }
-  /// What was stopped or started meanwhile stays so.
+  /// Of the newest change. What was stopped or started meanwhile stays so.
   void undo(Kept& next) {
-    if (!undo_to_) return;
-    const auto& [number, content] = *undo_to_;
-    next.content = content;
-    if (ordered_) {
-      const bool stands = now_["components"]["second"].contains("start");
-      next.content["components"]["second"].erase("start");
-      if (stands) next.content["components"]["second"]["start"] = false;
+    if (open_.empty()) return;
+    auto& components = next.content["components"];
+    for (const auto& [component, before] : open_.back().components) {
+      const Json start = components.value(component, Json::object()).value("start", Json());
+      components.erase(component);
+      if (before.is_null()) continue;
+      components[component] = before;
+      if (!open_.back().ordered) continue;
+      components[component].erase("start");
+      if (!start.is_null()) components[component]["start"] = start;
     }
-    const auto* earlier = oracle_.find(number);
+    const auto* earlier = oracle_.find(open_.back().before);
+    open_.pop_back();
     const bool proved = earlier == nullptr || earlier->worth != Worth::unconfirmed;
-    next.worth = proved ? Worth::either : Worth::unconfirmed;
-    undo_to_.reset();
+    next.worth = proved && open_.empty() ? Worth::either : Worth::unconfirmed;
   }
-  /// The swap is rolled back at the next release; the generation of that has the old content. It
-  /// may be in force when the swap is answered, and then it alone is kept. The list of cores in
-  /// quarantine is saved after it.
-  void wait_for_quarantine() {
+  /// The swap is rolled back at the next release, with the changes that it joined; the generation
+  /// of that has the content of before. It may be in force when the swap is answered, and then it
+  /// alone is kept. The list of cores in quarantine is saved after it.
+  void wait_for_quarantine(const Json& answer) {
     EXPECT_TRUE(eventually([&] {
       return TempDir::read(state_ / "quarantine.json").find(kFailing) != std::string::npos;
     })) << story_
         << "\n"
         << client_.ask("status.get") << client_.ask("quarantine.list");
     const auto newest = client_.ask("config.history", {{"n", 1}})["result"]["items"][0];
-    const auto* before = oracle_.find(generation_);
-    const bool proved = before != nullptr && before->worth != Worth::unconfirmed;
+    Kept next{now_};
+    open({"core.swap", Json::object(), {}, Step::Kind::trial}, answer, now_);
+    undo(next);
     const auto number = newest["generation"].get<std::uint64_t>();
     for (auto made = generation_ + 1; made < number; ++made) oracle_.add(made, {});
-    oracle_.add(number, {now_, proved ? Worth::either : Worth::unconfirmed});
+    now_ = next.content;
+    oracle_.add(number, std::move(next));
     generation_ = number;
     quarantined_ = true;
-    undo_to_.reset();
   }
 
   TrialDaemon& daemon_;
@@ -266,8 +323,7 @@ class Robot {
   RawClient client_;
   Json now_;
   std::uint64_t generation_ = 0;
-  std::optional<std::pair<std::uint64_t, Json>> undo_to_;
-  bool ordered_ = false;  ///< something was stopped or started by request since then
+  std::vector<Open> open_;  ///< the newest last
   std::string lock_ = "none";
   bool quarantined_ = false;
   int build_ = 1;
