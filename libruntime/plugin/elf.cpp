@@ -8,6 +8,7 @@
 
 #include "plugin/checksum.h"
 #include "plugin/elf_file.h"
+#include "plugin/elf_lookup.h"
 
 namespace mauve::plugin {
 
@@ -167,21 +168,6 @@ Status check_dynamic(const ElfFile& file) {
   return check_initialisers(file);
 }
 
-/// The bytes of the file that lie at this address once it is mapped; fewer when they end before.
-std::span<const std::byte> mapped_at(const ElfFile& file, std::span<const std::byte> bytes,
-                                     GElf_Addr address, GElf_Xword size) {
-  for (const GElf_Phdr& at : file.segments()) {
-    const bool here = at.p_type == PT_LOAD && address >= at.p_vaddr &&
-                      address - at.p_vaddr < at.p_filesz && at.p_offset <= bytes.size();
-    if (!here) continue;
-    const auto segment = bytes.subspan(at.p_offset);
-    const GElf_Xword skipped = address - at.p_vaddr;
-    if (skipped >= segment.size()) return {};
-    return segment.subspan(skipped, std::min<GElf_Xword>(size, segment.size() - skipped));
-  }
-  return {};
-}
-
 bool is_writable(const ElfFile& file, GElf_Addr address, GElf_Xword size) {
   return std::ranges::any_of(file.segments(), [&](const GElf_Phdr& at) {
     return at.p_type == PT_LOAD && (at.p_flags & PF_W) != 0 && address >= at.p_vaddr &&
@@ -191,13 +177,13 @@ bool is_writable(const ElfFile& file, GElf_Addr address, GElf_Xword size) {
 
 /// The dynamic linker writes where a relocation says, also outside of the plugin: what lies there
 /// differs from process to process, so a trial elsewhere cannot tell.
-Status check_relocations(const ElfFile& file, std::span<const std::byte> bytes) {
+Status check_relocations(const ElfFile& file) {
   constexpr std::pair<GElf_Sxword, GElf_Sxword> kTables[] = {{DT_RELA, DT_RELASZ},
                                                              {DT_JMPREL, DT_PLTRELSZ}};
   for (const auto& [begin, length] : kTables) {
     const GElf_Xword size = file.dynamic(length).value_or(0);
     if (size == 0) continue;
-    const auto table = mapped_at(file, bytes, file.dynamic(begin).value_or(0), size);
+    const auto table = file.mapped(file.dynamic(begin).value_or(0), size);
     if (table.size() != size) return bad("is damaged: its relocations lie outside", kHouseBuild);
     for (std::size_t at = 0; at + sizeof(Elf64_Rela) <= table.size(); at += sizeof(Elf64_Rela)) {
       Elf64_Rela one;
@@ -299,7 +285,8 @@ Result<Facts> inspect(std::span<const std::byte> bytes, std::string_view name) {
   good = check_exports(file->symbols(SHT_DYNSYM));
   if (good) good = check_segments(*file);
   if (good) good = check_dynamic(*file);
-  if (good) good = check_relocations(*file, bytes);
+  if (good) good = check_relocations(*file);
+  if (good) good = check_lookup(*file);
   if (!good) return good.error();
 
   Facts facts{manifest, build_id(*file), {}};

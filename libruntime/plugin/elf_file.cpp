@@ -171,4 +171,18 @@ std::optional<ElfFile::Section> ElfFile::section(const std::string& name) const 
   return std::nullopt;
 }
 
+std::span<const std::byte> ElfFile::mapped(GElf_Addr address, GElf_Xword size) const {
+  for (const GElf_Phdr& at : segments_) {
+    const bool here = at.p_type == PT_LOAD && address >= at.p_vaddr &&
+                      address - at.p_vaddr < at.p_filesz && at.p_offset <= bytes_.size();
+    if (!here) continue;
+    const auto segment = bytes_.subspan(at.p_offset);
+    const GElf_Xword skipped = address - at.p_vaddr;
+    if (skipped >= segment.size()) return {};
+    const GElf_Xword left = std::min<GElf_Xword>(at.p_filesz, segment.size()) - skipped;
+    return segment.subspan(skipped, std::min(size, left));
+  }
+  return {};
+}
+
 }  // namespace mauve::plugin

@@ -45,6 +45,9 @@ class ElfFile {
   };
   [[nodiscard]] std::optional<Section> section(const std::string& name) const;
 
+  /// The bytes of the file that lie at this address once it is mapped; fewer when they end before.
+  [[nodiscard]] std::span<const std::byte> mapped(GElf_Addr address, GElf_Xword size) const;
+
  private:
   struct Close {
     void operator()(Elf* elf) const { elf_end(elf); }

@@ -227,6 +227,32 @@ TEST(ElfCheck, RefusesARelocationOutsideOfTheDataOfThePlugin) {
   }
 }
 
+/// The dynamic linker follows these tables without a look at their ends.
+TEST(ElfCheck, RefusesTablesOfSymbolsThatLeadOutside) {
+  const auto refused = [](const char* section, std::size_t at, std::uint32_t number) {
+    std::vector<std::byte> bytes = good();
+    const auto table = ElfFile::open(bytes)->section(section);
+    std::memcpy(bytes.data() + (table->bytes.data() - bytes.data()) + at, &number, sizeof number);
+    EXPECT_TRUE(stamp(bytes));
+    const auto facts = inspect(bytes, "good");
+    return facts ? "no" : facts.error().message;
+  };
+  const auto hashes = ElfFile::open(good())->section(".gnu.hash")->bytes;
+  std::uint32_t last = 0;
+  std::memcpy(&last, &hashes[hashes.size() - sizeof last], sizeof last);
+  const char* const leads = "its table of symbols leads behind its end";
+
+  EXPECT_EQ(refused(".gnu.hash", hashes.size() - sizeof last, last), "no");
+  EXPECT_THAT(refused(".gnu.hash", hashes.size() - sizeof last, last & ~1U), HasSubstr(leads))
+      << "a chain without an end";
+  EXPECT_THAT(refused(".gnu.hash", 0, 0), HasSubstr(leads)) << "no bucket";
+  EXPECT_THAT(refused(".gnu.hash", 0, 1U << 30U), HasSubstr(leads)) << "more buckets than bytes";
+  EXPECT_THAT(refused(".gnu.hash", 4, 0xffffffU), HasSubstr(leads)) << "a first symbol too far";
+  EXPECT_THAT(refused(".gnu.hash", 8, 3), HasSubstr(leads)) << "no power of two";
+  EXPECT_THAT(refused(".dynsym", sizeof(Elf64_Sym), 1U << 30U),
+              HasSubstr("the name of a symbol lies outside"));
+}
+
 /// strip(1) takes sections away and moves their headers; what is mapped stays.
 TEST(ElfCheck, AcceptsAPluginThatWasStripped) {
   const mauve::test::TempDir folder;

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "plugin/elf_lookup.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+namespace mauve::plugin {
+
+namespace {
+
+constexpr GElf_Xword kAll = std::numeric_limits<GElf_Xword>::max();
+
+/// A table of numbers of one size; what lies behind its end is not read.
+template <typename Number>
+class Table {
+ public:
+  explicit Table(std::span<const std::byte> bytes) : bytes_(bytes) {}
+
+  [[nodiscard]] std::size_t size() const { return bytes_.size() / sizeof(Number); }
+  [[nodiscard]] Number operator[](std::size_t at) const {
+    Number number;
+    std::memcpy(&number, bytes_.data() + at * sizeof number, sizeof number);
+    return number;
+  }
+
+ private:
+  std::span<const std::byte> bytes_;
+};
+
+Error damaged(const char* what) {
+  return refuse(Errc::plugin_refused, {}, std::string("is damaged: ") + what,
+                "build or copy it again");
+}
+
+/// As the dynamic linker finds them: from the first to the one that the sections end with.
+Result<Table<Elf64_Sym>> symbols_of(const ElfFile& file) {
+  const auto section = file.section(".dynsym");
+  const GElf_Addr address = file.dynamic(DT_SYMTAB).value_or(0);
+  if (!section || section->header.sh_addr != address) {
+    return damaged("its symbols are not where the dynamic linker looks for them");
+  }
+  const Table<Elf64_Sym> symbols(file.mapped(address, section->bytes.size()));
+  if (symbols.size() * sizeof(Elf64_Sym) != section->bytes.size()) {
+    return damaged("its symbols lie outside");
+  }
+  return symbols;
+}
+
+Status check_names(const ElfFile& file, const Table<Elf64_Sym>& symbols) {
+  const GElf_Xword size = file.dynamic(DT_STRSZ).value_or(0);
+  const auto names = file.mapped(file.dynamic(DT_STRTAB).value_or(0), size);
+  if (size == 0 || names.size() != size || names.back() != std::byte{0}) {
+    return damaged("the names of its symbols lie outside");
+  }
+  for (std::size_t i = 0; i < symbols.size(); ++i) {
+    if (symbols[i].st_name >= size) return damaged("the name of a symbol lies outside");
+  }
+  return ok();
+}
+
+/// A chain of hashes ends with an odd one.
+bool ends(const Table<std::uint32_t>& chains, std::size_t from, std::size_t count) {
+  for (std::size_t at = from; at < std::min(chains.size(), count); ++at) {
+    if ((chains[at] & 1) != 0) return true;
+  }
+  return false;
+}
+
+/// Four numbers, a filter of 64-bit words, buckets with the first symbol of each, and a hash for
+/// each symbol ("GNU Hash ELF Sections", Ali Bahrami, Oracle 2010).
+Status check_hashes(const ElfFile& file, std::size_t symbols) {
+  constexpr std::size_t kHead = 4;
+  const auto bytes = file.mapped(file.dynamic(DT_GNU_HASH).value_or(0), kAll);
+  const Table<std::uint32_t> head(bytes);
+  if (!file.dynamic(DT_GNU_HASH)) {
+    return refuse(Errc::plugin_refused, {}, "has no table of symbols of the GNU style",
+                  "link it with -Wl,--hash-style=gnu, or build it with mauve_add_plugin()");
+  }
+  constexpr const char* kBad = "its table of symbols leads behind its end";
+  if (head.size() < kHead) return damaged(kBad);
+  const std::size_t buckets = head[0];
+  const std::size_t first = head[1];
+  const std::size_t filter = std::size_t{head[2]} * 2;
+  const bool sound = buckets > 0 && std::has_single_bit(filter) && filter > 1 && head[3] < 64 &&
+                     first <= symbols && filter + buckets <= head.size() - kHead;
+  if (!sound) return damaged(kBad);
+  const std::size_t chains = kHead + filter + buckets;
+  const Table<std::uint32_t> hashes(bytes.subspan(chains * sizeof(std::uint32_t)));
+  for (std::size_t at = chains - buckets; at < chains; ++at) {
+    const std::size_t symbol = head[at];
+    if (symbol == 0) continue;
+    if (symbol < first || !ends(hashes, symbol - first, symbols - first)) return damaged(kBad);
+  }
+  return ok();
+}
+
+}  // namespace
+
+Status check_lookup(const ElfFile& file) {
+  const auto symbols = symbols_of(file);
+  if (!symbols) return symbols.error();
+  if (Status good = check_names(file, *symbols); !good) return good;
+  return check_hashes(file, symbols->size());
+}
+
+}  // namespace mauve::plugin
