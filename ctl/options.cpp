@@ -115,17 +115,15 @@ struct Parser {
     app.require_subcommand(0, 1);
     app.set_version_flag("--version", std::string("mauvectl ") + MAUVE_VERSION);
     for (const Argument& argument : kGlobals) add_argument(app, argument, global_values);
+    // Only commands that the line names: all of them would take a millisecond.
     for (const Command& command : commands()) {
-      const bool named = std::ranges::find(words, command.name) != words.end();
-      add_command(command, named);
+      if (std::ranges::find(words, command.name) != words.end()) add_command(command);
     }
   }
 
-  /// A command that the line does not name needs no arguments: all would take a millisecond.
-  void add_command(const Command& command, bool with_arguments) {
+  void add_command(const Command& command) {
     CLI::App* sub = app.add_subcommand(std::string(command.name), std::string(command.text));
     sub->fallthrough();
-    if (!with_arguments) return;
     for (const Argument& argument : command.arguments) {
       add_argument(*sub, argument, values[command.name]);
     }

@@ -5,6 +5,7 @@
 
 #include "exec/write_quietly.h"
 #include "rt/cache.h"
+#include "rt/preemption.h"
 
 namespace mauve::exec {
 namespace {
@@ -56,7 +57,9 @@ Task::Task(std::string name, const Clock& clock, std::shared_ptr<const rt::Noise
       clock_(clock),
       simulated_(dynamic_cast<const MonotonicClock*>(&clock) == nullptr ? &clock : nullptr),
       noise_(std::move(noise)),
-      trace_(new Trace{rt::TraceRing(simulated_), nullptr}) {}
+      trace_(new Trace{rt::TraceRing(simulated_), nullptr}) {
+  static_cast<void>(rt::preemption_is_told());  // It finds that out in its first call, and sleeps.
+}
 
 Task::~Task() {
   delete trace_.load();

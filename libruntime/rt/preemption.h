@@ -17,7 +17,8 @@ void watch_for_preemption();
 /// The kernel looks at nothing of this library any more: before a thread leaves it. [rt]
 void end_preemption_watch();
 
-/// Does this machine tell? Without, preempted() is always true. [any]
+/// Does this machine tell? Without, preempted() is always true. The first call of the process
+/// sleeps for a moment to find that out, so it has to come before a job does. [any]
 [[nodiscard]] bool preemption_is_told();
 
 }  // namespace mauve::rt
