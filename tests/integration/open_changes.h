@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The changes on probation, as the answers tell of them: which of them a change joins, which one
+/// it ends, and where an undo leads back to.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "protocol/message.h"
+
+namespace mauve::test {
+
+/// A change on probation, with those that it joined.
+struct OpenChange {
+  std::uint64_t before = 0;  ///< the generation that it leads back to
+  std::uint64_t newest = 0;
+  std::map<std::string, protocol::Json> components;  ///< as they were; null: there was none
+  bool ordered = false;  ///< something was stopped or started by request since then
+
+  void join(const OpenChange& earlier) {
+    before = std::min(before, earlier.before);
+    ordered = ordered || earlier.ordered;
+    for (const auto& [component, content] : earlier.components) components[component] = content;
+  }
+};
+
+class OpenChanges {
+ public:
+  using Json = protocol::Json;
+
+  [[nodiscard]] bool empty() const { return open_.empty(); }
+  void clear() { open_.clear(); }
+  /// The oldest generation that holds a change on probation.
+  [[nodiscard]] std::uint64_t first_after(std::uint64_t newest) const {
+    for (const auto& one : open_) newest = std::min(newest, one.before + 1);
+    return newest;
+  }
+  /// Something was stopped or started.
+  void order() {
+    for (auto& one : open_) one.ordered = true;
+  }
+  /// The notes of its answer tell which probations a change joins, and which it ends. One that has
+  /// no probation of its own (not `tried`) is on probation when it joins another.
+  void add(OpenChange fresh, const Json& notes, bool tried) {
+    bool joins = false;
+    std::erase_if(open_, [&](const OpenChange& earlier) {
+      const auto note = told_about(notes, earlier.newest);
+      if (note.find(" joins ") == std::string::npos) return !note.empty();
+      joins = true;
+      fresh.join(earlier);
+      return true;
+    });
+    if (joins || tried) open_.push_back(std::move(fresh));
+  }
+  /// Takes the newest change back; what was stopped or started meanwhile stays so. The generation
+  /// that it leads back to.
+  std::uint64_t undo(Json& system) {
+    const OpenChange newest = std::move(open_.back());
+    open_.pop_back();
+    auto& components = system["components"];
+    for (const auto& [component, before] : newest.components) {
+      const Json start = components.value(component, Json::object()).value("start", Json());
+      components.erase(component);
+      if (before.is_null()) continue;
+      components[component] = before;
+      if (!newest.ordered) continue;
+      components[component].erase("start");
+      if (!start.is_null()) components[component]["start"] = start;
+    }
+    return newest.before;
+  }
+
+ private:
+  static std::string told_about(const Json& notes, std::uint64_t generation) {
+    const auto last = std::to_string(generation) + " (";
+    for (const auto& one : notes) {
+      const auto note = one.get<std::string>();
+      const bool names = note.find("generation " + last) != std::string::npos ||
+                         note.find(" to " + last) != std::string::npos;
+      if (names) return note;
+    }
+    return {};
+  }
+
+  std::vector<OpenChange> open_;  ///< the newest last
+};
+
+}  // namespace mauve::test
