@@ -87,6 +87,7 @@ void Swap::publish(Member& member) {
   static_cast<void>(member.task->reclaim());  // words of changes before, no elements
   member.next->transaction = transactions_.back().get();
   member.next->answer->progress = Progress::published;
+  member.answer = member.next->answer;
   member.settled = false;
   member.published = member.next.release();
   member.task->publish(*member.published);
@@ -151,13 +152,14 @@ bool Swap::is_taking() const {
   });
 }
 
+/// What a task took it may have left again, for instance on a way back, and then it is freed.
 void Swap::settle(Member& member) {
-  const Progress progress = member.published->answer->progress.load(std::memory_order_acquire);
+  const Progress progress = member.answer->progress.load(std::memory_order_acquire);
   if (progress == Progress::published) return;
   if (progress == Progress::done) {
-    member.pause = member.published->answer->pause;
-    member.bytes = member.published->answer->bytes;
-    member.failed = member.published->answer->failed;
+    member.pause = member.answer->pause;
+    member.bytes = member.answer->bytes;
+    member.failed = member.answer->failed;
     member.in_force = true;
     static_cast<void>(member.task->reclaim());  // what it ran with before: words, no elements
   } else {

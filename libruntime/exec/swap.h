@@ -29,10 +29,11 @@ namespace mauve::exec {
 struct Member {
   Task* task = nullptr;
   std::unique_ptr<Published> next;  ///< while no task owns it
-  Published* published = nullptr;   ///< while one does
-  bool settled = false;             ///< its thread has answered, or nobody waits for it any more
-  bool in_force = false;            ///< it runs with `next` now
-  Duration pause{0};                ///< the answer of its thread
+  Published* published = nullptr;   ///< while one does, and may have freed it when it is done
+  std::shared_ptr<const Published::Answer> answer;  ///< of `published`; outlives it
+  bool settled = false;   ///< its thread has answered, or nobody waits for it any more
+  bool in_force = false;  ///< it runs with `next` now
+  Duration pause{0};      ///< the answer of its thread
   std::size_t bytes = 0;
   bool failed = false;  ///< it runs with `next`, whose state was not converted
 };

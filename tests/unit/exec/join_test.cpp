@@ -207,6 +207,21 @@ TEST_F(Joining, AStartOrStopOfItsComponentLeavesAProbationAsItIs) {
   EXPECT_EQ(core("left"), before);
 }
 
+/// The component obeys the stop, and goes back with the other one before [control] looks at it.
+TEST_F(Joining, AStopThatAWayBackFollowsAtOnceIsSettled) {
+  apply({to<Failing>("left"), to<ramp::Down>("right")});
+  const auto stop = deployer.begin_stop({"right"});
+  ASSERT_TRUE(stop) << to_string(stop.error());
+  deployer.run_for(400ms);
+
+  while (!(*stop)->advance()) deployer.run_for(1ms);
+
+  EXPECT_TRUE((*stop)->result());
+  tell_after(50ms);
+  EXPECT_EQ(core("right"), before);
+  EXPECT_EQ(deployer.status("right").state, ComponentState::stopped);
+}
+
 TEST_F(Joining, AStopBetweenTwoChangesIsNotTakenBackWithThem) {
   apply({to<ramp::Down>("left")});
   ASSERT_TRUE(deployer.stop({"left"}));
