@@ -152,7 +152,8 @@ bool Swap::is_taking() const {
   });
 }
 
-/// What a task took it may have left again, for instance on a way back, and then it is freed.
+/// The task may have taken the word and left it again, for instance on a way back: then the word is
+/// freed, and only its answer is there.
 void Swap::settle(Member& member) {
   const Progress progress = member.answer->progress.load(std::memory_order_acquire);
   if (progress == Progress::published) return;

@@ -29,9 +29,9 @@ namespace mauve::exec {
 struct Member {
   Task* task = nullptr;
   std::unique_ptr<Published> next;  ///< while no task owns it
-  Published* published = nullptr;   ///< while one does, and may have freed it when it is done
+  Published* published = nullptr;   ///< while a task owns it; freed once the task has left it
   std::shared_ptr<const Published::Answer> answer;  ///< of `published`; outlives it
-  bool settled = false;   ///< its thread has answered, or nobody waits for it any more
+  bool settled = false;   ///< its thread has answered, or the swap gave it up
   bool in_force = false;  ///< it runs with `next` now
   Duration pause{0};      ///< the answer of its thread
   std::size_t bytes = 0;

@@ -21,10 +21,10 @@ struct Facts {
 };
 
 /// Refused: what is not a whole shared object of this machine; no manifest, or one of another
-/// runtime, compiler or name; no checksum, or one that does not fit the bytes; more than one
-/// exported symbol; text relocations, an executable stack, a search path, thread-local variables,
-/// static initialisers, libraries that are not the system's. `at` of the error is empty. [any];
-/// needs no trust in the bytes.
+/// runtime, compiler or name; no checksum, or one that does not fit the bytes; tables that lead
+/// outside; more than one exported symbol; text relocations, an executable stack, a search path,
+/// thread-local variables, static initialisers, libraries that are not the system's. `at` of the
+/// error is empty. [any]; needs no trust in the bytes.
 Result<Facts> inspect(std::span<const std::byte> bytes, std::string_view name);
 
 /// The second half: is this the manifest of a plugin `name` for this very runtime?

@@ -51,7 +51,7 @@ void LineFiller::empty_handed(LineBytes& bytes) const {
   while (look(bytes.filler) != 0) std::this_thread::sleep_for(1ms);
 }
 
-/// Whether it still may take what it was offered, the mark alone tells.
+/// The mark alone tells whether this line may still take the offer.
 void LineFiller::choose() {
   if (LineBytes* offered = offered_.load(std::memory_order_acquire)) {
     if (replace(offered->filler, id(), own())) {
@@ -68,7 +68,7 @@ void LineFiller::end() {
   let_go();
 }
 
-/// The last that this line does to them.
+/// This line does not touch the bytes after it.
 void LineFiller::let_go() {
   LineBytes* const bytes = std::exchange(filled_, nullptr);
   if (bytes != nullptr) store(bytes->filler, 0);

@@ -9,13 +9,13 @@
 
 namespace drivers {
 
-/// What came from a device and was not used yet. Part of a core's state, so that it survives a
-/// change: the successor reads on here, and its own line goes on filling it once the line of its
-/// predecessor has let go.
+/// The bytes that came from a device and were not used yet. They are part of a core's state, so
+/// that they survive a change: the successor reads on here, and its own line goes on writing them
+/// once the line of its predecessor has let go.
 struct LineBytes {
   ByteRing<16'384> ring;
-  std::uint64_t filler = 0;  // the line that it is offered to, or, one more, that writes into it
-  std::uint64_t wanted = 0;  // the line that shall
+  std::uint64_t filler = 0;  // the line they are offered to; plus one: the line that writes them
+  std::uint64_t wanted = 0;  // the line that shall write them
   std::uint64_t home = 0;    // where this is: a copy has no filler
 };
 
@@ -39,7 +39,7 @@ class LineFiller {
 
   /// Takes the bytes it was offered; lets go of those that another line wants.
   void choose();
-  /// The last that the thread does.
+  /// Takes offer and bytes back: the thread ends.
   void end();
   /// The bytes it fills, or none.
   [[nodiscard]] LineBytes* bytes() const { return filled_; }
@@ -51,7 +51,7 @@ class LineFiller {
   [[nodiscard]] std::uint64_t id() const { return reinterpret_cast<std::uintptr_t>(this); }
   [[nodiscard]] std::uint64_t own() const { return id() + 1; }
 
-  std::atomic<LineBytes*> offered_{nullptr};  // and not taken yet
+  std::atomic<LineBytes*> offered_{nullptr};  // the thread has not taken them yet
   LineBytes* filled_ = nullptr;               // the thread's own
 };
 

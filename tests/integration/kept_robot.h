@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A robot that is changed at random, and what mauved must keep of that.
+/// A robot that is changed at random, and the books of the changes that mauved must keep.
 #pragma once
 
 #include <signal.h>
@@ -25,7 +25,7 @@ namespace mauve::test {
 
 using Json = protocol::Json;
 
-/// A request, and what it makes of the system when it is answered as applied.
+/// A request, and the change that it makes to the system when mauved answers that it is applied.
 struct Step {
   std::string method;
   Json params = Json::object();
@@ -33,7 +33,7 @@ struct Step {
   enum class Kind : std::uint8_t { trial, taken, order, undo, confirm, other } kind = Kind::other;
 };
 
-/// mauved in one run, and what the answers say about it.
+/// One run of mauved, with the system as its answers describe it.
 class Robot {
  public:
   Robot(TrialDaemon& daemon, std::filesystem::path state, KeptOracle& oracle,
@@ -65,7 +65,7 @@ class Robot {
   void take(const Step& step, bool kill);
   [[nodiscard]] const std::string& story() const { return story_; }
   [[nodiscard]] const std::map<std::string, int>& applied() const { return applied_; }
-  /// What the core that fails is after the last answer.
+  /// After the last answer, is the core that fails in quarantine?
   [[nodiscard]] bool quarantined() const { return quarantined_; }
   void set_quarantined(bool is) { quarantined_ = is; }
 

@@ -56,8 +56,8 @@ class OpenChanges {
     });
     if (joins || tried) open_.push_back(std::move(fresh));
   }
-  /// Takes the newest change back; what was stopped or started meanwhile stays so. The generation
-  /// that it leads back to.
+  /// Takes the newest change back; components that were stopped or started since then stay so.
+  /// Returns the generation that it leads back to.
   std::uint64_t undo(Json& system) {
     const OpenChange newest = std::move(open_.back());
     open_.pop_back();
