@@ -58,9 +58,15 @@ std::string render_diff(std::string_view file, const Json& result, Look look) {
 std::string render_compared(std::uint64_t from, std::uint64_t to, const Json& result, Look look) {
   const std::string before = "generation " + std::to_string(from);
   const std::string after = "generation " + std::to_string(to);
+  std::string how = harmless(word(result, "by_text"));
+  if (!how.empty()) {
+    how = wrapped(how + ", so the files are compared, without the defaults of plugins", look.width,
+                  2) +
+          "\n";
+  }
   const std::string lines = change_lines(result, look);
-  if (lines.empty()) return after + " is the same as " + before + "\n";
-  return "--- " + before + "\n+++ " + after + "\n" + lines;
+  if (lines.empty()) return how + after + " is the same as " + before + "\n";
+  return how + "--- " + before + "\n+++ " + after + "\n" + lines;
 }
 
 std::string render_applied(std::string_view file, const Json& result, Look look) {

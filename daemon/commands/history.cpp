@@ -8,6 +8,8 @@
 #include "commands/answer.h"
 #include "commands/architecture.h"
 #include "commands/given_up.h"
+#include "compare_texts.h"
+#include "judge/judge.h"
 #include "keeper.h"
 
 namespace mauve::daemon {
@@ -35,17 +37,50 @@ Error nothing_kept(const Call& call) {
                 "start mauved with --state-dir DIR");
 }
 
-void answer_compared(Running& running, const Call& call, Result<Json> judged) {
+/// Two saved generations, of which the files are read.
+struct Compared {
+  std::uint64_t from = 0;
+  std::uint64_t to = 0;
+  Result<std::string> before = std::string();
+  Result<std::string> after = std::string();
+  Json lines;  ///< of the comparison by text
+};
+
+/// Files alone, when the plugin files of now cannot make one of the generations.
+void answer_by_text(Running& running, const CallPtr& call, const std::shared_ptr<Compared>& two,
+                    const std::string& why) {
+  running.control.in_factory(
+      [two] { two->lines = compare_texts(*two->before, *two->after); },
+      [&running, call, two, why] {
+        Json result{{"same", two->lines.empty()}, {"lines", two->lines}, {"by_text", why}};
+        answer(running, *call, std::move(result));
+      },
+      [&running, call](const std::string& hook) {
+        answer(running, *call, given_up(running, hook, "config.compare"));
+      });
+}
+
+std::string not_made(std::uint64_t generation, const std::string& at, const std::string& why) {
+  return "generation " + std::to_string(generation) +
+         " cannot be made from the plugin files of now (" + at + ": " + why + ")";
+}
+
+void answer_compared(Running& running, const CallPtr& call, const std::shared_ptr<Compared>& two,
+                     Result<Json> judged) {
   if (!judged) {
-    return answer(running, call, judged.error());
+    const bool plugin_changed = judged.error().code == Errc::wrong_state || died(judged.error());
+    if (!plugin_changed) {
+      return answer(running, *call, judged.error());
+    }
+    return answer_by_text(running, call, two,
+                          not_made(two->from, judged.error().at, judged.error().message));
   }
-  if (!(*judged)["errors"].empty()) {
-    return refuse_text(running, call, "the later generation has",
-                       "it was made with other plugin files than those of now",
-                       std::move((*judged)["errors"]));
+  if (const auto& errors = (*judged)["errors"]; !errors.empty()) {
+    return answer_by_text(running, call, two,
+                          not_made(two->to, errors[0]["at"], errors[0]["message"]));
   }
   judged->erase("errors");
-  answer(running, call, *std::move(judged));
+  answer(running, *call, *std::move(judged));
 }
 
 }  // namespace
@@ -71,26 +106,26 @@ void compare_generations(Running& running, const CallPtr& call, Ticket /*none*/)
   if (running.keeper == nullptr) {
     return answer(running, *call, nothing_kept(*call));
   }
-  const auto from = call->params["from"].get<std::uint64_t>();
-  const auto to = call->params["to"].get<std::uint64_t>();
-  using Texts = std::pair<Result<std::string>, Result<std::string>>;
-  auto texts = std::make_shared<Texts>("", "");
+  auto two = std::make_shared<Compared>();
+  two->from = call->params["from"].get<std::uint64_t>();
+  two->to = call->params["to"].get<std::uint64_t>();
   running.control.in_factory(
-      [&running, from, to, texts] {
+      [&running, two] {
         const auto& kept = running.keeper->generations();
-        *texts = {kept.text(from), kept.text(to)};
+        two->before = kept.text(two->from);
+        two->after = kept.text(two->to);
       },
-      [&running, call, texts] {
-        for (const auto* text : {&texts->first, &texts->second}) {
+      [&running, call, two] {
+        for (const auto* text : {&two->before, &two->after}) {
           if (!*text) {
             return answer(running, *call, text->error());
           }
         }
         auto question = question_of(running, *call);
-        question.running = *texts->first;
-        question.text = *texts->second;
-        running.judge(asker_of(*call), question, [&running, call](Result<Json> judged) {
-          answer_compared(running, *call, std::move(judged));
+        question.running = *two->before;
+        question.text = *two->after;
+        running.judge(asker_of(*call), question, [&running, call, two](Result<Json> judged) {
+          answer_compared(running, call, two, std::move(judged));
         });
       },
       [&running, call](const std::string& hook) {

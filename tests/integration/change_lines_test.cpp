@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // A change is told from which value to which: in its answer, the log, the history, and by rules.
 // The same lines decide what a lock holds.
+#include <filesystem>
+
 #include "trial_daemon.h"
 
 namespace mauve::test {
@@ -86,6 +88,28 @@ TEST(History, TellsWhatChangedAndComparesTwoGenerations) {
   EXPECT_THAT(said.out, HasSubstr("~ first.core.gain: 3 -> 4"));
   EXPECT_EQ(daemon.ctl({"history", "2"}).exit, 2);
   EXPECT_EQ(daemon.ctl({"history", "2", "77"}).exit, 4);
+}
+
+TEST(History, ComparesTheFilesOfGenerationsThatThePluginsOfNowCannotMake) {
+  TempDir state;
+  TrialDaemon daemon(kTrial, {"--realtime", "off", "--state-dir", (state / "kept").string()});
+  ASSERT_EQ(daemon.ask("param.set", with_gain(3.0))["saved"], true);
+  const auto as_it_was = daemon.plugins() / "trial.so";
+  std::filesystem::rename(as_it_was, daemon.plugins() / "away");
+
+  for (const bool backwards : {false, true}) {
+    const auto two =
+        daemon.ask("config.compare", {{"from", backwards ? 2 : 1}, {"to", backwards ? 1 : 2}});
+    EXPECT_EQ(two["same"], false) << two;
+    ASSERT_EQ(two["lines"].size(), 1U) << two;
+    EXPECT_EQ(two["lines"][0]["address"], "components.first.properties.core.gain");
+    EXPECT_EQ(two["lines"][0][backwards ? "old" : "new"], 3.0) << two;
+    EXPECT_THAT(two["by_text"].dump(), HasSubstr("cannot be made from the plugin files of now"));
+  }
+  const auto said = daemon.ctl({"history", "1", "2"});
+  EXPECT_EQ(said.exit, 0) << said.out;
+  EXPECT_THAT(said.out, HasSubstr("+ components.first.properties.core.gain: 3"));
+  EXPECT_THAT(said.out, HasSubstr("so the files are compared"));
 }
 
 TEST(RulesThatFire, TellInOneLineOfTheLogWhatTheyFoundAndWhatTheyChanged) {
