@@ -9,6 +9,8 @@
 #include "plugin/checksum.h"
 #include "plugin/elf_file.h"
 #include "plugin/elf_lookup.h"
+#include "plugin/elf_relocations.h"
+#include "plugin/elf_segments.h"
 
 namespace mauve::plugin {
 
@@ -156,8 +158,19 @@ Status check_initialisers(const ElfFile& file) {
              "make the variables of that source constexpr, or static inside a function");
 }
 
+/// Checks read the section, and the dynamic linker the segment.
+bool is_one_dynamic(const ElfFile& file) {
+  const auto section = file.section(".dynamic");
+  return section && std::ranges::count_if(file.segments(), [&](const GElf_Phdr& at) {
+                      return at.p_type == PT_DYNAMIC && at.p_offset == section->header.sh_offset &&
+                             at.p_vaddr == section->header.sh_addr;
+                    }) == 1;
+}
+
 Status check_dynamic(const ElfFile& file) {
-  if (file.dynamic().empty()) return bad("is damaged: it has no dynamic section", kHouseBuild);
+  if (file.dynamic().empty() || !is_one_dynamic(file)) {
+    return bad("is damaged: it has no dynamic section that is its dynamic segment", kHouseBuild);
+  }
   if (file.dynamic(DT_TEXTREL) || (file.dynamic(DT_FLAGS).value_or(0) & DF_TEXTREL) != 0) {
     return bad("has text relocations: its code would be writable", "compile it with -fPIC");
   }
@@ -166,35 +179,6 @@ Status check_dynamic(const ElfFile& file) {
   }
   if (Status good = check_needed(file); !good) return good;
   return check_initialisers(file);
-}
-
-bool is_writable(const ElfFile& file, GElf_Addr address, GElf_Xword size) {
-  return std::ranges::any_of(file.segments(), [&](const GElf_Phdr& at) {
-    return at.p_type == PT_LOAD && (at.p_flags & PF_W) != 0 && address >= at.p_vaddr &&
-           size <= at.p_memsz && address - at.p_vaddr <= at.p_memsz - size;
-  });
-}
-
-/// The dynamic linker writes where a relocation says, also outside of the plugin: what lies there
-/// differs from process to process, so a trial elsewhere cannot tell.
-Status check_relocations(const ElfFile& file) {
-  constexpr std::pair<GElf_Sxword, GElf_Sxword> kTables[] = {{DT_RELA, DT_RELASZ},
-                                                             {DT_JMPREL, DT_PLTRELSZ}};
-  for (const auto& [begin, length] : kTables) {
-    const GElf_Xword size = file.dynamic(length).value_or(0);
-    if (size == 0) continue;
-    const auto table = file.mapped(file.dynamic(begin).value_or(0), size);
-    if (table.size() != size) return bad("is damaged: its relocations lie outside", kHouseBuild);
-    for (std::size_t at = 0; at + sizeof(Elf64_Rela) <= table.size(); at += sizeof(Elf64_Rela)) {
-      Elf64_Rela one;
-      std::memcpy(&one, &table[at], sizeof one);
-      const bool nothing = ELF64_R_TYPE(one.r_info) == 0;
-      if (!nothing && !is_writable(file, one.r_offset, sizeof(Elf64_Addr))) {
-        return bad("is damaged: a relocation writes outside of its data", kHouseBuild);
-      }
-    }
-  }
-  return ok();
 }
 
 std::string build_id(const ElfFile& file) {
@@ -285,8 +269,9 @@ Result<Facts> inspect(std::span<const std::byte> bytes, std::string_view name) {
   good = check_exports(file->symbols(SHT_DYNSYM));
   if (good) good = check_segments(*file);
   if (good) good = check_dynamic(*file);
-  if (good) good = check_relocations(*file);
+  if (good) good = check_places(*file);
   if (good) good = check_lookup(*file);
+  if (good) good = check_relocations(*file);
   if (!good) return good.error();
 
   Facts facts{manifest, build_id(*file), {}};

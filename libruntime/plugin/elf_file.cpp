@@ -56,6 +56,10 @@ Status check_header(std::span<const std::byte> bytes) {
 
 }  // namespace
 
+Error damaged(const char* way) {
+  return unreadable(std::string("is damaged: ") + way, "build or copy it again");
+}
+
 std::string readable_symbol(const std::string& symbol) {
   if (!symbol.starts_with("_Z")) return symbol;
   int status = 0;

@@ -24,6 +24,9 @@ struct ElfSymbol {
 /// "zoo::calls" of "_ZN3zoo5callsE"; what is no mangled name stays as it is.
 [[nodiscard]] std::string readable_symbol(const std::string& symbol);
 
+/// "is damaged: " and in which way.
+[[nodiscard]] Error damaged(const char* way);
+
 /// A view: the bytes must outlive it.
 class ElfFile {
  public:

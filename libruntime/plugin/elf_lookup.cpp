@@ -30,11 +30,6 @@ class Table {
   std::span<const std::byte> bytes_;
 };
 
-Error damaged(const char* what) {
-  return refuse(Errc::plugin_refused, {}, std::string("is damaged: ") + what,
-                "build or copy it again");
-}
-
 /// As the dynamic linker finds them: from the first to the one that the sections end with.
 Result<Table<Elf64_Sym>> symbols_of(const ElfFile& file) {
   const auto section = file.section(".dynsym");
@@ -97,12 +92,62 @@ Status check_hashes(const ElfFile& file, std::size_t symbols) {
   return ok();
 }
 
+template <typename Entry>
+bool read_at(const ElfFile& file, GElf_Addr address, Entry& entry) {
+  const auto bytes = file.mapped(address, sizeof entry);
+  if (bytes.size() == sizeof entry) std::memcpy(&entry, bytes.data(), sizeof entry);
+  return bytes.size() == sizeof entry;
+}
+
+constexpr const char* kBadVersions = "the versions of its symbols lead outside";
+
+/// The highest number of a version that the plugin needs: a list of libraries, each with a list of
+/// versions (System V gABI as extended by Solaris, and in the Linux Standard Base, "Symbol
+/// Versioning").
+Result<std::uint32_t> highest_version(const ElfFile& file) {
+  std::uint32_t highest = 1;  // 0 and 1 are local and global
+  GElf_Addr library = file.dynamic(DT_VERNEED).value_or(0);
+  for (GElf_Xword left = file.dynamic(DT_VERNEEDNUM).value_or(0); left > 0; --left) {
+    Elf64_Verneed of{};
+    if (!read_at(file, library, of)) return damaged(kBadVersions);
+    GElf_Addr at = library + of.vn_aux;
+    for (unsigned versions = of.vn_cnt; versions > 0; --versions) {
+      Elf64_Vernaux one{};
+      if (!read_at(file, at, one)) return damaged(kBadVersions);
+      highest = std::max<std::uint32_t>(highest, one.vna_other & 0x7fffU);
+      if ((one.vna_next == 0) != (versions == 1)) return damaged(kBadVersions);
+      at += one.vna_next;
+    }
+    if ((of.vn_next == 0) != (left == 1)) return damaged(kBadVersions);
+    library += of.vn_next;
+  }
+  return highest;
+}
+
+Status check_versions(const ElfFile& file, std::size_t symbols) {
+  if (!file.dynamic(DT_VERSYM)) return ok();
+  if (file.dynamic(DT_VERDEF)) {
+    return refuse(Errc::plugin_refused, {}, "gives its symbols versions of its own",
+                  "link it without names of versions, or build it with mauve_add_plugin()");
+  }
+  const auto highest = highest_version(file);
+  if (!highest) return highest.error();
+  const Table<std::uint16_t> versions(
+      file.mapped(*file.dynamic(DT_VERSYM), symbols * sizeof(std::uint16_t)));
+  if (versions.size() != symbols) return damaged(kBadVersions);
+  for (std::size_t at = 0; at < symbols; ++at) {
+    if ((versions[at] & 0x7fffU) > *highest) return damaged(kBadVersions);
+  }
+  return ok();
+}
+
 }  // namespace
 
 Status check_lookup(const ElfFile& file) {
   const auto symbols = symbols_of(file);
   if (!symbols) return symbols.error();
   if (Status good = check_names(file, *symbols); !good) return good;
+  if (Status good = check_versions(file, symbols->size()); !good) return good;
   return check_hashes(file, symbols->size());
 }
 

@@ -227,6 +227,78 @@ TEST(ElfCheck, RefusesARelocationOutsideOfTheDataOfThePlugin) {
   }
 }
 
+/// The first segment of this type, which may be changed.
+Elf64_Phdr* segment_of(std::vector<std::byte>& bytes, Elf64_Word type) {
+  const Elf64_Ehdr header = header_of(bytes);
+  auto* segments = reinterpret_cast<Elf64_Phdr*>(bytes.data() + header.e_phoff);
+  return std::find_if(segments, segments + header.e_phnum,
+                      [&](const Elf64_Phdr& at) { return at.p_type == type; });
+}
+
+/// Else the dynamic linker would map, or protect, memory of others.
+TEST(ElfCheck, RefusesSegmentsThatLieOnMemoryOfOthers) {
+  const auto refused = [](Elf64_Word type, auto change) {
+    std::vector<std::byte> bytes = good();
+    change(*segment_of(bytes, type));
+    EXPECT_TRUE(stamp(bytes));
+    const auto facts = inspect(bytes, "good");
+    return facts ? "no" : facts.error().message;
+  };
+  const char* const overlap = "its segments overlap or cannot be placed";
+  const char* const outside = "a segment lies outside of what is loaded";
+
+  EXPECT_THAT(refused(PT_LOAD, [](auto& at) { at.p_memsz += 1U << 20U; }), HasSubstr(overlap));
+  EXPECT_THAT(refused(PT_LOAD, [](auto& at) { at.p_memsz = 1; }), HasSubstr(overlap));
+  EXPECT_THAT(refused(PT_LOAD, [](auto& at) { at.p_align = 3; }), HasSubstr(overlap));
+  EXPECT_THAT(refused(PT_GNU_RELRO, [](auto& at) { at.p_memsz += 1U << 24U; }), HasSubstr(outside));
+  EXPECT_THAT(refused(PT_GNU_RELRO, [](auto& at) { at.p_vaddr += 1U << 24U; }), HasSubstr(outside));
+}
+
+/// What lies outside differs from process to process: a start elsewhere may succeed by luck.
+TEST(ElfCheck, RefusesFunctionsAndPointersThatLieOutside) {
+  const auto refused = [](GElf_Addr from, Elf64_Sxword to) {
+    std::vector<std::byte> bytes = good();
+    const auto table = ElfFile::open(bytes)->section(".rela.dyn");
+    auto* const begin = bytes.data() + (table->bytes.data() - bytes.data());
+    for (std::size_t at = 0; at < table->bytes.size(); at += sizeof(Elf64_Rela)) {
+      Elf64_Rela one;
+      std::memcpy(&one, begin + at, sizeof one);
+      if (from != 0 && one.r_offset != from) continue;
+      one.r_addend = to;
+      std::memcpy(begin + at, &one, sizeof one);
+      break;
+    }
+    EXPECT_TRUE(stamp(bytes));
+    const auto facts = inspect(bytes, "good");
+    return facts ? "no" : facts.error().message;
+  };
+  const auto list = ElfFile::open(good())->section(".init_array")->header.sh_addr;
+  const auto data = ElfFile::open(good())->section(".data")->header.sh_addr;
+  const char* const calls = "its functions for start and end lie outside of its code";
+
+  EXPECT_THAT(refused(list, static_cast<Elf64_Sxword>(data)), HasSubstr(calls));
+  EXPECT_THAT(refused(list, Elf64_Sxword{1} << 40), HasSubstr("a relocation leads outside"));
+  EXPECT_THAT(refused(0, -1), HasSubstr("a relocation leads outside"));
+}
+
+TEST(ElfCheck, RefusesVersionsOfSymbolsThatLeadOutside) {
+  const auto refused = [](const char* section, std::size_t at, std::uint16_t number) {
+    std::vector<std::byte> bytes = good();
+    const auto table = ElfFile::open(bytes)->section(section);
+    std::memcpy(bytes.data() + (table->bytes.data() - bytes.data()) + at, &number, sizeof number);
+    EXPECT_TRUE(stamp(bytes));
+    const auto facts = inspect(bytes, "good");
+    return facts ? "no" : facts.error().message;
+  };
+  const char* const outside = "the versions of its symbols lead outside";
+
+  EXPECT_THAT(refused(".gnu.version", 2, 0x7ff0), HasSubstr(outside));
+  EXPECT_THAT(refused(".gnu.version_r", offsetof(Elf64_Verneed, vn_aux) + 2, 0x7fff),
+              HasSubstr(outside));
+  EXPECT_THAT(refused(".gnu.version_r", offsetof(Elf64_Verneed, vn_next), 0), HasSubstr(outside))
+      << "the list ends before its count does";
+}
+
 /// The dynamic linker follows these tables without a look at their ends.
 TEST(ElfCheck, RefusesTablesOfSymbolsThatLeadOutside) {
   const auto refused = [](const char* section, std::size_t at, std::uint32_t number) {
