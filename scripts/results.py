@@ -16,6 +16,7 @@ import sys
 import xml.etree.ElementTree
 
 MOST_UNSTEADY = 5  # of one stage; with more it is not the tests that are unsteady
+FIRST_WORDS, LAST_WORDS = 12, 20  # lines of a test that failed, in the summary
 # In ctest's words; what it calls otherwise is a crash, or was not run at all.
 EXCUSABLE = ("Failed", "Timeout")
 # Of an output that was cut nobody can say that it has no report.
@@ -39,6 +40,16 @@ def reason(case):
         return found.group(1).strip()
     skipped = case.find("skipped")
     return skipped.get("message", "no reason given") if skipped is not None else "no reason given"
+
+
+def words_of_failure(case):
+    """The first failure that GoogleTest printed, and the last lines."""
+    lines = output_of(case).splitlines()
+    first = next((at for at, line in enumerate(lines) if line.endswith(": Failure")), None)
+    begin = max(0, len(lines) - LAST_WORDS)
+    if first is None or first >= begin:
+        return lines[begin:]
+    return lines[first:min(first + FIRST_WORDS, begin)] + lines[begin:]
 
 
 def may_run_again(junit, log):
@@ -73,11 +84,13 @@ def stage_report(stage, junit, counts, again=None):
     passed = len(cases) - len(fallen) - len(skipped)
     with open(counts, "a", encoding="utf-8") as file:
         file.write(f"{passed} {len(failed)} {len(skipped)} {len(unsteady)}\n")
-    for name in failed:
-        print(f"FAILED  {stage}: {name}")
+    for case in fallen:
+        if case.get("name") in failed:
+            print(f"FAILED  {stage}: {case.get('name')}. It had said:")
+            print("".join(f"    {line}\n" for line in words_of_failure(case)), end="")
     for case in unsteady:
         print(f"UNSTEADY {stage}: {case.get('name')} failed, then passed three times alone. It had said:")
-        print("\n".join(f"    {line}" for line in output_of(case).splitlines()[-20:]))
+        print("\n".join(f"    {line}" for line in words_of_failure(case)))
     for name, why in skipped:
         print(f"SKIPPED {stage}: {name}: {why}")
     print(f"{stage}: {in_words(passed, len(failed), len(skipped), len(unsteady))}")

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -39,16 +40,16 @@ inline std::string gnss(const std::string& device, const std::string& more = {})
   return driver("drivers/gnss", "gnss_fix/1", "fix", device, more);
 }
 
-/// An architecture deployed without threads.
+/// An architecture deployed without threads. One that does not load ends the test with the reason.
 class Simulated {
  public:
   explicit Simulated(const std::string& text) : catalog_({MAUVE_PLUGIN_DIR}) {
     mauve::arch::Problems problems;
     architecture_ = mauve::arch::load(text, catalog_, problems);
     if (architecture_ == nullptr) {
-      ADD_FAILURE() << "does not load: " << text;
-      for (const auto& problem : problems.sorted()) ADD_FAILURE() << to_string(problem, "");
-      return;
+      std::string why = "does not load: " + text;
+      for (const auto& problem : problems.sorted()) why += "\n" + to_string(problem, "");
+      throw std::runtime_error(why);
     }
     deployer_ = std::make_unique<mauve::test::ProvedDeployer>(
         *architecture_, mauve::DeployOptions{mauve::Realtime::off, true, mauve::Admission::warn});
@@ -56,9 +57,7 @@ class Simulated {
   }
 
   [[nodiscard]] const mauve::Status& up() const { return up_; }
-  void run(mauve::Duration duration) {
-    if (deployer_ != nullptr) deployer_->run_for(duration);
-  }
+  void run(mauve::Duration duration) { deployer_->run_for(duration); }
   [[nodiscard]] std::string state() const { return deployer_->status("driver").fsm_state; }
 
   [[nodiscard]] std::int64_t observe(const std::string& name,

@@ -77,8 +77,16 @@ class Results(unittest.TestCase):
         self.write("again.xml", junit([("A.B", "fail", ""), ("C.D", "notrun", "")]))
         code, output = self.results("asan", "first.xml", "counts", "again.xml")
         self.assertEqual(code, 1, output)
-        self.assertIn("FAILED  asan: A.B\nFAILED  asan: C.D\n", output)
+        self.assertIn("FAILED  asan: A.B. It had said:\nFAILED  asan: C.D. It had said:\n", output)
         self.assertEqual(self.results("--sum", "counts"), (0, "0 passed, 2 failed, 0 skipped\n"))
+
+    def test_tells_the_first_failure_and_the_last_lines_of_a_test_that_failed(self):
+        said = "\n".join(["a.cpp:7: Failure", "does not load", *["between"] * 40, "the end"])
+        self.write("first.xml", junit([("A.B", "fail", said)]))
+        output = self.results("asan", "first.xml", "counts")[1]
+        self.assertIn("FAILED  asan: A.B. It had said:\n    a.cpp:7: Failure\n    does not load\n", output)
+        self.assertIn("    the end\n", output)
+        self.assertLess(output.count("between"), 40)
 
     def test_fails_when_nobody_ran_again(self):
         self.write("first.xml", junit([("A.B", "fail", "")]))
