@@ -31,9 +31,9 @@ class DaemonProcess {
   }
 
   /// True when it answers.
-  [[nodiscard]] bool up() {
-    return eventually([this] { return !daemon_.running() || client({"ping"}).wait() == 0; }) &&
-           daemon_.running();
+  [[nodiscard]] bool up(std::chrono::milliseconds within = std::chrono::seconds(20)) {
+    const auto answers = [this] { return !daemon_.running() || client({"ping"}).wait() == 0; };
+    return eventually(answers, within) && daemon_.running();
   }
   [[nodiscard]] Process& process() { return daemon_; }
   /// What it said on standard error so far.
