@@ -44,6 +44,14 @@ foreach(pattern types/*.h guidance/control.h guidance/guidance.h guidance/obstac
   endforeach()
 endforeach()
 
+# Debug information beside what was installed so far.
+if(CMAKE_OBJCOPY AND CMAKE_OBJDUMP)
+  install(CODE "
+    set(MAUVE_OBJCOPY \"${CMAKE_OBJCOPY}\")
+    set(MAUVE_OBJDUMP \"${CMAKE_OBJDUMP}\")
+    include(\"${CMAKE_CURRENT_LIST_DIR}/split_debug.cmake\")")
+endif()
+
 # The SDK.
 install(DIRECTORY "${mauve_sources}/libruntime/include/mauve"
   DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h")
