@@ -299,7 +299,12 @@ void Supervisor::conclude(const Order& order, const server::Outcome& outcome, bo
     const auto& receipt = std::get<Json>(outcome);
     answer = text_or(receipt, "state") + ", generation " + receipt["generation"].dump();
     const auto lines = changes_of(receipt);
-    fields.push_back({"text", answer + (lines.empty() ? "" : ": " + lines)});
+    std::string text = answer + (lines.empty() ? "" : ": " + lines);
+    // The log is all that users see of it: also that the change joined a probation.
+    for (const auto& note : receipt.value("notes", Json::array())) {
+      text += "; " + note.get<std::string>();
+    }
+    fields.push_back({"text", std::move(text)});
     running_->log.write(Event::transaction_applied, std::move(fields));
   }
   if (order.done) {

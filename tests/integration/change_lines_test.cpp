@@ -125,6 +125,20 @@ TEST(RulesThatFire, TellInOneLineOfTheLogWhatTheyFoundAndWhatTheyChanged) {
   EXPECT_EQ(times_logged(daemon, "rule loud"), 1U) << daemon.errors();
 }
 
+TEST(RulesThatFire, TellInTheLogThatTheirChangeJoinedAProbation) {
+  TrialDaemon daemon(trial_with_rules(R"({ "name": "loud", "when": "second.core.input > 5",
+                                     "do": "calm", "cool_down": "1h" })"));
+  const auto swapped = daemon.ask(
+      "core.swap", {{"component", "first"}, {"core", "trial/other"}, {"probation", "100000"}});
+  ASSERT_EQ(swapped.value("state", ""), "applied") << swapped;
+  ASSERT_EQ(daemon.ask("param.set", with_gain(6.0))["state"], "applied");
+
+  ASSERT_TRUE(eventually([&] { return times_logged(daemon, "calm by rule loud") > 0; }))
+      << daemon.errors();
+  EXPECT_THAT(daemon.errors(),
+              testing::ContainsRegex("calm by rule loud.*; .*have not proved themselves yet"));
+}
+
 TEST(RulesUnderALock, AreHeldByTheLockOfWhatTheirStepsChange) {
   TrialDaemon daemon(
       trial_with_rules(R"({ "name": "calming", "when": "second.core.count > 400", "do": "calm" },
