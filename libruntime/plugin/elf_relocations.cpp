@@ -73,7 +73,8 @@ Status check_table(const ElfFile& file, GElf_Sxword begin, GElf_Sxword length, s
     Elf64_Rela one;
     std::memcpy(&one, &table[at], sizeof one);
     if (Status good = check_one(file, one, symbols); !good) return good;
-    if (ELF64_R_TYPE(one.r_info) == kRelative) made[one.r_offset] = one.r_addend;
+    const auto to = static_cast<GElf_Addr>(one.r_addend);
+    if (ELF64_R_TYPE(one.r_info) == kRelative) made[one.r_offset] = to;
   }
   return ok();
 }

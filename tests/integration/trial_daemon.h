@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -57,6 +58,7 @@ class TrialDaemon {
     if (process_ != nullptr) {
       expect_trace_obeys_the_model(socket().string(), *process_, place_.path());
     }
+    if (testing::Test::HasFailure()) std::cout << "mauved had said:\n" << errors();
   }
   TrialDaemon(const TrialDaemon&) = delete;
   TrialDaemon& operator=(const TrialDaemon&) = delete;
