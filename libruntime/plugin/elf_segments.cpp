@@ -31,7 +31,7 @@ bool are_placed_in_order(const ElfFile& file) {
   return end != 0;
 }
 
-/// It names a part of what is loaded from the same place of the file.
+/// Does a loaded segment contain this one, at the same distance in memory as in the file?
 bool is_loaded(const ElfFile& file, const GElf_Phdr& part) {
   return std::ranges::any_of(file.segments(), [&](const GElf_Phdr& at) {
     return at.p_type == PT_LOAD && fits(part.p_vaddr, part.p_memsz, at.p_vaddr, at.p_memsz) &&
@@ -45,7 +45,8 @@ Status check_places(const ElfFile& file) {
   if (!are_placed_in_order(file)) return damaged("its segments overlap or cannot be placed");
   for (const GElf_Phdr& at : file.segments()) {
     const bool placed = at.p_type != PT_LOAD && at.p_type != PT_NULL && at.p_memsz > 0;
-    if (placed && !is_loaded(file, at)) return damaged("a segment lies outside of what is loaded");
+    if (placed && !is_loaded(file, at))
+      return damaged("a segment lies outside of those that are loaded");
   }
   return ok();
 }

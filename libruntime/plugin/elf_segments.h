@@ -8,8 +8,8 @@
 namespace mauve::plugin {
 
 /// Refused: loaded segments that overlap, are not in order, or need more than kLargestImage; any
-/// other segment that does not lie in one of them. The dynamic linker maps the former and protects
-/// the latter without a look at what lies there in the process. [any]
+/// other segment that does not lie in one of them. The dynamic linker maps the loaded
+/// segments and protects the others also over memory that others use. [any]
 Status check_places(const ElfFile& file);
 
 inline constexpr GElf_Xword kLargestImage = GElf_Xword{1} << 30U;  ///< bytes in memory

@@ -123,8 +123,8 @@ TEST_F(DamagedPlugins, AreRefusedBeforeTheDynamicLinkerReadsThem) {
   expect_unharmed();
 }
 
-/// As if a user ran mauve-stamp over the damage. Code that was changed is spared: it is then code
-/// that its author vouches for, and it may do anything, also here what it does not do elsewhere.
+/// As if a user ran mauve-stamp over the damage. The damage spares code: an author vouches for code
+/// that is stamped, and such code may behave in mauved as it did not in the trial.
 TEST_F(DamagedPlugins, WhoseTablesAreStampedAgainAreRefusedOrTriedElsewhereFirst) {
   if (!rt::kCanRescue) GTEST_SKIP() << "a sanitizer looks into a damaged plugin by itself";
   auto damaged = damage(Damage::Where::tables);

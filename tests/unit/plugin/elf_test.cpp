@@ -207,6 +207,22 @@ TEST(ElfCheck, RefusesAnyChangedBitOfWhatIsMapped) {
   EXPECT_TRUE(inspect(bytes, "good")) << "as it was";
 }
 
+/// Why these bytes are refused, although their checksum fits; "no" when they are not.
+std::string refusal_of(std::vector<std::byte> bytes) {
+  EXPECT_TRUE(stamp(bytes));
+  const Result<Facts> facts = inspect(bytes, "good");
+  return facts ? "no" : facts.error().message;
+}
+
+/// The same of a good plugin with this number at a place of a section.
+template <typename Number>
+std::string refusal_with(const char* section, std::size_t at, Number number) {
+  std::vector<std::byte> bytes = good();
+  const auto table = ElfFile::open(bytes)->section(section);
+  std::memcpy(bytes.data() + (table->bytes.data() - bytes.data()) + at, &number, sizeof number);
+  return refusal_of(std::move(bytes));
+}
+
 /// As after mauve-stamp on a damaged file: the checksum fits, and the linker would write anywhere.
 TEST(ElfCheck, RefusesARelocationOutsideOfTheDataOfThePlugin) {
   std::vector<std::byte> bytes = good();
@@ -240,12 +256,10 @@ TEST(ElfCheck, RefusesSegmentsThatLieOnMemoryOfOthers) {
   const auto refused = [](Elf64_Word type, auto change) {
     std::vector<std::byte> bytes = good();
     change(*segment_of(bytes, type));
-    EXPECT_TRUE(stamp(bytes));
-    const auto facts = inspect(bytes, "good");
-    return facts ? "no" : facts.error().message;
+    return refusal_of(std::move(bytes));
   };
   const char* const overlap = "its segments overlap or cannot be placed";
-  const char* const outside = "a segment lies outside of what is loaded";
+  const char* const outside = "a segment lies outside of those that are loaded";
 
   EXPECT_THAT(refused(PT_LOAD, [](auto& at) { at.p_memsz += 1U << 20U; }), HasSubstr(overlap));
   EXPECT_THAT(refused(PT_LOAD, [](auto& at) { at.p_memsz = 1; }), HasSubstr(overlap));
@@ -254,7 +268,7 @@ TEST(ElfCheck, RefusesSegmentsThatLieOnMemoryOfOthers) {
   EXPECT_THAT(refused(PT_GNU_RELRO, [](auto& at) { at.p_vaddr += 1U << 24U; }), HasSubstr(outside));
 }
 
-/// What lies outside differs from process to process: a start elsewhere may succeed by luck.
+/// The memory around a plugin differs from process to process: a trial may succeed by luck.
 TEST(ElfCheck, RefusesFunctionsAndPointersThatLieOutside) {
   const auto refused = [](GElf_Addr from, Elf64_Sxword to) {
     std::vector<std::byte> bytes = good();
@@ -268,9 +282,7 @@ TEST(ElfCheck, RefusesFunctionsAndPointersThatLieOutside) {
       std::memcpy(begin + at, &one, sizeof one);
       break;
     }
-    EXPECT_TRUE(stamp(bytes));
-    const auto facts = inspect(bytes, "good");
-    return facts ? "no" : facts.error().message;
+    return refusal_of(std::move(bytes));
   };
   const auto list = ElfFile::open(good())->section(".init_array")->header.sh_addr;
   const auto data = ElfFile::open(good())->section(".data")->header.sh_addr;
@@ -282,14 +294,7 @@ TEST(ElfCheck, RefusesFunctionsAndPointersThatLieOutside) {
 }
 
 TEST(ElfCheck, RefusesVersionsOfSymbolsThatLeadOutside) {
-  const auto refused = [](const char* section, std::size_t at, std::uint16_t number) {
-    std::vector<std::byte> bytes = good();
-    const auto table = ElfFile::open(bytes)->section(section);
-    std::memcpy(bytes.data() + (table->bytes.data() - bytes.data()) + at, &number, sizeof number);
-    EXPECT_TRUE(stamp(bytes));
-    const auto facts = inspect(bytes, "good");
-    return facts ? "no" : facts.error().message;
-  };
+  const auto refused = refusal_with<std::uint16_t>;
   const char* const outside = "the versions of its symbols lead outside";
 
   EXPECT_THAT(refused(".gnu.version", 2, 0x7ff0), HasSubstr(outside));
@@ -301,14 +306,7 @@ TEST(ElfCheck, RefusesVersionsOfSymbolsThatLeadOutside) {
 
 /// The dynamic linker follows these tables without a look at their ends.
 TEST(ElfCheck, RefusesTablesOfSymbolsThatLeadOutside) {
-  const auto refused = [](const char* section, std::size_t at, std::uint32_t number) {
-    std::vector<std::byte> bytes = good();
-    const auto table = ElfFile::open(bytes)->section(section);
-    std::memcpy(bytes.data() + (table->bytes.data() - bytes.data()) + at, &number, sizeof number);
-    EXPECT_TRUE(stamp(bytes));
-    const auto facts = inspect(bytes, "good");
-    return facts ? "no" : facts.error().message;
-  };
+  const auto refused = refusal_with<std::uint32_t>;
   const auto hashes = ElfFile::open(good())->section(".gnu.hash")->bytes;
   std::uint32_t last = 0;
   std::memcpy(&last, &hashes[hashes.size() - sizeof last], sizeof last);
