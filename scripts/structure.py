@@ -1,0 +1,301 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Fails when the structure of the source grows beyond its budget.
+
+Usage: structure.py [ROOT]      prints one line for each violation: file[:line]: what, and what to do instead
+       structure.py --figures   prints today's figures: medians, the largest, and how many are over the budget
+
+Five budgets: how deep the own includes of a file go, how many functions a class has, how many parameters a function
+has, how many files a folder holds, and that a function is defined in the source that is named like its header.
+An exception has a ceiling, which is today's value. The value may fall, and the ceiling then falls with it; it may
+not rise.
+"""
+import collections
+import functools
+import pathlib
+import statistics
+import sys
+
+from declarations import functions_of
+from layers import INCLUDE, layer_of, resolve, sources
+
+INCLUDE_DEPTH = 12
+CLASS_FUNCTIONS = 25
+PARAMETERS = 6
+FOLDER_FILES = 25
+
+# Layer: the depth that its files reach today.
+DEEP_LAYERS = {
+    "arch": 24,
+    "ctl": 13,
+    "daemon": 28,
+    "exec": 28,
+    "model": 21,
+    "plugin": 21,
+    "plugins": 20,
+    "public": 21,
+}
+# Class: its functions today.
+LARGE_CLASSES = {
+    "daemon/keeper.h:Keeper": 37,
+    "libruntime/exec/commit.h:Commit": 40,
+    "libruntime/exec/probation.h:OnProbation": 36,
+    "libruntime/exec/task.h:Task": 92,
+    "libruntime/exec/threads.cpp:Threads": 29,
+    "libruntime/include/mauve/deployer.h:Deployer": 57,
+    "libruntime/include/mauve/gate.h:Gate": 33,
+    "libruntime/include/mauve/latest_value.h:LatestValue": 31,
+    "plugins/drivers/line_thread.h:LineThread": 34,
+}
+# Function: its parameters today.
+MANY_PARAMETERS = {
+    "OnProbation::OnProbation": 7,
+}
+# Folder: its files today.
+CROWDED_FOLDERS = {
+    "ctl": 95,
+    "daemon": 51,
+    "daemon/commands": 75,
+    "libruntime/arch": 53,
+    "libruntime/exec": 84,
+    "libruntime/include/mauve": 55,
+    "libruntime/model": 40,
+    "libruntime/plugin": 29,
+    "libruntime/rt": 58,
+    "plugins/drivers": 66,
+}
+# Headers that are a list: they declare one function of each of many sources, so that one table can name them all.
+LISTS = {
+    "ctl/actions.h",
+    "ctl/doctor/checks.h",
+    "ctl/mtrace/findings.h",
+    "ctl/render.h",
+    "daemon/commands/command.h",
+    "plugins/drivers/parts.h",
+    "plugins/guidance/cores.h",
+    "plugins/navigation/parts.h",
+    "plugins/ros/parts.h",
+    "plugins/teleop/parts.h",
+}
+# Source: functions that other headers declare, today.
+STRAYS = {
+    "ctl/doctor/checks.cpp": 1,
+    "ctl/graph_dot.cpp": 3,
+    "ctl/graph_mermaid.cpp": 3,
+    "ctl/graph_svg.cpp": 1,
+    "ctl/help.cpp": 1,
+    "ctl/layers_columns.cpp": 1,
+    "ctl/layers_place.cpp": 1,
+    "ctl/layers_split.cpp": 1,
+    "ctl/layers_trunks.cpp": 1,
+    "ctl/machine_svg.cpp": 1,
+    "ctl/top_frame.cpp": 2,
+    "ctl/top_keys.cpp": 2,
+    "ctl/top_rows.cpp": 4,
+    "daemon/check.cpp": 1,
+    "daemon/commands/config.cpp": 1,
+    "daemon/commands/kept.cpp": 2,
+    "daemon/commands/lock.cpp": 5,
+    "daemon/commands/log.cpp": 1,
+    "daemon/commands/log_level.cpp": 1,
+    "daemon/commands/probation.cpp": 2,
+    "daemon/commands/reload.cpp": 1,
+    "daemon/commands/stop.cpp": 1,
+    "daemon/log/journal.cpp": 1,
+    "libruntime/base/value.cpp": 2,
+    "libruntime/exec/barrier.cpp": 1,
+    "libruntime/exec/change.cpp": 7,
+    "libruntime/exec/commit.cpp": 8,
+    "libruntime/exec/commit_books.cpp": 18,
+    "libruntime/exec/deployer.cpp": 2,
+    "libruntime/exec/happening.cpp": 3,
+    "libruntime/exec/in_place.cpp": 6,
+    "libruntime/exec/prepare.cpp": 1,
+    "libruntime/exec/prepare_barrier.cpp": 3,
+    "libruntime/exec/prepare_member.cpp": 3,
+    "libruntime/exec/prepare_resource.cpp": 3,
+    "libruntime/exec/published.cpp": 6,
+    "libruntime/exec/shutdown.cpp": 2,
+    "libruntime/exec/task_fault.cpp": 18,
+    "libruntime/exec/task_halt.cpp": 4,
+    "libruntime/exec/task_job.cpp": 11,
+    "libruntime/exec/task_trace.cpp": 3,
+    "libruntime/exec/threads.cpp": 1,
+    "libruntime/exec/trace_control.cpp": 7,
+    "libruntime/exec/trace_drain.cpp": 3,
+    "libruntime/model/component.cpp": 2,
+    "libruntime/model/core.cpp": 9,
+    "libruntime/model/elements.cpp": 2,
+    "libruntime/model/port.cpp": 13,
+    "libruntime/model/property.cpp": 2,
+    "libruntime/model/service.cpp": 4,
+    "libruntime/rt/measured.cpp": 2,
+    "libruntime/rt/trace_names.cpp": 5,
+    "libruntime/rules/parse_condition.cpp": 1,
+    "plugins/navigation/pgm.cpp": 1,
+}
+
+
+class Tree:
+    """The product's sources below a folder: their texts, includes and functions."""
+
+    def __init__(self, root):
+        self.root = root
+        self.text = {path: (root / path).read_text(encoding="utf-8") for path in sources(root)
+                     if not path.startswith(("tests/", "scripts/"))}
+
+    @functools.cached_property
+    def includes(self):
+        return {path: [target for name in INCLUDE.findall(text)
+                       if (target := resolve(self.root, path, name)) and target != path]
+                for path, text in self.text.items()}
+
+    @functools.cached_property
+    def functions(self):
+        return {path: functions_of(text) for path, text in self.text.items()}
+
+    @functools.cached_property
+    def depths(self):
+        """File: the longest way through own headers that begins there; a circle counts once."""
+        known, open_files = {}, set()
+
+        def depth(path):
+            if path not in known:
+                open_files.add(path)
+                known[path] = max((1 + depth(target) for target in self.includes.get(path, ())
+                                   if target not in open_files), default=0)
+                open_files.discard(path)
+            return known[path]
+
+        sys.setrecursionlimit(10000)
+        return {path: depth(path) for path in self.text}
+
+    @functools.cached_property
+    def class_sizes(self):
+        """(file, class): its functions, but for those that the compiler writes or that are deleted."""
+        return collections.Counter((path, function.in_class) for path, functions in self.functions.items()
+                                   for function in functions if function.in_class and not function.defaulted)
+
+    @functools.cached_property
+    def folders(self):
+        return collections.Counter(str(pathlib.PurePosixPath(path).parent) for path in self.text)
+
+    @functools.cached_property
+    def definitions(self):
+        """(source, function, the headers that declare it) of each function that other sources can call."""
+        declared = collections.defaultdict(set)
+        for path, functions in self.functions.items():
+            for function in functions:
+                if path.endswith(".h") and not function.body and not function.defaulted:
+                    declared[layer_of(path), function.name].add(path)
+                    declared[None, function.name].add(path)
+        found = []
+        for path, functions in self.functions.items():
+            for function in functions:
+                if path.endswith(".cpp") and function.body and not function.hidden and not function.in_class:
+                    headers = declared.get((layer_of(path), function.name)) or declared.get((None, function.name))
+                    if headers:
+                        found.append((path, function, headers))
+        return found
+
+    @functools.cached_property
+    def strays(self):
+        """The definitions that stand in a source that is not named like a header that declares them."""
+        return [(path, function, headers) for path, function, headers in self.definitions
+                if not headers & LISTS and
+                pathlib.PurePath(path).stem not in {pathlib.PurePath(header).stem for header in headers}]
+
+
+def ceiling_problem(what, value, budget, ceilings, key):
+    """Why a value breaks its budget or its ceiling, or None."""
+    ceiling = ceilings.get(key)
+    if ceiling is None:
+        return None if value <= budget else f"{what.format(value)}, the limit is {budget}"
+    if value > ceiling:
+        return f"{what.format(value)}, today's ceiling of this exception is {ceiling}"
+    if value <= budget:
+        return f"{what.format(value)} and is no exception any more: remove it from scripts/structure.py"
+    return None if value == ceiling else f"{what.format(value)}: lower the ceiling in scripts/structure.py from {ceiling}"
+
+
+def depth_problems(tree):
+    deepest = {}
+    for path, depth in tree.depths.items():
+        layer = layer_of(path)
+        if depth > deepest.get(layer, ("", -1))[1]:
+            deepest[layer] = (path, depth)
+    for layer, (path, depth) in sorted(deepest.items(), key=str):
+        problem = ceiling_problem("its own includes are {} deep", depth, INCLUDE_DEPTH, DEEP_LAYERS, layer)
+        if problem:
+            yield f"{path}: {problem}; declare what a header only names, and include it in the source"
+
+
+def class_problems(tree):
+    for (path, name), size in sorted(tree.class_sizes.items()):
+        problem = ceiling_problem("has {} functions", size, CLASS_FUNCTIONS, LARGE_CLASSES, f"{path}:{name}")
+        if problem:
+            yield f"{path}: class {name} {problem}; split it by noun"
+
+
+def parameter_problems(tree):
+    for path, functions in tree.functions.items():
+        for function in functions:
+            problem = ceiling_problem("has {} parameters", function.parameters, PARAMETERS, MANY_PARAMETERS,
+                                      function.name)
+            if problem:
+                yield f"{path}:{function.line}: {function.name} {problem}; give them a structure"
+
+
+def folder_problems(tree):
+    for folder, count in sorted(tree.folders.items()):
+        problem = ceiling_problem("holds {} files", count, FOLDER_FILES, CROWDED_FOLDERS, folder)
+        if problem:
+            yield f"{folder}: {problem}; give what belongs together a folder"
+
+
+def definition_problems(tree):
+    counts = collections.Counter(path for path, _, _ in tree.strays)
+    for path, function, headers in tree.strays:
+        if counts[path] > STRAYS.get(path, 0):
+            yield (f"{path}:{function.line}: {function.name} is declared in {', '.join(sorted(headers))}; "
+                   "define it in the source that is named like that header")
+    for path, ceiling in STRAYS.items():
+        if path in tree.text and counts[path] < ceiling:
+            yield f"{path}: {counts[path]} strays: lower the ceiling in scripts/structure.py from {ceiling}"
+
+
+def spread(name, values, budget):
+    values = sorted(values)
+    over = sum(value > budget for value in values)
+    print(f"{name}: median {statistics.median_low(values)}, largest {values[-1]}, "
+          f"{over} of {len(values)} over {budget}")
+
+
+def figures(tree):
+    spread("depth of own includes", tree.depths.values(), INCLUDE_DEPTH)
+    spread("functions of a class", tree.class_sizes.values(), CLASS_FUNCTIONS)
+    spread("parameters of a function",
+           [function.parameters for functions in tree.functions.values() for function in functions], PARAMETERS)
+    spread("files of a folder", tree.folders.values(), FOLDER_FILES)
+    for room in ("", "libruntime", "libruntime/exec", "daemon", "ctl", "plugins"):
+        total = sum(path.startswith(room) for path, _, _ in tree.definitions)
+        strays = sum(path.startswith(room) for path, _, _ in tree.strays)
+        print(f"functions defined in another source than their header's, {room or 'all'}: "
+              f"{strays} of {total}, {100 * strays / max(total, 1):.1f} %")
+
+
+def main():
+    arguments = [argument for argument in sys.argv[1:] if argument != "--figures"]
+    root = pathlib.Path(arguments[0] if arguments else pathlib.Path(__file__).parent.parent).resolve()
+    tree = Tree(root)
+    if "--figures" in sys.argv:
+        figures(tree)
+        return 0
+    problems = [problem for rule in (depth_problems, class_problems, parameter_problems, folder_problems,
+                                     definition_problems) for problem in rule(tree)]
+    print("\n".join(problems) if problems else f"structure: {len(tree.text)} files are within the budget")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
