@@ -8,8 +8,10 @@
 namespace navigation {
 namespace {
 
-constexpr int kSteady = 3;             // jobs without a turn before it looks
+constexpr int kSteady = 3;  // jobs without a turn or a pause before it looks
+constexpr mauve::Duration kFresh = std::chrono::milliseconds(150);  // a scan that is looked at
 constexpr double kTurning = 0.05;      // rad from job to job: at the horizon half of scan_margin
+constexpr double kPause = 0.5;         // s from job to job, else 0.2: the machine stood still
 constexpr double kHorizon = 3.0;       // m, how far the scan is looked at, and the path
 constexpr double kMoved = 0.05;        // m, from which on a goal is another one
 constexpr double kNearer = 0.1;        // m, that count as getting on
@@ -126,13 +128,18 @@ bool Navigation::look_at_map() {
 
 /// Remembers obstacles that are not on the map. A scan is older than the pose, by some jobs on a
 /// machine that stands still now and then: while the robot turns, and just after, the walls of the
-/// map would be seen beside their place, and close a door for as long as they are remembered.
+/// map would be seen beside their place, and close a door for as long as they are remembered. So
+/// they would after a pause of the machine, during which the robot drove on: then the scan is old,
+/// or this job comes late.
 void Navigation::look_at_scan() {
   planner_->forget(now_);
   const double turned = std::abs(rover::wrap(pose_.heading - heading_before_));
   heading_before_ = pose_.heading;
-  steady_ = turned > kTurning ? 0 : std::min(steady_ + 1, kSteady);
-  if (!usable(shell().scan.read(scan_)) || steady_ < kSteady) return;
+  const bool paused = now_ - looked_at_ > kPause;
+  looked_at_ = now_;
+  steady_ = turned > kTurning || paused ? 0 : std::min(steady_ + 1, kSteady);
+  if (!usable(shell().scan.read(scan_)) || shell().scan.age() > kFresh) return;
+  if (steady_ < kSteady) return;
   const double until = now_ + seconds(remember);
   for (std::size_t beam = 0; beam < scan_.ranges.size(); ++beam) {
     const double range = static_cast<double>(scan_.ranges[beam]);

@@ -113,7 +113,8 @@ class Navigation final : public mauve::Core<NavigationShell> {
   std::unique_ptr<Planner> planner_;
   Pose2D pose_;
   LaserScan scan_;
-  int steady_ = 0;               // jobs since it turned
+  int steady_ = 0;               // jobs since it turned, or since the machine stood still
+  double looked_at_ = 0.0;       // s, time of the last job that looked at the scan
   double heading_before_ = 0.0;  // rad, of the pose in the job before
   double now_ = 0.0;             // s, start of this job
   std::uint64_t map_time_ = 0;

@@ -27,4 +27,13 @@ int area_of(const rover::Pose2D& pose, std::span<const Area> areas, int before, 
   return kOutside;
 }
 
+int follow(Sighting& last, int area, mauve::Duration remember, mauve::Instant now) {
+  if (area != kNowhere) {
+    last = {area, now};
+  } else if (now - last.time >= remember.count()) {
+    last.area = kNowhere;
+  }
+  return last.area;
+}
+
 }  // namespace supervision

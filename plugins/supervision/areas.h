@@ -2,7 +2,10 @@
 /// In which of some rectangles is the robot?
 #pragma once
 
+#include <optional>
 #include <span>
+
+#include <mauve/time.h>
 
 #include "../types/pose.h"
 
@@ -22,5 +25,16 @@ constexpr int kOutside = 0;   ///< in none of the areas
 /// all the time. kNowhere for a pose that is not a number. [rt]
 [[nodiscard]] int area_of(const rover::Pose2D& pose, std::span<const Area> areas, int before,
                           double margin);
+
+/// The area in which the robot was seen last, and when.
+struct Sighting {
+  int area = kNowhere;
+  mauve::Instant time = 0;
+};
+
+/// The area of a robot that is seen in `area` now, or not at all (kNowhere). A robot that is not
+/// seen is still in its last area for `remember`: a machine that stands still for a moment leaves
+/// the pose unknown for some jobs, and the robot drives on where it was. [rt]
+[[nodiscard]] int follow(Sighting& last, int area, mauve::Duration remember, mauve::Instant now);
 
 }  // namespace supervision

@@ -24,7 +24,7 @@ namespace supervision {
 
 /// What survives a change.
 struct Watched {
-  int area = kNowhere;
+  Sighting seen;
   Progress progress;
 };
 
@@ -33,7 +33,7 @@ struct Watched {
 /// Opaque to tools; raise the revision when anything in it changes.
 template <>
 struct mauve::Described<supervision::Watched> {
-  static constexpr std::string_view name = "supervised/1";
+  static constexpr std::string_view name = "supervised/2";
   static constexpr auto fields() { return std::tuple{}; }
 };
 
@@ -57,9 +57,10 @@ class Supervisor final : public mauve::Core<SupervisorShell> {
     const Pose2D pose = shell().pose.read();
     const mauve::DataStatus seen = shell().pose.status();
     const bool known = has_value(seen) && seen != mauve::DataStatus::stale;
-    watched->area = known ? area_of(pose, areas.get(), watched->area, margin) : kNowhere;
-    if (watched->area != area) ++changes;
-    area = watched->area;
+    const int there = known ? area_of(pose, areas.get(), watched->seen.area, margin) : kNowhere;
+    const int now = follow(watched->seen, there, remember, mauve::job_time());
+    if (now != area) ++changes;
+    area = now;
     const mauve::Duration stays =
         stays_for(watched->progress, pose, wants_to_move(pose), stuck_radius, mauve::job_time());
     stuck = stays >= stuck_after.get();
@@ -73,6 +74,11 @@ class Supervisor final : public mauve::Core<SupervisorShell> {
                                  0.3,
                                  "beyond which an area is left",
                                  {.unit = "m", .min = 0.0, .max = 100.0}};
+  mauve::Property<mauve::Duration> remember{*this,
+                                            "remember",
+                                            2s,
+                                            "the area is kept while the pose is not known",
+                                            {.min = 0s, .max = 1h}};
   mauve::Property<double> goal_radius{*this,
                                       "goal_radius",
                                       0.5,

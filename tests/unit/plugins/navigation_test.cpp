@@ -71,15 +71,22 @@ class NavigationCore : public testing::Test {
   }
   void follow_after(mauve::Duration time) {
     bench_->advance(time);
+    if (sees_) bench_->give(shell().scan, scan_);
     core().follow();
   }
-  /// One beam to the front.
+  /// One beam to the front, from now on.
   void see(double range) {
-    rover::LaserScan scan;
-    scan.range_max = 8.0F;
-    scan.ranges.push_back(static_cast<float>(range));
-    bench_->give(shell().scan, scan);
+    scan_.range_max = 8.0F;
+    scan_.ranges.clear();
+    scan_.ranges.push_back(static_cast<float>(range));
+    bench_->give(shell().scan, scan_);
+    sees_ = true;
   }
+  /// The laser gives no newer scan.
+  void see_no_more() { sees_ = false; }
+
+  rover::LaserScan scan_;
+  bool sees_ = false;
 
   std::unique_ptr<OccupancyGrid> map_ = two_rooms();
   std::unique_ptr<mauve::CoreBench<NavigationShell, Navigation>> bench_ =
@@ -155,6 +162,38 @@ TEST_F(NavigationCore, MarksNothingWhileItTurns) {
   EXPECT_TRUE(core().must_plan()) << "it looks again when it stands";
 }
 
+TEST_F(NavigationCore, MarksNothingAfterThePauseOfTheMachineUntilItIsSteady) {
+  set_out();
+  const Point2D first = target();
+  stand_at(5.0, 2.0, std::atan2(first.y - 2.0, first.x - 5.0));
+  stand_still();
+  follow_after(1s);
+  see(2.0);  // the robot drove on: the scan shows the place before
+
+  for (int i = 1; i < 3; ++i) {
+    follow_after(200ms);
+    follow_after(0ms);
+    EXPECT_EQ(observe("blocked"), 0) << "job " << i;
+    see(8.0);
+  }
+}
+
+TEST_F(NavigationCore, MarksNothingThatAnOldScanShows) {
+  set_out();
+  const Point2D first = target();
+  stand_at(5.0, 2.0, std::atan2(first.y - 2.0, first.x - 5.0));
+  stand_still();
+  see(2.0);
+  see_no_more();
+
+  follow_after(400ms);
+  follow_after(400ms);
+  follow_after(400ms);
+
+  EXPECT_FALSE(core().must_plan());
+  EXPECT_EQ(observe("blocked"), 0);
+}
+
 TEST_F(NavigationCore, IsNotTroubledByWhatIsOnTheMapOrFarAway) {
   set_out();
   see(4.9);
@@ -172,6 +211,7 @@ TEST_F(NavigationCore, ForgetsWhatItHasNotSeenForAWhile) {
   stand_at(5.0, 2.0, std::atan2(first.y - 2.0, first.x - 5.0));
   stand_still();
   see(2.0);
+  follow_after(100ms);
   follow_after(2s);
   ASSERT_TRUE(core().must_plan());
   see(8.0);

@@ -47,6 +47,18 @@ TEST(Areas, ThatAreNoLongerThereAreForgotten) {
   EXPECT_EQ(area_of({2.0, 3.0, 0.0}, {}, 1, 0.5), kOutside);
 }
 
+TEST(Areas, AreKeptForAWhileWhenThePoseIsNotKnown) {
+  Sighting last;
+  const mauve::Instant second = 1'000'000'000;
+  EXPECT_EQ(follow(last, kNowhere, 2s, second), kNowhere) << "it was never seen";
+  EXPECT_EQ(follow(last, 2, 2s, 10 * second), 2);
+  EXPECT_EQ(follow(last, kNowhere, 2s, 11 * second), 2);
+  EXPECT_EQ(follow(last, kNowhere, 2s, 12 * second), kNowhere);
+  EXPECT_EQ(follow(last, kNowhere, 2s, 13 * second), kNowhere);
+  EXPECT_EQ(follow(last, kOutside, 2s, 14 * second), kOutside);
+  EXPECT_EQ(follow(last, kNowhere, 0s, 14 * second), kNowhere);
+}
+
 struct Drive {
   Progress progress;
   mauve::Instant now = 1'000;
