@@ -5,6 +5,8 @@
 
 #include <mauve/core.h>
 #include <mauve/exchange.h>
+#include <mauve/service.h>
+#include <mauve/state.h>
 
 #include "model/succession.h"
 

@@ -2,8 +2,9 @@
 /// What happens to releases that come too late. The core itself moves the manual clock.
 #include <gtest/gtest.h>
 
-#include "exec/task.h"
+#include "exec/task/task.h"
 
+#include <mauve/component.h>
 #include <mauve/plugin.h>
 
 namespace mauve::exec {
