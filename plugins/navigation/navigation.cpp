@@ -8,10 +8,10 @@
 namespace navigation {
 namespace {
 
-constexpr int kSteady = 3;  // jobs without a turn or a pause before it looks
-constexpr mauve::Duration kFresh = std::chrono::milliseconds(150);  // a scan that is looked at
+constexpr int kSteady = 3;             // jobs without a turn or a pause before it looks
+constexpr double kFresh = 0.15;        // s, the oldest scan that is looked at
 constexpr double kTurning = 0.05;      // rad from job to job: at the horizon half of scan_margin
-constexpr double kPause = 0.5;         // s from job to job, else 0.2: the machine stood still
+constexpr double kPause = 0.5;         // s between two jobs, else 0.2: the machine stood still
 constexpr double kHorizon = 3.0;       // m, how far the scan is looked at, and the path
 constexpr double kMoved = 0.05;        // m, from which on a goal is another one
 constexpr double kNearer = 0.1;        // m, that count as getting on
@@ -128,9 +128,8 @@ bool Navigation::look_at_map() {
 
 /// Remembers obstacles that are not on the map. A scan is older than the pose, by some jobs on a
 /// machine that stands still now and then: while the robot turns, and just after, the walls of the
-/// map would be seen beside their place, and close a door for as long as they are remembered. So
-/// they would after a pause of the machine, during which the robot drove on: then the scan is old,
-/// or this job comes late.
+/// map would be seen beside their place, and close a door for as long as they are remembered. The
+/// same happens after a pause of the machine during which the robot drove on.
 void Navigation::look_at_scan() {
   planner_->forget(now_);
   const double turned = std::abs(rover::wrap(pose_.heading - heading_before_));
@@ -138,7 +137,7 @@ void Navigation::look_at_scan() {
   const bool paused = now_ - looked_at_ > kPause;
   looked_at_ = now_;
   steady_ = turned > kTurning || paused ? 0 : std::min(steady_ + 1, kSteady);
-  if (!usable(shell().scan.read(scan_)) || shell().scan.age() > kFresh) return;
+  if (!usable(shell().scan.read(scan_)) || seconds(shell().scan.age()) > kFresh) return;
   if (steady_ < kSteady) return;
   const double until = now_ + seconds(remember);
   for (std::size_t beam = 0; beam < scan_.ranges.size(); ++beam) {

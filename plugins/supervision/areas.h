@@ -2,7 +2,6 @@
 /// In which of some rectangles is the robot?
 #pragma once
 
-#include <optional>
 #include <span>
 
 #include <mauve/time.h>
@@ -32,9 +31,9 @@ struct Sighting {
   mauve::Instant time = 0;
 };
 
-/// The area of a robot that is seen in `area` now, or not at all (kNowhere). A robot that is not
-/// seen is still in its last area for `remember`: a machine that stands still for a moment leaves
-/// the pose unknown for some jobs, and the robot drives on where it was. [rt]
+/// The area of a robot whose pose lies in `area` now, or is not known (kNowhere). While the pose is
+/// not known, the robot counts as in its last area, for `remember` at most: a short pause of the
+/// whole machine leaves the pose unknown for some jobs. [rt]
 [[nodiscard]] int follow(Sighting& last, int area, mauve::Duration remember, mauve::Instant now);
 
 }  // namespace supervision

@@ -77,7 +77,7 @@ class Supervisor final : public mauve::Core<SupervisorShell> {
   mauve::Property<mauve::Duration> remember{*this,
                                             "remember",
                                             2s,
-                                            "the area is kept while the pose is not known",
+                                            "how long the area is kept without a known pose",
                                             {.min = 0s, .max = 1h}};
   mauve::Property<double> goal_radius{*this,
                                       "goal_radius",

@@ -62,6 +62,7 @@ def wait_for_the_building(robot):
 
 # A faulty core goes wrong after half a second of driving. On a busy machine the robot may stand for a while before.
 IN_A_WHILE = 60.0  # s
+LONG_PROBATION = ("--probation", "9000")  # jobs: 90 s of driving
 
 
 def throwing_core(robot):
@@ -69,7 +70,7 @@ def throwing_core(robot):
     print("\n$ mauvectl confirm      # the core for clutter does well", flush=True)
     robot.run("confirm")
     load(robot, "guidance_faulty")
-    swap(robot, "guidance_faulty/throwing", "--probation", "9000")
+    swap(robot, "guidance_faulty/throwing", *LONG_PROBATION)
     until("it throws, and guidance/potential_field is back by itself",
           lambda: robot.core() == "guidance/potential_field", IN_A_WHILE)
     until("its build is in quarantine", lambda: robot.ask("quarantine")["cores"])
@@ -82,7 +83,7 @@ def slow_core(robot):
     print(f"{refused.stdout}{refused.stderr}".rstrip(), flush=True)
     if refused.returncode == 0:
         raise Failed("a core over its deadline was admitted")
-    swap(robot, "guidance_faulty/slow", "--probation", "9000")
+    swap(robot, "guidance_faulty/slow", *LONG_PROBATION)
     until("it hid what it uses, and guidance/potential_field is back by itself",
           lambda: robot.core() == "guidance/potential_field", IN_A_WHILE)
 
