@@ -17,6 +17,7 @@
 #include "commands/quarantine.h"
 #include "commands/unproven.h"
 #include "keeper.h"
+#include "mauve/architecture.h"
 #include "supervisor.h"
 
 namespace mauve::daemon {

@@ -12,6 +12,7 @@
 #include "daemon.h"
 #include "exec/admission.h"
 #include "log/json_text.h"
+#include "mauve/architecture.h"
 #include "model/wiring.h"
 
 namespace mauve::daemon {

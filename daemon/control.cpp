@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "mauve/change.h"
+#include "mauve/job.h"
 #include "rt/rescue.h"
 
 namespace mauve::daemon {

@@ -16,6 +16,7 @@
 #include "commands/unproven.h"
 #include "happenings.h"
 #include "heartbeat.h"
+#include "mauve/architecture.h"
 #include "mauve/version.h"
 #include "notify.h"
 #include "rt/last_words.h"

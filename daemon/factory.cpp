@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <mutex>
 
+#include "mauve/job.h"
 #include "model/leavable.h"
 #include "rt/rescue.h"
 

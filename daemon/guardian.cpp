@@ -7,6 +7,7 @@
 #include "base/duration.h"
 #include "commands/change.h"
 #include "commands/model.h"
+#include "mauve/architecture.h"
 
 namespace mauve::daemon {
 

@@ -14,7 +14,11 @@
 #include <vector>
 
 #include "log/log.h"
-#include "mauve/deployer.h"
+#include "mauve/ongoing.h"
+
+namespace mauve {
+class Deployer;
+}  // namespace mauve
 
 namespace mauve::daemon {
 

@@ -7,6 +7,7 @@
 
 #include "arch/value_json.h"
 #include "commands/value.h"
+#include "mauve/architecture.h"
 
 namespace mauve::daemon {
 

@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "commands/command.h"
-#include "commands/model.h"
 #include "mauve/tap.h"
 
 namespace mauve::daemon {

@@ -27,6 +27,7 @@
 #include "commands/model.h"
 #include "commands/policies.h"
 #include "commands/trial.h"
+#include "mauve/architecture.h"
 #include "supervisor.h"
 
 namespace mauve::daemon {

@@ -9,6 +9,7 @@
 #include "commands/change.h"
 #include "commands/model.h"
 #include "commands/value.h"
+#include "mauve/service.h"
 #include "model/look_outside.h"
 #include "model/wiring.h"
 

@@ -26,13 +26,16 @@
 #include "generations.h"
 #include "judge/judgement.h"
 #include "log/log.h"
-#include "mauve/architecture.h"
 #include "mauve/deploy_options.h"
 #include "mauve/deployer.h"
 #include "plugin/catalog.h"
 #include "server/dispatcher.h"
 #include "server/server.h"
 #include "stopper.h"
+
+namespace mauve {
+class Architecture;
+}  // namespace mauve
 
 namespace mauve::daemon {
 

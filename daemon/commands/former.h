@@ -10,8 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "mauve/deployer.h"
+#include "mauve/result.h"
 #include "plugin/catalog.h"
+
+namespace mauve {
+struct Outcome;
+}  // namespace mauve
 
 namespace mauve::daemon {
 

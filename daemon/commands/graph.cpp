@@ -2,6 +2,7 @@
 /// architecture.graph: all elements and connections in one look, for pictures.
 #include "commands/parts_json.h"
 #include "commands/value.h"
+#include "mauve/port_base.h"
 
 namespace mauve::daemon {
 

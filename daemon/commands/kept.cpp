@@ -2,6 +2,7 @@
 #include "arch/value_json.h"
 #include "commands/change.h"
 #include "commands/model.h"
+#include "mauve/property.h"
 
 namespace mauve::daemon {
 

@@ -6,6 +6,9 @@
 #include "commands/answer.h"
 #include "commands/model.h"
 #include "log/event.h"
+#include "mauve/architecture.h"
+#include "mauve/port_base.h"
+#include "mauve/service.h"
 
 namespace mauve::daemon {
 

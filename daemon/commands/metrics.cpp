@@ -5,6 +5,7 @@
 #include <initializer_list>
 
 #include "commands/command.h"
+#include "mauve/architecture.h"
 #include "mauve/version.h"
 
 namespace mauve::daemon {

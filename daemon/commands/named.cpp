@@ -5,6 +5,7 @@
 
 #include "commands/answer.h"
 #include "commands/model.h"
+#include "mauve/architecture.h"
 
 namespace mauve::daemon {
 

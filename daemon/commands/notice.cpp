@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "commands/quarantine.h"
+#include "mauve/architecture.h"
 
 namespace mauve::daemon {
 

@@ -2,6 +2,9 @@
 #include "commands/parts_json.h"
 
 #include "arch/built_in.h"
+#include "mauve/port_base.h"
+#include "mauve/resource.h"
+#include "mauve/service.h"
 #include "model/wiring.h"
 
 namespace mauve::daemon {

@@ -8,6 +8,7 @@
 #include "commands/given_up.h"
 #include "commands/model.h"
 #include "exec/prepared.h"
+#include "mauve/architecture.h"
 
 namespace mauve::daemon {
 

@@ -11,7 +11,13 @@
 #include <string>
 #include <vector>
 
-#include "mauve/deployer.h"
+#include "mauve/probation.h"
+#include "mauve/result.h"
+
+namespace mauve {
+struct Bundle;
+struct Change;
+}  // namespace mauve
 
 namespace mauve::daemon {
 

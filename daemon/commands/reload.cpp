@@ -23,6 +23,7 @@
 #include "commands/quarantine.h"
 #include "commands/trial.h"
 #include "commands/unproven.h"
+#include "mauve/architecture.h"
 
 namespace mauve::daemon {
 

@@ -9,6 +9,11 @@
 #include "commands/model.h"
 #include "commands/parts_json.h"
 #include "commands/value.h"
+#include "mauve/architecture.h"
+#include "mauve/observable.h"
+#include "mauve/port_base.h"
+#include "mauve/resource.h"
+#include "mauve/service.h"
 
 namespace mauve::daemon {
 

@@ -3,6 +3,7 @@
 #include "commands/answer.h"
 #include "commands/change.h"
 #include "commands/named.h"
+#include "mauve/architecture.h"
 
 namespace mauve::daemon {
 

@@ -6,6 +6,7 @@
 #include "commands/answer.h"
 #include "commands/kernel_counts.h"
 #include "commands/model.h"
+#include "mauve/architecture.h"
 #include "rt/process.h"
 
 namespace mauve::daemon {

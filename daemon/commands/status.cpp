@@ -13,6 +13,7 @@
 #include "commands/quarantine.h"
 #include "guardian.h"
 #include "keeper.h"
+#include "mauve/architecture.h"
 #include "mauve/version.h"
 #include "supervisor.h"
 

@@ -10,6 +10,7 @@
 #include "commands/model.h"
 #include "commands/path_rule.h"
 #include "commands/policies.h"
+#include "mauve/architecture.h"
 
 namespace mauve::daemon {
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "keeper.h"
+#include "mauve/architecture.h"
 #include "recovery.h"
 
 namespace mauve::daemon {

@@ -7,6 +7,7 @@
 #include "arch/task_attributes.h"
 #include "arch/value_json.h"
 #include "base/duration.h"
+#include "mauve/service.h"
 #include "model/look_outside.h"
 
 namespace mauve::daemon {

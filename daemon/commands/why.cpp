@@ -8,6 +8,8 @@
 #include "commands/log_json.h"
 #include "commands/model.h"
 #include "keeper.h"
+#include "mauve/architecture.h"
+#include "mauve/service.h"
 
 namespace mauve::daemon {
 

@@ -10,6 +10,9 @@
 #include "arch/parts.h"
 #include "base/duration.h"
 #include "exec/prepared.h"
+#include "mauve/port_base.h"
+#include "mauve/property.h"
+#include "mauve/resource.h"
 
 namespace mauve::arch {
 namespace {

@@ -7,7 +7,10 @@
 
 #include "arch/spec.h"
 #include "mauve/element_type.h"
-#include "plugin/catalog.h"
+
+namespace mauve::plugin {
+class Catalog;
+}  // namespace mauve::plugin
 
 namespace mauve::arch {
 

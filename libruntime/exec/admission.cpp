@@ -6,9 +6,12 @@
 #include "analysis/admission.h"
 #include "base/duration.h"
 #include "exec/placement.h"
+#include "exec/prepared.h"
 #include "exec/relaxation.h"
 #include "exec/timing_model.h"
 #include "exec/timing_report.h"
+
+#include <mauve/architecture.h>
 
 namespace mauve::exec {
 namespace {

@@ -8,6 +8,10 @@
 #include "exec/commit.h"
 #include "rt/deadline.h"
 
+#include <mauve/observable.h>
+#include <mauve/receipt.h>
+#include <mauve/resource.h>
+
 namespace mauve::exec {
 namespace {
 

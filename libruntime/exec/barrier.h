@@ -23,6 +23,8 @@
 #include "exec/system.h"
 #include "model/succession.h"
 
+#include <mauve/receipt.h>
+
 namespace mauve::exec {
 
 /// While they wait, outputs stay as they are: nobody waits longer for one that does not come, nor

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/change.h>
+#include <mauve/receipt.h>
 
 #include "exec/prepared.h"
 #include "model/elements.h"

@@ -8,6 +8,8 @@
 #include "exec/relief.h"
 
 #include <mauve/job.h>
+#include <mauve/receipt.h>
+#include <mauve/resource.h>
 
 namespace mauve::exec {
 namespace {

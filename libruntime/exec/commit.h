@@ -13,6 +13,9 @@
 #include "exec/swap.h"
 #include "exec/system.h"
 
+#include <mauve/ongoing.h>
+#include <mauve/receipt.h>
+
 namespace mauve::exec {
 
 /// After the decision a member takes its bundle in the wait it is in, or after the job it is in.

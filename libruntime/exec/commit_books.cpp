@@ -5,6 +5,9 @@
 #include "exec/commit.h"
 #include "exec/membership.h"
 
+#include <mauve/architecture.h>
+#include <mauve/receipt.h>
+
 namespace mauve::exec {
 
 Error being_rolled_back(std::uint64_t generation) {

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include <mauve/deployer.h>
+#include <mauve/happening.h>
 
 namespace mauve::exec {
 

@@ -10,6 +10,7 @@
 #include "exec/stop.h"
 #include "rt/measured.h"
 
+#include <mauve/architecture.h>
 #include <mauve/job.h>
 
 namespace mauve {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <mauve/ongoing.h>
+
 namespace mauve::exec {
 namespace {
 

@@ -5,6 +5,8 @@
 
 #include "base/name.h"
 
+#include <mauve/property.h>
+
 namespace mauve::exec {
 namespace {
 

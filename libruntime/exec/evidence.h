@@ -7,8 +7,20 @@
 
 #include <bit>
 #include <cstdint>
+#include <optional>
+
+#include <mauve/time.h>
 
 namespace mauve::exec {
+
+/// When one job ran.
+struct JobUse {
+  Instant released = 0;
+  Instant start = 0;
+  Instant end = 0;
+  Duration late{0};              ///< after its deadline; zero: in time
+  std::optional<Duration> used;  ///< processor time; none: it is not known
+};
 
 /// How one job of the core ended.
 struct JobTiming {

@@ -7,6 +7,8 @@
 #include "exec/inherit.h"
 #include "model/hand_over.h"
 
+#include <mauve/receipt.h>
+
 namespace mauve::exec {
 namespace {
 

@@ -7,6 +7,8 @@
 #include "base/duration.h"
 #include "exec/system.h"
 
+#include <mauve/value.h>
+
 namespace mauve::exec {
 
 std::string_view name_of(rt::EventKind kind) {

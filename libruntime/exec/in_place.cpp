@@ -8,6 +8,7 @@
 #include "model/hand_over.h"
 #include "model/leavable.h"
 
+#include <mauve/deployer.h>
 #include <mauve/job.h>
 
 namespace mauve {

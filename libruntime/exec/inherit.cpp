@@ -10,6 +10,8 @@
 #include "exec/probation.h"
 #include "exec/rewired.h"
 
+#include <mauve/resource.h>
+
 namespace mauve::exec {
 namespace {
 

@@ -7,6 +7,8 @@
 #include "exec/placement.h"
 #include "model/left_behind.h"
 
+#include <mauve/component.h>
+
 namespace mauve::exec {
 namespace {
 

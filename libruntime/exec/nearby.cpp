@@ -3,7 +3,10 @@
 
 #include <algorithm>
 
+#include <mauve/exchange.h>
+#include <mauve/port_base.h>
 #include <mauve/resource.h>
+#include <mauve/service.h>
 #include <mauve/shell.h>
 
 namespace mauve::exec {

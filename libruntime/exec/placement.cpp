@@ -6,6 +6,7 @@
 
 #include "rt/thread.h"
 
+#include <mauve/component.h>
 #include <mauve/shared_data.h>
 
 namespace mauve::exec {

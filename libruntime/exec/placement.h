@@ -8,6 +8,8 @@
 
 #include "exec/system.h"
 
+#include <mauve/binding.h>
+
 namespace mauve::exec {
 
 /// Resources whose lock a call through these connections may take, by themselves or through their

@@ -14,7 +14,11 @@
 #include "model/leavable.h"
 #include "model/resource_graph.h"
 
+#include <mauve/architecture.h>
 #include <mauve/job.h>
+#include <mauve/port_base.h>
+#include <mauve/resource.h>
+#include <mauve/service.h>
 
 namespace mauve::exec {
 namespace {

@@ -7,6 +7,11 @@
 #include "exec/prepare.h"
 #include "model/succession.h"
 
+#include <mauve/architecture.h>
+#include <mauve/fsm.h>
+#include <mauve/port_base.h>
+#include <mauve/resource.h>
+
 namespace mauve::exec {
 namespace {
 

@@ -10,7 +10,10 @@
 #include "model/hand_over.h"
 #include "rt/measured.h"
 
+#include <mauve/fsm.h>
 #include <mauve/job.h>
+#include <mauve/port_base.h>
+#include <mauve/service.h>
 
 namespace mauve::exec {
 namespace {

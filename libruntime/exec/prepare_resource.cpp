@@ -8,6 +8,8 @@
 #include "model/hand_over.h"
 
 #include <mauve/job.h>
+#include <mauve/resource.h>
+#include <mauve/service.h>
 
 namespace mauve::exec {
 namespace {

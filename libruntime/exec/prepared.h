@@ -9,7 +9,9 @@
 
 #include "exec/resource_flip.h"
 
-#include <mauve/deployer.h>
+#include <mauve/change.h>
+#include <mauve/prepared_change.h>
+#include <mauve/retired.h>
 
 namespace mauve::exec {
 

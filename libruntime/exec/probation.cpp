@@ -9,6 +9,8 @@
 #include "exec/membership.h"
 #include "model/left_behind.h"
 
+#include <mauve/architecture.h>
+
 namespace mauve::exec {
 namespace {
 

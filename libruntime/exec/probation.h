@@ -12,7 +12,7 @@
 #include "exec/prepared.h"
 #include "exec/system.h"
 
-#include <mauve/deployer.h>
+#include <mauve/probation.h>
 
 namespace mauve::exec {
 

@@ -7,6 +7,10 @@
 #include "exec/commit.h"
 #include "exec/safe_values.h"
 
+#include <mauve/fsm.h>
+#include <mauve/observable.h>
+#include <mauve/resource.h>
+
 namespace mauve::exec {
 namespace {
 

@@ -9,14 +9,23 @@
 #include <utility>
 #include <vector>
 
-#include "exec/nearby.h"
 #include "exec/transaction.h"
 #include "model/hand_over.h"
 
-#include <mauve/change.h>
-#include <mauve/component.h>
+#include <mauve/change_policy.h>
+#include <mauve/time.h>
 
-namespace mauve::exec {
+namespace mauve {
+
+class Binding;
+class FsmState;
+class ObservableBase;
+class PortBase;
+struct Bundle;
+
+namespace exec {
+
+class Nearby;
 
 /// What a task takes, as a trace tells it.
 enum class TakenAs : std::uint8_t { change, back, relief, barrier };
@@ -78,4 +87,5 @@ struct Published {
   Published* older = nullptr;  ///< in the task's pile of what it does not use any more
 };
 
-}  // namespace mauve::exec
+}  // namespace exec
+}  // namespace mauve

@@ -8,6 +8,8 @@
 #include "exec/edit_properties.h"
 #include "exec/prepare.h"
 
+#include <mauve/architecture.h>
+
 namespace mauve::exec {
 namespace {
 

@@ -4,6 +4,8 @@
 #include "exec/write_quietly.h"
 
 #include <mauve/clock.h>
+#include <mauve/observable.h>
+#include <mauve/resource.h>
 
 namespace mauve::exec {
 namespace {

@@ -12,9 +12,18 @@
 #include "exec/transaction.h"
 #include "model/hand_over.h"
 
-#include <mauve/architecture.h>
+#include <mauve/binding.h>
+#include <mauve/change_policy.h>
+#include <mauve/gate.h>
 
-namespace mauve::exec {
+namespace mauve {
+
+class CoreBase;
+class ObservableBase;
+class PortBase;
+class ResourceBase;
+
+namespace exec {
 
 /// What a resource is to have; null: stays.
 struct ResourceParts {
@@ -86,4 +95,5 @@ class ResourceFlip final : public Deferred {
   Duration pause_{0};
 };
 
-}  // namespace mauve::exec
+}  // namespace exec
+}  // namespace mauve

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/rewired.h"
 
+#include <mauve/architecture.h>
+
 namespace mauve::exec {
 namespace {
 

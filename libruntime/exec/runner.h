@@ -8,11 +8,16 @@
 #include <string>
 #include <vector>
 
-#include "exec/task.h"
 #include "rt/noise.h"
 #include "rt/thread.h"
 
+#include <mauve/clock.h>
+#include <mauve/machine.h>
+#include <mauve/result.h>
+
 namespace mauve::exec {
+
+class Task;
 
 class Runner {
  public:

@@ -3,6 +3,9 @@
 
 #include "rt/measured.h"
 
+#include <mauve/component.h>
+#include <mauve/fsm.h>
+
 namespace mauve::exec {
 namespace {
 

@@ -8,6 +8,10 @@
 #include "exec/safe_values.h"
 #include "rt/deadline.h"
 
+#include <mauve/receipt.h>
+#include <mauve/resource.h>
+#include <mauve/service.h>
+
 namespace mauve::exec {
 namespace {
 

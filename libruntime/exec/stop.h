@@ -9,6 +9,9 @@
 
 #include "exec/commit.h"
 
+#include <mauve/ongoing.h>
+#include <mauve/receipt.h>
+
 namespace mauve::exec {
 
 /// Components that may park at the same time; a stage begins when the one before has ended.

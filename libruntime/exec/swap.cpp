@@ -4,6 +4,8 @@
 #include <algorithm>
 
 #include "base/fail_point.h"
+#include "exec/runner.h"
+#include "exec/task.h"
 #include "model/left_behind.h"
 
 namespace mauve::exec {

@@ -19,11 +19,13 @@
 #include <memory>
 #include <vector>
 
+#include "exec/published.h"
 #include "exec/resource_flip.h"
-#include "exec/runner.h"
-#include "exec/task.h"
 
 namespace mauve::exec {
+
+class Runner;
+class Task;
 
 /// One component's part in a swap.
 struct Member {

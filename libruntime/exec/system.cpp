@@ -19,6 +19,8 @@
 #include "rt/memory.h"
 #include "rt/process.h"
 
+#include <mauve/architecture.h>
+
 namespace mauve::exec {
 namespace {
 

@@ -12,15 +12,27 @@
 #include <vector>
 
 #include "exec/model_lock.h"
-#include "exec/prepared.h"
 #include "exec/runner.h"
 #include "exec/task.h"
 #include "exec/trace.h"
 #include "rt/last_words.h"
 
-#include <mauve/deployer.h>
+#include <mauve/deploy_options.h>
+#include <mauve/happening.h>
+#include <mauve/prepared_change.h>
+#include <mauve/result.h>
+#include <mauve/retired.h>
 
-namespace mauve::exec {
+namespace mauve {
+
+class Architecture;
+class ComponentBase;
+enum class Mode : std::uint8_t;
+struct Change;
+
+namespace exec {
+
+struct PreparedMember;
 
 /// The core that takes over when one fails, see relief.h.
 struct StandingBy {
@@ -136,4 +148,5 @@ Result<PreparedChange> prepare_change(System& system, const Change& change, bool
 [[nodiscard]] std::string_view name_of(rt::EventKind kind);
 std::size_t drain_events(System& system, const std::function<void(const Happening&)>& visit);
 
-}  // namespace mauve::exec
+}  // namespace exec
+}  // namespace mauve

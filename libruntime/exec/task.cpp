@@ -3,9 +3,13 @@
 
 #include <algorithm>
 
+#include "exec/nearby.h"
 #include "exec/write_quietly.h"
 #include "rt/cache.h"
 #include "rt/preemption.h"
+
+#include <mauve/state.h>
+#include <mauve/task_attributes.h>
 
 namespace mauve::exec {
 namespace {
@@ -20,8 +24,7 @@ bool keeps_core(const Published& next, const Published& current) {
 /// The first instant base + k * step that is not before `instant`.
 Instant next_on_grid(Instant base, Duration step, Instant instant) {
   if (instant <= base || step <= Duration{0}) return base;
-  const Instant past = instant - base;
-  return base + (past + step.count() - 1) / step.count() * step.count();
+  return base + (instant - base + step.count() - 1) / step.count() * step.count();
 }
 
 }  // namespace

@@ -22,13 +22,18 @@
 #include "rt/rescue.h"
 #include "rt/trace_ring.h"
 
-#include <mauve/change.h>
 #include <mauve/clock.h>
-#include <mauve/component.h>
-#include <mauve/deployer.h>
+#include <mauve/happening.h>
 #include <mauve/job.h>
+#include <mauve/trace.h>
 
-namespace mauve::exec {
+namespace mauve {
+
+class CoreBase;
+class FsmState;
+struct TaskAttributes;
+
+namespace exec {
 
 class Task {
  public:
@@ -174,14 +179,7 @@ class Task {
   void park(ComponentState state);
   void count_overrun(Instant by);
   void overran_too_often(const TaskAttributes& task);
-  /// The end of a job on probation; `used`: processor time, none when it is not known.
-  struct JobUse {
-    Instant released = 0;
-    Instant start = 0;
-    Instant end = 0;
-    Duration late{0};  ///< after its deadline; zero: in time
-    std::optional<Duration> used;
-  };
+  /// The end of a job on probation.
   void watch_over(const JobUse& job);
   [[nodiscard]] JobTiming timing_of(const JobUse& job);
   void record_fault(Cause cause);
@@ -247,4 +245,5 @@ class Task {
   FailedCore failed_;
 };
 
-}  // namespace mauve::exec
+}  // namespace exec
+}  // namespace mauve

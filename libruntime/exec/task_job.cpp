@@ -11,9 +11,11 @@
 #include "rt/cpu_time.h"
 #include "rt/preemption.h"
 
+#include <mauve/fsm.h>
 #include <mauve/gate.h>
 #include <mauve/job.h>
 #include <mauve/request.h>
+#include <mauve/task_attributes.h>
 
 namespace mauve::exec {
 namespace {

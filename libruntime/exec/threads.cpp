@@ -14,6 +14,7 @@
 #include "rt/pi_mutex.h"
 #include "rt/rescue.h"
 
+#include <mauve/component.h>
 #include <mauve/job.h>
 
 namespace mauve::exec {

@@ -10,10 +10,13 @@
 #include <string_view>
 #include <vector>
 
-#include <mauve/change.h>
 #include <mauve/trace.h>
 
-namespace mauve::exec {
+namespace mauve {
+
+struct Change;
+
+namespace exec {
 
 class System;
 struct Deployed;
@@ -50,4 +53,5 @@ void keep_last_trace(System& system, Deployed& deployed);
 /// Deployer::traced(). [control]
 [[nodiscard]] TracedSystem traced(System& system);
 
-}  // namespace mauve::exec
+}  // namespace exec
+}  // namespace mauve

@@ -7,6 +7,10 @@
 #include "exec/system.h"
 #include "rt/ticks.h"
 
+#include <mauve/component.h>
+#include <mauve/fsm.h>
+#include <mauve/resource.h>
+
 namespace mauve::exec {
 namespace {
 

@@ -5,7 +5,7 @@
 #include "rt/rescue.h"
 
 #include <mauve/gate.h>
-#include <mauve/port.h>
+#include <mauve/port_base.h>
 
 namespace mauve::exec {
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/component.h>
+#include <mauve/fsm.h>
+#include <mauve/service.h>
 
 #include "model/connection.h"
 #include "model/elements.h"

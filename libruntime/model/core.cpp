@@ -4,6 +4,7 @@
 #include <cstring>
 #include <new>
 
+#include <mauve/converts.h>
 #include <mauve/job.h>
 
 namespace mauve {

@@ -6,6 +6,9 @@
 #include "model/succession.h"
 
 #include <mauve/core.h>
+#include <mauve/observable.h>
+#include <mauve/property.h>
+#include <mauve/service.h>
 #include <mauve/tap.h>
 
 namespace mauve {

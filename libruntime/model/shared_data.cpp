@@ -5,6 +5,7 @@
 
 #include <mauve/core.h>
 #include <mauve/exchange.h>
+#include <mauve/service.h>
 
 #include "model/succession.h"
 

@@ -5,6 +5,9 @@
 
 #include "model/guard.h"
 
+#include <mauve/resource.h>
+#include <mauve/state.h>
+
 namespace mauve {
 namespace {
 

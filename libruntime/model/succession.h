@@ -14,7 +14,9 @@
 
 #include "model/hand_over.h"
 
-#include <mauve/resource.h>
+#include <mauve/change_policy.h>
+#include <mauve/result.h>
+#include <mauve/time.h>
 
 namespace mauve {
 

@@ -5,6 +5,10 @@
 #include <type_traits>
 #include <utility>
 
+#include "mauve/fsm.h"
+#include "mauve/slow_state.h"
+#include "mauve/state.h"
+
 namespace mauve::plugin {
 
 Hold::Hold(std::shared_ptr<Library> library, std::string user) : library_(std::move(library)) {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "mauve/plugin.h"
 #include "model/guard.h"
 #include "plugin/elf.h"
 #include "plugin/elf_file.h"

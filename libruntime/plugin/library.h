@@ -11,7 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "mauve/plugin.h"
+#include "mauve/plugin_entry.h"
+#include "mauve/result.h"
 #include "plugin/image.h"
 #include "plugin/plugin_file.h"
 #include "rt/user_threads.h"

@@ -19,6 +19,7 @@
 #include "exec/system.h"
 
 #include <mauve/architecture.h>
+#include <mauve/receipt.h>
 
 namespace bench {
 namespace {

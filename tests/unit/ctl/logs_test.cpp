@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "log_time.h"
+#include "mauve/log.h"
 #include "render.h"
 #include "unit/ctl/scene.h"
 

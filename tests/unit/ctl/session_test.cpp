@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "mauve/plugin.h"
 #include "unit/ctl/scene.h"
 
 namespace mauve::ctl {

@@ -4,6 +4,7 @@
 
 #include "exec/task.h"
 
+#include <mauve/component.h>
 #include <mauve/plugin.h>
 
 namespace mauve::exec {

@@ -7,6 +7,7 @@
 #include "model/wiring.h"
 #include "support/outcomes.h"
 
+#include <mauve/architecture.h>
 #include <mauve/deployer.h>
 #include <mauve/plugin.h>
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "../../../plugins/drivers/fix_gate.h"
+#include "mauve/change.h"
 
 namespace {
 
