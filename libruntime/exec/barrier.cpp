@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/fail_point.h"
+#include "exec/bystanders.h"
 #include "exec/commit.h"
 #include "rt/deadline.h"
 
@@ -217,21 +218,6 @@ void Barrier::tell(Receipt& receipt) const {
   for (const Heir& heir : heirs_) {
     receipt.components.push_back({heir.into->name(), Duration{0}, 0, heir.bytes});
   }
-}
-
-/// False: not yet, or never. Who waits takes an order at once, so nothing can fail after it.
-bool Commit::pass_barrier() {
-  if (!barrier_->advance()) return false;
-  if (barrier_->all_wait() && barrier_->hand_over(content_->resources)) {
-    publish(Swap::Kind::order, kLongestJob);
-    return true;
-  }
-  if (barrier_->advance()) {
-    for (Deployed* deployed : deployed_) deployed->changing = false;
-    barrier_->end();
-    refuse_all(barrier_->refusal());
-  }
-  return false;
 }
 
 }  // namespace mauve::exec

@@ -89,13 +89,4 @@ class Barrier {
   Error refusal_;
 };
 
-/// The heir of what leaves under its name, before it is configured. Errors: as plan_succession().
-Status prepare_heir(System& system, const NewResource& joining, PreparedChange::Content& content);
-/// Components that the change leaves as they are, but that reach a resource of it.
-[[nodiscard]] std::vector<ComponentBase*> bystanders_of(const System& system,
-                                                        const PreparedChange::Content& content);
-/// Who runs and would wait now.
-[[nodiscard]] std::vector<PreparedBarrier::Wait> waits_of(System& system,
-                                                          const PreparedChange::Content& content);
-
 }  // namespace mauve::exec

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "exec/make_published.h"
 #include "exec/membership.h"
+#include "exec/probations.h"
 #include "exec/relief.h"
 
 #include <mauve/job.h>
@@ -35,6 +37,15 @@ Status check_resource(const PreparedResource& change) {
   }
   return refuse(Errc::conflict, resource.name(),
                 "was changed by somebody else while this change was prepared", "try again");
+}
+
+/// The maker of the newest generation is going to look at it: for some looks `next` makes no
+/// other one. The parts of a stop do not wait for each other. [control]
+bool leaves_newest_in_place(System& system, const Commit& next) {
+  constexpr unsigned kLooks = 8;
+  const auto made = system.newest.lock();
+  if (made == nullptr || !made->untold() || (made->is_order() && next.is_order())) return false;
+  return ++system.looks_at_newest <= kLooks;
 }
 
 }  // namespace
@@ -68,6 +79,21 @@ void Commit::refuse_all(Error error) {
   result_ = std::move(error);
   over_ = true;
   content_.reset();
+}
+
+/// False: not yet, or never. Who waits takes an order at once, so nothing can fail after it.
+bool Commit::pass_barrier() {
+  if (!barrier_->advance()) return false;
+  if (barrier_->all_wait() && barrier_->hand_over(content_->resources)) {
+    publish(Swap::Kind::order, kLongestJob);
+    return true;
+  }
+  if (barrier_->advance()) {
+    for (Deployed* deployed : deployed_) deployed->changing = false;
+    barrier_->end();
+    refuse_all(barrier_->refusal());
+  }
+  return false;
 }
 
 Status Commit::check(Swap::Kind kind) {
@@ -137,7 +163,7 @@ Status Commit::follow(const OnProbation& before) {
 /// members are called.
 Status Commit::end_probations_before() {
   for (const auto& before : std::exchange(before_, {})) {
-    OnProbation* const one = system_.probation_of(*before);
+    OnProbation* const one = probation_of(system_, *before);
     if (one == nullptr || one->pass("a newer change", Outcome::Kind::overtaken)) continue;
     return being_rolled_back(one->changes().back());
   }
@@ -245,7 +271,7 @@ bool Commit::advance() {
 bool Commit::all_changed() {
   const bool settled = swap_->advance();
   tell_attempt();
-  if (!answered() && system_.leaves_newest_in_place(*this)) return false;
+  if (!answered() && leaves_newest_in_place(system_, *this)) return false;
   // Behind a barrier nobody is in a job.
   const bool late = barrier_ == nullptr && swap_->result().state == SwapResult::State::waiting;
   const bool shows = kind_ == Swap::Kind::order || settled;
@@ -269,85 +295,6 @@ std::vector<Deployed*> Commit::silent() const {
     if (swap_ != nullptr && !swap_->members()[i].in_force) silent.push_back(deployed_[i]);
   }
   return silent;
-}
-
-PreparedMember member_of(ComponentBase& component, Mode mode) {
-  PreparedMember member;
-  member.component = &component;
-  member.base = component.bundle();
-  member.next = component.bundle();
-  member.mode = mode;
-  return member;
-}
-
-/// Probations first: a stop may make a task forget the way back that it took. But they wait until
-/// the maker of a change knows its generation, which is saved before the next one comes.
-void System::advance() {
-  looks.fetch_add(1);
-  if (stands_still > 0) return;
-  if (const ModelLock::Hold hold(model, std::try_to_lock); hold) look_after_itself();
-  std::erase_if(under_way, [](const std::shared_ptr<Commit>& commit) {
-    static_cast<void>(commit->advance());
-    return commit->over();
-  });
-}
-
-/// A maker that has let it go never asks.
-bool System::is_untold() const {
-  const auto last = last_transaction.lock();
-  if (last == nullptr || !last->untold()) return false;
-  const bool kept_here = std::find(under_way.begin(), under_way.end(), last) != under_way.end();
-  return last.use_count() > (kept_here ? 2 : 1);
-}
-
-bool System::leaves_newest_in_place(const Commit& next) {
-  constexpr unsigned kLooks = 8;
-  const auto made = newest.lock();
-  if (made == nullptr || !made->untold() || (made->is_order() && next.is_order())) return false;
-  return ++looks_at_newest <= kLooks;
-}
-
-OnProbation* System::probation_of(const WayBack& way_back) const {
-  for (const auto& one : probations) {
-    if (one->leads(way_back)) return one.get();
-  }
-  return nullptr;
-}
-
-bool System::is_led_back() const {
-  return std::any_of(probations.begin(), probations.end(),
-                     [](const auto& one) { return one->way_back()->leads_back(); });
-}
-
-void System::let_fade() {
-  std::erase_if(probations, [&](std::unique_ptr<OnProbation>& one) {
-    if (!one->told()) return false;
-    fading.push_back(std::move(one));
-    return true;
-  });
-}
-
-void System::look_after_itself() {
-  if (is_untold()) return;
-  for (const auto& one : probations) static_cast<void>(one->advance());
-  let_fade();
-  std::erase_if(fading, [&](const std::unique_ptr<OnProbation>& one) {
-    if (one->advance()) return false;
-    free.merge(one->take_free());
-    return true;
-  });
-  look_after_reliefs(*this);
-  forget_departed();
-}
-
-std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change, Swap::Kind kind,
-                                     Duration longest_job) {
-  // What an order was made from is true now; a rollback that gets into the books would undo that.
-  if (kind == Swap::Kind::transaction) system.advance();
-  auto commit = std::make_shared<Commit>(system, change.share(), kind, longest_job);
-  if (kind == Swap::Kind::transaction) system.last_transaction = commit;
-  if (!commit->over()) system.under_way.push_back(commit);
-  return commit;
 }
 
 }  // namespace mauve::exec

@@ -21,17 +21,6 @@ namespace mauve::exec {
 /// After the decision a member takes its bundle in the wait it is in, or after the job it is in.
 inline constexpr Duration kLongestJob = 2s;
 
-/// What the task of this member is handed.
-[[nodiscard]] std::unique_ptr<Published> make_published(const PreparedMember& member);
-/// Where it was.
-[[nodiscard]] Origin origin_of(const PreparedMember& member, bool was_running);
-/// What leads it back there.
-[[nodiscard]] std::unique_ptr<Published> make_way_back(const PreparedMember& member,
-                                                       const Origin& origin);
-
-/// Components get these fallback cores, and leave here those they had.
-void exchange_fallbacks(Architecture& architecture, std::vector<NewFallback>& fallbacks);
-
 /// A prepared change taking effect. Lives in System::under_way until no member is left to wait for.
 class Commit final : public Ongoing, public std::enable_shared_from_this<Commit> {
  public:
@@ -115,21 +104,5 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   bool over_ = false;
   mutable bool told_ = false;  // result() was asked for the answer
 };
-
-/// Begins the commit; it goes on while anybody calls advance().
-std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change,
-                                     Swap::Kind kind = Swap::Kind::transaction,
-                                     Duration longest_job = kLongestJob);
-
-/// The components that take part, in a trace.
-void tell_members(System& system, const PreparedChange::Content& content, std::uint64_t number);
-[[nodiscard]] Error being_rolled_back(std::uint64_t generation);
-/// Of states that no core took, in the receipt of a member.
-void say_dropped(const CoreBase& from, const CoreBase& into, StatePolicy policy,
-                 MemberReceipt& row);
-/// Makes what a committed bundle says of the thread true: priority and CPUs. [control]
-void schedule(System& system, Deployed& deployed);
-/// The elements of `old` that `now` does not use, in the order of dependency.
-void retire(const Bundle& old, const Bundle& now, Retired& retired);
 
 }  // namespace mauve::exec

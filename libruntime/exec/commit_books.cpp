@@ -3,43 +3,14 @@
 #include <utility>
 
 #include "exec/commit.h"
+#include "exec/make_published.h"
 #include "exec/membership.h"
+#include "exec/probations.h"
 
 #include <mauve/architecture.h>
 #include <mauve/receipt.h>
 
 namespace mauve::exec {
-
-Error being_rolled_back(std::uint64_t generation) {
-  return refuse(Errc::conflict, "generation " + std::to_string(generation), "is being rolled back",
-                "try again when it is over: see the log");
-}
-
-void retire(const Bundle& old, const Bundle& now, Retired& retired) {
-  if (now.shell != old.shell) retired.add(old.shell);
-  if (now.core != old.core) retired.add(old.core);
-  if (now.fsm != old.fsm) retired.add(old.fsm);
-}
-
-void schedule(System& system, Deployed& deployed) {
-  const TaskAttributes& task = deployed.component->bundle()->task;
-  const bool moves = !task.cpus.empty() && task.cpus != deployed.cpus;
-  if (!moves && task.priority == deployed.priority) return;
-  if (moves) deployed.cpus = task.cpus;
-  deployed.priority = task.priority;
-  // Both were found possible when the change was prepared.
-  static_cast<void>(system.runner->reschedule(*deployed.task, system.realtime ? task.priority : 0,
-                                              deployed.cpus));
-  deployed.realtime = system.realtime && system.runner->is_fifo(*deployed.task, task.priority);
-}
-
-void say_dropped(const CoreBase& from, const CoreBase& into, StatePolicy policy,
-                 MemberReceipt& row) {
-  for (const DataType* dropped : dropped_states(from, into, policy)) {
-    row.dropped += (row.dropped.empty() ? "" : " and ") + dropped->name;
-    row.dropped_bytes += dropped->size;
-  }
-}
 
 /// The member's thread has answered: what it runs is what the model shows.
 void Commit::enter(std::size_t index) {
@@ -122,15 +93,6 @@ void Commit::tell_end() {
   tell_control(system_, TraceKind::abort, content_->what, swap_->result().instant, number_);
 }
 
-void exchange_fallbacks(Architecture& architecture, std::vector<NewFallback>& fallbacks) {
-  for (NewFallback& other : fallbacks) {
-    ComponentBase* component = architecture.find_component(other.component);
-    if (component == nullptr) continue;
-    auto before = component->fallback();
-    component->fall_back_to(std::exchange(other.fallback, std::move(before)));
-  }
-}
-
 void Commit::conclude() {
   tell_end();
   const SwapResult& swapped = swap_->result();
@@ -176,7 +138,7 @@ void Commit::conclude() {
 /// Those that this change joins pass on what they lead back to; it ends the others early.
 void Commit::overtake_before() {
   for (const auto& before : before_) {
-    OnProbation* const one = system_.probation_of(*before);
+    OnProbation* const one = probation_of(system_, *before);
     if (one == nullptr) continue;  // its probation ended by itself
     if (heritage_.has(*before)) {
       one->pass_on_to(*content_, ways_back_);
@@ -185,7 +147,7 @@ void Commit::overtake_before() {
     }
   }
   heritage_.let_go();
-  system_.let_fade();
+  let_fade(system_);
 }
 
 /// Some member hangs in its job: those that have changed go back, so that there is no mixture.
@@ -206,7 +168,7 @@ void Commit::take_back() {
 bool Commit::all_went_back() {
   if (const ModelLock::Hold hold(system_.model, std::try_to_lock); hold)
     system_.look_after_itself();
-  OnProbation* const one = system_.probation_of(*way_back_);
+  OnProbation* const one = probation_of(system_, *way_back_);
   const bool under_way = one != nullptr;
   if (under_way && system_.runner->now() < back_by_) return false;
   if (under_way) one->tell_after_all();

@@ -2,12 +2,20 @@
 #include <mauve/deployer.h>
 
 #include "exec/admission.h"
+#include "exec/bring_up.h"
 #include "exec/commit.h"
+#include "exec/component_status.h"
 #include "exec/direct_stop.h"
+#include "exec/events.h"
 #include "exec/foresee.h"
+#include "exec/prepare.h"
 #include "exec/relief.h"
+#include "exec/shutdown.h"
 #include "exec/statistics.h"
 #include "exec/stop.h"
+#include "exec/tell_control.h"
+#include "exec/trace_drain.h"
+#include "exec/under_way.h"
 #include "rt/measured.h"
 
 #include <mauve/architecture.h>
@@ -36,36 +44,6 @@ Result<std::pair<std::string, std::string>> split_port(std::string_view address)
 
 }  // namespace
 
-std::string_view to_string(ComponentState state) {
-  switch (state) {
-    case ComponentState::not_configured:
-      return "not_configured";
-    case ComponentState::stopped:
-      return "stopped";
-    case ComponentState::running:
-      return "running";
-    case ComponentState::faulted:
-      return "faulted";
-    case ComponentState::recovering:
-      return "recovering";
-  }
-  return "unknown";
-}
-
-std::string_view to_string(Recovery::Way way) {
-  switch (way) {
-    case Recovery::Way::none:
-      return "none";
-    case Recovery::Way::restart:
-      return "restart";
-    case Recovery::Way::fallback:
-      return "fallback";
-    case Recovery::Way::rollback:
-      return "rollback";
-  }
-  return "unknown";
-}
-
 Deployer::Deployer(Architecture& architecture, DeployOptions options)
     : system_(std::make_unique<exec::System>(architecture, options)) {}
 
@@ -90,7 +68,7 @@ bool Deployer::realtime() const {
 }
 
 std::vector<ComponentStatus> Deployer::status() const {
-  system_->advance();
+  exec::advance(*system_);
   std::vector<ComponentStatus> all;
   for (const exec::Deployed& deployed : system_->deployed) {
     if (!deployed.hidden) all.push_back(exec::look_at(*system_, deployed));
@@ -99,14 +77,14 @@ std::vector<ComponentStatus> Deployer::status() const {
 }
 
 ComponentStatus Deployer::status(std::string_view component) const {
-  system_->advance();
+  exec::advance(*system_);
   const exec::Deployed* deployed = system_->find(component);
   return deployed == nullptr || deployed->task == nullptr ? ComponentStatus{}
                                                           : exec::look_at(*system_, *deployed);
 }
 
 std::vector<ComponentStatistics> Deployer::statistics() const {
-  system_->advance();
+  exec::advance(*system_);
   std::vector<ComponentStatistics> all;
   for (const exec::Deployed& deployed : system_->deployed) {
     if (!deployed.hidden) all.push_back(exec::statistics_of(*system_, deployed));
@@ -115,13 +93,13 @@ std::vector<ComponentStatistics> Deployer::statistics() const {
 }
 
 ComponentStatistics Deployer::statistics(std::string_view component) const {
-  system_->advance();
+  exec::advance(*system_);
   const exec::Deployed* deployed = system_->find(component);
   return deployed == nullptr ? ComponentStatistics{} : exec::statistics_of(*system_, *deployed);
 }
 
 Status Deployer::reset_statistics(std::string_view component) {
-  system_->advance();
+  exec::advance(*system_);
   if (!component.empty()) {
     const Result<ComponentBase*> known = system_->component(component);
     if (!known) return known.error();
@@ -134,7 +112,7 @@ Status Deployer::reset_statistics(std::string_view component) {
 }
 
 Timing Deployer::analyze() const {
-  system_->advance();
+  exec::advance(*system_);
   return exec::analyze(*system_);
 }
 
@@ -175,19 +153,19 @@ Result<Receipt> Deployer::apply(const Change& change) {
 }
 
 bool Deployer::on_probation() const {
-  system_->advance();
+  exec::advance(*system_);
   const auto& all = system_->probations;
   return std::any_of(all.begin(), all.end(), [](const auto& one) { return one->open(); });
 }
 
 bool Deployer::going_back() const {
-  system_->advance();
+  exec::advance(*system_);
   const auto& all = system_->probations;
   return std::any_of(all.begin(), all.end(), [](const auto& one) { return !one->open(); });
 }
 
 std::vector<OpenProbation> Deployer::probations() const {
-  system_->advance();
+  exec::advance(*system_);
   std::vector<OpenProbation> all;
   for (const auto& one : system_->probations) {
     if (!one->told()) all.push_back(one->look());
@@ -197,10 +175,10 @@ std::vector<OpenProbation> Deployer::probations() const {
 
 Status Deployer::confirm() {
   bool passed = false;
-  system_->advance();
+  exec::advance(*system_);
   for (const auto& one : system_->probations) passed = one->pass("confirmed") || passed;
   if (passed) {
-    system_->advance();
+    exec::advance(*system_);
     return ok();
   }
   return refuse(Errc::wrong_state, "generation " + std::to_string(generation()),
@@ -208,7 +186,7 @@ Status Deployer::confirm() {
 }
 
 Status Deployer::undo(const std::string& reason) {
-  system_->advance();
+  exec::advance(*system_);
   const auto& all = system_->probations;
   const auto newest = std::find_if(all.rbegin(), all.rend(), [&reason](const auto& one) {
     return one->open() && one->undo(reason);
@@ -225,19 +203,19 @@ std::vector<Outcome> Deployer::tend(Retired& retired) {
 }
 
 Retired Deployer::collect() {
-  system_->advance();
+  exec::advance(*system_);
   // A thread that was given up may still be inside.
   if (system_->runner->has_lost()) return {};
   return std::exchange(system_->free, {});
 }
 
 bool Deployer::settled() const {
-  system_->advance();
+  exec::advance(*system_);
   return system_->fading.empty() && !exec::holds_stale_relief(*system_);
 }
 
 std::vector<Change> Deployer::wanted_reliefs() const {
-  system_->advance();
+  exec::advance(*system_);
   return exec::wanted_reliefs(*system_);
 }
 
@@ -248,12 +226,12 @@ Result<PreparedChange> Deployer::prepare_relief(const Change& relief) {
 }
 
 void Deployer::refuse_relief(std::string_view component, const std::string& why) {
-  system_->advance();
+  exec::advance(*system_);
   exec::refuse_relief(*system_, component, why);
 }
 
 void Deployer::stand_by(PreparedChange& relief) {
-  system_->advance();  // not while it was prepared
+  exec::advance(*system_);  // not while it was prepared
   exec::put_in_readiness(*system_, relief);
 }
 
@@ -359,7 +337,7 @@ std::size_t Deployer::drain_trace(const std::function<void(const TraceRecord&)>&
 }
 
 TracedSystem Deployer::traced() const {
-  system_->advance();
+  exec::advance(*system_);
   return exec::traced(*system_);
 }
 

@@ -4,6 +4,9 @@
 
 #include "exec/commit.h"
 #include "exec/inherit.h"
+#include "exec/prepare.h"
+#include "exec/tell_control.h"
+#include "exec/under_way.h"
 #include "model/elements.h"
 #include "model/hand_over.h"
 #include "model/leavable.h"

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "exec/barrier.h"
+#include "exec/bystanders.h"
 #include "exec/probation.h"
 #include "exec/rewired.h"
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "exec/make_published.h"
 #include "exec/placement.h"
 #include "model/left_behind.h"
 

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/prepare.h"
+#include "exec/afterwards.h"
+#include "exec/prepare_barrier.h"
+#include "exec/prepare_member.h"
+#include "exec/prepare_resource.h"
+#include "exec/tell_control.h"
 
 #include <algorithm>
 #include <array>
 
 #include "base/name.h"
 #include "exec/admission.h"
-#include "exec/barrier.h"
+#include "exec/bystanders.h"
 #include "exec/relief.h"
 #include "exec/renew.h"
 #include "exec/rewired.h"
@@ -246,28 +251,6 @@ Result<PreparedChange> prepare_locked(System& system, const Change& change, Chan
 }
 
 }  // namespace
-
-Result<ServiceBase*> Afterwards::find_service(std::string_view address) const {
-  const std::string_view owner = address.substr(0, address.find('.'));
-  for (const NewResource& joining : change_.new_resources) {
-    if (joining.resource->name() != owner) continue;
-    const auto dot = address.find('.');
-    const std::string_view name = dot == std::string_view::npos ? "" : address.substr(dot + 1);
-    if (ServiceBase* service = joining.resource->find_service(name)) return service;
-    return refuse(Errc::unknown_name, std::string(address),
-                  "resource " + joining.resource->name() + " has no service of this name");
-  }
-  if (leaves(owner)) {
-    return refuse(Errc::unknown_name, std::string(address), "is removed by this very change");
-  }
-  return system_.architecture.find_service(address);
-}
-
-bool Afterwards::leaves(std::string_view name) const { return contains(change_.remove, name); }
-
-Status Afterwards::may_run_at(int priority) const {
-  return system_.realtime ? rt::may_use_fifo(priority) : ok();
-}
 
 Result<PreparedChange> prepare_change(System& system, const Change& change, bool configure) {
   if (Status outside = refuse_in_job("deployer", "a change"); !outside) return outside.error();

@@ -2,9 +2,10 @@
 /// The new bundle of one component, made beside the running one.
 #include <array>
 
+#include "exec/afterwards.h"
 #include "exec/edit_properties.h"
 #include "exec/placement.h"
-#include "exec/prepare.h"
+#include "exec/prepare_member.h"
 #include "model/connection.h"
 #include "model/elements.h"
 #include "model/hand_over.h"

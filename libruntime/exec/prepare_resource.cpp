@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The change of one resource, made beside the running one.
+#include "exec/prepare_resource.h"
 #include "base/duration.h"
+#include "exec/afterwards.h"
 #include "exec/edit_properties.h"
-#include "exec/prepare.h"
 #include "model/connection.h"
 #include "model/elements.h"
 #include "model/hand_over.h"

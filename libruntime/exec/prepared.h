@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "exec/resource_flip.h"
+#include "exec/resource_parts.h"
 
 #include <mauve/change.h>
 #include <mauve/prepared_change.h>
@@ -77,6 +77,9 @@ struct PreparedBarrier {
   std::vector<Heir> heirs;
   std::vector<Wait> waits;  ///< of all that run and would wait
 };
+
+/// A part of a change that leaves everything as it is but for the mode.
+[[nodiscard]] PreparedMember member_of(ComponentBase& component, Mode mode);
 
 /// Other code, not just another object: another class, or the same one of another build. What was
 /// measured of the one says nothing about the other.

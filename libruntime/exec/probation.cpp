@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <utility>
 
-#include "exec/commit.h"
+#include "exec/books.h"
 #include "exec/inherit.h"
 #include "exec/membership.h"
+#include "exec/resource_flip.h"
+#include "exec/tell_control.h"
 #include "model/left_behind.h"
 
 #include <mauve/architecture.h>

@@ -5,7 +5,10 @@
 #include <optional>
 
 #include "base/duration.h"
-#include "exec/commit.h"
+#include "exec/books.h"
+#include "exec/make_published.h"
+#include "exec/prepared.h"
+#include "exec/probations.h"
 #include "model/left_behind.h"
 
 namespace mauve::exec {
@@ -78,7 +81,7 @@ void give_up(System& system, Deployed& deployed, Instant failed_at, const std::s
 /// Waits for a core that does not stand by; nothing else is on its way.
 bool waits_for_relief(const System& system, const Deployed& deployed) {
   const bool other = deployed.hidden || deployed.changing || deployed.relief.content != nullptr;
-  return !other && !system.is_led_back() && deployed.task->failed_core().at() != 0 &&
+  return !other && !is_led_back(system) && deployed.task->failed_core().at() != 0 &&
          !deployed.task->failed_core().is_hopeless();
 }
 
@@ -128,7 +131,7 @@ std::string why_no_relief(const System& system, const Deployed& deployed) {
 bool stand_by(const System& system, Task& task, std::unique_ptr<Published> relief) {
   if (!task.stand_by(*relief)) return false;
   Published* const standing = relief.release();
-  if (!system.is_led_back() || !task.withdraw_relief(*standing)) return true;
+  if (!is_led_back(system) || !task.withdraw_relief(*standing)) return true;
   leave_behind(std::shared_ptr<Published>(standing));  // its thread may be about to look
   return false;
 }
@@ -136,7 +139,7 @@ bool stand_by(const System& system, Task& task, std::unique_ptr<Published> relie
 }  // namespace
 
 std::vector<Change> wanted_reliefs(System& system) {
-  if (system.is_led_back()) return {};
+  if (is_led_back(system)) return {};
   std::vector<Change> wanted;
   for (const Deployed& deployed : system.deployed) {
     const bool ready = deployed.relief.content != nullptr || deployed.hidden || deployed.changing;
@@ -174,17 +177,8 @@ std::unique_ptr<Published> make_relief(PreparedMember& relief, std::size_t resta
   return published;
 }
 
-Status put_reliefs_in_readiness(System& system) {
-  for (const Change& change : wanted_reliefs(system)) {
-    Result<PreparedChange> prepared = prepare_change(system, change);
-    if (!prepared) return about_relief(change, prepared.error());
-    put_in_readiness(system, *prepared);
-  }
-  return ok();
-}
-
 void put_in_readiness(System& system, PreparedChange& prepared) {
-  if (system.is_led_back()) return;
+  if (is_led_back(system)) return;
   const std::shared_ptr<PreparedChange::Content> content = prepared.share();
   for (PreparedMember& member : content->members) {
     Deployed* deployed = system.find(member.component->name());
@@ -237,7 +231,7 @@ Recovery recovery_of(const System& system, const Deployed& deployed, Instant fai
   const ComponentBase& component = *deployed.component;
   const FaultPolicy& policy = component.bundle()->task.on_fault;
   Recovery recovery;
-  if (system.is_led_back()) {
+  if (is_led_back(system)) {
     recovery.way = Recovery::Way::rollback;
   } else if (policy.action == Action::restart) {
     const std::size_t used = recent_restarts(system, &deployed, policy);

@@ -30,9 +30,6 @@ namespace mauve::exec {
 /// Puts a prepared relief in readiness. [control]
 void put_in_readiness(System& system, PreparedChange& prepared);
 
-/// All that are wanted, made in the calling thread. [control], at deployment
-Status put_reliefs_in_readiness(System& system);
-
 /// Enters reliefs that took over in the model and reports them. A component whose core failed, and
 /// for which no relief is wanted, parks as faulted, which is reported too. [control]
 void look_after_reliefs(System& system);

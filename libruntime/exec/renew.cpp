@@ -7,6 +7,8 @@
 
 #include "exec/edit_properties.h"
 #include "exec/prepare.h"
+#include "exec/prepare_resource.h"
+#include "exec/prepared.h"
 
 #include <mauve/architecture.h>
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "exec/resource_parts.h"
 #include "exec/transaction.h"
 #include "model/hand_over.h"
 
@@ -24,16 +25,6 @@ class PortBase;
 class ResourceBase;
 
 namespace exec {
-
-/// What a resource is to have; null: stays.
-struct ResourceParts {
-  std::shared_ptr<CoreBase> core;
-  std::shared_ptr<const Bindings> bindings;
-};
-
-/// Does a port with these connections go on at the resource that joined under the name of the one
-/// that left? Then it loses nothing.
-[[nodiscard]] bool goes_on_at_heir(const Binding& before, const Binding* after);
 
 class ResourceFlip final : public Deferred {
  public:

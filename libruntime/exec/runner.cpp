@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <thread>
 
+#include "exec/task.h"
+
 namespace mauve::exec {
 namespace {
 

@@ -55,8 +55,6 @@ class Runner {
   virtual void run_until(Instant /*instant*/) {}
 };
 
-/// `assumed`: how late a thread wakes up at most, as admission assumes it.
-[[nodiscard]] std::unique_ptr<Runner> make_threads(Duration assumed = MachineCosts{}.wake);
 [[nodiscard]] std::unique_ptr<Runner> make_simulation();
 
 }  // namespace mauve::exec

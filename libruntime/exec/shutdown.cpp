@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Orderly end in bounded time.
+#include "exec/shutdown.h"
+
 #include <algorithm>
 #include <string>
 #include <utility>

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "exec/safe_values.h"
+#include "exec/tell_control.h"
+#include "exec/under_way.h"
 #include "rt/deadline.h"
 
 #include <mauve/receipt.h>
@@ -87,7 +89,7 @@ Stop::Stop(System& system, Stages stages, Duration patience)
 }
 
 bool Stop::advance() {
-  system_.advance();
+  advance(system_);
   if (phase_ == Phase::parking) {
     park_free();
     if (!parked()) return false;

@@ -11,10 +11,10 @@
 #include <string_view>
 #include <vector>
 
+#include "exec/control_trace.h"
 #include "exec/model_lock.h"
 #include "exec/runner.h"
 #include "exec/task.h"
-#include "exec/trace.h"
 #include "rt/last_words.h"
 
 #include <mauve/deploy_options.h>
@@ -85,8 +85,8 @@ class System {
   std::weak_ptr<const Commit> last_transaction;          ///< as long as its maker has it
   std::weak_ptr<const Commit> newest;                    ///< which made the newest generation
   unsigned looks_at_newest = 0;                          ///< while its maker has not asked for it
-  std::vector<std::unique_ptr<OnProbation>> probations;  ///< the oldest first
-  std::vector<std::unique_ptr<OnProbation>> fading;      ///< over, but a thread may still look
+  std::vector<std::shared_ptr<OnProbation>> probations;  ///< the oldest first
+  std::vector<std::shared_ptr<OnProbation>> fading;      ///< over, but a thread may still look
   Retired free;                                          ///< of changes that are over
   std::vector<Outcome> outcomes;                         ///< not yet told
   std::atomic<std::uint64_t> looks{0};  ///< calls of advance(); a stop can tell that none come
@@ -103,50 +103,16 @@ class System {
   [[nodiscard]] Deployed* find(std::string_view component);
   /// Also one that is hidden.
   [[nodiscard]] Deployed* find(const ComponentBase& component);
-  /// Takes every change under way as far as it can go now.
-  void advance();
-  /// The open one that has this way back, or that leads back by it; null: it is over.
-  [[nodiscard]] OnProbation* probation_of(const WayBack& way_back) const;
-  /// Tasks go back, or are back already, to bundles that the model does not show yet.
-  [[nodiscard]] bool is_led_back() const;
-  /// What is over is kept until no thread looks at it any more.
-  void let_fade();
-  /// Probations and reliefs: may change the model.
-  void look_after_itself();
-  /// The maker of the last transaction has not asked for its result yet.
-  [[nodiscard]] bool is_untold() const;
-  /// The maker of the newest generation is going to look at it: for some looks `next` makes no
-  /// other one. The parts of a stop do not wait for each other. [control]
-  [[nodiscard]] bool leaves_newest_in_place(const Commit& next);
   /// What nobody knows any more goes to `free`.
   void forget_departed();
   /// The component of this name, or an error with the nearest one.
   Result<ComponentBase*> component(std::string_view name) const;
 };
 
-/// deploy(): privileges, threads, T0.
-Status bring_up(System& system);
-/// shutdown(): see Deployer.
-std::vector<std::string> bring_down(System& system, Duration bound);
-/// Of one component, when the whole stop should not take much longer than `bound`.
-[[nodiscard]] Duration patience_within(Duration bound);
-
-/// A job that runs longer never returns.
-[[nodiscard]] Duration bound_of(const Bundle& bundle);
-[[nodiscard]] std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mode);
+/// What runs the tasks of such a deployment.
+[[nodiscard]] std::unique_ptr<Runner> make_runner(const DeployOptions& options);
 [[nodiscard]] std::shared_ptr<Task> new_task(const System& system, const ComponentBase& component);
 Status start_thread(System& system, Deployed& deployed);
-/// Its thread has ended: what it still had to say is told with the next drain_events().
-void keep_last_events(System& system, Deployed& deployed);
-
-/// prepare(): see Deployer. `configure` false: elements are made, not configured (in place).
-Result<PreparedChange> prepare_change(System& system, const Change& change, bool configure = true);
-/// A part of a change that leaves everything as it is but for the mode.
-[[nodiscard]] PreparedMember member_of(ComponentBase& component, Mode mode);
-
-[[nodiscard]] ComponentStatus look_at(const System& system, const Deployed& deployed);
-[[nodiscard]] std::string_view name_of(rt::EventKind kind);
-std::size_t drain_events(System& system, const std::function<void(const Happening&)>& visit);
 
 }  // namespace exec
 }  // namespace mauve

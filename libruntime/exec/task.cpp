@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "exec/nearby.h"
+#include "exec/safe_values.h"
 #include "exec/write_quietly.h"
 #include "rt/cache.h"
 #include "rt/preemption.h"

@@ -6,7 +6,8 @@
 #include <mutex>
 #include <thread>
 
-#include "exec/runner.h"
+#include "exec/task.h"
+#include "exec/threads.h"
 #include "model/left_behind.h"
 #include "rt/fence.h"
 #include "rt/futex.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// From the rings of all threads to records, and what these are about. [trace]
+#include "exec/trace_drain.h"
+
 #include <algorithm>
 #include <array>
 

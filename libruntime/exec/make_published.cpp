@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Works out beforehand what a task does when it takes a change, so that taking it is a few pointer
-/// stores.
-#include <algorithm>
-#include <typeinfo>
+#include "exec/make_published.h"
 
-#include "exec/commit.h"
+#include <algorithm>
+#include <memory>
+
+#include "exec/nearby.h"
+#include "exec/resource_parts.h"
 #include "exec/safe_values.h"
 
+#include <mauve/component.h>
 #include <mauve/fsm.h>
 #include <mauve/observable.h>
 #include <mauve/resource.h>
+#include <mauve/service.h>
 
 namespace mauve::exec {
 namespace {
@@ -55,18 +58,6 @@ void add_safe_writes(const PreparedMember& member, Published& next) {
 
 }  // namespace
 
-bool goes_on_at_heir(const Binding& before, const Binding* after) {
-  if (after == nullptr) return false;
-  const ResourceBase& old = before.service().resource();
-  const ResourceBase& now = after->service().resource();
-  return &old != &now && old.name() == now.name();
-}
-
-/// Builds are loaded apart, so each has a type_info of its own; their names are equal.
-bool is_other_code(const Configurable& before, const Configurable& after) {
-  return &typeid(before) != &typeid(after);
-}
-
 Duration bound_of(const Bundle& bundle) {
   // Virtual machines hold healthy threads up for tens of milliseconds. After 950 ms of a second the
   // kernel stops all real-time threads of a CPU for the rest of it (sched_rt_runtime_us), also more
@@ -82,6 +73,18 @@ Duration bound_of(const Bundle& bundle) {
   for (const FsmState* state : bundle.fsm->states()) longest = std::max(longest, state->duration());
   // What declares nothing may use a whole wait of a second, nearly.
   return std::clamp(10 * longest, kShortest, std::clamp(longest, kLongest, 2 * kLongest));
+}
+
+std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mode) {
+  auto first = std::make_unique<Published>();
+  first->bundle = component.bundle();
+  first->nearby = std::make_shared<const Nearby>(*first->bundle);
+  first->bound = bound_of(*component.bundle());
+  first->has_safe_values = has_safe_values(*component.bundle());
+  first->grid = component.fsm().grid();
+  first->shortest_wait = component.fsm().shortest_wait();
+  first->mode = mode;
+  return first;
 }
 
 std::unique_ptr<Published> make_published(const PreparedMember& member) {

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What [control] tells in a trace: changes, by the names that the wire has for them.
+#include "exec/tell_control.h"
+
 #include <algorithm>
 #include <utility>
 
-#include "exec/commit.h"
-#include "exec/trace.h"
+#include "exec/prepared.h"
+#include "exec/system.h"
+
+#include <mauve/change.h>
 
 namespace mauve::exec {
 namespace {
@@ -22,30 +25,6 @@ std::string_view verb_of(const Edit& edit) {
 }
 
 }  // namespace
-
-void ControlTrace::add(const TraceRecord& record) {
-  const std::lock_guard lock(mutex_);
-  if (records_.size() == kCapacity) {
-    records_.pop_front();
-    ++lost_;
-  }
-  records_.push_back(record);
-}
-
-std::vector<TraceRecord> ControlTrace::take() {
-  const std::lock_guard lock(mutex_);
-  std::vector<TraceRecord> taken;
-  if (lost_ != 0) {
-    taken.push_back(records_.front());
-    taken.back().kind = TraceKind::lost;
-    taken.back().name = 0;
-    taken.back().a = std::exchange(lost_, 0);
-    taken.back().b = 0;
-  }
-  taken.insert(taken.end(), records_.begin(), records_.end());
-  records_.clear();
-  return taken;
-}
 
 void tell_control(System& system, TraceKind kind, std::string_view name, Instant instant,
                   std::uint64_t number) {
