@@ -8,21 +8,21 @@
 #include <string>
 #include <vector>
 
-#include "caretaker.h"
+#include "changes/stopper.h"
 #include "commands/command.h"
 #include "commands/table.h"
-#include "deciding_paths.h"
-#include "guardian.h"
 #include "judge/judge.h"
-#include "keeper.h"
+#include "monitor/caretaker.h"
+#include "monitor/guardian.h"
+#include "monitor/supervisor.h"
+#include "monitor/watch.h"
 #include "options.h"
-#include "recovery.h"
 #include "server/server.h"
 #include "signals.h"
-#include "stopper.h"
-#include "supervisor.h"
+#include "state/deciding_paths.h"
+#include "state/keeper.h"
+#include "state/recovery.h"
 #include "trace/recorder.h"
-#include "watch.h"
 
 namespace mauve::daemon {
 

@@ -36,13 +36,13 @@ FOLDERS = {"libruntime/include": "public", "daemon/protocol": "protocol", "daemo
            **{f"libruntime/{name}": name for name in RUNTIME.split()[1:]}}
 # Third-party or system header (a prefix of what is included): the rooms it may be in. tests/ may use all.
 ROOMS = {
-    "nlohmann/": "libruntime/arch/ daemon/protocol/ ctl/render",
-    "boost/asio": "daemon/server/ ctl/client",
+    "nlohmann/": "libruntime/arch/ daemon/protocol/ ctl/render/",
+    "boost/asio": "daemon/server/ ctl/cli/client",
     "boost/lockfree": "libruntime/rt/",
     "boost/": "",
     "spdlog/": "daemon/log/",
     "fmt/": "daemon/log/",
-    "CLI/": "daemon/options daemon/main ctl/options ctl/main",
+    "CLI/": "daemon/options daemon/main ctl/cli/options ctl/cli/main",
     "Eigen/": "plugins/",
     "GeographicLib/": "plugins/",
     "yaml-cpp/": "plugins/",
@@ -55,7 +55,7 @@ ROOMS = {
     "elf.h": "libruntime/plugin/ libruntime/include/mauve/plugin.h",
     "libelf.h": "libruntime/plugin/",
     "gelf.h": "libruntime/plugin/",
-    "pthread.h": "libruntime/rt/ plugins/drivers/line_thread",
+    "pthread.h": "libruntime/rt/ plugins/drivers/serial/line_thread",
     "sched.h": "libruntime/rt/ guardian/sandbox",
     "linux/futex.h": "libruntime/rt/",
     "linux/membarrier.h": "libruntime/rt/",

@@ -28,7 +28,7 @@ FOLDER_FILES = 25
 DEEP_LAYERS = {}
 # Class: its functions today.
 LARGE_CLASSES = {
-    "daemon/keeper.h:Keeper": 37,
+    "daemon/state/keeper.h:Keeper": 37,
     "libruntime/exec/commit.h:Commit": 40,
     "libruntime/exec/probation.h:OnProbation": 36,
     "libruntime/exec/task.h:Task": 92,
@@ -36,7 +36,7 @@ LARGE_CLASSES = {
     "libruntime/include/mauve/deployer.h:Deployer": 57,
     "libruntime/include/mauve/gate.h:Gate": 33,
     "libruntime/include/mauve/latest_value.h:LatestValue": 31,
-    "plugins/drivers/line_thread.h:LineThread": 34,
+    "plugins/drivers/serial/line_thread.h:LineThread": 34,
 }
 # Function: its parameters today.
 MANY_PARAMETERS = {
@@ -44,23 +44,19 @@ MANY_PARAMETERS = {
 }
 # Folder: its files today.
 CROWDED_FOLDERS = {
-    "ctl": 95,
-    "daemon": 51,
-    "daemon/commands": 75,
     "libruntime/arch": 53,
     "libruntime/exec": 84,
     "libruntime/include/mauve": 55,
     "libruntime/model": 40,
     "libruntime/plugin": 29,
     "libruntime/rt": 58,
-    "plugins/drivers": 66,
 }
 # Headers that are a list: they declare one function of each of many sources, so that one table can name them all.
 LISTS = {
-    "ctl/actions.h",
+    "ctl/commands/actions.h",
     "ctl/doctor/checks.h",
     "ctl/mtrace/findings.h",
-    "ctl/render.h",
+    "ctl/render/render.h",
     "daemon/commands/command.h",
     "plugins/drivers/parts.h",
     "plugins/guidance/cores.h",
@@ -71,27 +67,27 @@ LISTS = {
 # Source: functions that other headers declare, today.
 STRAYS = {
     "ctl/doctor/checks.cpp": 1,
-    "ctl/graph_dot.cpp": 3,
-    "ctl/graph_mermaid.cpp": 3,
-    "ctl/graph_svg.cpp": 1,
-    "ctl/help.cpp": 1,
-    "ctl/layers_columns.cpp": 1,
-    "ctl/layers_place.cpp": 1,
-    "ctl/layers_split.cpp": 1,
-    "ctl/layers_trunks.cpp": 1,
-    "ctl/machine_svg.cpp": 1,
-    "ctl/top_frame.cpp": 2,
-    "ctl/top_keys.cpp": 2,
-    "ctl/top_rows.cpp": 4,
+    "ctl/picture/graph_dot.cpp": 3,
+    "ctl/picture/graph_mermaid.cpp": 3,
+    "ctl/picture/graph_svg.cpp": 1,
+    "ctl/cli/help.cpp": 1,
+    "ctl/picture/layers_columns.cpp": 1,
+    "ctl/picture/layers_place.cpp": 1,
+    "ctl/picture/layers_split.cpp": 1,
+    "ctl/picture/layers_trunks.cpp": 1,
+    "ctl/picture/machine_svg.cpp": 1,
+    "ctl/top/top_frame.cpp": 2,
+    "ctl/top/top_keys.cpp": 2,
+    "ctl/top/top_rows.cpp": 4,
     "daemon/check.cpp": 1,
     "daemon/commands/config.cpp": 1,
-    "daemon/commands/kept.cpp": 2,
+    "daemon/commands/change/kept.cpp": 2,
     "daemon/commands/lock.cpp": 5,
-    "daemon/commands/log.cpp": 1,
-    "daemon/commands/log_level.cpp": 1,
-    "daemon/commands/probation.cpp": 2,
-    "daemon/commands/reload.cpp": 1,
-    "daemon/commands/stop.cpp": 1,
+    "daemon/commands/look/log.cpp": 1,
+    "daemon/commands/look/log_level.cpp": 1,
+    "daemon/commands/recovery/probation.cpp": 2,
+    "daemon/commands/change/reload.cpp": 1,
+    "daemon/commands/change/stop.cpp": 1,
     "daemon/log/journal.cpp": 1,
     "libruntime/base/value.cpp": 2,
     "libruntime/exec/barrier.cpp": 1,

@@ -3,10 +3,10 @@
 
 #include "commands/audit.h"
 #include "commands/gate.h"
+#include "commands/look/notice.h"
 #include "commands/model.h"
-#include "commands/notice.h"
-#include "commands/unproven.h"
-#include "keeper.h"
+#include "commands/recovery/unproven.h"
+#include "state/keeper.h"
 
 namespace mauve::daemon {
 

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "commands/answer.h"
-#include "keeper.h"
 #include "protocol/in_words.h"
+#include "state/keeper.h"
 
 namespace mauve::daemon {
 

@@ -15,23 +15,23 @@
 #include <string_view>
 #include <vector>
 
+#include "changes/control.h"
+#include "changes/stopper.h"
 #include "commands/deadlines.h"
-#include "commands/former.h"
-#include "commands/place_probation.h"
-#include "commands/way_back.h"
-#include "control.h"
-#include "counts.h"
-#include "deciding_paths.h"
-#include "failures.h"
-#include "generations.h"
+#include "commands/recovery/former.h"
+#include "commands/recovery/place_probation.h"
+#include "commands/recovery/way_back.h"
 #include "judge/judgement.h"
 #include "log/log.h"
 #include "mauve/deploy_options.h"
 #include "mauve/deployer.h"
+#include "monitor/counts.h"
 #include "plugin/catalog.h"
 #include "server/dispatcher.h"
 #include "server/server.h"
-#include "stopper.h"
+#include "state/deciding_paths.h"
+#include "state/failures.h"
+#include "state/generations.h"
 
 namespace mauve {
 class Architecture;

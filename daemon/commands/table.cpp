@@ -7,11 +7,11 @@
 
 #include "commands/answer.h"
 #include "commands/audit.h"
-#include "commands/given_up.h"
 #include "commands/model.h"
-#include "keeper.h"
+#include "commands/recovery/given_up.h"
 #include "mauve/version.h"
-#include "watch.h"
+#include "monitor/watch.h"
+#include "state/keeper.h"
 
 namespace mauve::daemon {
 

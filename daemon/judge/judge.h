@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "control.h"
+#include "changes/control.h"
 #include "judge/judgement.h"
 #include "mauve/time.h"
 #include "options.h"

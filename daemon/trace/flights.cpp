@@ -9,7 +9,7 @@
 #include <optional>
 #include <system_error>
 
-#include "durable.h"
+#include "state/durable.h"
 #include "trace/file.h"
 
 namespace mauve::daemon {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <set>
 
-#include "keeper.h"
+#include "state/keeper.h"
 
 namespace mauve::daemon {
 

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Looks after what the running system does by itself: probations that end, rollbacks, cores that
+/// took over from failing ones; keeps such cores in readiness.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "commands/command.h"
+#include "state/proofs.h"
+
+namespace mauve::daemon {
+
+class Caretaker {
+ public:
+  Caretaker() = default;
+  ~Caretaker() { stop(); }
+  Caretaker(const Caretaker&) = delete;
+  Caretaker& operator=(const Caretaker&) = delete;
+
+  /// [main] From now on, 50 times a second.
+  void start(Running& running);
+  void stop();
+
+ private:
+  void run();
+  void look();
+  void tell_outcomes();
+  void settle(const Outcome& outcome);
+  void tell(const Outcome& outcome);
+  void save(const Outcome& outcome, const std::string& changes);
+  [[nodiscard]] std::string changes_back(const Outcome& outcome) const;
+  void tell_of_factory();
+  void tell_of_holds();
+  void tell_of_scheduling();
+  void make_reliefs();
+  [[nodiscard]] bool refused_before(const Change& relief);
+  void refuse_relief(const Change& relief, const Error& error, bool for_ever);
+
+  Running* running_ = nullptr;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool stopping_ = false;
+  std::atomic<bool> looking_{false};  ///< a look is queued or under way
+  bool making_ = false;               ///< [control] reliefs are being made
+  Proofs proofs_;                     ///< [control]
+  std::uint64_t relieved_ = 0;        ///< [control] the last generation that a relief made
+  /// The relief of a component was refused in this generation: it is tried again in the next one,
+  /// but a relief whose hook hung is never tried again.
+  struct RefusedRelief {
+    std::uint64_t generation = 0;
+    std::string why;
+  };
+  std::map<std::string, RefusedRelief> refused_;  ///< [control] by component
+  /// [control] By resource: how many calls of it were longer than declared when it was told last.
+  std::map<std::string, std::uint64_t> over_hold_;
+  /// [control] By component: the count of put-back schedulings that the log told last.
+  std::map<std::string, std::uint64_t> restored_;
+  unsigned looks_ = 0;  ///< [control]
+  std::thread thread_;
+};
+
+}  // namespace mauve::daemon
