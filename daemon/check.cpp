@@ -10,7 +10,7 @@
 #include "arch/check_rules.h"
 #include "arch/load.h"
 #include "daemon.h"
-#include "exec/admission.h"
+#include "exec/admission/admission.h"
 #include "log/json_text.h"
 #include "mauve/architecture.h"
 #include "model/wiring.h"

@@ -13,6 +13,7 @@
 #include "base/duration.h"
 #include "base/size.h"
 #include "mauve/architecture.h"
+#include "plugin/catalog.h"
 #include "plugin/loaded_plugin.h"
 
 namespace mauve::arch {

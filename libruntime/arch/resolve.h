@@ -7,6 +7,7 @@
 
 #include "arch/spec.h"
 #include "mauve/element_type.h"
+#include "mauve/type.h"
 
 namespace mauve::plugin {
 class Catalog;

@@ -6,6 +6,7 @@
 #include <mauve/core.h>
 #include <mauve/exchange.h>
 #include <mauve/service.h>
+#include <mauve/state.h>
 
 #include "model/succession.h"
 

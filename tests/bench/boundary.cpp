@@ -13,7 +13,7 @@
 
 #include <mauve/architecture.h>
 
-#include "exec/task.h"
+#include "exec/task/task.h"
 
 namespace bench {
 namespace {

@@ -11,8 +11,8 @@
 #include "bench/support/raw.h"
 #include "bench/support/report.h"
 #include "bench/support/stepped_clock.h"
-#include "exec/swap.h"
-#include "exec/task.h"
+#include "exec/swap/swap.h"
+#include "exec/task/task.h"
 
 #include <mauve/architecture.h>
 #include <mauve/deployer.h>

@@ -12,6 +12,9 @@
 #include "mauve/service.h"
 #include "model/look_outside.h"
 #include "model/wiring.h"
+#include "mauve/port_base.h"
+#include "mauve/resource.h"
+#include "mauve/architecture.h"
 
 namespace mauve::daemon {
 

@@ -10,9 +10,10 @@
 #include "commands/recovery/given_up.h"
 #include "commands/recovery/quarantine.h"
 #include "commands/recovery/unproven.h"
-#include "exec/prepared.h"
+#include "exec/system/prepared.h"
 #include "judge/judgement.h"
 #include "model/elements.h"
+#include "mauve/architecture.h"
 
 namespace mauve::daemon {
 

@@ -3,6 +3,7 @@
 #include "commands/look/parts_json.h"
 #include "commands/look/value.h"
 #include "mauve/port_base.h"
+#include "mauve/architecture.h"
 
 namespace mauve::daemon {
 

@@ -7,6 +7,9 @@
 #include "arch/task_attributes.h"
 #include "arch/value_json.h"
 #include "base/duration.h"
+#include "mauve/observable.h"
+#include "mauve/property.h"
+#include "mauve/resource.h"
 #include "mauve/service.h"
 #include "model/look_outside.h"
 

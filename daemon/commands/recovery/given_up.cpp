@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "base/duration.h"
+#include "mauve/architecture.h"
 
 namespace mauve::daemon {
 

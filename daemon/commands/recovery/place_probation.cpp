@@ -7,7 +7,7 @@
 #include "commands/change/change.h"
 #include "commands/model.h"
 #include "commands/recovery/given_up.h"
-#include "exec/prepared.h"
+#include "exec/system/prepared.h"
 #include "mauve/architecture.h"
 
 namespace mauve::daemon {

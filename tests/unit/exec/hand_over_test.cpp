@@ -6,7 +6,8 @@
 #include <cstdio>
 #include <random>
 
-#include "exec/commit.h"
+#include "exec/commit/commit.h"
+#include "exec/system/make_published.h"
 #include "support/positions.h"
 
 namespace mauve {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/fail_point.h"
-#include "exec/swap.h"
+#include "exec/swap/swap.h"
 #include "support/ramp.h"
 
 namespace mauve {

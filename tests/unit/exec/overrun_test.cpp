@@ -2,7 +2,7 @@
 /// What happens to releases that come too late. The core itself moves the manual clock.
 #include <gtest/gtest.h>
 
-#include "exec/task.h"
+#include "exec/task/task.h"
 
 #include <mauve/component.h>
 #include <mauve/plugin.h>

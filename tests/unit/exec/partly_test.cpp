@@ -5,7 +5,10 @@
 #include <atomic>
 #include <thread>
 
-#include "exec/commit.h"
+#include "exec/commit/commit.h"
+#include "exec/commit/under_way.h"
+#include "exec/deploy/bring_up.h"
+#include "exec/deploy/shutdown.h"
 #include "support/eventually.h"
 #include "support/ramp.h"
 
@@ -71,7 +74,7 @@ class Partly : public testing::Test {
     return {{ramp::to_core<ramp::Down>("down", "left"), ramp::to_core<Right>("other", "right")}};
   }
   void look() {
-    system.advance();
+    advance(system);
     static_cast<void>(std::exchange(system.free, {}).release());
   }
   bool runs_on(const char* name) {
@@ -114,7 +117,7 @@ TEST_F(Partly, AChangeShowsInTheModelWholeAndWithItsGeneration) {
 
   const std::uint64_t began = releases("right");
   ASSERT_TRUE(eventually([&] {
-    system.advance();
+    advance(system);
     return releases("right") > began + 5;  // it runs with its new core, "left" with its old one
   }));
   EXPECT_FALSE(commit->answered());
@@ -123,7 +126,7 @@ TEST_F(Partly, AChangeShowsInTheModelWholeAndWithItsGeneration) {
 
   Before::shut() = false;
   ASSERT_TRUE(eventually([&] {
-    system.advance();
+    advance(system);
     return commit->answered();
   }));
   EXPECT_EQ(core("right"), "other");

@@ -6,7 +6,7 @@
 #include <future>
 #include <thread>
 
-#include "exec/task.h"
+#include "exec/task/task.h"
 #include "rt/preemption.h"
 #include "support/eventually.h"
 #include "support/ramp.h"

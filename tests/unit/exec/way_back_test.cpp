@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "exec/transaction.h"
+#include "exec/task/transaction.h"
 
 namespace mauve::exec {
 namespace {

@@ -2,7 +2,7 @@
 /// The paper's clock-based state machine (Listing 3, Fig. 2 and 3).
 #include <gtest/gtest.h>
 
-#include "exec/task.h"
+#include "exec/task/task.h"
 
 #include <mauve/architecture.h>
 #include <mauve/plugin.h>

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The changes on probation of a system.
+#pragma once
+
+#include "exec/recovery/probation.h"
+#include "exec/system/system.h"
+#include "exec/task/transaction.h"
+
+namespace mauve::exec {
+
+/// The open one that has this way back, or that leads back by it; null: it is over.
+[[nodiscard]] OnProbation* probation_of(const System& system, const WayBack& way_back);
+/// Tasks go back, or are back already, to bundles that the model does not show yet.
+[[nodiscard]] bool is_led_back(const System& system);
+/// What is over is kept until no thread looks at it any more.
+void let_fade(System& system);
+
+}  // namespace mauve::exec

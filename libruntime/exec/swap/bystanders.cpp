@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/swap/bystanders.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <set>
+#include <vector>
+
+#include "exec/system/system.h"
+
+#include <mauve/architecture.h>
+#include <mauve/component.h>
+#include <mauve/fsm.h>
+#include <mauve/port_base.h>
+#include <mauve/resource.h>
+#include <mauve/service.h>
+#include <mauve/shell.h>
+
+namespace mauve::exec {
+namespace {
+
+using Resources = std::set<const ResourceBase*>;
+
+bool leads_into(const Shell& shell, const Bindings& bindings, const Resources& resources) {
+  return std::any_of(shell.ports().begin(), shell.ports().end(), [&](const PortBase* port) {
+    const auto& binding = bindings[port->index()];
+    return binding != nullptr && resources.contains(&binding->service().resource());
+  });
+}
+
+/// The resources that the change touches, and those that write on into them. What a resource writes
+/// on into after the change only, it is an edit of.
+Resources touched(const System& system, const PreparedChange::Content& content) {
+  Resources resources(content.leaving_resources.begin(), content.leaving_resources.end());
+  for (const PreparedResource& edited : content.resources) resources.insert(edited.resource);
+  for (std::size_t before = 0; before != resources.size();) {
+    before = resources.size();
+    for (const ResourceBase* one : system.architecture.resources()) {
+      if (leads_into(one->shell(), one->bindings(), resources)) resources.insert(one);
+    }
+  }
+  return resources;
+}
+
+bool is_member(const PreparedChange::Content& content, const ComponentBase& component) {
+  return std::any_of(content.members.begin(), content.members.end(),
+                     [&](const PreparedMember& one) { return one.component == &component; });
+}
+
+Duration longest_job(const Deployed& deployed) {
+  const Duration measured{deployed.task->counters().execution_max.load(std::memory_order_relaxed)};
+  return std::max(measured, deployed.component->bundle()->task.budget);
+}
+
+}  // namespace
+
+std::vector<ComponentBase*> bystanders_of(const System& system,
+                                          const PreparedChange::Content& content) {
+  const Resources resources = touched(system, content);
+  std::vector<ComponentBase*> bystanders;
+  for (ComponentBase* component : system.architecture.components()) {
+    if (is_member(content, *component)) continue;
+    if (leads_into(component->shell(), *component->bundle()->bindings, resources)) {
+      bystanders.push_back(component);
+    }
+  }
+  return bystanders;
+}
+
+/// Nobody waits longer than the longest job of the others takes, and the coordinator to act.
+std::vector<PreparedBarrier::Wait> waits_of(System& system,
+                                            const PreparedChange::Content& content) {
+  constexpr Duration kCoordinator = 400us;
+  const auto bystanders = bystanders_of(system, content);
+  std::vector<const Deployed*> waiting;
+  Duration gap = kCoordinator;
+  const std::lock_guard lock(system.members);
+  for (const Deployed& one : system.deployed) {
+    const bool takes_part =
+        is_member(content, *one.component) ||
+        std::find(bystanders.begin(), bystanders.end(), one.component) != bystanders.end();
+    if (!takes_part || one.hidden || one.state() != ComponentState::running) continue;
+    waiting.push_back(&one);
+    gap = std::max(gap, longest_job(one) + kCoordinator);
+  }
+  std::vector<PreparedBarrier::Wait> waits;
+  for (const Deployed* one : waiting) {
+    const std::int64_t grid = one->component->bundle()->fsm->grid().count();
+    const std::int64_t releases = grid > 0 ? (gap.count() + grid - 1) / grid : 0;
+    waits.push_back({one->component->name(), static_cast<std::uint64_t>(releases)});
+  }
+  return waits;
+}
+
+}  // namespace mauve::exec

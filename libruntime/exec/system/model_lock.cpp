@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/system/model_lock.h"
+
+namespace mauve::exec {
+
+bool ModelLock::take(bool waits) {
+  std::unique_lock lock(mutex_);
+  const auto free = [this] { return !held_ || (owner_ != nullptr && owner_->left()); };
+  if (waits) {
+    freed_.wait(lock, free);
+  } else if (!free()) {
+    return false;
+  }
+  held_ = true;
+  owner_ = Leavable::here();
+  return true;
+}
+
+void ModelLock::give_back() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (owner_ != Leavable::here()) return;  // it was left behind, and another one has it
+    held_ = false;
+    owner_ = nullptr;
+  }
+  freed_.notify_one();
+}
+
+}  // namespace mauve::exec
