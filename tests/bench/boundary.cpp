@@ -117,9 +117,10 @@ class Driven {
     forth->back->transaction = &way_back_.transaction();
     forth->back->way_back = &way_back_;
     clock_.set(task_.next_release());
-    task_.publish(*forth.release());
+    task_.mailbox().publish(*forth.release());
     task_.release();
-    must_hold(task_.stand_by(*bundle(mauve::Mode::keep).release()), "no relief stands by");
+    must_hold(task_.mailbox().stand_by(*bundle(mauve::Mode::keep).release()),
+              "no relief stands by");
   }
 
   mauve::exec::Transaction decided_{0, mauve::exec::Transaction::State::committed};

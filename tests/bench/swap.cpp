@@ -152,9 +152,9 @@ double added_to_a_job(int cpu, int swaps) {
     published->transaction = &transaction;
     published->hand_over =
         checked(mauve::plan_hand_over(old.core(), next.core(), mauve::StatePolicy::keep));
-    task.publish(*published.release());
+    task.mailbox().publish(*published.release());
     added.push_back(job());
-    static_cast<void>(task.reclaim());
+    static_cast<void>(task.mailbox().reclaim());
     plain.push_back(job());
   }
   must_hold(task.counters().releases == 2 * static_cast<std::uint64_t>(swaps),

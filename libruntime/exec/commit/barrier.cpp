@@ -191,8 +191,9 @@ bool Barrier::hand_over() {
 
 /// A converter held [control] up, so that a stop was carried out without it; or none was.
 const Deployed* Barrier::halted() const {
-  const auto found = std::find_if(gathered_.begin(), gathered_.end(),
-                                  [](const Deployed* one) { return one->task->halted(); });
+  const auto found = std::find_if(gathered_.begin(), gathered_.end(), [](const Deployed* one) {
+    return one->task->mailbox().halted();
+  });
   return found == gathered_.end() ? nullptr : *found;
 }
 

@@ -54,7 +54,8 @@ class Halt final : public DirectStop {
  private:
   [[nodiscard]] Instant now() const { return system_.runner->now(); }
   [[nodiscard]] bool is_ordered(const Deployed& deployed) const {
-    return is_one_of(names_, deployed) && (!first_only_ || deployed.task->has_safe_values());
+    return is_one_of(names_, deployed) &&
+           (!first_only_ || deployed.task->watch().has_safe_values());
   }
 
   /// Also those that are parked: a start may be under way.
@@ -62,7 +63,7 @@ class Halt final : public DirectStop {
     until_ = now() + kParkingMayTake.count();
     for (Deployed& deployed : system_.deployed) {
       if (!is_ordered(deployed)) continue;
-      deployed.task->halt();
+      deployed.task->mailbox().halt();
       system_.runner->wake(*deployed.task);
     }
     system_.runner->look_again();
@@ -124,7 +125,7 @@ std::unique_ptr<DirectStop> begin_direct_stop(System& system, std::vector<std::s
 
 void end_direct_stop(System& system, const std::vector<std::string>& components) {
   for (Deployed& deployed : system.deployed) {
-    if (is_one_of(components, deployed)) deployed.task->end_halt();
+    if (is_one_of(components, deployed)) deployed.task->mailbox().end_halt();
   }
 }
 

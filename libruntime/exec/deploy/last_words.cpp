@@ -44,7 +44,7 @@ bool may_be_made_safe(const ComponentBase* component) {
 unsigned make_safe(System& system, Instant until) {
   unsigned safe = 0;
   for (Deployed& deployed : system.deployed) {
-    if (may_be_made_safe(deployed.component)) deployed.task->fence();
+    if (may_be_made_safe(deployed.component)) deployed.task->watch().fence();
   }
   rt::fence_all_threads();
   for (Deployed& deployed : system.deployed) {
@@ -78,7 +78,7 @@ void let_others_act(const System& system, Instant until) {
 void tell_events(System& system) {
   rt::Event event;
   for (Deployed& deployed : system.deployed) {
-    while (deployed.task->events().pop(event)) {
+    while (deployed.task->report().events().pop(event)) {
       const char* text = event.literal != nullptr ? event.literal : event.text.data();
       say("mauve: last event of %s: %s %s (%lld, %lld) at %lld ns\n", deployed.task->name().c_str(),
           name_of(event.kind).data(), text, static_cast<long long>(event.a.integer),

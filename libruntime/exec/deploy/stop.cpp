@@ -130,7 +130,7 @@ void Stop::park_free() {
       for (const auto& commit : system_.under_way) commit->give_way(*deployed);
       return false;
     }
-    deployed->task->end_halt();  // from here on it is this stop that parks it
+    deployed->task->mailbox().end_halt();  // from here on it is this stop that parks it
     if (deployed->state() == ComponentState::running) {
       names.push_back(deployed->component->name());
       content->members.push_back(member_of(*deployed->component, Mode::park));

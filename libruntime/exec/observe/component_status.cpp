@@ -28,7 +28,7 @@ std::uint64_t passing(const Deployed& deployed, const ComponentStatus& status, I
   const bool skips = bundle.task.on_overrun == OnOverrun::skip;
   if (!skips || wait <= Duration{0} || overdue < wait) return 0;
   const auto due = static_cast<std::uint64_t>(overdue / wait);
-  return deployed.task->busy_since() > 0 ? due - 1 : due;
+  return deployed.task->watch().busy_since() > 0 ? due - 1 : due;
 }
 
 /// Until a job ends, `release` is its own; which wait it will end in is not known before. So the
@@ -82,7 +82,7 @@ ComponentStatus look_at(const System& system, const Deployed& deployed) {
     status.late = lateness_of(bundle, status.next_release, system.runner->now() - system.t0);
   }
   if (status.state == ComponentState::faulted || status.state == ComponentState::recovering) {
-    status.incident = to_incident(deployed.task->fault());
+    status.incident = to_incident(deployed.task->report().fault());
     status.fault = status.incident->text;
   }
   return status;

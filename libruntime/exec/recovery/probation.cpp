@@ -191,9 +191,9 @@ void OnProbation::keep_parked() {
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     Task& task = *members_[i].deployed->task;
     Published* const back = members_[i].back;
-    if (content_->members[i].part != Part::leaves || !task.withdraw_back(*back)) continue;
+    if (content_->members[i].part != Part::leaves || !task.mailbox().withdraw_back(*back)) continue;
     back->mode = Mode::park;
-    task.put_back(*back);
+    task.mailbox().put_back(*back);
     system_.runner->wake(task);
   }
 }
@@ -203,8 +203,8 @@ void OnProbation::withdraw() {
   phase_ = Phase::withdrawing;
   for (WayBackOfMember& member : members_) {
     Task& task = *member.deployed->task;
-    if (task.withdraw_back(*member.back)) member.withdrawn.reset(member.back);
-    member.looks_after = task.looks();
+    if (task.mailbox().withdraw_back(*member.back)) member.withdrawn.reset(member.back);
+    member.looks_after = task.mailbox().looks();
     system_.runner->wake(task);
   }
   free_.keep(content_);
@@ -220,7 +220,7 @@ void OnProbation::let_go_left() {
 bool OnProbation::all_looked_away() const {
   return std::all_of(members_.begin(), members_.end(), [&](const WayBackOfMember& member) {
     return !member.in_force || member.deployed->ended ||
-           member.deployed->task->looks() > member.looks_after;
+           member.deployed->task->mailbox().looks() > member.looks_after;
   });
 }
 
@@ -234,7 +234,7 @@ void OnProbation::go_back() {
   replaced_.forget();
   free_.keep(content_);
   for (WayBackOfMember& member : members_) {
-    member.looks_after = member.deployed->task->looks();
+    member.looks_after = member.deployed->task->mailbox().looks();
     system_.runner->wake(*member.deployed->task);
   }
   phase_ = Phase::withdrawing;
@@ -274,7 +274,8 @@ void OnProbation::install_old() {
     }
     schedule(system_, *deployed);
     retire(*member.next, *member.base, free_);
-    static_cast<void>(deployed->task->reclaim());  // the words that it ran with; elements stay
+    static_cast<void>(
+        deployed->task->mailbox().reclaim());  // the words that it ran with; elements stay
     if (member.part != Part::joins) continue;
     static_cast<void>(architecture.take_out(*member.component));
     static_cast<void>(let_go(system_, *deployed));
@@ -344,8 +345,9 @@ void OnProbation::tell(Outcome::Kind kind, const std::string& reason) {
   if (kind == Outcome::Kind::rolled_back) {
     end.commit = Duration{way_back_->transaction().instant() - system_.t0};
     for (const WayBackOfMember& member : members_) {
-      if (member.deployed->task.get() == way_back_->member())
+      if (&member.deployed->task->report() == way_back_->member()) {
         end.component = member.deployed->task->name();
+      }
     }
     if (!end.component.empty()) end.incident = to_incident(way_back_->fault());
     name_cores(end);

@@ -47,7 +47,8 @@ void take_note(System& system, Deployed& deployed) {
   const FaultRecord& fault = taken.answer->fault;
   ComponentBase& component = *deployed.component;
   retire(*component.bundle(), *taken.member->next, system.free);
-  static_cast<void>(deployed.task->reclaim());  // the words that it ran with; elements stay
+  static_cast<void>(
+      deployed.task->mailbox().reclaim());  // the words that it ran with; elements stay
   const bool again = taken.member->restart;
   component.install(taken.member->next);
   taken.member->made.forget();
@@ -70,7 +71,7 @@ void give_up(System& system, Deployed& deployed, Instant failed_at, const std::s
   outcome.kind = Outcome::Kind::gave_up;
   outcome.began = outcome.generation = system.generation;
   outcome.component = deployed.component->name();
-  outcome.incident = to_incident(deployed.task->fault());
+  outcome.incident = to_incident(deployed.task->report().fault());
   outcome.reason = outcome.incident->text += "; " + why;
   outcome.cores = {deployed.component->bundle()->core_type.name};
   system.outcomes.push_back(std::move(outcome));
@@ -129,9 +130,9 @@ std::string why_no_relief(const System& system, const Deployed& deployed) {
 
 /// False: the task has one, or runs with another bundle than the relief was made for.
 bool stand_by(const System& system, Task& task, std::unique_ptr<Published> relief) {
-  if (!task.stand_by(*relief)) return false;
+  if (!task.mailbox().stand_by(*relief)) return false;
   Published* const standing = relief.release();
-  if (!is_led_back(system) || !task.withdraw_relief(*standing)) return true;
+  if (!is_led_back(system) || !task.mailbox().withdraw_relief(*standing)) return true;
   leave_behind(std::shared_ptr<Published>(standing));  // its thread may be about to look
   return false;
 }

@@ -42,7 +42,7 @@ class Threads final : public Runner {
     guard_.join();
     for (auto& [task, worker] : workers_) {
       worker->quit.store(true);
-      rt::futex_bump(worker->task.command());
+      rt::futex_bump(worker->task.mailbox().command());
     }
   }
 
@@ -72,7 +72,7 @@ class Threads final : public Runner {
     rt::futex_bump(gate_);
   }
 
-  void wake(Task& task) override { rt::futex_bump(task.command()); }
+  void wake(Task& task) override { rt::futex_bump(task.mailbox().command()); }
 
   bool await(const std::function<bool()>& condition, Instant deadline) override {
     // Polled: a real-time thread then needs no system call to answer.
@@ -150,13 +150,13 @@ class Threads final : public Runner {
     const auto found = workers_.find(&task);
     if (found == workers_.end()) return nullptr;
     found->second->quit.store(true);
-    rt::futex_bump(task.command());
+    rt::futex_bump(task.mailbox().command());
     return found->second.get();
   }
 
   void run(Worker& worker) {
     const rt::FaultStack stack;
-    worker.task.runs_on(&this_job());
+    worker.task.watch().runs_on(&this_job());
     parked_.fetch_add(1);
     while (gate_.load(std::memory_order_acquire) == 0) {
       rt::futex_wait_until(gate_, 0, rt::kForever);
@@ -169,17 +169,18 @@ class Threads final : public Runner {
     bool ours = true;
     while (ours && !worker.quit.load(std::memory_order_relaxed)) ours = step(worker.task);
     const std::lock_guard lock(mutex_);  // the guard is not looking at this thread's job
-    if (worker.inside.empty()) worker.task.runs_on(nullptr);
+    if (worker.inside.empty()) worker.task.watch().runs_on(nullptr);
     worker.ending = true;
     look_again();
   }
 
   /// One look at the mailbox and at the clock; sleeps until there is something to do.
   static bool step(Task& task) {
-    const std::uint32_t seen = task.command().load(std::memory_order_acquire);
+    const std::uint32_t seen = task.mailbox().command().load(std::memory_order_acquire);
     if (!task.serve()) return false;
     if (task.due()) return task.release();  // a wait for the past would cost 15 us
-    rt::futex_wait_until(task.command(), seen, task.running() ? task.next_release() : rt::kForever);
+    rt::futex_wait_until(task.mailbox().command(), seen,
+                         task.running() ? task.next_release() : rt::kForever);
     return true;
   }
 
@@ -267,7 +268,7 @@ class Threads final : public Runner {
     Task& task = worker->task;
     const Instant bound = task.bound(worker->attributes.priority > 0).count();
     if (worker->quit.load() || bound <= 0) return rt::kForever;
-    const Instant since = task.busy_since();
+    const Instant since = task.watch().busy_since();
     const Instant unjudged = bound - bound / kShareToJudge;
     if (since <= 0) return now() + unjudged;
     if (now() < since + unjudged) return since + unjudged;
@@ -281,7 +282,7 @@ class Threads final : public Runner {
     }
     if (worker->calls != kCalls) {
       ++worker->calls;
-      task.interrupt(since);
+      task.watch().interrupt(since);
       worker->thread.interrupt();
       return now() + kBetweenCalls.count();
     }
@@ -298,7 +299,7 @@ class Threads final : public Runner {
     lost_.push_back(std::exchange(worker, std::move(next)));
     const Status started = self.thread.start(self.attributes, [this, &self] {
       const rt::FaultStack stack;
-      self.task.runs_on(&this_job());
+      self.task.watch().runs_on(&this_job());
       self.task.go_on();
       run_until_quit(self);
     });

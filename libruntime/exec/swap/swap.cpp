@@ -86,13 +86,13 @@ void Swap::attempt() {
 }
 
 void Swap::publish(Member& member) {
-  static_cast<void>(member.task->reclaim());  // words of changes before, no elements
+  static_cast<void>(member.task->mailbox().reclaim());  // words of changes before, no elements
   member.next->transaction = transactions_.back().get();
   member.next->answer->progress = Progress::published;
   member.answer = member.next->answer;
   member.settled = false;
   member.published = member.next.release();
-  member.task->publish(*member.published);
+  member.task->mailbox().publish(*member.published);
 }
 
 void Swap::arm(ResourceMember& resource) {
@@ -164,7 +164,8 @@ void Swap::settle(Member& member) {
     member.bytes = member.answer->bytes;
     member.failed = member.answer->failed;
     member.in_force = true;
-    static_cast<void>(member.task->reclaim());  // what it ran with before: words, no elements
+    static_cast<void>(
+        member.task->mailbox().reclaim());  // what it ran with before: words, no elements
   } else {
     member.next.reset(member.published);  // untouched, ready for another attempt
   }
@@ -197,7 +198,7 @@ void Swap::give_up() {
 /// What its thread has claimed it runs with, or is about to, or it gave it back and lets it lie.
 void Swap::give_up(Member& member, bool committed) {
   given_up_ = true;
-  if (member.task->revoke(*member.published)) {
+  if (member.task->mailbox().revoke(*member.published)) {
     // What a thread may be about to look at is left behind; the elements are not.
     member.published->bundle.reset();
     member.published->back.reset();

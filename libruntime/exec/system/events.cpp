@@ -105,16 +105,16 @@ std::string text_of(const rt::Event& event) {
 
 void drain_one(Deployed& deployed, std::vector<Happening>& all) {
   rt::Event event;
-  while (deployed.task->events().pop(event)) {
+  while (deployed.task->report().events().pop(event)) {
     all.push_back({event.time, event.level, deployed.component->name(),
                    std::string(name_of(event.kind)), text_of(event)});
   }
   rt::Request request;
-  while (deployed.task->requests().pop(request)) {
+  while (deployed.task->report().requests().pop(request)) {
     all.push_back({request.time, LogLevel::info, deployed.component->name(), "requested",
                    std::string(request.name())});
   }
-  const std::uint64_t lost = deployed.task->events().lost();
+  const std::uint64_t lost = deployed.task->report().events().lost();
   const std::uint64_t news = lost - std::exchange(deployed.lost_events, lost);
   if (news == 0) return;
   all.push_back({all.empty() ? 0 : all.back().time, LogLevel::warning, deployed.component->name(),

@@ -47,7 +47,7 @@ TraceRecord record_of(const rt::TraceEntry& entry, std::uint32_t thread, Instant
 }
 
 /// The lost threads' first: what they told is older.
-void drain_ring(Task::Trace& trace, std::uint32_t thread, Instant t0,
+void drain_ring(TaskReport::Trace& trace, std::uint32_t thread, Instant t0,
                 std::vector<TraceRecord>& all) {
   if (trace.older != nullptr) drain_ring(*trace.older, thread, t0, all);
   std::int64_t lost = 0;
@@ -71,7 +71,7 @@ void keep_last_trace(System& system, Deployed& deployed) {
   const std::lock_guard lock(system.members);
   if (system.last_trace.size() >= kMost) return;
   Task& task = *deployed.task;
-  drain_ring(task.trace(), task.trace_name(), system.t0, system.last_trace);
+  drain_ring(task.report().trace(), task.report().trace_name(), system.t0, system.last_trace);
 }
 
 std::size_t drain_trace(System& system, const std::function<void(const TraceRecord&)>& visit) {
@@ -83,7 +83,8 @@ std::size_t drain_trace(System& system, const std::function<void(const TraceReco
     system.last_trace.clear();
     for (Deployed& deployed : system.deployed) {
       if (deployed.task == nullptr) continue;
-      drain_ring(deployed.task->trace(), deployed.task->trace_name(), system.t0, all);
+      drain_ring(deployed.task->report().trace(), deployed.task->report().trace_name(), system.t0,
+                 all);
     }
   }
   std::stable_sort(all.begin(), all.end(),

@@ -17,7 +17,7 @@ bool WayBack::set_off(const Clock& clock, std::string_view reason) {
   return set_off(clock, asked, nullptr);
 }
 
-bool WayBack::set_off(const Clock& clock, const FaultRecord& fault, const void* member,
+bool WayBack::set_off(const Clock& clock, const FaultRecord& fault, const TaskReport* member,
                       const void* inside) {
   if (!transaction_.claim(kBeingSetOff)) return false;
   Transaction* const newer = newer_.load();

@@ -15,6 +15,8 @@
 
 namespace mauve::exec {
 
+class TaskReport;
+
 inline constexpr Instant kNever = std::numeric_limits<Instant>::max();
 inline constexpr Instant kClosed = kNever - 1;  ///< of a way back that nobody needs any more
 /// Of a way back that somebody is setting off, who says the instant soon.
@@ -94,7 +96,7 @@ class WayBack {
   /// [any] Bounded, no lock. False: it was set off before, is closed, or a newer change is
   /// committed. `inside`: the gate of the resource in whose service the member failed; null: in its
   /// own code.
-  bool set_off(const Clock& clock, const FaultRecord& fault, const void* member,
+  bool set_off(const Clock& clock, const FaultRecord& fault, const TaskReport* member,
                const void* inside = nullptr);
   /// No member failed: somebody wants it.
   bool set_off(const Clock& clock, std::string_view reason);
@@ -115,7 +117,7 @@ class WayBack {
   [[nodiscard]] bool told() const { return told_.load(std::memory_order_acquire); }
   [[nodiscard]] Cause cause() const { return fault_.cause; }
   [[nodiscard]] const FaultRecord& fault() const { return fault_; }
-  [[nodiscard]] const void* member() const { return member_; }
+  [[nodiscard]] const TaskReport* member() const { return member_; }
   [[nodiscard]] const void* inside() const { return inside_; }
   [[nodiscard]] const char* text() const { return fault_.text.data(); }
 
@@ -136,7 +138,7 @@ class WayBack {
   std::vector<std::shared_ptr<Transaction>> all_newer_;  // a member may still be looking at one
   std::atomic<bool> told_{false};
   FaultRecord fault_;
-  const void* member_ = nullptr;
+  const TaskReport* member_ = nullptr;
   const void* inside_ = nullptr;
 };
 

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/task/mailbox.h"
+
+namespace mauve::exec {
+
+Mailbox::~Mailbox() {
+  delete back_.load();
+  delete relief_.load();
+  static_cast<void>(reclaim());
+}
+
+bool Mailbox::stand_by(Published& relief) {
+  Published* none = nullptr;
+  return relief_.compare_exchange_strong(none, &relief, std::memory_order_acq_rel);
+}
+
+std::vector<std::unique_ptr<Published>> Mailbox::reclaim() {
+  std::vector<std::unique_ptr<Published>> all;
+  Published* next = unused_.exchange(nullptr, std::memory_order_acquire);
+  while (next != nullptr) {
+    all.emplace_back(next);
+    next = next->older;
+  }
+  return all;
+}
+
+MAUVE_RUNS_AT_A_SWAP Published* Mailbox::exchange_back(std::unique_ptr<Published> back) {
+  if (back == nullptr && this->back() == nullptr) return nullptr;
+  return back_.exchange(back.release(), std::memory_order_acq_rel);
+}
+
+MAUVE_RUNS_AT_A_SWAP Published* Mailbox::exchange_relief(std::unique_ptr<Published> relief) {
+  return relief_.exchange(relief.release(), std::memory_order_acq_rel);
+}
+
+MAUVE_RUNS_AT_A_SWAP void Mailbox::retire(Published& unused) {
+  Published* top = unused_.load(std::memory_order_relaxed);
+  do {
+    unused.older = top;
+  } while (!unused_.compare_exchange_weak(top, &unused, std::memory_order_acq_rel));
+}
+
+}  // namespace mauve::exec
