@@ -8,6 +8,7 @@
 #include "exec/deploy/bring_up.h"
 #include "exec/deploy/shutdown.h"
 #include "exec/deploy/stop.h"
+#include "exec/prepare/prepare.h"
 #include "support/ramp.h"
 
 namespace mauve::exec {

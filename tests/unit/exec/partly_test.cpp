@@ -9,6 +9,7 @@
 #include "exec/commit/under_way.h"
 #include "exec/deploy/bring_up.h"
 #include "exec/deploy/shutdown.h"
+#include "exec/prepare/prepare.h"
 #include "support/eventually.h"
 #include "support/ramp.h"
 
