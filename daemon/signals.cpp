@@ -8,6 +8,8 @@
 #include <cstring>
 #include <ctime>
 
+#include "base/mutex.h"
+
 namespace mauve::daemon {
 
 namespace {
@@ -62,7 +64,7 @@ StartGuard::StartGuard(const Signals& signals, std::function<void()> last_words)
 
 std::optional<std::string> StartGuard::finish() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     finished_ = true;
   }
   wake_.notify_all();
@@ -86,8 +88,8 @@ void StartGuard::run() {
 }
 
 bool StartGuard::finished_within(std::chrono::milliseconds time) {
-  std::unique_lock lock(mutex_);
-  return wake_.wait_for(lock, time, [this] { return finished_; });
+  MutexLock lock(mutex_);
+  return wake_.wait_for(lock, time, [this]() MAUVE_REQUIRES(mutex_) { return finished_; });
 }
 
 Reaper::Reaper(const Signals& signals, std::chrono::milliseconds patience,
@@ -101,7 +103,7 @@ Reaper::Reaper(const Signals& signals, std::chrono::milliseconds patience,
 
 Reaper::~Reaper() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     finished_ = true;
   }
   wake_.notify_all();
@@ -128,8 +130,8 @@ void Reaper::run() {
 }
 
 bool Reaper::finished_within(std::chrono::milliseconds time) {
-  std::unique_lock lock(mutex_);
-  return wake_.wait_for(lock, time, [this] { return finished_; });
+  MutexLock lock(mutex_);
+  return wake_.wait_for(lock, time, [this]() MAUVE_REQUIRES(mutex_) { return finished_; });
 }
 
 }  // namespace mauve::daemon

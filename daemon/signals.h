@@ -3,12 +3,12 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
+
+#include "base/mutex.h"
 
 namespace mauve::daemon {
 
@@ -46,9 +46,9 @@ class StartGuard {
   const Signals& signals_;
   const std::function<void()> last_words_;
   std::optional<std::string> signal_;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  bool finished_ = false;
+  Mutex mutex_;
+  ConditionVariable wake_;
+  bool finished_ MAUVE_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };
 
@@ -73,9 +73,9 @@ class Reaper {
   const Signals& signals_;
   const std::chrono::milliseconds patience_;
   const std::function<void(const std::string&)> last_words_;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  bool finished_ = false;
+  Mutex mutex_;
+  ConditionVariable wake_;
+  bool finished_ MAUVE_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/mutex.h"
 #include "mauve/change.h"
 #include "mauve/job.h"
 #include "rt/rescue.h"
@@ -31,7 +32,7 @@ void WorkerThread::start() {
 
 void WorkerThread::stop() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
   }
   wake_.notify_all();
@@ -44,7 +45,7 @@ void WorkerThread::halt() {
   FairQueue<Job> dropped;  // destroyed out of the lock: it may hold the last ticket of a change
   std::deque<Job> dropped_urgent;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
     std::swap(dropped, jobs_);
     dropped_urgent.swap(urgent_);
@@ -53,7 +54,7 @@ void WorkerThread::halt() {
 }
 
 bool WorkerThread::post(Job job, const Asker& asker) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (stopping_) {
     return false;
   }
@@ -63,7 +64,7 @@ bool WorkerThread::post(Job job, const Asker& asker) {
 }
 
 bool WorkerThread::post_urgent(Job job) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (stopping_) {
     return false;
   }
@@ -95,7 +96,7 @@ void WorkerThread::run() {
 
 /// False: the end. No job: time to look at what is awaited.
 bool WorkerThread::take(Job& job) {
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   const auto ready = [this] { return stopping_ || !urgent_.empty() || !jobs_.empty(); };
   if (awaited_.empty()) {
     wake_.wait(lock, ready);
@@ -142,7 +143,7 @@ void Control::start() {
 void Control::stop() {
   FairQueue<Change> dropped;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
     std::swap(dropped, waiting_);
   }
@@ -159,7 +160,7 @@ void Control::urgent(Job job) { control_.post_urgent(std::move(job)); }
 
 bool Control::change(Change change, const Asker& asker) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (stopping_ || waiting_.size() >= kWaiting) {
       return false;
     }
@@ -172,7 +173,7 @@ bool Control::change(Change change, const Asker& asker) {
 void Control::begin_next() {
   Change next;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (busy_ || stopping_ || waiting_.empty()) {
       return;
     }
@@ -186,7 +187,7 @@ void Control::begin_next() {
 
 void Control::ended() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     busy_ = false;
   }
   begin_next();
@@ -198,20 +199,20 @@ void Control::in_factory(Job work, Job then, Factory::GivenUp given_up, const As
 
 void Control::write_out(Job job, const Asker& asker) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     ++long_answers_[asker.uid];
   }
   answer_.post(
       [this, job = std::move(job), uid = asker.uid] {
         job();
-        const std::lock_guard lock(mutex_);
+        const MutexLock lock(mutex_);
         --long_answers_[uid];
       },
       asker);
 }
 
 std::size_t Control::long_answers(uid_t uid) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto user = long_answers_.find(uid);
   return user == long_answers_.end() ? 0 : user->second;
 }
@@ -219,7 +220,7 @@ std::size_t Control::long_answers(uid_t uid) const {
 std::vector<LeftBehind> Control::look_after_factory() { return factory_.look(prepare_within_); }
 
 bool Control::busy() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return busy_;
 }
 

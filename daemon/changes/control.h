@@ -3,17 +3,16 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <cstddef>
 #include <deque>
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "base/mutex.h"
 #include "changes/factory.h"
 #include "changes/fair_queue.h"
 
@@ -54,11 +53,11 @@ class WorkerThread {
   void look_at_awaited();
 
   const char* name_;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  std::deque<Job> urgent_;
-  FairQueue<Job> jobs_;
-  bool stopping_ = false;
+  Mutex mutex_;
+  ConditionVariable wake_;
+  std::deque<Job> urgent_ MAUVE_GUARDED_BY(mutex_);
+  FairQueue<Job> jobs_ MAUVE_GUARDED_BY(mutex_);
+  bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
   std::vector<Awaited> awaited_;  // this thread's own
   std::chrono::microseconds pause_{0};
   std::thread thread_;
@@ -128,11 +127,11 @@ class Control {
   void begin_next();
   void ended();
 
-  mutable std::mutex mutex_;
-  FairQueue<Change> waiting_;
-  bool busy_ = false;
-  bool stopping_ = false;
-  std::map<uid_t, std::size_t> long_answers_;  ///< that are not written out yet
+  mutable Mutex mutex_;
+  FairQueue<Change> waiting_ MAUVE_GUARDED_BY(mutex_);
+  bool busy_ MAUVE_GUARDED_BY(mutex_) = false;
+  bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
+  std::map<uid_t, std::size_t> long_answers_ MAUVE_GUARDED_BY(mutex_);  ///< that are not written out yet
   WorkerThread control_{"mauve-control"};
   WorkerThread answer_{"mauve-answer"};
   Factory factory_{[this](Job then) { control_.post(std::move(then)); }};

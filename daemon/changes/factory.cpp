@@ -4,9 +4,8 @@
 #include <sys/prctl.h>
 
 #include <algorithm>
-#include <condition_variable>
-#include <mutex>
 
+#include "base/mutex.h"
 #include "mauve/job.h"
 #include "model/leavable.h"
 #include "rt/rescue.h"
@@ -37,10 +36,10 @@ struct Factory::Shared {
   explicit Shared(std::function<void(Job)> its_go_on) : go_on(std::move(its_go_on)) {}
 
   const std::function<void(Job)> go_on;
-  std::mutex mutex;
-  std::condition_variable wake;
-  FairQueue<Piece> queue;
-  bool stopping = false;
+  Mutex mutex;
+  ConditionVariable wake;
+  FairQueue<Piece> queue MAUVE_GUARDED_BY(mutex);
+  bool stopping MAUVE_GUARDED_BY(mutex) = false;
   std::shared_ptr<Thread> serving;
 };
 
@@ -54,7 +53,7 @@ void Factory::start() { begin(); }
 void Factory::begin() {
   auto fresh = std::make_shared<Thread>();
   {
-    const std::lock_guard lock(shared_->mutex);
+    const MutexLock lock(shared_->mutex);
     shared_->serving = fresh;
   }
   thread_ = std::thread([shared = shared_, fresh] {
@@ -67,7 +66,7 @@ void Factory::begin() {
 
 void Factory::stop() {
   {
-    const std::lock_guard lock(shared_->mutex);
+    const MutexLock lock(shared_->mutex);
     shared_->stopping = true;
   }
   shared_->wake.notify_all();
@@ -77,7 +76,7 @@ void Factory::stop() {
 }
 
 void Factory::post(Job work, Job then, GivenUp given_up, const Asker& asker) {
-  const std::lock_guard lock(shared_->mutex);
+  const MutexLock lock(shared_->mutex);
   if (shared_->stopping) {
     return;
   }
@@ -89,8 +88,8 @@ void Factory::run(const std::shared_ptr<Shared>& shared, const std::shared_ptr<T
   for (;;) {
     Job work;
     {
-      std::unique_lock lock(shared->mutex);
-      shared->wake.wait(lock, [&] { return shared->stopping || !shared->queue.empty(); });
+      MutexLock lock(shared->mutex);
+      shared->wake.wait(lock, [&]() MAUVE_REQUIRES(shared->mutex) { return shared->stopping || !shared->queue.empty(); });
       if (shared->queue.empty()) {
         return;
       }
@@ -106,7 +105,7 @@ void Factory::run(const std::shared_ptr<Shared>& shared, const std::shared_ptr<T
     Job then;
     GivenUp unused;
     {
-      const std::lock_guard lock(shared->mutex);
+      const MutexLock lock(shared->mutex);
       if (self->left) {
         self->returned = true;
         return;
@@ -125,7 +124,7 @@ std::vector<LeftBehind> Factory::look(std::chrono::nanoseconds bound) {
   GivenUp given_up;
   LeftBehind left;
   {
-    const std::lock_guard lock(shared_->mutex);
+    const MutexLock lock(shared_->mutex);
     const auto thread = shared_->serving;
     const auto taken = SteadyClock::now() - thread->since;
     if (!thread->busy || taken < bound) {
@@ -156,7 +155,7 @@ std::vector<LeftBehind> Factory::look(std::chrono::nanoseconds bound) {
 
 std::vector<LeftBehind> Factory::left_behind() const {
   std::vector<LeftBehind> all;
-  const std::lock_guard lock(shared_->mutex);
+  const MutexLock lock(shared_->mutex);
   for (const auto& [left, thread] : left_) {
     if (!thread->returned) {
       all.push_back(left);

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "base/mutex.h"
+
 namespace mauve::daemon {
 
 namespace {
@@ -21,13 +23,13 @@ std::string listed(const std::vector<std::string>& names) {
 }  // namespace
 
 bool StopOrder::begin() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   begun_ = true;
   return direct_ != nullptr;
 }
 
 void StopOrder::end(Deployer& deployer) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   over_ = true;
   if (direct_ != nullptr) {
     deployer.end_direct_stop(components_);
@@ -35,7 +37,7 @@ void StopOrder::end(Deployer& deployer) {
 }
 
 std::vector<std::string> StopOrder::stopped_directly() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return direct_ != nullptr ? direct_->ran() : std::vector<std::string>();
 }
 
@@ -49,7 +51,7 @@ void Stopper::start(Deployer& deployer) {
 
 void Stopper::stop() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
   }
   wake_.notify_all();
@@ -60,7 +62,7 @@ void Stopper::stop() {
 
 void Stopper::watch(std::shared_ptr<StopOrder> order) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     new_ones_.push_back(std::move(order));
   }
   wake_.notify_all();
@@ -69,11 +71,11 @@ void Stopper::watch(std::shared_ptr<StopOrder> order) {
 void Stopper::run() {
   for (;;) {
     {
-      std::unique_lock lock(mutex_);
+      MutexLock lock(mutex_);
       if (orders_.empty()) {
-        wake_.wait(lock, [this] { return stopping_ || !new_ones_.empty(); });
+        wake_.wait(lock, [this]() MAUVE_REQUIRES(mutex_) { return stopping_ || !new_ones_.empty(); });
       } else {
-        wake_.wait_for(lock, kEvery, [this] { return stopping_; });
+        wake_.wait_for(lock, kEvery, [this]() MAUVE_REQUIRES(mutex_) { return stopping_; });
       }
       if (stopping_) {
         return;
@@ -87,7 +89,7 @@ void Stopper::run() {
 
 /// True: there is nothing more to do for it here.
 bool Stopper::look(StopOrder& order) {
-  const std::lock_guard lock(order.mutex_);
+  const MutexLock lock(order.mutex_);
   if (order.direct_ == nullptr) {
     if (order.over_) {
       return true;

@@ -5,14 +5,13 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "base/mutex.h"
 #include "log/log.h"
 #include "mauve/ongoing.h"
 
@@ -46,12 +45,12 @@ class StopOrder {
   const std::function<bool()> applies_;
   const std::function<void(const DirectStop&)> tell_;
 
-  mutable std::mutex mutex_;  ///< guards what follows
-  bool begun_ = false;
-  bool over_ = false;
-  std::unique_ptr<DirectStop> direct_;
-  unsigned waited_ = 0;      ///< looks of [stop] since it came, or since [control] did something
-  std::uint64_t looks_ = 0;  ///< of [control] then
+  mutable Mutex mutex_;  ///< guards what follows
+  bool begun_ MAUVE_GUARDED_BY(mutex_) = false;
+  bool over_ MAUVE_GUARDED_BY(mutex_) = false;
+  std::unique_ptr<DirectStop> direct_ MAUVE_GUARDED_BY(mutex_);
+  unsigned waited_ MAUVE_GUARDED_BY(mutex_) = 0;      ///< looks of [stop] since it came, or since [control] did something
+  std::uint64_t looks_ MAUVE_GUARDED_BY(mutex_) = 0;  ///< of [control] then
 };
 
 class Stopper {
@@ -80,10 +79,10 @@ class Stopper {
 
   logging::Log& log_;
   Deployer* deployer_ = nullptr;
-  std::mutex mutex_;  ///< guards the next two; nobody holds it long
-  std::vector<std::shared_ptr<StopOrder>> new_ones_;
-  bool stopping_ = false;
-  std::condition_variable wake_;
+  Mutex mutex_;  ///< guards the next two; nobody holds it long
+  std::vector<std::shared_ptr<StopOrder>> new_ones_ MAUVE_GUARDED_BY(mutex_);
+  bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
+  ConditionVariable wake_;
   std::vector<std::shared_ptr<StopOrder>> orders_;  ///< [stop]
   std::thread thread_;
 };

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/mutex.h"
 #include "base/duration.h"
 #include "commands/audit.h"
 #include "commands/change/change.h"
@@ -66,7 +67,7 @@ void Caretaker::start(Running& running) {
 
 void Caretaker::stop() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
   }
   wake_.notify_all();
@@ -74,8 +75,8 @@ void Caretaker::stop() {
 }
 
 void Caretaker::run() {
-  std::unique_lock lock(mutex_);
-  while (!wake_.wait_for(lock, kEvery, [this] { return stopping_; })) {
+  MutexLock lock(mutex_);
+  while (!wake_.wait_for(lock, kEvery, [this]() MAUVE_REQUIRES(mutex_) { return stopping_; })) {
     running_->deadlines.look(*running_, std::chrono::steady_clock::now());
     if (looking_.exchange(true)) {
       continue;  // [control] is busy: one look is enough

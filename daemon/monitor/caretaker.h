@@ -4,13 +4,12 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <map>
-#include <mutex>
 #include <string>
 #include <thread>
 
+#include "base/mutex.h"
 #include "commands/command.h"
 #include "state/proofs.h"
 
@@ -43,9 +42,9 @@ class Caretaker {
   void refuse_relief(const Change& relief, const Error& error, bool for_ever);
 
   Running* running_ = nullptr;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  bool stopping_ = false;
+  Mutex mutex_;
+  ConditionVariable wake_;
+  bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
   std::atomic<bool> looking_{false};  ///< a look is queued or under way
   bool making_ = false;               ///< [control] reliefs are being made
   Proofs proofs_;                     ///< [control]

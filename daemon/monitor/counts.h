@@ -4,11 +4,11 @@
 
 #include <cstdint>
 #include <map>
-#include <mutex>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "base/mutex.h"
 #include "mauve/happening.h"
 
 namespace mauve::daemon {
@@ -22,7 +22,7 @@ class Counts {
 
   /// [any but rt] A request of this method has its answer; `error` is empty when it is no refusal.
   void answered(std::string_view method, std::string_view error) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     ++commands_[std::string(method)];
     if (!error.empty()) {
       ++refusals_[{std::string(method), std::string(error)}];
@@ -32,11 +32,11 @@ class Counts {
   void note(const Outcome& outcome) { ++outcomes_[outcome.kind][outcome.component]; }
 
   [[nodiscard]] OfMethods commands() const {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return commands_;
   }
   [[nodiscard]] OfRefusals refusals() const {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return refusals_;
   }
   /// [control] By component; an empty name: no component was at fault.
@@ -46,10 +46,10 @@ class Counts {
   }
 
  private:
-  mutable std::mutex mutex_;
-  OfMethods commands_;
-  OfRefusals refusals_;
-  std::map<Outcome::Kind, OfComponents> outcomes_;
+  mutable Mutex mutex_;
+  OfMethods commands_ MAUVE_GUARDED_BY(mutex_);
+  OfRefusals refusals_ MAUVE_GUARDED_BY(mutex_);
+  std::map<Outcome::Kind, OfComponents> outcomes_ MAUVE_GUARDED_BY(mutex_);
 };
 
 }  // namespace mauve::daemon

@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "base/mutex.h"
+
 namespace mauve::daemon {
 
 namespace {
@@ -32,7 +34,7 @@ std::string Heartbeat::look() {
   } else if (!answers_->io) {
     wrong = "[io] does not answer";
   } else {
-    const std::lock_guard lock(answers_->mutex);
+    const MutexLock lock(answers_->mutex);
     wrong = answers_->late.empty() ? "" : "releases are not made by " + answers_->late;
   }
   ask();
@@ -44,7 +46,7 @@ void Heartbeat::ask() {
   if (answers_->control.exchange(false)) {
     running_.control.urgent([&running = running_, answers = answers_] {
       auto late = overdue(running);
-      const std::lock_guard lock(answers->mutex);
+      const MutexLock lock(answers->mutex);
       answers->late = std::move(late);
       answers->control = true;
     });

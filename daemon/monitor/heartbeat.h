@@ -6,9 +6,9 @@
 #include <atomic>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 
+#include "base/mutex.h"
 #include "commands/command.h"
 
 namespace mauve::daemon {
@@ -31,8 +31,8 @@ class Heartbeat {
   struct Answers {
     std::atomic<bool> control{true};
     std::atomic<bool> io{true};
-    std::mutex mutex;
-    std::string late;  // under mutex
+    Mutex mutex;
+    std::string late MAUVE_GUARDED_BY(mutex);  // under mutex
   };
   void ask();
 

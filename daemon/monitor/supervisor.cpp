@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "base/mutex.h"
 #include "arch/transaction.h"
 #include "arch/value_json.h"
 #include "base/duration.h"
@@ -105,7 +106,7 @@ void Supervisor::begin_to_look() {
 
 void Supervisor::stop() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
   }
   wake_.notify_all();
@@ -116,8 +117,8 @@ void Supervisor::stop() {
 
 /// [rules] A look that still waits is not queued twice.
 void Supervisor::run() {
-  std::unique_lock lock(mutex_);
-  while (!wake_.wait_for(lock, kLookEvery, [this] { return stopping_; })) {
+  MutexLock lock(mutex_);
+  while (!wake_.wait_for(lock, kLookEvery, [this]() MAUVE_REQUIRES(mutex_) { return stopping_; })) {
     if (!look_pending_.exchange(true)) {
       control_.read([this] { look(); });
     }

@@ -3,15 +3,14 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <set>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "base/mutex.h"
 #include "commands/command.h"
 #include "rules/engine.h"
 
@@ -86,9 +85,9 @@ class Supervisor {
   Running* running_ = nullptr;
 
   std::atomic<bool> look_pending_{false};
-  std::mutex mutex_;  // guards what follows
-  std::condition_variable wake_;
-  bool stopping_ = false;
+  Mutex mutex_;  // guards what follows
+  ConditionVariable wake_;
+  bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };
 

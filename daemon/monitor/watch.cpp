@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "base/mutex.h"
 #include "arch/value_json.h"
 #include "commands/look/value.h"
 #include "mauve/architecture.h"
@@ -63,7 +64,7 @@ void Watches::start(Running& running) {
 
 void Watches::stop() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
   }
   wake_.notify_all();
@@ -112,7 +113,7 @@ Status Watches::add(const Running& running, const std::string& address, const Su
   auto params = *std::move(now);
   params.emplace("t_ns", running.deployer.clock().now() - running.deployer.t0());
   who.outbox->push(who.sub, address, "value", protocol::NotificationText(params));
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   has_polled_ = true;
   return ok();
 }
@@ -123,7 +124,7 @@ Status Watches::tap(const std::string& address, ServiceBase& service, const Subs
     return refuse(Errc::unsupported, address, "its type has no description",
                   "describe it: specialise mauve::Described");
   }
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto same = [&](const Tapped& one) { return one.address == address; };
   auto found = std::find_if(tapped_.begin(), tapped_.end(), same);
   if (found == tapped_.end()) {
@@ -195,13 +196,13 @@ void Watches::remove(const Leaves& leaves) {
     return gone;
   });
   std::list<Tapped> detached;  // without mutex_: the gate of a resource may be held for long
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   has_polled_ = !polled_.empty() || !lost_.empty();
   detached = clean(tapped_, reading_);
 }
 
 void Watches::run() {
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   while (!stopping_) {
     if (tapped_.empty() && !has_polled_) {
       wake_.wait(lock);
@@ -212,12 +213,12 @@ void Watches::run() {
     if ((has_polled_ || due) && !std::exchange(poll_pending_, true)) {
       running_->control.read([this] { poll(); });
     }
-    wake_.wait_for(lock, kPeriod, [this] { return stopping_; });
+    wake_.wait_for(lock, kPeriod, [this]() MAUVE_REQUIRES(mutex_) { return stopping_; });
   }
 }
 
 /// Each round begins where the one before ended, so that no tap waits for ever. [watch]
-void Watches::bring_round(std::unique_lock<std::mutex>& lock) {
+void Watches::bring_round(MutexLock& lock) {
   Round round;
   const auto goes_on = [&] { return round.goes_on() && !stopping_ && !tapped_.empty(); };
   for (std::size_t taps = tapped_.size(); taps > 0 && goes_on(); --taps) {
@@ -272,7 +273,7 @@ void Watches::poll() {
   poll_values();
   leave_replaced();
   find_replacements();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   has_polled_ = !polled_.empty() || !lost_.empty();
   poll_pending_ = false;
 }
@@ -282,7 +283,7 @@ void Watches::poll() {
 void Watches::leave_replaced() {
   std::list<Tapped> left;  // goes without mutex_, as in remove()
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     for (auto one = tapped_.begin(); one != tapped_.end();) {
       const auto here = one++;
       if (&*here != reading_ && (here->subscribers.empty() || !here->is_there())) {

@@ -3,18 +3,17 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <list>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "base/mutex.h"
 #include "commands/command.h"
 #include "mauve/tap.h"
 
@@ -108,7 +107,7 @@ class Watches {
   void leave_replaced();
   void find_replacements();
   void run();
-  void bring_round(std::unique_lock<std::mutex>& lock);
+  void bring_round(MutexLock& lock);
   /// The budget of one round, over all clients. More samples wait in their taps, and are told as
   /// lost when those are full.
   struct Round {
@@ -130,14 +129,14 @@ class Watches {
   std::vector<LogFollower> followers_;  ///< [control]
   std::shared_ptr<WrittenRecord> written_ = std::make_shared<WrittenRecord>();
 
-  std::mutex mutex_;  ///< guards the following; never held while a value is read or written out
-  std::condition_variable wake_;
-  std::list<Tapped> tapped_;
-  const Tapped* reading_ = nullptr;  ///< [watch] reads it without mutex_; nobody else takes it away
-  bool has_polled_ = false;
-  bool poll_pending_ = false;
-  unsigned rounds_ = 0;
-  bool stopping_ = false;
+  Mutex mutex_;  ///< guards the following; never held while a value is read or written out
+  ConditionVariable wake_;
+  std::list<Tapped> tapped_ MAUVE_GUARDED_BY(mutex_);
+  const Tapped* reading_ MAUVE_GUARDED_BY(mutex_) = nullptr;  ///< [watch] reads it without mutex_; nobody else takes it away
+  bool has_polled_ MAUVE_GUARDED_BY(mutex_) = false;
+  bool poll_pending_ MAUVE_GUARDED_BY(mutex_) = false;
+  unsigned rounds_ MAUVE_GUARDED_BY(mutex_) = 0;
+  bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };
 

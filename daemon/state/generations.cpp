@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/mutex.h"
 #include "arch/json.h"
 #include "arch/load.h"
 #include "plugin/trust.h"
@@ -182,7 +183,7 @@ void Generations::look() {
 Status Generations::save(const Generation& about, const std::string& text) {
   Generation whole = about;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto found = known_.find(about.number);
     if (found != known_.end() && !found->second.damaged) {
       whole = found->second;
@@ -208,7 +209,7 @@ Status Generations::write(const Generation& about, const std::string& text) {
   if (auto replaced = replace_file(file(about.number), content); !replaced) {
     return replaced;
   }
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   known_[about.number] = about;
   newest_ = std::max(newest_, about.number);
   return ok();
@@ -240,7 +241,7 @@ Status Generations::set_crashes(std::uint64_t number, unsigned crashes) {
 
 void Generations::remove(std::uint64_t number) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     known_.erase(number);
   }
   std::error_code ignored;
@@ -249,7 +250,7 @@ void Generations::remove(std::uint64_t number) {
 
 Status Generations::confirm_like(std::uint64_t number, std::uint64_t earlier) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto found = known_.find(earlier);
     if (!known_.contains(number) || found == known_.end() || found->second.damaged ||
         found->second.mark != Mark::confirmed) {
@@ -262,7 +263,7 @@ Status Generations::confirm_like(std::uint64_t number, std::uint64_t earlier) {
 void Generations::prune() {
   std::vector<std::uint64_t> old;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto keep = newest_confirmed();
     for (auto it = known_.begin(); it != known_.end() && known_.size() > kKept;) {
       if (it->first == keep) {
@@ -290,7 +291,7 @@ std::uint64_t Generations::newest_confirmed() const {
 
 std::vector<Generation> Generations::list() const {
   std::vector<Generation> all;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   for (auto it = known_.rbegin(); it != known_.rend(); ++it) {
     all.push_back(it->second);
   }
@@ -298,20 +299,20 @@ std::vector<Generation> Generations::list() const {
 }
 
 std::optional<Mark> Generations::mark_of(std::uint64_t number) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto found = known_.find(number);
   const bool whole = found != known_.end() && !found->second.damaged;
   return whole ? std::optional(found->second.mark) : std::nullopt;
 }
 
 std::uint64_t Generations::newest() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return newest_;
 }
 
 Result<std::string> Generations::text(std::uint64_t number) const {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!known_.contains(number)) {
       return refuse(Errc::unknown_name, "generation " + std::to_string(number),
                     "is not kept (any more)", "mauvectl history lists those that are");

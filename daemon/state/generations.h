@@ -7,12 +7,12 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/mutex.h"
 #include "mauve/result.h"
 
 namespace mauve::daemon {
@@ -92,9 +92,9 @@ class Generations {
   const std::filesystem::path directory_;
   std::uint64_t last_number_ = 0;  ///< [disk] saved last, and its text
   std::string last_text_;
-  mutable std::mutex mutex_;  ///< guards what follows, never held while the disk works
-  std::map<std::uint64_t, Generation> known_;
-  std::uint64_t newest_ = 0;
+  mutable Mutex mutex_;  ///< guards what follows, never held while the disk works
+  std::map<std::uint64_t, Generation> known_ MAUVE_GUARDED_BY(mutex_);
+  std::uint64_t newest_ MAUVE_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace mauve::daemon

@@ -10,6 +10,7 @@
 #include <random>
 #include <utility>
 
+#include "base/mutex.h"
 #include "arch/load.h"
 #include "arch/value_json.h"
 #include "plugin/trust.h"
@@ -199,7 +200,7 @@ Mark Keeper::mark_before(std::uint64_t generation) const {
 
 void Keeper::audit(const Json& line) {
   auto text = protocol::to_line(line);
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (waiting_.size() >= kWaiting) {
     ++lost_;
     return;
@@ -215,7 +216,7 @@ void Keeper::write_waiting() {
   std::vector<std::string> lines;
   std::uint64_t lost = 0;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     lines.swap(waiting_);
     std::swap(lost, lost_);
   }

@@ -8,12 +8,12 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/mutex.h"
 #include "changes/control.h"
 #include "log/log.h"
 #include "mauve/value.h"
@@ -121,9 +121,9 @@ class Keeper {
   std::uint64_t newest_ = 0;           ///< [disk] that was to be saved, and its mark if it was not
   Mark newest_mark_ = Mark::unconfirmed;
   bool audit_broken_ = false;  ///< [disk] one complaint each until it works again
-  std::mutex mutex_;           ///< guards what follows
-  std::vector<std::string> waiting_;
-  std::uint64_t lost_ = 0;
+  Mutex mutex_;           ///< guards what follows
+  std::vector<std::string> waiting_ MAUVE_GUARDED_BY(mutex_);
+  std::uint64_t lost_ MAUVE_GUARDED_BY(mutex_) = 0;
   WorkerThread disk_{"mauve-disk"};
 };
 

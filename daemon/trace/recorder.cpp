@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <set>
 
+#include "base/mutex.h"
 #include "state/keeper.h"
 
 namespace mauve::daemon {
@@ -42,7 +43,7 @@ void Recorder::start(Running& running) {
 
 void Recorder::stop() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
   }
   wake_.notify_all();
@@ -62,13 +63,13 @@ TraceMode Recorder::mode() const {
 void Recorder::run() {
   for (;;) {
     {
-      std::unique_lock lock(mutex_);
-      wake_.wait(lock, [this] { return stopping_ || on_ || flights_wanted_; });
-      wake_.wait_for(lock, detail_ ? kEveryInDetail : kEvery, [this] { return stopping_; });
+      MutexLock lock(mutex_);
+      wake_.wait(lock, [this]() MAUVE_REQUIRES(mutex_) { return stopping_ || on_ || flights_wanted_; });
+      wake_.wait_for(lock, detail_ ? kEveryInDetail : kEvery, [this]() MAUVE_REQUIRES(mutex_) { return stopping_; });
     }
     collect();
     write_when_due(false);
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (stopping_) {
       return;
     }
@@ -76,7 +77,7 @@ void Recorder::run() {
 }
 
 void Recorder::collect() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (mode() == TraceMode::off) {
     return;
   }
@@ -158,14 +159,14 @@ void Recorder::tell_skipped(const FlightAllowance& allowance, const Pending& fli
 void Recorder::ask_what_it_is_about(const Pending& pending) {
   running_->control.read([this, answer = pending.about] {
     auto about = running_->deployer.traced();
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     about_ = about;
     *answer = std::move(about);
   });
 }
 
 void Recorder::write_when_due(bool now) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   write_when_due(misses_, now);
   write_when_due(failures_, now);
 }
@@ -206,7 +207,7 @@ Status Recorder::begin(bool detail, std::chrono::seconds kept) {
   }
   auto about = running_->deployer.traced();
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     about_ = std::move(about);
     on_ = true;
     detail_ = detail;
@@ -223,7 +224,7 @@ Status Recorder::begin(bool detail, std::chrono::seconds kept) {
 Status Recorder::end() {
   collect();
   auto about = running_->deployer.traced();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!on_) {
     return refuse(Errc::wrong_state, "trace", "is not on", "mauvectl trace start begins one");
   }
@@ -241,7 +242,7 @@ Status Recorder::end() {
 Result<std::pair<std::string, RecordingPtr>> Recorder::snapshot(bool now) {
   auto about = running_->deployer.traced();
   collect();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const bool ended = !on_ && !now && last_ != nullptr;
   if (!on_ && !ended && !flights_wanted_) {
     return refuse(Errc::wrong_state, "trace", "nothing is traced", "mauvectl trace start");
@@ -257,14 +258,14 @@ Result<std::pair<std::string, RecordingPtr>> Recorder::snapshot(bool now) {
 }
 
 RecordingPtr Recorder::find_snapshot(const std::string& name) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto found = std::find_if(snapshots_.begin(), snapshots_.end(),
                                   [&](const auto& one) { return one.first == name; });
   return found == snapshots_.end() ? nullptr : found->second;
 }
 
 Json Recorder::status() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return {{"on", on_},
           {"detail", detail_},
           {"since", on_ ? Json(since_) : Json()},

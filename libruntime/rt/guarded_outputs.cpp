@@ -10,6 +10,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/mutex.h"
 #include "rt/guardian_link.h"
 
 namespace mauve::rt {
@@ -48,7 +49,7 @@ GuardedOutputs& GuardedOutputs::of_process() {
 }
 
 void GuardedOutputs::expect(GuardianUse use, std::function<void()> ring) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   use_ = use;
   ring_ = std::move(ring);
   looked_ = use == GuardianUse::off;
@@ -130,7 +131,7 @@ void GuardedOutputs::drop(const void* owner) {
 }
 
 void GuardedOutputs::send_again() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (socket_ < 0) return;
   guardian::Request request;
   request.kind = guardian::Kind::again;
@@ -138,7 +139,7 @@ void GuardedOutputs::send_again() {
 }
 
 std::vector<std::string> GuardedOutputs::names() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::vector<std::string> all;
   all.reserve(held_.size());
   for (const auto& [owner, held] : held_) all.emplace_back(held.order.name.data());
@@ -147,7 +148,7 @@ std::vector<std::string> GuardedOutputs::names() const {
 }
 
 void GuardedOutputs::attach(int socket) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   socket_ = socket;
   looked_ = true;
   for (auto& [owner, held] : held_) {
@@ -157,14 +158,14 @@ void GuardedOutputs::attach(int socket) {
 }
 
 void GuardedOutputs::detach() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   socket_ = -1;
   for (auto& [owner, held] : held_) held.answered = false;
   changed_.notify_all();
 }
 
 void GuardedOutputs::take(const guardian::Answer& answer) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   answered_ = answer.number;
   for (auto& [owner, held] : held_) {
     if (held.number != answer.number) continue;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "analysis/admission.h"
+#include "base/mutex.h"
 #include "base/duration.h"
 #include "exec/admission/placement.h"
 #include "exec/admission/relaxation.h"
@@ -60,7 +61,7 @@ bool runs(const System& system, const Deployed& deployed) {
 
 TimingModel model_of(System& system) {
   TimingModel model(overheads_of(system.options.machine));
-  const std::lock_guard lock(system.members);
+  const MutexLock lock(system.members);
   for (const Deployed& deployed : system.deployed) {
     if (runs(system, deployed)) model.add(timed(deployed));
   }
@@ -95,7 +96,7 @@ TimingModel model_after(System& system, const PreparedChange::Content& change,
     return relieved ? *relief->next : *member.next;
   };
   TimingModel model(overheads_of(system.options.machine), holds_after(change));
-  const std::lock_guard lock(system.members);
+  const MutexLock lock(system.members);
   for (const Deployed& deployed : system.deployed) {
     const bool ran = runs(system, deployed);
     const PreparedMember* member = find(change, deployed.component);

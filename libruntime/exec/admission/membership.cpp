@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/mutex.h"
 #include "exec/admission/placement.h"
 #include "exec/system/events.h"
 #include "exec/system/make_published.h"
@@ -31,7 +32,7 @@ Result<Deployed*> let_in(System& system, ComponentBase& component) {
   joining.task->begin(first_bundle(component, Mode::park), system.t0);
   place(system, joining);
   if (Status started = start_thread(system, joining); !started) return started.error();
-  const std::lock_guard lock(system.members);
+  const MutexLock lock(system.members);
   system.deployed.push_back(std::move(joining));
   return &system.deployed.back();
 }
@@ -50,7 +51,7 @@ bool let_go(System& system, Deployed& deployed) {
   keep_last_trace(system, deployed);
   system.free.keep(std::exchange(deployed.relief, {}).content);
   deployed.component = nullptr;
-  const std::lock_guard lock(system.members);
+  const MutexLock lock(system.members);
   const auto here = std::find_if(system.deployed.begin(), system.deployed.end(),
                                  [&](const Deployed& one) { return &one == &deployed; });
   system.departed->splice(system.departed->end(), system.deployed, here);

@@ -6,6 +6,8 @@
 
 #include <mauve/ongoing.h>
 
+#include "base/mutex.h"
+
 namespace mauve::exec {
 namespace {
 
@@ -26,7 +28,7 @@ class Halt final : public DirectStop {
  public:
   Halt(System& system, std::vector<std::string> names)
       : system_(system), names_(std::move(names)), first_only_(names_.empty()) {
-    const std::lock_guard lock(system_.members);
+    const MutexLock lock(system_.members);
     for (const Deployed& deployed : system_.deployed) {
       const bool runs = deployed.state() == ComponentState::running;
       if (runs && is_one_of(names_, deployed)) ran_.push_back(deployed.task->name());
@@ -35,7 +37,7 @@ class Halt final : public DirectStop {
   }
 
   bool advance() override {
-    const std::lock_guard lock(system_.members);
+    const MutexLock lock(system_.members);
     if (over_) return true;
     look();
     const bool late = now() >= until_;
@@ -113,7 +115,7 @@ class Halt final : public DirectStop {
 
 std::unique_ptr<DirectStop> begin_direct_stop(System& system, std::vector<std::string> components) {
   {
-    const std::lock_guard lock(system.members);
+    const MutexLock lock(system.members);
     const bool known = std::all_of(components.begin(), components.end(), [&](const auto& name) {
       return std::any_of(system.deployed.begin(), system.deployed.end(),
                          [&](const Deployed& one) { return one.task->name() == name; });

@@ -9,6 +9,7 @@
 
 #include <unistd.h>
 
+#include "base/mutex.h"
 #include "exec/system/events.h"
 #include "exec/task/safe_values.h"
 #include "rt/fence.h"
@@ -91,7 +92,7 @@ void speak(System& system, const rt::Death& death) {
   const Instant until = system.runner->now() + kMayTake.count();
   this_job().lock_bound = kForOne;
   // Whoever has it may be the one that failed: then it is not waited for.
-  std::unique_lock lock(system.members, std::defer_lock);
+  MutexLock lock(system.members, std::defer_lock);
   for (int i = 0; i < 20 && !lock.try_lock(); ++i) std::this_thread::sleep_for(1ms);
   const unsigned safe = make_safe(system, until);
   std::array<char, 64> what{};

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <mutex>
 #include <set>
 #include <vector>
 
+#include "base/mutex.h"
 #include "exec/system/system.h"
 
 #include <mauve/architecture.h>
@@ -76,7 +76,7 @@ std::vector<PreparedBarrier::Wait> waits_of(System& system,
   const auto bystanders = bystanders_of(system, content);
   std::vector<const Deployed*> waiting;
   Duration gap = kCoordinator;
-  const std::lock_guard lock(system.members);
+  const MutexLock lock(system.members);
   for (const Deployed& one : system.deployed) {
     const bool takes_part =
         is_member(content, *one.component) ||

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/system/control_trace.h"
 
-#include <mutex>
 #include <utility>
 #include <vector>
+
+#include "base/mutex.h"
 
 namespace mauve::exec {
 
 void ControlTrace::add(const TraceRecord& record) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (records_.size() == kCapacity) {
     records_.pop_front();
     ++lost_;
@@ -17,7 +18,7 @@ void ControlTrace::add(const TraceRecord& record) {
 }
 
 std::vector<TraceRecord> ControlTrace::take() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::vector<TraceRecord> taken;
   if (lost_ != 0) {
     taken.push_back(records_.front());

@@ -5,10 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <mutex>
 #include <vector>
 
 #include <mauve/trace.h>
+
+#include "base/mutex.h"
 
 namespace mauve::exec {
 
@@ -22,9 +23,9 @@ class ControlTrace {
   [[nodiscard]] std::vector<TraceRecord> take();
 
  private:
-  std::mutex mutex_;
-  std::deque<TraceRecord> records_;
-  std::int64_t lost_ = 0;
+  Mutex mutex_;
+  std::deque<TraceRecord> records_ MAUVE_GUARDED_BY(mutex_);
+  std::int64_t lost_ MAUVE_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace mauve::exec

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 
+#include "base/mutex.h"
 #include "base/duration.h"
 #include "exec/system/events.h"
 
@@ -124,14 +125,14 @@ void drain_one(Deployed& deployed, std::vector<Happening>& all) {
 }  // namespace
 
 void keep_last_events(System& system, Deployed& deployed) {
-  const std::lock_guard lock(system.members);
+  const MutexLock lock(system.members);
   drain_one(deployed, system.last_events);
 }
 
 std::size_t drain_events(System& system, const std::function<void(const Happening&)>& visit) {
   std::vector<Happening> all;
   {
-    const std::lock_guard lock(system.members);
+    const MutexLock lock(system.members);
     all.swap(system.last_events);
     for (Deployed& deployed : system.deployed) {
       if (deployed.task != nullptr) drain_one(deployed, all);

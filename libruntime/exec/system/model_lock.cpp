@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/system/model_lock.h"
 
+#include "base/mutex.h"
+
 namespace mauve::exec {
 
 bool ModelLock::take(bool waits) {
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   const auto free = [this] { return !held_ || (owner_ != nullptr && owner_->left()); };
   if (waits) {
     freed_.wait(lock, free);
@@ -18,7 +20,7 @@ bool ModelLock::take(bool waits) {
 
 void ModelLock::give_back() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (owner_ != Leavable::here()) return;  // it was left behind, and another one has it
     held_ = false;
     owner_ = nullptr;

@@ -2,9 +2,8 @@
 /// Who may rely on the model for the length of a preparation, user code included.
 #pragma once
 
-#include <condition_variable>
-#include <mutex>
 
+#include "base/mutex.h"
 #include "model/leavable.h"
 
 namespace mauve::exec {
@@ -37,10 +36,10 @@ class ModelLock {
   [[nodiscard]] bool take(bool waits);
   void give_back();
 
-  std::mutex mutex_;
-  std::condition_variable freed_;
-  bool held_ = false;
-  const Leavable* owner_ = nullptr;  // null: a thread that nobody leaves
+  Mutex mutex_;
+  ConditionVariable freed_;
+  bool held_ MAUVE_GUARDED_BY(mutex_) = false;
+  const Leavable* owner_ MAUVE_GUARDED_BY(mutex_) = nullptr;  // null: a thread that nobody leaves
 };
 
 }  // namespace mauve::exec

@@ -6,11 +6,11 @@
 #include <cstdint>
 #include <list>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/mutex.h"
 #include "exec/run/runner.h"
 #include "exec/system/control_trace.h"
 #include "exec/system/model_lock.h"
@@ -78,8 +78,8 @@ class System {
   /// Held while a change is prepared, which reads the model on [factory]: what the system did by
   /// itself gets into the books afterwards.
   ModelLock model;
-  std::mutex members;
-  std::vector<Happening> last_events;  ///< of components that left; under `members`
+  Mutex members;
+  std::vector<Happening> last_events MAUVE_GUARDED_BY(members);  ///< of components that left; under `members`
   std::vector<std::string> warnings;
   std::vector<std::shared_ptr<Commit>> under_way;
   std::weak_ptr<const Commit> last_transaction;          ///< as long as its maker has it
@@ -93,7 +93,7 @@ class System {
   std::uint64_t generation = 0;
   std::uint64_t changes = 0;  ///< numbers that changes got since deployment, see Published::number
   ControlTrace control_trace;
-  std::vector<TraceRecord> last_trace;  ///< of components that left; under `members`
+  std::vector<TraceRecord> last_trace MAUVE_GUARDED_BY(members);  ///< of components that left; under `members`
   Instant t0 = 0;
   bool up = false;
   int stands_still = 0;  ///< see Deployer::stand_still()

@@ -5,11 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <mutex>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "base/mutex.h"
 #include "exec/system/system.h"
 #include "rt/ticks.h"
 
@@ -68,7 +68,7 @@ void drain_ring(TaskReport::Trace& trace, std::uint32_t thread, Instant t0,
 
 void keep_last_trace(System& system, Deployed& deployed) {
   constexpr std::size_t kMost = 16'384;  // when nobody collects
-  const std::lock_guard lock(system.members);
+  const MutexLock lock(system.members);
   if (system.last_trace.size() >= kMost) return;
   Task& task = *deployed.task;
   drain_ring(task.report().trace(), task.report().trace_name(), system.t0, system.last_trace);
@@ -78,7 +78,7 @@ std::size_t drain_trace(System& system, const std::function<void(const TraceReco
   rt::tie_ticks();
   std::vector<TraceRecord> all = system.control_trace.take();
   {
-    const std::lock_guard lock(system.members);
+    const MutexLock lock(system.members);
     all.insert(all.end(), system.last_trace.begin(), system.last_trace.end());
     system.last_trace.clear();
     for (Deployed& deployed : system.deployed) {
