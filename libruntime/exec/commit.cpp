@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "exec/admission.h"
 #include "exec/membership.h"
 #include "exec/relief.h"
+#include "exec/rewired.h"
 
 #include <mauve/job.h>
 
@@ -33,6 +35,20 @@ Status check_resource(const PreparedResource& change) {
   }
   return refuse(Errc::conflict, resource.name(),
                 "was changed by somebody else while this change was prepared", "try again");
+}
+
+/// A change that was prepared against an older revision of the model still fits to it.
+Status check_fit_again(System& system, const PreparedChange::Content& content) {
+  Status sound = check_fit(system.architecture, content);
+  if (sound) {
+    if (auto admitted = admit_change(system, content); !admitted) sound = admitted.error();
+  }
+  if (sound) return ok();
+  return refuse(Errc::conflict, sound.error().at,
+                sound.error().message +
+                    "; the architecture changed by itself while this change was prepared, for "
+                    "example by a rollback",
+                "look at `status`, then try again");
 }
 
 }  // namespace
@@ -87,6 +103,10 @@ Status Commit::check(Swap::Kind kind) {
   }
   for (const PreparedResource& resource : content_->resources) {
     if (Status current = check_resource(resource); !current) return current;
+  }
+  const bool outdated = content_->revision && *content_->revision != system_.revision;
+  if (outdated && !content_->in_place) {
+    if (Status fits = check_fit_again(system_, *content_); !fits) return fits;
   }
   if (content_->barrier) {
     barrier_ = std::make_unique<Barrier>(system_);

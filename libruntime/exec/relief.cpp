@@ -46,6 +46,7 @@ void take_note(System& system, Deployed& deployed) {
   retire(*component.bundle(), *taken.member->next, system.free);
   static_cast<void>(deployed.task->reclaim());  // the words that it ran with; elements stay
   const bool again = taken.member->restart;
+  ++system.revision;
   component.install(taken.member->next);
   taken.member->made.forget();
   system.free.keep(taken.content);
