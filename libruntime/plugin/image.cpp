@@ -49,9 +49,18 @@ Result<Image> Image::seal(std::span<const std::byte> bytes, const std::string& l
   image.file_ = rt::Descriptor(memory_file(name));
   if (!image.file_) return failed("make a memory file for the plugin");
   if (Status written = write_all(image.file_.get(), bytes); !written) return written.error();
-  constexpr int kSeals = F_SEAL_WRITE | F_SEAL_GROW | F_SEAL_SHRINK | F_SEAL_SEAL;
-  if (fcntl(image.file_.get(), F_ADD_SEALS, kSeals) != 0) return failed("seal the plugin's copy");
+  if (Status sealed = seal_file(image.file_.get()); !sealed) return sealed.error();
   return image;
+}
+
+Status seal_file(int file, const std::function<void()>& before_retry) {
+  constexpr int kSeals = F_SEAL_WRITE | F_SEAL_GROW | F_SEAL_SHRINK | F_SEAL_SEAL;
+  constexpr int kAttempts = 10;
+  for (int attempt = 1; fcntl(file, F_ADD_SEALS, kSeals) != 0; ++attempt) {
+    if (errno != EBUSY || attempt == kAttempts) return failed("seal the plugin's copy");
+    before_retry();
+  }
+  return ok();
 }
 
 std::string Image::path() const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <string>
 
@@ -33,6 +34,12 @@ class Image {
   std::string mapping_;  // "/memfd:mauve:guidance-1.0.0-1f2e3d4c.7"
   std::size_t serial_ = 0;
 };
+
+/// Makes a memory file constant for ever. The kernel refuses that as busy when another part of it
+/// holds a reference to a page of the file for 150 ms (it moves pages, or a pipe holds one), so
+/// the call is repeated for about 1.5 s. `before_retry` is called in between. [factory]
+[[nodiscard]] Status seal_file(
+    int file, const std::function<void()>& before_retry = [] {});
 
 /// Is any part of the image with this name mapped? Looks at /proc/self/maps.
 [[nodiscard]] bool is_mapped(const std::string& mapping);

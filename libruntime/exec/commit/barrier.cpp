@@ -48,7 +48,8 @@ void go_on_counting(const ResourceBase& from, const ResourceBase& into) {
 Status Barrier::check(const PreparedChange::Content& content) {
   for (const PreparedBarrier::Heir& heir : content.barrier->heirs) {
     const std::string& name = heir.from->name();
-    if (heir.from->shared_core() != heir.base) {
+    if (heir.from->shared_core() != heir.base.core ||
+        heir.from->shared_bindings() != heir.base.bindings) {
       return refuse(Errc::conflict, name,
                     "was changed by somebody else while this change was prepared", "try again");
     }

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "exec/admission/admission.h"
 #include "exec/admission/membership.h"
 #include "exec/recovery/probations.h"
 #include "exec/recovery/relief.h"
+#include "exec/swap/rewired.h"
 #include "exec/system/books.h"
 #include "exec/system/make_published.h"
 #include "exec/system/tell_control.h"
@@ -48,6 +50,20 @@ bool leaves_newest_in_place(System& system, const Commit& next) {
   const auto made = system.newest.lock();
   if (made == nullptr || !made->untold() || (made->is_order() && next.is_order())) return false;
   return ++system.looks_at_newest <= kLooks;
+}
+
+/// A change that was prepared against an older revision of the model still fits to it.
+Status check_fit_again(System& system, const PreparedChange::Content& content) {
+  Status sound = check_fit(system.architecture, content);
+  if (sound) {
+    if (auto admitted = admit_change(system, content); !admitted) sound = admitted.error();
+  }
+  if (sound) return ok();
+  return refuse(Errc::conflict, sound.error().at,
+                sound.error().message +
+                    "; the architecture changed by itself while this change was prepared, for "
+                    "example by a rollback",
+                "look at `status`, then try again");
 }
 
 }  // namespace
@@ -117,6 +133,10 @@ Status Commit::check(Swap::Kind kind) {
   }
   for (const PreparedResource& resource : content_->resources) {
     if (Status current = check_resource(resource); !current) return current;
+  }
+  const bool outdated = content_->revision && *content_->revision != system_.revision;
+  if (outdated && !content_->in_place) {
+    if (Status fits = check_fit_again(system_, *content_); !fits) return fits;
   }
   if (content_->barrier) {
     barrier_ = std::make_unique<Barrier>(system_);

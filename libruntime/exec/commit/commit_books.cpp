@@ -30,6 +30,7 @@ void Commit::enter(std::size_t index) {
   deployed_[index]->parking = false;
   deployed_[index]->changing = settled.in_force && member.part == Part::leaves;
   if (!settled.in_force) return;
+  ++system_.revision;
   deployed_[index]->shown = number_;
   if (member.next != member.base) member.component->install(member.next);
   if (member.type) {
@@ -63,6 +64,7 @@ void Commit::enter_resources() {
     const ResourceFlip& flip = *swap_->resources()[i].flip;
     if (flip.state() != ResourceFlip::State::in_force) continue;
     PreparedResource& change = content_->resources[i];
+    ++system_.revision;
     change.resource->install(change.parts.core, change.parts.bindings);
     if (change.hold) change.resource->gate().declare_hold(*change.hold);
     if (change.parts.core != nullptr) retired.add(change.base.core);
@@ -189,6 +191,7 @@ bool Commit::all_went_back() {
 
 /// What joined is part of the architecture now, what left is not; it stays alive with the content.
 void Commit::change_membership() {
+  ++system_.revision;
   for (std::size_t i = 0; i < deployed_.size(); ++i) {
     PreparedMember& member = content_->members[i];
     if (!entered_[i] || !swap_->members()[i].in_force) continue;

@@ -17,7 +17,6 @@
 #include "exec/swap/rewired.h"
 #include "model/elements.h"
 #include "model/leavable.h"
-#include "model/resource_graph.h"
 
 #include <mauve/architecture.h>
 #include <mauve/job.h>
@@ -71,19 +70,6 @@ Status check_worth(const Change& change) {
   return refuse(Errc::invalid_value, "change", "is empty: it says nothing that is to be different");
 }
 
-/// Nobody who stays may be connected to a resource that leaves.
-Status check_left(const std::string& owner, const Shell& shell, const Bindings& bindings,
-                  const std::vector<ResourceBase*>& leaving) {
-  for (const PortBase* port : shell.ports()) {
-    const auto& binding = bindings[port->index()];
-    if (binding == nullptr || !contains(leaving, &binding->service().resource())) continue;
-    return refuse(Errc::wrong_state, owner + ".ports." + std::string(port->name()),
-                  "is connected to " + binding->service().address() + ", which is to be removed",
-                  "disconnect it, or connect it elsewhere, in the same change");
-  }
-  return ok();
-}
-
 class Preparation {
  public:
   Preparation(System& system, const Change& change)
@@ -93,6 +79,7 @@ class Preparation {
         content_(std::make_unique<PreparedChange::Content>()) {}
 
   Result<PreparedChange> run(bool configure) {
+    content_->revision = system_.revision;
     content_->what = what_of(change_);
     content_->sets = set_by(change_);
     content_->probation = change_.probation;
@@ -106,14 +93,11 @@ class Preparation {
     for (const Edit& edit : change_.edits) {
       if (Status done = change(edit, configure); !done) return done.error();
     }
-    if (Status cut_off = check_all_left(); !cut_off) return cut_off.error();
-    if (Status nested = check_nesting(); !nested) return nested.error();
-    const Wiring wiring = rewired(system_.architecture, *content_);
-    if (Status alone = wiring.check(); !alone) return alone.error();
+    if (Status fits = check_fit(system_.architecture, *content_); !fits) return fits.error();
     auto admitted = admit_change(system_, *content_);
     if (!admitted) return admitted.error();
     content_->warnings = *std::move(admitted);
-    warn_of_new(wiring.notes());
+    warn_of_new(rewired(system_.architecture, *content_).notes());
     content_->fallbacks = change_.fallbacks;
     if (Status done = make_reliefs(configure); !done) return done.error();
     if (content_->barrier) content_->barrier->waits = waits_of(system_, *content_);
@@ -187,44 +171,6 @@ class Preparation {
       member.relief = std::move(content);
     }
     return ok();
-  }
-
-  Status check_all_left() {
-    const auto& leaving = content_->leaving_resources;
-    if (leaving.empty()) return ok();
-    for (const ComponentBase* component : system_.architecture.components()) {
-      if (after_.leaves(component->name())) continue;
-      const Bundle* bundle = component->bundle().get();
-      for (const PreparedMember& member : content_->members) {
-        if (member.component == component) bundle = member.next.get();
-      }
-      Status cut = check_left(component->name(), *bundle->shell, *bundle->bindings, leaving);
-      if (!cut) return cut;
-    }
-    for (const ResourceBase* resource : system_.architecture.resources()) {
-      if (contains(leaving, resource)) continue;
-      const Bindings* bindings = &resource->bindings();
-      for (const PreparedResource& changed : content_->resources) {
-        if (changed.resource == resource && changed.parts.bindings != nullptr) {
-          bindings = changed.parts.bindings.get();
-        }
-      }
-      Status cut = check_left(resource->name(), resource->shell(), *bindings, leaving);
-      if (!cut) return cut;
-    }
-    return ok();
-  }
-
-  /// Of all resources as they are after the change: each edit alone may be sound.
-  Status check_nesting() {
-    ResourceGraph graph(system_.architecture);
-    for (const ResourceBase* leaving : content_->leaving_resources) graph.remove(*leaving);
-    for (const auto& joining : content_->new_resources) graph.put(*joining, joining->bindings());
-    for (const PreparedResource& changed : content_->resources) {
-      if (changed.parts.bindings == nullptr) continue;
-      graph.put(*changed.resource, *changed.parts.bindings);
-    }
-    return graph.check();
   }
 
   void warn_of_new(const std::vector<Wiring::Note>& notes) {

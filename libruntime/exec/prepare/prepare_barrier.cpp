@@ -19,7 +19,8 @@ Status prepare_heir(System& system, const NewResource& joining, PreparedChange::
   const auto plan = plan_succession(*from, into, joining.state, content.probation.has_value());
   if (!plan) return plan.error();
   if (Status slow = prepare_hand_over(from->core(), into.core(), joining.state); !slow) return slow;
-  content.barrier->heirs.push_back({from, from->shared_core(), &into, joining.state});
+  content.barrier->heirs.push_back(
+      {from, {from->shared_core(), from->shared_bindings()}, &into, joining.state});
   return ok();
 }
 

@@ -260,6 +260,7 @@ bool OnProbation::may_let_go() const {
 
 /// What callers and threads use again is what the model shows.
 void OnProbation::install_old() {
+  ++system_.revision;
   Architecture& architecture = system_.architecture;
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     PreparedMember& member = content_->members[i];

@@ -50,6 +50,7 @@ void take_note(System& system, Deployed& deployed) {
   static_cast<void>(
       deployed.task->mailbox().reclaim());  // the words that it ran with; elements stay
   const bool again = taken.member->restart;
+  ++system.revision;
   component.install(taken.member->next);
   taken.member->made.forget();
   system.free.keep(taken.content);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The connections of the whole system as a change, or its way back, would leave them.
+/// The architecture as a change, or its way back, would leave it.
 #pragma once
 
 #include "exec/system/prepared.h"
@@ -14,5 +14,11 @@ namespace mauve::exec {
 /// Would an output have two writers with `change` in force, when `before` is rolled back? [control]
 [[nodiscard]] bool clash(const Architecture& architecture, const PreparedChange::Content& change,
                          const PreparedChange::Content& before);
+
+/// Is that a sound one? Names are unique, no element that stays is connected to one that leaves or
+/// is not there, no resource reaches itself, and no output has two writers. The check belongs to
+/// the preparation. The commit repeats it when the architecture changed meanwhile by itself, for
+/// example by a rollback. [control], or [factory] with the model locked
+Status check_fit(const Architecture& architecture, const PreparedChange::Content& change);
 
 }  // namespace mauve::exec

@@ -2,6 +2,7 @@
 /// What prepare() leaves for commit().
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -66,7 +67,7 @@ struct PreparedBarrier {
   /// A resource that joins under the name of one that leaves.
   struct Heir {
     ResourceBase* from = nullptr;
-    std::shared_ptr<CoreBase> base;  ///< of `from`: what it was prepared against
+    ResourceParts base;  ///< of `from`: what it was prepared against
     ResourceBase* into = nullptr;
     StatePolicy state = StatePolicy::keep;
   };
@@ -97,6 +98,8 @@ class PreparedChange::Content {
   std::vector<std::shared_ptr<ResourceBase>> left_resources;
   std::vector<exec::PreparedMember> members;
   std::vector<exec::PreparedResource> resources;
+  /// Of the model that it was prepared against, see System::revision; none: it has no preparation.
+  std::optional<std::uint64_t> revision;
   std::string what;               ///< in the words of the wire
   std::vector<std::string> sets;  ///< addresses of properties that it sets
   std::optional<Probation> probation;

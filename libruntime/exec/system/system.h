@@ -91,6 +91,8 @@ class System {
   std::vector<Outcome> outcomes;                         ///< not yet told
   std::atomic<std::uint64_t> looks{0};  ///< calls of advance(); a stop can tell that none come
   std::uint64_t generation = 0;
+  /// Rises whenever the model shows something else: a change, a rollback, a core that took over.
+  std::atomic<std::uint64_t> revision{0};
   std::uint64_t changes = 0;  ///< numbers that changes got since deployment, see Published::number
   ControlTrace control_trace;
   std::vector<TraceRecord> last_trace MAUVE_GUARDED_BY(members);  ///< of components that left; under `members`

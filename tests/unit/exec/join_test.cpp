@@ -72,6 +72,30 @@ class Joining : public testing::Test {
   const std::string before = "ramp::Up";
 };
 
+TEST_F(Joining, ANameIsRefusedThatARollbackGaveBackBeforeTheCommit) {
+  Change leaves;
+  leaves.remove = {"right"};
+  leaves.probation.emplace();
+  apply(leaves);
+  Change joins;
+  const ComponentType type{"ramp", ShellType::of<ramp::Shell>(), FsmType::of<ramp::Fsm>("ramp"),
+                           "up"};
+  joins.new_components.push_back(
+      {std::make_shared<ComponentBase>("right", type, CoreType::of<ramp::Up>("up")), {}});
+  auto prepared = deployer.prepare(joins);
+  ASSERT_TRUE(prepared) << to_string(prepared.error());
+  ASSERT_TRUE(deployer.undo());
+  ASSERT_EQ(tell_after(50ms).size(), 1u);
+
+  Retired free;
+  const Result<Receipt> done = deployer.commit(*prepared, free);
+
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, Errc::conflict);
+  EXPECT_EQ(done.error().at, "right");
+  EXPECT_EQ(deployer.status("right").state, ComponentState::running);
+}
+
 TEST_F(Joining, AChangeOfAnotherComponentLeavesAProbationAsItIs) {
   apply({to<Failing>("left")});
   const Receipt elsewhere = apply({to<ramp::Down>("right")});

@@ -192,6 +192,88 @@ TEST_F(Renew, TheOldOneComesBackWhenTheChangeIsTakenBack) {
   EXPECT_EQ(core().calls - calls, 15);
 }
 
+/// A change that was prepared while a port was apart does not know the user that a rollback gives
+/// the resource again.
+TEST_F(Renew, IsRefusedWhenARollbackConnectsAnotherUserBeforeTheCommit) {
+  Edit apart;
+  apart.component = "near";
+  apart.disconnect = {"out"};
+  Change change{{apart}};
+  change.probation.emplace();
+  ASSERT_TRUE(deployer.apply(change));
+  Edit edit;
+  edit.component = "adder";
+  edit.properties.emplace_back("shell.step", 3);
+  auto anew = deployer.prepare({{edit}});
+  ASSERT_TRUE(anew) << to_string(anew.error());
+  ASSERT_TRUE(deployer.undo());
+  deployer.run_for(50ms);
+  Retired free;
+  ASSERT_EQ(deployer.tend(free).size(), 1u);
+
+  const Result<Receipt> done = deployer.commit(*anew, free);
+
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, Errc::conflict);
+  EXPECT_EQ(done.error().at, "near.ports.out");
+  EXPECT_EQ(&adder(), &architecture.adder);
+  const std::int64_t calls = core().calls;
+  deployer.run_for(100ms);
+  EXPECT_EQ(core().calls - calls, 15) << "all go on as before";
+  EXPECT_TRUE(deployer.set("adder.shell.step", 3));
+}
+
+TEST_F(Renew, IsRefusedWhenARollbackConnectsTheResourceItselfElsewhere) {
+  Edit elsewhere;
+  elsewhere.component = "relay";
+  elsewhere.disconnect = {"out"};
+  elsewhere.connect = {{"out", "vague.add"}};
+  Change change{{elsewhere}};
+  change.probation.emplace();
+  ASSERT_TRUE(deployer.apply(change));
+  Edit edit;
+  edit.component = "relay";
+  edit.resource = architecture.relay.type();
+  edit.state = StatePolicy::drop;
+  auto anew = deployer.prepare({{edit}});
+  ASSERT_TRUE(anew) << to_string(anew.error());
+  ASSERT_TRUE(deployer.undo());
+  deployer.run_for(50ms);
+  Retired free;
+  ASSERT_EQ(deployer.tend(free).size(), 1u);
+
+  const Result<Receipt> done = deployer.commit(*anew, free);
+
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, Errc::conflict);
+  EXPECT_EQ(done.error().at, "relay");
+}
+
+TEST_F(Renew, AConnectionIsRefusedWhenARollbackTookItsServiceAway) {
+  Change joins;
+  joins.new_resources.push_back(
+      {std::make_shared<ResourceBase>("extra", architecture.adder.type()), {}});
+  joins.probation.emplace();
+  ASSERT_TRUE(deployer.apply(joins));
+  Edit edit;
+  edit.component = "near";
+  edit.disconnect = {"out"};
+  edit.connect = {{"out", "extra.add"}};
+  auto there = deployer.prepare({{edit}});
+  ASSERT_TRUE(there) << to_string(there.error());
+  ASSERT_TRUE(deployer.undo());
+  deployer.run_for(50ms);
+  Retired free;
+  ASSERT_EQ(deployer.tend(free).size(), 1u);
+  static_cast<void>(free.release());
+
+  const Result<Receipt> done = deployer.commit(*there, free);
+
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, Errc::conflict);
+  EXPECT_EQ(done.error().at, "near.ports.out");
+}
+
 TEST_F(Renew, IsRefusedWhereAStateWouldVanishOrNoPropertyIs) {
   const Result<Receipt> vanishing = deployer.set("vague.shell.step", 3);
   const Result<Receipt> unknown = deployer.set("adder.shell.stepp", 3);
