@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The change of one resource. A resource has no thread: the first caller whose job is released at
-/// or after the instant takes the change under the resource's own lock (realtime 8.4.11), or the
+/// or after the instant takes the change under the resource's own lock, or the
 /// coordinator does when nobody comes.
 #pragma once
 

@@ -17,7 +17,7 @@ class Boundary {
   Boundary(TaskContext& task, FaultReaction& faults) : task_(task), faults_(faults) {}
 
   /// Takes an update that need not wait for a boundary: an aborted one is given back; a decided one
-  /// is taken now when no job lies between its instant and the armed release (realtime 8.4.9).
+  /// is taken now when no job lies between its instant and the armed release.
   /// False: as of meet().
   [[nodiscard]] bool serve();
   /// The boundary before the job that is due. False: this thread was given up meanwhile, and has no
