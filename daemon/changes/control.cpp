@@ -97,7 +97,9 @@ void WorkerThread::run() {
 /// False: the end. No job: time to look at what is awaited.
 bool WorkerThread::take(Job& job) {
   MutexLock lock(mutex_);
-  const auto ready = [this] { return stopping_ || !urgent_.empty() || !jobs_.empty(); };
+  const auto ready = [this]() MAUVE_REQUIRES(mutex_) {
+    return stopping_ || !urgent_.empty() || !jobs_.empty();
+  };
   if (awaited_.empty()) {
     wake_.wait(lock, ready);
   } else if (!wake_.wait_for(lock, pause_, ready)) {

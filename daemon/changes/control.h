@@ -131,7 +131,8 @@ class Control {
   FairQueue<Change> waiting_ MAUVE_GUARDED_BY(mutex_);
   bool busy_ MAUVE_GUARDED_BY(mutex_) = false;
   bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
-  std::map<uid_t, std::size_t> long_answers_ MAUVE_GUARDED_BY(mutex_);  ///< that are not written out yet
+  std::map<uid_t, std::size_t> long_answers_
+      MAUVE_GUARDED_BY(mutex_);  ///< that are not written out yet
   WorkerThread control_{"mauve-control"};
   WorkerThread answer_{"mauve-answer"};
   Factory factory_{[this](Job then) { control_.post(std::move(then)); }};

@@ -89,7 +89,9 @@ void Factory::run(const std::shared_ptr<Shared>& shared, const std::shared_ptr<T
     Job work;
     {
       MutexLock lock(shared->mutex);
-      shared->wake.wait(lock, [&]() MAUVE_REQUIRES(shared->mutex) { return shared->stopping || !shared->queue.empty(); });
+      shared->wake.wait(lock, [&]() MAUVE_REQUIRES(shared->mutex) {
+        return shared->stopping || !shared->queue.empty();
+      });
       if (shared->queue.empty()) {
         return;
       }

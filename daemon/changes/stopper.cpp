@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "base/mutex.h"
+#include "mauve/deployer.h"
 
 namespace mauve::daemon {
 
@@ -73,7 +74,8 @@ void Stopper::run() {
     {
       MutexLock lock(mutex_);
       if (orders_.empty()) {
-        wake_.wait(lock, [this]() MAUVE_REQUIRES(mutex_) { return stopping_ || !new_ones_.empty(); });
+        wake_.wait(lock,
+                   [this]() MAUVE_REQUIRES(mutex_) { return stopping_ || !new_ones_.empty(); });
       } else {
         wake_.wait_for(lock, kEvery, [this]() MAUVE_REQUIRES(mutex_) { return stopping_; });
       }

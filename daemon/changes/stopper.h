@@ -49,7 +49,8 @@ class StopOrder {
   bool begun_ MAUVE_GUARDED_BY(mutex_) = false;
   bool over_ MAUVE_GUARDED_BY(mutex_) = false;
   std::unique_ptr<DirectStop> direct_ MAUVE_GUARDED_BY(mutex_);
-  unsigned waited_ MAUVE_GUARDED_BY(mutex_) = 0;      ///< looks of [stop] since it came, or since [control] did something
+  unsigned waited_ MAUVE_GUARDED_BY(mutex_) =
+      0;  ///< looks of [stop] since it came, or since [control] did something
   std::uint64_t looks_ MAUVE_GUARDED_BY(mutex_) = 0;  ///< of [control] then
 };
 
@@ -74,8 +75,8 @@ class Stopper {
  private:
   void run();
   [[nodiscard]] bool look(StopOrder& order);
-  [[nodiscard]] bool is_held_up(StopOrder& order) const;
-  [[nodiscard]] bool begin_directly(StopOrder& order);
+  [[nodiscard]] bool is_held_up(StopOrder& order) const MAUVE_REQUIRES(order.mutex_);
+  [[nodiscard]] bool begin_directly(StopOrder& order) MAUVE_REQUIRES(order.mutex_);
 
   logging::Log& log_;
   Deployer* deployer_ = nullptr;

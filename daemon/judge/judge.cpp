@@ -7,8 +7,8 @@
 #include <memory>
 #include <utility>
 
-#include "base/mutex.h"
 #include "base/duration.h"
+#include "base/mutex.h"
 #include "protocol/message.h"
 
 namespace mauve::daemon {

@@ -71,7 +71,8 @@ class History {
   };
   using Entries = std::vector<std::shared_ptr<const Entry>>;
 
-  [[nodiscard]] std::vector<Record> tail_locked(std::size_t count, const Filter& filter) const;
+  [[nodiscard]] std::vector<Record> tail_locked(std::size_t count, const Filter& filter) const
+      MAUVE_REQUIRES(mutex_);
 
   const std::size_t capacity_;
   mutable Mutex mutex_;  ///< not held while a follower is called: they may be many

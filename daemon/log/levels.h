@@ -49,7 +49,7 @@ class Levels {
       return passing ? std::optional(passing->level) : lasting;
     }
   };
-  [[nodiscard]] Level of_locked(const std::string& component) const;
+  [[nodiscard]] Level of_locked(const std::string& component) const MAUVE_REQUIRES(mutex_);
 
   const Level usual_;
   mutable Mutex mutex_;

@@ -83,7 +83,9 @@ void Log::run() {
     std::uint64_t lost = 0;
     {
       MutexLock lock(mutex_);
-      wake_.wait_for(lock, kPeriod, [this]() MAUVE_REQUIRES(mutex_) { return stopping_ || hurry_ || !queue_.empty(); });
+      wake_.wait_for(lock, kPeriod, [this]() MAUVE_REQUIRES(mutex_) {
+        return stopping_ || hurry_ || !queue_.empty();
+      });
       hurry_ = false;
       last = stopping_;
       batch.swap(queue_);

@@ -8,8 +8,8 @@
 #include <optional>
 #include <utility>
 
-#include "base/mutex.h"
 #include "base/duration.h"
+#include "base/mutex.h"
 #include "commands/audit.h"
 #include "commands/change/change.h"
 #include "commands/look/notice.h"

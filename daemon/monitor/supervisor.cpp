@@ -5,10 +5,10 @@
 
 #include <algorithm>
 
-#include "base/mutex.h"
 #include "arch/transaction.h"
 #include "arch/value_json.h"
 #include "base/duration.h"
+#include "base/mutex.h"
 #include "base/name.h"
 #include "commands/answer.h"
 #include "commands/audit.h"

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "base/mutex.h"
 #include "arch/value_json.h"
+#include "base/mutex.h"
 #include "commands/look/value.h"
 #include "mauve/architecture.h"
 
@@ -220,7 +220,9 @@ void Watches::run() {
 /// Each round begins where the one before ended, so that no tap waits for ever. [watch]
 void Watches::bring_round(MutexLock& lock) {
   Round round;
-  const auto goes_on = [&] { return round.goes_on() && !stopping_ && !tapped_.empty(); };
+  const auto goes_on = [&]() MAUVE_REQUIRES(mutex_) {
+    return round.goes_on() && !stopping_ && !tapped_.empty();
+  };
   for (std::size_t taps = tapped_.size(); taps > 0 && goes_on(); --taps) {
     tapped_.splice(tapped_.end(), tapped_, tapped_.begin());
     Tapped& one = tapped_.back();

@@ -107,7 +107,8 @@ class Watches {
   void leave_replaced();
   void find_replacements();
   void run();
-  void bring_round(MutexLock& lock);
+  /// `lock` holds mutex_, and is given back while values are written out.
+  void bring_round(MutexLock& lock) MAUVE_REQUIRES(mutex_) MAUVE_NOT_ANALYSED;
   /// The budget of one round, over all clients. More samples wait in their taps, and are told as
   /// lost when those are full.
   struct Round {
@@ -132,7 +133,8 @@ class Watches {
   Mutex mutex_;  ///< guards the following; never held while a value is read or written out
   ConditionVariable wake_;
   std::list<Tapped> tapped_ MAUVE_GUARDED_BY(mutex_);
-  const Tapped* reading_ MAUVE_GUARDED_BY(mutex_) = nullptr;  ///< [watch] reads it without mutex_; nobody else takes it away
+  const Tapped* reading_ MAUVE_GUARDED_BY(mutex_) =
+      nullptr;  ///< [watch] reads it without mutex_; nobody else takes it away
   bool has_polled_ MAUVE_GUARDED_BY(mutex_) = false;
   bool poll_pending_ MAUVE_GUARDED_BY(mutex_) = false;
   unsigned rounds_ MAUVE_GUARDED_BY(mutex_) = 0;

@@ -22,7 +22,7 @@ std::optional<std::uint64_t> Outbox::open() {
 
 bool Outbox::close(std::uint64_t sub) {
   const MutexLock lock(mutex_);
-  std::erase_if(items_, [&](const Item& item) {
+  std::erase_if(items_, [&](const Item& item) MAUVE_REQUIRES(mutex_) {
     if (item.sub == sub) {
       bytes_ -= item.line.size();
     }

@@ -56,8 +56,8 @@ class Outbox {
     std::string line;
   };
 
-  void queue(std::uint64_t sub, std::string line);
-  void announce(std::map<Source, std::uint64_t>::iterator lost);
+  void queue(std::uint64_t sub, std::string line) MAUVE_REQUIRES(mutex_);
+  void announce(std::map<Source, std::uint64_t>::iterator lost) MAUVE_REQUIRES(mutex_);
 
   const std::size_t max_bytes_;
   const std::size_t max_subscriptions_;

@@ -114,7 +114,8 @@ class Server {
   bool paused_ = false;  ///< out of descriptors
   bool closing_ = false;
   mutable Mutex clients_mutex_;
-  std::map<std::uint64_t, ClientInfo> clients_ MAUVE_GUARDED_BY(clients_mutex_);  ///< a copy for other threads
+  std::map<std::uint64_t, ClientInfo> clients_
+      MAUVE_GUARDED_BY(clients_mutex_);  ///< a copy for other threads
   std::thread thread_;
 };
 

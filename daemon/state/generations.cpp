@@ -8,9 +8,9 @@
 #include <system_error>
 #include <utility>
 
-#include "base/mutex.h"
 #include "arch/json.h"
 #include "arch/load.h"
+#include "base/mutex.h"
 #include "plugin/trust.h"
 #include "protocol/framing.h"
 #include "state/durable.h"
@@ -158,6 +158,7 @@ Result<std::unique_ptr<Generations>> Generations::open(const std::filesystem::pa
 }
 
 void Generations::look() {
+  const MutexLock lock(mutex_);
   std::error_code failed;
   for (std::filesystem::directory_iterator it(directory_, failed), end; !failed && it != end;
        it.increment(failed)) {

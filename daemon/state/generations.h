@@ -87,7 +87,7 @@ class Generations {
   void look();
   Status write(const Generation& about, const std::string& text);
   void prune();
-  [[nodiscard]] std::uint64_t newest_confirmed() const;
+  [[nodiscard]] std::uint64_t newest_confirmed() const MAUVE_REQUIRES(mutex_);
 
   const std::filesystem::path directory_;
   std::uint64_t last_number_ = 0;  ///< [disk] saved last, and its text

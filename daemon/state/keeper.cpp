@@ -10,9 +10,9 @@
 #include <random>
 #include <utility>
 
-#include "base/mutex.h"
 #include "arch/load.h"
 #include "arch/value_json.h"
+#include "base/mutex.h"
 #include "plugin/trust.h"
 #include "rt/process.h"
 #include "state/durable.h"

@@ -121,7 +121,7 @@ class Keeper {
   std::uint64_t newest_ = 0;           ///< [disk] that was to be saved, and its mark if it was not
   Mark newest_mark_ = Mark::unconfirmed;
   bool audit_broken_ = false;  ///< [disk] one complaint each until it works again
-  Mutex mutex_;           ///< guards what follows
+  Mutex mutex_;                ///< guards what follows
   std::vector<std::string> waiting_ MAUVE_GUARDED_BY(mutex_);
   std::uint64_t lost_ MAUVE_GUARDED_BY(mutex_) = 0;
   WorkerThread disk_{"mauve-disk"};

@@ -42,7 +42,7 @@ class Flights {
 
  private:
   void drop_oldest();
-  [[nodiscard]] std::vector<Flight>::iterator least_wanted();
+  [[nodiscard]] std::vector<Flight>::iterator least_wanted() MAUVE_REQUIRES(mutex_);
 
   const std::filesystem::path directory_;
   logging::Log& log_;

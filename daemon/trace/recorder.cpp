@@ -4,6 +4,7 @@
 #include <sys/prctl.h>
 
 #include <algorithm>
+#include <functional>
 #include <set>
 
 #include "base/mutex.h"
@@ -29,6 +30,7 @@ constexpr std::size_t kSnapshots = 2;
 }  // namespace
 
 void Recorder::start(Running& running) {
+  const MutexLock lock(mutex_);
   running_ = &running;
   about_ = running.deployer.traced();
   if (flights_wanted_ && running.keeper != nullptr) {
@@ -64,8 +66,10 @@ void Recorder::run() {
   for (;;) {
     {
       MutexLock lock(mutex_);
-      wake_.wait(lock, [this]() MAUVE_REQUIRES(mutex_) { return stopping_ || on_ || flights_wanted_; });
-      wake_.wait_for(lock, detail_ ? kEveryInDetail : kEvery, [this]() MAUVE_REQUIRES(mutex_) { return stopping_; });
+      wake_.wait(lock,
+                 [this]() MAUVE_REQUIRES(mutex_) { return stopping_ || on_ || flights_wanted_; });
+      wake_.wait_for(lock, detail_ ? kEveryInDetail : kEvery,
+                     [this]() MAUVE_REQUIRES(mutex_) { return stopping_; });
     }
     collect();
     write_when_due(false);
@@ -81,13 +85,13 @@ void Recorder::collect() {
   if (mode() == TraceMode::off) {
     return;
   }
-  running_->deployer.drain_trace([this](const TraceRecord& record) {
+  running_->deployer.drain_trace([this](const TraceRecord& record) MAUVE_REQUIRES(mutex_) {
     memory_.add(record);
     look(record);
   });
-  for (const auto& probe : probes_) {
-    probe->drain(about_.t0, [this](const TraceRecord& record) { memory_.add(record); });
-  }
+  const std::function<void(const TraceRecord&)> add =
+      [this](const TraceRecord& record) MAUVE_REQUIRES(mutex_) { memory_.add(record); };
+  for (const auto& probe : probes_) probe->drain(about_.t0, add);
 }
 
 /// One on each CPU that a real-time component may use.

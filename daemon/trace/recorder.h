@@ -69,15 +69,15 @@ class Recorder {
 
   void run();
   void collect();
-  void look(const TraceRecord& record);
+  void look(const TraceRecord& record) MAUVE_REQUIRES(mutex_);
   void ask_what_it_is_about(const Pending& pending);
   void wait_for_rest(Reason& reason, const TraceRecord& record);
   void tell_skipped(const FlightAllowance& allowance, const Pending& flight);
   void write_when_due(bool now);
-  void write_when_due(Reason& reason, bool now);
-  void start_probes();
-  [[nodiscard]] Recording cut(Instant from) const;
-  [[nodiscard]] TraceMode mode() const;
+  void write_when_due(Reason& reason, bool now) MAUVE_REQUIRES(mutex_);
+  void start_probes() MAUVE_REQUIRES(mutex_);
+  [[nodiscard]] Recording cut(Instant from) const MAUVE_REQUIRES(mutex_);
+  [[nodiscard]] TraceMode mode() const MAUVE_REQUIRES(mutex_);
 
   const bool flights_wanted_;
   Running* running_ = nullptr;
@@ -96,10 +96,12 @@ class Recorder {
   RecordingPtr last_ MAUVE_GUARDED_BY(mutex_);  ///< the trace that ended
   std::deque<std::pair<std::string, RecordingPtr>> snapshots_ MAUVE_GUARDED_BY(mutex_);
   std::uint64_t snapshots_made_ MAUVE_GUARDED_BY(mutex_) = 0;
-  std::vector<std::unique_ptr<Probe>> probes_ MAUVE_GUARDED_BY(mutex_);  ///< while it is on, where there is real time
-  bool probed_ MAUVE_GUARDED_BY(mutex_) = false;                         ///< there is one on each of these CPUs
+  std::vector<std::unique_ptr<Probe>> probes_
+      MAUVE_GUARDED_BY(mutex_);                   ///< while it is on, where there is real time
+  bool probed_ MAUVE_GUARDED_BY(mutex_) = false;  ///< there is one on each of these CPUs
   Reason misses_ MAUVE_GUARDED_BY(mutex_){{1, std::chrono::seconds(10)}};
-  Reason failures_ MAUVE_GUARDED_BY(mutex_){{3, std::chrono::seconds(30)}};  ///< faults and rollbacks
+  Reason failures_ MAUVE_GUARDED_BY(mutex_){
+      {3, std::chrono::seconds(30)}};  ///< faults and rollbacks
   std::thread thread_;
 };
 

@@ -64,7 +64,7 @@ Result<GuardedOutputs::Held> GuardedOutputs::made(const void* owner, const std::
   held.order.times = static_cast<std::uint32_t>(order.times);
   held.order.apart_us = static_cast<std::uint32_t>(order.apart / Duration{1us});
   held.order.drop_unsent = order.drop_unsent ? 1 : 0;
-  const auto taken = [&] {
+  const auto taken = [&]() MAUVE_REQUIRES(mutex_) {
     return std::any_of(held_.begin(), held_.end(),
                        [&](const auto& one) { return one.second.slot == held.slot; });
   };
@@ -88,7 +88,7 @@ Result<GuardedOutputs::Held> GuardedOutputs::made(const void* owner, const std::
 Status GuardedOutputs::hold(const void* owner, const std::string& name, int descriptor,
                             const SafeOrder& order) {
   if (Status right = check(order); !right) return right;
-  Lock lock(mutex_);
+  MutexLock lock(mutex_);
   if (use_ == GuardianUse::off) return ok();
   auto next = made(owner, name, descriptor, order);
   if (!next) return next.error();
@@ -98,7 +98,7 @@ Status GuardedOutputs::hold(const void* owner, const std::string& name, int desc
   } else if (ring_) {
     ring_();
   }
-  const auto settled = [&] {  // its place may go meanwhile
+  const auto settled = [&]() MAUVE_REQUIRES(mutex_) {  // its place may go meanwhile
     const auto found = held_.find(owner);
     return found == held_.end() || found->second.answered || !found->second.refused.empty() ||
            (looked_ && socket_ < 0);
@@ -116,7 +116,7 @@ Status GuardedOutputs::hold(const void* owner, const std::string& name, int desc
 }
 
 void GuardedOutputs::drop(const void* owner) {
-  Lock lock(mutex_);
+  MutexLock lock(mutex_);
   const auto found = held_.find(owner);
   if (found == held_.end()) return;
   const std::uint32_t slot = found->second.slot;
@@ -177,7 +177,7 @@ void GuardedOutputs::take(const guardian::Answer& answer) {
 }
 
 void GuardedOutputs::say_goodbye() {
-  Lock lock(mutex_);
+  MutexLock lock(mutex_);
   use_ = GuardianUse::off;
   ring_ = nullptr;
   if (socket_ >= 0) {
@@ -204,8 +204,8 @@ std::uint32_t GuardedOutputs::send(guardian::Request request, int descriptor) {
   return number_;
 }
 
-void GuardedOutputs::await(Lock& lock, std::uint32_t number) {
-  const auto answered = [&] { return socket_ < 0 || answered_ >= number; };
+void GuardedOutputs::await(MutexLock& lock, std::uint32_t number) {
+  const auto answered = [&]() MAUVE_REQUIRES(mutex_) { return socket_ < 0 || answered_ >= number; };
   if (!changed_.wait_for(lock, kToAnswer, answered)) give_it_up();
 }
 

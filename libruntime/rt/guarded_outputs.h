@@ -61,13 +61,12 @@ class GuardedOutputs {
     bool answered = false;     // by the present guardian
     std::string refused;       // what it said
   };
-  using Lock = MutexLock;
   [[nodiscard]] Result<Held> made(const void* owner, const std::string& name, int descriptor,
-                                  const SafeOrder& order) const;
-  void give_it_up();
-  void hand_over(Held& held);
-  std::uint32_t send(guardian::Request request, int descriptor);
-  void await(Lock& lock, std::uint32_t number);
+                                  const SafeOrder& order) const MAUVE_REQUIRES(mutex_);
+  void give_it_up() MAUVE_REQUIRES(mutex_);
+  void hand_over(Held& held) MAUVE_REQUIRES(mutex_);
+  std::uint32_t send(guardian::Request request, int descriptor) MAUVE_REQUIRES(mutex_);
+  void await(MutexLock& lock, std::uint32_t number) MAUVE_REQUIRES(mutex_);
 
   mutable Mutex mutex_;  // of all that follows
   ConditionVariable changed_;

@@ -17,7 +17,8 @@ constexpr std::size_t kMostNames = 65'536;
 struct Names {
   Mutex mutex;
   std::deque<std::string> by_number MAUVE_GUARDED_BY(mutex){""};  // addresses stay
-  std::map<std::string_view, std::uint32_t, std::less<>> numbers MAUVE_GUARDED_BY(mutex){{by_number.front(), 0}};
+  std::map<std::string_view, std::uint32_t, std::less<>> numbers MAUVE_GUARDED_BY(mutex){
+      {by_number.front(), 0}};
 };
 
 /// Never destroyed: threads that were left behind outlive everything.

@@ -9,12 +9,12 @@
 #include "commands/change/change.h"
 #include "commands/look/value.h"
 #include "commands/model.h"
+#include "mauve/architecture.h"
+#include "mauve/port_base.h"
+#include "mauve/resource.h"
 #include "mauve/service.h"
 #include "model/look_outside.h"
 #include "model/wiring.h"
-#include "mauve/port_base.h"
-#include "mauve/resource.h"
-#include "mauve/architecture.h"
 
 namespace mauve::daemon {
 

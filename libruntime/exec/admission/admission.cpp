@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "analysis/admission.h"
-#include "base/mutex.h"
 #include "base/duration.h"
+#include "base/mutex.h"
 #include "exec/admission/placement.h"
 #include "exec/admission/relaxation.h"
 #include "exec/admission/timing_model.h"

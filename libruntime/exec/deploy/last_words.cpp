@@ -88,19 +88,25 @@ void tell_events(System& system) {
   }
 }
 
-void speak(System& system, const rt::Death& death) {
+void speak(System& system, const rt::Death& death) MAUVE_NOT_ANALYSED {
   const Instant until = system.runner->now() + kMayTake.count();
   this_job().lock_bound = kForOne;
-  // Whoever has it may be the one that failed: then it is not waited for.
-  MutexLock lock(system.members, std::defer_lock);
-  for (int i = 0; i < 20 && !lock.try_lock(); ++i) std::this_thread::sleep_for(1ms);
+  // The thread that holds the list may be the one that failed: then nothing waits for it.
+  bool held = system.members.try_lock();
+  for (int i = 1; i < 20 && !held; ++i) {
+    std::this_thread::sleep_for(1ms);
+    held = system.members.try_lock();
+  }
   const unsigned safe = make_safe(system, until);
   std::array<char, 64> what{};
   rt::describe(death.fault, what.data(), what.size());
   say("mauve: %s in thread %s: the safe values of %u components are written, the process ends\n",
       what.data(), death.thread.data(), safe);
   let_others_act(system, until);
-  if (lock.owns_lock()) tell_events(system);
+  if (held) {
+    tell_events(system);
+    system.members.unlock();
+  }
 }
 
 }  // namespace

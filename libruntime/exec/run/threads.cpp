@@ -3,7 +3,6 @@
 /// that do not return, or gives up their threads.
 #include <algorithm>
 #include <map>
-#include <mutex>
 #include <thread>
 
 #include "exec/run/threads.h"
@@ -53,7 +52,7 @@ class Threads final : public Runner {
   }
 
   Status add(Task& task, const rt::ThreadAttributes& attributes) override {
-    const std::lock_guard lock(mutex_);
+    const rt::PiMutexLock lock(mutex_);
     auto worker = std::make_unique<Worker>(task, attributes);
     Worker& self = *worker;
     Status started = worker->thread.start(attributes, [this, &self] { run(self); });
@@ -65,7 +64,7 @@ class Threads final : public Runner {
 
   void settle() override {
     rt::fence_all_threads();  // the first one takes milliseconds: before T0 is near
-    while (parked_.load() < workers_.size()) std::this_thread::sleep_for(20us);
+    while (parked_.load() < worker_count()) std::this_thread::sleep_for(20us);
   }
   void open() override {
     if (!guard_.running()) start_guard();
@@ -86,13 +85,13 @@ class Threads final : public Runner {
   [[nodiscard]] std::shared_ptr<void> hurry() override { return std::make_shared<rt::Boost>(1); }
 
   [[nodiscard]] bool is_fifo(const Task& task, int priority) const override {
-    const std::lock_guard lock(mutex_);
+    const rt::PiMutexLock lock(mutex_);
     const auto worker = workers_.find(&task);
     return worker != workers_.end() && worker->second->thread.is_fifo(priority);
   }
 
   Status reschedule(Task& task, int priority, const std::vector<int>& cpus) override {
-    const std::lock_guard lock(mutex_);
+    const rt::PiMutexLock lock(mutex_);
     const auto found = workers_.find(&task);
     if (found == workers_.end()) return ok();
     Worker& worker = *found->second;
@@ -108,7 +107,7 @@ class Threads final : public Runner {
     Worker* const worker = begin_end(task);
     if (worker == nullptr) return true;
     const bool ended = await([&] { return !worker->thread.running(); }, deadline);
-    const std::lock_guard lock(mutex_);
+    const rt::PiMutexLock lock(mutex_);
     const auto found = workers_.find(&task);
     if (ended) {
       worker->thread.join();
@@ -123,7 +122,7 @@ class Threads final : public Runner {
   void look_again() override { rt::futex_bump(bell_); }
 
   [[nodiscard]] bool has_lost(const Task* task) const override {
-    const std::lock_guard lock(mutex_);
+    const rt::PiMutexLock lock(mutex_);
     return std::any_of(lost_.begin(), lost_.end(), [task](const auto& worker) {
       return task == nullptr || &worker->task == task;
     });
@@ -144,9 +143,20 @@ class Threads final : public Runner {
     rt::Thread thread;
   };
 
+  [[nodiscard]] std::size_t worker_count() const {
+    const rt::PiMutexLock lock(mutex_);
+    return workers_.size();
+  }
+  /// Does any component run in real time?
+  [[nodiscard]] bool has_realtime() const {
+    const rt::PiMutexLock lock(mutex_);
+    return std::any_of(workers_.begin(), workers_.end(),
+                       [](const auto& entry) { return entry.second->attributes.priority > 0; });
+  }
+
   /// The guard leaves it alone from now on.
   Worker* begin_end(Task& task) {
-    const std::lock_guard lock(mutex_);
+    const rt::PiMutexLock lock(mutex_);
     const auto found = workers_.find(&task);
     if (found == workers_.end()) return nullptr;
     found->second->quit.store(true);
@@ -168,7 +178,7 @@ class Threads final : public Runner {
   void run_until_quit(Worker& worker) {
     bool ours = true;
     while (ours && !worker.quit.load(std::memory_order_relaxed)) ours = step(worker.task);
-    const std::lock_guard lock(mutex_);  // the guard is not looking at this thread's job
+    const rt::PiMutexLock lock(mutex_);  // the guard is not looking at this thread's job
     if (worker.inside.empty()) worker.task.watch().runs_on(nullptr);
     worker.ending = true;
     look_again();
@@ -189,9 +199,7 @@ class Threads final : public Runner {
 
   /// Real-time as soon as any component is.
   void start_guard() {
-    const bool realtime = std::any_of(workers_.begin(), workers_.end(), [](const auto& entry) {
-      return entry.second->attributes.priority > 0;
-    });
+    const bool realtime = has_realtime();
     const auto body = [this] { guard(); };
     const rt::ThreadAttributes ordinary{"mauve-guard", 0, {}, 64 * 1024};
     rt::ThreadAttributes attributes = ordinary;
@@ -210,7 +218,7 @@ class Threads final : public Runner {
       Instant next = rt::kForever;
       bool served = true;
       {
-        const std::lock_guard lock(mutex_);
+        const rt::PiMutexLock lock(mutex_);
         for (auto& [task, worker] : workers_) {
           next = std::min(next, look_at(worker));
           served = served && is_served(*worker);
@@ -263,7 +271,7 @@ class Threads final : public Runner {
   }
 
   /// When to look again.
-  Instant look_at(std::unique_ptr<Worker>& worker) {
+  Instant look_at(std::unique_ptr<Worker>& worker) MAUVE_REQUIRES(mutex_) {
     restore_scheduling(*worker);
     Task& task = worker->task;
     const Instant bound = task.bound(worker->attributes.priority > 0).count();
@@ -291,7 +299,7 @@ class Threads final : public Runner {
   }
 
   /// The old thread runs on, as an ordinary one; a new one goes on with the task.
-  void replace(std::unique_ptr<Worker>& worker) {
+  void replace(std::unique_ptr<Worker>& worker) MAUVE_REQUIRES(mutex_) {
     static_cast<void>(worker->thread.set_priority(0));
     auto next = std::make_unique<Worker>(worker->task, worker->attributes);
     worker->inside = worker->task.bundles();
@@ -307,7 +315,7 @@ class Threads final : public Runner {
   }
 
   /// Not before the system says that it has ended: nothing here may wait.
-  Instant join_lost() {
+  Instant join_lost() MAUVE_REQUIRES(mutex_) {
     std::erase_if(lost_, [](const std::unique_ptr<Worker>& worker) {
       if (worker->thread.running()) return false;
       worker->thread.join();
@@ -323,9 +331,9 @@ class Threads final : public Runner {
   std::atomic<std::size_t> parked_{0};
   std::atomic<std::uint32_t> gate_{0};
   std::atomic<std::uint32_t> bell_{0};
-  mutable rt::PiMutex mutex_;  // of the next two; nobody holds it long
-  std::map<const Task*, std::unique_ptr<Worker>> workers_;
-  std::vector<std::unique_ptr<Worker>> lost_;
+  mutable rt::PiMutex mutex_;  // no thread holds it long
+  std::map<const Task*, std::unique_ptr<Worker>> workers_ MAUVE_GUARDED_BY(mutex_);
+  std::vector<std::unique_ptr<Worker>> lost_ MAUVE_GUARDED_BY(mutex_);
   std::atomic<bool> guard_quits_{false};
   bool beats_ = false;  // the guard is real-time, so that its silence means something
   rt::Thread guard_;

@@ -4,8 +4,8 @@
 #include <array>
 #include <cstdio>
 
-#include "base/mutex.h"
 #include "base/duration.h"
+#include "base/mutex.h"
 #include "exec/system/events.h"
 
 #include <mauve/component.h>

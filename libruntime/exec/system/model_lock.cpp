@@ -7,7 +7,9 @@ namespace mauve::exec {
 
 bool ModelLock::take(bool waits) {
   MutexLock lock(mutex_);
-  const auto free = [this] { return !held_ || (owner_ != nullptr && owner_->left()); };
+  const auto free = [this]() MAUVE_REQUIRES(mutex_) {
+    return !held_ || (owner_ != nullptr && owner_->left());
+  };
   if (waits) {
     freed_.wait(lock, free);
   } else if (!free()) {

@@ -2,7 +2,6 @@
 /// Who may rely on the model for the length of a preparation, user code included.
 #pragma once
 
-
 #include "base/mutex.h"
 #include "model/leavable.h"
 

@@ -79,7 +79,8 @@ class System {
   /// itself gets into the books afterwards.
   ModelLock model;
   Mutex members;
-  std::vector<Happening> last_events MAUVE_GUARDED_BY(members);  ///< of components that left; under `members`
+  std::vector<Happening> last_events
+      MAUVE_GUARDED_BY(members);  ///< of components that left; under `members`
   std::vector<std::string> warnings;
   std::vector<std::shared_ptr<Commit>> under_way;
   std::weak_ptr<const Commit> last_transaction;          ///< as long as its maker has it
@@ -95,7 +96,8 @@ class System {
   std::atomic<std::uint64_t> revision{0};
   std::uint64_t changes = 0;  ///< numbers that changes got since deployment, see Published::number
   ControlTrace control_trace;
-  std::vector<TraceRecord> last_trace MAUVE_GUARDED_BY(members);  ///< of components that left; under `members`
+  std::vector<TraceRecord> last_trace
+      MAUVE_GUARDED_BY(members);  ///< of components that left; under `members`
   Instant t0 = 0;
   bool up = false;
   int stands_still = 0;  ///< see Deployer::stand_still()
