@@ -35,7 +35,7 @@ FOLDERS = {"libruntime/include": "public", "daemon/protocol": "protocol", "daemo
            "daemon": "daemon", "guardian": "guardian", "ctl": "ctl", "man": "man", "plugins": "plugins", "tests": "tests", "scripts": "tests",
            **{f"libruntime/{name}": name for name in RUNTIME.split()[1:]}}
 # A layer in rooms: its folders from the lowest to the highest. A room includes those before it, and no other.
-STAIRS = {"libruntime/exec": "task run system swap admission recovery commit prepare observe deploy"}
+STAIRS = {"libruntime/exec": "update task run system swap admission recovery commit prepare observe deploy"}
 # Third-party or system header (a prefix of what is included): the rooms it may be in. tests/ may use all.
 ROOMS = {
     "nlohmann/": "libruntime/arch/ daemon/protocol/ ctl/render/",

@@ -4,7 +4,7 @@
 
 #include "exec/recovery/probation.h"
 #include "exec/system/system.h"
-#include "exec/task/transaction.h"
+#include "exec/update/transaction.h"
 
 namespace mauve::exec {
 

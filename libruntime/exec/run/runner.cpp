@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "exec/task/task.h"
+#include "exec/update/transaction.h"
 
 namespace mauve::exec {
 namespace {

@@ -64,7 +64,12 @@ class Threads final : public Runner {
 
   void settle() override {
     rt::fence_all_threads();  // the first one takes milliseconds: before T0 is near
-    while (parked_.load() < worker_count()) std::this_thread::sleep_for(20us);
+    std::size_t workers = 0;
+    {
+      const rt::PiMutexLock lock(mutex_);
+      workers = workers_.size();
+    }
+    while (parked_.load() < workers) std::this_thread::sleep_for(20us);
   }
   void open() override {
     if (!guard_.running()) start_guard();
@@ -143,17 +148,6 @@ class Threads final : public Runner {
     rt::Thread thread;
   };
 
-  [[nodiscard]] std::size_t worker_count() const {
-    const rt::PiMutexLock lock(mutex_);
-    return workers_.size();
-  }
-  /// Does any component run in real time?
-  [[nodiscard]] bool has_realtime() const {
-    const rt::PiMutexLock lock(mutex_);
-    return std::any_of(workers_.begin(), workers_.end(),
-                       [](const auto& entry) { return entry.second->attributes.priority > 0; });
-  }
-
   /// The guard leaves it alone from now on.
   Worker* begin_end(Task& task) {
     const rt::PiMutexLock lock(mutex_);
@@ -199,7 +193,13 @@ class Threads final : public Runner {
 
   /// Real-time as soon as any component is.
   void start_guard() {
-    const bool realtime = has_realtime();
+    bool realtime = false;
+    {
+      const rt::PiMutexLock lock(mutex_);
+      realtime = std::any_of(workers_.begin(), workers_.end(), [](const auto& entry) {
+        return entry.second->attributes.priority > 0;
+      });
+    }
     const auto body = [this] { guard(); };
     const rt::ThreadAttributes ordinary{"mauve-guard", 0, {}, 64 * 1024};
     rt::ThreadAttributes attributes = ordinary;

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "exec/system/resource_parts.h"
-#include "exec/task/transaction.h"
+#include "exec/update/transaction.h"
 #include "model/hand_over.h"
 
 #include <mauve/binding.h>

@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "exec/swap/resource_flip.h"
-#include "exec/task/published.h"
+#include "exec/update/published.h"
 
 namespace mauve::exec {
 

@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "exec/system/resource_parts.h"
-#include "exec/task/nearby.h"
 #include "exec/task/safe_values.h"
+#include "exec/update/nearby.h"
 
 #include <mauve/component.h>
 #include <mauve/fsm.h>

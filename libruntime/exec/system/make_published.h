@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "exec/system/prepared.h"
-#include "exec/task/published.h"
+#include "exec/update/published.h"
 
 #include <mauve/time.h>
 

@@ -15,6 +15,7 @@
 #include "exec/system/control_trace.h"
 #include "exec/system/model_lock.h"
 #include "exec/task/task.h"
+#include "exec/update/published.h"
 #include "rt/last_words.h"
 
 #include <mauve/deploy_options.h>

@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "exec/task/fault_reaction.h"
+#include "exec/task/task_context.h"
 #include "exec/task/write_quietly.h"
+#include "exec/update/published.h"
 #include "rt/cache.h"
 
 #include <mauve/component.h>

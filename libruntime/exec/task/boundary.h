@@ -3,14 +3,22 @@
 /// everything is old, after it everything is new (paper section 5). [rt]
 #pragma once
 
-#include "exec/task/fault_reaction.h"
-#include "exec/task/published.h"
-#include "exec/task/task_context.h"
+#include <memory>
+#include <vector>
+
 #include "rt/rescue.h"
 
 #include <mauve/time.h>
 
-namespace mauve::exec {
+namespace mauve {
+
+struct Bundle;
+
+namespace exec {
+
+class FaultReaction;
+struct Published;
+struct TaskContext;
 
 class Boundary {
  public:
@@ -61,4 +69,5 @@ class Boundary {
   rt::Fault hand_over_fault_;            // of the last converter
 };
 
-}  // namespace mauve::exec
+}  // namespace exec
+}  // namespace mauve

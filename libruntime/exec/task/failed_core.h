@@ -5,7 +5,7 @@
 #include <atomic>
 #include <optional>
 
-#include "exec/task/transaction.h"
+#include "exec/update/fault_record.h"
 
 #include <mauve/time.h>
 

@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <string_view>
 
+#include "exec/task/task_context.h"
 #include "exec/task/write_quietly.h"
+#include "exec/update/published.h"
 
 #include <mauve/component.h>
 #include <mauve/fsm.h>

@@ -3,12 +3,19 @@
 /// probation. Safe values are written before the fault is recorded. [rt]
 #pragma once
 
-#include "exec/task/evidence.h"
-#include "exec/task/fault_record.h"
-#include "exec/task/task_context.h"
-#include "rt/rescue.h"
+#include <cstdint>
 
-namespace mauve::exec {
+namespace mauve {
+
+namespace rt {
+struct Fault;
+}
+
+namespace exec {
+
+enum class Cause : std::uint8_t;
+struct JobUse;
+struct TaskContext;
 
 class FaultReaction {
  public:
@@ -47,4 +54,5 @@ class FaultReaction {
   TaskContext& task_;
 };
 
-}  // namespace mauve::exec
+}  // namespace exec
+}  // namespace mauve

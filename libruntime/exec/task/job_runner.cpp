@@ -6,6 +6,9 @@
 #include <exception>
 #include <string_view>
 
+#include "exec/task/fault_reaction.h"
+#include "exec/task/task_context.h"
+#include "exec/update/published.h"
 #include "model/guard.h"
 #include "model/traced.h"
 #include "rt/preemption.h"

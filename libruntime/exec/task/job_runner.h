@@ -3,13 +3,20 @@
 /// job took. [rt]
 #pragma once
 
-#include "exec/task/fault_reaction.h"
-#include "exec/task/task_context.h"
-#include "rt/rescue.h"
-
 #include <mauve/time.h>
 
-namespace mauve::exec {
+namespace mauve {
+
+class FsmState;
+
+namespace rt {
+struct Fault;
+}
+
+namespace exec {
+
+class FaultReaction;
+struct TaskContext;
 
 class JobRunner {
  public:
@@ -35,4 +42,5 @@ class JobRunner {
   FaultReaction& faults_;
 };
 
-}  // namespace mauve::exec
+}  // namespace exec
+}  // namespace mauve

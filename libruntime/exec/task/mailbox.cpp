@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/task/mailbox.h"
 
+#include "exec/update/published.h"
+
 namespace mauve::exec {
 
 Mailbox::~Mailbox() {

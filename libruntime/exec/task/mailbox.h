@@ -8,10 +8,11 @@
 #include <memory>
 #include <vector>
 
-#include "exec/task/published.h"
 #include "rt/cache.h"
 
 namespace mauve::exec {
+
+struct Published;
 
 class Mailbox {
  public:

@@ -5,7 +5,8 @@
 #include <limits>
 #include <utility>
 
-#include "exec/task/nearby.h"
+#include "exec/update/nearby.h"
+#include "exec/update/published.h"
 #include "rt/preemption.h"
 
 #include <mauve/component.h>

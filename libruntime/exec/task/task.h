@@ -16,7 +16,13 @@
 #include <mauve/job.h>
 #include <mauve/time.h>
 
-namespace mauve::exec {
+namespace mauve {
+
+struct Bundle;
+
+namespace exec {
+
+struct Published;
 
 class Task {
  public:
@@ -75,4 +81,5 @@ class Task {
   JobRunner jobs_;
 };
 
-}  // namespace mauve::exec
+}  // namespace exec
+}  // namespace mauve

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "exec/update/published.h"
 #include "rt/cache.h"
 
 #include <mauve/component.h>
@@ -24,6 +25,8 @@ TaskContext::TaskContext(std::string name, const Clock& its_clock,
     : clock(its_clock),
       report(std::move(name), clock, simulated(clock)),
       meter(simulated(clock), std::move(noise)) {}
+
+TaskContext::~TaskContext() { delete current; }
 
 void TaskContext::park(ComponentState as) {
   running = false;

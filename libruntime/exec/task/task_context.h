@@ -11,7 +11,6 @@
 #include "exec/task/job_meter.h"
 #include "exec/task/job_watch.h"
 #include "exec/task/mailbox.h"
-#include "exec/task/published.h"
 #include "exec/task/task_report.h"
 #include "rt/noise.h"
 
@@ -26,9 +25,11 @@ class Gate;
 
 namespace exec {
 
+struct Published;
+
 struct TaskContext {
   TaskContext(std::string name, const Clock& its_clock, std::shared_ptr<const rt::Noise> noise);
-  ~TaskContext() { delete current; }
+  ~TaskContext();
   TaskContext(const TaskContext&) = delete;
   TaskContext& operator=(const TaskContext&) = delete;
 

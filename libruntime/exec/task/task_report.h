@@ -9,7 +9,7 @@
 #include <string>
 
 #include "exec/task/counters.h"
-#include "exec/task/fault_record.h"
+#include "exec/update/fault_record.h"
 #include "rt/event_ring.h"
 #include "rt/request_ring.h"
 #include "rt/trace_ring.h"

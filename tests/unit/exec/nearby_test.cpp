@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// What a job asks the cache for when it begins.
-#include "exec/task/nearby.h"
+#include "exec/update/nearby.h"
 
 #include <gtest/gtest.h>
 

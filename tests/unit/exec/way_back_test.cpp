@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "exec/task/transaction.h"
+#include "exec/update/transaction.h"
 
 namespace mauve::exec {
 namespace {

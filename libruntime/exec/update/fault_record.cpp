@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "exec/task/fault_record.h"
+#include "exec/update/fault_record.h"
 
 namespace mauve::exec {
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "exec/task/fault_record.h"
+#include "exec/update/fault_record.h"
 
 #include <mauve/clock.h>
 

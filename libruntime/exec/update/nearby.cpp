@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "exec/task/nearby.h"
+#include "exec/update/nearby.h"
 
 #include <algorithm>
 

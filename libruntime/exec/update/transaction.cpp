@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "exec/task/transaction.h"
+#include "exec/update/transaction.h"
 
 namespace mauve::exec {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "exec/task/transaction.h"
+#include "exec/update/transaction.h"
 #include "model/hand_over.h"
 
 #include <mauve/change_policy.h>
