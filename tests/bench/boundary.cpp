@@ -18,7 +18,7 @@
 namespace bench {
 namespace {
 
-using mauve::exec::Published;
+using mauve::exec::TaskUpdate;
 using mauve::exec::Task;
 
 constexpr std::size_t kStates = 100;
@@ -102,20 +102,20 @@ class Driven {
   [[nodiscard]] Stepping& core() const { return component_.core(); }
 
  private:
-  [[nodiscard]] std::unique_ptr<Published> bundle(mauve::Mode mode) {
-    auto made = std::make_unique<Published>();
+  [[nodiscard]] std::unique_ptr<TaskUpdate> bundle(mauve::Mode mode) {
+    auto made = std::make_unique<TaskUpdate>();
     made->bundle = component_.bundle();
     made->mode = mode;
     made->bound = std::chrono::seconds(10);
-    made->transaction = &decided_;
+    made->decision = &decided_;
     return made;
   }
   /// As after a change whose probation has begun; the guard would sleep until the bound.
   void look_after() {
     auto forth = bundle(mauve::Mode::keep);
     forth->back = bundle(mauve::Mode::keep);
-    forth->back->transaction = &way_back_.transaction();
-    forth->back->way_back = &way_back_;
+    forth->back->decision = &rollback_.decision();
+    forth->back->rollback = &rollback_;
     clock_.set(task_.next_release());
     task_.mailbox().publish(*forth.release());
     task_.release();
@@ -123,8 +123,8 @@ class Driven {
               "no relief stands by");
   }
 
-  mauve::exec::Transaction decided_{0, mauve::exec::Transaction::State::committed};
-  mauve::exec::WayBack way_back_;
+  mauve::exec::Decision decided_{0, mauve::exec::Decision::State::committed};
+  mauve::exec::Rollback rollback_;
   mauve::Architecture architecture_;
   mauve::Component<mauve::EmptyShell, Counting, FsmT> component_{architecture_, "stepping"};
   SteppedClock clock_;

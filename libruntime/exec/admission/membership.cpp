@@ -7,7 +7,7 @@
 #include "base/mutex.h"
 #include "exec/admission/placement.h"
 #include "exec/system/events.h"
-#include "exec/system/make_published.h"
+#include "exec/system/make_update.h"
 #include "exec/system/trace_records.h"
 #include "model/left_behind.h"
 

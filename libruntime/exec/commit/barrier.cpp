@@ -16,10 +16,10 @@
 namespace mauve::exec {
 namespace {
 
-Member member_at(Deployed& deployed, Published::Barrier step, std::uint64_t number) {
+Member member_at(Deployed& deployed, TaskUpdate::Barrier step, std::uint64_t number) {
   Member member;
   member.task = deployed.task.get();
-  member.next = std::make_unique<Published>();
+  member.next = std::make_unique<TaskUpdate>();
   member.next->barrier = step;
   member.next->number = number;
   return member;
@@ -79,7 +79,7 @@ void Barrier::begin(const std::vector<Deployed*>& members, std::uint64_t number)
                 [](const Deployed* one) { return one->state() != ComponentState::running; });
   std::vector<Member> waiting;
   for (Deployed* one : gathered_)
-    waiting.push_back(member_at(*one, Published::Barrier::wait, number_));
+    waiting.push_back(member_at(*one, TaskUpdate::Barrier::wait, number_));
   gathering_ = std::make_unique<Swap>(std::move(waiting), std::vector<ResourceMember>{},
                                       *system_.runner, kLongestWait, Swap::Kind::transaction);
 }
@@ -131,7 +131,7 @@ void Barrier::part() {
   std::vector<Member> leaving;
   for (std::size_t i = 0; i < gathered_.size(); ++i) {
     if (!gathering_->members()[i].in_force) continue;
-    leaving.push_back(member_at(*gathered_[i], Published::Barrier::go_on, number_));
+    leaving.push_back(member_at(*gathered_[i], TaskUpdate::Barrier::go_on, number_));
   }
   parting_ = std::make_unique<Swap>(std::move(leaving), std::vector<ResourceMember>{},
                                     *system_.runner, kLongestWait, Swap::Kind::order);
@@ -201,7 +201,7 @@ const Deployed* Barrier::halted() const {
 std::vector<Member> Barrier::go_on() const {
   std::vector<Member> members;
   for (const Bystander& one : bystanders_) {
-    members.push_back(member_at(*one.deployed, Published::Barrier::go_on, number_));
+    members.push_back(member_at(*one.deployed, TaskUpdate::Barrier::go_on, number_));
   }
   return members;
 }

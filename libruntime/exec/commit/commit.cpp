@@ -10,7 +10,7 @@
 #include "exec/recovery/relief.h"
 #include "exec/swap/rewired.h"
 #include "exec/system/books.h"
-#include "exec/system/make_published.h"
+#include "exec/system/make_update.h"
 #include "exec/system/tell_control.h"
 
 #include <mauve/job.h>
@@ -79,7 +79,7 @@ Commit::Commit(System& system, Content content, Swap::Kind kind, Duration longes
   }
   number_ = ++system_.changes;
   if (content_->probation) {
-    way_back_ = std::make_shared<WayBack>();
+    rollback_ = std::make_shared<Rollback>();
     back_number_ = ++system_.changes;
   }
   hold_members();
@@ -122,7 +122,7 @@ Status Commit::check(Swap::Kind kind) {
       continue;
     }
     deployed_.push_back(system_.find(*member.component));
-    // What was led back but is not in the books yet can be ordered to park.
+    // What was rolled back but is not in the books yet can be ordered to park.
     const bool there =
         deployed_.back() != nullptr && (kind == Swap::Kind::order || !deployed_.back()->hidden);
     if (!there) {
@@ -155,9 +155,9 @@ Status Commit::check_probations(Swap::Kind kind) {
                     "waits to be confirmed, so nothing of it is changed meanwhile",
                     "confirm it, or undo it");
     }
-    if (one->way_back()->leads_back()) return being_rolled_back(one->changes().back());
+    if (one->rollback()->rolls_back()) return being_rolled_back(one->changes().back());
     if (changes_modes_only(*content_)) continue;
-    before_.push_back(one->way_back());
+    before_.push_back(one->rollback());
     if (!can_join(*content_, one->content())) continue;
     heritage_.add(*one);
     if (Status there = follow(*one); !there) return there;
@@ -209,7 +209,7 @@ void Commit::let_go_new() {
   }
 }
 
-void Commit::add_relief(std::size_t index, const Deployed& deployed, Published& next) {
+void Commit::add_relief(std::size_t index, const Deployed& deployed, TaskUpdate& next) {
   const Content& relief = content_->members[index].relief;
   if (relief == nullptr) return;
   PreparedMember& takes_over = relief->members.front();
@@ -221,24 +221,24 @@ Member Commit::forth(std::size_t index, Deployed& deployed) {
   const PreparedMember& change = content_->members[index];
   Member member;
   member.task = deployed.task.get();
-  member.next = make_published(change);
+  member.next = make_update(change);
   member.next->number = number_;
   add_relief(index, deployed, *member.next);
-  if (way_back_ != nullptr) begin_way_back(change, deployed, *member.next);
+  if (rollback_ != nullptr) begin_rollback(change, deployed, *member.next);
   return member;
 }
 
-void Commit::begin_way_back(const PreparedMember& change, Deployed& deployed, Published& next) {
+void Commit::begin_rollback(const PreparedMember& change, Deployed& deployed, TaskUpdate& next) {
   Origin origin = origin_of(change, deployed.state() == ComponentState::running);
   const Origin* const before = heritage_.origin_of(*change.component);
   if (before != nullptr) origin = further_back(*before, origin);
-  next.back = make_way_back(change, origin);
-  next.way_back = way_back_.get();
+  next.back = make_rollback(change, origin);
+  next.rollback = rollback_.get();
   lead_by(*next.back);
   next.tolerated = content_->probation->misses;
   const unsigned window = std::min(content_->probation->window, 64U);
   next.window = window == 64 ? ~0ULL : (1ULL << window) - 1;
-  WayBackOfMember& member = ways_back_.emplace_back();
+  MemberRollback& member = rollbacks_.emplace_back();
   member.deployed = &deployed;
   member.origin = std::move(origin);
   member.back = next.back.get();
@@ -246,9 +246,9 @@ void Commit::begin_way_back(const PreparedMember& change, Deployed& deployed, Pu
   member.releases_before = deployed.task->counters().releases.load();
 }
 
-void Commit::lead_by(Published& back) {
-  back.transaction = &way_back_->transaction();
-  back.way_back = way_back_.get();
+void Commit::lead_by(TaskUpdate& back) {
+  back.decision = &rollback_->decision();
+  back.rollback = rollback_.get();
   back.number = back_number_;
 }
 

@@ -57,14 +57,14 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   Status let_in_new();
   void let_go_new();
   void hold_members();
-  void begin_way_back(const PreparedMember& change, Deployed& deployed, Published& next);
-  void lead_by(Published& back);
+  void begin_rollback(const PreparedMember& change, Deployed& deployed, TaskUpdate& next);
+  void lead_by(TaskUpdate& back);
   void lead_late_members_back();
   [[nodiscard]] bool pass_barrier();
   void publish(Swap::Kind kind, Duration longest_job);
   void tell_attempt();
   void tell_end();
-  void add_relief(std::size_t index, const Deployed& deployed, Published& next);
+  void add_relief(std::size_t index, const Deployed& deployed, TaskUpdate& next);
   [[nodiscard]] Member forth(std::size_t index, Deployed& deployed);
   [[nodiscard]] std::vector<ResourceMember> resource_members() const;
   void enter(std::size_t index);
@@ -89,15 +89,15 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   std::vector<StandingBy> reliefs_;    // by member: what comes with it
   std::unique_ptr<Barrier> barrier_;   // null: the cut
   std::unique_ptr<Swap> swap_;         // null: not yet past the barrier
-  std::shared_ptr<WayBack> way_back_;  // null: no probation
+  std::shared_ptr<Rollback> rollback_;  // null: no probation
   /// Of the changes before that this one concerns while they are on probation.
-  std::vector<std::shared_ptr<WayBack>> before_;
+  std::vector<std::shared_ptr<Rollback>> before_;
   Heritage heritage_;  // of those among them that it joins
-  std::vector<WayBackOfMember> ways_back_;
+  std::vector<MemberRollback> rollbacks_;
   std::uint64_t number_ = 0;       // of the change, in a trace
-  std::uint64_t back_number_ = 0;  // of the way back; 0: no probation
+  std::uint64_t back_number_ = 0;  // of the rollback; 0: no probation
   unsigned attempts_told_ = 0;
-  Instant back_by_ = 0;  // some member hangs, the others are led back; zero: nobody is
+  Instant back_by_ = 0;  // some member hangs, the others are rolled back; zero: nobody is
   Receipt receipt_;
   Retired retired_;
   std::optional<Result<Receipt>> result_;

@@ -7,7 +7,7 @@
 #include "exec/commit/under_way.h"
 #include "exec/recovery/probations.h"
 #include "exec/system/books.h"
-#include "exec/system/make_published.h"
+#include "exec/system/make_update.h"
 #include "exec/system/tell_control.h"
 
 #include <mauve/architecture.h>
@@ -41,7 +41,7 @@ void Commit::enter(std::size_t index) {
   system_.runner->look_again();
   // Where a lost thread is inside, it is freed when that has ended: see collect().
   const bool lost = system_.runner->has_lost(deployed_[index]->task.get());
-  // What the way back may need is looked at when the change joins the one before: see adopt().
+  // What the rollback may need is looked at when the change joins the one before: see adopt().
   if (heritage_.origin_of(*member.component) == nullptr) {
     retire(*member.base, *member.next, lost ? system_.free : retired_);
   }
@@ -82,7 +82,7 @@ void Commit::tell_attempt() {
   const SwapResult& swapped = swap_->result();
   if (swapped.attempts == attempts_told_) return;
   attempts_told_ = swapped.attempts;
-  const bool committed = swap_->decision() == Transaction::State::committed;
+  const bool committed = swap_->decision() == Decision::State::committed;
   tell_control(system_, committed ? TraceKind::commit : TraceKind::abort, content_->what,
                swapped.instant, number_);
   if (!committed) return;
@@ -118,19 +118,19 @@ void Commit::conclude() {
   receipt_.attempts = swapped.attempts;
   receipt_.warnings = content_->warnings;
   const bool whole = swapped.state == SwapResult::State::committed && failed().empty();
-  exchange_fallbacks(system_.architecture, content_->fallbacks);  // the way back does so again
+  exchange_fallbacks(system_.architecture, content_->fallbacks);  // the rollback does so again
   if (barrier_ != nullptr) {
     barrier_->tell(receipt_);
     barrier_->end();
   }
-  if (!whole && way_back_ != nullptr) return take_back();
+  if (!whole && rollback_ != nullptr) return take_back();
   receipt_.generation = content_->step ? system_.generation : ++system_.generation;
   system_.newest = weak_from_this();
   system_.looks_at_newest = 0;
   change_membership();
   if (whole) {
     result_ = receipt_;
-    if (way_back_ != nullptr) return begin_probation();
+    if (rollback_ != nullptr) return begin_probation();
   } else {
     result_ = not_applied();
   }
@@ -140,13 +140,13 @@ void Commit::conclude() {
   }
 }
 
-/// Those that this change joins pass on what they lead back to; it ends the others early.
+/// Those that this change joins pass on what they roll back to; it ends the others early.
 void Commit::overtake_before() {
   for (const auto& before : before_) {
     OnProbation* const one = probation_of(system_, *before);
     if (one == nullptr) continue;  // its probation ended by itself
     if (heritage_.has(*before)) {
-      one->pass_on_to(*content_, ways_back_);
+      one->pass_on_to(*content_, rollbacks_);
     } else {
       one->overtake();
     }
@@ -158,11 +158,11 @@ void Commit::overtake_before() {
 /// Some member hangs in its job: those that have changed go back, so that there is no mixture.
 void Commit::take_back() {
   const bool quietly =
-      way_back_->set_off(system_.runner->clock(), "some member did not end its job in time");
+      rollback_->trigger(system_.runner->clock(), "some member did not end its job in time");
   if (!quietly) ++system_.generation;  // a core failed meanwhile, which is told
   change_membership();
   for (std::size_t i = 0; i < deployed_.size(); ++i) {
-    ways_back_[i].in_force = swap_->members()[i].in_force;
+    rollbacks_[i].in_force = swap_->members()[i].in_force;
   }
   begin_probation();
   if (quietly) system_.probations.back()->go_quietly();
@@ -172,7 +172,7 @@ void Commit::take_back() {
 /// Or some member that has changed does not go back in time either.
 bool Commit::all_went_back() {
   if (const ModelLock::Hold hold(system_.model, std::try_to_lock); hold) look_after_itself(system_);
-  OnProbation* const one = probation_of(system_, *way_back_);
+  OnProbation* const one = probation_of(system_, *rollback_);
   const bool under_way = one != nullptr;
   if (under_way && system_.runner->now() < back_by_) return false;
   if (under_way) one->tell_after_all();
@@ -206,7 +206,7 @@ void Commit::change_membership() {
   for (ResourceBase* resource : content_->leaving_resources) {
     if (!whole) break;
     content_->left_resources.push_back(system_.architecture.take_out(*resource));
-    // The way back of an earlier change may lead through it until no thread looks at it any more,
+    // The rollback of an earlier change may lead through it until no thread looks at it any more,
     // and its earlier cores may use its shell until they are freed.
     for (const auto& one : system_.fading) one->keep_longest(content_->left_resources.back());
     system_.free.keep_longest(content_->left_resources.back());
@@ -215,7 +215,7 @@ void Commit::change_membership() {
   for (std::size_t i = 0; i < deployed_.size(); ++i) {
     PreparedMember& member = content_->members[i];
     if (member.part != Part::joins) continue;
-    if (way_back_ != nullptr && !swap_->members()[i].in_force) {
+    if (rollback_ != nullptr && !swap_->members()[i].in_force) {
       static_cast<void>(let_go(system_, *deployed_[i]));
       continue;
     }
@@ -234,17 +234,17 @@ void Commit::begin_probation() {
     lead_late_members_back();
   }
   system_.probations.push_back(
-      std::make_unique<OnProbation>(system_, content_, std::move(ways_back_), way_back_,
+      std::make_unique<OnProbation>(system_, content_, std::move(rollbacks_), rollback_,
                                     std::move(retired_), back_number_, heritage_.changes()));
 }
 
 /// A member that hangs runs what the change before gave it. It goes back when it ends its job.
 void Commit::lead_late_members_back() {
-  for (std::size_t i = 0; i < ways_back_.size(); ++i) {
-    WayBackOfMember& member = ways_back_[i];
+  for (std::size_t i = 0; i < rollbacks_.size(); ++i) {
+    MemberRollback& member = rollbacks_[i];
     const PreparedMember& change = content_->members[i];
     if (member.in_force || heritage_.origin_of(*change.component) == nullptr) continue;
-    auto back = make_way_back(change, member.origin);
+    auto back = make_rollback(change, member.origin);
     lead_by(*back);
     member.back = back.get();
     member.answer = back->answer;
@@ -269,7 +269,7 @@ std::string Commit::failed() const {
 }
 
 Error Commit::not_applied() const {
-  if (const std::string names = failed(); !names.empty() && way_back_ == nullptr) {
+  if (const std::string names = failed(); !names.empty() && rollback_ == nullptr) {
     return refuse(
         Errc::partly, names,
         "could not convert the state of the core before: a component failed with its safe "
@@ -304,7 +304,7 @@ Error Commit::not_applied() const {
       return refuse(Errc::partly, names, "did not end its job in time; it will obey when it does",
                     look);
     default:
-      if (way_back_ != nullptr) {
+      if (rollback_ != nullptr) {
         return refuse(Errc::partly, names,
                       "did not end its job within 2 s: the change is taken back on the others, but "
                       "some of them do not end their job either",

@@ -10,7 +10,7 @@
 
 namespace mauve::exec {
 
-/// Probations first: a stop may make a task forget the way back that it took. But they wait until
+/// Probations first: a stop may make a task forget the rollback that it took. But they wait until
 /// the maker of a change knows its generation, which is saved before the next one comes.
 void advance(System& system) {
   system.looks.fetch_add(1);

@@ -14,7 +14,7 @@
 #include "exec/deploy/shutdown.h"
 #include "exec/prepare/prepare.h"
 #include "exec/recovery/relief.h"
-#include "exec/system/make_published.h"
+#include "exec/system/make_update.h"
 #include "exec/system/system.h"
 #include "rt/measured.h"
 #include "rt/memory.h"

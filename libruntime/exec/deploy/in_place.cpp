@@ -76,7 +76,7 @@ std::shared_ptr<Ongoing> Deployer::begin_in_place_park(PreparedChange& change) {
   const bool runs = state == ComponentState::running || state == ComponentState::recovering;
   member.resume = runs || (member.restores && state == ComponentState::faulted);
   const Mode mode = runs ? Mode::park : Mode::keep;
-  // The core that runs is cleaned up: nothing may lead back meanwhile.
+  // The core that runs is cleaned up: nothing may roll back meanwhile.
   for (auto& note : exec::notes_of(*system_, change.content())) {
     change.content().warnings.push_back(std::move(note));
   }

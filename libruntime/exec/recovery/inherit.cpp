@@ -55,7 +55,7 @@ bool same_names(const System& system, const Content& change, const Names& before
   const bool shared = std::any_of(names.begin(), names.end(),
                                   [&](const std::string& name) { return before.contains(name); });
   if (shared || !change.barrier) return shared;
-  // Who waits at a barrier cannot be led back meanwhile.
+  // Who waits at a barrier cannot be rolled back meanwhile.
   const auto bystanders = bystanders_of(system, change);
   return std::any_of(bystanders.begin(), bystanders.end(), [&](const ComponentBase* component) {
     return before.contains(component->name());
@@ -159,7 +159,7 @@ void Heritage::add(OnProbation& before) {
   for (std::size_t i = 0; i < before.members().size(); ++i) {
     members_.push_back({before.content().members[i].component, before.members()[i].origin});
   }
-  ways_back_.push_back(before.way_back().get());
+  rollbacks_.push_back(before.rollback().get());
   held_.push_back(before.hold());
   changes_.insert(changes_.end(), before.changes().begin(), before.changes().end());
   std::sort(changes_.begin(), changes_.end());
@@ -172,8 +172,8 @@ const Origin* Heritage::origin_of(const ComponentBase& component) const {
   return found == members_.end() ? nullptr : &found->origin;
 }
 
-bool Heritage::has(const WayBack& before) const {
-  return std::find(ways_back_.begin(), ways_back_.end(), &before) != ways_back_.end();
+bool Heritage::has(const Rollback& before) const {
+  return std::find(rollbacks_.begin(), rollbacks_.end(), &before) != rollbacks_.end();
 }
 
 Origin further_back(const Origin& before, const Origin& now) {
@@ -187,7 +187,7 @@ Origin further_back(const Origin& before, const Origin& now) {
   return origin;
 }
 
-void adopt(Content& before, Content& heir, const std::vector<WayBackOfMember>& members,
+void adopt(Content& before, Content& heir, const std::vector<MemberRollback>& members,
            Retired& free) {
   for (PreparedMember& older : before.members) {
     const auto at = std::find_if(heir.members.begin(), heir.members.end(),
@@ -220,13 +220,13 @@ std::vector<std::string> notes_of(const System& system, const Content& change) {
       const bool several = open.changes.size() > 1;
       notes.push_back(in_words(open.changes) + " (" + names + ")" +
                       (several ? " have not proved themselves yet: this change joins them, so a "
-                                 "failure or `undo` leads back to before all of them"
+                                 "failure or `undo` rolls back to before all of them"
                                : " has not proved itself yet: this change joins it, so a failure "
-                                 "or `undo` leads back to before both") +
+                                 "or `undo` rolls back to before both") +
                       ", as in generation " + first);
     } else {
       notes.push_back("the probation of " + in_words(open.changes) + " (" + names +
-                      ") ends early: a failure leads back to before this change only");
+                      ") ends early: a failure rolls back to before this change only");
     }
   }
   return notes;

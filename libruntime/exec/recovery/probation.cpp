@@ -33,13 +33,13 @@ void put_back(Architecture& architecture, Element& element, std::shared_ptr<Elem
 }  // namespace
 
 OnProbation::OnProbation(System& system, std::shared_ptr<Content> content,
-                         std::vector<WayBackOfMember> members, std::shared_ptr<WayBack> way_back,
+                         std::vector<MemberRollback> members, std::shared_ptr<Rollback> rollback,
                          Retired replaced, std::uint64_t number, std::vector<std::uint64_t> joined)
     : system_(system),
       departed_(system.departed),
       content_(std::move(content)),
       members_(std::move(members)),
-      way_back_(std::move(way_back)),
+      rollback_(std::move(rollback)),
       replaced_(std::move(replaced)),
       changes_(std::move(joined)),
       number_(number),
@@ -51,19 +51,19 @@ OnProbation::OnProbation(System& system, std::shared_ptr<Content> content,
     if (change.parts.core == nullptr) before.core.reset();
     if (change.parts.bindings == nullptr) before.bindings.reset();
     flips_.push_back(std::make_unique<ResourceFlip>(*change.resource, std::move(before),
-                                                    change.state, way_back_->transaction()));
+                                                    change.state, rollback_->decision()));
   }
 }
 
 OnProbation::~OnProbation() {
   if (phase_ == Phase::over || (phase_ == Phase::withdrawing && all_looked_away())) return;
   // The system goes down: whose thread ended looks at nothing any more.
-  const auto ended = [](const WayBackOfMember& member) { return member.deployed->ended; };
+  const auto ended = [](const MemberRollback& member) { return member.deployed->ended; };
   if (std::all_of(members_.begin(), members_.end(), ended)) return;
-  for (WayBackOfMember& member : members_) {
-    leave_behind(std::shared_ptr<Published>(std::move(member.withdrawn)));
+  for (MemberRollback& member : members_) {
+    leave_behind(std::shared_ptr<TaskUpdate>(std::move(member.withdrawn)));
   }
-  leave_behind(way_back_);
+  leave_behind(rollback_);
 }
 
 bool OnProbation::awaits_confirmation() const {
@@ -84,15 +84,15 @@ bool OnProbation::advance() {
 }
 
 void OnProbation::watch() {
-  if (way_back_->told()) {
+  if (rollback_->told()) {
     phase_ = Phase::going_back;
-    tell_control(system_, TraceKind::rollback, content_->what, way_back_->transaction().instant(),
+    tell_control(system_, TraceKind::rollback, content_->what, rollback_->decision().instant(),
                  number_);
     tell_members(system_, *content_, number_);
-    for (const WayBackOfMember& member : members_) system_.runner->wake(*member.deployed->task);
+    for (const MemberRollback& member : members_) system_.runner->wake(*member.deployed->task);
     return;
   }
-  if (way_back_->closed()) return held_.expired() ? overtake() : void();
+  if (rollback_->closed()) return held_.expired() ? overtake() : void();
   const Probation& rules = *content_->probation;
   const Duration passed{system_.runner->now() - began_};
   if (rules.confirm_within > Duration{0}) {
@@ -101,7 +101,7 @@ void OnProbation::watch() {
     }
     return;
   }
-  const auto proved = [&](const WayBackOfMember& member) {
+  const auto proved = [&](const MemberRollback& member) {
     const std::uint64_t releases = member.deployed->task->counters().releases.load();
     return releases - member.releases_before >= rules.activations;
   };
@@ -120,7 +120,7 @@ void OnProbation::watch() {
 /// slow.
 bool OnProbation::awaits_verdict() {
   bool waits = false;
-  for (WayBackOfMember& member : members_) {
+  for (MemberRollback& member : members_) {
     const Task& task = *member.deployed->task;
     const std::uint64_t releases = task.counters().releases.load();
     if (member.last_release == 0) member.last_release = releases + 2 * Evidence::kJobs;
@@ -131,18 +131,18 @@ bool OnProbation::awaits_verdict() {
 
 bool OnProbation::undo(const std::string& reason) {
   if (phase_ != Phase::watching) return false;
-  return way_back_->set_off(system_.runner->clock(), reason);
+  return rollback_->trigger(system_.runner->clock(), reason);
 }
 
 bool OnProbation::pass(const std::string& reason, Outcome::Kind kind) {
-  if (phase_ != Phase::watching || !held_.expired() || !way_back_->close()) return false;
+  if (phase_ != Phase::watching || !held_.expired() || !rollback_->close()) return false;
   end(kind, reason);
   return true;
 }
 
 void OnProbation::overtake() {
   if (phase_ != Phase::watching) return;
-  static_cast<void>(way_back_->close());  // or a member that failed meanwhile does
+  static_cast<void>(rollback_->close());  // or a member that failed meanwhile does
   end(Outcome::Kind::overtaken, "a newer change");
 }
 
@@ -158,8 +158,8 @@ void OnProbation::end(Outcome::Kind kind, const std::string& reason) {
   let_go_left();
 }
 
-void OnProbation::pass_on_to(Content& heir, const std::vector<WayBackOfMember>& members) {
-  static_cast<void>(way_back_->close());  // or a member that failed meanwhile does
+void OnProbation::pass_on_to(Content& heir, const std::vector<MemberRollback>& members) {
+  static_cast<void>(rollback_->close());  // or a member that failed meanwhile does
   adopt(*content_, heir, members, free_);
   replaced_.forget();
   withdraw();
@@ -176,7 +176,7 @@ OpenProbation OnProbation::look() const {
                      {},
                      Duration{system_.runner->now() - began_},
                      *content_->probation,
-                     way_back_->leads_back()};
+                     rollback_->rolls_back()};
   for (const PreparedMember& member : content_->members) {
     open.components.emplace_back(member.component->name());
   }
@@ -186,24 +186,24 @@ OpenProbation OnProbation::look() const {
   return open;
 }
 
-/// Its way back is out of the task's hands meanwhile; it is parked, so it misses nothing.
+/// Its rollback is out of the task's hands meanwhile; it is parked, so it misses nothing.
 void OnProbation::keep_parked() {
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     Task& task = *members_[i].deployed->task;
-    Published* const back = members_[i].back;
-    if (content_->members[i].part != Part::leaves || !task.mailbox().withdraw_back(*back)) continue;
+    TaskUpdate* const back = members_[i].back;
+    if (content_->members[i].part != Part::leaves || !task.mailbox().withdraw_rollback(*back)) continue;
     back->mode = Mode::park;
     task.mailbox().put_back(*back);
     system_.runner->wake(task);
   }
 }
 
-/// The tasks give the ways back up; each is freed when its thread has looked elsewhere.
+/// The tasks give the rollbacks up; each is freed when its thread has looked elsewhere.
 void OnProbation::withdraw() {
   phase_ = Phase::withdrawing;
-  for (WayBackOfMember& member : members_) {
+  for (MemberRollback& member : members_) {
     Task& task = *member.deployed->task;
-    if (task.mailbox().withdraw_back(*member.back)) member.withdrawn.reset(member.back);
+    if (task.mailbox().withdraw_rollback(*member.back)) member.withdrawn.reset(member.back);
     member.looks_after = task.mailbox().looks();
     system_.runner->wake(task);
   }
@@ -218,7 +218,7 @@ void OnProbation::let_go_left() {
 }
 
 bool OnProbation::all_looked_away() const {
-  return std::all_of(members_.begin(), members_.end(), [&](const WayBackOfMember& member) {
+  return std::all_of(members_.begin(), members_.end(), [&](const MemberRollback& member) {
     return !member.in_force || member.deployed->ended ||
            member.deployed->task->mailbox().looks() > member.looks_after;
   });
@@ -227,13 +227,13 @@ bool OnProbation::all_looked_away() const {
 void OnProbation::go_back() {
   const Instant now = system_.runner->now();
   for (auto& flip : flips_) flip->help(now);
-  if (!way_back_->told() || !all_are_back() || !may_let_go()) return;
+  if (!rollback_->told() || !all_are_back() || !may_let_go()) return;
   tell(Outcome::Kind::rolled_back, culprit());
   install_old();
   if (!quiet_) system_.outcomes.back().generation = ++system_.generation;
   replaced_.forget();
   free_.keep(content_);
-  for (WayBackOfMember& member : members_) {
+  for (MemberRollback& member : members_) {
     member.looks_after = member.deployed->task->mailbox().looks();
     system_.runner->wake(*member.deployed->task);
   }
@@ -243,7 +243,7 @@ void OnProbation::go_back() {
 bool OnProbation::all_are_back() const {
   const bool members = std::all_of(members_.begin(), members_.end(), [](const auto& member) {
     return !member.in_force ||
-           member.answer->progress.load(std::memory_order_acquire) == Published::Progress::done;
+           member.answer->progress.load(std::memory_order_acquire) == TaskUpdate::Progress::done;
   });
   return members && std::all_of(flips_.begin(), flips_.end(),
                                 [](const auto& flip) { return flip->settled(); });
@@ -302,9 +302,9 @@ void OnProbation::tell_after_all() {
 }
 
 std::string OnProbation::culprit() const {
-  const std::string text = way_back_->text();
-  if (way_back_->cause() == Cause::asked) return text;
-  const std::string cause(to_string(way_back_->cause()));
+  const std::string text = rollback_->text();
+  if (rollback_->cause() == Cause::asked) return text;
+  const std::string cause(to_string(rollback_->cause()));
   const ResourceBase* const inside = failed_in();
   const std::string where = inside == nullptr ? "" : ", in a call of " + inside->name();
   return (text.empty() ? cause : cause + ": " + text) + where;
@@ -313,7 +313,7 @@ std::string OnProbation::culprit() const {
 /// The resource in whose service the member failed; null: it failed in its own code.
 const ResourceBase* OnProbation::failed_in() const {
   for (const ResourceBase* resource : system_.architecture.resources()) {
-    if (&resource->gate() == way_back_->inside()) return resource;
+    if (&resource->gate() == rollback_->inside()) return resource;
   }
   return nullptr;
 }
@@ -344,13 +344,13 @@ void OnProbation::tell(Outcome::Kind kind, const std::string& reason) {
   end.kind = kind;
   end.reason = reason;
   if (kind == Outcome::Kind::rolled_back) {
-    end.commit = Duration{way_back_->transaction().instant() - system_.t0};
-    for (const WayBackOfMember& member : members_) {
-      if (&member.deployed->task->report() == way_back_->member()) {
+    end.commit = Duration{rollback_->decision().instant() - system_.t0};
+    for (const MemberRollback& member : members_) {
+      if (&member.deployed->task->report() == rollback_->member()) {
         end.component = member.deployed->task->name();
       }
     }
-    if (!end.component.empty()) end.incident = to_incident(way_back_->fault());
+    if (!end.component.empty()) end.incident = to_incident(rollback_->fault());
     name_cores(end);
   }
   system_.outcomes.push_back(std::move(end));

@@ -7,16 +7,16 @@
 
 namespace mauve::exec {
 
-OnProbation* probation_of(const System& system, const WayBack& way_back) {
+OnProbation* probation_of(const System& system, const Rollback& rollback) {
   for (const auto& one : system.probations) {
-    if (one->leads(way_back)) return one.get();
+    if (one->leads(rollback)) return one.get();
   }
   return nullptr;
 }
 
-bool is_led_back(const System& system) {
+bool is_rolled_back(const System& system) {
   return std::any_of(system.probations.begin(), system.probations.end(),
-                     [](const auto& one) { return one->way_back()->leads_back(); });
+                     [](const auto& one) { return one->rollback()->rolls_back(); });
 }
 
 void let_fade(System& system) {

@@ -7,7 +7,7 @@
 #include "base/duration.h"
 #include "exec/recovery/probations.h"
 #include "exec/system/books.h"
-#include "exec/system/make_published.h"
+#include "exec/system/make_update.h"
 #include "exec/system/prepared.h"
 #include "model/left_behind.h"
 
@@ -17,8 +17,8 @@ namespace {
 using Action = FaultPolicy::Action;
 
 /// Decided for ever: a relief waits for a fault, not for an instant.
-Transaction& standing_decision() {
-  static Transaction decision(0, Transaction::State::committed);
+Decision& standing_decision() {
+  static Decision decision(0, Decision::State::committed);
   return decision;
 }
 
@@ -83,7 +83,7 @@ void give_up(System& system, Deployed& deployed, Instant failed_at, const std::s
 /// Waits for a core that does not stand by; nothing else is on its way.
 bool waits_for_relief(const System& system, const Deployed& deployed) {
   const bool other = deployed.hidden || deployed.changing || deployed.relief.content != nullptr;
-  return !other && !is_led_back(system) && deployed.task->failed_core().at() != 0 &&
+  return !other && !is_rolled_back(system) && deployed.task->failed_core().at() != 0 &&
          !deployed.task->failed_core().is_hopeless();
 }
 
@@ -130,18 +130,18 @@ std::string why_no_relief(const System& system, const Deployed& deployed) {
 }
 
 /// False: the task has one, or runs with another bundle than the relief was made for.
-bool stand_by(const System& system, Task& task, std::unique_ptr<Published> relief) {
+bool stand_by(const System& system, Task& task, std::unique_ptr<TaskUpdate> relief) {
   if (!task.mailbox().stand_by(*relief)) return false;
-  Published* const standing = relief.release();
-  if (!is_led_back(system) || !task.mailbox().withdraw_relief(*standing)) return true;
-  leave_behind(std::shared_ptr<Published>(standing));  // its thread may be about to look
+  TaskUpdate* const standing = relief.release();
+  if (!is_rolled_back(system) || !task.mailbox().withdraw_relief(*standing)) return true;
+  leave_behind(std::shared_ptr<TaskUpdate>(standing));  // its thread may be about to look
   return false;
 }
 
 }  // namespace
 
 std::vector<Change> wanted_reliefs(System& system) {
-  if (is_led_back(system)) return {};
+  if (is_rolled_back(system)) return {};
   std::vector<Change> wanted;
   for (const Deployed& deployed : system.deployed) {
     const bool ready = deployed.relief.content != nullptr || deployed.hidden || deployed.changing;
@@ -168,19 +168,19 @@ std::optional<Edit> relief_of(System& system, const PreparedChange::Content& cha
   return relief_of(system, name, *member.next, *fallback, deployed);
 }
 
-std::unique_ptr<Published> make_relief(PreparedMember& relief, std::size_t restarts) {
+std::unique_ptr<TaskUpdate> make_relief(PreparedMember& relief, std::size_t restarts) {
   relief.restart = relief.state == StatePolicy::drop;
-  auto published = make_published(relief);
-  published->taken_as = TakenAs::relief;
-  published->transaction = &standing_decision();
+  auto update = make_update(relief);
+  update->taken_as = TakenAs::relief;
+  update->decision = &standing_decision();
   if (relief.restart) {
-    published->back_off = back_off(relief.base->task.on_fault, restarts);
+    update->back_off = back_off(relief.base->task.on_fault, restarts);
   }
-  return published;
+  return update;
 }
 
 void put_in_readiness(System& system, PreparedChange& prepared) {
-  if (is_led_back(system)) return;
+  if (is_rolled_back(system)) return;
   const std::shared_ptr<PreparedChange::Content> content = prepared.share();
   for (PreparedMember& member : content->members) {
     Deployed* deployed = system.find(member.component->name());
@@ -188,9 +188,9 @@ void put_in_readiness(System& system, PreparedChange& prepared) {
                          member.component->bundle() == member.base;
     if (!current) continue;
     forget_old_restarts(*deployed, member.base->task.on_fault, system.runner->now());
-    auto published = make_relief(member, deployed->restarts.size());
-    deployed->relief = {content, &member, published->answer};
-    if (!stand_by(system, *deployed->task, std::move(published))) deployed->relief = {};
+    auto update = make_relief(member, deployed->restarts.size());
+    deployed->relief = {content, &member, update->answer};
+    if (!stand_by(system, *deployed->task, std::move(update))) deployed->relief = {};
   }
 }
 
@@ -199,9 +199,9 @@ void look_after_reliefs(System& system) {
     StandingBy& relief = deployed.relief;
     if (relief.content == nullptr) continue;
     const auto progress = relief.answer->progress.load(std::memory_order_acquire);
-    if (progress == Published::Progress::done) {
+    if (progress == TaskUpdate::Progress::done) {
       take_note(system, deployed);
-    } else if (progress == Published::Progress::given_back && !deployed.changing) {
+    } else if (progress == TaskUpdate::Progress::given_back && !deployed.changing) {
       // A change made it useless. In its first job it is neither.
       system.free.keep(std::exchange(relief, {}).content);
     }
@@ -233,7 +233,7 @@ Recovery recovery_of(const System& system, const Deployed& deployed, Instant fai
   const ComponentBase& component = *deployed.component;
   const FaultPolicy& policy = component.bundle()->task.on_fault;
   Recovery recovery;
-  if (is_led_back(system)) {
+  if (is_rolled_back(system)) {
     recovery.way = Recovery::Way::rollback;
   } else if (policy.action == Action::restart) {
     const std::size_t used = recent_restarts(system, &deployed, policy);

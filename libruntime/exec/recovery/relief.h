@@ -27,7 +27,7 @@ namespace mauve::exec {
 
 /// The relief that comes with a change: its task takes it together with the new bundle. `restarts`:
 /// those there were.
-[[nodiscard]] std::unique_ptr<Published> make_relief(PreparedMember& relief, std::size_t restarts);
+[[nodiscard]] std::unique_ptr<TaskUpdate> make_relief(PreparedMember& relief, std::size_t restarts);
 
 /// Puts a prepared relief in readiness. [control]
 void put_in_readiness(System& system, PreparedChange& prepared);

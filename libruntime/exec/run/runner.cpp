@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "exec/task/task.h"
-#include "exec/update/transaction.h"
+#include "exec/update/decision.h"
 
 namespace mauve::exec {
 namespace {

@@ -26,15 +26,15 @@ std::vector<std::pair<const PortBase*, const Binding*>> lost_connections(
 }  // namespace
 
 ResourceFlip::ResourceFlip(ResourceBase& resource, ResourceParts parts, StatePolicy state,
-                           Transaction& transaction)
+                           Decision& decision)
     : resource_(resource),
       parts_(std::move(parts)),
       replaced_{parts_.core != nullptr ? resource.shared_core() : nullptr,
                 parts_.bindings != nullptr ? resource.shared_bindings() : nullptr},
-      transaction_(transaction),
+      decision_(decision),
       safe_writes_(lost_connections(resource, parts_.bindings.get())) {
   if (parts_.core != nullptr) {
-    // Refused only on the way back to a core that cannot take the state of a later one: it goes on
+    // Refused only on the rollback to a core that cannot take the state of a later one: it goes on
     // from the value it had.
     const auto plan = plan_hand_over(*replaced_.core, *parts_.core, state);
     if (plan) hand_over_ = *plan;
@@ -53,9 +53,9 @@ bool ResourceFlip::visit(Instant release) {
   if (state() == State::in_force || state() == State::given_up) return true;
   if (release == 0) return false;
   // The coordinator is late: whoever comes at the instant decides for all that nothing happens.
-  const Transaction::Verdict verdict = transaction_.meet(release);
-  if (verdict == Transaction::Verdict::go_on) return false;
-  const bool aborted = verdict == Transaction::Verdict::give_back;
+  const Decision::Verdict verdict = decision_.meet(release);
+  if (verdict == Decision::Verdict::go_on) return false;
+  const bool aborted = verdict == Decision::Verdict::give_back;
   State expected = State::waiting;
   const State wanted = aborted ? State::given_up : State::taking;
   if (!state_.compare_exchange_strong(expected, wanted, std::memory_order_acq_rel)) return true;
@@ -100,8 +100,8 @@ void ResourceFlip::finish_for_lost() {
 void ResourceFlip::help(Instant now) {
   finish_for_lost();
   if (state() != State::waiting) return;
-  if (transaction_.given_up()) return revoke();
-  if (transaction_.state() != Transaction::State::committed || now < transaction_.instant()) return;
+  if (decision_.given_up()) return revoke();
+  if (decision_.state() != Decision::State::committed || now < decision_.instant()) return;
   if (!resource_.gate().try_enter()) return;
   static_cast<void>(visit(now));
   resource_.gate().forget(*this);

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "exec/system/resource_parts.h"
-#include "exec/update/transaction.h"
+#include "exec/update/decision.h"
 #include "model/hand_over.h"
 
 #include <mauve/binding.h>
@@ -37,7 +37,7 @@ class ResourceFlip final : public Deferred {
 
   /// Arms it. The transaction outlives it.
   ResourceFlip(ResourceBase& resource, ResourceParts parts, StatePolicy state,
-               Transaction& transaction);
+               Decision& decision);
   /// Nobody visits it any more: see disarm().
   ~ResourceFlip() override;
 
@@ -74,7 +74,7 @@ class ResourceFlip final : public Deferred {
   ResourceParts replaced_;
   HandOver hand_over_;
   std::vector<std::pair<ObservableBase*, const ObservableBase*>> observables_;
-  Transaction& transaction_;
+  Decision& decision_;
   /// Ports that lose their service: their safe values are written first.
   std::vector<std::pair<const PortBase*, const Binding*>> safe_writes_;
   std::atomic<State> state_{State::waiting};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The architecture as a change, or its way back, would leave it.
+/// The architecture as a change, or its rollback, would leave it.
 #pragma once
 
 #include "exec/system/prepared.h"

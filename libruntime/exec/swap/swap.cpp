@@ -16,18 +16,18 @@ constexpr Duration kLeadPerMember = 1us;
 
 /// Decided before it is published. It gets its instant when every member has it, so that nothing
 /// that holds up [control] meanwhile lets a member pass the instant unaware of it.
-class Order final : public Transaction {
+class Order final : public Decision {
  public:
-  Order() : Transaction(kNever, State::committed) {}
-  using Transaction::claim;
+  Order() : Decision(kNever, State::committed) {}
+  using Decision::claim;
 };
 
-using Progress = Published::Progress;
+using Progress = TaskUpdate::Progress;
 
 }  // namespace
 
 Swap::Swap(std::vector<Member> members, std::vector<ResourceMember> resources, Runner& runner,
-           Duration bound, Kind kind, std::vector<std::shared_ptr<WayBack>> before)
+           Duration bound, Kind kind, std::vector<std::shared_ptr<Rollback>> before)
     : members_(std::move(members)),
       resources_(std::move(resources)),
       runner_(runner),
@@ -49,9 +49,9 @@ Swap::~Swap() {
     in_use = true;
   }
   // When a change was given up, or the system goes down over it: a thread may be about to look.
-  for (const Member& member : members_) in_use = in_use || member.published != nullptr;
+  for (const Member& member : members_) in_use = in_use || member.update != nullptr;
   if (!in_use) return;
-  for (auto& transaction : transactions_) leave_behind(std::move(transaction));
+  for (auto& decision : decisions_) leave_behind(std::move(decision));
 }
 
 /// Publishes and decides. The whole of it is a few stores, so it runs just above ordinary threads
@@ -62,12 +62,12 @@ void Swap::attempt() {
   result_.instant = runner_.now() + lead_.count();
   const auto order = kind_ == Kind::order ? std::make_shared<Order>() : nullptr;
   const bool decided = members_.empty() && before_.empty();
-  transactions_.push_back(order);
+  decisions_.push_back(order);
   if (order == nullptr) {
-    transactions_.back() = std::make_shared<Transaction>(
-        result_.instant, decided ? Transaction::State::committed : Transaction::State::prepared);
+    decisions_.back() = std::make_shared<Decision>(
+        result_.instant, decided ? Decision::State::committed : Decision::State::prepared);
   }
-  for (const auto& before : before_) before->give_way_to(transactions_.back());
+  for (const auto& before : before_) before->give_way_to(decisions_.back());
   MAUVE_FAIL_POINT("commit.before_publish");
   for (Member& member : members_) publish(member);
   for (ResourceMember& resource : resources_) arm(resource);
@@ -77,28 +77,28 @@ void Swap::attempt() {
   }
   deadline_ = result_.instant + bound_.count();
   const bool late = !members_.empty() && runner_.now() >= result_.instant - kDecisionMargin.count();
-  const bool led_back = is_led_back();
+  const bool led_back = is_rolled_back();
   MAUVE_FAIL_POINT("commit.before_decide");
-  transactions_.back()->decide(late || led_back ? Transaction::State::aborted
-                                                : Transaction::State::committed);
+  decisions_.back()->decide(late || led_back ? Decision::State::aborted
+                                                : Decision::State::committed);
   MAUVE_FAIL_POINT("commit.after_decide");
   for (Member& member : members_) runner_.wake(*member.task);
 }
 
 void Swap::publish(Member& member) {
   static_cast<void>(member.task->mailbox().reclaim());  // words of changes before, no elements
-  member.next->transaction = transactions_.back().get();
+  member.next->decision = decisions_.back().get();
   member.next->answer->progress = Progress::published;
   member.answer = member.next->answer;
   member.settled = false;
-  member.published = member.next.release();
-  member.task->mailbox().publish(*member.published);
+  member.update = member.next.release();
+  member.task->mailbox().publish(*member.update);
 }
 
 void Swap::arm(ResourceMember& resource) {
   if (resource.flip != nullptr) old_flips_.push_back(std::move(resource.flip));
   resource.flip = std::make_unique<ResourceFlip>(*resource.resource, resource.parts, resource.state,
-                                                 *transactions_.back());
+                                                 *decisions_.back());
 }
 
 bool Swap::all_settled() {
@@ -124,11 +124,11 @@ bool Swap::advance() {
   const bool open =
       result_.state == SwapResult::State::under_way || result_.state == SwapResult::State::waiting;
   if (!open) return true;
-  if (transactions_.back()->state() == Transaction::State::committed) {
+  if (decisions_.back()->state() == Decision::State::committed) {
     result_.state = SwapResult::State::committed;
     return true;
   }
-  if (is_led_back()) {
+  if (is_rolled_back()) {
     result_.state = SwapResult::State::overtaken;
     return true;
   }
@@ -142,9 +142,9 @@ bool Swap::advance() {
 }
 
 /// One of the changes before.
-bool Swap::is_led_back() const {
+bool Swap::is_rolled_back() const {
   return std::any_of(before_.begin(), before_.end(),
-                     [](const std::shared_ptr<WayBack>& before) { return before->leads_back(); });
+                     [](const std::shared_ptr<Rollback>& before) { return before->rolls_back(); });
 }
 
 /// Some caller is about to change a resource: an instant later that is settled.
@@ -154,7 +154,7 @@ bool Swap::is_taking() const {
   });
 }
 
-/// The task may have taken the word and left it again, for instance on a way back: then the word is
+/// The task may have taken the word and left it again, for instance on a rollback: then the word is
 /// freed, and only its answer is there.
 void Swap::settle(Member& member) {
   const Progress progress = member.answer->progress.load(std::memory_order_acquire);
@@ -167,9 +167,9 @@ void Swap::settle(Member& member) {
     static_cast<void>(
         member.task->mailbox().reclaim());  // what it ran with before: words, no elements
   } else {
-    member.next.reset(member.published);  // untouched, ready for another attempt
+    member.next.reset(member.update);  // untouched, ready for another attempt
   }
-  member.published = nullptr;
+  member.update = nullptr;
   member.settled = true;
 }
 
@@ -180,7 +180,7 @@ void Swap::give_up() {
     result_.state = SwapResult::State::waiting;
     return;
   }
-  const bool committed = transactions_.back()->state() == Transaction::State::committed;
+  const bool committed = decisions_.back()->state() == Decision::State::committed;
   std::size_t in_force = 0;
   for (Member& member : members_) {
     if (!member.settled) give_up(member, committed);
@@ -198,11 +198,11 @@ void Swap::give_up() {
 /// What its thread has claimed it runs with, or is about to, or it gave it back and lets it lie.
 void Swap::give_up(Member& member, bool committed) {
   given_up_ = true;
-  if (member.task->mailbox().revoke(*member.published)) {
+  if (member.task->mailbox().revoke(*member.update)) {
     // What a thread may be about to look at is left behind; the elements are not.
-    member.published->bundle.reset();
-    member.published->back.reset();
-    leave_behind(std::shared_ptr<Published>(std::exchange(member.published, nullptr)));
+    member.update->bundle.reset();
+    member.update->back.reset();
+    leave_behind(std::shared_ptr<TaskUpdate>(std::exchange(member.update, nullptr)));
   } else {
     member.in_force = committed;
   }

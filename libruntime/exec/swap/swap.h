@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "exec/swap/resource_flip.h"
-#include "exec/update/published.h"
+#include "exec/update/task_update.h"
 
 namespace mauve::exec {
 
@@ -30,9 +30,9 @@ class Task;
 /// One component's part in a swap.
 struct Member {
   Task* task = nullptr;
-  std::unique_ptr<Published> next;  ///< while no task owns it
-  Published* published = nullptr;   ///< while a task owns it; freed once the task has left it
-  std::shared_ptr<const Published::Answer> answer;  ///< of `published`; outlives it
+  std::unique_ptr<TaskUpdate> next;  ///< while no task owns it
+  TaskUpdate* update = nullptr;   ///< while a task owns it; freed once the task has left it
+  std::shared_ptr<const TaskUpdate::Answer> answer;  ///< of `update`; outlives it
   bool settled = false;   ///< its thread has answered, or the swap gave it up
   bool in_force = false;  ///< it runs with `next` now
   Duration pause{0};      ///< the answer of its thread
@@ -55,7 +55,7 @@ struct SwapResult {
     missed,     ///< every attempt missed its instant: nothing happened
     revoked,    ///< no member reached a boundary in time: taken back, nothing happened
     partly,     ///< some member did not reach a boundary in time, others did
-    overtaken,  ///< the change before is led back: nothing happened
+    overtaken,  ///< the change before is rolled back: nothing happened
     waiting,    ///< an order: some member did not reach a boundary yet, it will obey when it does
   };
   State state = State::under_way;
@@ -74,9 +74,9 @@ class Swap {
   };
 
   /// Publishes and decides. `bound`: how long after the instant members may take to answer.
-  /// `before`: ways back that can no longer be set off once this is committed.
+  /// `before`: rollbacks that can no longer be triggered once this is committed.
   Swap(std::vector<Member> members, std::vector<ResourceMember> resources, Runner& runner,
-       Duration bound, Kind kind, std::vector<std::shared_ptr<WayBack>> before = {});
+       Duration bound, Kind kind, std::vector<std::shared_ptr<Rollback>> before = {});
   ~Swap();
   Swap(const Swap&) = delete;
   Swap& operator=(const Swap&) = delete;
@@ -90,7 +90,7 @@ class Swap {
   }
   [[nodiscard]] const SwapResult& result() const { return result_; }
   /// Of the newest attempt.
-  [[nodiscard]] Transaction::State decision() const { return transactions_.back()->state(); }
+  [[nodiscard]] Decision::State decision() const { return decisions_.back()->state(); }
   [[nodiscard]] const std::vector<Member>& members() const { return members_; }
   [[nodiscard]] const std::vector<ResourceMember>& resources() const { return resources_; }
 
@@ -103,7 +103,7 @@ class Swap {
   void give_up(Member& member, bool committed);
   [[nodiscard]] bool all_settled();
   [[nodiscard]] bool is_taking() const;
-  [[nodiscard]] bool is_led_back() const;
+  [[nodiscard]] bool is_rolled_back() const;
 
   std::vector<Member> members_;
   std::vector<ResourceMember> resources_;
@@ -111,11 +111,11 @@ class Swap {
   Runner& runner_;
   const Duration bound_;
   const Kind kind_;
-  const std::vector<std::shared_ptr<WayBack>> before_;
+  const std::vector<std::shared_ptr<Rollback>> before_;
   bool given_up_ = false;
   Duration lead_;
   Instant deadline_ = 0;
-  std::vector<std::shared_ptr<Transaction>> transactions_;  // the newest counts
+  std::vector<std::shared_ptr<Decision>> decisions_;  // the newest counts
   SwapResult result_;
 };
 

@@ -21,10 +21,10 @@ enum class Part : std::uint8_t {
   changes,
   joins,
   leaves,
-  follows,  ///< stays as it is, and is led back with the others: see inherit.h
+  follows,  ///< stays as it is, and is rolled back with the others: see inherit.h
 };
 
-/// Where a member is led back to.
+/// Where a member is rolled back to.
 struct Origin {
   std::shared_ptr<const Bundle> bundle;
   Mode mode = Mode::keep;

@@ -15,7 +15,7 @@
 #include "exec/system/control_trace.h"
 #include "exec/system/model_lock.h"
 #include "exec/task/task.h"
-#include "exec/update/published.h"
+#include "exec/update/task_update.h"
 #include "rt/last_words.h"
 
 #include <mauve/deploy_options.h>
@@ -39,7 +39,7 @@ struct PreparedMember;
 struct StandingBy {
   std::shared_ptr<PreparedChange::Content> content;  ///< null: none
   PreparedMember* member = nullptr;
-  std::shared_ptr<const Published::Answer> answer;
+  std::shared_ptr<const TaskUpdate::Answer> answer;
 };
 
 /// One component and what runs it.
@@ -95,7 +95,7 @@ class System {
   std::uint64_t generation = 0;
   /// Rises whenever the model shows something else: a change, a rollback, a core that took over.
   std::atomic<std::uint64_t> revision{0};
-  std::uint64_t changes = 0;  ///< numbers that changes got since deployment, see Published::number
+  std::uint64_t changes = 0;  ///< numbers that changes got since deployment, see TaskUpdate::number
   ControlTrace control_trace;
   std::vector<TraceRecord> last_trace
       MAUVE_GUARDED_BY(members);  ///< of components that left; under `members`

@@ -7,7 +7,7 @@
 #include "exec/task/fault_reaction.h"
 #include "exec/task/task_context.h"
 #include "exec/task/write_quietly.h"
-#include "exec/update/published.h"
+#include "exec/update/task_update.h"
 #include "rt/cache.h"
 
 #include <mauve/component.h>
@@ -22,7 +22,7 @@ namespace {
 
 /// A change that neither replaces the core nor starts or stops the component leaves a failed core
 /// failed. A change on probation forgets the failure: it is judged by the jobs that follow.
-bool keeps_core(const Published& next, const Published& current) {
+bool keeps_core(const TaskUpdate& next, const TaskUpdate& current) {
   if (next.mode != Mode::keep || next.taken_as != TakenAs::change) return false;
   return next.mode_only || (next.back == nullptr && next.bundle->core == current.bundle->core);
 }
@@ -37,23 +37,23 @@ Instant next_on_grid(Instant base, Duration step, Instant instant) {
 
 /// Decided, and no job lies between its instant and the armed release? A task whose release is due
 /// meets the change at its own boundary.
-bool Boundary::is_early(const Published& next) const {
-  const Transaction& decision = *next.transaction;
-  if (decision.state() != Transaction::State::committed || !decision.has_instant()) return false;
+bool Boundary::is_early(const TaskUpdate& next) const {
+  const Decision& decision = *next.decision;
+  if (decision.state() != Decision::State::committed || !decision.has_instant()) return false;
   return !task_.running || (task_.release >= decision.instant() && !task_.due());
 }
 
 bool Boundary::serve() {
-  if (Published* next = task_.mailbox.pending()) {
-    if (next->transaction->state() == Transaction::State::aborted) {
+  if (TaskUpdate* next = task_.mailbox.pending()) {
+    if (next->decision->state() == Decision::State::aborted) {
       give_back(*next);
     } else if (is_early(*next) && task_.mailbox.revoke(*next)) {
       fetch(*next);
       if (!take_early(*next, task_.meter.now())) return false;
     }
   }
-  if (Published* back = task_.mailbox.back()) {
-    if (is_early(*back) && task_.mailbox.withdraw_back(*back)) {
+  if (TaskUpdate* back = task_.mailbox.back()) {
+    if (is_early(*back) && task_.mailbox.withdraw_rollback(*back)) {
       if (!take_early(*back, task_.clock.now())) return false;
     }
   }
@@ -64,7 +64,7 @@ bool Boundary::serve() {
 
 /// The change takes effect, but a direct stop has the last word: then the component does not run,
 /// and its outputs, which may be others, have their safe values before the coordinator goes on.
-bool Boundary::take_early(Published& next, Instant begin) {
+bool Boundary::take_early(TaskUpdate& next, Instant begin) {
   if (!take(next, begin)) return false;
   if (unacknowledged_ != nullptr && task_.mailbox.halted()) stand_still();
   acknowledge();
@@ -72,27 +72,27 @@ bool Boundary::take_early(Published& next, Instant begin) {
 }
 
 bool Boundary::meet(Instant now) {
-  Published* const next = task_.mailbox.pending();
+  TaskUpdate* const next = task_.mailbox.pending();
   if (next != nullptr) {
     // The coordinator is late: a member at its instant decides for all that nothing happens.
-    const Transaction::Verdict verdict = next->transaction->meet(task_.release);
-    if (verdict == Transaction::Verdict::give_back) give_back(*next);
-    const bool takes = verdict == Transaction::Verdict::take && task_.mailbox.revoke(*next);
+    const Decision::Verdict verdict = next->decision->meet(task_.release);
+    if (verdict == Decision::Verdict::give_back) give_back(*next);
+    const bool takes = verdict == Decision::Verdict::take && task_.mailbox.revoke(*next);
     if (takes && !take(*next, now)) return false;
   }
   if (task_.waiting) return true;  // a standby core waits as well
-  Published* const other = takes_over();
+  TaskUpdate* const other = takes_over();
   return other == nullptr || take(*other, now);
 }
 
-/// The way back once it was set off, or the standby core of a core that failed; null: neither.
-Published* Boundary::takes_over() {
-  Published* const back = task_.mailbox.back();
+/// The rollback once it was triggered, or the standby core of a core that failed; null: neither.
+TaskUpdate* Boundary::takes_over() {
+  TaskUpdate* const back = task_.mailbox.back();
   const bool goes_back =
-      back != nullptr && back->transaction->meet(task_.release) == Transaction::Verdict::take;
-  if (goes_back && task_.mailbox.withdraw_back(*back)) return back;
-  if (!task_.failed || faults_.leads_back() || task_.failed.is_hopeless()) return nullptr;
-  Published* const relief = task_.mailbox.relief();
+      back != nullptr && back->decision->meet(task_.release) == Decision::Verdict::take;
+  if (goes_back && task_.mailbox.withdraw_rollback(*back)) return back;
+  if (!task_.failed || faults_.rolls_back() || task_.failed.is_hopeless()) return nullptr;
+  TaskUpdate* const relief = task_.mailbox.relief();
   if (relief == nullptr || task_.release < task_.failed.at() + relief->back_off.count()) {
     return nullptr;
   }
@@ -116,14 +116,14 @@ void Boundary::drop_missed(Instant now) {
 /// What take() touches was written by the coordinator, often on another CPU, from where each cache
 /// line takes 100 ns, or was not used since the last job. It is brought here while the old bundle
 /// is still in force.
-void Boundary::fetch(const Published& next) const {
-  if (next.barrier != Published::Barrier::none) return;
+void Boundary::fetch(const TaskUpdate& next) const {
+  if (next.barrier != TaskUpdate::Barrier::none) return;
   rt::touch(&next, sizeof next);
   rt::touch(next.answer.get(), sizeof *next.answer);
   rt::touch(next.bundle.get(), sizeof *next.bundle);
   rt::touch(next.bundle->measured.get(), sizeof *next.bundle->measured);
   rt::touch(next.state_map.data(), next.state_map.size() * sizeof next.state_map[0]);
-  const Published& current = *task_.current;
+  const TaskUpdate& current = *task_.current;
   if (current.bundle->core.get() != task_.lost) next.hand_over.fetch();
   for (const auto& [into, from] : next.observables) rt::touch(into, sizeof *into);
   rt::touch(next.bundle->shell.get(), sizeof *next.bundle->shell);
@@ -134,10 +134,10 @@ void Boundary::fetch(const Published& next) const {
   rt::touch_swap_code();
 }
 
-MAUVE_RUNS_AT_A_SWAP bool Boundary::take(Published& next, Instant begin) {
+MAUVE_RUNS_AT_A_SWAP bool Boundary::take(TaskUpdate& next, Instant begin) {
   acknowledge();  // of a change that is overtaken at the same boundary
   record_taken(next, begin);
-  if (next.barrier != Published::Barrier::none) return wait_or_go_on(next), true;
+  if (next.barrier != TaskUpdate::Barrier::none) return wait_or_go_on(next), true;
   if (next.mode_only) keep_bundle(next);
   const bool waited = std::exchange(task_.waiting, false);
   task_.running = task_.running || waited;
@@ -151,7 +151,7 @@ MAUVE_RUNS_AT_A_SWAP bool Boundary::take(Published& next, Instant begin) {
   const Instant parked = task_.parked_at;
   next.answer->pause =
       Duration{next.count_gap ? task_.release - parked : task_.meter.now() - begin};
-  if (waited) next.answer->pause = skip_gap(next.transaction->instant());
+  if (waited) next.answer->pause = skip_gap(next.decision->instant());
   if (was_running && task_.running && !next.mode_only) {
     task_.report.note(rt::EventKind::swapped, LogLevel::info, next.answer->pause.count(),
                       static_cast<std::int64_t>(next.answer->bytes));
@@ -161,19 +161,19 @@ MAUVE_RUNS_AT_A_SWAP bool Boundary::take(Published& next, Instant begin) {
 }
 
 /// A standby core is no change of the coordinator: the task keeps the number of its last change.
-MAUVE_RUNS_AT_A_SWAP void Boundary::record_taken(const Published& next, Instant time) {
-  const bool barrier = next.barrier != Published::Barrier::none;
+MAUVE_RUNS_AT_A_SWAP void Boundary::record_taken(const TaskUpdate& next, Instant time) {
+  const bool barrier = next.barrier != TaskUpdate::Barrier::none;
   if (!barrier && next.number != 0) task_.number = next.number;
   const TakenAs as = barrier ? TakenAs::barrier : next.taken_as;
-  const bool has_instant = as != TakenAs::relief && next.transaction->has_instant();
+  const bool has_instant = as != TakenAs::relief && next.decision->has_instant();
   task_.report.record(TraceKind::taken, time,
-                      has_instant ? next.transaction->instant() - task_.t0 : -1,
+                      has_instant ? next.decision->instant() - task_.t0 : -1,
                       barrier ? next.number : task_.number, static_cast<std::uint32_t>(as));
 }
 
 /// A converter is code of the new core, so the guard watches it as it watches a job. False: it did
 /// not return, and this thread was given up in it.
-MAUVE_RUNS_AT_A_SWAP bool Boundary::take_state(Published& next) {
+MAUVE_RUNS_AT_A_SWAP bool Boundary::take_state(TaskUpdate& next) {
   const bool converts = next.hand_over.convert != nullptr;
   const Instant begun = task_.meter.now();
   if (converts) {
@@ -194,11 +194,11 @@ MAUVE_RUNS_AT_A_SWAP bool Boundary::take_state(Published& next) {
 
 /// Takes everything of the update but the state that the old core hands over. A start resumes a
 /// component with a failed core as it resumes a stopped one.
-MAUVE_RUNS_AT_A_SWAP void Boundary::take_rest(Published& next) {
+MAUVE_RUNS_AT_A_SWAP void Boundary::take_rest(TaskUpdate& next) {
   const bool was_running = task_.running && !(task_.failed && next.mode == Mode::run);
   next.bundle->shell->use(next.bundle->bindings.get());
   map_state(next);
-  Published* const old = task_.current;
+  TaskUpdate* const old = task_.current;
   put_in_place(next);
   rearm(next, was_running);
   unacknowledged_ = &next;
@@ -206,24 +206,24 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::take_rest(Published& next) {
 }
 
 void Boundary::finish_taking() {
-  Published* const next = std::exchange(taking_, nullptr);
+  TaskUpdate* const next = std::exchange(taking_, nullptr);
   if (next == nullptr) return;
   take_rest(*next);
   next->answer->failed = true;
 }
 
 /// A task that does not run has nothing to wait with.
-void Boundary::wait_or_go_on(Published& step) {
-  if (step.barrier == Published::Barrier::wait) {
+void Boundary::wait_or_go_on(TaskUpdate& step) {
+  if (step.barrier == TaskUpdate::Barrier::wait) {
     task_.waiting = std::exchange(task_.running, false);
   } else if (std::exchange(task_.waiting, false)) {
     task_.running = true;
-    step.answer->pause = skip_gap(step.transaction->instant());
+    step.answer->pause = skip_gap(step.decision->instant());
   }
   // After a direct stop: what was written during a hand-over that came to nothing may be lost.
   const bool stands = !task_.running && !task_.waiting;
   if (stands && task_.mailbox.halted()) faults_.write_safe_values();
-  step.answer->progress.store(Published::Progress::done, std::memory_order_release);
+  step.answer->progress.store(TaskUpdate::Progress::done, std::memory_order_release);
   task_.mailbox.retire(step);  // last: from there it is freed
 }
 
@@ -240,11 +240,11 @@ Duration Boundary::skip_gap(Instant until) {
 }
 
 /// It was made from what the model showed then; meanwhile the task may have gone back.
-void Boundary::keep_bundle(Published& next) const {
-  const Published& current = *task_.current;
+void Boundary::keep_bundle(TaskUpdate& next) const {
+  const TaskUpdate& current = *task_.current;
   if (next.bundle == current.bundle) return;
   next.bundle = current.bundle;  // two counts each; the last one to go is never here
-  next.nearby = current.nearby;
+  next.prefetch = current.prefetch;
   next.grid = current.grid;
   next.shortest_wait = current.shortest_wait;
   next.bound = current.bound;
@@ -252,7 +252,7 @@ void Boundary::keep_bundle(Published& next) const {
 }
 
 /// What stood ready for the old bundle is of no use for another one.
-MAUVE_RUNS_AT_A_SWAP void Boundary::put_in_place(Published& next) {
+MAUVE_RUNS_AT_A_SWAP void Boundary::put_in_place(TaskUpdate& next) {
   Mailbox& mailbox = task_.mailbox;
   Counters& counters = task_.report.counters();
   const bool same_bundle = next.bundle == task_.current->bundle;
@@ -266,18 +266,18 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::put_in_place(Published& next) {
   if (same_bundle && next.back == nullptr && next.relief == nullptr) return;
   task_.evidence.begin_anew(!mailbox.on_probation());
   counters.suspected.store(false, std::memory_order_relaxed);
-  if (Published* const before = mailbox.exchange_back(std::move(next.back))) {
+  if (TaskUpdate* const before = mailbox.exchange_back(std::move(next.back))) {
     mailbox.retire(*before);
   }
   if (task_.failed && next.mode_only) faults_.give_up_core();
   if (same_bundle && next.relief == nullptr) return;  // what stands by is of use still
-  if (Published* const relief = mailbox.exchange_relief(std::move(next.relief))) {
-    relief->answer->progress.store(Published::Progress::given_back, std::memory_order_release);
+  if (TaskUpdate* const relief = mailbox.exchange_relief(std::move(next.relief))) {
+    relief->answer->progress.store(TaskUpdate::Progress::given_back, std::memory_order_release);
     mailbox.retire(*relief);
   }
 }
 
-MAUVE_RUNS_AT_A_SWAP void Boundary::map_state(const Published& next) {
+MAUVE_RUNS_AT_A_SWAP void Boundary::map_state(const TaskUpdate& next) {
   if (next.restart) {
     task_.state = nullptr;
   } else if (task_.state != nullptr && !next.state_map.empty()) {
@@ -286,7 +286,7 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::map_state(const Published& next) {
 }
 
 /// Stops, starts, or goes on at the release that was armed before.
-MAUVE_RUNS_AT_A_SWAP void Boundary::rearm(const Published& next, bool was_running) {
+MAUVE_RUNS_AT_A_SWAP void Boundary::rearm(const TaskUpdate& next, bool was_running) {
   if (next.mode == Mode::park) {
     if (was_running) task_.park(ComponentState::stopped);
   } else if (next.mode == Mode::run && !was_running) {
@@ -296,10 +296,10 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::rearm(const Published& next, bool was_runnin
   }
 }
 
-MAUVE_RUNS_AT_A_SWAP void Boundary::start(const Published& next) {
+MAUVE_RUNS_AT_A_SWAP void Boundary::start(const TaskUpdate& next) {
   const Instant armed = task_.release;
   const Instant base = task_.t0 + next.bundle->task.offset.count();
-  const Instant earliest = std::max(next.transaction->instant(), task_.clock.now());
+  const Instant earliest = std::max(next.decision->instant(), task_.clock.now());
   const Instant release = next_on_grid(base, next.grid, earliest);
   if (next.count_gap && next.grid > Duration{0} && release > armed) {
     const auto passed = static_cast<std::uint64_t>((release - armed) / next.grid.count());
@@ -316,7 +316,7 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::start(const Published& next) {
 
 /// Another offset moves the grid: the armed release to the first instant of the new one after it.
 /// A trace tells that as a start, since the wait had announced another instant.
-MAUVE_RUNS_AT_A_SWAP void Boundary::keep_phase(const Published& next) {
+MAUVE_RUNS_AT_A_SWAP void Boundary::keep_phase(const TaskUpdate& next) {
   const Instant base = task_.t0 + next.bundle->task.offset.count();
   if (next.offset_changes) {
     task_.arm(next_on_grid(base, next.grid, task_.release));
@@ -324,17 +324,17 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::keep_phase(const Published& next) {
   }
 }
 
-void Boundary::give_back(Published& next) {
+void Boundary::give_back(TaskUpdate& next) {
   if (!task_.mailbox.revoke(next)) return;
   task_.report.record(TraceKind::given_back, task_.clock.now(), 0, next.number);
   task_.report.note(rt::EventKind::aborted, LogLevel::debug);
-  next.answer->progress.store(Published::Progress::given_back, std::memory_order_release);
+  next.answer->progress.store(TaskUpdate::Progress::given_back, std::memory_order_release);
 }
 
 MAUVE_RUNS_AT_A_SWAP void Boundary::acknowledge() {
   if (unacknowledged_ == nullptr) return;
-  Published* const taken = std::exchange(unacknowledged_, nullptr);
-  taken->answer->progress.store(Published::Progress::done, std::memory_order_release);
+  TaskUpdate* const taken = std::exchange(unacknowledged_, nullptr);
+  taken->answer->progress.store(TaskUpdate::Progress::done, std::memory_order_release);
 }
 
 /// The task stands still from now on, with its safe values written.

@@ -17,7 +17,7 @@ struct Bundle;
 namespace exec {
 
 class FaultReaction;
-struct Published;
+struct TaskUpdate;
 struct TaskContext;
 
 class Boundary {
@@ -42,30 +42,30 @@ class Boundary {
   [[nodiscard]] std::vector<std::shared_ptr<const Bundle>> bundles() const;
 
  private:
-  [[nodiscard]] bool is_early(const Published& next) const;
-  [[nodiscard]] Published* takes_over();
+  [[nodiscard]] bool is_early(const TaskUpdate& next) const;
+  [[nodiscard]] TaskUpdate* takes_over();
   /// `begin`: when the job that the change delays would have begun. False: as of meet().
-  [[nodiscard]] bool take(Published& next, Instant begin);
-  [[nodiscard]] bool take_early(Published& next, Instant begin);
-  void record_taken(const Published& next, Instant time);
-  void fetch(const Published& next) const;
-  [[nodiscard]] bool take_state(Published& next);
-  void take_rest(Published& next);
-  void wait_or_go_on(Published& step);
+  [[nodiscard]] bool take(TaskUpdate& next, Instant begin);
+  [[nodiscard]] bool take_early(TaskUpdate& next, Instant begin);
+  void record_taken(const TaskUpdate& next, Instant time);
+  void fetch(const TaskUpdate& next) const;
+  [[nodiscard]] bool take_state(TaskUpdate& next);
+  void take_rest(TaskUpdate& next);
+  void wait_or_go_on(TaskUpdate& step);
   Duration skip_gap(Instant until);
-  void keep_bundle(Published& next) const;
-  void put_in_place(Published& next);
-  void map_state(const Published& next);
-  void rearm(const Published& next, bool was_running);
-  void start(const Published& next);
-  void keep_phase(const Published& next);
-  void give_back(Published& next);
+  void keep_bundle(TaskUpdate& next) const;
+  void put_in_place(TaskUpdate& next);
+  void map_state(const TaskUpdate& next);
+  void rearm(const TaskUpdate& next, bool was_running);
+  void start(const TaskUpdate& next);
+  void keep_phase(const TaskUpdate& next);
+  void give_back(TaskUpdate& next);
   void stand_still();
 
   TaskContext& task_;
   FaultReaction& faults_;
-  Published* unacknowledged_ = nullptr;  // taken, its first job not yet done
-  Published* taking_ = nullptr;          // its converter runs
+  TaskUpdate* unacknowledged_ = nullptr;  // taken, its first job not yet done
+  TaskUpdate* taking_ = nullptr;          // its converter runs
   rt::Fault hand_over_fault_;            // of the last converter
 };
 

@@ -7,7 +7,7 @@
 
 #include "exec/task/task_context.h"
 #include "exec/task/write_quietly.h"
-#include "exec/update/published.h"
+#include "exec/update/task_update.h"
 
 #include <mauve/component.h>
 #include <mauve/fsm.h>
@@ -17,16 +17,16 @@
 
 namespace mauve::exec {
 
-bool FaultReaction::leads_back() const {
-  const Published* const back = task_.mailbox.back();
-  return back != nullptr && back->transaction->instant() != kClosed;
+bool FaultReaction::rolls_back() const {
+  const TaskUpdate* const back = task_.mailbox.back();
+  return back != nullptr && back->decision->instant() != kClosed;
 }
 
-/// It was led back by a change that another one has overtaken, which it has not taken yet.
-bool FaultReaction::gets_way_back() const {
-  const Published* const next = task_.mailbox.pending();
-  return next != nullptr && next->way_back != nullptr &&
-         next->transaction->state() == Transaction::State::committed;
+/// It was rolled back by a change that another one has overtaken, which it has not taken yet.
+bool FaultReaction::awaits_rollback() const {
+  const TaskUpdate* const next = task_.mailbox.pending();
+  return next != nullptr && next->rollback != nullptr &&
+         next->decision->state() == Decision::State::committed;
 }
 
 void FaultReaction::judge(const JobUse& job) {
@@ -35,7 +35,7 @@ void FaultReaction::judge(const JobUse& job) {
     copy_text(fault.text, port->name());
     return record(Cause::implausible), give_up_core();
   }
-  const Published& current = *task_.current;
+  const TaskUpdate& current = *task_.current;
   const Evidence::Rules rules{current.tolerated, current.window};
   const JobTiming timing = task_.meter.judge(job, current.bundle->task, task_.wait);
   const Evidence::Verdict verdict = task_.evidence.judge(timing, rules);
@@ -67,13 +67,13 @@ void FaultReaction::record(Cause cause) {
 }
 
 void FaultReaction::give_up_core() {
-  const Published* const back = task_.mailbox.back();
+  const TaskUpdate* const back = task_.mailbox.back();
   if (back == nullptr) return;
-  back->way_back->set_off(task_.clock, task_.report.fault(), &task_.report, task_.failed_in);
+  back->rollback->trigger(task_.clock, task_.report.fault(), &task_.report, task_.failed_in);
 }
 
 bool FaultReaction::may_recover() const {
-  if (leads_back() || gets_way_back()) return true;
+  if (rolls_back() || awaits_rollback()) return true;
   if (task_.failed.is_hopeless()) return false;
   return task_.failed.cause() == Cause::overruns ||
          task_.current->bundle->task.on_fault.action != FaultPolicy::Action::stop;

@@ -32,7 +32,7 @@ class FaultReaction {
   void pass_release();
   /// A job on probation is judged also where it does not fail.
   void judge(const JobUse& job);
-  /// Sets the way back off. The core goes on until its next release.
+  /// Sets the rollback off. The core goes on until its next release.
   void give_up_core();
   void overran_too_often();
   /// No thread is left for the task.
@@ -40,14 +40,14 @@ class FaultReaction {
   /// A service that does not return is ended as a job is.
   void write_safe_values();
 
-  /// Is the task led back by the change on probation, or will it be?
-  [[nodiscard]] bool leads_back() const;
-  /// A failed core waits while the way back is under way, or while its policy promises another
+  /// Is the task rolled back by the change on probation, or will it be?
+  [[nodiscard]] bool rolls_back() const;
+  /// A failed core waits while the rollback is under way, or while its policy promises another
   /// core: the standby core is there already, or [control] makes it, or says that there is none.
   [[nodiscard]] bool may_recover() const;
 
  private:
-  [[nodiscard]] bool gets_way_back() const;
+  [[nodiscard]] bool awaits_rollback() const;
   void record(Cause cause);
   void log_fault(Cause cause);
 

@@ -8,7 +8,7 @@
 
 #include "exec/task/fault_reaction.h"
 #include "exec/task/task_context.h"
-#include "exec/update/published.h"
+#include "exec/update/task_update.h"
 #include "model/guard.h"
 #include "model/traced.h"
 #include "rt/preemption.h"

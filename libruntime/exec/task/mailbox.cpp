@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/task/mailbox.h"
 
-#include "exec/update/published.h"
+#include "exec/update/task_update.h"
 
 namespace mauve::exec {
 
@@ -11,14 +11,14 @@ Mailbox::~Mailbox() {
   static_cast<void>(reclaim());
 }
 
-bool Mailbox::stand_by(Published& relief) {
-  Published* none = nullptr;
+bool Mailbox::stand_by(TaskUpdate& relief) {
+  TaskUpdate* none = nullptr;
   return relief_.compare_exchange_strong(none, &relief, std::memory_order_acq_rel);
 }
 
-std::vector<std::unique_ptr<Published>> Mailbox::reclaim() {
-  std::vector<std::unique_ptr<Published>> all;
-  Published* next = unused_.exchange(nullptr, std::memory_order_acquire);
+std::vector<std::unique_ptr<TaskUpdate>> Mailbox::reclaim() {
+  std::vector<std::unique_ptr<TaskUpdate>> all;
+  TaskUpdate* next = unused_.exchange(nullptr, std::memory_order_acquire);
   while (next != nullptr) {
     all.emplace_back(next);
     next = next->older;
@@ -26,17 +26,17 @@ std::vector<std::unique_ptr<Published>> Mailbox::reclaim() {
   return all;
 }
 
-MAUVE_RUNS_AT_A_SWAP Published* Mailbox::exchange_back(std::unique_ptr<Published> back) {
+MAUVE_RUNS_AT_A_SWAP TaskUpdate* Mailbox::exchange_back(std::unique_ptr<TaskUpdate> back) {
   if (back == nullptr && this->back() == nullptr) return nullptr;
   return back_.exchange(back.release(), std::memory_order_acq_rel);
 }
 
-MAUVE_RUNS_AT_A_SWAP Published* Mailbox::exchange_relief(std::unique_ptr<Published> relief) {
+MAUVE_RUNS_AT_A_SWAP TaskUpdate* Mailbox::exchange_relief(std::unique_ptr<TaskUpdate> relief) {
   return relief_.exchange(relief.release(), std::memory_order_acq_rel);
 }
 
-MAUVE_RUNS_AT_A_SWAP void Mailbox::retire(Published& unused) {
-  Published* top = unused_.load(std::memory_order_relaxed);
+MAUVE_RUNS_AT_A_SWAP void Mailbox::retire(TaskUpdate& unused) {
+  TaskUpdate* top = unused_.load(std::memory_order_relaxed);
   do {
     unused.older = top;
   } while (!unused_.compare_exchange_weak(top, &unused, std::memory_order_acq_rel));

@@ -12,7 +12,7 @@
 
 namespace mauve::exec {
 
-struct Published;
+struct TaskUpdate;
 
 class Mailbox {
  public:
@@ -22,18 +22,18 @@ class Mailbox {
   Mailbox& operator=(const Mailbox&) = delete;
 
   // --- [control] --------------------------------------------------------------------------------
-  void publish(Published& next) { pending_.store(&next, std::memory_order_release); }
+  void publish(TaskUpdate& next) { pending_.store(&next, std::memory_order_release); }
   /// Empties the slot of the next update. False: the other side was first.
-  bool revoke(Published& next) { return empty(pending_, next); }
-  /// The same for the way back of a probation.
-  bool withdraw_back(Published& back) { return empty(back_, back); }
+  bool revoke(TaskUpdate& next) { return empty(pending_, next); }
+  /// The same for the rollback of a probation.
+  bool withdraw_rollback(TaskUpdate& back) { return empty(back_, back); }
   /// The same for the core that stands by.
-  bool withdraw_relief(Published& relief) { return empty(relief_, relief); }
-  void put_back(Published& back) { back_.store(&back, std::memory_order_release); }
+  bool withdraw_relief(TaskUpdate& relief) { return empty(relief_, relief); }
+  void put_back(TaskUpdate& back) { back_.store(&back, std::memory_order_release); }
   /// The update takes over by itself when the core fails; the task owns it. False: it has one.
-  bool stand_by(Published& relief);
+  bool stand_by(TaskUpdate& relief);
   /// The updates that the task does not use any more, the newest first.
-  [[nodiscard]] std::vector<std::unique_ptr<Published>> reclaim();
+  [[nodiscard]] std::vector<std::unique_ptr<TaskUpdate>> reclaim();
   /// How often the task has looked into the mailbox. An update that was withdrawn before the last
   /// look is not read any more.
   [[nodiscard]] std::uint64_t looks() const { return looks_.load(std::memory_order_acquire); }
@@ -51,32 +51,32 @@ class Mailbox {
   }
 
   // --- [rt] the thread of the task --------------------------------------------------------------
-  [[nodiscard]] Published* pending() const { return pending_.load(std::memory_order_acquire); }
-  [[nodiscard]] Published* back() const { return back_.load(std::memory_order_acquire); }
-  [[nodiscard]] Published* relief() const { return relief_.load(std::memory_order_acquire); }
-  /// Puts the way back of a new update in place. Returns the one before, or null.
-  [[nodiscard]] Published* exchange_back(std::unique_ptr<Published> back);
+  [[nodiscard]] TaskUpdate* pending() const { return pending_.load(std::memory_order_acquire); }
+  [[nodiscard]] TaskUpdate* back() const { return back_.load(std::memory_order_acquire); }
+  [[nodiscard]] TaskUpdate* relief() const { return relief_.load(std::memory_order_acquire); }
+  /// Puts the rollback of a new update in place. Returns the one before, or null.
+  [[nodiscard]] TaskUpdate* exchange_back(std::unique_ptr<TaskUpdate> back);
   /// The same for the core that stands by.
-  [[nodiscard]] Published* exchange_relief(std::unique_ptr<Published> relief);
+  [[nodiscard]] TaskUpdate* exchange_relief(std::unique_ptr<TaskUpdate> relief);
   /// The task does not use it any more; reclaim() returns it. Only the task's thread adds.
-  void retire(Published& unused);
+  void retire(TaskUpdate& unused);
   /// The coordinator, which sees the new number, frees what was withdrawn before it.
   void count_look() { looks_.store(looks_ + 1, std::memory_order_release); }
   /// Asks for the cache lines that a swap writes.
   void fetch() const { rt::ask_for(&back_, sizeof back_ + sizeof relief_); }
 
  private:
-  static bool empty(std::atomic<Published*>& slot, Published& content) {
-    Published* expected = &content;
+  static bool empty(std::atomic<TaskUpdate*>& slot, TaskUpdate& content) {
+    TaskUpdate* expected = &content;
     return slot.compare_exchange_strong(expected, nullptr, std::memory_order_acq_rel);
   }
 
-  alignas(rt::kCacheLine) std::atomic<Published*> pending_{nullptr};
+  alignas(rt::kCacheLine) std::atomic<TaskUpdate*> pending_{nullptr};
   std::atomic<bool> halted_{false};  // beside the slot that the thread reads in each boundary
-  alignas(rt::kCacheLine) std::atomic<Published*> unused_{nullptr};
+  alignas(rt::kCacheLine) std::atomic<TaskUpdate*> unused_{nullptr};
   alignas(rt::kCacheLine) std::atomic<std::uint32_t> command_{0};
-  alignas(rt::kCacheLine) std::atomic<Published*> back_{nullptr};  // while on probation
-  std::atomic<Published*> relief_{nullptr};  // the fallback core, or a fresh one
+  alignas(rt::kCacheLine) std::atomic<TaskUpdate*> back_{nullptr};  // while on probation
+  std::atomic<TaskUpdate*> relief_{nullptr};  // the fallback core, or a fresh one
   std::atomic<std::uint64_t> looks_{0};
 };
 

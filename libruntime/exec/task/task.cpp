@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
-#include "exec/update/nearby.h"
-#include "exec/update/published.h"
+#include "exec/update/prefetch_set.h"
+#include "exec/update/task_update.h"
 #include "rt/preemption.h"
 
 #include <mauve/component.h>
@@ -22,10 +22,10 @@ Task::Task(std::string name, const Clock& clock, std::shared_ptr<const rt::Noise
   static_cast<void>(rt::preemption_is_told());  // It finds that out in its first call, and sleeps.
 }
 
-void Task::begin(std::unique_ptr<Published> first, Instant t0) {
+void Task::begin(std::unique_ptr<TaskUpdate> first, Instant t0) {
   context_.t0 = t0;
   context_.current = first.release();
-  const Published& current = *context_.current;
+  const TaskUpdate& current = *context_.current;
   context_.watch.set(current.bound, current.has_safe_values);
   const TaskAttributes& attributes = current.bundle->task;
   context_.arm(t0 + attributes.offset.count());
@@ -70,7 +70,7 @@ bool Task::serve() {
 }
 
 bool Task::release() {
-  if (context_.current->nearby != nullptr) context_.current->nearby->ask();
+  if (context_.current->prefetch != nullptr) context_.current->prefetch->ask();
   const Instant now = context_.clock.now();
   boundary_.drop_missed(now);
   if (!boundary_.meet(now)) return false;

@@ -22,7 +22,7 @@ struct Bundle;
 
 namespace exec {
 
-struct Published;
+struct TaskUpdate;
 
 class Task {
  public:
@@ -30,7 +30,7 @@ class Task {
   Task(std::string name, const Clock& clock, std::shared_ptr<const rt::Noise> noise = nullptr);
 
   /// Before the first release: what to run, and the common T0. [control]
-  void begin(std::unique_ptr<Published> first, Instant t0);
+  void begin(std::unique_ptr<TaskUpdate> first, Instant t0);
 
   [[nodiscard]] const std::string& name() const { return context_.report.name(); }
   [[nodiscard]] const Counters& counters() const { return context_.report.counters(); }
@@ -38,7 +38,7 @@ class Task {
   [[nodiscard]] Mailbox& mailbox() { return context_.mailbox; }
   [[nodiscard]] JobWatch& watch() { return context_.watch; }
   [[nodiscard]] const JobWatch& watch() const { return context_.watch; }
-  /// Waits for its way back or its standby core. A hopeless one parks as faulted.
+  /// Waits for its rollback or its standby core. A hopeless one parks as faulted.
   [[nodiscard]] FailedCore& failed_core() { return context_.failed; }
   /// It runs a core whose last jobs exceeded their budget, without a verdict yet. [any]
   [[nodiscard]] bool suspected() const;

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "exec/update/published.h"
+#include "exec/update/task_update.h"
 #include "rt/cache.h"
 
 #include <mauve/component.h>

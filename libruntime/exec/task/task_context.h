@@ -25,7 +25,7 @@ class Gate;
 
 namespace exec {
 
-struct Published;
+struct TaskUpdate;
 
 struct TaskContext {
   TaskContext(std::string name, const Clock& its_clock, std::shared_ptr<const rt::Noise> noise);
@@ -40,7 +40,7 @@ struct TaskContext {
 
   // From here on the thread of the task owns all of it.
   FailedCore failed;
-  Published* current = nullptr;     ///< the update in force; owned
+  TaskUpdate* current = nullptr;     ///< the update in force; owned
   const CoreBase* lost = nullptr;   ///< a thread that was given up may still be inside
   const Gate* failed_in = nullptr;  ///< the gate in whose service its last job failed
   FsmState* state = nullptr;        ///< the wait the task is in; null: before the initial state

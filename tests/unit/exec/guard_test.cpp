@@ -10,7 +10,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include "exec/system/make_published.h"
+#include "exec/system/make_update.h"
 #include "exec/system/system.h"
 #include "rt/rescue.h"
 #include "rt/thread.h"

@@ -166,7 +166,7 @@ Change to_scale(double scale) {
   return change;
 }
 
-/// Its probation is over, but a thread may still look at the way back of the resource.
+/// Its probation is over, but a thread may still look at the rollback of the resource.
 TEST(LetGoResource, StaysAsLongAsAnEarlierChangeOfItIsLookedAfter) {
   Scaling architecture;
   Deployer deployer(architecture, {.simulated = true});

@@ -37,7 +37,7 @@ class Overrun : public testing::Test {
   void begin() {
     ASSERT_TRUE(component->configure());
     core().clock = &clock;
-    auto first = std::make_unique<Published>();
+    auto first = std::make_unique<TaskUpdate>();
     first->bundle = component->bundle();
     task.begin(std::move(first), kT0);
   }

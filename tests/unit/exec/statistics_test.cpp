@@ -45,7 +45,7 @@ class TaskStatistics : public testing::Test {
   void begin() {
     ASSERT_TRUE(component.configure());
     component.core().clock = &clock;
-    auto first = std::make_unique<Published>();
+    auto first = std::make_unique<TaskUpdate>();
     first->bundle = component.bundle();
     first->grid = 1ms;
     task.begin(std::move(first), kT0);

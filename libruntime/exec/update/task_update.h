@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Published: a change as one task takes it.
+/// TaskUpdate: a change as one task takes it.
 #pragma once
 
 #include <atomic>
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "exec/update/transaction.h"
+#include "exec/update/decision.h"
 #include "model/hand_over.h"
 
 #include <mauve/change_policy.h>
@@ -25,20 +25,20 @@ struct Bundle;
 
 namespace exec {
 
-class Nearby;
+class PrefetchSet;
 
 /// What a task takes, as a trace tells it.
 enum class TakenAs : std::uint8_t { change, back, relief, barrier };
 
 /// What a change hands to one task: the new bundle, and everything worked out beforehand so that
 /// taking it is a few pointer stores. Immutable after publication but for the answer.
-struct Published {
+struct TaskUpdate {
   /// At a barrier: no job from the instant on; until the next one, which may also be a change. The
   /// task keeps what it runs with, and is not seen to be stopped.
   enum class Barrier : std::uint8_t { none, wait, go_on };
 
   std::shared_ptr<const Bundle> bundle;  ///< null: of a barrier
-  Transaction* transaction = nullptr;
+  Decision* decision = nullptr;
   Barrier barrier = Barrier::none;
   TakenAs taken_as = TakenAs::change;
   std::uint64_t number = 0;  ///< of the change, see System::changes; 0: it is none of [control]
@@ -52,7 +52,7 @@ struct Published {
   Duration grid{0};
   Duration shortest_wait{0};
   Duration bound{0};  ///< a job that runs longer never returns; zero: nobody looks
-  std::shared_ptr<const Nearby> nearby;  ///< of the bundle; null: not known
+  std::shared_ptr<const PrefetchSet> prefetch;  ///< of the bundle; null: not known
   /// By index of the state of the old machine: the state of the new one; null: begin anew.
   std::vector<FsmState*> state_map;
   HandOver hand_over;
@@ -60,12 +60,12 @@ struct Published {
   /// Ports that lose their service: their safe values are written first.
   std::vector<std::pair<const PortBase*, const Binding*>> safe_writes;
 
-  /// On probation: where this one leads back to when somebody fails. Both null: no probation.
-  std::unique_ptr<Published> back;
-  WayBack* way_back = nullptr;
+  /// On probation: where this one rolls back to when somebody fails. Both null: no probation.
+  std::unique_ptr<TaskUpdate> back;
+  Rollback* rollback = nullptr;
   unsigned tolerated = 0;             ///< overruns among the jobs of `window`
   std::uint64_t window = ~0ULL;       ///< a bit for each job that counts
-  std::unique_ptr<Published> relief;  ///< that stands by from the first job on; or null
+  std::unique_ptr<TaskUpdate> relief;  ///< that stands by from the first job on; or null
   Duration back_off{0};               ///< a relief waits so long after the fault
 
   enum class Progress : std::uint8_t {
@@ -84,7 +84,7 @@ struct Published {
     std::atomic<Progress> progress{Progress::published};
   };
   const std::shared_ptr<Answer> answer = std::make_shared<Answer>();
-  Published* older = nullptr;  ///< in the task's pile of what it does not use any more
+  TaskUpdate* older = nullptr;  ///< in the task's pile of what it does not use any more
 };
 
 }  // namespace exec

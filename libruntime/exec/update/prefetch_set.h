@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Nearby: what a job is about to touch. A component that sleeps for milliseconds finds the caches
+/// PrefetchSet: what a job is about to touch. A component that sleeps for milliseconds finds the caches
 /// cold, and goes from port to connection to resource by pointers: each line would be waited for in
 /// its turn. Asked for together when a job begins, they come in the time of one or two.
 #pragma once
@@ -13,9 +13,9 @@
 namespace mauve::exec {
 
 /// Only addresses: what is gone meanwhile is not looked at, and asking for it harms nobody.
-class Nearby {
+class PrefetchSet {
  public:
-  explicit Nearby(const Bundle& bundle);
+  explicit PrefetchSet(const Bundle& bundle);
 
   /// Waits for nothing. [rt]
   void ask() const {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "exec/system/make_published.h"
+#include "exec/system/make_update.h"
 
 #include <algorithm>
 #include <memory>
 
 #include "exec/system/resource_parts.h"
 #include "exec/task/safe_values.h"
-#include "exec/update/nearby.h"
+#include "exec/update/prefetch_set.h"
 
 #include <mauve/component.h>
 #include <mauve/fsm.h>
@@ -17,10 +17,10 @@
 namespace mauve::exec {
 namespace {
 
-void add_hand_over(const PreparedMember& member, Published& next) {
+void add_hand_over(const PreparedMember& member, TaskUpdate& next) {
   const Bundle& old = *member.base;
   if (member.next->core == old.core) return;
-  // Refused only on the way back to a core that cannot take the state of a later one: it goes on
+  // Refused only on the rollback to a core that cannot take the state of a later one: it goes on
   // from the value it had. On the way forth prepare() has asked.
   if (const auto plan = plan_hand_over(*old.core, *member.next->core, member.state)) {
     next.hand_over = *plan;
@@ -35,7 +35,7 @@ void add_hand_over(const PreparedMember& member, Published& next) {
 }
 
 /// Where the new machine goes on: in the wait of the same name, or anew when there is none.
-void add_state_map(const PreparedMember& member, Published& next) {
+void add_state_map(const PreparedMember& member, TaskUpdate& next) {
   if (member.next->fsm == member.base->fsm) return;
   for (const FsmState* state : member.base->fsm->states()) {
     FsmState* same = member.next->fsm->find_state(state->name());
@@ -44,7 +44,7 @@ void add_state_map(const PreparedMember& member, Published& next) {
 }
 
 /// Ports that lose their service get their safe value written first.
-void add_safe_writes(const PreparedMember& member, Published& next) {
+void add_safe_writes(const PreparedMember& member, TaskUpdate& next) {
   const Bindings& old = *member.base->bindings;
   for (const PortBase* port : member.base->shell->ports()) {
     const auto& before = old[port->index()];
@@ -75,10 +75,10 @@ Duration bound_of(const Bundle& bundle) {
   return std::clamp(10 * longest, kShortest, std::clamp(longest, kLongest, 2 * kLongest));
 }
 
-std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mode) {
-  auto first = std::make_unique<Published>();
+std::unique_ptr<TaskUpdate> first_bundle(const ComponentBase& component, Mode mode) {
+  auto first = std::make_unique<TaskUpdate>();
   first->bundle = component.bundle();
-  first->nearby = std::make_shared<const Nearby>(*first->bundle);
+  first->prefetch = std::make_shared<const PrefetchSet>(*first->bundle);
   first->bound = bound_of(*component.bundle());
   first->has_safe_values = has_safe_values(*component.bundle());
   first->grid = component.fsm().grid();
@@ -87,10 +87,10 @@ std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mod
   return first;
 }
 
-std::unique_ptr<Published> make_published(const PreparedMember& member) {
-  auto next = std::make_unique<Published>();
+std::unique_ptr<TaskUpdate> make_update(const PreparedMember& member) {
+  auto next = std::make_unique<TaskUpdate>();
   next->bundle = member.next;
-  next->nearby = std::make_shared<const Nearby>(*member.next);
+  next->prefetch = std::make_shared<const PrefetchSet>(*member.next);
   next->mode = member.mode;
   next->mode_only = member.next == member.base && member.part != Part::joins;
   next->restart = member.restart;
@@ -114,7 +114,7 @@ Origin origin_of(const PreparedMember& member, bool was_running) {
   return origin;
 }
 
-std::unique_ptr<Published> make_way_back(const PreparedMember& member, const Origin& origin) {
+std::unique_ptr<TaskUpdate> make_rollback(const PreparedMember& member, const Origin& origin) {
   PreparedMember reversed;
   reversed.component = member.component;
   reversed.base = member.next;
@@ -122,7 +122,7 @@ std::unique_ptr<Published> make_way_back(const PreparedMember& member, const Ori
   reversed.state = origin.state;
   reversed.mode = origin.mode;
   reversed.restart = reversed.mode == Mode::run;
-  auto back = make_published(reversed);
+  auto back = make_update(reversed);
   back->taken_as = TakenAs::back;
   return back;
 }

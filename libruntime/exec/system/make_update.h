@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "exec/system/prepared.h"
-#include "exec/update/published.h"
+#include "exec/update/task_update.h"
 
 #include <mauve/time.h>
 
@@ -21,14 +21,14 @@ namespace mauve::exec {
 [[nodiscard]] Duration bound_of(const Bundle& bundle);
 
 /// What the task of a component that joins, or is deployed, begins with.
-[[nodiscard]] std::unique_ptr<Published> first_bundle(const ComponentBase& component, Mode mode);
+[[nodiscard]] std::unique_ptr<TaskUpdate> first_bundle(const ComponentBase& component, Mode mode);
 
 /// What the task of this member is handed.
-[[nodiscard]] std::unique_ptr<Published> make_published(const PreparedMember& member);
+[[nodiscard]] std::unique_ptr<TaskUpdate> make_update(const PreparedMember& member);
 /// Where it was.
 [[nodiscard]] Origin origin_of(const PreparedMember& member, bool was_running);
 /// What leads it back there.
-[[nodiscard]] std::unique_ptr<Published> make_way_back(const PreparedMember& member,
+[[nodiscard]] std::unique_ptr<TaskUpdate> make_rollback(const PreparedMember& member,
                                                        const Origin& origin);
 
 }  // namespace mauve::exec

@@ -18,27 +18,27 @@ namespace mauve::exec {
 class TaskReport;
 
 inline constexpr Instant kNever = std::numeric_limits<Instant>::max();
-inline constexpr Instant kClosed = kNever - 1;  ///< of a way back that nobody needs any more
-/// Of a way back that somebody is setting off, who says the instant soon.
-inline constexpr Instant kBeingSetOff = kNever - 2;
+inline constexpr Instant kClosed = kNever - 1;  ///< of a rollback that nobody needs any more
+/// Of a rollback that somebody is setting off, who says the instant soon.
+inline constexpr Instant kBeingTriggered = kNever - 2;
 /// Nearer to the instant than this nobody decides: a member might be at its boundary already.
 inline constexpr Duration kDecisionMargin{50'000};
 
 /// Does it happen, and at which instant? Whoever changes the word first decides for all.
-class Transaction {
+class Decision {
  public:
   enum class State : std::uint32_t { prepared, committed, aborted };
 
   /// What a member does about it at a boundary.
   enum class Verdict : std::uint8_t { go_on, give_back, take };
 
-  explicit Transaction(Instant instant, State state = State::prepared)
+  explicit Decision(Instant instant, State state = State::prepared)
       : instant_(instant), state_(state) {}
 
-  /// Commit instant on the clock (monotonic); kNever: not set off yet.
+  /// Commit instant on the clock (monotonic); kNever: not triggered yet.
   [[nodiscard]] Instant instant() const { return instant_.load(std::memory_order_acquire); }
   [[nodiscard]] State state() const { return state_.load(std::memory_order_acquire); }
-  [[nodiscard]] bool has_instant() const { return instant() < kBeingSetOff; }
+  [[nodiscard]] bool has_instant() const { return instant() < kBeingTriggered; }
   /// The state after trying to make it `wanted`; the first to decide wins. [any]
   State decide(State wanted) {
     State expected = State::prepared;
@@ -60,7 +60,7 @@ class Transaction {
  protected:
   struct TriesAgain {};
   /// Without an instant; one that is aborted gets another one.
-  explicit Transaction(TriesAgain /*tag*/)
+  explicit Decision(TriesAgain /*tag*/)
       : instant_(kNever), state_(State::prepared), tries_again_(true) {}
   /// One that has no instant gets this; false when it has one.
   bool claim(Instant instant) {
@@ -81,36 +81,36 @@ class Transaction {
   const bool tries_again_ = false;
 };
 
-/// The way back from a change on probation: a transaction that waits for its instant. The first
-/// member that fails, or [control], sets it off for all:
+/// The rollback from a change on probation: a transaction that waits for its instant. The first
+/// member that fails, or [control], triggers it for all:
 ///
-///   claim: CAS instant never -> being set off     nobody else sets it off
+///   claim: CAS instant never -> being triggered     nobody else triggers it
 ///   a newer change under way: abort it            or, when that is committed: closed
 ///   story; instant = now + lead                   at a boundary r >= instant: CAS prepared ->
 ///   aborted decide: CAS prepared -> committed,              committed: go back; aborted: go on
 ///     unless it is too near, or aborted: again
-class WayBack {
+class Rollback {
  public:
-  [[nodiscard]] Transaction& transaction() { return transaction_; }
+  [[nodiscard]] Decision& decision() { return decision_; }
 
-  /// [any] Bounded, no lock. False: it was set off before, is closed, or a newer change is
+  /// [any] Bounded, no lock. False: it was triggered before, is closed, or a newer change is
   /// committed. `inside`: the gate of the resource in whose service the member failed; null: in its
   /// own code.
-  bool set_off(const Clock& clock, const FaultRecord& fault, const TaskReport* member,
+  bool trigger(const Clock& clock, const FaultRecord& fault, const TaskReport* member,
                const void* inside = nullptr);
   /// No member failed: somebody wants it.
-  bool set_off(const Clock& clock, std::string_view reason);
+  bool trigger(const Clock& clock, std::string_view reason);
   /// [control] Nobody can set it off any more; false when somebody has.
-  bool close() { return transaction_.claim(kClosed); }
-  /// [control] Either this one, which is about to be decided, or the way back; null: it came to
+  bool close() { return decision_.claim(kClosed); }
+  /// [control] Either this one, which is about to be decided, or the rollback; null: it came to
   /// nothing.
-  void give_way_to(std::shared_ptr<Transaction> newer);
+  void give_way_to(std::shared_ptr<Decision> newer);
 
-  [[nodiscard]] bool open() const { return transaction_.instant() == kNever; }
-  [[nodiscard]] bool closed() const { return transaction_.instant() == kClosed; }
+  [[nodiscard]] bool open() const { return decision_.instant() == kNever; }
+  [[nodiscard]] bool closed() const { return decision_.instant() == kClosed; }
   /// Set off, or about to be. In order with give_way_to().
-  [[nodiscard]] bool leads_back() const {
-    const Instant instant = transaction_.instant_in_order();
+  [[nodiscard]] bool rolls_back() const {
+    const Instant instant = decision_.instant_in_order();
     return instant != kNever && instant != kClosed;
   }
   /// Set off and decided, and the story of it can be read.
@@ -122,20 +122,20 @@ class WayBack {
   [[nodiscard]] const char* text() const { return fault_.text.data(); }
 
  private:
-  class Decision : public Transaction {
+  class Attempts : public Decision {
    public:
-    Decision() : Transaction(TriesAgain{}) {}
-    using Transaction::attempt;
-    using Transaction::claim;
-    using Transaction::instant_in_order;
-    using Transaction::put_off;
+    Attempts() : Decision(TriesAgain{}) {}
+    using Decision::attempt;
+    using Decision::claim;
+    using Decision::instant_in_order;
+    using Decision::put_off;
   };
 
   void decide(const Clock& clock);
 
-  Decision transaction_;
-  std::atomic<Transaction*> newer_{nullptr};
-  std::vector<std::shared_ptr<Transaction>> all_newer_;  // a member may still be looking at one
+  Attempts decision_;
+  std::atomic<Decision*> newer_{nullptr};
+  std::vector<std::shared_ptr<Decision>> all_newer_;  // a member may still be looking at one
   std::atomic<bool> told_{false};
   FaultRecord fault_;
   const TaskReport* member_ = nullptr;

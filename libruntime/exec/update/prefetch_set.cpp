@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "exec/update/nearby.h"
+#include "exec/update/prefetch_set.h"
 
 #include <algorithm>
 
@@ -27,7 +27,7 @@ const void* last_line_of(const T& object) {
 
 }  // namespace
 
-Nearby::Nearby(const Bundle& bundle) {
+PrefetchSet::PrefetchSet(const Bundle& bundle) {
   add(bundle.core.get(), kHead);
   add(*bundle.shell, *bundle.bindings);
   std::sort(lines_.begin(), lines_.end());
@@ -35,7 +35,7 @@ Nearby::Nearby(const Bundle& bundle) {
   if (lines_.size() > kAtMost) lines_.resize(kAtMost);
 }
 
-void Nearby::add(const Shell& shell, const Bindings& bindings) {
+void PrefetchSet::add(const Shell& shell, const Bindings& bindings) {
   add(&shell, sizeof shell);
   add(bindings.data(), bindings.size() * sizeof bindings[0]);
   for (const PortBase* port : shell.ports()) {
@@ -57,7 +57,7 @@ void Nearby::add(const Shell& shell, const Bindings& bindings) {
   }
 }
 
-void Nearby::add(const Exchange& exchange) {
+void PrefetchSet::add(const Exchange& exchange) {
   add(&exchange, sizeof exchange);
   for (const std::byte* slot : exchange.latest.first_slots()) {
     add(slot, std::min(exchange.latest.slot_size(), kBegin));
@@ -65,7 +65,7 @@ void Nearby::add(const Exchange& exchange) {
   }
 }
 
-void Nearby::add(const void* object, std::size_t size) {
+void PrefetchSet::add(const void* object, std::size_t size) {
   const auto begin = reinterpret_cast<std::uintptr_t>(object);  // NOLINT: an address
   for (std::uintptr_t line = begin / kLine * kLine; line < begin + size; line += kLine) {
     lines_.push_back(line);

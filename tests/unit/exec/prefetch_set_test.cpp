@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// What a job asks the cache for when it begins.
-#include "exec/update/nearby.h"
+#include "exec/update/prefetch_set.h"
 
 #include <gtest/gtest.h>
 
@@ -16,32 +16,32 @@
 namespace mauve::exec {
 namespace {
 
-bool is_near(const Nearby& nearby, const void* object) {
-  const auto& lines = nearby.lines();
+bool is_near(const PrefetchSet& set, const void* object) {
+  const auto& lines = set.lines();
   const std::uintptr_t line = reinterpret_cast<std::uintptr_t>(object) / 64 * 64;
   return std::count(lines.begin(), lines.end(), line) == 1;
 }
 
-TEST(Nearby, HasTheCoreThePortAndAllThatItLeadsTo) {
+TEST(PrefetchSet, HasTheCoreThePortAndAllThatItLeadsTo) {
   ramp::Architecture architecture;
   ASSERT_TRUE(architecture.configure());
   auto& control = architecture.control;
-  const Nearby nearby(*control.bundle());
+  const PrefetchSet set(*control.bundle());
 
-  EXPECT_TRUE(is_near(nearby, &control.core()));
-  EXPECT_TRUE(is_near(nearby, &control.shell().out));
+  EXPECT_TRUE(is_near(set, &control.core()));
+  EXPECT_TRUE(is_near(set, &control.shell().out));
   ServiceBase& service = architecture.position.write_service();
-  EXPECT_TRUE(is_near(nearby, &service));
-  EXPECT_TRUE(is_near(nearby, &service.resource().gate()));
-  EXPECT_TRUE(is_near(nearby, service.exchange()));
+  EXPECT_TRUE(is_near(set, &service));
+  EXPECT_TRUE(is_near(set, &service.resource().gate()));
+  EXPECT_TRUE(is_near(set, service.exchange()));
   for (const std::byte* slot : service.exchange()->latest.first_slots()) {
-    EXPECT_TRUE(is_near(nearby, slot));
+    EXPECT_TRUE(is_near(set, slot));
   }
-  EXPECT_FALSE(is_near(nearby, architecture.speed.write_service().exchange()))
+  EXPECT_FALSE(is_near(set, architecture.speed.write_service().exchange()))
       << "nothing leads there";
 }
 
-TEST(Nearby, EndsSomewhereHoweverManyPortsThereAre) {
+TEST(PrefetchSet, EndsSomewhereHoweverManyPortsThereAre) {
   struct ManyPorts : Shell {
     std::vector<std::unique_ptr<WritePort<double>>> ports;
     ManyPorts() {
@@ -70,7 +70,7 @@ TEST(Nearby, EndsSomewhereHoweverManyPortsThereAre) {
   } system;
   ASSERT_TRUE(system.configure());
 
-  EXPECT_EQ(Nearby(*system.one.bundle()).lines().size(), 256u);
+  EXPECT_EQ(PrefetchSet(*system.one.bundle()).lines().size(), 256u);
 }
 
 }  // namespace
