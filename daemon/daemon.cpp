@@ -19,7 +19,7 @@
 #include "monitor/happenings.h"
 #include "monitor/heartbeat.h"
 #include "notify.h"
-#include "rt/last_words.h"
+#include "rt/crash_handler.h"
 #include "start_warnings.h"
 
 namespace mauve::daemon {

@@ -57,8 +57,8 @@ std::string Signals::wait() const {
   return name_of(number);
 }
 
-StartGuard::StartGuard(const Signals& signals, std::function<void()> last_words)
-    : signals_(signals), last_words_(std::move(last_words)) {
+StartGuard::StartGuard(const Signals& signals, std::function<void()> crash_handler)
+    : signals_(signals), crash_handler_(std::move(crash_handler)) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -82,7 +82,7 @@ void StartGuard::run() {
     signal_ = signals_.wait(kGlance);
   }
   if (!finished_within(kPatience)) {
-    last_words_();
+    crash_handler_();
     _exit(1);
   }
 }
@@ -93,8 +93,8 @@ bool StartGuard::finished_within(std::chrono::milliseconds time) {
 }
 
 Reaper::Reaper(const Signals& signals, std::chrono::milliseconds patience,
-               std::function<void(const std::string& cause)> last_words)
-    : signals_(signals), patience_(patience), last_words_(std::move(last_words)) {
+               std::function<void(const std::string& cause)> crash_handler)
+    : signals_(signals), patience_(patience), crash_handler_(std::move(crash_handler)) {
   thread_ = std::thread([this] {
     prctl(PR_SET_NAME, "mauve-reaper");
     run();
@@ -125,7 +125,7 @@ void Reaper::run() {
       return;
     }
   }
-  last_words_(cause);
+  crash_handler_(cause);
   _exit(1);
 }
 

@@ -98,7 +98,7 @@ void Caretaker::look() {
   look_at_unproven(*running_);
   free_former(*running_);
   tell_counted_refusals(*running_, std::chrono::steady_clock::now());
-  make_reliefs();
+  make_standby_cores();
   looking_ = false;
 }
 
@@ -254,24 +254,24 @@ void Caretaker::save(const Outcome& outcome, const std::string& changes) {
   }
 }
 
-/// A component that waits for a relief that cannot be made stops waiting.
-bool Caretaker::refused_before(const Change& relief) {
-  const auto& component = relief.edits[0].component;
-  if (const auto free = check_barred(*running_, relief); !free) {
-    running_->deployer.refuse_relief(component, to_string(free.error()));
+/// A component that waits for a standby core that cannot be made stops waiting.
+bool Caretaker::refused_before(const Change& standby) {
+  const auto& component = standby.edits[0].component;
+  if (const auto free = check_barred(*running_, standby); !free) {
+    running_->deployer.refuse_standby(component, to_string(free.error()));
     return true;
   }
   const auto found = refused_.find(component);
   if (found == refused_.end() || found->second.generation < running_->generation) {
     return false;
   }
-  running_->deployer.refuse_relief(component, found->second.why);
+  running_->deployer.refuse_standby(component, found->second.why);
   return true;
 }
 
-void Caretaker::refuse_relief(const Change& relief, const Error& error, bool for_ever) {
+void Caretaker::refuse_standby(const Change& standby, const Error& error, bool for_ever) {
   constexpr auto kAll = std::numeric_limits<std::uint64_t>::max();
-  const auto& component = relief.edits[0].component;
+  const auto& component = standby.edits[0].component;
   refused_[component] = {for_ever ? kAll : running_->generation.load(),
                          "no core stands by for it: " + to_string(error)};
   running_->log.write(Event::relief_refused,
@@ -279,20 +279,20 @@ void Caretaker::refuse_relief(const Change& relief, const Error& error, bool for
 }
 
 /// A change like any other, so that no two prepare at the same time.
-void Caretaker::make_reliefs() {
+void Caretaker::make_standby_cores() {
   if (making_ || running_->control.busy()) {
     return;
   }
-  auto wanted = running_->deployer.wanted_reliefs();
+  auto wanted = running_->deployer.wanted_standby_cores();
   const auto may = may_prepare(running_->control.left_behind(), std::nullopt);
   if (!may) {
-    for (const auto& relief : wanted) {
-      running_->deployer.refuse_relief(relief.edits[0].component, to_string(may.error()));
+    for (const auto& standby : wanted) {
+      running_->deployer.refuse_standby(standby.edits[0].component, to_string(may.error()));
     }
     return;
   }
-  std::erase_if(wanted, [this](const Change& relief) {
-    return refused_before(relief) || is_place(*running_, relief.edits[0].component);
+  std::erase_if(wanted, [this](const Change& standby) {
+    return refused_before(standby) || is_place(*running_, standby.edits[0].component);
   });
   if (wanted.empty()) {
     return;
@@ -304,16 +304,16 @@ void Caretaker::make_reliefs() {
     running_->control.in_factory(
         [this, wanted, prepared] {
           for (const auto& change : wanted) {
-            prepared->push_back(running_->deployer.prepare_relief(change));
+            prepared->push_back(running_->deployer.prepare_standby(change));
           }
         },
         [this, wanted, prepared, ticket]() mutable {
           for (std::size_t i = 0; i < wanted.size(); ++i) {
-            auto& relief = (*prepared)[i];
-            if (relief) {
-              running_->deployer.stand_by(*relief);
+            auto& standby = (*prepared)[i];
+            if (standby) {
+              running_->deployer.stand_by(*standby);
             } else {
-              refuse_relief(wanted[i], relief.error(), false);
+              refuse_standby(wanted[i], standby.error(), false);
             }
           }
           making_ = false;
@@ -321,8 +321,8 @@ void Caretaker::make_reliefs() {
           running_->control.in_factory([prepared] { prepared->clear(); }, [ticket] {});
         },
         [this, wanted](const std::string& hook) {
-          for (const auto& relief : wanted) {
-            refuse_relief(relief, given_up(*running_, hook, relief.edits[0].component), true);
+          for (const auto& standby : wanted) {
+            refuse_standby(standby, given_up(*running_, hook, standby.edits[0].component), true);
           }
           making_ = false;
         });

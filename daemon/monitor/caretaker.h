@@ -37,25 +37,25 @@ class Caretaker {
   void tell_of_factory();
   void tell_of_holds();
   void tell_of_scheduling();
-  void make_reliefs();
-  [[nodiscard]] bool refused_before(const Change& relief);
-  void refuse_relief(const Change& relief, const Error& error, bool for_ever);
+  void make_standby_cores();
+  [[nodiscard]] bool refused_before(const Change& standby);
+  void refuse_standby(const Change& standby, const Error& error, bool for_ever);
 
   Running* running_ = nullptr;
   Mutex mutex_;
   ConditionVariable wake_;
   bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
   std::atomic<bool> looking_{false};  ///< a look is queued or under way
-  bool making_ = false;               ///< [control] reliefs are being made
+  bool making_ = false;               ///< [control] standby_cores are being made
   Proofs proofs_;                     ///< [control]
-  std::uint64_t relieved_ = 0;        ///< [control] the last generation that a relief made
-  /// The relief of a component was refused in this generation: it is tried again in the next one,
-  /// but a relief whose hook hung is never tried again.
-  struct RefusedRelief {
+  std::uint64_t relieved_ = 0;        ///< [control] the last generation that a standby core made
+  /// The standby core of a component was refused in this generation: it is tried again in the next one,
+  /// but a standby core whose hook hung is never tried again.
+  struct RefusedStandby {
     std::uint64_t generation = 0;
     std::string why;
   };
-  std::map<std::string, RefusedRelief> refused_;  ///< [control] by component
+  std::map<std::string, RefusedStandby> refused_;  ///< [control] by component
   /// [control] By resource: how many calls of it were longer than declared when it was told last.
   std::map<std::string, std::uint64_t> over_hold_;
   /// [control] By component: the count of put-back schedulings that the log told last.

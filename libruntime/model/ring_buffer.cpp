@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-#include "model/succession.h"
+#include "model/state_transfer.h"
 
 #include <mauve/core.h>
 #include <mauve/observable.h>

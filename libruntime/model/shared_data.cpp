@@ -8,7 +8,7 @@
 #include <mauve/service.h>
 #include <mauve/state.h>
 
-#include "model/succession.h"
+#include "model/state_transfer.h"
 
 namespace mauve {
 

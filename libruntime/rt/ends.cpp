@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "base/mutex.h"
-#include "rt/last_words.h"
+#include "rt/crash_handler.h"
 #include "rt/rescue.h"
 
 namespace mauve::rt {

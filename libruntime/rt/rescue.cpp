@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #include "base/mutex.h"
-#include "rt/last_words.h"
+#include "rt/crash_handler.h"
 
 namespace mauve::rt {
 namespace {

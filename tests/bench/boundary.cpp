@@ -71,7 +71,7 @@ struct Chain : mauve::Fsm<Stepping> {
 enum class Care {
   none,        ///< but a budget
   undeclared,  ///< no budget: what a job uses is measured
-  full,        ///< a change on probation, a bound for the guard, and a relief standing by
+  full,        ///< a change on probation, a bound for the guard, and a standby core standing by
 };
 
 /// A task as the deployer makes it, driven by hand.

@@ -88,12 +88,12 @@ Holds holds_after(const PreparedChange::Content& change) {
   return holds;
 }
 
-/// `relief`, when there is one, runs in place of what the change brings its component.
+/// `standby`, when there is one, runs in place of what the change brings its component.
 TimingModel model_after(System& system, const PreparedChange::Content& change,
-                        const PreparedMember* relief = nullptr) {
+                        const PreparedMember* standby = nullptr) {
   const auto next_of = [&](const PreparedMember& member) -> const Bundle& {
-    const bool relieved = relief != nullptr && relief->component == member.component;
-    return relieved ? *relief->next : *member.next;
+    const bool relieved = standby != nullptr && standby->component == member.component;
+    return relieved ? *standby->next : *member.next;
   };
   TimingModel model(overheads_of(system.options.machine), holds_after(change));
   const MutexLock lock(system.members);
@@ -228,10 +228,10 @@ Result<std::vector<std::string>> admit_change(System& system,
   return warnings_of(problems);
 }
 
-bool admit_relief(System& system, const PreparedChange::Content& change,
-                  const PreparedMember& relief) {
+bool admit_standby(System& system, const PreparedChange::Content& change,
+                  const PreparedMember& standby) {
   if (system.options.admission != Admission::strict) return true;
-  return admits(model_of(system).set(), model_after(system, change, &relief).set());
+  return admits(model_of(system).set(), model_after(system, change, &standby).set());
 }
 
 std::map<std::string, Duration> responses(System& system) {

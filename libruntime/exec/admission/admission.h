@@ -22,8 +22,8 @@ Status admit_deployment(System& system);
                                                             const PreparedChange::Content& change);
 
 /// May this take over from what the change brings its component? By Admission::strict only.
-[[nodiscard]] bool admit_relief(System& system, const PreparedChange::Content& change,
-                                const PreparedMember& relief);
+[[nodiscard]] bool admit_standby(System& system, const PreparedChange::Content& change,
+                                const PreparedMember& standby);
 
 /// Of what runs now. [control]
 [[nodiscard]] Timing analyze(System& system);

@@ -46,16 +46,16 @@ void go_on_counting(const ResourceBase& from, const ResourceBase& into) {
 }  // namespace
 
 Status Barrier::check(const PreparedChange::Content& content) {
-  for (const PreparedBarrier::Heir& heir : content.barrier->heirs) {
-    const std::string& name = heir.from->name();
-    if (heir.from->shared_core() != heir.base.core ||
-        heir.from->shared_bindings() != heir.base.bindings) {
+  for (const PreparedBarrier::Replacement& replacement : content.barrier->replacements) {
+    const std::string& name = replacement.from->name();
+    if (replacement.from->shared_core() != replacement.base.core ||
+        replacement.from->shared_bindings() != replacement.base.bindings) {
       return refuse(Errc::conflict, name,
                     "was changed by somebody else while this change was prepared", "try again");
     }
-    auto plan = plan_succession(*heir.from, *heir.into, heir.state, content.probation.has_value());
+    auto plan = plan_transfer(*replacement.from, *replacement.into, replacement.state, content.probation.has_value());
     if (!plan) return plan.error();
-    heirs_.push_back({heir.from, heir.into, *plan});
+    replacements_.push_back({replacement.from, replacement.into, *plan});
   }
   for (const ComponentBase* component : bystanders_of(system_, content)) {
     Deployed* const deployed = system_.find(component->name());
@@ -140,8 +140,8 @@ void Barrier::part() {
 
 bool Barrier::hand_over(const std::vector<PreparedResource>& changed) {
   std::string held;
-  for (const Heir& heir : heirs_) {
-    if (!is_free(*heir.from)) held = heir.from->name();
+  for (const Replacement& replacement : replacements_) {
+    if (!is_free(*replacement.from)) held = replacement.from->name();
   }
   for (const PreparedResource& one : changed) {
     if (!is_free(*one.resource)) held = one.resource->name();
@@ -153,11 +153,11 @@ bool Barrier::hand_over(const std::vector<PreparedResource>& changed) {
                     "look at `status`: a core that never returns holds what it is inside"));
     return false;
   }
-  for (const Heir& heir : heirs_) {
-    const bool takes = heir.plan.hand_over.from != nullptr || heir.plan.from != nullptr;
+  for (const Replacement& replacement : replacements_) {
+    const bool takes = replacement.plan.hand_over.from != nullptr || replacement.plan.from != nullptr;
     if (!takes) continue;
     // Since the plan was made somebody may have been thrown out of it.
-    if (Status whole = check_whole(*heir.from, StatePolicy::keep); !whole) {
+    if (Status whole = check_whole(*replacement.from, StatePolicy::keep); !whole) {
       call_off(whole.error());
       return false;
     }
@@ -172,21 +172,21 @@ bool Barrier::hand_over(const std::vector<PreparedResource>& changed) {
 /// fails too: members wait for it, and so does whoever needs [control].
 bool Barrier::hand_over() {
   const rt::Deadline deadline(kLongestWait);
-  for (std::size_t i = 0; i < heirs_.size(); ++i) {
-    const auto bytes = heirs_[i].plan.run(heirs_[i].into->name(), deadline.watched());
+  for (std::size_t i = 0; i < replacements_.size(); ++i) {
+    const auto bytes = replacements_[i].plan.run(replacements_[i].into->name(), deadline.watched());
     if (!bytes) {
-      while (i > 0) heirs_[--i].plan.undo();
+      while (i > 0) replacements_[--i].plan.undo();
       call_off(bytes.error());
       return false;
     }
-    heirs_[i].bytes = *bytes;
+    replacements_[i].bytes = *bytes;
   }
   if (const Deployed* const stopped = halted()) {
-    for (std::size_t i = heirs_.size(); i > 0;) heirs_[--i].plan.undo();
+    for (std::size_t i = replacements_.size(); i > 0;) replacements_[--i].plan.undo();
     give_way(*stopped);
     return false;
   }
-  for (const Heir& heir : heirs_) go_on_counting(*heir.from, *heir.into);
+  for (const Replacement& replacement : replacements_) go_on_counting(*replacement.from, *replacement.into);
   return true;
 }
 
@@ -217,8 +217,8 @@ void Barrier::tell(Receipt& receipt) const {
     receipt.components.push_back(
         {one.deployed->component->name(), Duration{0}, missed - one.missed_before, 0});
   }
-  for (const Heir& heir : heirs_) {
-    receipt.components.push_back({heir.into->name(), Duration{0}, 0, heir.bytes});
+  for (const Replacement& replacement : replacements_) {
+    receipt.components.push_back({replacement.into->name(), Duration{0}, 0, replacement.bytes});
   }
 }
 

@@ -21,7 +21,7 @@
 #include "exec/swap/swap.h"
 #include "exec/system/prepared.h"
 #include "exec/system/system.h"
-#include "model/succession.h"
+#include "model/state_transfer.h"
 
 #include <mauve/receipt.h>
 
@@ -62,10 +62,10 @@ class Barrier {
 
  private:
   enum class Phase : std::uint8_t { gathering, waiting, parting, over };
-  struct Heir {
+  struct Replacement {
     ResourceBase* from;
     ResourceBase* into;
-    Succession plan;
+    StateTransfer plan;
     std::size_t bytes = 0;
   };
   struct Bystander {
@@ -81,7 +81,7 @@ class Barrier {
   System& system_;
   Phase phase_ = Phase::gathering;
   std::uint64_t number_ = 0;
-  std::vector<Heir> heirs_;
+  std::vector<Replacement> replacements_;
   std::vector<Bystander> bystanders_;
   std::vector<Deployed*> gathered_;  // by member of the swaps
   std::unique_ptr<Swap> gathering_;

@@ -7,7 +7,7 @@
 #include "exec/admission/admission.h"
 #include "exec/admission/membership.h"
 #include "exec/recovery/probations.h"
-#include "exec/recovery/relief.h"
+#include "exec/recovery/standby.h"
 #include "exec/swap/rewired.h"
 #include "exec/system/books.h"
 #include "exec/system/make_update.h"
@@ -209,12 +209,12 @@ void Commit::let_go_new() {
   }
 }
 
-void Commit::add_relief(std::size_t index, const Deployed& deployed, TaskUpdate& next) {
-  const Content& relief = content_->members[index].relief;
-  if (relief == nullptr) return;
-  PreparedMember& takes_over = relief->members.front();
-  next.relief = make_relief(takes_over, deployed.restarts.size());
-  reliefs_[index] = {relief, &takes_over, next.relief->answer};
+void Commit::add_standby(std::size_t index, const Deployed& deployed, TaskUpdate& next) {
+  const Content& standby = content_->members[index].standby;
+  if (standby == nullptr) return;
+  PreparedMember& takes_over = standby->members.front();
+  next.standby = make_standby(takes_over, deployed.restarts.size());
+  standby_cores_[index] = {standby, &takes_over, next.standby->answer};
 }
 
 Member Commit::forth(std::size_t index, Deployed& deployed) {
@@ -223,7 +223,7 @@ Member Commit::forth(std::size_t index, Deployed& deployed) {
   member.task = deployed.task.get();
   member.next = make_update(change);
   member.next->number = number_;
-  add_relief(index, deployed, *member.next);
+  add_standby(index, deployed, *member.next);
   if (rollback_ != nullptr) begin_rollback(change, deployed, *member.next);
   return member;
 }
@@ -262,7 +262,7 @@ std::vector<ResourceMember> Commit::resource_members() const {
 
 void Commit::hold_members() {
   entered_.resize(deployed_.size());
-  reliefs_.resize(deployed_.size());
+  standby_cores_.resize(deployed_.size());
   for (Deployed* deployed : deployed_) {
     missed_before_.push_back(deployed->task->counters().missed.load());
     deployed->changing = true;

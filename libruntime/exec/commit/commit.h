@@ -64,7 +64,7 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   void publish(Swap::Kind kind, Duration longest_job);
   void tell_attempt();
   void tell_end();
-  void add_relief(std::size_t index, const Deployed& deployed, TaskUpdate& next);
+  void add_standby(std::size_t index, const Deployed& deployed, TaskUpdate& next);
   [[nodiscard]] Member forth(std::size_t index, Deployed& deployed);
   [[nodiscard]] std::vector<ResourceMember> resource_members() const;
   void enter(std::size_t index);
@@ -86,7 +86,7 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   std::vector<Deployed*> deployed_;  // by member
   std::vector<std::uint64_t> missed_before_;
   std::vector<bool> entered_;
-  std::vector<StandingBy> reliefs_;    // by member: what comes with it
+  std::vector<StandbyCore> standby_cores_;    // by member: what comes with it
   std::unique_ptr<Barrier> barrier_;   // null: the cut
   std::unique_ptr<Swap> swap_;         // null: not yet past the barrier
   std::shared_ptr<Rollback> rollback_;  // null: no probation

@@ -45,10 +45,10 @@ void Commit::enter(std::size_t index) {
   if (heritage_.origin_of(*member.component) == nullptr) {
     retire(*member.base, *member.next, lost ? system_.free : retired_);
   }
-  if (member.next != member.base || member.relief != nullptr) {
-    StandingBy& relief = deployed_[index]->relief;
-    system_.free.keep(std::exchange(relief, std::exchange(reliefs_[index], {})).content);
-    member.relief.reset();
+  if (member.next != member.base || member.standby != nullptr) {
+    StandbyCore& standby = deployed_[index]->standby;
+    system_.free.keep(std::exchange(standby, std::exchange(standby_cores_[index], {})).content);
+    member.standby.reset();
   }
   member.made.forget();
   const std::uint64_t missed = deployed_[index]->task->counters().missed.load();
@@ -61,15 +61,15 @@ void Commit::enter(std::size_t index) {
 void Commit::enter_resources() {
   Retired& retired = system_.runner->has_lost() ? system_.free : retired_;
   for (std::size_t i = 0; i < swap_->resources().size(); ++i) {
-    const ResourceFlip& flip = *swap_->resources()[i].flip;
-    if (flip.state() != ResourceFlip::State::in_force) continue;
+    const ResourceUpdate& update = *swap_->resources()[i].update;
+    if (update.state() != ResourceUpdate::State::in_force) continue;
     PreparedResource& change = content_->resources[i];
     ++system_.revision;
     change.resource->install(change.parts.core, change.parts.bindings);
     if (change.hold) change.resource->gate().declare_hold(*change.hold);
     if (change.parts.core != nullptr) retired.add(change.base.core);
     change.made.forget();
-    MemberReceipt row{change.resource->name(), flip.pause(), 0, flip.bytes()};
+    MemberReceipt row{change.resource->name(), update.pause(), 0, update.bytes()};
     if (change.parts.core != nullptr) {
       say_dropped(*change.base.core, *change.parts.core, change.state, row);
     }
@@ -258,7 +258,7 @@ void Commit::lead_late_members_back() {
 std::string Commit::failed() const {
   std::string names;
   for (const ResourceMember& one : swap_->resources()) {
-    if (!one.flip->failed()) continue;
+    if (!one.update->failed()) continue;
     names += (names.empty() ? "" : ", ") + one.resource->name();
   }
   for (std::size_t i = 0; i < swap_->members().size() && i < deployed_.size(); ++i) {
@@ -282,7 +282,7 @@ Error Commit::not_applied() const {
     names += (names.empty() ? "" : ", ") + one->task->name();
   }
   for (const ResourceMember& one : swap_->resources()) {
-    if (one.flip->state() == ResourceFlip::State::in_force) continue;
+    if (one.update->state() == ResourceUpdate::State::in_force) continue;
     names += (names.empty() ? "" : ", ") + one.resource->name();
   }
   if (swap_->members().empty() && swap_->result().state != SwapResult::State::overtaken) {

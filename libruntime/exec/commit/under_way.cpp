@@ -6,7 +6,7 @@
 #include <mutex>
 
 #include "exec/recovery/probations.h"
-#include "exec/recovery/relief.h"
+#include "exec/recovery/standby.h"
 
 namespace mauve::exec {
 
@@ -50,7 +50,7 @@ void look_after_itself(System& system) {
     system.free.merge(one->take_free());
     return true;
   });
-  look_after_reliefs(system);
+  look_after_standby_cores(system);
   system.forget_departed();
 }
 

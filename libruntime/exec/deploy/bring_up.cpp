@@ -10,10 +10,10 @@
 #include "base/duration.h"
 #include "exec/admission/admission.h"
 #include "exec/admission/placement.h"
-#include "exec/deploy/last_words.h"
+#include "exec/deploy/crash_handler.h"
 #include "exec/deploy/shutdown.h"
 #include "exec/prepare/prepare.h"
-#include "exec/recovery/relief.h"
+#include "exec/recovery/standby.h"
 #include "exec/system/make_update.h"
 #include "exec/system/system.h"
 #include "rt/measured.h"
@@ -74,10 +74,10 @@ void release_all(System& system) {
   system.runner->open();
 }
 
-Status put_reliefs_in_readiness(System& system) {
-  for (const Change& change : wanted_reliefs(system)) {
+Status ready_standby_cores(System& system) {
+  for (const Change& change : wanted_standby_cores(system)) {
     Result<PreparedChange> prepared = prepare_change(system, change);
-    if (!prepared) return about_relief(change, prepared.error());
+    if (!prepared) return about_standby(change, prepared.error());
     put_in_readiness(system, *prepared);
   }
   return ok();
@@ -108,7 +108,7 @@ Status bring_up(System& system) {
   for (Deployed& deployed : system.deployed) {
     if (ready) ready = start_thread(system, deployed);
   }
-  if (ready && !system.options.simulated) ready = prepare_last_words(system);
+  if (ready && !system.options.simulated) ready = prepare_crash_handler(system);
   if (!ready) {
     system.runner = make_runner(system.options);
     system.deployed.clear();
@@ -117,9 +117,9 @@ Status bring_up(System& system) {
   release_all(system);
   system.generation = system.options.first_generation;
   system.up = true;
-  Status reliefs = put_reliefs_in_readiness(system);
-  if (!reliefs) static_cast<void>(bring_down(system, 2s));
-  return reliefs;
+  Status standby_cores = ready_standby_cores(system);
+  if (!standby_cores) static_cast<void>(bring_down(system, 2s));
+  return standby_cores;
 }
 
 }  // namespace mauve::exec

@@ -13,7 +13,7 @@
 #include "exec/observe/traced.h"
 #include "exec/prepare/foresee.h"
 #include "exec/prepare/prepare.h"
-#include "exec/recovery/relief.h"
+#include "exec/recovery/standby.h"
 #include "exec/system/events.h"
 #include "exec/system/tell_control.h"
 #include "exec/system/trace_records.h"
@@ -212,28 +212,28 @@ Retired Deployer::collect() {
 
 bool Deployer::settled() const {
   exec::advance(*system_);
-  return system_->fading.empty() && !exec::holds_stale_relief(*system_);
+  return system_->fading.empty() && !exec::holds_stale_standby(*system_);
 }
 
-std::vector<Change> Deployer::wanted_reliefs() const {
+std::vector<Change> Deployer::wanted_standby_cores() const {
   exec::advance(*system_);
-  return exec::wanted_reliefs(*system_);
+  return exec::wanted_standby_cores(*system_);
 }
 
-Result<PreparedChange> Deployer::prepare_relief(const Change& relief) {
-  Result<PreparedChange> prepared = prepare(relief);
-  if (!prepared) return exec::about_relief(relief, prepared.error());
+Result<PreparedChange> Deployer::prepare_standby(const Change& standby) {
+  Result<PreparedChange> prepared = prepare(standby);
+  if (!prepared) return exec::about_standby(standby, prepared.error());
   return prepared;
 }
 
-void Deployer::refuse_relief(std::string_view component, const std::string& why) {
+void Deployer::refuse_standby(std::string_view component, const std::string& why) {
   exec::advance(*system_);
-  exec::refuse_relief(*system_, component, why);
+  exec::refuse_standby(*system_, component, why);
 }
 
-void Deployer::stand_by(PreparedChange& relief) {
+void Deployer::stand_by(PreparedChange& standby) {
   exec::advance(*system_);  // not while it was prepared
-  exec::put_in_readiness(*system_, relief);
+  exec::put_in_readiness(*system_, standby);
 }
 
 Result<Receipt> Deployer::start(const std::vector<std::string>& components, bool reset) {

@@ -40,7 +40,7 @@ std::vector<std::string> bring_down(System& system, Duration bound) {
   if (system.runner->has_lost()) {
     leave_behind(std::make_shared<Retired>(std::exchange(system.free, {})));
   }
-  system.last_words.reset();
+  system.crash_handler.reset();
   return left_behind;
 }
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "exec/recovery/relief.h"
+#include "exec/recovery/standby.h"
 
 #include <mauve/component.h>
 #include <mauve/fsm.h>

@@ -12,7 +12,7 @@
 #include "base/name.h"
 #include "exec/admission/admission.h"
 #include "exec/prepare/renew.h"
-#include "exec/recovery/relief.h"
+#include "exec/recovery/standby.h"
 #include "exec/swap/bystanders.h"
 #include "exec/swap/rewired.h"
 #include "model/elements.h"
@@ -99,7 +99,7 @@ class Preparation {
     content_->warnings = *std::move(admitted);
     warn_of_new(rewired(system_.architecture, *content_).notes());
     content_->fallbacks = change_.fallbacks;
-    if (Status done = make_reliefs(configure); !done) return done.error();
+    if (Status done = make_standby_cores(configure); !done) return done.error();
     if (content_->barrier) content_->barrier->waits = waits_of(system_, *content_);
     return PreparedChange(std::move(content_));
   }
@@ -125,7 +125,7 @@ class Preparation {
       content_->new_resources.push_back(joining.resource);
     }
     for (const NewResource& joining : change_.new_resources) {
-      Status done = content_->barrier ? prepare_heir(system_, joining, *content_) : ok();
+      Status done = content_->barrier ? prepare_replacement(system_, joining, *content_) : ok();
       if (done) done = prepare_joining(after_, joining);
       if (!done) return done;
     }
@@ -158,17 +158,17 @@ class Preparation {
 
   /// What cannot stand by does not hold the change up: it is tried again, and told, when that is in
   /// force.
-  Status make_reliefs(bool configure) {
+  Status make_standby_cores(bool configure) {
     if (!configure) return ok();  // in place nothing is configured beside what runs
     for (PreparedMember& member : content_->members) {
-      const std::optional<Edit> edit = relief_of(system_, *content_, member);
+      const std::optional<Edit> edit = standby_of(system_, *content_, member);
       if (!edit) continue;
-      auto relief = prepare_relief(after_, *edit, member);
-      if (!relief && left_here()) return relief.error();
-      if (!relief || !admit_relief(system_, *content_, *relief)) continue;
+      auto standby = prepare_standby(after_, *edit, member);
+      if (!standby && left_here()) return standby.error();
+      if (!standby || !admit_standby(system_, *content_, *standby)) continue;
       auto content = std::make_shared<PreparedChange::Content>();
-      content->members.push_back(*std::move(relief));
-      member.relief = std::move(content);
+      content->members.push_back(*std::move(standby));
+      member.standby = std::move(content);
     }
     return ok();
   }
@@ -192,7 +192,7 @@ Result<PreparedChange> prepare_locked(System& system, const Change& change, Chan
   const ModelLock::Hold hold(system.model);
   if (!hold) return refuse(Errc::timed_out, "deployer", "the change was given up before it began");
   if (Status sound = check_names(system, change); !sound) return sound.error();
-  if (Status made = put_as_heirs(system.architecture, whole); !made) return made.error();
+  if (Status made = put_as_replacements(system.architecture, whole); !made) return made.error();
   return preparation.run(configure);
 }
 

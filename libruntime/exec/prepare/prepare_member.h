@@ -14,7 +14,7 @@ Result<PreparedMember> prepare_member(const Afterwards& after, const Edit& edit,
                                       ComponentBase& component, bool configure);
 
 /// What takes over from what this member brings, made from that.
-Result<PreparedMember> prepare_relief(const Afterwards& after, const Edit& edit,
+Result<PreparedMember> prepare_standby(const Afterwards& after, const Edit& edit,
                                       const PreparedMember& brings);
 
 /// Connects and configures what joins; nobody uses it yet.

@@ -63,22 +63,22 @@ Status copy_all(const ResourceBase& from, const ResourceBase& into, const Edit& 
   return ok();
 }
 
-Status make_heir(const ResourceBase& resource, const Edit& edit, Change& change) {
+Status make_replacement(const ResourceBase& resource, const Edit& edit, Change& change) {
   if (edit.mode != Mode::keep || edit.core || edit.fsm || edit.type || edit.task) {
     return refuse(Errc::unsupported, edit.component,
                   "is a resource: it has no thread, and its core comes with its type");
   }
   if (Status paths = check_paths(edit, {"shell", "core", "interface"}); !paths) return paths;
-  auto heir = std::make_shared<ResourceBase>(resource.name(),
+  auto replacement = std::make_shared<ResourceBase>(resource.name(),
                                              edit.resource ? *edit.resource : resource.type());
-  if (!heir->made()) return heir->made();
+  if (!replacement->made()) return replacement->made();
   if (edit.hold) {
-    if (Status sound = check_hold(*heir, *edit.hold); !sound) return sound;
+    if (Status sound = check_hold(*replacement, *edit.hold); !sound) return sound;
   }
-  change.new_resources.push_back({heir, connections_after(resource, edit), edit.state});
+  change.new_resources.push_back({replacement, connections_after(resource, edit), edit.state});
   change.remove.push_back(resource.name());
-  heir->gate().declare_hold(edit.hold.value_or(resource.gate().declared_hold()));
-  return copy_all(resource, *heir, edit);
+  replacement->gate().declare_hold(edit.hold.value_or(resource.gate().declared_hold()));
+  return copy_all(resource, *replacement, edit);
 }
 
 Edit& edit_of(const std::string& name, Change& change) {
@@ -109,12 +109,12 @@ void connect_anew(const std::string& user, const Shell& shell, const Bindings& b
 
 }  // namespace
 
-Status put_as_heirs(const Architecture& architecture, Change& change) {
+Status put_as_replacements(const Architecture& architecture, Change& change) {
   const Renewed renewed = take_renewed(architecture, change);
   if (renewed.empty()) return ok();
   change.sync = Sync::barrier;
   for (const auto& [resource, edit] : renewed) {
-    if (Status made = make_heir(*resource, edit, change); !made) return made;
+    if (Status made = make_replacement(*resource, edit, change); !made) return made;
   }
   for (const ComponentBase* user : architecture.components()) {
     connect_anew(user->name(), user->shell(), *user->bundle()->bindings, renewed, change);

@@ -6,7 +6,7 @@
 
 #include "exec/admission/membership.h"
 #include "exec/recovery/inherit.h"
-#include "exec/swap/resource_flip.h"
+#include "exec/swap/resource_update.h"
 #include "exec/system/books.h"
 #include "exec/system/tell_control.h"
 #include "model/left_behind.h"
@@ -50,7 +50,7 @@ OnProbation::OnProbation(System& system, std::shared_ptr<Content> content,
     ResourceParts before = change.base;
     if (change.parts.core == nullptr) before.core.reset();
     if (change.parts.bindings == nullptr) before.bindings.reset();
-    flips_.push_back(std::make_unique<ResourceFlip>(*change.resource, std::move(before),
+    updates_.push_back(std::make_unique<ResourceUpdate>(*change.resource, std::move(before),
                                                     change.state, rollback_->decision()));
   }
 }
@@ -74,10 +74,10 @@ bool OnProbation::advance() {
   if (phase_ == Phase::watching) watch();
   if (phase_ == Phase::going_back) go_back();
   if (phase_ == Phase::withdrawing && all_looked_away()) {
-    for (auto& flip : flips_) {
-      if (!flip->disarm()) return true;
+    for (auto& update : updates_) {
+      if (!update->disarm()) return true;
     }
-    flips_.clear();
+    updates_.clear();
     phase_ = Phase::over;
   }
   return phase_ != Phase::over;
@@ -226,7 +226,7 @@ bool OnProbation::all_looked_away() const {
 
 void OnProbation::go_back() {
   const Instant now = system_.runner->now();
-  for (auto& flip : flips_) flip->help(now);
+  for (auto& update : updates_) update->help(now);
   if (!rollback_->told() || !all_are_back() || !may_let_go()) return;
   tell(Outcome::Kind::rolled_back, culprit());
   install_old();
@@ -245,8 +245,8 @@ bool OnProbation::all_are_back() const {
     return !member.in_force ||
            member.answer->progress.load(std::memory_order_acquire) == TaskUpdate::Progress::done;
   });
-  return members && std::all_of(flips_.begin(), flips_.end(),
-                                [](const auto& flip) { return flip->settled(); });
+  return members && std::all_of(updates_.begin(), updates_.end(),
+                                [](const auto& update) { return update->settled(); });
 }
 
 /// An order to park may be on its way to what joined; the task is parked, so that is over soon.

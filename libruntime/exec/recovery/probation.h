@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "exec/swap/resource_flip.h"
+#include "exec/swap/resource_update.h"
 #include "exec/system/prepared.h"
 #include "exec/system/system.h"
 
@@ -101,7 +101,7 @@ class OnProbation {
   std::shared_ptr<void> departed_;  // keeps tasks that are let go meanwhile
   std::shared_ptr<Content> content_;
   std::vector<MemberRollback> members_;
-  std::vector<std::unique_ptr<ResourceFlip>> flips_;
+  std::vector<std::unique_ptr<ResourceUpdate>> updates_;
   std::shared_ptr<Rollback> rollback_;
   Retired replaced_;
   Retired free_;

@@ -42,10 +42,10 @@ Swap::Swap(std::vector<Member> members, std::vector<ResourceMember> resources, R
 
 Swap::~Swap() {
   bool in_use = given_up_;
-  for (ResourceMember& member : resources_) old_flips_.push_back(std::move(member.flip));
-  for (auto& flip : old_flips_) {
-    if (!flip->lost() && flip->disarm()) continue;
-    leave_behind(std::shared_ptr<ResourceFlip>(std::move(flip)));
+  for (ResourceMember& member : resources_) old_updates_.push_back(std::move(member.update));
+  for (auto& update : old_updates_) {
+    if (!update->lost() && update->disarm()) continue;
+    leave_behind(std::shared_ptr<ResourceUpdate>(std::move(update)));
     in_use = true;
   }
   // When a change was given up, or the system goes down over it: a thread may be about to look.
@@ -96,8 +96,8 @@ void Swap::publish(Member& member) {
 }
 
 void Swap::arm(ResourceMember& resource) {
-  if (resource.flip != nullptr) old_flips_.push_back(std::move(resource.flip));
-  resource.flip = std::make_unique<ResourceFlip>(*resource.resource, resource.parts, resource.state,
+  if (resource.update != nullptr) old_updates_.push_back(std::move(resource.update));
+  resource.update = std::make_unique<ResourceUpdate>(*resource.resource, resource.parts, resource.state,
                                                  *decisions_.back());
 }
 
@@ -108,8 +108,8 @@ bool Swap::all_settled() {
     settled = settled && member.settled;
   }
   for (ResourceMember& resource : resources_) {
-    resource.flip->help(runner_.now());
-    settled = settled && resource.flip->settled();
+    resource.update->help(runner_.now());
+    settled = settled && resource.update->settled();
   }
   return settled;
 }
@@ -150,7 +150,7 @@ bool Swap::is_rolled_back() const {
 /// Some caller is about to change a resource: an instant later that is settled.
 bool Swap::is_taking() const {
   return std::any_of(resources_.begin(), resources_.end(), [](const ResourceMember& member) {
-    return member.flip->state() == ResourceFlip::State::taking;
+    return member.update->state() == ResourceUpdate::State::taking;
   });
 }
 
@@ -187,8 +187,8 @@ void Swap::give_up() {
     in_force += member.in_force ? 1 : 0;
   }
   for (ResourceMember& resource : resources_) {
-    resource.flip->revoke();
-    in_force += resource.flip->state() == ResourceFlip::State::given_up ? 0 : 1;
+    resource.update->revoke();
+    in_force += resource.update->state() == ResourceUpdate::State::given_up ? 0 : 1;
   }
   result_.state = in_force == 0                                     ? SwapResult::State::revoked
                   : in_force == members_.size() + resources_.size() ? SwapResult::State::committed

@@ -19,7 +19,7 @@
 #include <memory>
 #include <vector>
 
-#include "exec/swap/resource_flip.h"
+#include "exec/swap/resource_update.h"
 #include "exec/update/task_update.h"
 
 namespace mauve::exec {
@@ -45,7 +45,7 @@ struct ResourceMember {
   ResourceBase* resource = nullptr;
   ResourceParts parts;
   StatePolicy state = StatePolicy::keep;
-  std::unique_ptr<ResourceFlip> flip;  ///< of this attempt
+  std::unique_ptr<ResourceUpdate> update;  ///< of this attempt
 };
 
 struct SwapResult {
@@ -107,7 +107,7 @@ class Swap {
 
   std::vector<Member> members_;
   std::vector<ResourceMember> resources_;
-  std::vector<std::unique_ptr<ResourceFlip>> old_flips_;  // a caller may still be inside
+  std::vector<std::unique_ptr<ResourceUpdate>> old_updates_;  // a caller may still be inside
   Runner& runner_;
   const Duration bound_;
   const Kind kind_;

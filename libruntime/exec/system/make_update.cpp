@@ -51,7 +51,7 @@ void add_safe_writes(const PreparedMember& member, TaskUpdate& next) {
     if (before == nullptr || !port->has_safe_value()) continue;
     const PortBase* same = member.next->shell->find_port(port->name());
     const auto after = same != nullptr ? (*member.next->bindings)[same->index()] : nullptr;
-    if (after == before || goes_on_at_heir(*before, after.get())) continue;
+    if (after == before || goes_on_at_replacement(*before, after.get())) continue;
     next.safe_writes.emplace_back(port, before.get());
   }
 }

@@ -47,7 +47,7 @@ struct PreparedMember {
   bool restores = false;  ///< in place: back to the core before, so a faulted component runs again
   Retired made;           ///< its new elements, cleaned up and freed unless they get in force
   /// What takes over should `next` fail, from its first job on; null: nothing.
-  std::shared_ptr<PreparedChange::Content> relief;
+  std::shared_ptr<PreparedChange::Content> standby;
 };
 
 /// The change of one resource: another core, other connections of its own ports, or another
@@ -65,7 +65,7 @@ struct PreparedResource {
 /// What a change at a barrier needs besides.
 struct PreparedBarrier {
   /// A resource that joins under the name of one that leaves.
-  struct Heir {
+  struct Replacement {
     ResourceBase* from = nullptr;
     ResourceParts base;  ///< of `from`: what it was prepared against
     ResourceBase* into = nullptr;
@@ -75,7 +75,7 @@ struct PreparedBarrier {
     std::string component;
     std::uint64_t releases = 0;  ///< that it may lose, from what its jobs took so far
   };
-  std::vector<Heir> heirs;
+  std::vector<Replacement> replacements;
   std::vector<Wait> waits;  ///< of all that run and would wait
 };
 

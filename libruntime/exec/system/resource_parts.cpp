@@ -6,7 +6,7 @@
 
 namespace mauve::exec {
 
-bool goes_on_at_heir(const Binding& before, const Binding* after) {
+bool goes_on_at_replacement(const Binding& before, const Binding* after) {
   if (after == nullptr) return false;
   const ResourceBase& old = before.service().resource();
   const ResourceBase& now = after->service().resource();

@@ -20,6 +20,6 @@ struct ResourceParts {
 
 /// Does a port with these connections go on at the resource that joined under the name of the one
 /// that left? Then it loses nothing.
-[[nodiscard]] bool goes_on_at_heir(const Binding& before, const Binding* after);
+[[nodiscard]] bool goes_on_at_replacement(const Binding& before, const Binding* after);
 
 }  // namespace mauve::exec

@@ -16,7 +16,7 @@
 #include "exec/system/model_lock.h"
 #include "exec/task/task.h"
 #include "exec/update/task_update.h"
-#include "rt/last_words.h"
+#include "rt/crash_handler.h"
 
 #include <mauve/deploy_options.h>
 #include <mauve/happening.h>
@@ -35,8 +35,8 @@ namespace exec {
 
 struct PreparedMember;
 
-/// The core that takes over when one fails, see relief.h.
-struct StandingBy {
+/// The core that takes over when one fails, see standby.h.
+struct StandbyCore {
   std::shared_ptr<PreparedChange::Content> content;  ///< null: none
   PreparedMember* member = nullptr;
   std::shared_ptr<const TaskUpdate::Answer> answer;
@@ -55,7 +55,7 @@ struct Deployed {
   bool parking = false;           ///< that change is an order to park
   bool ended = false;             ///< no thread looks at its task any more
   bool hidden = false;            ///< joins with a change under way, or left with one on probation
-  StandingBy relief;
+  StandbyCore standby;
   std::vector<Instant> restarts;  ///< the recent ones
 
   [[nodiscard]] ComponentState state() const { return task->counters().state.load(); }
@@ -103,7 +103,7 @@ class System {
   bool up = false;
   int stands_still = 0;  ///< see Deployer::stand_still()
   bool realtime = false;
-  std::unique_ptr<rt::LastWords> last_words;  ///< while it is up
+  std::unique_ptr<rt::CrashHandler> crash_handler;  ///< while it is up
 
   [[nodiscard]] Deployed* find(std::string_view component);
   /// Also one that is hidden.

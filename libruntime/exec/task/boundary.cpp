@@ -92,13 +92,13 @@ TaskUpdate* Boundary::takes_over() {
       back != nullptr && back->decision->meet(task_.release) == Decision::Verdict::take;
   if (goes_back && task_.mailbox.withdraw_rollback(*back)) return back;
   if (!task_.failed || faults_.rolls_back() || task_.failed.is_hopeless()) return nullptr;
-  TaskUpdate* const relief = task_.mailbox.relief();
-  if (relief == nullptr || task_.release < task_.failed.at() + relief->back_off.count()) {
+  TaskUpdate* const standby = task_.mailbox.standby();
+  if (standby == nullptr || task_.release < task_.failed.at() + standby->back_off.count()) {
     return nullptr;
   }
-  if (!task_.mailbox.withdraw_relief(*relief)) return nullptr;
-  relief->answer->fault = task_.report.fault();
-  return relief;
+  if (!task_.mailbox.withdraw_standby(*standby)) return nullptr;
+  standby->answer->fault = task_.report.fault();
+  return standby;
 }
 
 void Boundary::drop_missed(Instant now) {
@@ -165,7 +165,7 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::record_taken(const TaskUpdate& next, Instant
   const bool barrier = next.barrier != TaskUpdate::Barrier::none;
   if (!barrier && next.number != 0) task_.number = next.number;
   const TakenAs as = barrier ? TakenAs::barrier : next.taken_as;
-  const bool has_instant = as != TakenAs::relief && next.decision->has_instant();
+  const bool has_instant = as != TakenAs::standby && next.decision->has_instant();
   task_.report.record(TraceKind::taken, time,
                       has_instant ? next.decision->instant() - task_.t0 : -1,
                       barrier ? next.number : task_.number, static_cast<std::uint32_t>(as));
@@ -263,17 +263,17 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::put_in_place(TaskUpdate& next) {
     counters.execution_max.store(0, std::memory_order_relaxed);
     counters.used_max.store(0, std::memory_order_relaxed);
   }
-  if (same_bundle && next.back == nullptr && next.relief == nullptr) return;
+  if (same_bundle && next.back == nullptr && next.standby == nullptr) return;
   task_.evidence.begin_anew(!mailbox.on_probation());
   counters.suspected.store(false, std::memory_order_relaxed);
   if (TaskUpdate* const before = mailbox.exchange_back(std::move(next.back))) {
     mailbox.retire(*before);
   }
   if (task_.failed && next.mode_only) faults_.give_up_core();
-  if (same_bundle && next.relief == nullptr) return;  // what stands by is of use still
-  if (TaskUpdate* const relief = mailbox.exchange_relief(std::move(next.relief))) {
-    relief->answer->progress.store(TaskUpdate::Progress::given_back, std::memory_order_release);
-    mailbox.retire(*relief);
+  if (same_bundle && next.standby == nullptr) return;  // what stands by is of use still
+  if (TaskUpdate* const standby = mailbox.exchange_standby(std::move(next.standby))) {
+    standby->answer->progress.store(TaskUpdate::Progress::given_back, std::memory_order_release);
+    mailbox.retire(*standby);
   }
 }
 

@@ -153,7 +153,7 @@ void FaultReaction::overran_too_often() {
   if (attributes.on_overrun == OnOverrun::stop) {
     write_safe_values();
     task_.park(ComponentState::stopped);
-  } else if (attributes.on_overrun == OnOverrun::fallback && task_.mailbox.relief() != nullptr) {
+  } else if (attributes.on_overrun == OnOverrun::fallback && task_.mailbox.standby() != nullptr) {
     auto& text = task_.report.fault().text;
     std::snprintf(text.data(), text.size(), "overran %u times in 64 jobs",
                   attributes.overrun_limit);

@@ -7,13 +7,13 @@ namespace mauve::exec {
 
 Mailbox::~Mailbox() {
   delete back_.load();
-  delete relief_.load();
+  delete standby_.load();
   static_cast<void>(reclaim());
 }
 
-bool Mailbox::stand_by(TaskUpdate& relief) {
+bool Mailbox::stand_by(TaskUpdate& standby) {
   TaskUpdate* none = nullptr;
-  return relief_.compare_exchange_strong(none, &relief, std::memory_order_acq_rel);
+  return standby_.compare_exchange_strong(none, &standby, std::memory_order_acq_rel);
 }
 
 std::vector<std::unique_ptr<TaskUpdate>> Mailbox::reclaim() {
@@ -31,8 +31,8 @@ MAUVE_RUNS_AT_A_SWAP TaskUpdate* Mailbox::exchange_back(std::unique_ptr<TaskUpda
   return back_.exchange(back.release(), std::memory_order_acq_rel);
 }
 
-MAUVE_RUNS_AT_A_SWAP TaskUpdate* Mailbox::exchange_relief(std::unique_ptr<TaskUpdate> relief) {
-  return relief_.exchange(relief.release(), std::memory_order_acq_rel);
+MAUVE_RUNS_AT_A_SWAP TaskUpdate* Mailbox::exchange_standby(std::unique_ptr<TaskUpdate> standby) {
+  return standby_.exchange(standby.release(), std::memory_order_acq_rel);
 }
 
 MAUVE_RUNS_AT_A_SWAP void Mailbox::retire(TaskUpdate& unused) {

@@ -28,10 +28,10 @@ class Mailbox {
   /// The same for the rollback of a probation.
   bool withdraw_rollback(TaskUpdate& back) { return empty(back_, back); }
   /// The same for the core that stands by.
-  bool withdraw_relief(TaskUpdate& relief) { return empty(relief_, relief); }
+  bool withdraw_standby(TaskUpdate& standby) { return empty(standby_, standby); }
   void put_back(TaskUpdate& back) { back_.store(&back, std::memory_order_release); }
   /// The update takes over by itself when the core fails; the task owns it. False: it has one.
-  bool stand_by(TaskUpdate& relief);
+  bool stand_by(TaskUpdate& standby);
   /// The updates that the task does not use any more, the newest first.
   [[nodiscard]] std::vector<std::unique_ptr<TaskUpdate>> reclaim();
   /// How often the task has looked into the mailbox. An update that was withdrawn before the last
@@ -53,17 +53,17 @@ class Mailbox {
   // --- [rt] the thread of the task --------------------------------------------------------------
   [[nodiscard]] TaskUpdate* pending() const { return pending_.load(std::memory_order_acquire); }
   [[nodiscard]] TaskUpdate* back() const { return back_.load(std::memory_order_acquire); }
-  [[nodiscard]] TaskUpdate* relief() const { return relief_.load(std::memory_order_acquire); }
+  [[nodiscard]] TaskUpdate* standby() const { return standby_.load(std::memory_order_acquire); }
   /// Puts the rollback of a new update in place. Returns the one before, or null.
   [[nodiscard]] TaskUpdate* exchange_back(std::unique_ptr<TaskUpdate> back);
   /// The same for the core that stands by.
-  [[nodiscard]] TaskUpdate* exchange_relief(std::unique_ptr<TaskUpdate> relief);
+  [[nodiscard]] TaskUpdate* exchange_standby(std::unique_ptr<TaskUpdate> standby);
   /// The task does not use it any more; reclaim() returns it. Only the task's thread adds.
   void retire(TaskUpdate& unused);
   /// The coordinator, which sees the new number, frees what was withdrawn before it.
   void count_look() { looks_.store(looks_ + 1, std::memory_order_release); }
   /// Asks for the cache lines that a swap writes.
-  void fetch() const { rt::ask_for(&back_, sizeof back_ + sizeof relief_); }
+  void fetch() const { rt::ask_for(&back_, sizeof back_ + sizeof standby_); }
 
  private:
   static bool empty(std::atomic<TaskUpdate*>& slot, TaskUpdate& content) {
@@ -76,7 +76,7 @@ class Mailbox {
   alignas(rt::kCacheLine) std::atomic<TaskUpdate*> unused_{nullptr};
   alignas(rt::kCacheLine) std::atomic<std::uint32_t> command_{0};
   alignas(rt::kCacheLine) std::atomic<TaskUpdate*> back_{nullptr};  // while on probation
-  std::atomic<TaskUpdate*> relief_{nullptr};  // the fallback core, or a fresh one
+  std::atomic<TaskUpdate*> standby_{nullptr};  // the fallback core, or a fresh one
   std::atomic<std::uint64_t> looks_{0};
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// FaultRecord: a failure as the task that fails records it, all at the same instant. Rollbacks and
-/// reliefs carry a copy of their own, so that a later failure of the same component does not mix
+/// standby_cores carry a copy of their own, so that a later failure of the same component does not mix
 /// with it.
 #pragma once
 

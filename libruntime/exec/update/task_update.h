@@ -28,7 +28,7 @@ namespace exec {
 class PrefetchSet;
 
 /// What a task takes, as a trace tells it.
-enum class TakenAs : std::uint8_t { change, back, relief, barrier };
+enum class TakenAs : std::uint8_t { change, back, standby, barrier };
 
 /// What a change hands to one task: the new bundle, and everything worked out beforehand so that
 /// taking it is a few pointer stores. Immutable after publication but for the answer.
@@ -65,8 +65,8 @@ struct TaskUpdate {
   Rollback* rollback = nullptr;
   unsigned tolerated = 0;             ///< overruns among the jobs of `window`
   std::uint64_t window = ~0ULL;       ///< a bit for each job that counts
-  std::unique_ptr<TaskUpdate> relief;  ///< that stands by from the first job on; or null
-  Duration back_off{0};               ///< a relief waits so long after the fault
+  std::unique_ptr<TaskUpdate> standby;  ///< that stands by from the first job on; or null
+  Duration back_off{0};               ///< a standby core waits so long after the fault
 
   enum class Progress : std::uint8_t {
     published,
@@ -78,7 +78,7 @@ struct TaskUpdate {
     Duration pause{0};  ///< this and the next: valid when done
     std::size_t bytes = 0;
     bool failed = false;  ///< its state was not converted; also valid when done
-    FaultRecord fault;    ///< of a relief: what it took over from; also valid when done
+    FaultRecord fault;    ///< of a standby core: what it took over from; also valid when done
     /// The last word the task writes: it touches neither this nor the transaction afterwards, but
     /// for what it runs with.
     std::atomic<Progress> progress{Progress::published};

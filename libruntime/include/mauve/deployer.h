@@ -109,14 +109,14 @@ class Deployer {
 
   /// Cores that shall stand by for a failing one, and do not yet: after deployment, after each
   /// change, after each fault. Prepare each [factory], then let it stand by.
-  [[nodiscard]] std::vector<Change> wanted_reliefs() const;
+  [[nodiscard]] std::vector<Change> wanted_standby_cores() const;
   /// As prepare(); an error of a fallback core is about `X.fallback_core`.
-  Result<PreparedChange> prepare_relief(const Change& relief);
+  Result<PreparedChange> prepare_standby(const Change& standby);
   /// Drops what is out of date meanwhile.
-  void stand_by(PreparedChange& relief);
-  /// None can be made for this component. A component whose core has failed waits for its relief as
+  void stand_by(PreparedChange& standby);
+  /// None can be made for this component. A component whose core has failed waits for its standby as
   /// long as its policy allows: this ends the wait, and it is faulted. `why` goes to its outcome.
-  void refuse_relief(std::string_view component, const std::string& why);
+  void refuse_standby(std::string_view component, const std::string& why);
 
   /// Shorthands for apply().
   Result<Receipt> start(const std::vector<std::string>& components, bool reset = false);

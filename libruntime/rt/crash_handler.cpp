@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "rt/last_words.h"
+#include "rt/crash_handler.h"
 
 #include <sys/prctl.h>
 
@@ -11,7 +11,7 @@ namespace mauve::rt {
 namespace {
 
 constexpr Duration kMayTake{500ms};
-constexpr int kLastWordsPriority = 96;  // above every component and the guard
+constexpr int kCrashPriority = 96;  // above every component and the guard
 
 std::atomic<std::uint32_t> bell{0};  // rung when the process dies, and when a speaker shall end
 std::atomic<bool> dying{false};
@@ -27,7 +27,7 @@ bool& i_speak() {
 
 }  // namespace
 
-LastWords::~LastWords() {
+CrashHandler::~CrashHandler() {
   if (!thread_.running()) return;
   ends_.reset();
   speakers.fetch_sub(1);
@@ -36,7 +36,7 @@ LastWords::~LastWords() {
   thread_.join();
 }
 
-Status LastWords::start(std::function<void(const Death&)> speak) {
+Status CrashHandler::start(std::function<void(const Death&)> speak) {
   speak_ = std::move(speak);
   const sigset_t before = EndHandlers::keep_away_from_this_thread();  // the new thread inherits it
   Status started = thread_.start({"mauve-last", 0, {}, 64 * 1024}, [this] { wait(); });
@@ -48,7 +48,7 @@ Status LastWords::start(std::function<void(const Death&)> speak) {
   return started;
 }
 
-void LastWords::wait() {
+void CrashHandler::wait() {
   const FaultStack stack;
   while (!death_told.load()) {
     const std::uint32_t seen = bell.load();
@@ -56,7 +56,7 @@ void LastWords::wait() {
     if (!death_told.load()) futex_wait_until(bell, seen, kForever);
   }
   i_speak() = true;
-  const Boost urgent(kLastWordsPriority);
+  const Boost urgent(kCrashPriority);
   speak_(death);
   futex_bump(silent);
 }

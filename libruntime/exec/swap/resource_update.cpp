@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "exec/swap/resource_flip.h"
+#include "exec/swap/resource_update.h"
 
 #include "exec/task/write_quietly.h"
 
@@ -17,7 +17,7 @@ std::vector<std::pair<const PortBase*, const Binding*>> lost_connections(
   for (const PortBase* port : resource.shell().ports()) {
     const auto& before = resource.bindings()[port->index()];
     const auto& after = (*next)[port->index()];
-    if (before == nullptr || before == after || goes_on_at_heir(*before, after.get())) continue;
+    if (before == nullptr || before == after || goes_on_at_replacement(*before, after.get())) continue;
     lost.emplace_back(port, before.get());
   }
   return lost;
@@ -25,7 +25,7 @@ std::vector<std::pair<const PortBase*, const Binding*>> lost_connections(
 
 }  // namespace
 
-ResourceFlip::ResourceFlip(ResourceBase& resource, ResourceParts parts, StatePolicy state,
+ResourceUpdate::ResourceUpdate(ResourceBase& resource, ResourceParts parts, StatePolicy state,
                            Decision& decision)
     : resource_(resource),
       parts_(std::move(parts)),
@@ -47,9 +47,9 @@ ResourceFlip::ResourceFlip(ResourceBase& resource, ResourceParts parts, StatePol
   resource_.gate().defer(*this);
 }
 
-ResourceFlip::~ResourceFlip() = default;
+ResourceUpdate::~ResourceUpdate() = default;
 
-bool ResourceFlip::visit(Instant release) {
+bool ResourceUpdate::visit(Instant release) {
   if (state() == State::in_force || state() == State::given_up) return true;
   if (release == 0) return false;
   // The coordinator is late: whoever comes at the instant decides for all that nothing happens.
@@ -64,7 +64,7 @@ bool ResourceFlip::visit(Instant release) {
 }
 
 /// Under the gate.
-void ResourceFlip::take() {
+void ResourceUpdate::take() {
   const Instant begin = MonotonicClock().now();
   for (const auto& [port, before] : safe_writes_) write_quietly(*port, *before, true);
   if (!resource_.gate().poisoned()) {  // else it may be half written: the new core begins anew
@@ -81,7 +81,7 @@ void ResourceFlip::take() {
 }
 
 /// Half a state is not for its users: they are told, as after a caller that crashed in it.
-void ResourceFlip::meet() {
+void ResourceUpdate::meet() {
   resource_.meet(parts_.core, parts_.bindings);
   if (failed_) resource_.gate().poison();
   if (parts_.core != nullptr) resource_.gate().forget_holds();
@@ -89,7 +89,7 @@ void ResourceFlip::meet() {
 
 /// A caller never returned from the converter; the guard took its lock away and poisoned the
 /// resource.
-void ResourceFlip::finish_for_lost() {
+void ResourceUpdate::finish_for_lost() {
   if (state() != State::taking || !resource_.gate().poisoned()) return;
   if (!converting_.exchange(false)) return;
   failed_ = lost_ = true;
@@ -97,7 +97,7 @@ void ResourceFlip::finish_for_lost() {
   state_.store(State::in_force, std::memory_order_release);
 }
 
-void ResourceFlip::help(Instant now) {
+void ResourceUpdate::help(Instant now) {
   finish_for_lost();
   if (state() != State::waiting) return;
   if (decision_.given_up()) return revoke();
@@ -108,12 +108,12 @@ void ResourceFlip::help(Instant now) {
   resource_.gate().leave();
 }
 
-void ResourceFlip::revoke() {
+void ResourceUpdate::revoke() {
   State expected = State::waiting;
   state_.compare_exchange_strong(expected, State::given_up, std::memory_order_acq_rel);
 }
 
-bool ResourceFlip::disarm() {
+bool ResourceUpdate::disarm() {
   if (!armed_) return true;
   resource_.gate().forget(*this);
   if (!resource_.gate().try_enter()) return false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "exec/deploy/last_words.h"
+#include "exec/deploy/crash_handler.h"
 
 #include <algorithm>
 #include <array>
@@ -111,9 +111,9 @@ void speak(System& system, const rt::Death& death) MAUVE_NOT_ANALYSED {
 
 }  // namespace
 
-Status prepare_last_words(System& system) {
-  system.last_words = std::make_unique<rt::LastWords>();
-  return system.last_words->start([&system](const rt::Death& death) { speak(system, death); });
+Status prepare_crash_handler(System& system) {
+  system.crash_handler = std::make_unique<rt::CrashHandler>();
+  return system.crash_handler->start([&system](const rt::Death& death) { speak(system, death); });
 }
 
 }  // namespace mauve::exec

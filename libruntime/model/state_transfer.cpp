@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "model/succession.h"
+#include "model/state_transfer.h"
 
 #include <new>
 
@@ -81,7 +81,7 @@ std::size_t transfer(const ValueStore& from, ValueStore& into) {
 
 }  // namespace
 
-Result<std::size_t> Succession::run(const std::string& at, const rt::Watched& watched) const {
+Result<std::size_t> StateTransfer::run(const std::string& at, const rt::Watched& watched) const {
   std::size_t bytes = hand_over.bytes;
   const auto body = [&] {
     if (from != nullptr) {
@@ -97,14 +97,14 @@ Result<std::size_t> Succession::run(const std::string& at, const rt::Watched& wa
   return bytes;
 }
 
-void Succession::undo() const {
+void StateTransfer::undo() const {
   const bool moved = from == nullptr && !copies && hand_over.convert == nullptr;
   if (moved) static_cast<void>(hand_over.run());
 }
 
-Result<Succession> plan_succession(const ResourceBase& from, const ResourceBase& into,
+Result<StateTransfer> plan_transfer(const ResourceBase& from, const ResourceBase& into,
                                    StatePolicy policy, bool way_back) {
-  Succession plan;
+  StateTransfer plan;
   if (policy == StatePolicy::drop) return plan;
   if (Status whole = check_whole(from, policy); !whole) return whole.error();
   const CoreBase& old = from.core();

@@ -26,7 +26,7 @@ class ResourceBase;
 
 namespace exec {
 
-class ResourceFlip final : public Deferred {
+class ResourceUpdate final : public Deferred {
  public:
   enum class State : std::uint8_t {
     waiting,
@@ -36,10 +36,10 @@ class ResourceFlip final : public Deferred {
   };
 
   /// Arms it. The transaction outlives it.
-  ResourceFlip(ResourceBase& resource, ResourceParts parts, StatePolicy state,
+  ResourceUpdate(ResourceBase& resource, ResourceParts parts, StatePolicy state,
                Decision& decision);
   /// Nobody visits it any more: see disarm().
-  ~ResourceFlip() override;
+  ~ResourceUpdate() override;
 
   bool visit(Instant release) override;
   /// Takes the change itself once the instant has passed, unless somebody is inside. [control]

@@ -6,7 +6,7 @@
 
 namespace mauve::exec {
 
-/// From now on; until System::last_words is reset. Nothing where signals cannot be handled.
-Status prepare_last_words(System& system);
+/// From now on; until System::crash_handler is reset. Nothing where signals cannot be handled.
+Status prepare_crash_handler(System& system);
 
 }  // namespace mauve::exec

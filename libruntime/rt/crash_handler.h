@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// LastWords: what is still done when the process must die of a fault. The thread that failed only
+/// CrashHandler: what is still done when the process must die of a fault. The thread that failed only
 /// wakes others and waits for them, since in its handler next to nothing is allowed.
 #pragma once
 
@@ -22,12 +22,12 @@ struct Death {
 
 /// A thread that sleeps until the process must die. While one lives, faults are handled (not under
 /// a sanitizer, which handles them itself), and so is every end of the process that it can see.
-class LastWords {
+class CrashHandler {
  public:
-  LastWords() = default;
-  ~LastWords();
-  LastWords(const LastWords&) = delete;
-  LastWords& operator=(const LastWords&) = delete;
+  CrashHandler() = default;
+  ~CrashHandler();
+  CrashHandler(const CrashHandler&) = delete;
+  CrashHandler& operator=(const CrashHandler&) = delete;
 
   /// `speak` gets 500 ms; it may not be able to have memory. It runs before all components, where
   /// that is permitted.

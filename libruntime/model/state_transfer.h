@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Succession: what a resource that joins takes over from the one that leaves under its name, while
+/// StateTransfer: what a resource that joins takes over from the one that leaves under its name, while
 /// nobody uses either of them.
 ///
 ///   cores of authors               the rule of hand_over.h; when there may be a way back, a state
@@ -35,7 +35,7 @@ class ValueStore {
 };
 
 /// Worked out beforehand; valid while both cores live.
-struct Succession {
+struct StateTransfer {
   HandOver hand_over;
   bool copies = false;  ///< what hand_over would move
   const ValueStore* from = nullptr;
@@ -51,7 +51,7 @@ struct Succession {
 
 /// `way_back`: the old resource may come back, with what it holds now. Errors: type_mismatch,
 /// unsupported. [any], not on a real-time thread.
-[[nodiscard]] Result<Succession> plan_succession(const ResourceBase& from, const ResourceBase& into,
+[[nodiscard]] Result<StateTransfer> plan_transfer(const ResourceBase& from, const ResourceBase& into,
                                                  StatePolicy policy, bool way_back);
 
 }  // namespace mauve

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "exec/recovery/relief.h"
+#include "exec/recovery/standby.h"
 
 #include <algorithm>
 #include <optional>
@@ -16,7 +16,7 @@ namespace {
 
 using Action = FaultPolicy::Action;
 
-/// Decided for ever: a relief waits for a fault, not for an instant.
+/// Decided for ever: a standby core waits for a fault, not for an instant.
 Decision& standing_decision() {
   static Decision decision(0, Decision::State::committed);
   return decision;
@@ -43,7 +43,7 @@ std::size_t recent_restarts(const System& system, const Deployed* deployed,
 
 /// It took over: what the task runs is what the model shows.
 void take_note(System& system, Deployed& deployed) {
-  const StandingBy taken = std::exchange(deployed.relief, {});
+  const StandbyCore taken = std::exchange(deployed.standby, {});
   const FaultRecord& fault = taken.answer->fault;
   ComponentBase& component = *deployed.component;
   retire(*component.bundle(), *taken.member->next, system.free);
@@ -81,8 +81,8 @@ void give_up(System& system, Deployed& deployed, Instant failed_at, const std::s
 }
 
 /// Waits for a core that does not stand by; nothing else is on its way.
-bool waits_for_relief(const System& system, const Deployed& deployed) {
-  const bool other = deployed.hidden || deployed.changing || deployed.relief.content != nullptr;
+bool waits_for_standby(const System& system, const Deployed& deployed) {
+  const bool other = deployed.hidden || deployed.changing || deployed.standby.content != nullptr;
   return !other && !is_rolled_back(system) && deployed.task->failed_core().at() != 0 &&
          !deployed.task->failed_core().is_hopeless();
 }
@@ -90,7 +90,7 @@ bool waits_for_relief(const System& system, const Deployed& deployed) {
 using Fallback = std::optional<ComponentBase::Fallback>;
 
 /// Of a component that runs with this bundle; null: it was never restarted.
-std::optional<Edit> relief_of(const System& system, const std::string& component,
+std::optional<Edit> standby_of(const System& system, const std::string& component,
                               const Bundle& bundle, const Fallback& fallback,
                               const Deployed* deployed) {
   const FaultPolicy& policy = bundle.task.on_fault;
@@ -113,14 +113,14 @@ std::optional<Edit> relief_of(const System& system, const std::string& component
   return edit;
 }
 
-/// Empty: a relief is wanted.
-std::string why_no_relief(const System& system, const Deployed& deployed) {
+/// Empty: a standby core is wanted.
+std::string why_no_standby(const System& system, const Deployed& deployed) {
   const ComponentBase& component = *deployed.component;
   if (system.runner->has_lost(deployed.task.get())) {
     return "a thread that does not return is still inside this component";
   }
   const Bundle& bundle = *component.bundle();
-  if (relief_of(system, component.name(), bundle, component.fallback(), &deployed)) return {};
+  if (standby_of(system, component.name(), bundle, component.fallback(), &deployed)) return {};
   const FaultPolicy& policy = bundle.task.on_fault;
   if (policy.action == Action::restart) {
     return "all " + std::to_string(policy.restarts) + " restarts within " +
@@ -129,33 +129,33 @@ std::string why_no_relief(const System& system, const Deployed& deployed) {
   return component.fallback() ? "this is the fallback core itself" : "there is no fallback core";
 }
 
-/// False: the task has one, or runs with another bundle than the relief was made for.
-bool stand_by(const System& system, Task& task, std::unique_ptr<TaskUpdate> relief) {
-  if (!task.mailbox().stand_by(*relief)) return false;
-  TaskUpdate* const standing = relief.release();
-  if (!is_rolled_back(system) || !task.mailbox().withdraw_relief(*standing)) return true;
+/// False: the task has one, or runs with another bundle than the standby core was made for.
+bool stand_by(const System& system, Task& task, std::unique_ptr<TaskUpdate> standby) {
+  if (!task.mailbox().stand_by(*standby)) return false;
+  TaskUpdate* const standing = standby.release();
+  if (!is_rolled_back(system) || !task.mailbox().withdraw_standby(*standing)) return true;
   leave_behind(std::shared_ptr<TaskUpdate>(standing));  // its thread may be about to look
   return false;
 }
 
 }  // namespace
 
-std::vector<Change> wanted_reliefs(System& system) {
+std::vector<Change> wanted_standby_cores(System& system) {
   if (is_rolled_back(system)) return {};
   std::vector<Change> wanted;
   for (const Deployed& deployed : system.deployed) {
-    const bool ready = deployed.relief.content != nullptr || deployed.hidden || deployed.changing;
+    const bool ready = deployed.standby.content != nullptr || deployed.hidden || deployed.changing;
     // One that is faulted has it when it is started again.
     if (ready || system.runner->has_lost(deployed.task.get())) continue;
     const ComponentBase& component = *deployed.component;
     auto edit =
-        relief_of(system, component.name(), *component.bundle(), component.fallback(), &deployed);
+        standby_of(system, component.name(), *component.bundle(), component.fallback(), &deployed);
     if (edit) wanted.push_back({{*edit}});
   }
   return wanted;
 }
 
-std::optional<Edit> relief_of(System& system, const PreparedChange::Content& change,
+std::optional<Edit> standby_of(System& system, const PreparedChange::Content& change,
                               const PreparedMember& member) {
   const bool same = member.next == member.base && member.part != Part::joins;
   if (same || member.part == Part::leaves) return std::nullopt;
@@ -165,16 +165,16 @@ std::optional<Edit> relief_of(System& system, const PreparedChange::Content& cha
     if (other.component == name) fallback = &other.fallback;
   }
   const Deployed* deployed = member.part == Part::joins ? nullptr : system.find(name);
-  return relief_of(system, name, *member.next, *fallback, deployed);
+  return standby_of(system, name, *member.next, *fallback, deployed);
 }
 
-std::unique_ptr<TaskUpdate> make_relief(PreparedMember& relief, std::size_t restarts) {
-  relief.restart = relief.state == StatePolicy::drop;
-  auto update = make_update(relief);
-  update->taken_as = TakenAs::relief;
+std::unique_ptr<TaskUpdate> make_standby(PreparedMember& standby, std::size_t restarts) {
+  standby.restart = standby.state == StatePolicy::drop;
+  auto update = make_update(standby);
+  update->taken_as = TakenAs::standby;
   update->decision = &standing_decision();
-  if (relief.restart) {
-    update->back_off = back_off(relief.base->task.on_fault, restarts);
+  if (standby.restart) {
+    update->back_off = back_off(standby.base->task.on_fault, restarts);
   }
   return update;
 }
@@ -184,49 +184,49 @@ void put_in_readiness(System& system, PreparedChange& prepared) {
   const std::shared_ptr<PreparedChange::Content> content = prepared.share();
   for (PreparedMember& member : content->members) {
     Deployed* deployed = system.find(member.component->name());
-    const bool current = deployed != nullptr && !deployed->changing && !deployed->relief.content &&
+    const bool current = deployed != nullptr && !deployed->changing && !deployed->standby.content &&
                          member.component->bundle() == member.base;
     if (!current) continue;
     forget_old_restarts(*deployed, member.base->task.on_fault, system.runner->now());
-    auto update = make_relief(member, deployed->restarts.size());
-    deployed->relief = {content, &member, update->answer};
-    if (!stand_by(system, *deployed->task, std::move(update))) deployed->relief = {};
+    auto update = make_standby(member, deployed->restarts.size());
+    deployed->standby = {content, &member, update->answer};
+    if (!stand_by(system, *deployed->task, std::move(update))) deployed->standby = {};
   }
 }
 
-void look_after_reliefs(System& system) {
+void look_after_standby_cores(System& system) {
   for (Deployed& deployed : system.deployed) {
-    StandingBy& relief = deployed.relief;
-    if (relief.content == nullptr) continue;
-    const auto progress = relief.answer->progress.load(std::memory_order_acquire);
+    StandbyCore& standby = deployed.standby;
+    if (standby.content == nullptr) continue;
+    const auto progress = standby.answer->progress.load(std::memory_order_acquire);
     if (progress == TaskUpdate::Progress::done) {
       take_note(system, deployed);
     } else if (progress == TaskUpdate::Progress::given_back && !deployed.changing) {
       // A change made it useless. In its first job it is neither.
-      system.free.keep(std::exchange(relief, {}).content);
+      system.free.keep(std::exchange(standby, {}).content);
     }
   }
   for (Deployed& deployed : system.deployed) {
     // The failure is read first: the decision below names it, and a later failure is another one.
     const Instant failed_at = deployed.task->failed_core().at();
-    if (!waits_for_relief(system, deployed)) continue;
-    const std::string why = why_no_relief(system, deployed);
+    if (!waits_for_standby(system, deployed)) continue;
+    const std::string why = why_no_standby(system, deployed);
     if (!why.empty()) give_up(system, deployed, failed_at, why);
   }
 }
 
-bool holds_stale_relief(const System& system) {
+bool holds_stale_standby(const System& system) {
   return std::any_of(system.deployed.begin(), system.deployed.end(), [](const Deployed& deployed) {
-    return deployed.relief.content != nullptr && deployed.component != nullptr &&
-           deployed.relief.member->base != deployed.component->bundle();
+    return deployed.standby.content != nullptr && deployed.component != nullptr &&
+           deployed.standby.member->base != deployed.component->bundle();
   });
 }
 
-void refuse_relief(System& system, std::string_view component, const std::string& why) {
+void refuse_standby(System& system, std::string_view component, const std::string& why) {
   Deployed* deployed = system.find(component);
   if (deployed == nullptr) return;
   const Instant failed_at = deployed->task->failed_core().at();
-  if (waits_for_relief(system, *deployed)) give_up(system, *deployed, failed_at, why);
+  if (waits_for_standby(system, *deployed)) give_up(system, *deployed, failed_at, why);
 }
 
 Recovery recovery_of(const System& system, const Deployed& deployed, Instant failed_at) {
@@ -247,8 +247,8 @@ Recovery recovery_of(const System& system, const Deployed& deployed, Instant fai
   return recovery;
 }
 
-Error about_relief(const Change& relief, Error error) {
-  const Edit& edit = relief.edits.front();
+Error about_standby(const Change& standby, Error error) {
+  const Edit& edit = standby.edits.front();
   const std::string core = edit.component + ".core";
   const bool inside = error.at == core || error.at.starts_with(core + ".");
   if (edit.state == StatePolicy::offer && inside) {
