@@ -28,9 +28,9 @@ FOLDER_FILES = 25
 DEEP_LAYERS = {}
 # Class: its functions today.
 LARGE_CLASSES = {
-    "daemon/state/keeper.h:Keeper": 37,
+    "daemon/state/state_store.h:StateStore": 37,
     "libruntime/exec/commit/commit.h:Commit": 40,
-    "libruntime/exec/recovery/probation.h:OnProbation": 36,
+    "libruntime/exec/recovery/probation_period.h:ProbationPeriod": 36,
     "libruntime/exec/run/threads.cpp:Threads": 29,
     "libruntime/include/mauve/deployer.h:Deployer": 57,
     "libruntime/include/mauve/gate.h:Gate": 33,
@@ -39,7 +39,7 @@ LARGE_CLASSES = {
 }
 # Function: its parameters today.
 MANY_PARAMETERS = {
-    "OnProbation::OnProbation": 7,
+    "ProbationPeriod::ProbationPeriod": 7,
 }
 # Folder: its files today.
 CROWDED_FOLDERS = {

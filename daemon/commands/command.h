@@ -40,7 +40,7 @@ class Architecture;
 namespace mauve::daemon {
 
 class Guardian;
-class Keeper;
+class StateStore;
 class Recorder;
 class Supervisor;
 class Watches;
@@ -106,7 +106,7 @@ struct Running {
   WayBackLines way_back = {};               ///< [control] of the changes on probation
   Started started = {};                     ///< [control]
   std::uint64_t recovered = 0;  ///< the saved generation that this run began with; 0: the file
-  Keeper* keeper = nullptr;     ///< null: nothing is kept
+  StateStore* store = nullptr;  ///< null: nothing is kept
   Guardian* guardian = nullptr;
   Recorder* recorder = nullptr;
   Lock lock = Lock::none;                   ///< [control], see gate.h

@@ -11,7 +11,7 @@
 #include "commands/recovery/given_up.h"
 #include "mauve/version.h"
 #include "monitor/watch.h"
-#include "state/keeper.h"
+#include "state/state_store.h"
 
 namespace mauve::daemon {
 
@@ -140,8 +140,8 @@ void CommandTable::refused(const server::Caller& caller, const protocol::Method&
   running_.counts.answered(method.name, fault.name);
   const auto call = call_of(caller, method, std::move(request), {});
   const auto line = audit_refused(running_, *call, fault);
-  if (line && running_.keeper != nullptr) {
-    running_.keeper->audit(*line);
+  if (line && running_.store != nullptr) {
+    running_.store->audit(*line);
   }
 }
 

@@ -122,12 +122,12 @@ std::optional<Origin> last_confirmed(const Options& options, const Generations& 
 
 }  // namespace
 
-Result<Origin> what_to_start(const Options& options, Keeper* keeper, logging::Log& log) {
-  if (keeper != nullptr && keeper->crashed_generation() != 0) {
-    count_crash(keeper->generations(), keeper->crashed_generation(), log);
+Result<Origin> what_to_start(const Options& options, StateStore* store, logging::Log& log) {
+  if (store != nullptr && store->crashed_generation() != 0) {
+    count_crash(store->generations(), store->crashed_generation(), log);
   }
-  if (keeper != nullptr && keeper->crashed() && !options.fresh) {
-    if (auto origin = last_confirmed(options, keeper->generations(), log)) {
+  if (store != nullptr && store->crashed() && !options.fresh) {
+    if (auto origin = last_confirmed(options, store->generations(), log)) {
       return *std::move(origin);
     }
   }

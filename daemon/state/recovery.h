@@ -7,7 +7,7 @@
 #include <string>
 
 #include "options.h"
-#include "state/keeper.h"
+#include "state/state_store.h"
 
 namespace mauve::daemon {
 
@@ -23,9 +23,9 @@ struct Origin {
 
 /// After a crash the newest confirmed generation that is whole, whose parts are all there, and
 /// whose last kMostCrashes runs in a row did not all crash within kSoon; else, and with --fresh,
-/// the file of the command line. A crash is counted when the machine ran on. `keeper` may be null:
+/// the file of the command line. A crash is counted when the machine ran on. `store` may be null:
 /// nothing is kept. [main]
-[[nodiscard]] Result<Origin> what_to_start(const Options& options, Keeper* keeper,
+[[nodiscard]] Result<Origin> what_to_start(const Options& options, StateStore* store,
                                            logging::Log& log);
 
 inline constexpr unsigned kMostCrashes = 3;

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "base/mutex.h"
-#include "state/keeper.h"
+#include "state/state_store.h"
 
 namespace mauve::daemon {
 
@@ -33,8 +33,8 @@ void Recorder::start(Running& running) {
   const MutexLock lock(mutex_);
   running_ = &running;
   about_ = running.deployer.traced();
-  if (flights_wanted_ && running.keeper != nullptr) {
-    flights_ = std::make_unique<Flights>(running.keeper->directory(), running.log);
+  if (flights_wanted_ && running.store != nullptr) {
+    flights_ = std::make_unique<Flights>(running.store->directory(), running.log);
   }
   set_trace_mode(mode());
   thread_ = std::thread([this] {
@@ -189,7 +189,7 @@ void Recorder::write_when_due(Reason& reason, bool now) {
   const Pending flight = *std::exchange(pending, std::nullopt);
   auto recording = std::make_shared<Recording>(cut(0));
   recording->why = flight.word + (flight.component.empty() ? "" : " " + flight.component);
-  running_->keeper->on_disk([this, recording, flight] {
+  running_->store->on_disk([this, recording, flight] {
     flights_->write(*recording, flight.word, flight.component, running_->boot);
   });
 }

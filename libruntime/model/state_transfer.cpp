@@ -103,7 +103,7 @@ void StateTransfer::undo() const {
 }
 
 Result<StateTransfer> plan_transfer(const ResourceBase& from, const ResourceBase& into,
-                                   StatePolicy policy, bool way_back) {
+                                    StatePolicy policy, bool way_back) {
   StateTransfer plan;
   if (policy == StatePolicy::drop) return plan;
   if (Status whole = check_whole(from, policy); !whole) return whole.error();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// StateTransfer: what a resource that joins takes over from the one that leaves under its name, while
-/// nobody uses either of them.
+/// StateTransfer: what a resource that joins takes over from the one that leaves under its name,
+/// while nobody uses either of them.
 ///
 ///   cores of authors               the rule of hand_over.h; when there may be a way back, a state
 ///                                  that would be moved is copied, or refused if not plain bytes
@@ -51,7 +51,8 @@ struct StateTransfer {
 
 /// `way_back`: the old resource may come back, with what it holds now. Errors: type_mismatch,
 /// unsupported. [any], not on a real-time thread.
-[[nodiscard]] Result<StateTransfer> plan_transfer(const ResourceBase& from, const ResourceBase& into,
-                                                 StatePolicy policy, bool way_back);
+[[nodiscard]] Result<StateTransfer> plan_transfer(const ResourceBase& from,
+                                                  const ResourceBase& into, StatePolicy policy,
+                                                  bool way_back);
 
 }  // namespace mauve

@@ -18,8 +18,8 @@
 namespace bench {
 namespace {
 
-using mauve::exec::TaskUpdate;
 using mauve::exec::Task;
+using mauve::exec::TaskUpdate;
 
 constexpr std::size_t kStates = 100;
 constexpr int kPriority = 50;

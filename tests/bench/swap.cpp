@@ -11,7 +11,7 @@
 #include "bench/support/raw.h"
 #include "bench/support/report.h"
 #include "bench/support/stepped_clock.h"
-#include "exec/swap/swap.h"
+#include "exec/swap/two_phase_commit.h"
 #include "exec/task/task.h"
 
 #include <mauve/architecture.h>

@@ -12,7 +12,7 @@
 #include "options.h"
 #include "plugin/trust.h"
 #include "rt/process.h"
-#include "state/keeper.h"
+#include "state/state_store.h"
 
 namespace mauve::daemon {
 namespace {
@@ -102,7 +102,7 @@ Result<Json> doctor(Running& running, const Call& /*call*/) {
       {"threads", threads_json()},
       {"plugin_dirs", std::move(plugin_dirs)},
       {"state_dir",
-       running.keeper == nullptr ? Json() : state_directory_json(running.keeper->directory())},
+       running.store == nullptr ? Json() : state_directory_json(running.store->directory())},
       {"distrusted", distrusted_json(running)},
       {"glibc", gnu_get_libc_version()}};
 }

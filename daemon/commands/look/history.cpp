@@ -10,7 +10,7 @@
 #include "commands/recovery/given_up.h"
 #include "judge/judge.h"
 #include "state/compare_texts.h"
-#include "state/keeper.h"
+#include "state/state_store.h"
 
 namespace mauve::daemon {
 
@@ -87,10 +87,10 @@ void answer_compared(Running& running, const CallPtr& call, const std::shared_pt
 
 Result<Json> history(Running& running, const Call& call) {
   Json items = Json::array();
-  if (running.keeper == nullptr) {
+  if (running.store == nullptr) {
     return Json{{"items", std::move(items)}, {"state_dir", nullptr}};
   }
-  const auto all = running.keeper->generations().list();
+  const auto all = running.store->generations().list();
   const auto wanted = number_or(call.params, "n", all.size());
   for (const auto& one : all) {
     if (items.size() >= wanted) {
@@ -98,12 +98,12 @@ Result<Json> history(Running& running, const Call& call) {
     }
     items.push_back(row(one));
   }
-  return Json{{"items", std::move(items)}, {"state_dir", running.keeper->directory()}};
+  return Json{{"items", std::move(items)}, {"state_dir", running.store->directory()}};
 }
 
 /// Each generation is made and compared in a process of its own, so that a viewer may ask.
 void compare_generations(Running& running, const CallPtr& call, Ticket /*none*/) {
-  if (running.keeper == nullptr) {
+  if (running.store == nullptr) {
     return answer(running, *call, nothing_kept(*call));
   }
   auto two = std::make_shared<Compared>();
@@ -111,7 +111,7 @@ void compare_generations(Running& running, const CallPtr& call, Ticket /*none*/)
   two->to = call->params["to"].get<std::uint64_t>();
   running.control.in_factory(
       [&running, two] {
-        const auto& kept = running.keeper->generations();
+        const auto& kept = running.store->generations();
         two->before = kept.text(two->from);
         two->after = kept.text(two->to);
       },
@@ -134,13 +134,13 @@ void compare_generations(Running& running, const CallPtr& call, Ticket /*none*/)
 }
 
 void rollback(Running& running, const CallPtr& call, Ticket ticket) {
-  if (running.keeper == nullptr) {
+  if (running.store == nullptr) {
     return answer(running, *call, nothing_kept(*call));
   }
   const auto number = call->params["generation"].get<std::uint64_t>();
   auto text = std::make_shared<std::optional<Result<std::string>>>();
   running.control.in_factory(
-      [&running, number, text] { *text = running.keeper->generations().text(number); },
+      [&running, number, text] { *text = running.store->generations().text(number); },
       [&running, call, number, text, ticket = std::move(ticket)]() mutable {
         if (!**text) {
           return answer(running, *call, (*text)->error());

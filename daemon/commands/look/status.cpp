@@ -15,7 +15,7 @@
 #include "mauve/version.h"
 #include "monitor/guardian.h"
 #include "monitor/supervisor.h"
-#include "state/keeper.h"
+#include "state/state_store.h"
 
 namespace mauve::daemon {
 
@@ -144,8 +144,8 @@ Result<Json> status(Running& running, const Call& /*call*/) {
   if (running.guardian != nullptr) {
     result["guardian"] = running.guardian->json();
   }
-  if (running.keeper != nullptr) {
-    result["saved"] = running.keeper->saved();
+  if (running.store != nullptr) {
+    result["saved"] = running.store->saved();
   }
   return result;
 }

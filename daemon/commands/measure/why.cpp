@@ -9,7 +9,7 @@
 #include "commands/model.h"
 #include "mauve/architecture.h"
 #include "mauve/service.h"
-#include "state/keeper.h"
+#include "state/state_store.h"
 
 namespace mauve::daemon {
 
@@ -120,7 +120,7 @@ void add_next_steps(const Running& running, const std::string& name, const Failu
   }
   const auto* change = change_before(running, name, failure);
   const bool parked = failure.reaction == Reaction::parked;
-  if (parked && change != nullptr && running.keeper != nullptr && change->generation > 1) {
+  if (parked && change != nullptr && running.store != nullptr && change->generation > 1) {
     hints.push_back("mauvectl rollback " + std::to_string(change->generation - 1) +
                     ": to before the last change of it");
   }

@@ -9,7 +9,7 @@
 #include "commands/answer.h"
 #include "commands/change/change.h"
 #include "commands/recovery/unproven.h"
-#include "state/keeper.h"
+#include "state/state_store.h"
 
 namespace mauve::daemon {
 
@@ -56,10 +56,10 @@ Status nothing_else(const Json& params) {
 Error no_way_back(const Running& running, Error error) {
   const auto now = running.deployer.generation();
   error.hint.clear();
-  if (running.keeper == nullptr) {
+  if (running.store == nullptr) {
     return error;
   }
-  for (const auto& saved : running.keeper->generations().list()) {
+  for (const auto& saved : running.store->generations().list()) {
     if (saved.number < now && !saved.damaged) {
       error.hint = "mauvectl rollback " + std::to_string(saved.number);
       break;  // the newest first

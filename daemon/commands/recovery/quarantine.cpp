@@ -7,7 +7,7 @@
 #include "commands/answer.h"
 #include "commands/model.h"
 #include "monitor/supervisor.h"
-#include "state/keeper.h"
+#include "state/state_store.h"
 
 namespace mauve::daemon {
 
@@ -30,8 +30,8 @@ Json listed(const Running& running) {
 }
 
 void save(Running& running) {
-  if (running.keeper != nullptr) {
-    running.keeper->quarantine(listed(running));
+  if (running.store != nullptr) {
+    running.store->quarantine(listed(running));
   }
 }
 
@@ -88,10 +88,10 @@ bool quarantine(Running& running, const std::string& core, const std::string& re
 }
 
 void restore_quarantine(Running& running) {
-  if (running.keeper == nullptr) {
+  if (running.store == nullptr) {
     return;
   }
-  for (const auto& entry : running.keeper->quarantined()) {
+  for (const auto& entry : running.store->quarantined()) {
     running.quarantined.emplace(version_of(text_or(entry, "core"), text_or(entry, "build_id")),
                                 text_or(entry, "reason"));
   }

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "mauve/architecture.h"
-#include "state/keeper.h"
 #include "state/recovery.h"
+#include "state/state_store.h"
 
 namespace mauve::daemon {
 
@@ -39,14 +39,14 @@ void look_at_start(Running& running) {
   if (started.proves && ran >= Probation{}.time) {
     started.proves = false;
     if (started.generation != running.generation) {
-      running.keeper->confirm_same(started.generation, running.generation);
+      running.store->confirm_same(started.generation, running.generation);
     }
   }
   if (!started.long_ago && ran >= kSoon) {
     started.long_ago = true;
-    running.keeper->ran_long();
+    running.store->ran_long();
     if (started.crashes > 0) {
-      running.keeper->forget_crashes(started.generation);
+      running.store->forget_crashes(started.generation);
     }
   }
 }
@@ -87,8 +87,8 @@ bool confirm_unproven(Running& running) {
   if (unproven.generation == 0 || unproven.generation != running.generation) {
     return false;
   }
-  if (running.keeper != nullptr) {
-    running.keeper->confirm_start(unproven.generation, unproven.replaces);
+  if (running.store != nullptr) {
+    running.store->confirm_start(unproven.generation, unproven.replaces);
   }
   return true;
 }

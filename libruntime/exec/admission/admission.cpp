@@ -229,7 +229,7 @@ Result<std::vector<std::string>> admit_change(System& system,
 }
 
 bool admit_standby(System& system, const PreparedChange::Content& change,
-                  const PreparedMember& standby) {
+                   const PreparedMember& standby) {
   if (system.options.admission != Admission::strict) return true;
   return admits(model_of(system).set(), model_after(system, change, &standby).set());
 }

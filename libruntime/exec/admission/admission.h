@@ -23,7 +23,7 @@ Status admit_deployment(System& system);
 
 /// May this take over from what the change brings its component? By Admission::strict only.
 [[nodiscard]] bool admit_standby(System& system, const PreparedChange::Content& change,
-                                const PreparedMember& standby);
+                                 const PreparedMember& standby);
 
 /// Of what runs now. [control]
 [[nodiscard]] Timing analyze(System& system);

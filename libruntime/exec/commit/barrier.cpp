@@ -53,7 +53,8 @@ Status Barrier::check(const PreparedChange::Content& content) {
       return refuse(Errc::conflict, name,
                     "was changed by somebody else while this change was prepared", "try again");
     }
-    auto plan = plan_transfer(*replacement.from, *replacement.into, replacement.state, content.probation.has_value());
+    auto plan = plan_transfer(*replacement.from, *replacement.into, replacement.state,
+                              content.probation.has_value());
     if (!plan) return plan.error();
     replacements_.push_back({replacement.from, replacement.into, *plan});
   }
@@ -80,8 +81,9 @@ void Barrier::begin(const std::vector<Deployed*>& members, std::uint64_t number)
   std::vector<Member> waiting;
   for (Deployed* one : gathered_)
     waiting.push_back(member_at(*one, TaskUpdate::Barrier::wait, number_));
-  gathering_ = std::make_unique<Swap>(std::move(waiting), std::vector<ResourceMember>{},
-                                      *system_.runner, kLongestWait, Swap::Kind::transaction);
+  gathering_ = std::make_unique<TwoPhaseCommit>(std::move(waiting), std::vector<ResourceMember>{},
+                                                *system_.runner, kLongestWait,
+                                                TwoPhaseCommit::Kind::transaction);
 }
 
 bool Barrier::advance() {
@@ -133,8 +135,9 @@ void Barrier::part() {
     if (!gathering_->members()[i].in_force) continue;
     leaving.push_back(member_at(*gathered_[i], TaskUpdate::Barrier::go_on, number_));
   }
-  parting_ = std::make_unique<Swap>(std::move(leaving), std::vector<ResourceMember>{},
-                                    *system_.runner, kLongestWait, Swap::Kind::order);
+  parting_ =
+      std::make_unique<TwoPhaseCommit>(std::move(leaving), std::vector<ResourceMember>{},
+                                       *system_.runner, kLongestWait, TwoPhaseCommit::Kind::order);
   phase_ = Phase::parting;
 }
 
@@ -154,7 +157,8 @@ bool Barrier::hand_over(const std::vector<PreparedResource>& changed) {
     return false;
   }
   for (const Replacement& replacement : replacements_) {
-    const bool takes = replacement.plan.hand_over.from != nullptr || replacement.plan.from != nullptr;
+    const bool takes =
+        replacement.plan.hand_over.from != nullptr || replacement.plan.from != nullptr;
     if (!takes) continue;
     // Since the plan was made somebody may have been thrown out of it.
     if (Status whole = check_whole(*replacement.from, StatePolicy::keep); !whole) {
@@ -186,7 +190,8 @@ bool Barrier::hand_over() {
     give_way(*stopped);
     return false;
   }
-  for (const Replacement& replacement : replacements_) go_on_counting(*replacement.from, *replacement.into);
+  for (const Replacement& replacement : replacements_)
+    go_on_counting(*replacement.from, *replacement.into);
   return true;
 }
 

@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "exec/swap/swap.h"
+#include "exec/swap/two_phase_commit.h"
 #include "exec/system/prepared.h"
 #include "exec/system/system.h"
 #include "model/state_transfer.h"
@@ -84,8 +84,8 @@ class Barrier {
   std::vector<Replacement> replacements_;
   std::vector<Bystander> bystanders_;
   std::vector<Deployed*> gathered_;  // by member of the swaps
-  std::unique_ptr<Swap> gathering_;
-  std::unique_ptr<Swap> parting_;
+  std::unique_ptr<TwoPhaseCommit> gathering_;
+  std::unique_ptr<TwoPhaseCommit> parting_;
   Error refusal_;
 };
 

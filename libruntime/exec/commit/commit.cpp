@@ -68,7 +68,7 @@ Status check_fit_again(System& system, const PreparedChange::Content& content) {
 
 }  // namespace
 
-Commit::Commit(System& system, Content content, Swap::Kind kind, Duration longest_job)
+Commit::Commit(System& system, Content content, TwoPhaseCommit::Kind kind, Duration longest_job)
     : system_(system), departed_(system.departed), content_(std::move(content)), kind_(kind) {
   Status sound = check(kind);
   if (sound) sound = let_in_new();
@@ -103,7 +103,7 @@ void Commit::refuse_all(Error error) {
 bool Commit::pass_barrier() {
   if (!barrier_->advance()) return false;
   if (barrier_->all_wait() && barrier_->hand_over(content_->resources)) {
-    publish(Swap::Kind::order, kLongestJob);
+    publish(TwoPhaseCommit::Kind::order, kLongestJob);
     return true;
   }
   if (barrier_->advance()) {
@@ -114,7 +114,7 @@ bool Commit::pass_barrier() {
   return false;
 }
 
-Status Commit::check(Swap::Kind kind) {
+Status Commit::check(TwoPhaseCommit::Kind kind) {
   if (Status outside = refuse_in_job("deployer", "commit()"); !outside) return outside;
   for (const PreparedMember& member : content_->members) {
     if (member.part == Part::joins) {
@@ -123,8 +123,8 @@ Status Commit::check(Swap::Kind kind) {
     }
     deployed_.push_back(system_.find(*member.component));
     // What was rolled back but is not in the books yet can be ordered to park.
-    const bool there =
-        deployed_.back() != nullptr && (kind == Swap::Kind::order || !deployed_.back()->hidden);
+    const bool there = deployed_.back() != nullptr &&
+                       (kind == TwoPhaseCommit::Kind::order || !deployed_.back()->hidden);
     if (!there) {
       return refuse(Errc::conflict, member.component->name(),
                     "has left while this change was prepared", "look at `status`");
@@ -145,8 +145,8 @@ Status Commit::check(Swap::Kind kind) {
   return check_probations(kind);
 }
 
-Status Commit::check_probations(Swap::Kind kind) {
-  if (kind == Swap::Kind::order) return ok();
+Status Commit::check_probations(TwoPhaseCommit::Kind kind) {
+  if (kind == TwoPhaseCommit::Kind::order) return ok();
   receipt_.notes = notes_of(system_, *content_);
   for (const auto& one : system_.probations) {
     if (one->told() || !concerns(system_, *content_, one->content())) continue;
@@ -166,7 +166,7 @@ Status Commit::check_probations(Swap::Kind kind) {
 }
 
 /// What the change before changed, and this one does not, goes back with the members of this one.
-Status Commit::follow(const OnProbation& before) {
+Status Commit::follow(const ProbationPeriod& before) {
   if (!content_->probation) content_->probation = before.content().probation;
   for (std::size_t i = 0; i < before.members().size(); ++i) {
     ComponentBase& component = *before.content().members[i].component;
@@ -185,7 +185,7 @@ Status Commit::follow(const OnProbation& before) {
 /// members are called.
 Status Commit::end_probations_before() {
   for (const auto& before : std::exchange(before_, {})) {
-    OnProbation* const one = probation_of(system_, *before);
+    ProbationPeriod* const one = probation_of(system_, *before);
     if (one == nullptr || one->pass("a newer change", Outcome::Kind::overtaken)) continue;
     return being_rolled_back(one->changes().back());
   }
@@ -269,14 +269,14 @@ void Commit::hold_members() {
   }
 }
 
-void Commit::publish(Swap::Kind kind, Duration longest_job) {
+void Commit::publish(TwoPhaseCommit::Kind kind, Duration longest_job) {
   std::vector<Member> members;
   for (std::size_t i = 0; i < deployed_.size(); ++i) members.push_back(forth(i, *deployed_[i]));
   if (barrier_ != nullptr) {
     for (Member& bystander : barrier_->go_on()) members.push_back(std::move(bystander));
   }
-  swap_ = std::make_unique<Swap>(std::move(members), resource_members(), *system_.runner,
-                                 longest_job, kind, before_);
+  swap_ = std::make_unique<TwoPhaseCommit>(std::move(members), resource_members(), *system_.runner,
+                                           longest_job, kind, before_);
   tell_attempt();
 }
 
@@ -296,7 +296,7 @@ bool Commit::all_changed() {
   if (!answered() && leaves_newest_in_place(system_, *this)) return false;
   // Behind a barrier nobody is in a job.
   const bool late = barrier_ == nullptr && swap_->result().state == SwapResult::State::waiting;
-  const bool shows = kind_ == Swap::Kind::order || settled;
+  const bool shows = kind_ == TwoPhaseCommit::Kind::order || settled;
   for (std::size_t i = 0; shows && i < deployed_.size(); ++i) {
     if (swap_->members()[i].settled && !entered_[i]) enter(i);
   }

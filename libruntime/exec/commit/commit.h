@@ -8,8 +8,8 @@
 
 #include "exec/commit/barrier.h"
 #include "exec/recovery/inherit.h"
-#include "exec/recovery/probation.h"
-#include "exec/swap/swap.h"
+#include "exec/recovery/probation_period.h"
+#include "exec/swap/two_phase_commit.h"
 #include "exec/system/prepared.h"
 #include "exec/system/system.h"
 
@@ -27,14 +27,14 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   using Content = std::shared_ptr<PreparedChange::Content>;
 
   /// Publishes at once, or is over at once with a refusal.
-  Commit(System& system, Content content, Swap::Kind kind, Duration longest_job);
+  Commit(System& system, Content content, TwoPhaseCommit::Kind kind, Duration longest_job);
 
   bool advance() override;
   /// An order that some member does not obey yet is answered, but not over.
   [[nodiscard]] bool answered() const { return result_.has_value(); }
   [[nodiscard]] bool over() const { return over_; }
   /// A part of a stop.
-  [[nodiscard]] bool is_order() const { return kind_ == Swap::Kind::order; }
+  [[nodiscard]] bool is_order() const { return kind_ == TwoPhaseCommit::Kind::order; }
   /// The commit made a generation, and its maker has not asked for the result yet.
   [[nodiscard]] bool untold() const { return receipt_.generation != 0 && !told_; }
   /// A stop of this component was asked for: it does not wait for others at a barrier.
@@ -49,10 +49,10 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   [[nodiscard]] std::vector<Deployed*> silent() const;
 
  private:
-  Status check(Swap::Kind kind);
-  Status check_probations(Swap::Kind kind);
+  Status check(TwoPhaseCommit::Kind kind);
+  Status check_probations(TwoPhaseCommit::Kind kind);
   Status end_probations_before();
-  Status follow(const OnProbation& before);
+  Status follow(const ProbationPeriod& before);
   void overtake_before();
   Status let_in_new();
   void let_go_new();
@@ -61,7 +61,7 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   void lead_by(TaskUpdate& back);
   void lead_late_members_back();
   [[nodiscard]] bool pass_barrier();
-  void publish(Swap::Kind kind, Duration longest_job);
+  void publish(TwoPhaseCommit::Kind kind, Duration longest_job);
   void tell_attempt();
   void tell_end();
   void add_standby(std::size_t index, const Deployed& deployed, TaskUpdate& next);
@@ -82,14 +82,14 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   System& system_;
   std::shared_ptr<void> departed_;  // keeps tasks that are let go meanwhile
   Content content_;
-  const Swap::Kind kind_;
+  const TwoPhaseCommit::Kind kind_;
   std::vector<Deployed*> deployed_;  // by member
   std::vector<std::uint64_t> missed_before_;
   std::vector<bool> entered_;
-  std::vector<StandbyCore> standby_cores_;    // by member: what comes with it
-  std::unique_ptr<Barrier> barrier_;   // null: the cut
-  std::unique_ptr<Swap> swap_;         // null: not yet past the barrier
-  std::shared_ptr<Rollback> rollback_;  // null: no probation
+  std::vector<StandbyCore> standby_cores_;  // by member: what comes with it
+  std::unique_ptr<Barrier> barrier_;        // null: the cut
+  std::unique_ptr<TwoPhaseCommit> swap_;    // null: not yet past the barrier
+  std::shared_ptr<Rollback> rollback_;      // null: no probation
   /// Of the changes before that this one concerns while they are on probation.
   std::vector<std::shared_ptr<Rollback>> before_;
   Heritage heritage_;  // of those among them that it joins

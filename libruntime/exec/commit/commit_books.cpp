@@ -143,7 +143,7 @@ void Commit::conclude() {
 /// Those that this change joins pass on what they roll back to; it ends the others early.
 void Commit::overtake_before() {
   for (const auto& before : before_) {
-    OnProbation* const one = probation_of(system_, *before);
+    ProbationPeriod* const one = probation_of(system_, *before);
     if (one == nullptr) continue;  // its probation ended by itself
     if (heritage_.has(*before)) {
       one->pass_on_to(*content_, rollbacks_);
@@ -172,7 +172,7 @@ void Commit::take_back() {
 /// Or some member that has changed does not go back in time either.
 bool Commit::all_went_back() {
   if (const ModelLock::Hold hold(system_.model, std::try_to_lock); hold) look_after_itself(system_);
-  OnProbation* const one = probation_of(system_, *rollback_);
+  ProbationPeriod* const one = probation_of(system_, *rollback_);
   const bool under_way = one != nullptr;
   if (under_way && system_.runner->now() < back_by_) return false;
   if (under_way) one->tell_after_all();
@@ -234,8 +234,8 @@ void Commit::begin_probation() {
     lead_late_members_back();
   }
   system_.probations.push_back(
-      std::make_unique<OnProbation>(system_, content_, std::move(rollbacks_), rollback_,
-                                    std::move(retired_), back_number_, heritage_.changes()));
+      std::make_unique<ProbationPeriod>(system_, content_, std::move(rollbacks_), rollback_,
+                                        std::move(retired_), back_number_, heritage_.changes()));
 }
 
 /// A member that hangs runs what the change before gave it. It goes back when it ends its job.

@@ -31,12 +31,12 @@ bool is_untold(const System& system) {
   return last.use_count() > (kept_here ? 2 : 1);
 }
 
-std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change, Swap::Kind kind,
-                                     Duration longest_job) {
+std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change,
+                                     TwoPhaseCommit::Kind kind, Duration longest_job) {
   // What an order was made from is true now; a rollback that gets into the books would undo that.
-  if (kind == Swap::Kind::transaction) advance(system);
+  if (kind == TwoPhaseCommit::Kind::transaction) advance(system);
   auto commit = std::make_shared<Commit>(system, change.share(), kind, longest_job);
-  if (kind == Swap::Kind::transaction) system.last_transaction = commit;
+  if (kind == TwoPhaseCommit::Kind::transaction) system.last_transaction = commit;
   if (!commit->over()) system.under_way.push_back(commit);
   return commit;
 }
@@ -45,7 +45,7 @@ void look_after_itself(System& system) {
   if (is_untold(system)) return;
   for (const auto& one : system.probations) static_cast<void>(one->advance());
   let_fade(system);
-  std::erase_if(system.fading, [&](const std::shared_ptr<OnProbation>& one) {
+  std::erase_if(system.fading, [&](const std::shared_ptr<ProbationPeriod>& one) {
     if (one->advance()) return false;
     system.free.merge(one->take_free());
     return true;

@@ -5,14 +5,14 @@
 #include <memory>
 
 #include "exec/commit/commit.h"
-#include "exec/swap/swap.h"
+#include "exec/swap/two_phase_commit.h"
 #include "exec/system/system.h"
 
 namespace mauve::exec {
 
 /// Begins the commit; it goes on while anybody calls advance().
 std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change,
-                                     Swap::Kind kind = Swap::Kind::transaction,
+                                     TwoPhaseCommit::Kind kind = TwoPhaseCommit::Kind::transaction,
                                      Duration longest_job = kLongestJob);
 
 /// Takes every change under way as far as it can go now.

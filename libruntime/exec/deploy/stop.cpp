@@ -141,7 +141,7 @@ void Stop::park_free() {
   if (content->members.empty()) return;
   content->what = what_of("component.stop", names);
   PreparedChange change(std::move(content));
-  commits_.push_back(begin_commit(system_, change, Swap::Kind::order, patience_));
+  commits_.push_back(begin_commit(system_, change, TwoPhaseCommit::Kind::order, patience_));
 }
 
 /// Has everybody parked, or been given up? Later stages do not wait for who hangs.

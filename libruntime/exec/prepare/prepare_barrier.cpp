@@ -10,7 +10,8 @@
 #include <mauve/resource.h>
 
 namespace mauve::exec {
-Status prepare_replacement(System& system, const NewResource& joining, PreparedChange::Content& content) {
+Status prepare_replacement(System& system, const NewResource& joining,
+                           PreparedChange::Content& content) {
   const auto& leaving = content.leaving_resources;
   ResourceBase* const from = system.architecture.find_resource(joining.resource->name());
   if (std::find(leaving.begin(), leaving.end(), from) == leaving.end()) return ok();

@@ -212,7 +212,7 @@ Result<PreparedMember> prepare_member(const Afterwards& after, const Edit& edit,
 }
 
 Result<PreparedMember> prepare_standby(const Afterwards& after, const Edit& edit,
-                                      const PreparedMember& brings) {
+                                       const PreparedMember& brings) {
   ComponentBase& component = *brings.component;
   const ComponentType& type = brings.type ? *brings.type : component.type();
   return build_and_drop(

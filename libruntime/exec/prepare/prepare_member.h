@@ -15,7 +15,7 @@ Result<PreparedMember> prepare_member(const Afterwards& after, const Edit& edit,
 
 /// What takes over from what this member brings, made from that.
 Result<PreparedMember> prepare_standby(const Afterwards& after, const Edit& edit,
-                                      const PreparedMember& brings);
+                                       const PreparedMember& brings);
 
 /// Connects and configures what joins; nobody uses it yet.
 Result<PreparedMember> prepare_joining(const Afterwards& after, const NewComponent& joining);

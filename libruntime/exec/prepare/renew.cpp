@@ -69,8 +69,8 @@ Status make_replacement(const ResourceBase& resource, const Edit& edit, Change& 
                   "is a resource: it has no thread, and its core comes with its type");
   }
   if (Status paths = check_paths(edit, {"shell", "core", "interface"}); !paths) return paths;
-  auto replacement = std::make_shared<ResourceBase>(resource.name(),
-                                             edit.resource ? *edit.resource : resource.type());
+  auto replacement = std::make_shared<ResourceBase>(
+      resource.name(), edit.resource ? *edit.resource : resource.type());
   if (!replacement->made()) return replacement->made();
   if (edit.hold) {
     if (Status sound = check_hold(*replacement, *edit.hold); !sound) return sound;

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "exec/recovery/probation.h"
+#include "exec/recovery/probation_period.h"
 #include "exec/swap/bystanders.h"
 #include "exec/swap/rewired.h"
 
@@ -155,7 +155,7 @@ bool can_join(const Content& change, const Content& before) {
   });
 }
 
-void Heritage::add(OnProbation& before) {
+void Heritage::add(ProbationPeriod& before) {
   for (std::size_t i = 0; i < before.members().size(); ++i) {
     members_.push_back({before.content().members[i].component, before.members()[i].origin});
   }

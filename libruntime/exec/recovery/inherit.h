@@ -32,7 +32,7 @@ struct MemberRollback;
 /// What a change that joins others takes over from them, while it takes effect.
 class Heritage {
  public:
-  void add(OnProbation& before);
+  void add(ProbationPeriod& before);
   /// Where this component is rolled back to; null: to where it was before this change.
   [[nodiscard]] const Origin* origin_of(const ComponentBase& component) const;
   [[nodiscard]] bool has(const Rollback& before) const;

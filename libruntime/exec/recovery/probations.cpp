@@ -7,7 +7,7 @@
 
 namespace mauve::exec {
 
-OnProbation* probation_of(const System& system, const Rollback& rollback) {
+ProbationPeriod* probation_of(const System& system, const Rollback& rollback) {
   for (const auto& one : system.probations) {
     if (one->leads(rollback)) return one.get();
   }
@@ -20,7 +20,7 @@ bool is_rolled_back(const System& system) {
 }
 
 void let_fade(System& system) {
-  std::erase_if(system.probations, [&](std::shared_ptr<OnProbation>& one) {
+  std::erase_if(system.probations, [&](std::shared_ptr<ProbationPeriod>& one) {
     if (!one->told()) return false;
     system.fading.push_back(std::move(one));
     return true;

@@ -91,8 +91,8 @@ using Fallback = std::optional<ComponentBase::Fallback>;
 
 /// Of a component that runs with this bundle; null: it was never restarted.
 std::optional<Edit> standby_of(const System& system, const std::string& component,
-                              const Bundle& bundle, const Fallback& fallback,
-                              const Deployed* deployed) {
+                               const Bundle& bundle, const Fallback& fallback,
+                               const Deployed* deployed) {
   const FaultPolicy& policy = bundle.task.on_fault;
   Edit edit;
   edit.component = component;
@@ -156,7 +156,7 @@ std::vector<Change> wanted_standby_cores(System& system) {
 }
 
 std::optional<Edit> standby_of(System& system, const PreparedChange::Content& change,
-                              const PreparedMember& member) {
+                               const PreparedMember& member) {
   const bool same = member.next == member.base && member.part != Part::joins;
   if (same || member.part == Part::leaves) return std::nullopt;
   const std::string& name = member.component->name();

@@ -17,7 +17,8 @@ std::vector<std::pair<const PortBase*, const Binding*>> lost_connections(
   for (const PortBase* port : resource.shell().ports()) {
     const auto& before = resource.bindings()[port->index()];
     const auto& after = (*next)[port->index()];
-    if (before == nullptr || before == after || goes_on_at_replacement(*before, after.get())) continue;
+    if (before == nullptr || before == after || goes_on_at_replacement(*before, after.get()))
+      continue;
     lost.emplace_back(port, before.get());
   }
   return lost;
@@ -26,7 +27,7 @@ std::vector<std::pair<const PortBase*, const Binding*>> lost_connections(
 }  // namespace
 
 ResourceUpdate::ResourceUpdate(ResourceBase& resource, ResourceParts parts, StatePolicy state,
-                           Decision& decision)
+                               Decision& decision)
     : resource_(resource),
       parts_(std::move(parts)),
       replaced_{parts_.core != nullptr ? resource.shared_core() : nullptr,

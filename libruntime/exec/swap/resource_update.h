@@ -37,7 +37,7 @@ class ResourceUpdate final : public Deferred {
 
   /// Arms it. The transaction outlives it.
   ResourceUpdate(ResourceBase& resource, ResourceParts parts, StatePolicy state,
-               Decision& decision);
+                 Decision& decision);
   /// Nobody visits it any more: see disarm().
   ~ResourceUpdate() override;
 

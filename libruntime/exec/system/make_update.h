@@ -29,6 +29,6 @@ namespace mauve::exec {
 [[nodiscard]] Origin origin_of(const PreparedMember& member, bool was_running);
 /// What leads it back there.
 [[nodiscard]] std::unique_ptr<TaskUpdate> make_rollback(const PreparedMember& member,
-                                                       const Origin& origin);
+                                                        const Origin& origin);
 
 }  // namespace mauve::exec

@@ -62,7 +62,7 @@ struct Deployed {
 };
 
 class Commit;
-class OnProbation;
+class ProbationPeriod;
 
 class System {
  public:
@@ -84,13 +84,13 @@ class System {
       MAUVE_GUARDED_BY(members);  ///< of components that left; under `members`
   std::vector<std::string> warnings;
   std::vector<std::shared_ptr<Commit>> under_way;
-  std::weak_ptr<const Commit> last_transaction;          ///< as long as its maker has it
-  std::weak_ptr<const Commit> newest;                    ///< which made the newest generation
-  unsigned looks_at_newest = 0;                          ///< while its maker has not asked for it
-  std::vector<std::shared_ptr<OnProbation>> probations;  ///< the oldest first
-  std::vector<std::shared_ptr<OnProbation>> fading;      ///< over, but a thread may still look
-  Retired free;                                          ///< of changes that are over
-  std::vector<Outcome> outcomes;                         ///< not yet told
+  std::weak_ptr<const Commit> last_transaction;  ///< as long as its maker has it
+  std::weak_ptr<const Commit> newest;            ///< which made the newest generation
+  unsigned looks_at_newest = 0;                  ///< while its maker has not asked for it
+  std::vector<std::shared_ptr<ProbationPeriod>> probations;  ///< the oldest first
+  std::vector<std::shared_ptr<ProbationPeriod>> fading;      ///< over, but a thread may still look
+  Retired free;                                              ///< of changes that are over
+  std::vector<Outcome> outcomes;                             ///< not yet told
   std::atomic<std::uint64_t> looks{0};  ///< calls of advance(); a stop can tell that none come
   std::uint64_t generation = 0;
   /// Rises whenever the model shows something else: a change, a rollback, a core that took over.

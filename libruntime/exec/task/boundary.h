@@ -66,7 +66,7 @@ class Boundary {
   FaultReaction& faults_;
   TaskUpdate* unacknowledged_ = nullptr;  // taken, its first job not yet done
   TaskUpdate* taking_ = nullptr;          // its converter runs
-  rt::Fault hand_over_fault_;            // of the last converter
+  rt::Fault hand_over_fault_;             // of the last converter
 };
 
 }  // namespace exec

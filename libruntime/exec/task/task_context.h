@@ -40,7 +40,7 @@ struct TaskContext {
 
   // From here on the thread of the task owns all of it.
   FailedCore failed;
-  TaskUpdate* current = nullptr;     ///< the update in force; owned
+  TaskUpdate* current = nullptr;    ///< the update in force; owned
   const CoreBase* lost = nullptr;   ///< a thread that was given up may still be inside
   const Gate* failed_in = nullptr;  ///< the gate in whose service its last job failed
   FsmState* state = nullptr;        ///< the wait the task is in; null: before the initial state

@@ -18,11 +18,10 @@ bool Rollback::trigger(const Clock& clock, std::string_view reason) {
 }
 
 bool Rollback::trigger(const Clock& clock, const FaultRecord& fault, const TaskReport* member,
-                      const void* inside) {
+                       const void* inside) {
   if (!decision_.claim(kBeingTriggered)) return false;
   Decision* const newer = newer_.load();
-  if (newer != nullptr &&
-      newer->decide(Decision::State::aborted) == Decision::State::committed) {
+  if (newer != nullptr && newer->decide(Decision::State::aborted) == Decision::State::committed) {
     decision_.put_off(kClosed);
     return false;
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// PrefetchSet: what a job is about to touch. A component that sleeps for milliseconds finds the caches
-/// cold, and goes from port to connection to resource by pointers: each line would be waited for in
-/// its turn. Asked for together when a job begins, they come in the time of one or two.
+/// PrefetchSet: what a job is about to touch. A component that sleeps for milliseconds finds the
+/// caches cold, and goes from port to connection to resource by pointers: each line would be waited
+/// for in its turn. Asked for together when a job begins, they come in the time of one or two.
 #pragma once
 
 #include <cstddef>

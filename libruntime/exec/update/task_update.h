@@ -63,10 +63,10 @@ struct TaskUpdate {
   /// On probation: where this one rolls back to when somebody fails. Both null: no probation.
   std::unique_ptr<TaskUpdate> back;
   Rollback* rollback = nullptr;
-  unsigned tolerated = 0;             ///< overruns among the jobs of `window`
-  std::uint64_t window = ~0ULL;       ///< a bit for each job that counts
+  unsigned tolerated = 0;               ///< overruns among the jobs of `window`
+  std::uint64_t window = ~0ULL;         ///< a bit for each job that counts
   std::unique_ptr<TaskUpdate> standby;  ///< that stands by from the first job on; or null
-  Duration back_off{0};               ///< a standby core waits so long after the fault
+  Duration back_off{0};                 ///< a standby core waits so long after the fault
 
   enum class Progress : std::uint8_t {
     published,

@@ -114,8 +114,9 @@ class Deployer {
   Result<PreparedChange> prepare_standby(const Change& standby);
   /// Drops what is out of date meanwhile.
   void stand_by(PreparedChange& standby);
-  /// None can be made for this component. A component whose core has failed waits for its standby as
-  /// long as its policy allows: this ends the wait, and it is faulted. `why` goes to its outcome.
+  /// None can be made for this component. A component whose core has failed waits for its standby
+  /// as long as its policy allows: this ends the wait, and it is faulted. `why` goes to its
+  /// outcome.
   void refuse_standby(std::string_view component, const std::string& why);
 
   /// Shorthands for apply().

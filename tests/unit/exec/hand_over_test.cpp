@@ -167,7 +167,7 @@ TEST_F(HandOver, KeepsACounterExactInAnySequenceOfSwaps) {
 
 /// The bundle before the last change, on its rollback.
 std::unique_ptr<exec::TaskUpdate> rollback(ComponentBase& component,
-                                          std::shared_ptr<const Bundle> old) {
+                                           std::shared_ptr<const Bundle> old) {
   exec::PreparedMember member;
   member.component = &component;
   member.base = component.bundle();

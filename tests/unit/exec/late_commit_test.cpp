@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/fail_point.h"
-#include "exec/swap/swap.h"
+#include "exec/swap/two_phase_commit.h"
 #include "support/ramp.h"
 
 namespace mauve {

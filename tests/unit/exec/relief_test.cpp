@@ -383,7 +383,8 @@ TEST(Relief, StaysInForceWhenATransactionComesThatDoesNotKnowOfIt) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
-  deployer.run_for(30900us);  // the standby core is taken 100 us later, before the instant of the change
+  deployer.run_for(
+      30900us);  // the standby core is taken 100 us later, before the instant of the change
   Change change{{}};
   change.edits.emplace_back().component = "control";
   change.edits.back().mode = Mode::run;

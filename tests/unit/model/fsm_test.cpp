@@ -59,7 +59,7 @@ TEST(Fsm, FollowsTheTimelineOfThePaper) {
   auto& core = static_cast<Guidance&>(component.core());
   core.clock = &clock;
   exec::Task task("control", clock);
-  auto first = std::make_unique<exec::Published>();
+  auto first = std::make_unique<exec::TaskUpdate>();
   first->bundle = component.bundle();
   task.begin(std::move(first), 0);
   const auto step = [&] {

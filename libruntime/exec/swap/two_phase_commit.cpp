@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "exec/swap/swap.h"
+#include "exec/swap/two_phase_commit.h"
 
 #include <algorithm>
 
@@ -26,8 +26,9 @@ using Progress = TaskUpdate::Progress;
 
 }  // namespace
 
-Swap::Swap(std::vector<Member> members, std::vector<ResourceMember> resources, Runner& runner,
-           Duration bound, Kind kind, std::vector<std::shared_ptr<Rollback>> before)
+TwoPhaseCommit::TwoPhaseCommit(std::vector<Member> members, std::vector<ResourceMember> resources,
+                               Runner& runner, Duration bound, Kind kind,
+                               std::vector<std::shared_ptr<Rollback>> before)
     : members_(std::move(members)),
       resources_(std::move(resources)),
       runner_(runner),
@@ -40,7 +41,7 @@ Swap::Swap(std::vector<Member> members, std::vector<ResourceMember> resources, R
   attempt();
 }
 
-Swap::~Swap() {
+TwoPhaseCommit::~TwoPhaseCommit() {
   bool in_use = given_up_;
   for (ResourceMember& member : resources_) old_updates_.push_back(std::move(member.update));
   for (auto& update : old_updates_) {
@@ -56,7 +57,7 @@ Swap::~Swap() {
 
 /// Publishes and decides. The whole of it is a few stores, so it runs just above ordinary threads
 /// (and below every component): a loaded machine does not make it miss its instant.
-void Swap::attempt() {
+void TwoPhaseCommit::attempt() {
   ++result_.attempts;
   const auto urgency = runner_.hurry();
   result_.instant = runner_.now() + lead_.count();
@@ -80,12 +81,12 @@ void Swap::attempt() {
   const bool led_back = is_rolled_back();
   MAUVE_FAIL_POINT("commit.before_decide");
   decisions_.back()->decide(late || led_back ? Decision::State::aborted
-                                                : Decision::State::committed);
+                                             : Decision::State::committed);
   MAUVE_FAIL_POINT("commit.after_decide");
   for (Member& member : members_) runner_.wake(*member.task);
 }
 
-void Swap::publish(Member& member) {
+void TwoPhaseCommit::publish(Member& member) {
   static_cast<void>(member.task->mailbox().reclaim());  // words of changes before, no elements
   member.next->decision = decisions_.back().get();
   member.next->answer->progress = Progress::published;
@@ -95,13 +96,13 @@ void Swap::publish(Member& member) {
   member.task->mailbox().publish(*member.update);
 }
 
-void Swap::arm(ResourceMember& resource) {
+void TwoPhaseCommit::arm(ResourceMember& resource) {
   if (resource.update != nullptr) old_updates_.push_back(std::move(resource.update));
-  resource.update = std::make_unique<ResourceUpdate>(*resource.resource, resource.parts, resource.state,
-                                                 *decisions_.back());
+  resource.update = std::make_unique<ResourceUpdate>(*resource.resource, resource.parts,
+                                                     resource.state, *decisions_.back());
 }
 
-bool Swap::all_settled() {
+bool TwoPhaseCommit::all_settled() {
   bool settled = true;
   for (Member& member : members_) {
     if (!member.settled) settle(member);
@@ -114,7 +115,7 @@ bool Swap::all_settled() {
   return settled;
 }
 
-bool Swap::advance() {
+bool TwoPhaseCommit::advance() {
   if (!all_settled()) {
     if (result_.state != SwapResult::State::under_way || runner_.now() < deadline_) return false;
     if (is_taking()) return false;
@@ -142,13 +143,13 @@ bool Swap::advance() {
 }
 
 /// One of the changes before.
-bool Swap::is_rolled_back() const {
+bool TwoPhaseCommit::is_rolled_back() const {
   return std::any_of(before_.begin(), before_.end(),
                      [](const std::shared_ptr<Rollback>& before) { return before->rolls_back(); });
 }
 
 /// Some caller is about to change a resource: an instant later that is settled.
-bool Swap::is_taking() const {
+bool TwoPhaseCommit::is_taking() const {
   return std::any_of(resources_.begin(), resources_.end(), [](const ResourceMember& member) {
     return member.update->state() == ResourceUpdate::State::taking;
   });
@@ -156,7 +157,7 @@ bool Swap::is_taking() const {
 
 /// The task may have taken the word and left it again, for instance on a rollback: then the word is
 /// freed, and only its answer is there.
-void Swap::settle(Member& member) {
+void TwoPhaseCommit::settle(Member& member) {
   const Progress progress = member.answer->progress.load(std::memory_order_acquire);
   if (progress == Progress::published) return;
   if (progress == Progress::done) {
@@ -175,7 +176,7 @@ void Swap::settle(Member& member) {
 
 /// Some member does not come to a boundary, or does not end its first job after it: takes back
 /// what nobody has claimed.
-void Swap::give_up() {
+void TwoPhaseCommit::give_up() {
   if (kind_ == Kind::order) {
     result_.state = SwapResult::State::waiting;
     return;
@@ -196,7 +197,7 @@ void Swap::give_up() {
 }
 
 /// What its thread has claimed it runs with, or is about to, or it gave it back and lets it lie.
-void Swap::give_up(Member& member, bool committed) {
+void TwoPhaseCommit::give_up(Member& member, bool committed) {
   given_up_ = true;
   if (member.task->mailbox().revoke(*member.update)) {
     // What a thread may be about to look at is left behind; the elements are not.

@@ -15,12 +15,12 @@
 
 namespace mauve::daemon {
 
-class Caretaker {
+class HealthMonitor {
  public:
-  Caretaker() = default;
-  ~Caretaker() { stop(); }
-  Caretaker(const Caretaker&) = delete;
-  Caretaker& operator=(const Caretaker&) = delete;
+  HealthMonitor() = default;
+  ~HealthMonitor() { stop(); }
+  HealthMonitor(const HealthMonitor&) = delete;
+  HealthMonitor& operator=(const HealthMonitor&) = delete;
 
   /// [main] From now on, 50 times a second.
   void start(Running& running);
@@ -49,8 +49,8 @@ class Caretaker {
   bool making_ = false;               ///< [control] standby_cores are being made
   Proofs proofs_;                     ///< [control]
   std::uint64_t relieved_ = 0;        ///< [control] the last generation that a standby core made
-  /// The standby core of a component was refused in this generation: it is tried again in the next one,
-  /// but a standby core whose hook hung is never tried again.
+  /// The standby core of a component was refused in this generation: it is tried again in the next
+  /// one, but a standby core whose hook hung is never tried again.
   struct RefusedStandby {
     std::uint64_t generation = 0;
     std::string why;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "state/keeper.h"
+#include "state/state_store.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,28 +22,28 @@ Generation with_number(std::uint64_t number, Mark mark = Mark::confirmed) {
 
 Value named(const std::string& name) { return Value::Object{{"name", name}}; }
 
-class KeeperTest : public testing::Test {
+class StateStoreTest : public testing::Test {
  protected:
   void SetUp() override {
     log.start();
     open();
   }
   void TearDown() override {
-    if (keeper) {
-      keeper->end();
+    if (store) {
+      store->end();
     }
     log.stop();
   }
   void open() {
-    keeper.reset();
-    auto opened = Keeper::open((dir / "state").string(), log);
+    store.reset();
+    auto opened = StateStore::open((dir / "state").string(), log);
     ASSERT_TRUE(opened);
-    keeper = std::move(*opened);
+    store = std::move(*opened);
   }
   bool keep(const Generation& about, const std::string& name) {
     std::promise<bool> saved;
-    keeper->keep(about, named(name), {{"method", "param.set"}},
-                 [&](bool done) { saved.set_value(done); });
+    store->keep(about, named(name), {{"method", "param.set"}},
+                [&](bool done) { saved.set_value(done); });
     return saved.get_future().get();
   }
   [[nodiscard]] std::string audit() const { return TempDir::read(dir / "state" / "audit.log"); }
@@ -54,111 +54,111 @@ class KeeperTest : public testing::Test {
 
   TempDir dir;
   logging::Log log{logging::Level::debug};
-  std::unique_ptr<Keeper> keeper;
+  std::unique_ptr<StateStore> store;
 };
 
-TEST_F(KeeperTest, DoesNotBelieveAMarkerThatOthersMayHaveWritten) {
-  keeper->begin(with_number(1), named("robot"));
-  keeper->end();
+TEST_F(StateStoreTest, DoesNotBelieveAMarkerThatOthersMayHaveWritten) {
+  store->begin(with_number(1), named("robot"));
+  store->end();
   const auto marker = dir / "state/running";
   open();
-  ASSERT_FALSE(keeper->crashed());
+  ASSERT_FALSE(store->crashed());
 
   std::filesystem::permissions(marker, std::filesystem::perms(0666));
   open();
 
-  EXPECT_TRUE(keeper->crashed()) << "as if there were none";
+  EXPECT_TRUE(store->crashed()) << "as if there were none";
 }
 
-TEST_F(KeeperTest, KnowsACrashByAMissingEnd) {
-  EXPECT_FALSE(keeper->crashed());
-  keeper->begin(with_number(1), named("a"));
-  keeper->end();
+TEST_F(StateStoreTest, KnowsACrashByAMissingEnd) {
+  EXPECT_FALSE(store->crashed());
+  store->begin(with_number(1), named("a"));
+  store->end();
   open();
-  EXPECT_FALSE(keeper->crashed());
-  keeper->begin(with_number(2), named("a"));
+  EXPECT_FALSE(store->crashed());
+  store->begin(with_number(2), named("a"));
 
   open();  // without an end
 
-  EXPECT_TRUE(keeper->crashed());
-  EXPECT_EQ(keeper->generations().newest(), 2U);
+  EXPECT_TRUE(store->crashed());
+  EXPECT_EQ(store->generations().newest(), 2U);
 }
 
-TEST_F(KeeperTest, TakesALostMarkerForACrashWhenSomethingWasSaved) {
-  keeper->begin(with_number(1), named("a"));
-  keeper->end();
+TEST_F(StateStoreTest, TakesALostMarkerForACrashWhenSomethingWasSaved) {
+  store->begin(with_number(1), named("a"));
+  store->end();
   std::filesystem::remove(dir / "state" / "running");
 
   open();
 
-  EXPECT_TRUE(keeper->crashed());
-  EXPECT_EQ(keeper->crashed_generation(), 0U) << "nobody knows what it had started";
+  EXPECT_TRUE(store->crashed());
+  EXPECT_EQ(store->crashed_generation(), 0U) << "nobody knows what it had started";
 }
 
-TEST_F(KeeperTest, CountsACrashOnceAndOnlySoonAfterTheStart) {
-  keeper->try_generation(7);
+TEST_F(StateStoreTest, CountsACrashOnceAndOnlySoonAfterTheStart) {
+  store->try_generation(7);
   open();
-  EXPECT_EQ(keeper->crashed_generation(), 7U);
+  EXPECT_EQ(store->crashed_generation(), 7U);
 
-  keeper->refused();  // a start after the crash that a hook refused
+  store->refused();  // a start after the crash that a hook refused
   open();
-  EXPECT_TRUE(keeper->crashed()) << "what ran last is tried again";
-  EXPECT_EQ(keeper->crashed_generation(), 0U) << "but it has not crashed again";
+  EXPECT_TRUE(store->crashed()) << "what ran last is tried again";
+  EXPECT_EQ(store->crashed_generation(), 0U) << "but it has not crashed again";
 
-  keeper->begin(with_number(8), named("a"));
-  keeper->ran_long();
-  keeper->flush();
+  store->begin(with_number(8), named("a"));
+  store->ran_long();
+  store->flush();
   open();
-  EXPECT_TRUE(keeper->crashed());
-  EXPECT_EQ(keeper->crashed_generation(), 0U);
+  EXPECT_TRUE(store->crashed());
+  EXPECT_EQ(store->crashed_generation(), 0U);
 }
 
-TEST_F(KeeperTest, DropsWhatEarlierRecoveriesDidNotConfirm) {
+TEST_F(StateStoreTest, DropsWhatEarlierRecoveriesDidNotConfirm) {
   for (std::uint64_t number = 1; number <= 3; ++number) {
     auto about = with_number(number);
     about.command = number == 1 ? "start" : kRecover;
     about.mark = number == 1 ? Mark::confirmed : Mark::unconfirmed;
-    keeper->begin(about, named("a"));
+    store->begin(about, named("a"));
     open();
   }
 
-  const auto all = keeper->generations().list();
+  const auto all = store->generations().list();
 
   ASSERT_EQ(all.size(), 2U);
   EXPECT_EQ(all[0].number, 3U);
   EXPECT_EQ(all[1].number, 1U);
 }
 
-TEST_F(KeeperTest, PutsAFileAsideThatLiesWhereTheGenerationsBelong) {
-  keeper.reset();
+TEST_F(StateStoreTest, PutsAFileAsideThatLiesWhereTheGenerationsBelong) {
+  store.reset();
   std::filesystem::remove_all(dir / "state" / "generations");
   std::ofstream(dir / "state" / "generations") << "damage";
 
   open();
 
-  keeper->begin(with_number(1), named("a"));
-  EXPECT_EQ(keeper->generations().newest(), 1U);
+  store->begin(with_number(1), named("a"));
+  EXPECT_EQ(store->generations().newest(), 1U);
   EXPECT_TRUE(std::filesystem::exists(dir / "state" / "generations.damaged"));
 }
 
-TEST_F(KeeperTest, KeepsTheListOfCoresInQuarantine) {
+TEST_F(StateStoreTest, KeepsTheListOfCoresInQuarantine) {
   const Json cores = {{{"core", "guidance/gap"}, {"build_id", "12ab"}, {"reason", "threw"}}};
-  EXPECT_TRUE(keeper->quarantined().empty());
-  keeper->begin(with_number(1), named("a"));
-  keeper->quarantine(cores);
-  keeper->end();
+  EXPECT_TRUE(store->quarantined().empty());
+  store->begin(with_number(1), named("a"));
+  store->quarantine(cores);
+  store->end();
 
   open();
 
-  EXPECT_EQ(keeper->quarantined(), cores);
+  EXPECT_EQ(store->quarantined(), cores);
 }
 
-TEST_F(KeeperTest, SaysThatADamagedListOfCoresInQuarantineIsLost) {
+TEST_F(StateStoreTest, SaysThatADamagedListOfCoresInQuarantineIsLost) {
   for (const char* text : {"", "[]", "{\"cores\":[1]}", "{\"cores\":[{"}) {
-    keeper.reset();
+    store.reset();
     dir.write("state/quarantine.json", text);
     open();
-    EXPECT_TRUE(keeper->quarantined().empty()) << text;
+    EXPECT_TRUE(store->quarantined().empty()) << text;
     log.flush();
     const auto told = log.history().tail(1, {});
     ASSERT_EQ(told.size(), 1U);
@@ -166,38 +166,38 @@ TEST_F(KeeperTest, SaysThatADamagedListOfCoresInQuarantineIsLost) {
   }
 }
 
-TEST_F(KeeperTest, AnswersWhenTheGenerationIsOnTheDisk) {
-  keeper->begin(with_number(1), named("a"));
+TEST_F(StateStoreTest, AnswersWhenTheGenerationIsOnTheDisk) {
+  store->begin(with_number(1), named("a"));
 
   ASSERT_TRUE(keep(with_number(2), "b"));
 
-  EXPECT_THAT(keeper->generations().text(2).value(), testing::HasSubstr("\"name\": \"b\""));
+  EXPECT_THAT(store->generations().text(2).value(), testing::HasSubstr("\"name\": \"b\""));
   EXPECT_THAT(audit(), testing::HasSubstr("\"saved\":true"));
-  EXPECT_TRUE(keeper->saved());
+  EXPECT_TRUE(store->saved());
 }
 
-TEST_F(KeeperTest, MarksWhatWasSavedBefore) {
-  keeper->begin(with_number(1), named("a"));
+TEST_F(StateStoreTest, MarksWhatWasSavedBefore) {
+  store->begin(with_number(1), named("a"));
   ASSERT_TRUE(keep(with_number(2, Mark::unconfirmed), "b"));
 
-  keeper->mark(2, Mark::confirmed);
-  keeper->flush();
+  store->mark(2, Mark::confirmed);
+  store->flush();
 
-  EXPECT_EQ(keeper->generations().list().front().mark, Mark::confirmed);
+  EXPECT_EQ(store->generations().list().front().mark, Mark::confirmed);
 }
 
-TEST_F(KeeperTest, SaysThatNothingWasSavedAndGoesOn) {
-  keeper->begin(with_number(1), named("a"));
+TEST_F(StateStoreTest, SaysThatNothingWasSavedAndGoesOn) {
+  store->begin(with_number(1), named("a"));
   std::filesystem::rename(dir / "state", dir / "away");
 
   EXPECT_FALSE(keep(with_number(2), "b"));
-  EXPECT_FALSE(keeper->saved());
-  keeper->audit({{"method", "param.set"}});
-  keeper->flush();
+  EXPECT_FALSE(store->saved());
+  store->audit({{"method", "param.set"}});
+  store->flush();
   std::filesystem::rename(dir / "away", dir / "state");
   EXPECT_TRUE(keep(with_number(3), "c"));
 
-  EXPECT_TRUE(keeper->saved());
+  EXPECT_TRUE(store->saved());
   log.flush();
   const auto told = log.history().tail(100, {});
   const auto count = [&](logging::Event event) {
@@ -208,49 +208,49 @@ TEST_F(KeeperTest, SaysThatNothingWasSavedAndGoesOn) {
   EXPECT_EQ(count(logging::Event::audit_failed), 1) << "one complaint until it works again";
 }
 
-TEST_F(KeeperTest, CountsAuditLinesThatTheDiskIsTooSlowFor) {
+TEST_F(StateStoreTest, CountsAuditLinesThatTheDiskIsTooSlowFor) {
   // Nothing is written before begin(): as on a disk that does not answer.
-  for (std::size_t i = 0; i < Keeper::kWaiting + 5; ++i) {
-    keeper->audit({{"method", "param.set"}, {"time", "now"}});
+  for (std::size_t i = 0; i < StateStore::kWaiting + 5; ++i) {
+    store->audit({{"method", "param.set"}, {"time", "now"}});
   }
 
-  keeper->begin(with_number(1), named("a"));
-  keeper->flush();
+  store->begin(with_number(1), named("a"));
+  store->flush();
 
-  EXPECT_EQ(lines(), Keeper::kWaiting + 1);
+  EXPECT_EQ(lines(), StateStore::kWaiting + 1);
   EXPECT_THAT(audit(), testing::HasSubstr("{\"lost\":5,\"time\":"));
 }
 
-TEST_F(KeeperTest, WritesWhatWaitsBeforeItEnds) {
-  keeper->begin(with_number(1), named("a"));
+TEST_F(StateStoreTest, WritesWhatWaitsBeforeItEnds) {
+  store->begin(with_number(1), named("a"));
   for (int i = 0; i < 20; ++i) {
-    keeper->audit({{"method", "param.set"}});
+    store->audit({{"method", "param.set"}});
   }
 
-  keeper->end();
+  store->end();
 
   EXPECT_EQ(lines(), 20U);
   EXPECT_EQ(test::TempDir::read(dir / "state" / "running"), "ended\n");
 }
 
-TEST_F(KeeperTest, ConfirmsTwoGenerationsThatAreTheSameAndNoOthers) {
-  keeper->begin(with_number(1), named("a"));
+TEST_F(StateStoreTest, ConfirmsTwoGenerationsThatAreTheSameAndNoOthers) {
+  store->begin(with_number(1), named("a"));
   for (const auto& [number, name] : {std::pair{2U, "b"}, {3U, "c"}, {4U, "b"}}) {
     ASSERT_TRUE(keep(with_number(number, Mark::unconfirmed), name));
   }
   const auto mark_of = [this](std::uint64_t number) {
-    keeper->flush();
-    const auto all = keeper->generations().list();
+    store->flush();
+    const auto all = store->generations().list();
     const auto found = std::ranges::find(all, number, &Generation::number);
     return found == all.end() ? std::string_view("gone") : to_string(found->mark);
   };
 
-  keeper->confirm_same(2, 3);
-  keeper->confirm_same(2, 77);
+  store->confirm_same(2, 3);
+  store->confirm_same(2, 77);
   EXPECT_EQ(mark_of(2), "unconfirmed");
   EXPECT_EQ(mark_of(3), "unconfirmed");
 
-  keeper->confirm_same(2, 4);
+  store->confirm_same(2, 4);
   EXPECT_EQ(mark_of(2), "confirmed");
   EXPECT_EQ(mark_of(3), "unconfirmed");
   EXPECT_EQ(mark_of(4), "confirmed");

@@ -31,16 +31,16 @@ struct MemberRollback {
 };
 
 /// One change on probation, or several that joined each other. [control]
-class OnProbation {
+class ProbationPeriod {
  public:
   using Content = PreparedChange::Content;
 
   /// Of a change that is committed: its content, and the elements it replaced. `joined`: the
   /// generations of the changes that it joined.
-  OnProbation(System& system, std::shared_ptr<Content> content,
-              std::vector<MemberRollback> members, std::shared_ptr<Rollback> rollback,
-              Retired replaced, std::uint64_t number, std::vector<std::uint64_t> joined = {});
-  ~OnProbation();
+  ProbationPeriod(System& system, std::shared_ptr<Content> content,
+                  std::vector<MemberRollback> members, std::shared_ptr<Rollback> rollback,
+                  Retired replaced, std::uint64_t number, std::vector<std::uint64_t> joined = {});
+  ~ProbationPeriod();
 
   /// Looks whether it is over. The end is told in System::outcomes; false: nothing of it is left.
   bool advance();

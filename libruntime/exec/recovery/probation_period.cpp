@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "exec/recovery/probation.h"
+#include "exec/recovery/probation_period.h"
 
 #include <algorithm>
 #include <utility>
@@ -32,9 +32,10 @@ void put_back(Architecture& architecture, Element& element, std::shared_ptr<Elem
 
 }  // namespace
 
-OnProbation::OnProbation(System& system, std::shared_ptr<Content> content,
-                         std::vector<MemberRollback> members, std::shared_ptr<Rollback> rollback,
-                         Retired replaced, std::uint64_t number, std::vector<std::uint64_t> joined)
+ProbationPeriod::ProbationPeriod(System& system, std::shared_ptr<Content> content,
+                                 std::vector<MemberRollback> members,
+                                 std::shared_ptr<Rollback> rollback, Retired replaced,
+                                 std::uint64_t number, std::vector<std::uint64_t> joined)
     : system_(system),
       departed_(system.departed),
       content_(std::move(content)),
@@ -51,11 +52,11 @@ OnProbation::OnProbation(System& system, std::shared_ptr<Content> content,
     if (change.parts.core == nullptr) before.core.reset();
     if (change.parts.bindings == nullptr) before.bindings.reset();
     updates_.push_back(std::make_unique<ResourceUpdate>(*change.resource, std::move(before),
-                                                    change.state, rollback_->decision()));
+                                                        change.state, rollback_->decision()));
   }
 }
 
-OnProbation::~OnProbation() {
+ProbationPeriod::~ProbationPeriod() {
   if (phase_ == Phase::over || (phase_ == Phase::withdrawing && all_looked_away())) return;
   // The system goes down: whose thread ended looks at nothing any more.
   const auto ended = [](const MemberRollback& member) { return member.deployed->ended; };
@@ -66,11 +67,11 @@ OnProbation::~OnProbation() {
   leave_behind(rollback_);
 }
 
-bool OnProbation::awaits_confirmation() const {
+bool ProbationPeriod::awaits_confirmation() const {
   return content_->probation->confirm_within > Duration{0} && open();
 }
 
-bool OnProbation::advance() {
+bool ProbationPeriod::advance() {
   if (phase_ == Phase::watching) watch();
   if (phase_ == Phase::going_back) go_back();
   if (phase_ == Phase::withdrawing && all_looked_away()) {
@@ -83,7 +84,7 @@ bool OnProbation::advance() {
   return phase_ != Phase::over;
 }
 
-void OnProbation::watch() {
+void ProbationPeriod::watch() {
   if (rollback_->told()) {
     phase_ = Phase::going_back;
     tell_control(system_, TraceKind::rollback, content_->what, rollback_->decision().instant(),
@@ -118,7 +119,7 @@ void OnProbation::watch() {
 /// A core that is seldom released may have too few jobs for a verdict when its time has passed. A
 /// member under suspicion gets twice as many more as a verdict takes for a core that is always too
 /// slow.
-bool OnProbation::awaits_verdict() {
+bool ProbationPeriod::awaits_verdict() {
   bool waits = false;
   for (MemberRollback& member : members_) {
     const Task& task = *member.deployed->task;
@@ -129,24 +130,24 @@ bool OnProbation::awaits_verdict() {
   return waits;
 }
 
-bool OnProbation::undo(const std::string& reason) {
+bool ProbationPeriod::undo(const std::string& reason) {
   if (phase_ != Phase::watching) return false;
   return rollback_->trigger(system_.runner->clock(), reason);
 }
 
-bool OnProbation::pass(const std::string& reason, Outcome::Kind kind) {
+bool ProbationPeriod::pass(const std::string& reason, Outcome::Kind kind) {
   if (phase_ != Phase::watching || !held_.expired() || !rollback_->close()) return false;
   end(kind, reason);
   return true;
 }
 
-void OnProbation::overtake() {
+void ProbationPeriod::overtake() {
   if (phase_ != Phase::watching) return;
   static_cast<void>(rollback_->close());  // or a member that failed meanwhile does
   end(Outcome::Kind::overtaken, "a newer change");
 }
 
-void OnProbation::end(Outcome::Kind kind, const std::string& reason) {
+void ProbationPeriod::end(Outcome::Kind kind, const std::string& reason) {
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     PreparedMember& member = content_->members[i];
     if (member.part != Part::leaves) continue;
@@ -158,20 +159,20 @@ void OnProbation::end(Outcome::Kind kind, const std::string& reason) {
   let_go_left();
 }
 
-void OnProbation::pass_on_to(Content& heir, const std::vector<MemberRollback>& members) {
+void ProbationPeriod::pass_on_to(Content& heir, const std::vector<MemberRollback>& members) {
   static_cast<void>(rollback_->close());  // or a member that failed meanwhile does
   adopt(*content_, heir, members, free_);
   replaced_.forget();
   withdraw();
 }
 
-std::shared_ptr<const void> OnProbation::hold() {
+std::shared_ptr<const void> ProbationPeriod::hold() {
   auto held = held_.lock();
   if (held == nullptr) held_ = held = std::make_shared<int>();
   return held;
 }
 
-OpenProbation OnProbation::look() const {
+OpenProbation ProbationPeriod::look() const {
   OpenProbation open{changes_,
                      {},
                      Duration{system_.runner->now() - began_},
@@ -187,11 +188,12 @@ OpenProbation OnProbation::look() const {
 }
 
 /// Its rollback is out of the task's hands meanwhile; it is parked, so it misses nothing.
-void OnProbation::keep_parked() {
+void ProbationPeriod::keep_parked() {
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     Task& task = *members_[i].deployed->task;
     TaskUpdate* const back = members_[i].back;
-    if (content_->members[i].part != Part::leaves || !task.mailbox().withdraw_rollback(*back)) continue;
+    if (content_->members[i].part != Part::leaves || !task.mailbox().withdraw_rollback(*back))
+      continue;
     back->mode = Mode::park;
     task.mailbox().put_back(*back);
     system_.runner->wake(task);
@@ -199,7 +201,7 @@ void OnProbation::keep_parked() {
 }
 
 /// The tasks give the rollbacks up; each is freed when its thread has looked elsewhere.
-void OnProbation::withdraw() {
+void ProbationPeriod::withdraw() {
   phase_ = Phase::withdrawing;
   for (MemberRollback& member : members_) {
     Task& task = *member.deployed->task;
@@ -210,21 +212,21 @@ void OnProbation::withdraw() {
   free_.keep(content_);
 }
 
-void OnProbation::let_go_left() {
+void ProbationPeriod::let_go_left() {
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     if (content_->members[i].part != Part::leaves) continue;
     static_cast<void>(let_go(system_, *members_[i].deployed));
   }
 }
 
-bool OnProbation::all_looked_away() const {
+bool ProbationPeriod::all_looked_away() const {
   return std::all_of(members_.begin(), members_.end(), [&](const MemberRollback& member) {
     return !member.in_force || member.deployed->ended ||
            member.deployed->task->mailbox().looks() > member.looks_after;
   });
 }
 
-void OnProbation::go_back() {
+void ProbationPeriod::go_back() {
   const Instant now = system_.runner->now();
   for (auto& update : updates_) update->help(now);
   if (!rollback_->told() || !all_are_back() || !may_let_go()) return;
@@ -240,7 +242,7 @@ void OnProbation::go_back() {
   phase_ = Phase::withdrawing;
 }
 
-bool OnProbation::all_are_back() const {
+bool ProbationPeriod::all_are_back() const {
   const bool members = std::all_of(members_.begin(), members_.end(), [](const auto& member) {
     return !member.in_force ||
            member.answer->progress.load(std::memory_order_acquire) == TaskUpdate::Progress::done;
@@ -250,7 +252,7 @@ bool OnProbation::all_are_back() const {
 }
 
 /// An order to park may be on its way to what joined; the task is parked, so that is over soon.
-bool OnProbation::may_let_go() const {
+bool ProbationPeriod::may_let_go() const {
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     const bool leaves = members_[i].in_force && content_->members[i].part == Part::joins;
     if (leaves && members_[i].deployed->changing) return false;
@@ -259,7 +261,7 @@ bool OnProbation::may_let_go() const {
 }
 
 /// What callers and threads use again is what the model shows.
-void OnProbation::install_old() {
+void ProbationPeriod::install_old() {
   ++system_.revision;
   Architecture& architecture = system_.architecture;
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
@@ -296,12 +298,12 @@ void OnProbation::install_old() {
   }
 }
 
-void OnProbation::tell_after_all() {
+void ProbationPeriod::tell_after_all() {
   if (!std::exchange(quiet_, false)) return;
   changes_.back() = ++system_.generation;
 }
 
-std::string OnProbation::culprit() const {
+std::string ProbationPeriod::culprit() const {
   const std::string text = rollback_->text();
   if (rollback_->cause() == Cause::asked) return text;
   const std::string cause(to_string(rollback_->cause()));
@@ -311,7 +313,7 @@ std::string OnProbation::culprit() const {
 }
 
 /// The resource in whose service the member failed; null: it failed in its own code.
-const ResourceBase* OnProbation::failed_in() const {
+const ResourceBase* ProbationPeriod::failed_in() const {
   for (const ResourceBase* resource : system_.architecture.resources()) {
     if (&resource->gate() == rollback_->inside()) return resource;
   }
@@ -320,7 +322,7 @@ const ResourceBase* OnProbation::failed_in() const {
 
 /// The new cores that failed. A resource that fails its caller is not the fault of the caller's
 /// core.
-void OnProbation::name_cores(Outcome& end) const {
+void ProbationPeriod::name_cores(Outcome& end) const {
   if (failed_in() != nullptr) return;
   for (const PreparedMember& member : content_->members) {
     const std::string& core = member.next->core_type.name;
@@ -330,7 +332,7 @@ void OnProbation::name_cores(Outcome& end) const {
   }
 }
 
-void OnProbation::tell(Outcome::Kind kind, const std::string& reason) {
+void ProbationPeriod::tell(Outcome::Kind kind, const std::string& reason) {
   if (quiet_) return;
   Outcome end;
   end.began = changes_.front();

@@ -23,13 +23,13 @@
 
 namespace mauve::daemon {
 
-class Keeper {
+class StateStore {
  public:
   using Json = protocol::Json;
 
   /// Makes the directory where it is missing. Refused: no rights, or another mauved has it. [main]
-  [[nodiscard]] static Result<std::unique_ptr<Keeper>> open(const std::string& directory,
-                                                            logging::Log& log);
+  [[nodiscard]] static Result<std::unique_ptr<StateStore>> open(const std::string& directory,
+                                                                logging::Log& log);
 
   /// [any] The run before this one did not come to its end: a crash, a power cut.
   [[nodiscard]] bool crashed() const { return crashed_; }
@@ -92,7 +92,8 @@ class Keeper {
   static constexpr std::size_t kWaiting = 4096;  ///< audit lines
 
  private:
-  Keeper(std::string directory, logging::Log& log) : directory_(std::move(directory)), log_(log) {}
+  StateStore(std::string directory, logging::Log& log)
+      : directory_(std::move(directory)), log_(log) {}
 
   bool save(const Generation& about, const Value& architecture);
   bool save_cores();

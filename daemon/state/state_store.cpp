@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "state/keeper.h"
+#include "state/state_store.h"
 
 #include <algorithm>
 #include <charconv>
@@ -63,8 +63,9 @@ std::filesystem::path audit_in(const std::string& directory) {
 
 }  // namespace
 
-Result<std::unique_ptr<Keeper>> Keeper::open(const std::string& directory, logging::Log& log) {
-  std::unique_ptr<Keeper> keeper(new Keeper(directory, log));
+Result<std::unique_ptr<StateStore>> StateStore::open(const std::string& directory,
+                                                     logging::Log& log) {
+  std::unique_ptr<StateStore> store(new StateStore(directory, log));
   if (auto made = make_directory(directory); !made) {
     return made.error();
   }
@@ -72,21 +73,21 @@ Result<std::unique_ptr<Keeper>> Keeper::open(const std::string& directory, loggi
   if (!held) {
     return held.error();
   }
-  keeper->held_ = std::move(*held);
+  store->held_ = std::move(*held);
   const auto folder = std::filesystem::path(directory) / "generations";
-  keeper->put_aside(folder);
+  store->put_aside(folder);
   auto generations = Generations::open(folder);
   if (!generations) {
     return generations.error();
   }
-  keeper->generations_ = std::move(*generations);
-  keeper->read_marker();
-  keeper->read_quarantine();
-  return keeper;
+  store->generations_ = std::move(*generations);
+  store->read_marker();
+  store->read_quarantine();
+  return store;
 }
 
 /// What was saved by a run whose marker is lost counts as a crash, since an end leaves one.
-void Keeper::read_marker() {
+void StateStore::read_marker() {
   const auto marker =
       arch::read_file(marker_in(directory_).string(), &plugin::Trust::of_this_process());
   if (!marker && marker.error().code == Errc::not_permitted) {
@@ -107,13 +108,13 @@ void Keeper::read_marker() {
   crashed_generation_ = ran_on ? generation : 0;
 }
 
-void Keeper::try_generation(std::uint64_t generation) {
+void StateStore::try_generation(std::uint64_t generation) {
   put_marker(std::string(kMachine) + run_of_the_machine() + std::string(kStarted) +
              std::to_string(generation));
 }
 
 /// Damage keeps nothing from starting: a file where a folder belongs gets another name.
-void Keeper::put_aside(const std::filesystem::path& folder) {
+void StateStore::put_aside(const std::filesystem::path& folder) {
   std::error_code failed;
   const auto kind = std::filesystem::symlink_status(folder, failed).type();
   if (kind == std::filesystem::file_type::not_found ||
@@ -132,7 +133,7 @@ void Keeper::put_aside(const std::filesystem::path& folder) {
                        : "is no folder: it is now " + other + ", and no generation is known"));
 }
 
-void Keeper::begin(const Generation& first, const Value& architecture) {
+void StateStore::begin(const Generation& first, const Value& architecture) {
   for (const auto& one : generations_->list()) {
     const bool by_itself = one.command.find('.') == std::string::npos;  // methods have one
     if (crashed_ && by_itself && one.mark == Mark::unconfirmed) {
@@ -147,7 +148,7 @@ void Keeper::begin(const Generation& first, const Value& architecture) {
 }
 
 /// After an orderly end the crashes of the architecture that this run began with count anew.
-void Keeper::end_row_of_crashes() {
+void StateStore::end_row_of_crashes() {
   const auto began = generations_->text(first_);
   for (const auto& one : generations_->list()) {
     if (one.crashes == 0 || !began) {
@@ -160,14 +161,14 @@ void Keeper::end_row_of_crashes() {
   }
 }
 
-void Keeper::end() {
+void StateStore::end() {
   disk_.stop();
   end_row_of_crashes();
   put_marker(kEnded);
 }
 
-void Keeper::keep(Generation about, Value architecture, Json line,
-                  std::function<void(bool saved)> then, As as) {
+void StateStore::keep(Generation about, Value architecture, Json line,
+                      std::function<void(bool saved)> then, As as) {
   std::error_code unknown;
   about.folder = std::filesystem::current_path(unknown).string();
   // Before the lines of refused changes, of which anybody can make many.
@@ -189,8 +190,8 @@ void Keeper::keep(Generation about, Value architecture, Json line,
 }
 
 /// [disk] The mark of the generation before this one. A generation that mauved made by itself, and
-/// that the caretaker has not saved yet, counts as unconfirmed.
-Mark Keeper::mark_before(std::uint64_t generation) const {
+/// that the health_monitor has not saved yet, counts as unconfirmed.
+Mark StateStore::mark_before(std::uint64_t generation) const {
   if (generation != newest_ && generation != newest_ + 1) {
     return Mark::unconfirmed;
   }
@@ -198,7 +199,7 @@ Mark Keeper::mark_before(std::uint64_t generation) const {
   return mark == Mark::confirmed ? mark : Mark::unconfirmed;
 }
 
-void Keeper::audit(const Json& line) {
+void StateStore::audit(const Json& line) {
   auto text = protocol::to_line(line);
   const MutexLock lock(mutex_);
   if (waiting_.size() >= kWaiting) {
@@ -212,7 +213,7 @@ void Keeper::audit(const Json& line) {
 }
 
 /// All at once: who is refused a thousand times a second keeps the disk busy once.
-void Keeper::write_waiting() {
+void StateStore::write_waiting() {
   std::vector<std::string> lines;
   std::uint64_t lost = 0;
   {
@@ -233,12 +234,12 @@ void Keeper::write_waiting() {
   write_lines(text);
 }
 
-void Keeper::mark(std::uint64_t generation, Mark mark) {
+void StateStore::mark(std::uint64_t generation, Mark mark) {
   disk_.post_urgent([this, generation, mark] { mark_now(generation, mark); });
 }
 
 /// [disk]
-bool Keeper::mark_now(std::uint64_t generation, Mark mark) {
+bool StateStore::mark_now(std::uint64_t generation, Mark mark) {
   if (generation == newest_) {
     newest_mark_ = mark;
   }
@@ -249,7 +250,7 @@ bool Keeper::mark_now(std::uint64_t generation, Mark mark) {
   return marked.has_value();
 }
 
-void Keeper::forget_crashes(std::uint64_t generation) {
+void StateStore::forget_crashes(std::uint64_t generation) {
   disk_.post_urgent([this, generation] {
     if (auto done = generations_->set_crashes(generation, 0); !done) {
       report(Event::generation_not_saved, done.error());
@@ -257,7 +258,7 @@ void Keeper::forget_crashes(std::uint64_t generation) {
   });
 }
 
-void Keeper::confirm_same(std::uint64_t generation, std::uint64_t other) {
+void StateStore::confirm_same(std::uint64_t generation, std::uint64_t other) {
   disk_.post_urgent([this, generation, other] {
     const auto one = generations_->text(generation);
     const auto two = generations_->text(other);
@@ -268,7 +269,7 @@ void Keeper::confirm_same(std::uint64_t generation, std::uint64_t other) {
   });
 }
 
-void Keeper::confirm_start(std::uint64_t generation, std::uint64_t replaced) {
+void StateStore::confirm_start(std::uint64_t generation, std::uint64_t replaced) {
   disk_.post_urgent([this, generation, replaced] {
     if (mark_now(generation, Mark::confirmed) && replaced != 0) {
       generations_->remove(replaced);
@@ -276,19 +277,19 @@ void Keeper::confirm_start(std::uint64_t generation, std::uint64_t replaced) {
   });
 }
 
-void Keeper::ran_long() {
+void StateStore::ran_long() {
   disk_.post_urgent([this] { put_marker(kRanLong); });
 }
 
-void Keeper::refused() { put_marker(crashed_ ? kRefused : kEnded); }
+void StateStore::refused() { put_marker(crashed_ ? kRefused : kEnded); }
 
-void Keeper::put_marker(std::string_view text) {
+void StateStore::put_marker(std::string_view text) {
   if (auto put = replace_file(marker_in(directory_), std::string(text) + "\n"); !put) {
     report(Event::generation_not_saved, put.error());
   }
 }
 
-void Keeper::confirm_like(std::uint64_t generation, std::uint64_t earlier) {
+void StateStore::confirm_like(std::uint64_t generation, std::uint64_t earlier) {
   disk_.post_urgent([this, generation, earlier] {
     if (auto marked = generations_->confirm_like(generation, earlier); !marked) {
       report(Event::generation_not_saved, marked.error());
@@ -296,7 +297,7 @@ void Keeper::confirm_like(std::uint64_t generation, std::uint64_t earlier) {
   });
 }
 
-void Keeper::quarantine(Json cores) {
+void StateStore::quarantine(Json cores) {
   disk_.post_urgent([this, cores = std::move(cores)] {
     unsaved_cores_ = cores;
     static_cast<void>(save_cores());
@@ -305,7 +306,7 @@ void Keeper::quarantine(Json cores) {
 
 /// [disk] The list of quarantined cores. A list that the disk did not take is written again with
 /// the next change.
-bool Keeper::save_cores() {
+bool StateStore::save_cores() {
   if (!unsaved_cores_) {
     return true;
   }
@@ -320,7 +321,7 @@ bool Keeper::save_cores() {
   return true;
 }
 
-void Keeper::read_quarantine() {
+void StateStore::read_quarantine() {
   const auto file = quarantine_in(directory_);
   std::error_code ignored;
   if (!std::filesystem::exists(std::filesystem::symlink_status(file, ignored))) {
@@ -339,14 +340,14 @@ void Keeper::read_quarantine() {
   quarantined_ = std::move((*list)["cores"]);
 }
 
-void Keeper::flush() {
+void StateStore::flush() {
   std::promise<void> done;
   if (disk_.post([&done] { done.set_value(); })) {
     done.get_future().wait();
   }
 }
 
-bool Keeper::save(const Generation& about, const Value& architecture) {
+bool StateStore::save(const Generation& about, const Value& architecture) {
   if (about.number > newest_) {
     newest_ = about.number;
     newest_mark_ = about.mark;
@@ -360,7 +361,7 @@ bool Keeper::save(const Generation& about, const Value& architecture) {
 }
 
 /// Two files of this size at most: the present one, and the one before it.
-Status Keeper::rotate_audit() const {
+Status StateStore::rotate_audit() const {
   constexpr std::uintmax_t kLargest = 64 * 1024 * 1024;
   const auto file = audit_in(directory_);
   std::error_code failed;
@@ -373,7 +374,7 @@ Status Keeper::rotate_audit() const {
                 : ok();
 }
 
-void Keeper::write_lines(const std::string& lines) {
+void StateStore::write_lines(const std::string& lines) {
   auto written = rotate_audit();
   if (written) {
     written = append_lines(audit_in(directory_), lines);
@@ -384,7 +385,7 @@ void Keeper::write_lines(const std::string& lines) {
   audit_broken_ = !written;
 }
 
-void Keeper::report(Event event, const Error& error) {
+void StateStore::report(Event event, const Error& error) {
   log_.write(event, {{"text", to_string(error)}, {"file", error.at}});
 }
 

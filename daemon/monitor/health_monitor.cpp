@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "monitor/caretaker.h"
+#include "monitor/health_monitor.h"
 
 #include <unistd.h>
 
@@ -19,7 +19,7 @@
 #include "commands/recovery/unproven.h"
 #include "mauve/architecture.h"
 #include "monitor/supervisor.h"
-#include "state/keeper.h"
+#include "state/state_store.h"
 
 namespace mauve::daemon {
 
@@ -57,7 +57,7 @@ std::string cause_of(const Outcome& outcome) {
 
 }  // namespace
 
-void Caretaker::start(Running& running) {
+void HealthMonitor::start(Running& running) {
   running_ = &running;
   running.tell_outcomes = [this] { tell_outcomes(); };
   running.settle = [this](const Outcome& outcome) { settle(outcome); };
@@ -65,7 +65,7 @@ void Caretaker::start(Running& running) {
   thread_ = std::thread([this] { run(); });
 }
 
-void Caretaker::stop() {
+void HealthMonitor::stop() {
   {
     const MutexLock lock(mutex_);
     stopping_ = true;
@@ -74,7 +74,7 @@ void Caretaker::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-void Caretaker::run() {
+void HealthMonitor::run() {
   MutexLock lock(mutex_);
   while (!wake_.wait_for(lock, kEvery, [this]() MAUVE_REQUIRES(mutex_) { return stopping_; })) {
     running_->deadlines.look(*running_, std::chrono::steady_clock::now());
@@ -86,7 +86,7 @@ void Caretaker::run() {
 }
 
 /// [control]
-void Caretaker::look() {
+void HealthMonitor::look() {
   tell_of_factory();
   tell_of_holds();
   tell_outcomes();
@@ -102,7 +102,7 @@ void Caretaker::look() {
   looking_ = false;
 }
 
-void Caretaker::tell_outcomes() {
+void HealthMonitor::tell_outcomes() {
   auto free = std::make_shared<Retired>();
   const auto outcomes = running_->deployer.tend(*free);
   running_->generation = running_->deployer.generation();
@@ -118,13 +118,13 @@ void Caretaker::tell_outcomes() {
   }
 }
 
-void Caretaker::settle(const Outcome& outcome) {
+void HealthMonitor::settle(const Outcome& outcome) {
   running_->generation = running_->deployer.generation();
   tell(outcome);
   notice(*running_, outcome);
 }
 
-void Caretaker::tell_of_factory() {
+void HealthMonitor::tell_of_factory() {
   for (const auto& left : running_->control.look_after_factory()) {
     running_->log.write(Event::hook_left_behind,
                         {{"hook", left.hook.empty() ? std::string("user code") : left.hook}});
@@ -132,7 +132,7 @@ void Caretaker::tell_of_factory() {
 }
 
 /// A resource under the same name may be another one, which begins to count anew.
-void Caretaker::tell_of_holds() {
+void HealthMonitor::tell_of_holds() {
   for (const auto* resource : running_->architecture.resources()) {
     const auto& gate = resource->gate();
     const auto count = gate.over_hold();
@@ -152,7 +152,7 @@ void Caretaker::tell_of_holds() {
   }
 }
 
-void Caretaker::tell_of_scheduling() {
+void HealthMonitor::tell_of_scheduling() {
   for (const auto& one : running_->deployer.status()) {
     auto& told = restored_[one.name];
     if (one.restored < told) {
@@ -167,7 +167,7 @@ void Caretaker::tell_of_scheduling() {
   }
 }
 
-void Caretaker::tell(const Outcome& outcome) {
+void HealthMonitor::tell(const Outcome& outcome) {
   running_->counts.note(outcome);
   if (outcome.kind == Outcome::Kind::rolled_back) {
     running_->supervisor.take_back(outcome.changes);  // before the generation is saved
@@ -179,7 +179,7 @@ void Caretaker::tell(const Outcome& outcome) {
                                           {"cause", cause_of(outcome)},
                                           {"text", outcome.reason},
                                           {"changes", changes}});
-  if (running_->keeper != nullptr) {
+  if (running_->store != nullptr) {
     save(outcome, changes);
   }
   running_->way_back.forget(outcome.changes);
@@ -193,7 +193,7 @@ void Caretaker::tell(const Outcome& outcome) {
 }
 
 /// The differences that a rollback makes, in the lines of `plan`; empty of other outcomes.
-std::string Caretaker::changes_back(const Outcome& outcome) const {
+std::string HealthMonitor::changes_back(const Outcome& outcome) const {
   if (outcome.kind != Outcome::Kind::rolled_back) {
     return {};
   }
@@ -201,8 +201,8 @@ std::string Caretaker::changes_back(const Outcome& outcome) const {
 }
 
 /// A generation that the system made by itself is saved like others; nobody waits for it.
-void Caretaker::save(const Outcome& outcome, const std::string& changes) {
-  auto& keeper = *running_->keeper;
+void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
+  auto& store = *running_->store;
   const auto began = outcome.began;
   if (outcome.kind == Outcome::Kind::overtaken || outcome.kind == Outcome::Kind::gave_up) {
     return;  // the one proved nothing, the newer one will; the other made no generation
@@ -210,7 +210,7 @@ void Caretaker::save(const Outcome& outcome, const std::string& changes) {
   if (outcome.kind == Outcome::Kind::passed) {
     for (const auto generation : proofs_.passed(outcome)) {
       if (generation != running_->unproven.generation) {  // it holds new code without a probation
-        keeper.mark(generation, Mark::confirmed);
+        store.mark(generation, Mark::confirmed);
       }
     }
     return;
@@ -235,11 +235,11 @@ void Caretaker::save(const Outcome& outcome, const std::string& changes) {
   }
   const auto now = about.number;
   if (now == running_->deployer.generation()) {
-    keeper.keep(std::move(about), described(*running_), std::move(line), {});
+    store.keep(std::move(about), described(*running_), std::move(line), {});
   } else {
     // A newer change came before this look: the architecture that runs is that of the newer
     // generation, which its own answer saves, and nobody may take it for this one.
-    keeper.audit(line);
+    store.audit(line);
   }
   if (outcome.kind != Outcome::Kind::rolled_back) {
     relieved_ = now;
@@ -247,15 +247,15 @@ void Caretaker::save(const Outcome& outcome, const std::string& changes) {
   }
   proofs_.rolled_back(outcome);
   if (relieved_ < began && outcome.oldest_open == 0) {
-    keeper.confirm_like(now, began - 1);  // what nobody relieved is what it was before
+    store.confirm_like(now, began - 1);  // what nobody relieved is what it was before
   }
   for (const auto generation : outcome.changes) {
-    keeper.mark(generation, Mark::rolled_back);
+    store.mark(generation, Mark::rolled_back);
   }
 }
 
 /// A component that waits for a standby core that cannot be made stops waiting.
-bool Caretaker::refused_before(const Change& standby) {
+bool HealthMonitor::refused_before(const Change& standby) {
   const auto& component = standby.edits[0].component;
   if (const auto free = check_barred(*running_, standby); !free) {
     running_->deployer.refuse_standby(component, to_string(free.error()));
@@ -269,7 +269,7 @@ bool Caretaker::refused_before(const Change& standby) {
   return true;
 }
 
-void Caretaker::refuse_standby(const Change& standby, const Error& error, bool for_ever) {
+void HealthMonitor::refuse_standby(const Change& standby, const Error& error, bool for_ever) {
   constexpr auto kAll = std::numeric_limits<std::uint64_t>::max();
   const auto& component = standby.edits[0].component;
   refused_[component] = {for_ever ? kAll : running_->generation.load(),
@@ -279,7 +279,7 @@ void Caretaker::refuse_standby(const Change& standby, const Error& error, bool f
 }
 
 /// A change like any other, so that no two prepare at the same time.
-void Caretaker::make_standby_cores() {
+void HealthMonitor::make_standby_cores() {
   if (making_ || running_->control.busy()) {
     return;
   }

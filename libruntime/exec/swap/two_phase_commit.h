@@ -31,7 +31,7 @@ class Task;
 struct Member {
   Task* task = nullptr;
   std::unique_ptr<TaskUpdate> next;  ///< while no task owns it
-  TaskUpdate* update = nullptr;   ///< while a task owns it; freed once the task has left it
+  TaskUpdate* update = nullptr;      ///< while a task owns it; freed once the task has left it
   std::shared_ptr<const TaskUpdate::Answer> answer;  ///< of `update`; outlives it
   bool settled = false;   ///< its thread has answered, or the swap gave it up
   bool in_force = false;  ///< it runs with `next` now
@@ -66,7 +66,7 @@ struct SwapResult {
 inline constexpr unsigned kMaxAttempts = 5;
 
 /// A swap under way. [control]
-class Swap {
+class TwoPhaseCommit {
  public:
   enum class Kind : std::uint8_t {
     transaction,  ///< all members or none; taken back when nobody came in time
@@ -75,11 +75,11 @@ class Swap {
 
   /// Publishes and decides. `bound`: how long after the instant members may take to answer.
   /// `before`: rollbacks that can no longer be triggered once this is committed.
-  Swap(std::vector<Member> members, std::vector<ResourceMember> resources, Runner& runner,
-       Duration bound, Kind kind, std::vector<std::shared_ptr<Rollback>> before = {});
-  ~Swap();
-  Swap(const Swap&) = delete;
-  Swap& operator=(const Swap&) = delete;
+  TwoPhaseCommit(std::vector<Member> members, std::vector<ResourceMember> resources, Runner& runner,
+                 Duration bound, Kind kind, std::vector<std::shared_ptr<Rollback>> before = {});
+  ~TwoPhaseCommit();
+  TwoPhaseCommit(const TwoPhaseCommit&) = delete;
+  TwoPhaseCommit& operator=(const TwoPhaseCommit&) = delete;
 
   /// Settles the members that have answered; tries again after a missed instant; gives up when the
   /// time is over. Never waits. True when no member is left to wait for.
