@@ -44,7 +44,8 @@ Status Barrier::check(const PreparedChange::Content& content) {
   for (const PreparedBarrier::Heir& heir : content.barrier->heirs) {
     const std::string& name = heir.from->name();
     if (heir.from->shared_core() != heir.base.core ||
-        heir.from->shared_bindings() != heir.base.bindings) {
+        heir.from->shared_bindings() != heir.base.bindings ||
+        heir.from->gate().declared_hold() != heir.base_hold) {
       return refuse(Errc::conflict, name,
                     "was changed by somebody else while this change was prepared", "try again");
     }

@@ -5,6 +5,7 @@
 
 #include "exec/barrier.h"
 #include "exec/prepare.h"
+#include "exec/rewired.h"
 #include "model/succession.h"
 
 namespace mauve::exec {
@@ -17,20 +18,6 @@ bool leads_into(const Shell& shell, const Bindings& bindings, const Resources& r
     const auto& binding = bindings[port->index()];
     return binding != nullptr && resources.contains(&binding->service().resource());
   });
-}
-
-/// The resources that the change touches, and those that write on into them. What a resource writes
-/// on into after the change only, it is an edit of.
-Resources touched(const System& system, const PreparedChange::Content& content) {
-  Resources resources(content.leaving_resources.begin(), content.leaving_resources.end());
-  for (const PreparedResource& edited : content.resources) resources.insert(edited.resource);
-  for (std::size_t before = 0; before != resources.size();) {
-    before = resources.size();
-    for (const ResourceBase* one : system.architecture.resources()) {
-      if (leads_into(one->shell(), one->bindings(), resources)) resources.insert(one);
-    }
-  }
-  return resources;
 }
 
 bool is_member(const PreparedChange::Content& content, const ComponentBase& component) {
@@ -79,14 +66,17 @@ Status prepare_heir(System& system, const NewResource& joining, PreparedChange::
   const auto plan = plan_succession(*from, into, joining.state, content.probation.has_value());
   if (!plan) return plan.error();
   if (Status slow = prepare_hand_over(from->core(), into.core(), joining.state); !slow) return slow;
-  content.barrier->heirs.push_back(
-      {from, {from->shared_core(), from->shared_bindings()}, &into, joining.state});
+  content.barrier->heirs.push_back({from,
+                                    {from->shared_core(), from->shared_bindings()},
+                                    from->gate().declared_hold(),
+                                    &into,
+                                    joining.state});
   return ok();
 }
 
 std::vector<ComponentBase*> bystanders_of(const System& system,
                                           const PreparedChange::Content& content) {
-  const Resources resources = touched(system, content);
+  const Resources resources = resources_touched(system.architecture, content);
   std::vector<ComponentBase*> bystanders;
   for (ComponentBase* component : system.architecture.components()) {
     if (is_member(content, *component)) continue;

@@ -66,6 +66,7 @@ struct PreparedBarrier {
   struct Heir {
     ResourceBase* from = nullptr;
     ResourceParts base;  ///< of `from`: what it was prepared against
+    Duration base_hold{0};
     ResourceBase* into = nullptr;
     StatePolicy state = StatePolicy::keep;
   };
@@ -95,6 +96,8 @@ class PreparedChange::Content {
   std::vector<exec::PreparedResource> resources;
   /// Of the model that it was prepared against, see System::revision; none: it has no preparation.
   std::optional<std::uint64_t> revision;
+  /// The elements that it changes stay alive with it: a rollback may take them out meanwhile.
+  std::vector<std::shared_ptr<void>> alive;
   std::string what;               ///< in the words of the wire
   std::vector<std::string> sets;  ///< addresses of properties that it sets
   std::optional<Probation> probation;
