@@ -197,6 +197,12 @@ Result<PreparedChange> prepare_locked(System& system, const Change& change, Chan
                                       Preparation& preparation, bool configure) {
   const ModelLock::Hold hold(system.model);
   if (!hold) return refuse(Errc::timed_out, "deployer", "the change was given up before it began");
+  if (change.made_from && *change.made_from != system.generation) {
+    return refuse(Errc::conflict, system.architecture.name(),
+                  "changed, for example by a rollback, after this change was made from what was in "
+                  "force before",
+                  "try again; `logs` and `history` tell what came between");
+  }
   if (Status sound = check_names(system, change); !sound) return sound.error();
   if (Status made = put_as_heirs(system.architecture, whole); !made) return made.error();
   return preparation.run(configure);

@@ -89,6 +89,8 @@ namespace mauve {
 /// Freed from the last member to the first: connections go before the resources they lead to.
 class PreparedChange::Content {
  public:
+  /// The elements that it changes stay alive with it: a rollback may take them out meanwhile.
+  std::vector<std::shared_ptr<void>> alive;
   std::vector<std::shared_ptr<ResourceBase>> new_resources;
   std::vector<ResourceBase*> leaving_resources;
   std::vector<std::shared_ptr<ResourceBase>> left_resources;
@@ -96,8 +98,6 @@ class PreparedChange::Content {
   std::vector<exec::PreparedResource> resources;
   /// Of the model that it was prepared against, see System::revision; none: it has no preparation.
   std::optional<std::uint64_t> revision;
-  /// The elements that it changes stay alive with it: a rollback may take them out meanwhile.
-  std::vector<std::shared_ptr<void>> alive;
   std::string what;               ///< in the words of the wire
   std::vector<std::string> sets;  ///< addresses of properties that it sets
   std::optional<Probation> probation;

@@ -326,6 +326,23 @@ TEST_F(Overtaken, ASoundChangeIsCommittedAllTheSame) {
   EXPECT_TRUE(deployer.commit(*prepared, free));
 }
 
+TEST_F(Overtaken, AChangeThatWasMadeFromWhatARollbackEndedIsNotPrepared) {
+  Change anew{{}};
+  anew.edits.emplace_back().component = "adder";
+  anew.edits.back().resource = architecture.adder.type();
+  anew.made_from = deployer.generation();
+  EXPECT_TRUE(deployer.prepare(anew));
+  ASSERT_TRUE(deployer.undo());
+  deployer.run_for(50ms);
+  Retired free;
+  ASSERT_EQ(deployer.tend(free).size(), 1u);
+
+  const auto prepared = deployer.prepare(anew);
+
+  ASSERT_FALSE(prepared);
+  EXPECT_EQ(prepared.error().code, Errc::conflict);
+}
+
 /// `far` reaches the adder through the relay only. Were it led back during the barrier, it would
 /// call the adder while that hands its state over.
 TEST_F(Renew, EndsTheProbationOfAChangeWhoseRollbackWouldReachTheResourceThroughAnother) {
