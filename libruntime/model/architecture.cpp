@@ -31,6 +31,14 @@ std::shared_ptr<Base> take(std::vector<Base*>& all, std::vector<std::shared_ptr<
   return owner;
 }
 
+template <typename Base>
+std::shared_ptr<void> owner_in(const std::vector<std::shared_ptr<Base>>& owned,
+                               const Base& element) {
+  const auto found = std::find_if(owned.begin(), owned.end(),
+                                  [&](const auto& one) { return one.get() == &element; });
+  return found == owned.end() ? nullptr : *found;
+}
+
 }  // namespace
 
 Architecture::~Architecture() {
@@ -86,6 +94,14 @@ std::shared_ptr<ComponentBase> Architecture::take_out(ComponentBase& component) 
 
 std::shared_ptr<ResourceBase> Architecture::take_out(ResourceBase& resource) {
   return take(resources_, owned_resources_, resource);
+}
+
+std::shared_ptr<void> Architecture::owner_of(const ComponentBase& component) const {
+  return owner_in(owned_components_, component);
+}
+
+std::shared_ptr<void> Architecture::owner_of(const ResourceBase& resource) const {
+  return owner_in(owned_resources_, resource);
 }
 
 Status Architecture::configure() {

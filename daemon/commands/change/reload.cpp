@@ -381,6 +381,7 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
           [&running, call, reload, policy = *policy, probation = *probation,
            ticket = std::move(ticket)] {
             reload->change = members_of(running, reload->name, policy);
+            reload->change.made_from = running.deployer.generation();
             if (!reload->change.edits.empty()) {
               reload->change.probation = probation;
             }

@@ -49,7 +49,8 @@ Status Barrier::check(const PreparedChange::Content& content) {
   for (const PreparedBarrier::Replacement& replacement : content.barrier->replacements) {
     const std::string& name = replacement.from->name();
     if (replacement.from->shared_core() != replacement.base.core ||
-        replacement.from->shared_bindings() != replacement.base.bindings) {
+        replacement.from->shared_bindings() != replacement.base.bindings ||
+        replacement.from->gate().declared_hold() != replacement.base_hold) {
       return refuse(Errc::conflict, name,
                     "was changed by somebody else while this change was prepared", "try again");
     }

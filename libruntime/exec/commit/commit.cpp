@@ -13,6 +13,7 @@
 #include "exec/system/make_update.h"
 #include "exec/system/tell_control.h"
 
+#include <mauve/architecture.h>
 #include <mauve/job.h>
 #include <mauve/receipt.h>
 #include <mauve/resource.h>
@@ -35,8 +36,9 @@ Status check_member(const PreparedMember& member, const Deployed& deployed) {
 
 Status check_resource(const PreparedResource& change) {
   const ResourceBase& resource = *change.resource;
+  const bool same_hold = !change.hold || resource.gate().declared_hold() == change.base_hold;
   if (resource.shared_core() == change.base.core &&
-      resource.shared_bindings() == change.base.bindings) {
+      resource.shared_bindings() == change.base.bindings && same_hold) {
     return ok();
   }
   return refuse(Errc::conflict, resource.name(),
@@ -52,18 +54,25 @@ bool leaves_newest_in_place(System& system, const Commit& next) {
   return ++system.looks_at_newest <= kLooks;
 }
 
+Status check_is_there(const Architecture& architecture, const ResourceBase* resource) {
+  const auto& there = architecture.resources();
+  if (std::find(there.begin(), there.end(), resource) != there.end()) return ok();
+  return refuse(Errc::conflict, resource->name(), "has left while this change was prepared",
+                "look at `status`");
+}
+
 /// A change that was prepared against an older revision of the model still fits to it.
 Status check_fit_again(System& system, const PreparedChange::Content& content) {
   Status sound = check_fit(system.architecture, content);
-  if (sound) {
+  if (sound && system.options.admission == Admission::strict) {
     if (auto admitted = admit_change(system, content); !admitted) sound = admitted.error();
   }
   if (sound) return ok();
   return refuse(Errc::conflict, sound.error().at,
                 sound.error().message +
-                    "; the architecture changed by itself while this change was prepared, for "
-                    "example by a rollback",
-                "look at `status`, then try again");
+                    "; the architecture changed while this change was prepared, for example by a "
+                    "rollback",
+                "try again; `logs` and `history` tell what came between");
 }
 
 }  // namespace
@@ -131,7 +140,12 @@ Status Commit::check(TwoPhaseCommit::Kind kind) {
     }
     if (Status current = check_member(member, *deployed_.back()); !current) return current;
   }
+  for (const ResourceBase* leaving : content_->leaving_resources) {
+    if (Status there = check_is_there(system_.architecture, leaving); !there) return there;
+  }
   for (const PreparedResource& resource : content_->resources) {
+    Status there = check_is_there(system_.architecture, resource.resource);
+    if (!there) return there;
     if (Status current = check_resource(resource); !current) return current;
   }
   const bool outdated = content_->revision && *content_->revision != system_.revision;

@@ -25,15 +25,14 @@ Status configure_pair(const Bundle& bundle) {
 }
 
 /// A step that leaves everything as it is but for the mode, and makes no generation.
-std::shared_ptr<Ongoing> begin_mode(exec::System& system, ComponentBase& component, Mode mode,
-                                    bool count_gap, bool ends_probation = false) {
+std::shared_ptr<Ongoing> begin_mode(exec::System& system, exec::PreparedMember member,
+                                    bool ends_probation = false) {
   auto content = std::make_unique<PreparedChange::Content>();
-  content->members.push_back(exec::member_of(component, mode));
-  content->members.front().count_gap = count_gap;
+  const char* const method = member.mode == Mode::park ? "component.stop" : "component.start";
+  content->what = exec::what_of(method, {member.component->name()});
   content->in_place = ends_probation;
   content->step = true;
-  content->what =
-      exec::what_of(mode == Mode::park ? "component.stop" : "component.start", {component.name()});
+  content->members.push_back(std::move(member));
   PreparedChange change(std::move(content));
   return exec::begin_commit(system, change);
 }
@@ -75,12 +74,13 @@ std::shared_ptr<Ongoing> Deployer::begin_in_place_park(PreparedChange& change) {
   const ComponentState state = status(member.component->name()).state;
   const bool runs = state == ComponentState::running || state == ComponentState::recovering;
   member.resume = runs || (member.restores && state == ComponentState::faulted);
-  const Mode mode = runs ? Mode::park : Mode::keep;
+  exec::PreparedMember step = exec::member_of(*member.component, runs ? Mode::park : Mode::keep);
+  step.base = step.next = member.base;  // else a rollback came between: nothing is parked
   // The core that runs is cleaned up: nothing may roll back meanwhile.
   for (auto& note : exec::notes_of(*system_, change.content())) {
     change.content().warnings.push_back(std::move(note));
   }
-  return begin_mode(*system_, *member.component, mode, false, true);
+  return begin_mode(*system_, std::move(step), true);
 }
 
 Status Deployer::in_place_exchange(PreparedChange& change) {
@@ -107,7 +107,9 @@ Result<std::shared_ptr<Ongoing>> Deployer::begin_in_place_resume(PreparedChange&
   if (!exchanged) {
     const bool old_is_usable = member.base->core->configured();
     if (!old_is_usable) return exchanged.error();
-    return begin_mode(*system_, *member.component, mode, member.resume);
+    exec::PreparedMember step = exec::member_of(*member.component, mode);
+    step.count_gap = member.resume;
+    return begin_mode(*system_, std::move(step));
   }
   member.mode = mode;
   member.count_gap = member.resume;

@@ -101,6 +101,7 @@ class Preparation {
     content_->fallbacks = change_.fallbacks;
     if (Status done = make_standby_cores(configure); !done) return done.error();
     if (content_->barrier) content_->barrier->waits = waits_of(system_, *content_);
+    keep_alive();
     return PreparedChange(std::move(content_));
   }
 
@@ -173,6 +174,20 @@ class Preparation {
     return ok();
   }
 
+  void keep_alive() {
+    const Architecture& architecture = system_.architecture;
+    for (const PreparedMember& member : content_->members) {
+      if (member.part == Part::joins) continue;
+      content_->alive.push_back(architecture.owner_of(*member.component));
+    }
+    for (const PreparedResource& one : content_->resources) {
+      content_->alive.push_back(architecture.owner_of(*one.resource));
+    }
+    for (const ResourceBase* leaving : content_->leaving_resources) {
+      content_->alive.push_back(architecture.owner_of(*leaving));
+    }
+  }
+
   void warn_of_new(const std::vector<Wiring::Note>& notes) {
     const std::vector<Wiring::Note> known = Wiring(system_.architecture).notes();
     for (const Wiring::Note& note : notes) {
@@ -191,6 +206,12 @@ Result<PreparedChange> prepare_locked(System& system, const Change& change, Chan
                                       Preparation& preparation, bool configure) {
   const ModelLock::Hold hold(system.model);
   if (!hold) return refuse(Errc::timed_out, "deployer", "the change was given up before it began");
+  if (change.made_from && *change.made_from != system.generation) {
+    return refuse(Errc::conflict, system.architecture.name(),
+                  "changed, for example by a rollback, after this change was made from what was in "
+                  "force before",
+                  "try again; `logs` and `history` tell what came between");
+  }
   if (Status sound = check_names(system, change); !sound) return sound.error();
   if (Status made = put_as_replacements(system.architecture, whole); !made) return made.error();
   return preparation.run(configure);

@@ -20,8 +20,11 @@ Status prepare_replacement(System& system, const NewResource& joining,
   const auto plan = plan_transfer(*from, into, joining.state, content.probation.has_value());
   if (!plan) return plan.error();
   if (Status slow = prepare_hand_over(from->core(), into.core(), joining.state); !slow) return slow;
-  content.barrier->replacements.push_back(
-      {from, {from->shared_core(), from->shared_bindings()}, &into, joining.state});
+  content.barrier->replacements.push_back({from,
+                                           {from->shared_core(), from->shared_bindings()},
+                                           from->gate().declared_hold(),
+                                           &into,
+                                           joining.state});
   return ok();
 }
 

@@ -131,8 +131,10 @@ bool concerns(const System& system, const Content& change, const Content& before
   if (has_resources(change) && has_resources(before)) return true;
   Resources joined;
   for (const auto& resource : before.new_resources) joined.insert(resource.get());
-  const Resources leaving(change.leaving_resources.begin(), change.leaving_resources.end());
-  if (any_leads_into(change, joined) || any_leads_into(before, leaving)) return true;
+  Resources reached(change.leaving_resources.begin(), change.leaving_resources.end());
+  if (change.barrier)
+    reached = resources_touched(system.architecture, change);  // its users wait meanwhile
+  if (any_leads_into(change, joined) || any_leads_into(before, reached)) return true;
   return clash(system.architecture, change, before);
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/mutex.h"
+#include "exec/swap/rewired.h"
 #include "exec/system/system.h"
 
 #include <mauve/architecture.h>
@@ -30,20 +31,6 @@ bool leads_into(const Shell& shell, const Bindings& bindings, const Resources& r
   });
 }
 
-/// The resources that the change touches, and those that write on into them. What a resource writes
-/// on into after the change only, it is an edit of.
-Resources touched(const System& system, const PreparedChange::Content& content) {
-  Resources resources(content.leaving_resources.begin(), content.leaving_resources.end());
-  for (const PreparedResource& edited : content.resources) resources.insert(edited.resource);
-  for (std::size_t before = 0; before != resources.size();) {
-    before = resources.size();
-    for (const ResourceBase* one : system.architecture.resources()) {
-      if (leads_into(one->shell(), one->bindings(), resources)) resources.insert(one);
-    }
-  }
-  return resources;
-}
-
 bool is_member(const PreparedChange::Content& content, const ComponentBase& component) {
   return std::any_of(content.members.begin(), content.members.end(),
                      [&](const PreparedMember& one) { return one.component == &component; });
@@ -58,7 +45,7 @@ Duration longest_job(const Deployed& deployed) {
 
 std::vector<ComponentBase*> bystanders_of(const System& system,
                                           const PreparedChange::Content& content) {
-  const Resources resources = touched(system, content);
+  const Resources resources = resources_touched(system.architecture, content);
   std::vector<ComponentBase*> bystanders;
   for (ComponentBase* component : system.architecture.components()) {
     if (is_member(content, *component)) continue;

@@ -121,16 +121,20 @@ class Reachable {
   }
 
   /// Does each connection of these ports lead to a service that is there after the change?
-  Status check(const std::string& owner, const Shell& shell, const Bindings& bindings) const {
+  /// `before`: connections that the change does not make, which may lead out of the architecture.
+  Status check(const std::string& owner, const Shell& shell, const Bindings& bindings,
+               const Bindings& before) const {
     for (const PortBase* port : shell.ports()) {
       const auto& binding = bindings[port->index()];
       if (binding == nullptr || there_.contains(&binding->service())) continue;
+      const bool leaves = leaving_.contains(&binding->service());
+      if (!leaves && std::find(before.begin(), before.end(), binding) != before.end()) continue;
       const std::string address = owner + ".ports." + std::string(port->name());
-      if (leaving_.contains(&binding->service())) {
-        return refuse(
-            Errc::wrong_state, address,
-            "is connected to " + binding->service().address() + ", which is to be removed",
-            "disconnect it, or connect it elsewhere, in the same change");
+      if (leaves) {
+        return refuse(Errc::wrong_state, address,
+                      "is connected to " + binding->service().address() +
+                          ", which is to be removed or made anew",
+                      "disconnect it, or connect it elsewhere, in the same change");
       }
       return refuse(Errc::wrong_state, address, "would be connected to a service that is gone",
                     "look at `graph`, then connect it to one that is there");
@@ -148,13 +152,16 @@ Status check_connections(const Architecture& architecture, const Content& conten
   for (const ComponentBase* component : architecture.components()) {
     if (prepared_of(content, *component) != nullptr) continue;
     const auto bundle = component->bundle();
-    Status sound = services.check(component->name(), *bundle->shell, *bundle->bindings);
+    const Bindings& own = *bundle->bindings;
+    Status sound = services.check(component->name(), *bundle->shell, own, own);
     if (!sound) return sound;
   }
   for (const PreparedMember& member : content.members) {
     if (member.part == Part::leaves) continue;
     const Bundle& next = *member.next;
-    Status sound = services.check(member.component->name(), *next.shell, *next.bindings);
+    static const Bindings kNone;
+    const Bindings& before = member.base == nullptr ? kNone : *member.base->bindings;
+    Status sound = services.check(member.component->name(), *next.shell, *next.bindings, before);
     if (!sound) return sound;
   }
   std::vector<const ResourceBase*> resources(architecture.resources().begin(),
@@ -162,8 +169,8 @@ Status check_connections(const Architecture& architecture, const Content& conten
   for (const auto& joining : content.new_resources) resources.push_back(joining.get());
   for (const ResourceBase* resource : resources) {
     if (leaves(content, resource)) continue;
-    Status sound =
-        services.check(resource->name(), resource->shell(), bindings_after(content, *resource));
+    Status sound = services.check(resource->name(), resource->shell(),
+                                  bindings_after(content, *resource), resource->bindings());
     if (!sound) return sound;
   }
   return ok();
@@ -194,6 +201,25 @@ bool clash(const Architecture& architecture, const Content& change, const Conten
   go_back(wiring, before);
   go_forth(wiring, change);
   return !wiring.check();
+}
+
+/// What a resource writes on into after the change only, it is an edit of.
+std::set<const ResourceBase*> resources_touched(const Architecture& architecture,
+                                                const Content& change) {
+  std::set<const ResourceBase*> resources(change.leaving_resources.begin(),
+                                          change.leaving_resources.end());
+  for (const PreparedResource& edited : change.resources) resources.insert(edited.resource);
+  const auto leads_there = [&](const auto& binding) {
+    return binding != nullptr && resources.contains(&binding->service().resource());
+  };
+  for (std::size_t before = 0; before != resources.size();) {
+    before = resources.size();
+    for (const ResourceBase* one : architecture.resources()) {
+      const Bindings& bindings = one->bindings();
+      if (std::any_of(bindings.begin(), bindings.end(), leads_there)) resources.insert(one);
+    }
+  }
+  return resources;
 }
 
 Status check_fit(const Architecture& architecture, const Content& content) {

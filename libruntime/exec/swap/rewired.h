@@ -2,6 +2,8 @@
 /// The architecture as a change, or its rollback, would leave it.
 #pragma once
 
+#include <set>
+
 #include "exec/system/prepared.h"
 #include "model/wiring.h"
 
@@ -20,5 +22,10 @@ namespace mauve::exec {
 /// the preparation. The commit repeats it when the architecture changed meanwhile by itself, for
 /// example by a rollback. [control], or [factory] with the model locked
 Status check_fit(const Architecture& architecture, const PreparedChange::Content& change);
+
+/// The resources that the change touches, and those that write on into them. [control], or
+/// [factory] with the model locked
+[[nodiscard]] std::set<const ResourceBase*> resources_touched(
+    const Architecture& architecture, const PreparedChange::Content& change);
 
 }  // namespace mauve::exec

@@ -68,6 +68,7 @@ struct PreparedBarrier {
   struct Replacement {
     ResourceBase* from = nullptr;
     ResourceParts base;  ///< of `from`: what it was prepared against
+    Duration base_hold{0};
     ResourceBase* into = nullptr;
     StatePolicy state = StatePolicy::keep;
   };
@@ -93,6 +94,8 @@ namespace mauve {
 /// Freed from the last member to the first: connections go before the resources they lead to.
 class PreparedChange::Content {
  public:
+  /// The elements that it changes stay alive with it: a rollback may take them out meanwhile.
+  std::vector<std::shared_ptr<void>> alive;
   std::vector<std::shared_ptr<ResourceBase>> new_resources;
   std::vector<ResourceBase*> leaving_resources;
   std::vector<std::shared_ptr<ResourceBase>> left_resources;

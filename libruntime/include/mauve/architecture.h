@@ -50,6 +50,10 @@ class Architecture {
   /// Takes an element out: what owned it, or null for a member of a derived class.
   std::shared_ptr<ComponentBase> take_out(ComponentBase& component);
   std::shared_ptr<ResourceBase> take_out(ResourceBase& resource);
+  /// Runtime only: keeps the element alive as long as it is held; null: the element is a member of
+  /// a derived architecture, which outlives it.
+  [[nodiscard]] std::shared_ptr<void> owner_of(const ComponentBase& component) const;
+  [[nodiscard]] std::shared_ptr<void> owner_of(const ResourceBase& resource) const;
 
   /// Runs on_configure(), checks the wiring, then configures resources and components in their
   /// order; a failure undoes all and says where.

@@ -96,6 +96,20 @@ TEST_F(Joining, ANameIsRefusedThatARollbackGaveBackBeforeTheCommit) {
   EXPECT_EQ(deployer.status("right").state, ComponentState::running);
 }
 
+TEST_F(Joining, ASwapInPlaceParksNothingWhenARollbackCameBetween) {
+  apply({to<ramp::Down>("left")});
+  auto next = deployer.prepare_in_place(to<ramp::Up>("left"));
+  ASSERT_TRUE(next) << to_string(next.error());
+  ASSERT_TRUE(deployer.undo());
+  ASSERT_EQ(tell_after(50ms).size(), 1u);
+
+  const Result<Receipt> parked = deployer.wait(*deployer.begin_in_place_park(*next));
+
+  ASSERT_FALSE(parked);
+  EXPECT_EQ(parked.error().code, Errc::conflict);
+  EXPECT_EQ(deployer.status("left").state, ComponentState::running);
+}
+
 TEST_F(Joining, AChangeOfAnotherComponentLeavesAProbationAsItIs) {
   apply({to<Failing>("left")});
   const Receipt elsewhere = apply({to<ramp::Down>("right")});

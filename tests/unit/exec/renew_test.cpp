@@ -249,29 +249,118 @@ TEST_F(Renew, IsRefusedWhenARollbackConnectsTheResourceItselfElsewhere) {
   EXPECT_EQ(done.error().at, "relay");
 }
 
-TEST_F(Renew, AConnectionIsRefusedWhenARollbackTookItsServiceAway) {
-  Change joins;
-  joins.new_resources.push_back(
-      {std::make_shared<ResourceBase>("extra", architecture.adder.type()), {}});
-  joins.probation.emplace();
-  ASSERT_TRUE(deployer.apply(joins));
+/// Prepares a change while `extra` is on probation, and commits it after `extra` has left again.
+class Overtaken : public Renew {
+ protected:
+  void SetUp() override {
+    Renew::SetUp();
+    Change joins;
+    joins.new_resources.push_back(
+        {std::make_shared<ResourceBase>("extra", architecture.adder.type()), {}});
+    joins.probation.emplace();
+    ASSERT_TRUE(deployer.apply(joins));
+  }
+  /// Nothing of the resource that left is in the architecture, or used.
+  void expect_conflict(const Change& change, const std::string& at) {
+    auto prepared = deployer.prepare(change);
+    ASSERT_TRUE(prepared) << to_string(prepared.error());
+    ASSERT_TRUE(deployer.undo());
+    deployer.run_for(50ms);
+    Retired free;
+    ASSERT_EQ(deployer.tend(free).size(), 1u);
+    static_cast<void>(free.release());
+
+    const Result<Receipt> done = deployer.commit(*prepared, free);
+
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error().code, Errc::conflict);
+    EXPECT_EQ(done.error().at, at);
+    EXPECT_EQ(architecture.find_resource("extra"), nullptr);
+    const std::int64_t calls = core().calls;
+    deployer.run_for(100ms);
+    EXPECT_EQ(core().calls - calls, 15) << "all go on as before";
+  }
+  static Edit set_extra(const char* property) {
+    Edit edit;
+    edit.component = "extra";
+    edit.properties.emplace_back(property, 2);
+    return edit;
+  }
+};
+
+TEST_F(Overtaken, AConnectionIsRefusedWhoseServiceARollbackTookAway) {
   Edit edit;
   edit.component = "near";
   edit.disconnect = {"out"};
   edit.connect = {{"out", "extra.add"}};
-  auto there = deployer.prepare({{edit}});
-  ASSERT_TRUE(there) << to_string(there.error());
+
+  expect_conflict({{edit}}, "near.ports.out");
+}
+
+TEST_F(Overtaken, AResourceIsNotChangedThatARollbackTookAway) {
+  expect_conflict({{set_extra("core.factor")}}, "extra");
+}
+
+TEST_F(Overtaken, AResourceIsNotMadeAnewThatARollbackTookAway) {
+  expect_conflict({{set_extra("shell.step")}}, "extra");
+}
+
+TEST_F(Overtaken, AResourceIsNotRemovedThatARollbackTookAway) {
+  Change leaves;
+  leaves.remove = {"extra"};
+
+  expect_conflict(leaves, "extra");
+}
+
+TEST_F(Overtaken, ASoundChangeIsCommittedAllTheSame) {
+  Edit edit;
+  edit.component = "far";
+  edit.disconnect = {"out"};
+  auto prepared = deployer.prepare({{edit}});
+  ASSERT_TRUE(prepared) << to_string(prepared.error());
   ASSERT_TRUE(deployer.undo());
   deployer.run_for(50ms);
   Retired free;
   ASSERT_EQ(deployer.tend(free).size(), 1u);
-  static_cast<void>(free.release());
 
-  const Result<Receipt> done = deployer.commit(*there, free);
+  EXPECT_TRUE(deployer.commit(*prepared, free));
+}
 
-  ASSERT_FALSE(done);
-  EXPECT_EQ(done.error().code, Errc::conflict);
-  EXPECT_EQ(done.error().at, "near.ports.out");
+TEST_F(Overtaken, AChangeThatWasMadeFromWhatARollbackEndedIsNotPrepared) {
+  Change anew{{}};
+  anew.edits.emplace_back().component = "adder";
+  anew.edits.back().resource = architecture.adder.type();
+  anew.made_from = deployer.generation();
+  EXPECT_TRUE(deployer.prepare(anew));
+  ASSERT_TRUE(deployer.undo());
+  deployer.run_for(50ms);
+  Retired free;
+  ASSERT_EQ(deployer.tend(free).size(), 1u);
+
+  const auto prepared = deployer.prepare(anew);
+
+  ASSERT_FALSE(prepared);
+  EXPECT_EQ(prepared.error().code, Errc::conflict);
+}
+
+/// `far` reaches the adder through the relay only. Were it led back during the barrier, it would
+/// call the adder while that hands its state over.
+TEST_F(Renew, EndsTheProbationOfAChangeWhoseRollbackWouldReachTheResourceThroughAnother) {
+  Edit apart;
+  apart.component = "far";
+  apart.disconnect = {"out"};
+  Change change{{apart}};
+  change.probation.emplace();
+  ASSERT_TRUE(deployer.apply(change));
+
+  const Result<Receipt> done = deployer.set("adder.shell.step", 3);
+
+  ASSERT_TRUE(done) << to_string(done.error());
+  ASSERT_EQ(done->notes.size(), 1u);
+  EXPECT_NE(done->notes[0].find("ends early"), std::string::npos) << done->notes[0];
+  Retired free;
+  static_cast<void>(deployer.tend(free));
+  EXPECT_FALSE(deployer.undo()) << "nothing leads back";
 }
 
 TEST_F(Renew, IsRefusedWhereAStateWouldVanishOrNoPropertyIs) {

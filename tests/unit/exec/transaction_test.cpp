@@ -163,7 +163,8 @@ TEST_F(Transactions, RefuseToRemoveAResourceThatIsInUse) {
 
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().at, "control.ports.out");
-  EXPECT_EQ(refused.error().message, "is connected to position.write, which is to be removed");
+  EXPECT_EQ(refused.error().message,
+            "is connected to position.write, which is to be removed or made anew");
   EXPECT_EQ(deployer.generation(), 1u);
   EXPECT_NE(architecture.find_resource("position"), nullptr);
 }

@@ -47,7 +47,7 @@ TEST(Seal, WaitsUntilNoOtherPartOfTheKernelHoldsAPage) {
   });
 
   EXPECT_TRUE(sealed) << to_string(sealed.error());
-  EXPECT_EQ(retries, 2);
+  EXPECT_GE(retries, 2);
   EXPECT_LT(write(held.file(), "b", 1), 0) << "the file is constant";
 }
 
