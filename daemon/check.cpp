@@ -10,8 +10,9 @@
 #include "arch/check_rules.h"
 #include "arch/load.h"
 #include "daemon.h"
-#include "exec/admission.h"
+#include "exec/admission/admission.h"
 #include "log/json_text.h"
+#include "mauve/architecture.h"
 #include "model/wiring.h"
 
 namespace mauve::daemon {

@@ -12,13 +12,14 @@
 #include "arch/load.h"
 #include "commands/audit.h"
 #include "commands/model.h"
-#include "commands/quarantine.h"
-#include "commands/unproven.h"
-#include "happenings.h"
-#include "heartbeat.h"
+#include "commands/recovery/quarantine.h"
+#include "commands/recovery/unproven.h"
+#include "mauve/architecture.h"
 #include "mauve/version.h"
+#include "monitor/happenings.h"
+#include "monitor/heartbeat.h"
 #include "notify.h"
-#include "rt/last_words.h"
+#include "rt/crash_handler.h"
 #include "start_warnings.h"
 
 namespace mauve::daemon {
@@ -76,8 +77,8 @@ int Daemon::run() {
   const auto signal = guard.finish();
   if (!started) {
     report_refusal(started.error());
-    if (keeper_) {
-      keeper_->refused();
+    if (store_) {
+      store_->refused();
     }
     return 1;
   }
@@ -111,7 +112,7 @@ Status Daemon::start() {
     return endpoint.error();
   }
   endpoint_.emplace(std::move(*endpoint));
-  if (auto opened = open_keeper(); !opened) {
+  if (auto opened = open_store(); !opened) {
     return opened;
   }
   if (auto begun = guardian_.start(options_); !begun) {
@@ -123,26 +124,26 @@ Status Daemon::start() {
   return deploy();
 }
 
-Status Daemon::open_keeper() {
+Status Daemon::open_store() {
   if (options_.state_dir.empty()) {
     return ok();
   }
-  auto keeper = Keeper::open(options_.state_dir, log_);
-  if (!keeper) {
-    return keeper.error();
+  auto store = StateStore::open(options_.state_dir, log_);
+  if (!store) {
+    return store.error();
   }
-  keeper_ = std::move(*keeper);
+  store_ = std::move(*store);
   return ok();
 }
 
 Status Daemon::load() {
-  auto origin = what_to_start(options_, keeper_.get(), log_);
+  auto origin = what_to_start(options_, store_.get(), log_);
   if (!origin) {
     return origin.error();
   }
   origin_ = *std::move(origin);
-  if (keeper_) {
-    keeper_->try_generation(origin_.generation);
+  if (store_) {
+    store_->try_generation(origin_.generation);
   }
   if (auto entered = enter_folder(); !entered) {
     return entered;
@@ -183,7 +184,7 @@ Status Daemon::enter_folder() {
 Status Daemon::deploy() {
   DeployOptions how{options_.realtime, false, options_.admission, options_.machine};
   // Their numbers go on from those of earlier runs.
-  how.first_generation = keeper_ ? keeper_->generations().newest() + 1 : 1;
+  how.first_generation = store_ ? store_->generations().newest() + 1 : 1;
   deployer_ = std::make_unique<Deployer>(*architecture_, how);
   if (auto deployed = deployer_->deploy(); !deployed) {
     return deployed;
@@ -226,7 +227,7 @@ Status Daemon::serve() {
   judge_.start(judge_command(options_), options_.prepare_within);
   trials_.start(judge_command(options_), options_.prepare_within);
   watches_.start(*running_);
-  caretaker_.start(*running_);
+  health_monitor_.start(*running_);
   if (auto opened = server_->open(std::move(*endpoint_)); !opened) {
     return opened;
   }
@@ -240,10 +241,10 @@ Status Daemon::serve() {
 /// Before the first client.
 void Daemon::keep_the_first() {
   running_->generation = deployer_->generation();
-  if (!keeper_) {
+  if (!store_) {
     return;
   }
-  running_->keeper = keeper_.get();
+  running_->store = store_.get();
   restore_quarantine(*running_);
   Generation first;
   first.number = running_->generation;
@@ -255,7 +256,7 @@ void Daemon::keep_the_first() {
   first.crashes = origin_.crashes;
   first.reason =
       origin_.generation == 0 ? origin_.file : "generation " + std::to_string(origin_.generation);
-  keeper_->begin(first, described(*running_));
+  store_->begin(first, described(*running_));
   begin_start(*running_, origin_.replaces, origin_.crashes);
   running_->recovered = origin_.generation;
 }
@@ -314,7 +315,7 @@ int Daemon::shut_down(const std::string& cause) {
   log_.write(Event::daemon_stopping, {{"cause", cause}});
   const Reaper reaper(signals_, kWholeEndMayTake,
                       [this](const std::string& why) { leave_by_force(why); });
-  caretaker_.stop();
+  health_monitor_.stop();
   const auto left_behind = stop_components();
   stopper_.stop();
   for (const auto& name : left_behind) {
@@ -332,8 +333,8 @@ int Daemon::shut_down(const std::string& cause) {
   control_.stop();
   watches_.stop();
   tell_counted_refusals(*running_, std::chrono::steady_clock::time_point::max());
-  if (keeper_) {
-    keeper_->end();
+  if (store_) {
+    store_->end();
   }
   log_.flush();
   log_.set_source({});

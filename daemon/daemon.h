@@ -8,21 +8,21 @@
 #include <string>
 #include <vector>
 
-#include "caretaker.h"
+#include "changes/stopper.h"
 #include "commands/command.h"
 #include "commands/table.h"
-#include "deciding_paths.h"
-#include "guardian.h"
 #include "judge/judge.h"
-#include "keeper.h"
+#include "monitor/guardian.h"
+#include "monitor/health_monitor.h"
+#include "monitor/supervisor.h"
+#include "monitor/watch.h"
 #include "options.h"
-#include "recovery.h"
 #include "server/server.h"
 #include "signals.h"
-#include "stopper.h"
-#include "supervisor.h"
+#include "state/deciding_paths.h"
+#include "state/recovery.h"
+#include "state/state_store.h"
 #include "trace/recorder.h"
-#include "watch.h"
 
 namespace mauve::daemon {
 
@@ -42,7 +42,7 @@ class Daemon {
 
  private:
   Status open_log();
-  Status open_keeper();
+  Status open_store();
   Status start();
   Status load();
   Status enter_folder();
@@ -63,7 +63,7 @@ class Daemon {
   logging::Log log_;
   Guardian guardian_{log_};
   std::optional<server::Endpoint> endpoint_;
-  std::unique_ptr<Keeper> keeper_;  ///< null: nothing is kept
+  std::unique_ptr<StateStore> store_;  ///< null: nothing is kept
   Origin origin_;
   plugin::Catalog catalog_;
   std::unique_ptr<Architecture> architecture_;
@@ -72,7 +72,7 @@ class Daemon {
   Control control_{options_.prepare_within};
   Watches watches_{log_};
   Supervisor supervisor_{control_};
-  Caretaker caretaker_;
+  HealthMonitor health_monitor_;
   Recorder recorder_{options_.flight_recorder};
   Judge judge_{control_};
   Judge trials_{control_};  ///< of changes, which wait for no client's file

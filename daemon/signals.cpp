@@ -8,6 +8,8 @@
 #include <cstring>
 #include <ctime>
 
+#include "base/mutex.h"
+
 namespace mauve::daemon {
 
 namespace {
@@ -55,14 +57,14 @@ std::string Signals::wait() const {
   return name_of(number);
 }
 
-StartGuard::StartGuard(const Signals& signals, std::function<void()> last_words)
-    : signals_(signals), last_words_(std::move(last_words)) {
+StartGuard::StartGuard(const Signals& signals, std::function<void()> crash_handler)
+    : signals_(signals), crash_handler_(std::move(crash_handler)) {
   thread_ = std::thread([this] { run(); });
 }
 
 std::optional<std::string> StartGuard::finish() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     finished_ = true;
   }
   wake_.notify_all();
@@ -80,19 +82,19 @@ void StartGuard::run() {
     signal_ = signals_.wait(kGlance);
   }
   if (!finished_within(kPatience)) {
-    last_words_();
+    crash_handler_();
     _exit(1);
   }
 }
 
 bool StartGuard::finished_within(std::chrono::milliseconds time) {
-  std::unique_lock lock(mutex_);
-  return wake_.wait_for(lock, time, [this] { return finished_; });
+  MutexLock lock(mutex_);
+  return wake_.wait_for(lock, time, [this]() MAUVE_REQUIRES(mutex_) { return finished_; });
 }
 
 Reaper::Reaper(const Signals& signals, std::chrono::milliseconds patience,
-               std::function<void(const std::string& cause)> last_words)
-    : signals_(signals), patience_(patience), last_words_(std::move(last_words)) {
+               std::function<void(const std::string& cause)> crash_handler)
+    : signals_(signals), patience_(patience), crash_handler_(std::move(crash_handler)) {
   thread_ = std::thread([this] {
     prctl(PR_SET_NAME, "mauve-reaper");
     run();
@@ -101,7 +103,7 @@ Reaper::Reaper(const Signals& signals, std::chrono::milliseconds patience,
 
 Reaper::~Reaper() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     finished_ = true;
   }
   wake_.notify_all();
@@ -123,13 +125,13 @@ void Reaper::run() {
       return;
     }
   }
-  last_words_(cause);
+  crash_handler_(cause);
   _exit(1);
 }
 
 bool Reaper::finished_within(std::chrono::milliseconds time) {
-  std::unique_lock lock(mutex_);
-  return wake_.wait_for(lock, time, [this] { return finished_; });
+  MutexLock lock(mutex_);
+  return wake_.wait_for(lock, time, [this]() MAUVE_REQUIRES(mutex_) { return finished_; });
 }
 
 }  // namespace mauve::daemon

@@ -3,12 +3,12 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
+
+#include "base/mutex.h"
 
 namespace mauve::daemon {
 
@@ -28,7 +28,7 @@ class Signals {
 /// a hook that hangs must not make it deaf.
 class StartGuard {
  public:
-  explicit StartGuard(const Signals& signals, std::function<void()> last_words);
+  explicit StartGuard(const Signals& signals, std::function<void()> crash_handler);
   ~StartGuard() { static_cast<void>(finish()); }
   StartGuard(const StartGuard&) = delete;
   StartGuard& operator=(const StartGuard&) = delete;
@@ -44,20 +44,20 @@ class StartGuard {
   [[nodiscard]] bool finished_within(std::chrono::milliseconds time);
 
   const Signals& signals_;
-  const std::function<void()> last_words_;
+  const std::function<void()> crash_handler_;
   std::optional<std::string> signal_;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  bool finished_ = false;
+  Mutex mutex_;
+  ConditionVariable wake_;
+  bool finished_ MAUVE_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };
 
 /// Ends the process when the orderly way takes too long, or when a second signal comes.
 class Reaper {
  public:
-  /// `last_words` is called before the process is ended with exit code 1; it must not block.
+  /// `crash_handler` is called before the process is ended with exit code 1; it must not block.
   Reaper(const Signals& signals, std::chrono::milliseconds patience,
-         std::function<void(const std::string& cause)> last_words);
+         std::function<void(const std::string& cause)> crash_handler);
   /// The orderly way was quick enough.
   ~Reaper();
   Reaper(const Reaper&) = delete;
@@ -72,10 +72,10 @@ class Reaper {
 
   const Signals& signals_;
   const std::chrono::milliseconds patience_;
-  const std::function<void(const std::string&)> last_words_;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  bool finished_ = false;
+  const std::function<void(const std::string&)> crash_handler_;
+  Mutex mutex_;
+  ConditionVariable wake_;
+  bool finished_ MAUVE_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };
 

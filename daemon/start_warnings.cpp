@@ -6,6 +6,7 @@
 #include <string>
 
 #include "arch/check_rules.h"
+#include "mauve/architecture.h"
 #include "model/wiring.h"
 
 namespace mauve::daemon {

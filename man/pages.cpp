@@ -7,11 +7,11 @@
 #include <sstream>
 #include <vector>
 
-#include "ctl/command.h"
-#include "ctl/options.h"
-#include "ctl/words.h"
+#include "cli/command.h"
+#include "cli/options.h"
 #include "daemon/options.h"
 #include "protocol/methods.h"
+#include "render/words.h"
 #include "roff.h"
 #include "schema.h"
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "ctl/words.h"
+#include "render/words.h"
 
 namespace mauve::man {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "ctl/words.h"
 #include "protocol/framing.h"
+#include "render/words.h"
 #include "roff.h"
 
 namespace mauve::man {

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from lines import bare
 
-ATTRIBUTES = re.compile(r"\[\[[^\]]*\]\]|\balignas\s*\([^)]*\)|\b(?:public|private|protected)\s*:(?!:)")
+ATTRIBUTES = re.compile(r"\[\[[^\]]*\]\]|\bMAUVE_(?:GUARDED_BY|REQUIRES|EXCLUDES|THREAD_ATTRIBUTE)\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\)|\bMAUVE_NOT_ANALYSED\b|\balignas\s*\([^)]*\)|\b(?:public|private|protected)\s*:(?!:)")
 CLASS = re.compile(r"\b(?:class|struct|union)\s+(?P<name>[A-Za-z_]\w*(?:::\w+)*)"
                    r"(?:\s+final)?\s*(?::(?!:).*)?$", re.DOTALL)
 NAMESPACE = re.compile(r"^(?:inline\s+)?namespace\s*(?P<name>[\w:]*)$")

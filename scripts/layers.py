@@ -34,15 +34,17 @@ MAY_USE = {
 FOLDERS = {"libruntime/include": "public", "daemon/protocol": "protocol", "daemon/log": "log",
            "daemon": "daemon", "guardian": "guardian", "ctl": "ctl", "man": "man", "plugins": "plugins", "tests": "tests", "scripts": "tests",
            **{f"libruntime/{name}": name for name in RUNTIME.split()[1:]}}
+# A layer in rooms: its folders from the lowest to the highest. A room includes those before it, and no other.
+STAIRS = {"libruntime/exec": "update task run system swap admission recovery commit prepare observe deploy"}
 # Third-party or system header (a prefix of what is included): the rooms it may be in. tests/ may use all.
 ROOMS = {
-    "nlohmann/": "libruntime/arch/ daemon/protocol/ ctl/render",
-    "boost/asio": "daemon/server/ ctl/client",
+    "nlohmann/": "libruntime/arch/ daemon/protocol/ ctl/render/",
+    "boost/asio": "daemon/server/ ctl/cli/client",
     "boost/lockfree": "libruntime/rt/",
     "boost/": "",
     "spdlog/": "daemon/log/",
     "fmt/": "daemon/log/",
-    "CLI/": "daemon/options daemon/main ctl/options ctl/main",
+    "CLI/": "daemon/options daemon/main ctl/cli/options ctl/cli/main",
     "Eigen/": "plugins/",
     "GeographicLib/": "plugins/",
     "yaml-cpp/": "plugins/",
@@ -55,7 +57,7 @@ ROOMS = {
     "elf.h": "libruntime/plugin/ libruntime/include/mauve/plugin.h",
     "libelf.h": "libruntime/plugin/",
     "gelf.h": "libruntime/plugin/",
-    "pthread.h": "libruntime/rt/ plugins/drivers/line_thread",
+    "pthread.h": "libruntime/rt/ plugins/drivers/serial/line_thread",
     "sched.h": "libruntime/rt/ guardian/sandbox",
     "linux/futex.h": "libruntime/rt/",
     "linux/membarrier.h": "libruntime/rt/",
@@ -102,12 +104,33 @@ def room_problem(path, name):
     return f"<{name}> belongs in {ROOMS[room] or 'no room but tests/'}"
 
 
+def step_of(layer_folder, path):
+    """The step of STAIRS on which a file of this folder stands, or None."""
+    room = path[len(layer_folder) + 1:].split("/")[0]
+    steps = STAIRS[layer_folder].split()
+    return steps.index(room) if room in steps else None
+
+
+def stairs_problem(path, target):
+    """Why a room must not include a file of its own layer, or None."""
+    for folder, rooms in STAIRS.items():
+        if path.startswith(folder + "/") and target.startswith(folder + "/"):
+            here, there = step_of(folder, path), step_of(folder, target)
+            if here is None:
+                return f"is in no room of {folder}; its rooms are {rooms}"
+            if there is not None and there > here:
+                return f"room {rooms.split()[here]} is below {rooms.split()[there]} and may not use it ({target})"
+    return None
+
+
 def include_problem(root, path, layer, name):
     target = resolve(root, path, name)
     if target is None:
         return room_problem(path, name)
     used = layer_of(target)
-    if used is None or used == layer or used in MAY_USE[layer].split():
+    if used == layer:
+        return stairs_problem(path, target)
+    if used is None or used in MAY_USE[layer].split():
         return None
     return f'layer {layer} may use "{MAY_USE[layer] or "nothing"}", not {used} ({target})'
 

@@ -4,9 +4,12 @@
 
 Usage: results.py STAGE FILE COUNTS [AGAIN]
            appends "passed failed skipped unsteady" to COUNTS; fails when a test did, or none ran.
-           AGAIN is the report of a second run: who failed but passed there is unsteady
-       results.py --may-run-again FILE LOG
-           fails when one of those that failed must not be excused; LOG is what ctest printed
+           AGAIN is the report of a second run: a test that failed but passed there is unsteady
+       results.py --run-again FILE LOG LEDGER
+           prints the expression for ctest -R: the tests that failed, and those that ran beside them; fails when one of
+           those that failed must not be excused. LOG is what ctest printed, LEDGER is tests/unsteady.txt
+       results.py --check-ledger LEDGER TESTS
+           fails when an entry of the ledger has no date or cause, or names no test below the folder TESTS
        results.py --sum COUNTS
            prints the closing line of scripts/test
 """
@@ -17,8 +20,10 @@ import xml.etree.ElementTree
 
 MOST_UNSTEADY = 5  # of one stage; with more it is not the tests that are unsteady
 FIRST_WORDS, LAST_WORDS = 12, 20  # lines of a test that failed, in the summary
-# In ctest's words; what it calls otherwise is a crash, or was not run at all.
-EXCUSABLE = ("Failed", "Timeout")
+# In ctest's words; what it calls otherwise is a crash, a hang, or was not run at all. In a real-time runtime a hang is
+# the bug itself.
+EXCUSABLE = ("Failed",)
+BESIDE = 12  # tests that began before, and as many that began after one that failed
 # Of an output that was cut nobody can say that it has no report.
 REPORT = re.compile(r"ERROR: \w+Sanitizer|WARNING: ThreadSanitizer|runtime error:|LeakSanitizer"
                     r"|part of the test output was removed")
@@ -52,12 +57,50 @@ def words_of_failure(case):
     return lines[first:min(first + FIRST_WORDS, begin)] + lines[begin:]
 
 
-def may_run_again(junit, log):
+def entries_of(ledger):
+    """The tests that are known to be unsteady."""
+    lines = pathlib.Path(ledger).read_text(encoding="utf-8").splitlines()
+    return {line.split()[0] for line in lines if line.strip() and not line.startswith("#")}
+
+
+def check_ledger(ledger, tests):
+    """Each entry names a test that exists, the day on which it failed first, and its cause as far as known."""
+    sources = "\n".join(path.read_text(encoding="utf-8") for path in sorted(pathlib.Path(tests).rglob("*.cpp")))
+    wrong = 0
+    for number, line in enumerate(pathlib.Path(ledger).read_text(encoding="utf-8").splitlines(), 1):
+        if not line.strip() or line.startswith("#"):
+            continue
+        entry = re.fullmatch(r"(?:\w+/)?(\w+)\.(\w+)(?:/\w+)?  (\d{4}-\d{2}-\d{2})  \S.*", line)
+        problem = None
+        if entry is None:
+            problem = "is not 'TEST  YYYY-MM-DD  cause'; two spaces part the columns"
+        elif not re.search(rf"TEST(_F|_P)?\({entry[1]},\s*{entry[2]}\)", sources):
+            problem = f"no test has this name below {tests}; take the entry out"
+        if problem:
+            print(f"{ledger}:{number}: {problem}")
+            wrong += 1
+    return 1 if wrong else 0
+
+
+def beside(text, failed):
+    """The tests that began shortly before and after those that failed, as ctest's log tells it."""
+    begun = re.findall(r"^ *Start +\d+: (.+)$", text, re.M)
+    near = set()
+    for at, name in enumerate(begun):
+        if name in failed:
+            near.update(begun[max(0, at - BESIDE):at + BESIDE + 1])
+    return sorted(near | set(failed))
+
+
+def run_again(junit, log, ledger):
     """ctest's report does not tell a crash from a failure, but the list at the end of its log does."""
     text = pathlib.Path(log).read_text(encoding="utf-8", errors="replace")
     ends = re.findall(r"^\t *\d+ - (.+?) +\(([^)]+)\)", text.rpartition("The following tests FAILED:")[2],
                       re.M)
+    known = entries_of(ledger)
     why_not = [f"{name}: {end}" for name, end in ends if end not in EXCUSABLE]
+    why_not += [f"{name}: is not in {ledger}" for name, end in ends
+                if end in EXCUSABLE and name not in known]
     if pathlib.Path(junit).exists():
         why_not += [f"{case.get('name')}: a sanitizer's report, or too much output"
                     for case in cases_of(junit)
@@ -65,8 +108,11 @@ def may_run_again(junit, log):
     if not 0 < len(ends) <= MOST_UNSTEADY:
         why_not.append(f"{len(ends)} tests failed; from 1 to {MOST_UNSTEADY} may run again")
     for line in why_not:
-        print(f"not run again: {line}")
-    return 1 if why_not else 0
+        print(f"not run again: {line}", file=sys.stderr)
+    if why_not:
+        return 1
+    print("^(" + "|".join(re.escape(name) for name in beside(text, [name for name, _ in ends])) + ")$")
+    return 0
 
 
 def stage_report(stage, junit, counts, again=None):
@@ -74,14 +120,17 @@ def stage_report(stage, junit, counts, again=None):
         print(f"{stage}: NO RESULTS: ctest wrote no report")
         return 1
     cases = cases_of(junit)
-    steady = {case.get("name") for case in cases_of(again) if case.get("status") == "run"} \
-        if again and pathlib.Path(again).exists() else set()
+    repeated = cases_of(again) if again and pathlib.Path(again).exists() else []
+    steady = {case.get("name") for case in repeated if case.get("status") == "run"}
+    before = {case.get("name") for case in cases if case.get("status") == "fail"}
     fallen = [case for case in cases if case.get("status") == "fail"]
+    fallen += [case for case in repeated  # beside one that ran again
+               if case.get("status") == "fail" and case.get("name") not in before]
     unsteady = [case for case in fallen if case.get("name") in steady]
     failed = [case.get("name") for case in fallen if case.get("name") not in steady]
     skipped = [(case.get("name"), reason(case)) for case in cases
                if case.get("status") in ("notrun", "disabled")]
-    passed = len(cases) - len(fallen) - len(skipped)
+    passed = sum(case.get("status") == "run" for case in cases)
     with open(counts, "a", encoding="utf-8") as file:
         file.write(f"{passed} {len(failed)} {len(skipped)} {len(unsteady)}\n")
     for case in fallen:
@@ -89,7 +138,7 @@ def stage_report(stage, junit, counts, again=None):
             print(f"FAILED  {stage}: {case.get('name')}. It had said:")
             print("".join(f"    {line}\n" for line in words_of_failure(case)), end="")
     for case in unsteady:
-        print(f"UNSTEADY {stage}: {case.get('name')} failed, then passed three times alone. It had said:")
+        print(f"UNSTEADY {stage}: {case.get('name')} failed, then passed three times beside the same tests. It had said:")
         print("\n".join(f"    {line}" for line in words_of_failure(case)))
     for name, why in skipped:
         print(f"SKIPPED {stage}: {name}: {why}")
@@ -113,7 +162,7 @@ def closing_line(counts):
 
 
 if __name__ == "__main__":
-    COMMANDS = {"--sum": closing_line, "--may-run-again": may_run_again}
+    COMMANDS = {"--sum": closing_line, "--run-again": run_again, "--check-ledger": check_ledger}
     if sys.argv[1] in COMMANDS:
         sys.exit(COMMANDS[sys.argv[1]](*sys.argv[2:]))
     sys.exit(stage_report(*sys.argv[1:]))

@@ -25,51 +25,36 @@ PARAMETERS = 6
 FOLDER_FILES = 25
 
 # Layer: the depth that its files reach today.
-DEEP_LAYERS = {
-    "arch": 24,
-    "ctl": 13,
-    "daemon": 28,
-    "exec": 28,
-    "model": 21,
-    "plugin": 21,
-    "plugins": 20,
-    "public": 21,
-}
+DEEP_LAYERS = {}
 # Class: its functions today.
 LARGE_CLASSES = {
-    "daemon/keeper.h:Keeper": 37,
-    "libruntime/exec/commit.h:Commit": 40,
-    "libruntime/exec/probation.h:OnProbation": 36,
-    "libruntime/exec/task.h:Task": 92,
-    "libruntime/exec/threads.cpp:Threads": 29,
+    "daemon/state/state_store.h:StateStore": 37,
+    "libruntime/exec/commit/commit.h:Commit": 40,
+    "libruntime/exec/recovery/probation_period.h:ProbationPeriod": 36,
+    "libruntime/exec/run/threads.cpp:Threads": 29,
     "libruntime/include/mauve/deployer.h:Deployer": 57,
     "libruntime/include/mauve/gate.h:Gate": 33,
     "libruntime/include/mauve/latest_value.h:LatestValue": 31,
-    "plugins/drivers/line_thread.h:LineThread": 34,
+    "plugins/drivers/serial/line_thread.h:LineThread": 34,
 }
 # Function: its parameters today.
 MANY_PARAMETERS = {
-    "OnProbation::OnProbation": 7,
+    "ProbationPeriod::ProbationPeriod": 7,
 }
 # Folder: its files today.
 CROWDED_FOLDERS = {
-    "ctl": 95,
-    "daemon": 51,
-    "daemon/commands": 75,
     "libruntime/arch": 53,
-    "libruntime/exec": 84,
-    "libruntime/include/mauve": 55,
-    "libruntime/model": 40,
+    "libruntime/include/mauve": 65,
+    "libruntime/model": 51,
     "libruntime/plugin": 29,
     "libruntime/rt": 58,
-    "plugins/drivers": 66,
 }
 # Headers that are a list: they declare one function of each of many sources, so that one table can name them all.
 LISTS = {
-    "ctl/actions.h",
+    "ctl/commands/actions.h",
     "ctl/doctor/checks.h",
     "ctl/mtrace/findings.h",
-    "ctl/render.h",
+    "ctl/render/render.h",
     "daemon/commands/command.h",
     "plugins/drivers/parts.h",
     "plugins/guidance/cores.h",
@@ -79,56 +64,34 @@ LISTS = {
 }
 # Source: functions that other headers declare, today.
 STRAYS = {
+    "ctl/cli/help.cpp": 1,
     "ctl/doctor/checks.cpp": 1,
-    "ctl/graph_dot.cpp": 3,
-    "ctl/graph_mermaid.cpp": 3,
-    "ctl/graph_svg.cpp": 1,
-    "ctl/help.cpp": 1,
-    "ctl/layers_columns.cpp": 1,
-    "ctl/layers_place.cpp": 1,
-    "ctl/layers_split.cpp": 1,
-    "ctl/layers_trunks.cpp": 1,
-    "ctl/machine_svg.cpp": 1,
-    "ctl/top_frame.cpp": 2,
-    "ctl/top_keys.cpp": 2,
-    "ctl/top_rows.cpp": 4,
+    "ctl/picture/graph_dot.cpp": 3,
+    "ctl/picture/graph_mermaid.cpp": 3,
+    "ctl/picture/graph_svg.cpp": 1,
+    "ctl/picture/layers_columns.cpp": 1,
+    "ctl/picture/layers_place.cpp": 1,
+    "ctl/picture/layers_split.cpp": 1,
+    "ctl/picture/layers_trunks.cpp": 1,
+    "ctl/picture/machine_svg.cpp": 1,
+    "ctl/top/top_frame.cpp": 2,
+    "ctl/top/top_keys.cpp": 2,
+    "ctl/top/top_rows.cpp": 4,
     "daemon/check.cpp": 1,
+    "daemon/commands/change/kept.cpp": 2,
+    "daemon/commands/change/reload.cpp": 1,
+    "daemon/commands/change/stop.cpp": 1,
     "daemon/commands/config.cpp": 1,
-    "daemon/commands/kept.cpp": 2,
     "daemon/commands/lock.cpp": 5,
-    "daemon/commands/log.cpp": 1,
-    "daemon/commands/log_level.cpp": 1,
-    "daemon/commands/probation.cpp": 2,
-    "daemon/commands/reload.cpp": 1,
-    "daemon/commands/stop.cpp": 1,
+    "daemon/commands/look/log.cpp": 1,
+    "daemon/commands/look/log_level.cpp": 1,
+    "daemon/commands/recovery/probation.cpp": 2,
     "daemon/log/journal.cpp": 1,
     "libruntime/base/value.cpp": 2,
-    "libruntime/exec/barrier.cpp": 1,
-    "libruntime/exec/change.cpp": 7,
-    "libruntime/exec/commit.cpp": 8,
-    "libruntime/exec/commit_books.cpp": 18,
-    "libruntime/exec/deployer.cpp": 2,
-    "libruntime/exec/happening.cpp": 3,
-    "libruntime/exec/in_place.cpp": 6,
-    "libruntime/exec/prepare.cpp": 1,
-    "libruntime/exec/prepare_barrier.cpp": 3,
-    "libruntime/exec/prepare_member.cpp": 3,
-    "libruntime/exec/prepare_resource.cpp": 3,
-    "libruntime/exec/published.cpp": 6,
-    "libruntime/exec/shutdown.cpp": 2,
-    "libruntime/exec/task_fault.cpp": 18,
-    "libruntime/exec/task_halt.cpp": 4,
-    "libruntime/exec/task_job.cpp": 11,
-    "libruntime/exec/task_trace.cpp": 3,
-    "libruntime/exec/threads.cpp": 1,
-    "libruntime/exec/trace_control.cpp": 7,
-    "libruntime/exec/trace_drain.cpp": 3,
-    "libruntime/model/component.cpp": 2,
-    "libruntime/model/core.cpp": 9,
+    "libruntime/exec/commit/commit_books.cpp": 13,
+    "libruntime/exec/deploy/in_place.cpp": 6,
+    "libruntime/exec/task/job_runner.cpp": 2,
     "libruntime/model/elements.cpp": 2,
-    "libruntime/model/port.cpp": 13,
-    "libruntime/model/property.cpp": 2,
-    "libruntime/model/service.cpp": 4,
     "libruntime/rt/measured.cpp": 2,
     "libruntime/rt/trace_names.cpp": 5,
     "libruntime/rules/parse_condition.cpp": 1,
@@ -187,13 +150,12 @@ class Tree:
         for path, functions in self.functions.items():
             for function in functions:
                 if path.endswith(".h") and not function.body and not function.defaulted:
-                    declared[layer_of(path), function.name].add(path)
-                    declared[None, function.name].add(path)
+                    declared[function.name].add(path)
         found = []
         for path, functions in self.functions.items():
             for function in functions:
                 if path.endswith(".cpp") and function.body and not function.hidden and not function.in_class:
-                    headers = declared.get((layer_of(path), function.name)) or declared.get((None, function.name))
+                    headers = declared.get(function.name)
                     if headers:
                         found.append((path, function, headers))
         return found

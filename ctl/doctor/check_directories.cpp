@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "doctor/checks.h"
-#include "words.h"
+#include "render/words.h"
 
 namespace mauve::ctl::doctor {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "doctor/checks.h"
 #include "mauve/version.h"
-#include "words.h"
+#include "render/words.h"
 
 namespace mauve::ctl::doctor {
 namespace {

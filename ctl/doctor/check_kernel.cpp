@@ -4,9 +4,9 @@
 #include <set>
 
 #include "doctor/checks.h"
+#include "render/table.h"
+#include "render/words.h"
 #include "rt/process.h"
-#include "table.h"
-#include "words.h"
 
 namespace mauve::ctl::doctor {
 namespace {

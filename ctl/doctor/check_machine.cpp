@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "doctor/checks.h"
-#include "words.h"
+#include "render/words.h"
 
 namespace mauve::ctl::doctor {
 namespace {

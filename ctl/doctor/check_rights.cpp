@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "doctor/checks.h"
+#include "render/words.h"
 #include "rt/process.h"
-#include "words.h"
 
 namespace mauve::ctl::doctor {
 namespace {

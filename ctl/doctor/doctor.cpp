@@ -7,14 +7,14 @@
 #include <optional>
 #include <set>
 
-#include "actions.h"
 #include "base/duration.h"
+#include "commands/actions.h"
 #include "doctor/checks.h"
 #include "doctor/wake.h"
+#include "render/table.h"
+#include "render/words.h"
 #include "rt/machine_costs.h"
 #include "rt/thread.h"
-#include "table.h"
-#include "words.h"
 
 namespace mauve::ctl {
 namespace {

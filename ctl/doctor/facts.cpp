@@ -5,8 +5,8 @@
 #include <charconv>
 #include <sstream>
 
+#include "render/words.h"
 #include "rt/process.h"
-#include "words.h"
 
 namespace mauve::ctl::doctor {
 namespace {

@@ -8,10 +8,10 @@
 #include <memory>
 
 #include "mauve/clock.h"
+#include "render/table.h"
+#include "render/words.h"
 #include "rt/futex.h"
 #include "rt/thread.h"
-#include "table.h"
-#include "words.h"
 
 namespace mauve::ctl::doctor {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "doctor/finding.h"
-#include "render.h"
+#include "render/render.h"
 
 namespace mauve::ctl::doctor {
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "mtrace/findings.h"
-#include "words.h"
+#include "render/words.h"
 
 namespace mauve::ctl::mtrace {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "mtrace/convert.h"
 
-#include "files.h"
+#include "cli/files.h"
 #include "mtrace/chrome.h"
 #include "mtrace/ctf.h"
 #include "mtrace/file.h"

@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "files.h"
+#include "cli/files.h"
 
 namespace mauve::ctl::mtrace {
 namespace {

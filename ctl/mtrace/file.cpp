@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "files.h"
-#include "words.h"
+#include "cli/files.h"
+#include "render/words.h"
 
 namespace mauve::ctl::mtrace {
 namespace {

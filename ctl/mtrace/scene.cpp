@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/duration.h"
-#include "words.h"
+#include "render/words.h"
 
 namespace mauve::ctl::mtrace {
 namespace {

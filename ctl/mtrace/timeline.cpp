@@ -7,7 +7,7 @@
 
 #include "mtrace/timeline_page.h"
 #include "mtrace/timeline_rows.h"
-#include "words.h"
+#include "render/words.h"
 
 namespace mauve::ctl::mtrace {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "words.h"
+#include "render/words.h"
 
 namespace mauve::ctl::mtrace {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "mtrace/scene.h"
-#include "svg.h"
+#include "picture/svg.h"
 
 namespace mauve::ctl::mtrace {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/duration.h"
-#include "words.h"
+#include "render/words.h"
 
 namespace mauve::ctl::mtrace {
 namespace {

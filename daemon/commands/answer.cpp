@@ -3,10 +3,10 @@
 
 #include "commands/audit.h"
 #include "commands/gate.h"
+#include "commands/look/notice.h"
 #include "commands/model.h"
-#include "commands/notice.h"
-#include "commands/unproven.h"
-#include "keeper.h"
+#include "commands/recovery/unproven.h"
+#include "state/state_store.h"
 
 namespace mauve::daemon {
 
@@ -31,11 +31,11 @@ void keep(Running& running, const Call& call, std::optional<Mark> mark, Json lin
   about.changes = text_or(line, "changes");
   const bool tried = is_tried(running);
   about.mark = tried ? Mark::unconfirmed : mark.value_or(Mark::unconfirmed);
-  auto as = tried || mark ? Keeper::As::marked : Keeper::As::before;
+  auto as = tried || mark ? StateStore::As::marked : StateStore::As::before;
   if (call.confirms) {
-    as = Keeper::As::confirmed;
+    as = StateStore::As::confirmed;
   }
-  running.keeper->keep(std::move(about), described(running), std::move(line), std::move(then), as);
+  running.store->keep(std::move(about), described(running), std::move(line), std::move(then), as);
 }
 
 void remember_maker(Running& running, const Call& call, std::uint64_t generation) {
@@ -83,7 +83,7 @@ void answer_applied(Running& running, const Call& call, Json result) {
     carry_unproven(running, generation);
   }
   auto line = audit_applied(running, call, result);
-  if (running.keeper == nullptr) {
+  if (running.store == nullptr) {
     return call.reply(std::move(result));
   }
   if (call.method->out_of_band) {
@@ -120,12 +120,12 @@ void answer(Running& running, const Call& call, Result<Json> result, const std::
 void answer_fault(Running& running, const Call& call, Fault fault) {
   if (call.method->mutation) {
     auto line = audit_refused(running, call, fault);
-    if (line && running.keeper != nullptr && fault.state != "unchanged") {
+    if (line && running.store != nullptr && fault.state != "unchanged") {
       // Nobody shall start with a mixture of old and new.
       const auto mark = fault.state == "partly" ? std::optional(Mark::unconfirmed) : call.mark;
       keep(running, call, mark, *std::move(line), {});
-    } else if (line && running.keeper != nullptr) {
-      running.keeper->audit(*line);
+    } else if (line && running.store != nullptr) {
+      running.store->audit(*line);
     }
   }
   call.reply(std::move(fault));

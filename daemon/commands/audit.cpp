@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "commands/answer.h"
-#include "keeper.h"
 #include "protocol/in_words.h"
+#include "state/state_store.h"
 
 namespace mauve::daemon {
 
@@ -141,12 +141,12 @@ std::optional<Json> audit_refused(Running& running, const Call& call, const Faul
 void tell_counted_refusals(Running& running, std::chrono::steady_clock::time_point now) {
   for (const auto& [uid, count] : running.refusals.take_counted(now)) {
     running.log.write(Event::refusals_counted, {{"uid", number(uid)}, {"count", number(count)}});
-    if (running.keeper != nullptr) {
-      running.keeper->audit({{"time", logging::utc(std::chrono::system_clock::now())},
-                             {"uid", uid},
-                             {"outcome", "refused"},
-                             {"state", "unchanged"},
-                             {"count", count}});
+    if (running.store != nullptr) {
+      running.store->audit({{"time", logging::utc(std::chrono::system_clock::now())},
+                            {"uid", uid},
+                            {"outcome", "refused"},
+                            {"state", "unchanged"},
+                            {"count", count}});
     }
   }
 }

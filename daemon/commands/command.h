@@ -15,29 +15,32 @@
 #include <string_view>
 #include <vector>
 
+#include "changes/control.h"
+#include "changes/stopper.h"
 #include "commands/deadlines.h"
-#include "commands/former.h"
-#include "commands/place_probation.h"
-#include "commands/way_back.h"
-#include "control.h"
-#include "counts.h"
-#include "deciding_paths.h"
-#include "failures.h"
-#include "generations.h"
+#include "commands/recovery/former.h"
+#include "commands/recovery/place_probation.h"
+#include "commands/recovery/way_back.h"
 #include "judge/judgement.h"
 #include "log/log.h"
-#include "mauve/architecture.h"
 #include "mauve/deploy_options.h"
 #include "mauve/deployer.h"
+#include "monitor/counts.h"
 #include "plugin/catalog.h"
 #include "server/dispatcher.h"
 #include "server/server.h"
-#include "stopper.h"
+#include "state/deciding_paths.h"
+#include "state/failures.h"
+#include "state/generations.h"
+
+namespace mauve {
+class Architecture;
+}  // namespace mauve
 
 namespace mauve::daemon {
 
 class Guardian;
-class Keeper;
+class StateStore;
 class Recorder;
 class Supervisor;
 class Watches;
@@ -103,7 +106,7 @@ struct Running {
   WayBackLines way_back = {};               ///< [control] of the changes on probation
   Started started = {};                     ///< [control]
   std::uint64_t recovered = 0;  ///< the saved generation that this run began with; 0: the file
-  Keeper* keeper = nullptr;     ///< null: nothing is kept
+  StateStore* store = nullptr;  ///< null: nothing is kept
   Guardian* guardian = nullptr;
   Recorder* recorder = nullptr;
   Lock lock = Lock::none;                   ///< [control], see gate.h

@@ -3,9 +3,9 @@
 #include "arch/describe.h"
 #include "arch/value_json.h"
 #include "commands/answer.h"
-#include "commands/architecture.h"
+#include "commands/change/architecture.h"
 #include "commands/model.h"
-#include "supervisor.h"
+#include "monitor/supervisor.h"
 
 namespace mauve::daemon {
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "base/mutex.h"
 #include "commands/answer.h"
 
 namespace mauve::daemon {
@@ -65,14 +66,14 @@ void Deadlines::watch(const std::shared_ptr<Call>& call) {
       reply(std::move(outcome));
     }
   };
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   watched_.push_back({call->received + *allowed, call});
 }
 
 void Deadlines::look(const Running& running, Time now) {
   std::vector<std::shared_ptr<Call>> late;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     std::erase_if(watched_, [&](const Watched& one) {
       if (one.at >= now) {
         return one.call.expired();

@@ -6,8 +6,9 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <vector>
+
+#include "base/mutex.h"
 
 namespace mauve::daemon {
 
@@ -38,8 +39,8 @@ class Deadlines {
     std::weak_ptr<Call> call;
   };
 
-  std::mutex mutex_;
-  std::vector<Watched> watched_;
+  Mutex mutex_;
+  std::vector<Watched> watched_ MAUVE_GUARDED_BY(mutex_);
 };
 
 /// [control] The change goes on to this stage; false: it was given up.

@@ -7,8 +7,8 @@
 #include "commands/answer.h"
 #include "commands/gate.h"
 #include "judge/judgement.h"
+#include "monitor/supervisor.h"
 #include "protocol/in_words.h"
-#include "supervisor.h"
 
 namespace mauve::daemon {
 

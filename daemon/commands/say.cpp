@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/say.h"
 
-#include "exec/prepared.h"
+#include "exec/system/prepared.h"
 #include "judge/judgement.h"
 
 namespace mauve::daemon {

@@ -7,11 +7,11 @@
 
 #include "commands/answer.h"
 #include "commands/audit.h"
-#include "commands/given_up.h"
 #include "commands/model.h"
-#include "keeper.h"
+#include "commands/recovery/given_up.h"
 #include "mauve/version.h"
-#include "watch.h"
+#include "monitor/watch.h"
+#include "state/state_store.h"
 
 namespace mauve::daemon {
 
@@ -140,8 +140,8 @@ void CommandTable::refused(const server::Caller& caller, const protocol::Method&
   running_.counts.answered(method.name, fault.name);
   const auto call = call_of(caller, method, std::move(request), {});
   const auto line = audit_refused(running_, *call, fault);
-  if (line && running_.keeper != nullptr) {
-    running_.keeper->audit(*line);
+  if (line && running_.store != nullptr) {
+    running_.store->audit(*line);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/duration.h"
+#include "base/mutex.h"
 #include "protocol/message.h"
 
 namespace mauve::daemon {
@@ -122,7 +123,7 @@ Result<Json> Judge::judged(const std::string& question) {
 }
 
 Status Judge::take_place(uid_t user) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   auto& waiting = waiting_[user];
   if (waiting == kMostOfOneUser) {
     return refuse(Errc::limit, "file",
@@ -134,7 +135,7 @@ Status Judge::take_place(uid_t user) {
 }
 
 void Judge::give_place_back(uid_t user) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (--waiting_[user] == 0) {
     waiting_.erase(user);
   }

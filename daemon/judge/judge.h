@@ -7,11 +7,11 @@
 #include <cstddef>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <string>
 #include <vector>
 
-#include "control.h"
+#include "base/mutex.h"
+#include "changes/control.h"
 #include "judge/judgement.h"
 #include "mauve/time.h"
 #include "options.h"
@@ -53,8 +53,8 @@ class Judge {
   std::vector<std::string> command_;
   Duration within_{0};
   rt::ChildRunner runner_;
-  std::mutex mutex_;
-  std::map<uid_t, std::size_t> waiting_;  // under mutex_
+  Mutex mutex_;
+  std::map<uid_t, std::size_t> waiting_ MAUVE_GUARDED_BY(mutex_);  // under mutex_
   WorkerThread thread_{"mauve-judge"};
 };
 

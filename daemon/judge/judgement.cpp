@@ -10,6 +10,7 @@
 #include "arch/load.h"
 #include "arch/parse.h"
 #include "arch/value_json.h"
+#include "mauve/architecture.h"
 
 namespace mauve::daemon {
 

@@ -7,10 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "arch/diff.h"
 #include "arch/problem.h"
 #include "plugin/catalog.h"
 #include "protocol/framing.h"
+
+namespace mauve::arch {
+struct Line;
+}  // namespace mauve::arch
 
 namespace mauve::daemon {
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/mutex.h"
+
 namespace mauve::logging {
 
 namespace {
@@ -32,7 +34,7 @@ bool Filter::accepts(const Record& record) const {
 void History::add(const Record& record) {
   Entries told;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     records_.push_back(record);
     if (records_.size() > capacity_) {
       records_.pop_front();
@@ -49,7 +51,7 @@ void History::add(const Record& record) {
 }
 
 std::vector<Record> History::tail(std::size_t count, const Filter& filter) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return tail_locked(count, filter);
 }
 
@@ -66,7 +68,7 @@ std::vector<Record> History::tail_locked(std::size_t count, const Filter& filter
 
 History::Losses History::losses(std::chrono::system_clock::time_point since,
                                 const std::string& component) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   Losses losses;
   if (!records_.empty() && records_.front().time > since) {
     losses.gone = records_.front().seq - std::min<std::uint64_t>(records_.front().seq, 1);
@@ -88,7 +90,7 @@ History::Losses History::losses(std::chrono::system_clock::time_point since,
 }
 
 History::Following History::follow(std::size_t count, Filter filter, Follower follower) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   Following following{next_id_++, tail_locked(count, filter)};
   followers_[following.id] =
       std::make_shared<const Entry>(Entry{std::move(filter), std::move(follower)});
@@ -96,7 +98,7 @@ History::Following History::follow(std::size_t count, Filter filter, Follower fo
 }
 
 void History::unfollow(std::uint64_t id) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   followers_.erase(id);
 }
 

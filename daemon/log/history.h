@@ -9,11 +9,11 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "base/mutex.h"
 #include "log/event.h"
 
 namespace mauve::logging {
@@ -71,13 +71,14 @@ class History {
   };
   using Entries = std::vector<std::shared_ptr<const Entry>>;
 
-  [[nodiscard]] std::vector<Record> tail_locked(std::size_t count, const Filter& filter) const;
+  [[nodiscard]] std::vector<Record> tail_locked(std::size_t count, const Filter& filter) const
+      MAUVE_REQUIRES(mutex_);
 
   const std::size_t capacity_;
-  mutable std::mutex mutex_;  ///< not held while a follower is called: they may be many
-  std::deque<Record> records_;
-  std::map<std::uint64_t, std::shared_ptr<const Entry>> followers_;
-  std::uint64_t next_id_ = 1;
+  mutable Mutex mutex_;  ///< not held while a follower is called: they may be many
+  std::deque<Record> records_ MAUVE_GUARDED_BY(mutex_);
+  std::map<std::uint64_t, std::shared_ptr<const Entry>> followers_ MAUVE_GUARDED_BY(mutex_);
+  std::uint64_t next_id_ MAUVE_GUARDED_BY(mutex_) = 1;
 };
 
 }  // namespace mauve::logging

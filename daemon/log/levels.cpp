@@ -3,11 +3,13 @@
 
 #include <utility>
 
+#include "base/mutex.h"
+
 namespace mauve::logging {
 
 void Levels::set(const std::string& component, std::optional<Level> level,
                  std::optional<Time> until) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   auto& entry = entries_[component];
   entry.passing.reset();
   if (level && until) {
@@ -21,7 +23,7 @@ void Levels::set(const std::string& component, std::optional<Level> level,
 }
 
 Level Levels::of(const std::string& component) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return of_locked(component);
 }
 
@@ -34,7 +36,7 @@ Level Levels::of_locked(const std::string& component) const {
 }
 
 std::vector<Levels::Setting> Levels::list() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::vector<Setting> all;
   for (const auto& [component, entry] : entries_) {
     all.push_back(entry.passing ? *entry.passing : Setting{component, *entry.lasting, {}});
@@ -43,7 +45,7 @@ std::vector<Levels::Setting> Levels::list() const {
 }
 
 std::vector<Levels::Setting> Levels::expire(Time now) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::vector<Setting> over;
   for (auto one = entries_.begin(); one != entries_.end();) {
     const auto here = one++;

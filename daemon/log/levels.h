@@ -4,11 +4,11 @@
 
 #include <chrono>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "base/mutex.h"
 #include "log/event.h"
 
 namespace mauve::logging {
@@ -49,11 +49,11 @@ class Levels {
       return passing ? std::optional(passing->level) : lasting;
     }
   };
-  [[nodiscard]] Level of_locked(const std::string& component) const;
+  [[nodiscard]] Level of_locked(const std::string& component) const MAUVE_REQUIRES(mutex_);
 
   const Level usual_;
-  mutable std::mutex mutex_;
-  std::map<std::string, Entry> entries_;
+  mutable Mutex mutex_;
+  std::map<std::string, Entry> entries_ MAUVE_GUARDED_BY(mutex_);
 };
 
 }  // namespace mauve::logging

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/mutex.h"
+
 namespace mauve::logging {
 
 Log::Log(Level level, std::size_t history) : levels_(level), history_(history) {}
@@ -26,7 +28,7 @@ void Log::start() {
 
 void Log::stop() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
   }
   wake_.notify_all();
@@ -36,7 +38,7 @@ void Log::stop() {
 }
 
 void Log::set_source(Source source) {
-  const std::lock_guard lock(source_mutex_);
+  const MutexLock lock(source_mutex_);
   source_ = std::move(source);
 }
 
@@ -52,7 +54,7 @@ void Log::write(Record record) {
   if (!passes(record)) {
     return;
   }
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (queue_.size() >= kQueue) {
     ++lost_;
     return;
@@ -62,7 +64,7 @@ void Log::write(Record record) {
 }
 
 void Log::flush() {
-  std::unique_lock lock(mutex_);
+  MutexLock lock(mutex_);
   if (!thread_.joinable()) {
     return;
   }
@@ -80,8 +82,10 @@ void Log::run() {
   for (bool last = false; !last;) {
     std::uint64_t lost = 0;
     {
-      std::unique_lock lock(mutex_);
-      wake_.wait_for(lock, kPeriod, [this] { return stopping_ || hurry_ || !queue_.empty(); });
+      MutexLock lock(mutex_);
+      wake_.wait_for(lock, kPeriod, [this]() MAUVE_REQUIRES(mutex_) {
+        return stopping_ || hurry_ || !queue_.empty();
+      });
       hurry_ = false;
       last = stopping_;
       batch.swap(queue_);
@@ -95,7 +99,7 @@ void Log::run() {
     drain(batch);
     batch.clear();
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       ++rounds_;
     }
     done_.notify_all();
@@ -112,7 +116,7 @@ void Log::look_at_levels(std::vector<Record>& batch) {
 
 void Log::drain(std::vector<Record>& batch) {
   {
-    const std::lock_guard lock(source_mutex_);
+    const MutexLock lock(source_mutex_);
     if (source_) {
       source_([&](Record record) { batch.push_back(std::move(record)); });
     }

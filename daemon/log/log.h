@@ -3,14 +3,13 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <thread>
 #include <vector>
 
+#include "base/mutex.h"
 #include "log/event.h"
 #include "log/history.h"
 #include "log/levels.h"
@@ -71,17 +70,17 @@ class Log {
   std::vector<bool> broken_;  ///< by sink; one complaint each until it works again
   std::uint64_t seq_ = 0;     ///< [log]
 
-  std::mutex source_mutex_;
+  Mutex source_mutex_;
   Source source_;
 
-  std::mutex mutex_;  ///< guards what follows
-  std::condition_variable wake_;
-  std::condition_variable done_;
-  std::vector<Record> queue_;
-  std::uint64_t lost_ = 0;
-  std::uint64_t rounds_ = 0;  ///< complete rounds of the [log] thread
-  bool hurry_ = false;
-  bool stopping_ = false;
+  Mutex mutex_;  ///< guards what follows
+  ConditionVariable wake_;
+  ConditionVariable done_;
+  std::vector<Record> queue_ MAUVE_GUARDED_BY(mutex_);
+  std::uint64_t lost_ MAUVE_GUARDED_BY(mutex_) = 0;
+  std::uint64_t rounds_ MAUVE_GUARDED_BY(mutex_) = 0;  ///< complete rounds of the [log] thread
+  bool hurry_ MAUVE_GUARDED_BY(mutex_) = false;
+  bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "server/outbox.h"
 
+#include "base/mutex.h"
 #include "protocol/message.h"
 
 namespace mauve::server {
@@ -11,7 +12,7 @@ Outbox::Outbox(std::size_t max_bytes, std::size_t max_subscriptions, std::functi
     : max_bytes_(max_bytes), max_subscriptions_(max_subscriptions), ready_(std::move(ready)) {}
 
 std::optional<std::uint64_t> Outbox::open() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (shut_ || open_.size() >= max_subscriptions_) {
     return std::nullopt;
   }
@@ -20,8 +21,8 @@ std::optional<std::uint64_t> Outbox::open() {
 }
 
 bool Outbox::close(std::uint64_t sub) {
-  const std::lock_guard lock(mutex_);
-  std::erase_if(items_, [&](const Item& item) {
+  const MutexLock lock(mutex_);
+  std::erase_if(items_, [&](const Item& item) MAUVE_REQUIRES(mutex_) {
     if (item.sub == sub) {
       bytes_ -= item.line.size();
     }
@@ -32,7 +33,7 @@ bool Outbox::close(std::uint64_t sub) {
 }
 
 void Outbox::shut() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   shut_ = true;
   open_.clear();
   items_.clear();
@@ -43,7 +44,7 @@ void Outbox::shut() {
 bool Outbox::push(std::uint64_t sub, const std::string& address, std::string_view method,
                   const protocol::NotificationText& params) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (open_.count(sub) == 0) {
       return false;
     }
@@ -56,7 +57,7 @@ bool Outbox::push(std::uint64_t sub, const std::string& address, std::string_vie
   auto line = params.line(method, sub);  // out of the lock, so that [io] does not wait for it
   bool tell = false;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (open_.count(sub) == 0) {
       return false;
     }
@@ -75,7 +76,7 @@ bool Outbox::push(std::uint64_t sub, const std::string& address, std::string_vie
 void Outbox::lose(std::uint64_t sub, const std::string& address, std::uint64_t count) {
   bool tell = false;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (open_.count(sub) == 0) {
       return;
     }
@@ -104,7 +105,7 @@ void Outbox::announce(std::map<Source, std::uint64_t>::iterator lost) {
 }
 
 std::optional<std::string> Outbox::take() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (items_.empty() && !lost_.empty()) {
     announce(lost_.begin());
   }
@@ -119,17 +120,17 @@ std::optional<std::string> Outbox::take() {
 }
 
 std::size_t Outbox::bytes() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return bytes_;
 }
 
 std::size_t Outbox::subscriptions() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return open_.size();
 }
 
 std::uint64_t Outbox::dropped() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return dropped_;
 }
 

@@ -6,12 +6,12 @@
 #include <deque>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
 #include <utility>
 
+#include "base/mutex.h"
 #include "protocol/framing.h"
 #include "protocol/message.h"
 
@@ -56,21 +56,21 @@ class Outbox {
     std::string line;
   };
 
-  void queue(std::uint64_t sub, std::string line);
-  void announce(std::map<Source, std::uint64_t>::iterator lost);
+  void queue(std::uint64_t sub, std::string line) MAUVE_REQUIRES(mutex_);
+  void announce(std::map<Source, std::uint64_t>::iterator lost) MAUVE_REQUIRES(mutex_);
 
   const std::size_t max_bytes_;
   const std::size_t max_subscriptions_;
   const std::function<void()> ready_;
-  mutable std::mutex mutex_;
-  std::deque<Item> items_;
-  std::map<Source, std::uint64_t> lost_;  ///< not announced yet
-  std::set<std::uint64_t> open_;
-  std::size_t bytes_ = 0;
-  std::uint64_t dropped_ = 0;
-  std::uint64_t next_ = 1;
-  bool told_ = false;  ///< ready_ was called and nothing was taken since
-  bool shut_ = false;
+  mutable Mutex mutex_;
+  std::deque<Item> items_ MAUVE_GUARDED_BY(mutex_);
+  std::map<Source, std::uint64_t> lost_ MAUVE_GUARDED_BY(mutex_);  ///< not announced yet
+  std::set<std::uint64_t> open_ MAUVE_GUARDED_BY(mutex_);
+  std::size_t bytes_ MAUVE_GUARDED_BY(mutex_) = 0;
+  std::uint64_t dropped_ MAUVE_GUARDED_BY(mutex_) = 0;
+  std::uint64_t next_ MAUVE_GUARDED_BY(mutex_) = 1;
+  bool told_ MAUVE_GUARDED_BY(mutex_) = false;  ///< ready_ was called and nothing was taken since
+  bool shut_ MAUVE_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace mauve::server

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "server/refusals.h"
 
+#include "base/mutex.h"
+
 namespace mauve::server {
 
 bool Refusals::may_write(std::uint32_t uid, Time now) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   auto [found, first] = users_.try_emplace(uid, Second{now});
   auto& second = found->second;
   const bool over = now - second.begin >= std::chrono::seconds(1);
@@ -20,12 +22,12 @@ bool Refusals::may_write(std::uint32_t uid, Time now) {
 }
 
 bool Refusals::empty() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return users_.empty();
 }
 
 std::vector<Refusals::Counted> Refusals::take_counted(Time now) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::vector<Counted> told;
   std::erase_if(users_, [&](const auto& entry) {
     const auto& [uid, second] = entry;

@@ -6,9 +6,10 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <vector>
+
+#include "base/mutex.h"
 
 namespace mauve::server {
 
@@ -38,8 +39,8 @@ class Refusals {
     std::uint64_t counted = 0;
   };
 
-  std::mutex mutex_;
-  std::map<std::uint32_t, Second> users_;  ///< of the last second
+  Mutex mutex_;
+  std::map<std::uint32_t, Second> users_ MAUVE_GUARDED_BY(mutex_);  ///< of the last second
 };
 
 }  // namespace mauve::server

@@ -8,6 +8,8 @@
 #include <boost/asio/post.hpp>
 #include <future>
 
+#include "base/mutex.h"
+
 namespace mauve::server {
 
 namespace asio = boost::asio;
@@ -95,7 +97,7 @@ void Server::stop(std::chrono::milliseconds grace) {
 void Server::post(std::function<void()> job) { asio::post(io_, std::move(job)); }
 
 std::vector<ClientInfo> Server::clients() const {
-  const std::lock_guard lock(clients_mutex_);
+  const MutexLock lock(clients_mutex_);
   std::vector<ClientInfo> out;
   for (const auto& [id, client] : clients_) {
     out.push_back(client);
@@ -178,7 +180,7 @@ void Server::admit(Protocol::socket socket) {
                                        {"pid", number(static_cast<std::uint64_t>(caller.peer.pid))},
                                        {"role", std::string(to_string(role))}});
   {
-    const std::lock_guard lock(clients_mutex_);
+    const MutexLock lock(clients_mutex_);
     clients_[id] = {id, caller.peer, role, std::chrono::system_clock::now()};
   }
   auto session = std::make_shared<Session>(std::move(socket), std::move(caller), context_);
@@ -288,7 +290,7 @@ void Server::on_end(std::uint64_t client, const std::string& reason) {
   log_.write(Event::client_gone, {{"client", number(client)}, {"reason", reason}});
   sessions_.erase(client);
   {
-    const std::lock_guard lock(clients_mutex_);
+    const MutexLock lock(clients_mutex_);
     clients_.erase(client);
   }
   if (paused_) {

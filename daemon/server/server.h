@@ -12,12 +12,12 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "base/mutex.h"
 #include "log/log.h"
 #include "server/dispatcher.h"
 #include "server/endpoint.h"
@@ -113,8 +113,9 @@ class Server {
   bool sweeping_ = false;
   bool paused_ = false;  ///< out of descriptors
   bool closing_ = false;
-  mutable std::mutex clients_mutex_;
-  std::map<std::uint64_t, ClientInfo> clients_;  ///< a copy for other threads
+  mutable Mutex clients_mutex_;
+  std::map<std::uint64_t, ClientInfo> clients_
+      MAUVE_GUARDED_BY(clients_mutex_);  ///< a copy for other threads
   std::thread thread_;
 };
 

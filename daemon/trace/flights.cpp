@@ -9,7 +9,8 @@
 #include <optional>
 #include <system_error>
 
-#include "durable.h"
+#include "base/mutex.h"
+#include "state/durable.h"
 #include "trace/file.h"
 
 namespace mauve::daemon {
@@ -98,7 +99,7 @@ void Flights::write(const Recording& recording, const std::string& word,
   const Json header = header_of(recording, boot);
   Flight flight;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     flight.number = next_++;
   }
   std::array<char, 32> number{};
@@ -120,7 +121,7 @@ void Flights::write(const Recording& recording, const std::string& word,
   }
   broken_ = false;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     flights_.push_back(flight);
   }
   drop_oldest();
@@ -139,7 +140,7 @@ std::vector<Flight>::iterator Flights::least_wanted() {
 }
 
 void Flights::drop_oldest() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   while (flights_.size() > kKept) {
     const auto oldest = least_wanted();
     std::error_code ignored;
@@ -149,12 +150,12 @@ void Flights::drop_oldest() {
 }
 
 std::vector<Flight> Flights::list() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return flights_;
 }
 
 Result<std::filesystem::path> Flights::find(const std::string& name) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const bool known = std::any_of(flights_.begin(), flights_.end(),
                                  [&](const Flight& one) { return one.name == name; });
   if (known) {

@@ -6,10 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <mutex>
 #include <string>
 #include <vector>
 
+#include "base/mutex.h"
 #include "log/log.h"
 #include "mauve/result.h"
 #include "trace/memory.h"
@@ -42,14 +42,14 @@ class Flights {
 
  private:
   void drop_oldest();
-  [[nodiscard]] std::vector<Flight>::iterator least_wanted();
+  [[nodiscard]] std::vector<Flight>::iterator least_wanted() MAUVE_REQUIRES(mutex_);
 
   const std::filesystem::path directory_;
   logging::Log& log_;
   bool broken_ = false;  ///< [disk]
-  mutable std::mutex mutex_;
-  std::vector<Flight> flights_;
-  std::uint64_t next_ = 1;
+  mutable Mutex mutex_;
+  std::vector<Flight> flights_ MAUVE_GUARDED_BY(mutex_);
+  std::uint64_t next_ MAUVE_GUARDED_BY(mutex_) = 1;
 };
 
 }  // namespace mauve::daemon

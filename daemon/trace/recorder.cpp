@@ -4,9 +4,11 @@
 #include <sys/prctl.h>
 
 #include <algorithm>
+#include <functional>
 #include <set>
 
-#include "keeper.h"
+#include "base/mutex.h"
+#include "state/state_store.h"
 
 namespace mauve::daemon {
 
@@ -28,10 +30,11 @@ constexpr std::size_t kSnapshots = 2;
 }  // namespace
 
 void Recorder::start(Running& running) {
+  const MutexLock lock(mutex_);
   running_ = &running;
   about_ = running.deployer.traced();
-  if (flights_wanted_ && running.keeper != nullptr) {
-    flights_ = std::make_unique<Flights>(running.keeper->directory(), running.log);
+  if (flights_wanted_ && running.store != nullptr) {
+    flights_ = std::make_unique<Flights>(running.store->directory(), running.log);
   }
   set_trace_mode(mode());
   thread_ = std::thread([this] {
@@ -42,7 +45,7 @@ void Recorder::start(Running& running) {
 
 void Recorder::stop() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
   }
   wake_.notify_all();
@@ -62,13 +65,15 @@ TraceMode Recorder::mode() const {
 void Recorder::run() {
   for (;;) {
     {
-      std::unique_lock lock(mutex_);
-      wake_.wait(lock, [this] { return stopping_ || on_ || flights_wanted_; });
-      wake_.wait_for(lock, detail_ ? kEveryInDetail : kEvery, [this] { return stopping_; });
+      MutexLock lock(mutex_);
+      wake_.wait(lock,
+                 [this]() MAUVE_REQUIRES(mutex_) { return stopping_ || on_ || flights_wanted_; });
+      wake_.wait_for(lock, detail_ ? kEveryInDetail : kEvery,
+                     [this]() MAUVE_REQUIRES(mutex_) { return stopping_; });
     }
     collect();
     write_when_due(false);
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (stopping_) {
       return;
     }
@@ -76,17 +81,17 @@ void Recorder::run() {
 }
 
 void Recorder::collect() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (mode() == TraceMode::off) {
     return;
   }
-  running_->deployer.drain_trace([this](const TraceRecord& record) {
+  running_->deployer.drain_trace([this](const TraceRecord& record) MAUVE_REQUIRES(mutex_) {
     memory_.add(record);
     look(record);
   });
-  for (const auto& probe : probes_) {
-    probe->drain(about_.t0, [this](const TraceRecord& record) { memory_.add(record); });
-  }
+  const std::function<void(const TraceRecord&)> add =
+      [this](const TraceRecord& record) MAUVE_REQUIRES(mutex_) { memory_.add(record); };
+  for (const auto& probe : probes_) probe->drain(about_.t0, add);
 }
 
 /// One on each CPU that a real-time component may use.
@@ -158,14 +163,14 @@ void Recorder::tell_skipped(const FlightAllowance& allowance, const Pending& fli
 void Recorder::ask_what_it_is_about(const Pending& pending) {
   running_->control.read([this, answer = pending.about] {
     auto about = running_->deployer.traced();
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     about_ = about;
     *answer = std::move(about);
   });
 }
 
 void Recorder::write_when_due(bool now) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   write_when_due(misses_, now);
   write_when_due(failures_, now);
 }
@@ -184,7 +189,7 @@ void Recorder::write_when_due(Reason& reason, bool now) {
   const Pending flight = *std::exchange(pending, std::nullopt);
   auto recording = std::make_shared<Recording>(cut(0));
   recording->why = flight.word + (flight.component.empty() ? "" : " " + flight.component);
-  running_->keeper->on_disk([this, recording, flight] {
+  running_->store->on_disk([this, recording, flight] {
     flights_->write(*recording, flight.word, flight.component, running_->boot);
   });
 }
@@ -206,7 +211,7 @@ Status Recorder::begin(bool detail, std::chrono::seconds kept) {
   }
   auto about = running_->deployer.traced();
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     about_ = std::move(about);
     on_ = true;
     detail_ = detail;
@@ -223,7 +228,7 @@ Status Recorder::begin(bool detail, std::chrono::seconds kept) {
 Status Recorder::end() {
   collect();
   auto about = running_->deployer.traced();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!on_) {
     return refuse(Errc::wrong_state, "trace", "is not on", "mauvectl trace start begins one");
   }
@@ -241,7 +246,7 @@ Status Recorder::end() {
 Result<std::pair<std::string, RecordingPtr>> Recorder::snapshot(bool now) {
   auto about = running_->deployer.traced();
   collect();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const bool ended = !on_ && !now && last_ != nullptr;
   if (!on_ && !ended && !flights_wanted_) {
     return refuse(Errc::wrong_state, "trace", "nothing is traced", "mauvectl trace start");
@@ -257,14 +262,14 @@ Result<std::pair<std::string, RecordingPtr>> Recorder::snapshot(bool now) {
 }
 
 RecordingPtr Recorder::find_snapshot(const std::string& name) const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto found = std::find_if(snapshots_.begin(), snapshots_.end(),
                                   [&](const auto& one) { return one.first == name; });
   return found == snapshots_.end() ? nullptr : found->second;
 }
 
 Json Recorder::status() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return {{"on", on_},
           {"detail", detail_},
           {"since", on_ ? Json(since_) : Json()},

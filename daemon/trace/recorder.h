@@ -5,17 +5,16 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "base/mutex.h"
 #include "commands/command.h"
 #include "trace/allowance.h"
 #include "trace/flights.h"
@@ -70,37 +69,39 @@ class Recorder {
 
   void run();
   void collect();
-  void look(const TraceRecord& record);
+  void look(const TraceRecord& record) MAUVE_REQUIRES(mutex_);
   void ask_what_it_is_about(const Pending& pending);
   void wait_for_rest(Reason& reason, const TraceRecord& record);
   void tell_skipped(const FlightAllowance& allowance, const Pending& flight);
   void write_when_due(bool now);
-  void write_when_due(Reason& reason, bool now);
-  void start_probes();
-  [[nodiscard]] Recording cut(Instant from) const;
-  [[nodiscard]] TraceMode mode() const;
+  void write_when_due(Reason& reason, bool now) MAUVE_REQUIRES(mutex_);
+  void start_probes() MAUVE_REQUIRES(mutex_);
+  [[nodiscard]] Recording cut(Instant from) const MAUVE_REQUIRES(mutex_);
+  [[nodiscard]] TraceMode mode() const MAUVE_REQUIRES(mutex_);
 
   const bool flights_wanted_;
   Running* running_ = nullptr;
   std::unique_ptr<Flights> flights_;
 
-  mutable std::mutex mutex_;  ///< guards what follows
-  std::condition_variable wake_;
-  bool stopping_ = false;
-  TraceMemory memory_;
-  TracedSystem about_;  ///< as it was when somebody looked last
-  bool on_ = false;
-  bool detail_ = false;
-  Instant since_ = 0;  ///< of the trace, or of the last one
-  std::chrono::seconds kept_ = kKept;
-  std::int64_t lost_ = 0;
-  RecordingPtr last_;  ///< the trace that ended
-  std::deque<std::pair<std::string, RecordingPtr>> snapshots_;
-  std::uint64_t snapshots_made_ = 0;
-  std::vector<std::unique_ptr<Probe>> probes_;  ///< while it is on, where there is real time
-  bool probed_ = false;                         ///< there is one on each of these CPUs
-  Reason misses_{{1, std::chrono::seconds(10)}};
-  Reason failures_{{3, std::chrono::seconds(30)}};  ///< faults and rollbacks
+  mutable Mutex mutex_;  ///< guards what follows
+  ConditionVariable wake_;
+  bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
+  TraceMemory memory_ MAUVE_GUARDED_BY(mutex_);
+  TracedSystem about_ MAUVE_GUARDED_BY(mutex_);  ///< as it was when somebody looked last
+  bool on_ MAUVE_GUARDED_BY(mutex_) = false;
+  bool detail_ MAUVE_GUARDED_BY(mutex_) = false;
+  Instant since_ MAUVE_GUARDED_BY(mutex_) = 0;  ///< of the trace, or of the last one
+  std::chrono::seconds kept_ MAUVE_GUARDED_BY(mutex_) = kKept;
+  std::int64_t lost_ MAUVE_GUARDED_BY(mutex_) = 0;
+  RecordingPtr last_ MAUVE_GUARDED_BY(mutex_);  ///< the trace that ended
+  std::deque<std::pair<std::string, RecordingPtr>> snapshots_ MAUVE_GUARDED_BY(mutex_);
+  std::uint64_t snapshots_made_ MAUVE_GUARDED_BY(mutex_) = 0;
+  std::vector<std::unique_ptr<Probe>> probes_
+      MAUVE_GUARDED_BY(mutex_);                   ///< while it is on, where there is real time
+  bool probed_ MAUVE_GUARDED_BY(mutex_) = false;  ///< there is one on each of these CPUs
+  Reason misses_ MAUVE_GUARDED_BY(mutex_){{1, std::chrono::seconds(10)}};
+  Reason failures_ MAUVE_GUARDED_BY(mutex_){
+      {3, std::chrono::seconds(30)}};  ///< faults and rollbacks
   std::thread thread_;
 };
 

@@ -12,6 +12,7 @@
 #include "arch/resolve.h"
 #include "arch/task_attributes.h"
 #include "base/name.h"
+#include "mauve/architecture.h"
 #include "model/connection.h"
 #include "model/elements.h"
 #include "model/resource_graph.h"

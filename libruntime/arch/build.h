@@ -5,8 +5,13 @@
 #include <memory>
 
 #include "arch/spec.h"
-#include "mauve/architecture.h"
-#include "plugin/catalog.h"
+
+namespace mauve {
+class Architecture;
+}  // namespace mauve
+namespace mauve::plugin {
+class Catalog;
+}  // namespace mauve::plugin
 
 namespace mauve::arch {
 

@@ -5,6 +5,7 @@
 
 #include "mauve/ring_buffer.h"
 #include "mauve/shared_data.h"
+#include "mauve/type.h"
 
 namespace mauve::arch {
 

@@ -6,7 +6,10 @@
 #include <string>
 #include <string_view>
 
-#include "mauve/resource.h"
+namespace mauve {
+class ResourceBase;
+struct DataType;
+}  // namespace mauve
 
 namespace mauve::arch {
 

@@ -9,7 +9,11 @@
 #include "arch/describe.h"
 #include "arch/parts.h"
 #include "base/duration.h"
-#include "exec/prepared.h"
+#include "exec/system/prepared.h"
+#include "mauve/fsm.h"
+#include "mauve/port_base.h"
+#include "mauve/property.h"
+#include "mauve/resource.h"
 
 namespace mauve::arch {
 namespace {

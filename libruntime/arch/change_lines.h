@@ -7,7 +7,11 @@
 #include <vector>
 
 #include "arch/diff.h"
-#include "mauve/deployer.h"
+#include "mauve/prepared_change.h"
+
+namespace mauve {
+class ComponentBase;
+}  // namespace mauve
 
 namespace mauve::arch {
 

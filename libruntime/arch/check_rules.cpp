@@ -10,6 +10,7 @@
 #include "arch/quantity.h"
 #include "arch/read.h"
 #include "arch/target.h"
+#include "mauve/architecture.h"
 
 namespace mauve::arch {
 namespace {

@@ -3,10 +3,15 @@
 #pragma once
 
 #include "arch/spec.h"
-#include "mauve/architecture.h"
 #include "model/wiring.h"
-#include "plugin/catalog.h"
 #include "rules/supervision.h"
+
+namespace mauve {
+class Architecture;
+}  // namespace mauve
+namespace mauve::plugin {
+class Catalog;
+}  // namespace mauve::plugin
 
 namespace mauve::arch {
 

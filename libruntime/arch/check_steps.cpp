@@ -7,9 +7,11 @@
 
 #include "arch/target.h"
 #include "base/name.h"
+#include "mauve/architecture.h"
 #include "model/connection.h"
 #include "model/elements.h"
 #include "model/resource_graph.h"
+#include "plugin/catalog.h"
 
 namespace mauve::arch {
 namespace {

@@ -6,8 +6,13 @@
 #include <string_view>
 
 #include "arch/spec.h"
-#include "mauve/architecture.h"
-#include "plugin/catalog.h"
+
+namespace mauve {
+class Architecture;
+}  // namespace mauve
+namespace mauve::plugin {
+class Catalog;
+}  // namespace mauve::plugin
 
 namespace mauve::arch {
 

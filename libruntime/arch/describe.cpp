@@ -12,6 +12,9 @@
 #include "arch/spec.h"
 #include "base/duration.h"
 #include "base/size.h"
+#include "mauve/architecture.h"
+#include "plugin/catalog.h"
+#include "plugin/loaded_plugin.h"
 
 namespace mauve::arch {
 namespace {

@@ -8,10 +8,18 @@
 #include <utility>
 #include <vector>
 
-#include "mauve/architecture.h"
+#include "mauve/component.h"
 #include "mauve/value.h"
-#include "plugin/catalog.h"
 #include "rules/supervision.h"
+
+namespace mauve {
+class Architecture;
+class Binding;
+class ResourceBase;
+}  // namespace mauve
+namespace mauve::plugin {
+class Catalog;
+}  // namespace mauve::plugin
 
 namespace mauve::arch {
 

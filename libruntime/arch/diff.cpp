@@ -7,6 +7,7 @@
 
 #include "arch/built_in.h"
 #include "arch/parts.h"
+#include "mauve/architecture.h"
 
 namespace mauve::arch {
 namespace {

@@ -10,9 +10,14 @@
 #include <vector>
 
 #include "arch/describe.h"
-#include "mauve/architecture.h"
 #include "mauve/change.h"
 #include "mauve/value.h"
+
+namespace mauve {
+class Architecture;
+class ComponentBase;
+class ResourceBase;
+}  // namespace mauve
 
 namespace mauve::arch {
 

@@ -12,6 +12,8 @@
 #include "arch/build.h"
 #include "arch/json.h"
 #include "arch/parse.h"
+#include "mauve/architecture.h"
+#include "plugin/catalog.h"
 #include "rt/descriptor.h"
 
 namespace mauve::arch {

@@ -8,9 +8,14 @@
 
 #include "arch/problem.h"
 #include "arch/spec.h"
-#include "mauve/architecture.h"
-#include "plugin/catalog.h"
 #include "plugin/trust.h"
+
+namespace mauve {
+class Architecture;
+}  // namespace mauve
+namespace mauve::plugin {
+class Catalog;
+}  // namespace mauve::plugin
 
 namespace mauve::arch {
 

@@ -13,6 +13,7 @@
 #include "arch/read.h"
 #include "base/address.h"
 #include "base/duration.h"
+#include "mauve/gate.h"
 
 namespace mauve::arch {
 namespace {

@@ -3,8 +3,12 @@
 
 #include <algorithm>
 
+#include "mauve/component.h"
+#include "mauve/fsm.h"
 #include "mauve/observable.h"
 #include "mauve/property.h"
+#include "mauve/resource.h"
+#include "mauve/shell.h"
 
 namespace mauve::arch {
 namespace {

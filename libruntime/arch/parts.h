@@ -8,8 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include "mauve/component.h"
-#include "mauve/resource.h"
+namespace mauve {
+class ComponentBase;
+class Configurable;
+class ObservableBase;
+class PropertyBase;
+class ResourceBase;
+}  // namespace mauve
 
 namespace mauve::arch {
 

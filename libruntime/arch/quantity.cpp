@@ -7,6 +7,7 @@
 
 #include "base/address.h"
 #include "base/name.h"
+#include "mauve/architecture.h"
 #include "mauve/data_status.h"
 #include "mauve/deployer.h"
 

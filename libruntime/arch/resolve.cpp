@@ -8,6 +8,9 @@
 #include "arch/built_in.h"
 #include "base/address.h"
 #include "base/name.h"
+#include "mauve/type.h"
+#include "plugin/catalog.h"
+#include "plugin/loaded_plugin.h"
 
 namespace mauve::arch {
 

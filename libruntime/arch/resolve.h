@@ -7,7 +7,11 @@
 
 #include "arch/spec.h"
 #include "mauve/element_type.h"
-#include "plugin/catalog.h"
+#include "mauve/type.h"
+
+namespace mauve::plugin {
+class Catalog;
+}  // namespace mauve::plugin
 
 namespace mauve::arch {
 

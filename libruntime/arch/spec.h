@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "arch/problem.h"
-#include "mauve/component.h"
+#include "mauve/task_attributes.h"
 #include "mauve/time.h"
 #include "mauve/value.h"
 #include "rules/supervision.h"

@@ -2,6 +2,7 @@
 #include "arch/target.h"
 
 #include "base/name.h"
+#include "mauve/architecture.h"
 
 namespace mauve::arch {
 

@@ -9,8 +9,19 @@
 #include <vector>
 
 #include "arch/parts.h"
-#include "mauve/architecture.h"
-#include "mauve/observable.h"
+#include "mauve/binding.h"
+#include "mauve/result.h"
+
+namespace mauve {
+class Architecture;
+class ComponentBase;
+class ObservableBase;
+class PortBase;
+class PropertyBase;
+class ResourceBase;
+class ServiceBase;
+class Shell;
+}  // namespace mauve
 
 namespace mauve::arch {
 

@@ -6,6 +6,9 @@
 #include <utility>
 
 #include "arch/target.h"
+#include "mauve/architecture.h"
+#include "mauve/deployer.h"
+#include "plugin/catalog.h"
 
 namespace mauve::arch {
 namespace {

@@ -2,9 +2,16 @@
 /// From the steps of a transaction to a Change of the system as it is now.
 #pragma once
 
-#include "mauve/deployer.h"
-#include "plugin/catalog.h"
+#include "mauve/change.h"
 #include "rules/supervision.h"
+
+namespace mauve {
+class Architecture;
+class Deployer;
+}  // namespace mauve
+namespace mauve::plugin {
+class Catalog;
+}  // namespace mauve::plugin
 
 namespace mauve::arch {
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/component.h>
+#include <mauve/fsm.h>
+#include <mauve/service.h>
 
 #include "model/connection.h"
 #include "model/elements.h"
@@ -7,31 +9,6 @@
 #include "rt/measured.h"
 
 namespace mauve {
-std::string_view to_string(OnOverrun value) {
-  switch (value) {
-    case OnOverrun::catch_up:
-      return "catch_up";
-    case OnOverrun::skip:
-      return "skip";
-    case OnOverrun::stop:
-      return "stop";
-    case OnOverrun::fallback:
-      return "fallback";
-  }
-  return "unknown";
-}
-
-std::string_view to_string(FaultPolicy::Action value) {
-  switch (value) {
-    case FaultPolicy::Action::stop:
-      return "stop";
-    case FaultPolicy::Action::restart:
-      return "restart";
-    case FaultPolicy::Action::fallback:
-      return "fallback";
-  }
-  return "unknown";
-}
 
 ComponentBase::ComponentBase(std::string name, ComponentType type, CoreType core)
     : name_(std::move(name)), type_(std::move(type)) {

@@ -6,6 +6,10 @@
 
 #include "base/name.h"
 
+#include <mauve/port_base.h>
+#include <mauve/service.h>
+#include <mauve/shell.h>
+
 namespace mauve {
 namespace {
 

@@ -6,10 +6,15 @@
 #include <string_view>
 #include <vector>
 
-#include <mauve/architecture.h>
-#include <mauve/port.h>
+#include <mauve/binding.h>
+#include <mauve/result.h>
+#include <mauve/time.h>
 
 namespace mauve {
+
+class PortBase;
+class ServiceBase;
+class Shell;
 
 /// May `port`, now connected to `present` (may be null), be connected to `service`? A limit on the
 /// age is for read ports.

@@ -5,6 +5,13 @@
 #include <optional>
 #include <vector>
 
+#include <mauve/capsule.h>
+#include <mauve/fsm.h>
+#include <mauve/observable.h>
+#include <mauve/port_base.h>
+#include <mauve/slow_state.h>
+#include <mauve/state.h>
+
 namespace mauve {
 namespace {
 

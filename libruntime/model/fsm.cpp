@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/fsm.h>
+#include <mauve/trace.h>
 
 #include <algorithm>
 #include <numeric>

@@ -7,6 +7,9 @@
 #include "model/guard.h"
 #include "rt/cache.h"
 
+#include <mauve/converts.h>
+#include <mauve/resource.h>
+
 namespace mauve {
 namespace {
 

@@ -11,14 +11,20 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "rt/rescue.h"
 
-#include <mauve/change.h>
-#include <mauve/core.h>
-#include <mauve/resource.h>
+#include <mauve/change_policy.h>
+#include <mauve/result.h>
 
 namespace mauve {
+
+class ConvertsBase;
+class CoreBase;
+class ResourceBase;
+class StateBase;
+struct DataType;
 
 /// Worked out beforehand; valid while both cores live.
 struct HandOver {

@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "base/mutex.h"
+
 namespace mauve {
 namespace {
 
@@ -20,7 +22,7 @@ bool Leavable::move(Place from, Place to) {
 bool Leavable::leave() { return move(Place::outside, Place::left); }
 
 std::string Leavable::hook() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return hook_;
 }
 
@@ -39,7 +41,7 @@ Inside::~Inside() {
 InHook::InHook(const std::string& at, const char* hook) : here_(Leavable::here()) {
   if (here_ == nullptr) return;
   {
-    const std::lock_guard lock(here_->mutex_);
+    const MutexLock lock(here_->mutex_);
     before_ = std::exchange(here_->hook_, at.empty() ? hook : at + " " + hook);
   }
   was_inside_ = here_->move(Leavable::Place::inside, Leavable::Place::outside);
@@ -48,7 +50,7 @@ InHook::InHook(const std::string& at, const char* hook) : here_(Leavable::here()
 bool InHook::back() {
   if (here_ == nullptr) return true;
   {
-    const std::lock_guard lock(here_->mutex_);
+    const MutexLock lock(here_->mutex_);
     here_->hook_ = std::move(before_);
   }
   return was_inside_ ? here_->move(Leavable::Place::outside, Leavable::Place::inside)

@@ -5,8 +5,9 @@
 
 #include <atomic>
 #include <cstdint>
-#include <mutex>
 #include <string>
+
+#include "base/mutex.h"
 
 namespace mauve {
 
@@ -35,8 +36,8 @@ class Leavable {
   bool move(Place from, Place to);
 
   std::atomic<Place> place_{Place::outside};
-  mutable std::mutex mutex_;  // of what follows
-  std::string hook_;
+  mutable Mutex mutex_;  // of what follows
+  std::string hook_ MAUVE_GUARDED_BY(mutex_);
 };
 
 /// While it lives, the calling thread may use the model. False: it was left behind.

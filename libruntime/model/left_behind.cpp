@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "model/left_behind.h"
 
-#include <mutex>
 #include <vector>
+
+#include "base/mutex.h"
 
 namespace mauve {
 
 void leave_behind(std::shared_ptr<const void> object) {
-  static std::mutex mutex;
+  static Mutex mutex;
   // Never destroyed: threads may run into their objects while the process ends.
   static auto* const objects = new std::vector<std::shared_ptr<const void>>;
-  const std::lock_guard lock(mutex);
+  const MutexLock lock(mutex);
   objects->push_back(std::move(object));
 }
 

@@ -6,6 +6,7 @@
 
 #include <mauve/gate.h>
 #include <mauve/resource.h>
+#include <mauve/service.h>
 
 namespace mauve {
 

@@ -2,10 +2,14 @@
 /// Looking at the value of a service outside of jobs, for a client.
 #pragma once
 
+#include <mauve/data_status.h>
 #include <mauve/result.h>
-#include <mauve/service.h>
+#include <mauve/time.h>
+#include <mauve/visitor.h>
 
 namespace mauve {
+
+class ServiceBase;
 
 /// A service that computes its value runs code of a plugin, here on a thread that serves others: it
 /// has this long.

@@ -7,8 +7,13 @@
 
 #include "base/address.h"
 
+#include <mauve/fsm.h>
+#include <mauve/interface.h>
 #include <mauve/observable.h>
+#include <mauve/port_base.h>
 #include <mauve/property.h>
+#include <mauve/service.h>
+#include <mauve/shell.h>
 
 namespace mauve {
 namespace {

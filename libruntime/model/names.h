@@ -2,11 +2,14 @@
 /// The names inside one element: each is a name, and an address leads to one thing only.
 #pragma once
 
-#include <mauve/fsm.h>
-#include <mauve/interface.h>
-#include <mauve/shell.h>
+#include <mauve/result.h>
 
 namespace mauve {
+
+class Configurable;
+class FsmBase;
+class InterfaceBase;
+class Shell;
 
 /// Refuses a name that is_name() refuses, and a name that two properties or observables, two ports,
 /// two services or two states share. The error is at the address of the element.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/property.h>
 
-#include <mauve/observable.h>
-
 namespace mauve {
 
 PropertyBase::PropertyBase(Configurable& owner, std::string_view name, std::string_view text,
@@ -42,13 +40,5 @@ Error invalid(const PropertyBase& property, std::string message) {
   return refuse(Errc::invalid_value, property.address(), std::move(message),
                 property.text().empty() ? "" : "it means: " + std::string(property.text()));
 }
-
-ObservableBase::ObservableBase(Configurable& owner, std::string_view name, std::string_view text,
-                               std::string_view unit, const DataType& type)
-    : owner_(owner), name_(name), text_(text), unit_(unit), type_(&type) {
-  owner.observables_.push_back(this);
-}
-
-std::string ObservableBase::address() const { return owner_.address() + "." + std::string(name_); }
 
 }  // namespace mauve

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include <mauve/architecture.h>
 #include <mauve/job.h>
 
 namespace mauve {

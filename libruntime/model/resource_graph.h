@@ -6,9 +6,13 @@
 #include <map>
 #include <vector>
 
-#include <mauve/architecture.h>
+#include <mauve/binding.h>
+#include <mauve/result.h>
 
 namespace mauve {
+
+class Architecture;
+class ResourceBase;
 
 class ResourceGraph {
  public:

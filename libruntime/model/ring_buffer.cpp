@@ -3,9 +3,12 @@
 
 #include <cstring>
 
-#include "model/succession.h"
+#include "model/state_transfer.h"
 
 #include <mauve/core.h>
+#include <mauve/observable.h>
+#include <mauve/property.h>
+#include <mauve/service.h>
 #include <mauve/tap.h>
 
 namespace mauve {

@@ -5,8 +5,10 @@
 
 #include <mauve/core.h>
 #include <mauve/exchange.h>
+#include <mauve/service.h>
+#include <mauve/state.h>
 
-#include "model/succession.h"
+#include "model/state_transfer.h"
 
 namespace mauve {
 

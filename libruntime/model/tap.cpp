@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
+#include <mauve/gate.h>
 #include <mauve/tap.h>
+#include <mauve/type.h>
 
 #include <cstring>
 #include <utility>

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 
+#include <mauve/architecture.h>
 #include <mauve/port.h>
 #include <mauve/ring_buffer.h>
 

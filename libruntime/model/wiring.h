@@ -7,9 +7,16 @@
 #include <string>
 #include <vector>
 
-#include <mauve/architecture.h>
+#include <mauve/binding.h>
+#include <mauve/result.h>
 
 namespace mauve {
+
+class Architecture;
+class PortBase;
+class ResourceBase;
+class ServiceBase;
+class Shell;
 
 /// The connections as they are, or as a change would leave them. [control] or [factory], while no
 /// element of the architecture comes or goes.

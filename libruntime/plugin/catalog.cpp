@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/name.h"
+#include "mauve/plugin.h"
 #include "plugin/hold.h"
 #include "plugin/plugin_file.h"
 

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "mauve/element_type.h"
-#include "mauve/plugin.h"
 #include "plugin/library.h"
 #include "plugin/loaded_plugin.h"
 

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <utility>
 
+#include "mauve/plugin.h"
 #include "plugin/checksum.h"
 #include "plugin/elf_file.h"
 #include "plugin/elf_lookup.h"

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "mauve/plugin.h"
+#include "mauve/plugin_entry.h"
 #include "mauve/result.h"
 
 namespace mauve::plugin {

@@ -5,20 +5,25 @@
 #include <type_traits>
 #include <utility>
 
+#include "base/mutex.h"
+#include "mauve/fsm.h"
+#include "mauve/slow_state.h"
+#include "mauve/state.h"
+
 namespace mauve::plugin {
 
 Hold::Hold(std::shared_ptr<Library> library, std::string user) : library_(std::move(library)) {
-  const std::lock_guard lock(library_->mutex_);
+  const MutexLock lock(library_->mutex_);
   user_ = library_->users_.insert(library_->users_.end(), {{}, std::move(user)});
 }
 
 Hold::~Hold() {
-  const std::lock_guard lock(library_->mutex_);
+  const MutexLock lock(library_->mutex_);
   library_->users_.erase(user_);
 }
 
 void Hold::place(const std::string& address) {
-  const std::lock_guard lock(library_->mutex_);
+  const MutexLock lock(library_->mutex_);
   user_->address = address;
 }
 

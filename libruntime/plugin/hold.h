@@ -6,6 +6,7 @@
 #include <string>
 
 #include "mauve/element_type.h"
+#include "mauve/type.h"
 #include "plugin/library.h"
 
 namespace mauve::plugin {

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "base/mutex.h"
+#include "mauve/plugin.h"
 #include "model/guard.h"
 #include "plugin/elf.h"
 #include "plugin/elf_file.h"
@@ -121,7 +123,7 @@ Library::~Library() {
 }
 
 std::vector<std::string> Library::users() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::vector<std::string> found;
   for (const User& user : users_) {
     found.push_back(user.address.empty() ? user.name : user.address + " (" + user.name + ")");

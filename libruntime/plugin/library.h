@@ -7,11 +7,12 @@
 #include <cstdint>
 #include <list>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
-#include "mauve/plugin.h"
+#include "base/mutex.h"
+#include "mauve/plugin_entry.h"
+#include "mauve/result.h"
 #include "plugin/image.h"
 #include "plugin/plugin_file.h"
 #include "rt/user_threads.h"
@@ -83,8 +84,8 @@ class Library {
   rt::CodeRange code_;
   std::unique_ptr<Plugin> declared_;  // destroyed before the code is unmapped
   std::atomic<bool> retired_{false};
-  mutable std::mutex mutex_;  // of users_; never taken by a real-time thread
-  Users users_;
+  mutable Mutex mutex_;  // of users_; never taken by a real-time thread
+  Users users_ MAUVE_GUARDED_BY(mutex_);
 };
 
 }  // namespace mauve::plugin

@@ -2,6 +2,8 @@
 #include "plugin/loaded_plugin.h"
 
 #include "base/address.h"
+#include "mauve/plugin.h"
+#include "mauve/type.h"
 #include "plugin/hold.h"
 
 namespace mauve::plugin {

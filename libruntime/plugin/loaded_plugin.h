@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "mauve/element_type.h"
+#include "mauve/type.h"
 #include "plugin/library.h"
 
 namespace mauve::plugin {

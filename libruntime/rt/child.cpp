@@ -18,6 +18,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "base/mutex.h"
 #include "rt/spawn.h"
 
 namespace mauve::rt {
@@ -127,7 +128,7 @@ Result<ChildEnd> ChildRunner::run(const std::vector<std::string>& command, const
 
 Result<pid_t> ChildRunner::spawn(const std::vector<std::string>& command, int input, int output,
                                  int errors) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (cancelled_) return refuse(Errc::wrong_state, {}, "mauved is about to end");
   auto child = rt::spawn(command, {input, output, errors});
   if (child) child_ = *child;
@@ -152,7 +153,7 @@ ChildEnd ChildRunner::wait(pid_t child, Duration within) {
   siginfo_t ended{};
   while (waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOWAIT) < 0 && errno == EINTR) {
   }
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   child_ = 0;
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
@@ -169,7 +170,7 @@ ChildEnd ChildRunner::wait(pid_t child, Duration within) {
 }
 
 void ChildRunner::cancel() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   cancelled_ = true;
   if (child_ == 0) return;
   kill(-child_, SIGKILL);

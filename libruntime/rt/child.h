@@ -6,10 +6,10 @@
 #include <sys/types.h>
 
 #include <cstdint>
-#include <mutex>
 #include <string>
 #include <vector>
 
+#include "base/mutex.h"
 #include "mauve/result.h"
 #include "mauve/time.h"
 #include "rt/descriptor.h"
@@ -64,9 +64,9 @@ class ChildRunner {
                                     int errors);
   [[nodiscard]] ChildEnd wait(pid_t child, Duration within);
 
-  std::mutex mutex_;  // of what follows
-  bool cancelled_ = false;
-  pid_t child_ = 0;  // not reaped yet; 0: none
+  Mutex mutex_;  // of what follows
+  bool cancelled_ MAUVE_GUARDED_BY(mutex_) = false;
+  pid_t child_ MAUVE_GUARDED_BY(mutex_) = 0;  // not reaped yet; 0: none
 };
 
 }  // namespace mauve::rt

@@ -6,13 +6,13 @@
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
-#include <mutex>
 
 #include <dlfcn.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include "rt/last_words.h"
+#include "base/mutex.h"
+#include "rt/crash_handler.h"
 #include "rt/rescue.h"
 
 namespace mauve::rt {
@@ -64,9 +64,9 @@ void on_end(int signal) {
 }
 
 struct Installed {
-  std::mutex mutex;
-  std::size_t users = 0;
-  bool exit_seen = false;
+  Mutex mutex;
+  std::size_t users MAUVE_GUARDED_BY(mutex) = 0;
+  bool exit_seen MAUVE_GUARDED_BY(mutex) = false;
 };
 
 Installed& installed() {
@@ -102,7 +102,7 @@ void replace_handlers(void (*present)(int), void (*handler)(int)) {
 
 EndHandlers::EndHandlers() {
   Installed& now = installed();
-  const std::lock_guard lock(now.mutex);
+  const MutexLock lock(now.mutex);
   if (now.users++ > 0) return;
   if (!now.exit_seen) {
     on_exit(at_exit, nullptr);
@@ -115,7 +115,7 @@ EndHandlers::EndHandlers() {
 
 EndHandlers::~EndHandlers() {
   Installed& now = installed();
-  const std::lock_guard lock(now.mutex);
+  const MutexLock lock(now.mutex);
   if (--now.users > 0) return;
   speaking_process.store(0);
   replace_handlers(on_end, SIG_DFL);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Ends of the process that nobody handles: exit() wherever it is called, and signals whose default
-/// is to end it. While an object lives they speak the last words first (last_words.h).
+/// is to end it. While an object lives they speak the last words first (crash_handler.h).
 #pragma once
 
 #include <csignal>

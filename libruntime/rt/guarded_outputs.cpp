@@ -10,6 +10,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/mutex.h"
 #include "rt/guardian_link.h"
 
 namespace mauve::rt {
@@ -48,7 +49,7 @@ GuardedOutputs& GuardedOutputs::of_process() {
 }
 
 void GuardedOutputs::expect(GuardianUse use, std::function<void()> ring) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   use_ = use;
   ring_ = std::move(ring);
   looked_ = use == GuardianUse::off;
@@ -63,7 +64,7 @@ Result<GuardedOutputs::Held> GuardedOutputs::made(const void* owner, const std::
   held.order.times = static_cast<std::uint32_t>(order.times);
   held.order.apart_us = static_cast<std::uint32_t>(order.apart / Duration{1us});
   held.order.drop_unsent = order.drop_unsent ? 1 : 0;
-  const auto taken = [&] {
+  const auto taken = [&]() MAUVE_REQUIRES(mutex_) {
     return std::any_of(held_.begin(), held_.end(),
                        [&](const auto& one) { return one.second.slot == held.slot; });
   };
@@ -87,7 +88,7 @@ Result<GuardedOutputs::Held> GuardedOutputs::made(const void* owner, const std::
 Status GuardedOutputs::hold(const void* owner, const std::string& name, int descriptor,
                             const SafeOrder& order) {
   if (Status right = check(order); !right) return right;
-  Lock lock(mutex_);
+  MutexLock lock(mutex_);
   if (use_ == GuardianUse::off) return ok();
   auto next = made(owner, name, descriptor, order);
   if (!next) return next.error();
@@ -97,7 +98,7 @@ Status GuardedOutputs::hold(const void* owner, const std::string& name, int desc
   } else if (ring_) {
     ring_();
   }
-  const auto settled = [&] {  // its place may go meanwhile
+  const auto settled = [&]() MAUVE_REQUIRES(mutex_) {  // its place may go meanwhile
     const auto found = held_.find(owner);
     return found == held_.end() || found->second.answered || !found->second.refused.empty() ||
            (looked_ && socket_ < 0);
@@ -115,7 +116,7 @@ Status GuardedOutputs::hold(const void* owner, const std::string& name, int desc
 }
 
 void GuardedOutputs::drop(const void* owner) {
-  Lock lock(mutex_);
+  MutexLock lock(mutex_);
   const auto found = held_.find(owner);
   if (found == held_.end()) return;
   const std::uint32_t slot = found->second.slot;
@@ -130,7 +131,7 @@ void GuardedOutputs::drop(const void* owner) {
 }
 
 void GuardedOutputs::send_again() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (socket_ < 0) return;
   guardian::Request request;
   request.kind = guardian::Kind::again;
@@ -138,7 +139,7 @@ void GuardedOutputs::send_again() {
 }
 
 std::vector<std::string> GuardedOutputs::names() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::vector<std::string> all;
   all.reserve(held_.size());
   for (const auto& [owner, held] : held_) all.emplace_back(held.order.name.data());
@@ -147,7 +148,7 @@ std::vector<std::string> GuardedOutputs::names() const {
 }
 
 void GuardedOutputs::attach(int socket) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   socket_ = socket;
   looked_ = true;
   for (auto& [owner, held] : held_) {
@@ -157,14 +158,14 @@ void GuardedOutputs::attach(int socket) {
 }
 
 void GuardedOutputs::detach() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   socket_ = -1;
   for (auto& [owner, held] : held_) held.answered = false;
   changed_.notify_all();
 }
 
 void GuardedOutputs::take(const guardian::Answer& answer) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   answered_ = answer.number;
   for (auto& [owner, held] : held_) {
     if (held.number != answer.number) continue;
@@ -176,7 +177,7 @@ void GuardedOutputs::take(const guardian::Answer& answer) {
 }
 
 void GuardedOutputs::say_goodbye() {
-  Lock lock(mutex_);
+  MutexLock lock(mutex_);
   use_ = GuardianUse::off;
   ring_ = nullptr;
   if (socket_ >= 0) {
@@ -203,8 +204,8 @@ std::uint32_t GuardedOutputs::send(guardian::Request request, int descriptor) {
   return number_;
 }
 
-void GuardedOutputs::await(Lock& lock, std::uint32_t number) {
-  const auto answered = [&] { return socket_ < 0 || answered_ >= number; };
+void GuardedOutputs::await(MutexLock& lock, std::uint32_t number) {
+  const auto answered = [&]() MAUVE_REQUIRES(mutex_) { return socket_ < 0 || answered_ >= number; };
   if (!changed_.wait_for(lock, kToAnswer, answered)) give_it_up();
 }
 

@@ -2,17 +2,16 @@
 /// GuardedOutputs: what the guardian of this process holds for it (guardian/README.md).
 #pragma once
 
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include <mauve/guarded.h>
 #include <mauve/result.h>
 
+#include "base/mutex.h"
 #include "rt/descriptor.h"
 #include "rt/guardian_wire.h"
 
@@ -62,23 +61,22 @@ class GuardedOutputs {
     bool answered = false;     // by the present guardian
     std::string refused;       // what it said
   };
-  using Lock = std::unique_lock<std::mutex>;
   [[nodiscard]] Result<Held> made(const void* owner, const std::string& name, int descriptor,
-                                  const SafeOrder& order) const;
-  void give_it_up();
-  void hand_over(Held& held);
-  std::uint32_t send(guardian::Request request, int descriptor);
-  void await(Lock& lock, std::uint32_t number);
+                                  const SafeOrder& order) const MAUVE_REQUIRES(mutex_);
+  void give_it_up() MAUVE_REQUIRES(mutex_);
+  void hand_over(Held& held) MAUVE_REQUIRES(mutex_);
+  std::uint32_t send(guardian::Request request, int descriptor) MAUVE_REQUIRES(mutex_);
+  void await(MutexLock& lock, std::uint32_t number) MAUVE_REQUIRES(mutex_);
 
-  mutable std::mutex mutex_;  // of all that follows
-  std::condition_variable changed_;
-  GuardianUse use_ = GuardianUse::off;
-  std::function<void()> ring_;
-  bool looked_ = false;  // for a guardian
-  int socket_ = -1;      // the link's; -1: no guardian
-  std::uint32_t number_ = 0;
-  std::uint32_t answered_ = 0;  // all up to this one
-  std::map<const void*, Held> held_;
+  mutable Mutex mutex_;  // of all that follows
+  ConditionVariable changed_;
+  GuardianUse use_ MAUVE_GUARDED_BY(mutex_) = GuardianUse::off;
+  std::function<void()> ring_ MAUVE_GUARDED_BY(mutex_);
+  bool looked_ MAUVE_GUARDED_BY(mutex_) = false;  // for a guardian
+  int socket_ MAUVE_GUARDED_BY(mutex_) = -1;      // the link's; -1: no guardian
+  std::uint32_t number_ MAUVE_GUARDED_BY(mutex_) = 0;
+  std::uint32_t answered_ MAUVE_GUARDED_BY(mutex_) = 0;  // all up to this one
+  std::map<const void*, Held> held_ MAUVE_GUARDED_BY(mutex_);
 };
 
 }  // namespace mauve::rt

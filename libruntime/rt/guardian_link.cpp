@@ -18,6 +18,7 @@
 
 #include <mauve/clock.h>
 
+#include "base/mutex.h"
 #include "rt/spawn.h"
 
 namespace mauve::rt {
@@ -98,7 +99,7 @@ void GuardianLink::stop(bool in_order) {
 }
 
 GuardianState GuardianLink::state() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return state_;
 }
 
@@ -228,7 +229,7 @@ bool GuardianLink::read_all(int socket) {
 void GuardianLink::found(How how, int socket) {
   GuardianNews news;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (state_.how == How::none) news.lasted = Duration{MonotonicClock().now() - state_.since};
     state_ = {how, {}, 0, how == How::started ? child_ : process_behind(socket)};
     news.state = state_;
@@ -240,7 +241,7 @@ void GuardianLink::absent(What what, const std::string& why) {
   GuardianNews news;
   news.what = what;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const bool known = state_.how == How::none;
     if (!known) state_.since = MonotonicClock().now();
     state_.how = How::none;

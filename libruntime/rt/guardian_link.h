@@ -4,13 +4,13 @@
 
 #include <atomic>
 #include <functional>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include <mauve/result.h>
 #include <mauve/time.h>
 
+#include "base/mutex.h"
 #include "rt/descriptor.h"
 #include "rt/guarded_outputs.h"
 #include "rt/guardian_page.h"
@@ -95,8 +95,8 @@ class GuardianLink {
   pid_t child_ = 0;                  // started and not reaped
   std::atomic<bool> leaves_{false};  // the end of the connection is nothing to tell any more
   std::atomic<bool> quits_{false};
-  mutable std::mutex mutex_;  // of the state
-  GuardianState state_;
+  mutable Mutex mutex_;  // of the state
+  GuardianState state_ MAUVE_GUARDED_BY(mutex_);
   Thread thread_;
 };
 

@@ -4,11 +4,13 @@
 
 #include <pthread.h>
 
+#include "base/mutex.h"
+
 #include <mauve/time.h>
 
 namespace mauve::rt {
 
-class PiMutex {
+class MAUVE_THREAD_ATTRIBUTE(capability("mutex")) PiMutex {
  public:
   PiMutex();
   ~PiMutex();
@@ -16,15 +18,31 @@ class PiMutex {
   PiMutex& operator=(const PiMutex&) = delete;
 
   /// About 10 ns when nobody holds it; false when somebody does. [rt]
-  [[nodiscard]] bool try_lock();
+  [[nodiscard]] bool try_lock() MAUVE_THREAD_ATTRIBUTE(try_acquire_capability(true));
   /// False when `deadline` (monotonic) passed first. The holder runs at the waiter's priority. [rt]
-  [[nodiscard]] bool lock_until(Instant deadline);
+  [[nodiscard]] bool lock_until(Instant deadline)
+      MAUVE_THREAD_ATTRIBUTE(try_acquire_capability(true));
   /// Waits as long as it takes; for holders that are known to be quick.
-  void lock();
-  void unlock();
+  void lock() MAUVE_THREAD_ATTRIBUTE(acquire_capability());
+  void unlock() MAUVE_THREAD_ATTRIBUTE(release_capability());
 
  private:
   pthread_mutex_t mutex_;
+};
+
+/// Holds such a mutex until the end of its scope.
+class MAUVE_THREAD_ATTRIBUTE(scoped_lockable) PiMutexLock {
+ public:
+  explicit PiMutexLock(PiMutex& mutex) MAUVE_THREAD_ATTRIBUTE(acquire_capability(mutex))
+      : mutex_(mutex) {
+    mutex_.lock();
+  }
+  ~PiMutexLock() MAUVE_THREAD_ATTRIBUTE(release_capability()) { mutex_.unlock(); }
+  PiMutexLock(const PiMutexLock&) = delete;
+  PiMutexLock& operator=(const PiMutexLock&) = delete;
+
+ private:
+  PiMutex& mutex_;
 };
 
 }  // namespace mauve::rt

@@ -8,14 +8,14 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
-#include <mutex>
 #include <string_view>
 
 #include <link.h>
 #include <ucontext.h>
 #include <unistd.h>
 
-#include "rt/last_words.h"
+#include "base/mutex.h"
+#include "rt/crash_handler.h"
 
 namespace mauve::rt {
 namespace {
@@ -145,8 +145,8 @@ void on_interrupt(int signal, siginfo_t* /*info*/, void* context) {
 }
 
 struct Installed {
-  std::mutex mutex;
-  std::size_t users = 0;
+  Mutex mutex;
+  std::size_t users MAUVE_GUARDED_BY(mutex) = 0;
   std::array<struct sigaction, kFaults.size()> faults{};
   struct sigaction interrupt {};
 };
@@ -212,14 +212,14 @@ void end_body(const Fault& fault) {
 FaultHandlers::FaultHandlers() {
   if constexpr (!kCanRescue) return;
   Installed& all = installed();
-  const std::lock_guard lock(all.mutex);
+  const MutexLock lock(all.mutex);
   if (all.users++ == 0) install(all);
 }
 
 FaultHandlers::~FaultHandlers() {
   if constexpr (!kCanRescue) return;
   Installed& all = installed();
-  const std::lock_guard lock(all.mutex);
+  const MutexLock lock(all.mutex);
   if (--all.users > 0) return;
   for (std::size_t i = 0; i < kFaults.size(); ++i) sigaction(kFaults[i], &all.faults[i], nullptr);
   sigaction(kInterrupt, &all.interrupt, nullptr);

@@ -6,10 +6,11 @@
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
-#include <mutex>
 #include <string>
 
 #include <mauve/clock.h>
+
+#include "base/mutex.h"
 
 namespace mauve::rt {
 namespace {
@@ -112,10 +113,10 @@ Instant fast_now() {
 bool ticks_are_tied() { return tied_now() != 0; }
 
 void tie_ticks() {
-  static std::mutex mutex;
+  static Mutex mutex;
   static bool trusted = is_to_be_trusted();
   static Sample last{};
-  const std::lock_guard lock(mutex);
+  const MutexLock lock(mutex);
   if (!trusted) return;
   const Sample now = sample();
   const Instant passed = now.time - last.time;

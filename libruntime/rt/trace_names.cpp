@@ -3,9 +3,10 @@
 #include <array>
 #include <deque>
 #include <map>
-#include <mutex>
 
 #include <mauve/trace.h>
+
+#include "base/mutex.h"
 
 namespace mauve {
 namespace {
@@ -14,9 +15,10 @@ namespace {
 constexpr std::size_t kMostNames = 65'536;
 
 struct Names {
-  std::mutex mutex;
-  std::deque<std::string> by_number{""};  // addresses stay
-  std::map<std::string_view, std::uint32_t, std::less<>> numbers{{by_number.front(), 0}};
+  Mutex mutex;
+  std::deque<std::string> by_number MAUVE_GUARDED_BY(mutex){""};  // addresses stay
+  std::map<std::string_view, std::uint32_t, std::less<>> numbers MAUVE_GUARDED_BY(mutex){
+      {by_number.front(), 0}};
 };
 
 /// Never destroyed: threads that were left behind outlive everything.
@@ -34,7 +36,7 @@ TraceMode trace_mode() { return detail::trace_mode.load(std::memory_order_relaxe
 
 std::uint32_t trace_name_id(std::string_view name) {
   Names& all = names();
-  const std::lock_guard lock(all.mutex);
+  const MutexLock lock(all.mutex);
   if (const auto known = all.numbers.find(name); known != all.numbers.end()) return known->second;
   if (all.by_number.size() == kMostNames) return 0;
   const auto number = static_cast<std::uint32_t>(all.by_number.size());
@@ -44,7 +46,7 @@ std::uint32_t trace_name_id(std::string_view name) {
 
 std::string_view trace_name(std::uint32_t id) {
   Names& all = names();
-  const std::lock_guard lock(all.mutex);
+  const MutexLock lock(all.mutex);
   return id < all.by_number.size() ? std::string_view(all.by_number[id]) : std::string_view{};
 }
 

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <list>
-#include <mutex>
 
 #include <dlfcn.h>
 #include <execinfo.h>
 #include <link.h>
 #include <pthread.h>
 
+#include "base/mutex.h"
 #include "rt/rescue.h"
 
 namespace mauve::rt {
@@ -25,8 +25,8 @@ struct Started {
 };
 
 struct Registry {
-  std::mutex mutex;
-  std::list<Started> threads;
+  Mutex mutex;
+  std::list<Started> threads MAUVE_GUARDED_BY(mutex);
 };
 
 /// Never destroyed: threads may end while the process does.
@@ -66,7 +66,7 @@ CodeRange code_around(const void* address) {
 std::vector<std::string> threads_started_by(const CodeRange& range) {
   std::vector<std::string> names;
   Registry& all = registry();
-  const std::lock_guard lock(all.mutex);
+  const mauve::MutexLock lock(all.mutex);
   for (const Started& one : all.threads) {
     const auto* const end = one.callers.data() + one.count;
     const bool ours = std::any_of(one.callers.data(), end, [&](const void* caller) {
@@ -106,7 +106,7 @@ void* run_started(void* start_of) {
   struct Entry {
     std::list<Started>::iterator self;
     ~Entry() {
-      const std::lock_guard lock(registry().mutex);
+      const mauve::MutexLock lock(registry().mutex);
       registry().threads.erase(self);
     }
   };
@@ -115,7 +115,7 @@ void* run_started(void* start_of) {
   const Entry entry{start.entry};
   started_by_user_code() = true;
   {
-    const std::lock_guard lock(registry().mutex);
+    const mauve::MutexLock lock(registry().mutex);
     start.entry->thread = pthread_self();
     start.entry->runs = true;
   }
@@ -139,12 +139,12 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
   auto& all = registry();
   auto* const start = new Start{function, argument, {}};
   {
-    const std::lock_guard lock(all.mutex);
+    const mauve::MutexLock lock(all.mutex);
     start->entry = all.threads.insert(all.threads.end(), started);
   }
   const int error = create(thread, attributes, run_started, start);
   if (error != 0) {
-    const std::lock_guard lock(all.mutex);
+    const mauve::MutexLock lock(all.mutex);
     all.threads.erase(start->entry);
     delete start;
   }

@@ -13,7 +13,7 @@
 #include <string>
 #include <string_view>
 
-#include "../drivers/serial_port.h"
+#include "../drivers/serial/serial_port.h"
 #include "event_reader.h"
 
 namespace teleop {

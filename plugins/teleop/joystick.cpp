@@ -15,7 +15,7 @@
 #include <mauve/job.h>
 #include <mauve/log.h>
 
-#include "../drivers/line_thread.h"
+#include "../drivers/serial/line_thread.h"
 #include "event_reader.h"
 #include "input_device.h"
 #include "parts.h"

@@ -25,7 +25,8 @@ find_package(yaml-cpp REQUIRED)
 
 add_library(mauve_warnings INTERFACE)
 target_compile_options(mauve_warnings INTERFACE
-  -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Werror)
+  -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Werror
+  $<$<CXX_COMPILER_ID:Clang>:-Wthread-safety>)  # base/mutex.h
 
 set(MAUVE_SANITIZE "" CACHE STRING "Sanitizers for all targets: address,undefined or thread")
 if(MAUVE_SANITIZE)

@@ -34,7 +34,7 @@ foreach(plugin ${mauve_plugins})
     install(TARGETS ${plugin} LIBRARY DESTINATION "${MAUVE_PLUGIN_SUBDIR}")
   endif()
 endforeach()
-foreach(pattern types/*.h guidance/control.h guidance/guidance.h guidance/obstacles.h drivers/*driver*.h)
+foreach(pattern types/*.h guidance/control.h guidance/guidance.h guidance/obstacles.h drivers/*/*driver*.h)
   file(GLOB headers CONFIGURE_DEPENDS RELATIVE "${mauve_sources}/plugins"
     "${mauve_sources}/plugins/${pattern}")
   foreach(header ${headers})

@@ -13,13 +13,13 @@
 
 #include <mauve/architecture.h>
 
-#include "exec/task.h"
+#include "exec/task/task.h"
 
 namespace bench {
 namespace {
 
-using mauve::exec::Published;
 using mauve::exec::Task;
+using mauve::exec::TaskUpdate;
 
 constexpr std::size_t kStates = 100;
 constexpr int kPriority = 50;
@@ -71,7 +71,7 @@ struct Chain : mauve::Fsm<Stepping> {
 enum class Care {
   none,        ///< but a budget
   undeclared,  ///< no budget: what a job uses is measured
-  full,        ///< a change on probation, a bound for the guard, and a relief standing by
+  full,        ///< a change on probation, a bound for the guard, and a standby core standing by
 };
 
 /// A task as the deployer makes it, driven by hand.
@@ -102,28 +102,29 @@ class Driven {
   [[nodiscard]] Stepping& core() const { return component_.core(); }
 
  private:
-  [[nodiscard]] std::unique_ptr<Published> bundle(mauve::Mode mode) {
-    auto made = std::make_unique<Published>();
+  [[nodiscard]] std::unique_ptr<TaskUpdate> bundle(mauve::Mode mode) {
+    auto made = std::make_unique<TaskUpdate>();
     made->bundle = component_.bundle();
     made->mode = mode;
     made->bound = std::chrono::seconds(10);
-    made->transaction = &decided_;
+    made->decision = &decided_;
     return made;
   }
   /// As after a change whose probation has begun; the guard would sleep until the bound.
   void look_after() {
     auto forth = bundle(mauve::Mode::keep);
     forth->back = bundle(mauve::Mode::keep);
-    forth->back->transaction = &way_back_.transaction();
-    forth->back->way_back = &way_back_;
+    forth->back->decision = &rollback_.decision();
+    forth->back->rollback = &rollback_;
     clock_.set(task_.next_release());
-    task_.publish(*forth.release());
+    task_.mailbox().publish(*forth.release());
     task_.release();
-    must_hold(task_.stand_by(*bundle(mauve::Mode::keep).release()), "no relief stands by");
+    must_hold(task_.mailbox().stand_by(*bundle(mauve::Mode::keep).release()),
+              "no relief stands by");
   }
 
-  mauve::exec::Transaction decided_{0, mauve::exec::Transaction::State::committed};
-  mauve::exec::WayBack way_back_;
+  mauve::exec::Decision decided_{0, mauve::exec::Decision::State::committed};
+  mauve::exec::Rollback rollback_;
   mauve::Architecture architecture_;
   mauve::Component<mauve::EmptyShell, Counting, FsmT> component_{architecture_, "stepping"};
   SteppedClock clock_;

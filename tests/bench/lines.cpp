@@ -4,11 +4,11 @@
 #include <cstdlib>
 #include <string>
 
-#include "../../plugins/drivers/gnss_reader.h"
-#include "../../plugins/drivers/nmea_write.h"
-#include "../../plugins/drivers/ubx_pvt.h"
-#include "../../plugins/drivers/xbus_frame.h"
-#include "../../plugins/drivers/xbus_imu.h"
+#include "../../plugins/drivers/gnss/gnss_reader.h"
+#include "../../plugins/drivers/gnss/nmea_write.h"
+#include "../../plugins/drivers/gnss/ubx_pvt.h"
+#include "../../plugins/drivers/imu/xbus_frame.h"
+#include "../../plugins/drivers/imu/xbus_imu.h"
 #include "bench/support/report.h"
 
 namespace bench {

@@ -10,10 +10,10 @@
 #include "bench/robot.h"
 #include "bench/support/checked.h"
 #include "bench/support/table.h"
+#include "picture/svg.h"
 #include "support/building.h"
 #include "support/deployed_control.h"
 #include "support/drive.h"
-#include "svg.h"
 
 namespace bench {
 namespace {

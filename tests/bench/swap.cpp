@@ -11,8 +11,8 @@
 #include "bench/support/raw.h"
 #include "bench/support/report.h"
 #include "bench/support/stepped_clock.h"
-#include "exec/swap.h"
-#include "exec/task.h"
+#include "exec/swap/two_phase_commit.h"
+#include "exec/task/task.h"
 
 #include <mauve/architecture.h>
 #include <mauve/deployer.h>
@@ -129,7 +129,7 @@ double added_to_a_job(int cpu, int swaps) {
   SteppedClock clock;
   mauve::exec::Task task("work", clock);
   const auto make = [](mauve::ComponentBase& of) {
-    auto made = std::make_unique<mauve::exec::Published>();
+    auto made = std::make_unique<mauve::exec::TaskUpdate>();
     made->bundle = of.bundle();
     return made;
   };
@@ -146,15 +146,15 @@ double added_to_a_job(int cpu, int swaps) {
     const OnCpu here(cpu, fifo_or_none(kPriority));
     mauve::ComponentBase& next = *bundles[static_cast<std::size_t>(i) % 2];
     mauve::ComponentBase& old = *bundles[static_cast<std::size_t>(i + 1) % 2];
-    mauve::exec::Transaction transaction(task.next_release());
-    transaction.decide(mauve::exec::Transaction::State::committed);
-    auto published = make(next);
-    published->transaction = &transaction;
-    published->hand_over =
+    mauve::exec::Decision transaction(task.next_release());
+    transaction.decide(mauve::exec::Decision::State::committed);
+    auto update = make(next);
+    update->decision = &transaction;
+    update->hand_over =
         checked(mauve::plan_hand_over(old.core(), next.core(), mauve::StatePolicy::keep));
-    task.publish(*published.release());
+    task.mailbox().publish(*update.release());
     added.push_back(job());
-    static_cast<void>(task.reclaim());
+    static_cast<void>(task.mailbox().reclaim());
     plain.push_back(job());
   }
   must_hold(task.counters().releases == 2 * static_cast<std::uint64_t>(swaps),

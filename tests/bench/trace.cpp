@@ -13,7 +13,7 @@
 #include <mauve/job.h>
 #include <mauve/trace.h>
 
-#include "exec/task.h"
+#include "exec/task/task.h"
 #include "rt/trace_ring.h"
 
 namespace bench {

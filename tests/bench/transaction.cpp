@@ -15,10 +15,15 @@
 #include "bench/support/machine.h"
 #include "bench/support/raw.h"
 #include "bench/support/report.h"
-#include "exec/commit.h"
-#include "exec/system.h"
+#include "exec/commit/commit.h"
+#include "exec/commit/under_way.h"
+#include "exec/deploy/bring_up.h"
+#include "exec/deploy/shutdown.h"
+#include "exec/system/events.h"
+#include "exec/system/system.h"
 
 #include <mauve/architecture.h>
+#include <mauve/receipt.h>
 
 namespace bench {
 namespace {

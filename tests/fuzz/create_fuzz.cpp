@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "../../plugins/drivers/create_oi.h"
-#include "../../plugins/drivers/wheels.h"
+#include "../../plugins/drivers/base/create_oi.h"
+#include "../../plugins/drivers/base/wheels.h"
 
 namespace {
 

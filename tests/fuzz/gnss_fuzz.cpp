@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "../../plugins/drivers/gnss_reader.h"
-#include "../../plugins/drivers/ubx_pvt.h"
+#include "../../plugins/drivers/gnss/gnss_reader.h"
+#include "../../plugins/drivers/gnss/ubx_pvt.h"
 
 namespace {
 

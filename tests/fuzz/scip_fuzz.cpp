@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "../../plugins/drivers/scip_write.h"
+#include "../../plugins/drivers/laser/scip_write.h"
 
 namespace {
 

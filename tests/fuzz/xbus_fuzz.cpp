@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "../../plugins/drivers/xbus_frame.h"
-#include "../../plugins/drivers/xbus_imu.h"
+#include "../../plugins/drivers/imu/xbus_frame.h"
+#include "../../plugins/drivers/imu/xbus_imu.h"
 
 namespace {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string>
 
-#include "../../plugins/drivers/serial_port.h"
-#include "../../plugins/drivers/xbus_imu.h"
+#include "../../plugins/drivers/imu/xbus_imu.h"
+#include "../../plugins/drivers/serial/serial_port.h"
 #include "serial_drivers.h"
 #include "support/temp_dir.h"
 

@@ -15,8 +15,8 @@
 #include <string_view>
 #include <vector>
 
-#include "../../plugins/drivers/nmea_write.h"
-#include "../../plugins/drivers/serial_port.h"
+#include "../../plugins/drivers/gnss/nmea_write.h"
+#include "../../plugins/drivers/serial/serial_port.h"
 #include "support/daemon_process.h"
 #include "support/gpsd_check.h"
 #include "support/test_data.h"

@@ -10,9 +10,9 @@
 #include <string>
 #include <utility>
 
-#include "../../plugins/drivers/create_oi.h"
-#include "../../plugins/drivers/scip_write.h"
-#include "../../plugins/drivers/serial_port.h"
+#include "../../plugins/drivers/base/create_oi.h"
+#include "../../plugins/drivers/laser/scip_write.h"
+#include "../../plugins/drivers/serial/serial_port.h"
 #include "../../plugins/types/pose.h"
 #include "../../plugins/types/velocity.h"
 #include "robot_drivers.h"

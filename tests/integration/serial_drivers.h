@@ -14,7 +14,7 @@
 #include <mauve/architecture.h>
 #include <mauve/deployer.h>
 
-#include "../../plugins/drivers/serial_port.h"
+#include "../../plugins/drivers/serial/serial_port.h"
 #include "arch/load.h"
 #include "plugin/catalog.h"
 #include "support/eventually.h"

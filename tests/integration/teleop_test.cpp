@@ -13,7 +13,7 @@
 #include <mauve/architecture.h>
 #include <mauve/deployer.h>
 
-#include "../../plugins/drivers/serial_port.h"
+#include "../../plugins/drivers/serial/serial_port.h"
 #include "../../plugins/types/velocity.h"
 #include "arch/load.h"
 #include "plugin/catalog.h"

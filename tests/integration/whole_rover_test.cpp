@@ -10,7 +10,7 @@
 #include <functional>
 #include <string>
 
-#include "../../plugins/drivers/serial_port.h"
+#include "../../plugins/drivers/serial/serial_port.h"
 #include "support/daemon_process.h"
 #include "support/input_events.h"
 #include "support/ros_tools.h"

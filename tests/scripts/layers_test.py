@@ -45,6 +45,15 @@ class Layers(unittest.TestCase):
         self.refused({"libruntime/exec/task.h": "", "libruntime/plugin/a.cpp": '#include "exec/task.h"\n'},
                      "not exec")
 
+    def test_refuses_a_room_that_knows_a_higher_one_of_its_layer(self):
+        self.accepted({"libruntime/exec/task/task.h": "#pragma once\n",
+                       "libruntime/exec/commit/commit.cpp": '#include "exec/task/task.h"\n'})
+        self.refused({"libruntime/exec/commit/commit.h": "#pragma once\n",
+                      "libruntime/exec/task/task.cpp": '#include "exec/commit/commit.h"\n'},
+                     "room task is below commit and may not use it")
+        self.refused({"libruntime/exec/task/task.h": "#pragma once\n",
+                      "libruntime/exec/other.cpp": '#include "exec/task/task.h"\n'}, "is in no room of libruntime/exec")
+
     def test_refuses_a_public_header_with_a_private_include(self):
         self.refused({"libruntime/rt/clock.h": "", "libruntime/include/mauve/x.h": '#include "rt/clock.h"\n'},
                      "layer public may use")

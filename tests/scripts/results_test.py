@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Who may run again after a failure, and what is said of who then passed."""
+"""Which tests may run again after a failure, and what the summary says of those that then pass."""
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -31,25 +32,37 @@ class Results(unittest.TestCase):
     def write(self, name, text):
         (self.folder / name).write_text(text, encoding="utf-8")
 
-    def may_run_again(self, ends, output="expected 1, got 2"):
+    def run_again(self, ends, output="expected 1, got 2", known=("A.B", "C.D/0"), begun=()):
         self.write("first.xml", junit([(name, "fail", output) for name, _ in ends]))
-        self.write("log", "The following tests FAILED:\n\t  1 - Inner.Test (SEGFAULT)\n"  # of an inner ctest
+        self.write("log", "".join(f"      Start {i:3}: {name}\n" for i, name in enumerate(begun))
+                   + "The following tests FAILED:\n\t  1 - Inner.Test (SEGFAULT)\n"  # of an inner ctest
                    "The following tests FAILED:\n"
                    + "".join(f"\t {i:2} - {name} ({end})\n" for i, (name, end) in enumerate(ends))
                    + "Errors while running CTest\n")
-        return self.results("--may-run-again", "first.xml", "log")
+        self.write("ledger", "# test  first seen  cause\n\n"
+                   + "".join(f"{name}  2026-11-01  not known\n" for name in known))
+        return self.results("--run-again", "first.xml", "log", "ledger")
 
-    def refused(self, words, *arguments):
-        code, output = self.may_run_again(*arguments)
+    def refused(self, words, *arguments, **more):
+        code, output = self.run_again(*arguments, **more)
         self.assertEqual(code, 1, output)
         self.assertIn(words, output)
 
-    def test_lets_failures_and_timeouts_run_again(self):
-        self.assertEqual(self.may_run_again([("A.B", "Failed"), ("C.D/0", "Timeout")]), (0, ""))
+    def test_lets_tests_of_the_ledger_run_again(self):
+        self.assertEqual(self.run_again([("A.B", "Failed"), ("C.D/0", "Failed")]), (0, "^(A\\.B|C\\.D/0)$\n"))
 
-    def test_excuses_no_crash_and_nothing_that_did_not_run(self):
-        for end in ("SEGFAULT", "Subprocess aborted", "Not Run"):
-            self.refused(f"A.B: {end}", [("A.B", end), ("C.D", "Failed")])
+    def test_lets_them_run_beside_the_tests_that_ran_beside_them(self):
+        begun = [f"N.{i}" for i in range(40)]
+        begun[20] = "A.B"
+        expression = self.run_again([("A.B", "Failed")], begun=begun)[1].strip()
+        self.assertEqual([name for name in begun if re.match(expression, name)], begun[8:33])
+
+    def test_excuses_no_test_that_is_not_in_the_ledger(self):
+        self.refused("E.F: is not in ledger", [("A.B", "Failed"), ("E.F", "Failed")])
+
+    def test_excuses_no_crash_no_hang_and_nothing_that_did_not_run(self):
+        for end in ("SEGFAULT", "Subprocess aborted", "Timeout", "Not Run"):
+            self.refused(f"A.B: {end}", [("A.B", end), ("C.D/0", "Failed")])
 
     def test_excuses_no_report_of_a_sanitizer(self):
         for report in ("==7==ERROR: AddressSanitizer: heap", "WARNING: ThreadSanitizer: data race",
@@ -59,9 +72,17 @@ class Results(unittest.TestCase):
 
     def test_excuses_at_most_five_and_never_an_unknown_failure(self):
         many = [(f"A.B{i}", "Failed") for i in range(6)]
-        self.assertEqual(self.may_run_again(many[:5])[0], 0)
-        self.refused("6 tests failed", many)
+        names = [name for name, _ in many]
+        self.assertEqual(self.run_again(many[:5], known=names)[0], 0)
+        self.refused("6 tests failed", many, known=names)
         self.refused("0 tests failed", [])
+
+    def test_fails_with_a_test_that_fails_beside_one_that_runs_again(self):
+        self.write("first.xml", junit([("A.B", "fail", ""), ("C.D", "run", "")]))
+        self.write("again.xml", junit([("A.B", "run", ""), ("C.D", "fail", "expected 7")]))
+        code, output = self.results("asan", "first.xml", "counts", "again.xml")
+        self.assertEqual(code, 1, output)
+        self.assertIn("expected 7", output)
 
     def test_names_and_counts_who_is_unsteady(self):
         self.write("first.xml", junit([("A.B", "fail", "expected 1"), ("C.D", "run", "")]))
@@ -87,6 +108,17 @@ class Results(unittest.TestCase):
         self.assertIn("FAILED  asan: A.B. It had said:\n    a.cpp:7: Failure\n    does not load\n", output)
         self.assertIn("    the end\n", output)
         self.assertLess(output.count("between"), 40)
+
+    def test_holds_the_ledger_to_tests_that_exist_with_date_and_cause(self):
+        self.write("a.cpp", "TEST_F(A, B) {}\nTEST_P(C, D) {}\n")
+        good = "# comment\nA.B  2026-11-01  not known\nPieces/C.D/Slow  2026-11-01  not known\n"
+        self.write("ledger", good)
+        self.assertEqual(self.results("--check-ledger", "ledger", "."), (0, ""))
+        for bad in ("A.B  2026-11-01", "A.B yesterday not known", "A.X  2026-11-01  not known"):
+            self.write("ledger", good + bad + "\n")
+            code, output = self.results("--check-ledger", "ledger", ".")
+            self.assertEqual(code, 1)
+            self.assertIn("ledger:4:", output)
 
     def test_fails_when_nobody_ran_again(self):
         self.write("first.xml", junit([("A.B", "fail", "")]))

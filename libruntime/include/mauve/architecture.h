@@ -19,6 +19,7 @@
 #include <vector>
 
 #include <mauve/component.h>
+#include <mauve/element.h>
 #include <mauve/resource.h>
 #include <mauve/ring_buffer.h>
 #include <mauve/shared_data.h>

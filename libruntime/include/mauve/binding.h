@@ -6,10 +6,12 @@
 #include <memory>
 #include <vector>
 
-#include <mauve/exchange.h>
-#include <mauve/service.h>
+#include <mauve/time.h>
 
 namespace mauve {
+
+struct Exchange;
+class ServiceBase;
 
 /// One connection of one port. Immutable; owns the reader slot and keeps the service's plugin
 /// loaded. Made and destroyed off the real-time threads.

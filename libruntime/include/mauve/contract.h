@@ -15,7 +15,6 @@
 #include <mauve/class_name.h>
 #include <mauve/core.h>
 #include <mauve/shell.h>
-#include <mauve/type.h>
 
 namespace mauve {
 

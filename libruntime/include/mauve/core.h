@@ -3,16 +3,12 @@
 #pragma once
 
 #include <mauve/configurable.h>
-#include <mauve/converts.h>
-#include <mauve/log.h>
-#include <mauve/observable.h>
-#include <mauve/property.h>
-#include <mauve/shell.h>
-#include <mauve/slow_state.h>
-#include <mauve/state.h>
-#include <mauve/trace.h>
 
 namespace mauve {
+
+class Shell;
+class SlowStateBase;
+class StateBase;
 
 /// What the runtime sees of a core.
 class CoreBase : public Configurable {

@@ -16,11 +16,15 @@
 #include <typeinfo>
 #include <vector>
 
-#include <mauve/architecture.h>
 #include <mauve/change.h>
+#include <mauve/class_name.h>
 #include <mauve/clock.h>
 #include <mauve/deploy_options.h>
 #include <mauve/happening.h>
+#include <mauve/ongoing.h>
+#include <mauve/prepared_change.h>
+#include <mauve/probation.h>
+#include <mauve/receipt.h>
 #include <mauve/retired.h>
 #include <mauve/statistics.h>
 #include <mauve/timing.h>
@@ -28,50 +32,13 @@
 
 namespace mauve {
 
+class Architecture;
+
 namespace exec {
 class System;
 }
 
-class PreparedChange;
-
-/// A change, or a stop, on its way: it is over when every member came to its boundary. [control]
-class Ongoing {
- public:
-  virtual ~Ongoing() = default;
-  /// Looks how far it is and takes the next step; never waits. True when there is an answer; that
-  /// comes in bounded time, if advance() is called now and then.
-  virtual bool advance() = 0;
-  /// The answer. A generation that the system makes by itself after that of this change, by a
-  /// rollback or a fallback core, enters the architecture when result() was asked, or when nobody
-  /// has this any more: so each generation can be looked at.
-  [[nodiscard]] virtual Result<Receipt> result() const = 0;
-  /// Elements that are no longer in force.
-  virtual Retired& retired() = 0;
-};
-
-/// A stop that goes on without [control]. Used by one thread, which is no component's; destroyed
-/// before the deployer.
-class DirectStop {
- public:
-  virtual ~DirectStop() = default;
-  /// Looks how far it is and takes the next step; never waits. True when it is over, in bounded
-  /// time.
-  virtual bool advance() = 0;
-  /// Components that ran when it began, and those of them that run still.
-  [[nodiscard]] virtual const std::vector<std::string>& ran() const = 0;
-  [[nodiscard]] virtual const std::vector<std::string>& run_still() const = 0;
-};
-
 /// All calls are [control] unless they say otherwise; none may be made from a component's thread.
-/// Changes on probation together.
-struct OpenProbation {
-  std::vector<std::uint64_t> changes;   ///< the generations they made, the oldest first
-  std::vector<std::string> components;  ///< that are led back when one of them fails
-  Duration passed{0};                   ///< since the newest of the changes
-  Probation rules;
-  bool leads_back = false;  ///< a failure, or undo(), has set it off
-};
-
 class Deployer {
  public:
   explicit Deployer(Architecture& architecture, DeployOptions options = {});
@@ -142,14 +109,15 @@ class Deployer {
 
   /// Cores that shall stand by for a failing one, and do not yet: after deployment, after each
   /// change, after each fault. Prepare each [factory], then let it stand by.
-  [[nodiscard]] std::vector<Change> wanted_reliefs() const;
+  [[nodiscard]] std::vector<Change> wanted_standby_cores() const;
   /// As prepare(); an error of a fallback core is about `X.fallback_core`.
-  Result<PreparedChange> prepare_relief(const Change& relief);
+  Result<PreparedChange> prepare_standby(const Change& standby);
   /// Drops what is out of date meanwhile.
-  void stand_by(PreparedChange& relief);
-  /// None can be made for this component. A component whose core has failed waits for its relief as
-  /// long as its policy allows: this ends the wait, and it is faulted. `why` goes to its outcome.
-  void refuse_relief(std::string_view component, const std::string& why);
+  void stand_by(PreparedChange& standby);
+  /// None can be made for this component. A component whose core has failed waits for its standby
+  /// as long as its policy allows: this ends the wait, and it is faulted. `why` goes to its
+  /// outcome.
+  void refuse_standby(std::string_view component, const std::string& why);
 
   /// Shorthands for apply().
   Result<Receipt> start(const std::vector<std::string>& components, bool reset = false);
@@ -218,23 +186,6 @@ class Deployer {
 
  private:
   std::unique_ptr<exec::System> system_;
-};
-
-/// A change that was prepared and can be committed once. Owns what it made; dropping it cleans up
-/// and frees the unused elements: do that on [factory].
-class PreparedChange {
- public:
-  class Content;
-  explicit PreparedChange(std::unique_ptr<Content> content);
-  PreparedChange(PreparedChange&&) noexcept;
-  PreparedChange& operator=(PreparedChange&&) noexcept;
-  ~PreparedChange();
-  [[nodiscard]] Content& content() { return *content_; }
-  /// Runtime only.
-  [[nodiscard]] std::shared_ptr<Content> share() const { return content_; }
-
- private:
-  std::shared_ptr<Content> content_;
 };
 
 }  // namespace mauve

@@ -14,12 +14,12 @@
 #include <mauve/class_name.h>
 #include <mauve/contract.h>
 #include <mauve/core.h>
-#include <mauve/fsm.h>
 #include <mauve/interface.h>
 #include <mauve/shell.h>
-#include <mauve/type.h>
 
 namespace mauve {
+
+class FsmBase;
 
 namespace detail {
 

@@ -3,6 +3,10 @@
 /// writes here without a call.
 #pragma once
 
+#include <cstddef>
+#include <cstring>
+
+#include <mauve/data_status.h>
 #include <mauve/job.h>
 #include <mauve/latest_value.h>
 #include <mauve/tap.h>

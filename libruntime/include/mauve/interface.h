@@ -10,9 +10,11 @@
 
 #include <mauve/configurable.h>
 #include <mauve/core.h>
-#include <mauve/service.h>
 
 namespace mauve {
+
+class ResourceBase;
+class ServiceBase;
 
 /// What the runtime sees of an interface.
 class InterfaceBase : public Configurable {

@@ -9,8 +9,10 @@
 #include <type_traits>
 #include <utility>
 
+#include <mauve/exchange.h>
 #include <mauve/plausible.h>
 #include <mauve/port_base.h>
+#include <mauve/service.h>
 
 namespace mauve {
 

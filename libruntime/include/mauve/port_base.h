@@ -9,11 +9,15 @@
 
 #include <mauve/binding.h>
 #include <mauve/data_status.h>
-#include <mauve/service.h>
+#include <mauve/job.h>
+#include <mauve/result.h>
+#include <mauve/signature.h>
 #include <mauve/trace.h>
 
 namespace mauve {
 
+struct Exchange;
+class ServiceBase;
 class Shell;
 
 /// How important a connection is. `mauved --check`, a start and `status` name ports without one

@@ -7,12 +7,15 @@
 #include <string>
 #include <string_view>
 
+#include <mauve/binding.h>
 #include <mauve/element_type.h>
+#include <mauve/gate.h>
 #include <mauve/interface.h>
 
 namespace mauve {
 
 class Architecture;
+class ServiceBase;
 class Tap;
 
 /// What the runtime sees of a resource. Owned by an Architecture.

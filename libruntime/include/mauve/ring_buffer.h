@@ -5,10 +5,13 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <type_traits>
 
 #include <mauve/resource.h>
 
 namespace mauve {
+
+struct DataType;
 
 /// Type "ring_buffer" of the architecture file. A read takes the oldest item (`no_data` when
 /// empty); a write to a full buffer drops the oldest item and counts it (`core.dropped`).

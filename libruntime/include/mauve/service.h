@@ -9,25 +9,22 @@
 #include <string_view>
 #include <type_traits>
 
-#include <mauve/configurable.h>
 #include <mauve/data_status.h>
 #include <mauve/gate.h>
 #include <mauve/job.h>
 #include <mauve/method.h>
-#include <mauve/type.h>
+#include <mauve/signature.h>
+#include <mauve/visitor.h>
 
 namespace mauve {
 
+class CoreBase;
 class InterfaceBase;
 class ResourceBase;
 struct Exchange;
 class TapList;
 template <typename CoreT>
 class Interface;
-
-/// How many ports may be connected to a service at once. `one`: it moves something, and two that
-/// command it would contradict each other; a second one is refused.
-enum class Writers : std::uint8_t { many, one };
 
 /// What a port sees of a service. Data moves through untyped pointers; connect() has compared the
 /// signatures, so the casts are safe. Calls are [any] but not from inside the same resource.

@@ -4,10 +4,13 @@
 
 #include <memory>
 #include <string>
+#include <type_traits>
 
 #include <mauve/resource.h>
 
 namespace mauve {
+
+struct DataType;
 
 /// Type "shared_data" of the architecture file. Reads are wait-free for the first readers
 /// connected (`kReaders` places, one of them the administrator's), and writes for the first writer

@@ -2,14 +2,16 @@
 /// Shell: the outside of a component or resource: ports and properties (paper 3.3.2).
 #pragma once
 
+#include <cstdint>
 #include <string_view>
 #include <vector>
 
+#include <mauve/binding.h>
 #include <mauve/configurable.h>
-#include <mauve/port.h>
-#include <mauve/property.h>
 
 namespace mauve {
+
+class PortBase;
 
 /// Derive, and declare ports and properties as members.
 class Shell : public Configurable {

@@ -9,10 +9,13 @@
 #include <functional>
 #include <memory>
 
-#include <mauve/data_status.h>
-#include <mauve/service.h>
+#include <mauve/result.h>
+#include <mauve/time.h>
 
 namespace mauve {
+
+struct DataType;
+class Gate;
 
 /// One listener. Values that find it full are counted, the writer never waits.
 class Tap {

@@ -12,6 +12,8 @@
 
 #include "arch/load.h"
 #include "arch/parts.h"
+#include "mauve/architecture.h"
+#include "plugin/catalog.h"
 #include "unit/arch/architecture_text.h"
 #include "unit/arch/sample_plugin.h"
 

@@ -12,6 +12,7 @@
 
 #include "arch/diff.h"
 #include "arch/load.h"
+#include "plugin/catalog.h"
 #include "unit/arch/architecture_text.h"
 #include "unit/arch/sample_plugin.h"
 

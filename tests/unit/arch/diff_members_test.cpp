@@ -9,6 +9,7 @@
 #include "arch/describe.h"
 #include "arch/diff.h"
 #include "arch/value_json.h"
+#include "mauve/resource.h"
 #include "unit/arch/diff_fixture.h"
 
 namespace mauve::arch {

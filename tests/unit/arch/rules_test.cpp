@@ -12,6 +12,9 @@
 #include "arch/quantity.h"
 #include "arch/transaction.h"
 #include "arch/value_json.h"
+#include "mauve/architecture.h"
+#include "mauve/deployer.h"
+#include "plugin/catalog.h"
 #include "unit/arch/architecture_text.h"
 #include "unit/arch/sample_plugin.h"
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "arch/load.h"
+#include "plugin/catalog.h"
 #include "unit/arch/sample_plugin.h"
 
 namespace mauve::arch {

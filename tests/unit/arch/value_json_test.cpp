@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "arch/json.h"
+#include "mauve/codec_scalar.h"
 
 namespace mauve::arch {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render.h"
+#include "render/render.h"
 #include "unit/ctl/scene.h"
 
 namespace mauve::ctl {

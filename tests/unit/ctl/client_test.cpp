@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "client.h"
+#include "cli/client.h"
 
 #include <chrono>
 #include <string>

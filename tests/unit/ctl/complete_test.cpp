@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "complete.h"
+#include "cli/complete.h"
 
 #include <algorithm>
 #include <fstream>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // The architecture as a picture: an answer in, DOT, Mermaid and SVG out.
-#include "graph.h"
+#include "picture/graph.h"
 
 #include <cstdio>
 #include <fstream>
@@ -9,11 +9,11 @@
 
 #include <gmock/gmock.h>
 
-#include "graph_look.h"
-#include "layers.h"
-#include "machine.h"
+#include "picture/graph_look.h"
+#include "picture/layers.h"
+#include "picture/machine.h"
+#include "picture/svg.h"
 #include "support/temp_dir.h"
-#include "svg.h"
 #include "unit/ctl/scene.h"
 #include "unit/ctl/svg_reader.h"
 

@@ -5,8 +5,9 @@
 
 #include <gmock/gmock.h>
 
-#include "log_time.h"
-#include "render.h"
+#include "commands/log_time.h"
+#include "mauve/log.h"
+#include "render/render.h"
 #include "unit/ctl/scene.h"
 
 namespace mauve::ctl {

@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "help.h"
-#include "table.h"
+#include "cli/help.h"
+#include "render/table.h"
+#include "render/words.h"
 #include "unit/ctl/scene.h"
-#include "words.h"
 
 namespace mauve::ctl {
 namespace {

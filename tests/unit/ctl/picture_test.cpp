@@ -6,9 +6,9 @@
 
 #include <gmock/gmock.h>
 
-#include "map_picture.h"
-#include "series_picture.h"
-#include "svg.h"
+#include "picture/map_picture.h"
+#include "picture/series_picture.h"
+#include "picture/svg.h"
 
 namespace mauve::ctl {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // record, plot and map: what arrives becomes rows and pictures.
-#include "recording.h"
+#include "commands/recording.h"
 
 #include <algorithm>
 #include <string>

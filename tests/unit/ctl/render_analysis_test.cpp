@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render.h"
+#include "render/render.h"
 
 namespace mauve::ctl {
 namespace {

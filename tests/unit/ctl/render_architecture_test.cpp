@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // Architecture files as people read them.
-#include "render.h"
+#include "render/render.h"
 
 #include <string>
 

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render.h"
+#include "render/render.h"
 
 namespace mauve::ctl {
 namespace {

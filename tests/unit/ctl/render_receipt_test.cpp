@@ -2,7 +2,7 @@
 // What a receipt says besides its sentence.
 #include <gtest/gtest.h>
 
-#include "render.h"
+#include "render/render.h"
 
 namespace mauve::ctl {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "render.h"
+#include "render/render.h"
 
 #include <string>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // Whole commands against a fake server: what is asked, what is printed, which exit code.
-#include "session.h"
+#include "cli/session.h"
 
 #include <sstream>
 #include <string>
@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "mauve/plugin.h"
 #include "unit/ctl/scene.h"
 
 namespace mauve::ctl {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "svg.h"
+#include "picture/svg.h"
 
 namespace mauve::ctl {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "table.h"
+#include "render/table.h"
 
 #include <gtest/gtest.h>
 
-#include "words.h"
+#include "render/words.h"
 
 namespace mauve::ctl {
 namespace {

@@ -2,8 +2,8 @@
 /// What a daemon with four components answers to top.
 #pragma once
 
-#include "top.h"
-#include "words.h"
+#include "render/words.h"
+#include "top/top.h"
 
 namespace mauve::ctl {
 

@@ -18,8 +18,8 @@
 
 #include <gtest/gtest.h>
 
+#include "render/table.h"
 #include "support/eventually.h"
-#include "table.h"
 #include "unit/ctl/scene.h"
 #include "unit/ctl/top_answers.h"
 

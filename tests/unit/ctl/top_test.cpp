@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Rows, keys and pictures of top, without a terminal.
-#include "top.h"
+#include "top/top.h"
 
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "table.h"
+#include "render/table.h"
 #include "unit/ctl/top_answers.h"
 
 namespace mauve::ctl {

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render.h"
+#include "render/render.h"
 #include "unit/ctl/scene.h"
 
 namespace mauve::ctl {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "control.h"
+#include "changes/control.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "commands/given_up.h"
+#include "commands/recovery/given_up.h"
 #include "model/leavable.h"
 #include "support/eventually.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "fair_queue.h"
+#include "changes/fair_queue.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

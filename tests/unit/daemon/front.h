@@ -14,8 +14,8 @@
 
 #include "commands/table.h"
 #include "judge/judge.h"
-#include "supervisor.h"
-#include "watch.h"
+#include "monitor/supervisor.h"
+#include "monitor/watch.h"
 
 namespace mauve::daemon {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "generations.h"
+#include "state/generations.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "durable.h"
+#include "state/durable.h"
 #include "support/temp_dir.h"
 
 namespace mauve::daemon {

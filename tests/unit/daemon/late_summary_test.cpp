@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "late_summary.h"
+#include "monitor/late_summary.h"
 
 #include <gtest/gtest.h>
 

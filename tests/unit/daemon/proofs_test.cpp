@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "proofs.h"
+#include "state/proofs.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

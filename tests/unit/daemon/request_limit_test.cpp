@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "request_limit.h"
+#include "changes/request_limit.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// A stop that [control], here the thread of the test, leaves alone. On real threads.
-#include "stopper.h"
+#include "changes/stopper.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // The differences that the way back from changes on probation makes.
-#include "commands/way_back.h"
+#include "commands/recovery/way_back.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "exec/evidence.h"
+#include "exec/task/evidence.h"
 
 #include <gtest/gtest.h>
 

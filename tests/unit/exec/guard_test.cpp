@@ -10,7 +10,8 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include "exec/system.h"
+#include "exec/system/make_update.h"
+#include "exec/system/system.h"
 #include "rt/rescue.h"
 #include "rt/thread.h"
 #include "support/block.h"

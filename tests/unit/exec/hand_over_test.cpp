@@ -6,7 +6,8 @@
 #include <cstdio>
 #include <random>
 
-#include "exec/commit.h"
+#include "exec/commit/commit.h"
+#include "exec/system/make_update.h"
 #include "support/positions.h"
 
 namespace mauve {
@@ -164,16 +165,16 @@ TEST_F(HandOver, KeepsACounterExactInAnySequenceOfSwaps) {
   }
 }
 
-/// The bundle before the last change, on its way back.
-std::unique_ptr<exec::Published> way_back(ComponentBase& component,
-                                          std::shared_ptr<const Bundle> old) {
+/// The bundle before the last change, on its rollback.
+std::unique_ptr<exec::TaskUpdate> rollback(ComponentBase& component,
+                                           std::shared_ptr<const Bundle> old) {
   exec::PreparedMember member;
   member.component = &component;
   member.base = component.bundle();
   member.next = std::move(old);
-  auto published = exec::make_published(member);
-  EXPECT_FALSE(published->hand_over.run().happened());
-  return published;
+  auto update = exec::make_update(member);
+  EXPECT_FALSE(update->hand_over.run().happened());
+  return update;
 }
 
 TEST_F(HandOver, GoesBackToTheValueItHadWhenThereIsNoWayBack) {
@@ -182,9 +183,9 @@ TEST_F(HandOver, GoesBackToTheValueItHadWhenThereIsNoWayBack) {
   ASSERT_TRUE(swap<ramp::Second>());
   deployer.run_for(50ms);
 
-  const auto published = way_back(architecture.control, old);
+  const auto update = rollback(architecture.control, old);
 
-  EXPECT_EQ(published->hand_over.bytes, 0u);
+  EXPECT_EQ(update->hand_over.bytes, 0u);
   EXPECT_EQ(static_cast<const ramp::PositionV1*>(old->core->state()->data())->metres, 20.0);
 }
 
@@ -193,9 +194,9 @@ TEST_F(HandOver, GoesOnFromTheLaterValueWhenThereIsAWayBack) {
   ASSERT_TRUE(swap<ramp::Second>());
   deployer.run_for(50ms);
 
-  const auto published = way_back(architecture.control, old);
+  const auto update = rollback(architecture.control, old);
 
-  EXPECT_EQ(published->hand_over.bytes, sizeof(ramp::PositionV2));
+  EXPECT_EQ(update->hand_over.bytes, sizeof(ramp::PositionV2));
   EXPECT_EQ(static_cast<const ramp::PositionV1*>(old->core->state()->data())->metres, 15.0);
 }
 

@@ -281,7 +281,7 @@ TEST_F(Joining, WhatAwaitsConfirmationIsNotChangedAndTheOthersAre) {
   EXPECT_EQ(same.error().code, Errc::conflict);
   apply({to<ramp::Down>("right")});
 
-  EXPECT_THAT(tell_after(2s), IsEmpty()) << "now it is led back";
+  EXPECT_THAT(tell_after(2s), IsEmpty()) << "now it is rolled back";
   const std::vector<Outcome> ends = tell_after(50ms);
   ASSERT_EQ(ends.size(), 1u);
   EXPECT_EQ(ends[0].reason, "not confirmed within its time");
@@ -329,7 +329,7 @@ TEST_F(Joining, AComponentThatLeftIsFreedWhenTheyPass) {
   EXPECT_EQ(ramp::Up::configured_cores(), 2);
 }
 
-/// The way back leads into a resource that leaves.
+/// The rollback leads into a resource that leaves.
 TEST_F(Joining, AChangeThatCannotJoinEndsAProbationEarlyAndSaysSoBefore) {
   Change change;
   change.remove = {"right_position"};

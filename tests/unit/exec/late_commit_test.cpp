@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// A coordinator that is held up between looking at the clock and deciding, until the instant has
-/// passed: on a clock that is moved by hand, with the fail points of exec/swap.cpp.
+/// passed: on a clock that is moved by hand, with the fail points of exec/swap/swap.cpp.
 #include <gtest/gtest.h>
 
 #include "base/fail_point.h"
-#include "exec/swap.h"
+#include "exec/swap/two_phase_commit.h"
 #include "support/ramp.h"
 
 namespace mauve {

@@ -3,8 +3,12 @@
 /// by hand.
 #include <gtest/gtest.h>
 
-#include "exec/commit.h"
-#include "exec/stop.h"
+#include "exec/commit/commit.h"
+#include "exec/commit/under_way.h"
+#include "exec/deploy/bring_up.h"
+#include "exec/deploy/shutdown.h"
+#include "exec/deploy/stop.h"
+#include "exec/prepare/prepare.h"
 #include "support/ramp.h"
 
 namespace mauve::exec {
@@ -47,7 +51,7 @@ class LetGo : public testing::Test {
            ongoing.result().has_value();
   }
   void look() {
-    system.advance();
+    advance(system);
     static_cast<void>(std::exchange(system.free, {}).release());
   }
 
@@ -63,7 +67,7 @@ TEST_F(LetGo, WaitsForAnOrderToParkThatIsOnItsWay) {
     Stop stop(system, {{system.find("second"), system.find("control")}}, kLongestJob);
     ASSERT_TRUE(system.find("second")->changing);
 
-    system.advance();
+    advance(system);
     EXPECT_NE(system.find("second"), nullptr) << "it takes part in a change";
 
     EXPECT_TRUE(wait(stop));
@@ -162,7 +166,7 @@ Change to_scale(double scale) {
   return change;
 }
 
-/// Its probation is over, but a thread may still look at the way back of the resource.
+/// Its probation is over, but a thread may still look at the rollback of the resource.
 TEST(LetGoResource, StaysAsLongAsAnEarlierChangeOfItIsLookedAfter) {
   Scaling architecture;
   Deployer deployer(architecture, {.simulated = true});

@@ -2,8 +2,9 @@
 /// What happens to releases that come too late. The core itself moves the manual clock.
 #include <gtest/gtest.h>
 
-#include "exec/task.h"
+#include "exec/task/task.h"
 
+#include <mauve/component.h>
 #include <mauve/plugin.h>
 
 namespace mauve::exec {
@@ -36,7 +37,7 @@ class Overrun : public testing::Test {
   void begin() {
     ASSERT_TRUE(component->configure());
     core().clock = &clock;
-    auto first = std::make_unique<Published>();
+    auto first = std::make_unique<TaskUpdate>();
     first->bundle = component->bundle();
     task.begin(std::move(first), kT0);
   }

@@ -5,7 +5,11 @@
 #include <atomic>
 #include <thread>
 
-#include "exec/commit.h"
+#include "exec/commit/commit.h"
+#include "exec/commit/under_way.h"
+#include "exec/deploy/bring_up.h"
+#include "exec/deploy/shutdown.h"
+#include "exec/prepare/prepare.h"
 #include "support/eventually.h"
 #include "support/ramp.h"
 
@@ -62,7 +66,7 @@ class Partly : public testing::Test {
     if (probation) change.probation.emplace();
     auto prepared = prepare_change(system, change);
     if (!prepared) return prepared.error();
-    const auto commit = begin_commit(system, *prepared, Swap::Kind::transaction, 500ms);
+    const auto commit = begin_commit(system, *prepared, TwoPhaseCommit::Kind::transaction, 500ms);
     static_cast<void>(system.runner->await([&] { return commit->advance(); }, kNever));
     return commit->result();
   }
@@ -71,7 +75,7 @@ class Partly : public testing::Test {
     return {{ramp::to_core<ramp::Down>("down", "left"), ramp::to_core<Right>("other", "right")}};
   }
   void look() {
-    system.advance();
+    advance(system);
     static_cast<void>(std::exchange(system.free, {}).release());
   }
   bool runs_on(const char* name) {
@@ -110,11 +114,11 @@ TEST_F(Partly, AChangeShowsInTheModelWholeAndWithItsGeneration) {
   Change change = both<ramp::Down>();
   auto prepared = prepare_change(system, change);
   ASSERT_TRUE(prepared);
-  const auto commit = begin_commit(system, *prepared, Swap::Kind::transaction, 1h);
+  const auto commit = begin_commit(system, *prepared, TwoPhaseCommit::Kind::transaction, 1h);
 
   const std::uint64_t began = releases("right");
   ASSERT_TRUE(eventually([&] {
-    system.advance();
+    advance(system);
     return releases("right") > began + 5;  // it runs with its new core, "left" with its old one
   }));
   EXPECT_FALSE(commit->answered());
@@ -123,7 +127,7 @@ TEST_F(Partly, AChangeShowsInTheModelWholeAndWithItsGeneration) {
 
   Before::shut() = false;
   ASSERT_TRUE(eventually([&] {
-    system.advance();
+    advance(system);
     return commit->answered();
   }));
   EXPECT_EQ(core("right"), "other");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Probation and the way back, on a clock that is moved by hand.
+/// Probation and the rollback, on a clock that is moved by hand.
 #include <gtest/gtest.h>
 
 #include "support/outcomes.h"
@@ -54,7 +54,7 @@ class OnProbation : public testing::Test {
     EXPECT_EQ(ends.size(), 1u);
     return ends.size() == 1 ? ends[0] : Outcome{};
   }
-  /// The same, and it led back to the core `before`.
+  /// The same, and it rolled back to the core `before`.
   Outcome rolled_back_after(Duration time, const std::string& before, const std::string& reason) {
     Outcome end = end_after(time);
     EXPECT_EQ(end.kind, Outcome::Kind::rolled_back);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A core that fails before its relief stands by, on a clock that is moved by hand.
+/// A core that fails before its standby stands by, on a clock that is moved by hand.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -26,8 +26,8 @@ struct WithFallback : ramp::One<ramp::Up> {
   Deployer deployer{*this, {.simulated = true}};
 };
 
-void make_reliefs(Deployer& deployer) {
-  for (const Change& change : deployer.wanted_reliefs()) {
+void make_standby_cores(Deployer& deployer) {
+  for (const Change& change : deployer.wanted_standby_cores()) {
     auto prepared = deployer.prepare(change);
     ASSERT_TRUE(prepared) << to_string(prepared.error());
     deployer.stand_by(*prepared);
@@ -55,7 +55,7 @@ TEST(Recovery, AFreshCoreThatFailsInItsFirstJobIsRestartedAsOftenAsThePolicyAllo
       if (one.kind == Outcome::Kind::restarted) restarted.push_back(deployer.clock().now());
       outcomes.push_back(std::move(one));
     }
-    if (i % 2 == 1) make_reliefs(deployer);  // always later than the release after the fault
+    if (i % 2 == 1) make_standby_cores(deployer);  // always later than the release after the fault
   }
 
   ASSERT_EQ(restarted.size(), 3u);
@@ -71,7 +71,7 @@ TEST(Recovery, AFreshCoreThatFailsInItsFirstJobIsRestartedAsOftenAsThePolicyAllo
 TEST(Recovery, AComponentWhoseStandbyCoreIsNotReadyIsSeenToRecover) {
   Unplugged system({.action = FaultPolicy::Action::restart, .restarts = 2, .back_off = 30ms});
   Deployer& deployer = system.deployer;
-  deployer.run_for(35ms);  // the relief of the deployment has failed as well
+  deployer.run_for(35ms);  // the standby core of the deployment has failed as well
   ASSERT_EQ(tend(deployer).size(), 1u);
 
   const ComponentStatus status = deployer.status("control");
@@ -92,7 +92,7 @@ TEST(Recovery, AComponentWhoseStandbyCoreIsRefusedIsFaultedAndSaysWhy) {
   deployer.run_for(35ms);
   ASSERT_EQ(tend(deployer).size(), 1u);
 
-  deployer.refuse_relief("control", "no device");
+  deployer.refuse_standby("control", "no device");
 
   EXPECT_EQ(deployer.status("control").state, ComponentState::faulted);
   const auto outcomes = tend(deployer);
@@ -100,7 +100,7 @@ TEST(Recovery, AComponentWhoseStandbyCoreIsRefusedIsFaultedAndSaysWhy) {
   EXPECT_EQ(outcomes[0].kind, Outcome::Kind::gave_up);
   EXPECT_EQ(outcomes[0].component, "control");
   EXPECT_EQ(outcomes[0].reason, "wrong from the start; no device");
-  make_reliefs(deployer);
+  make_standby_cores(deployer);
   deployer.run_for(50ms);
   EXPECT_EQ(deployer.status("control").state, ComponentState::faulted);
   EXPECT_TRUE(tend(deployer).empty());
@@ -110,7 +110,7 @@ TEST(Recovery, ARefusalForAComponentThatRunsChangesNothing) {
   WithFallback system;
   Deployer& deployer = system.deployer;
 
-  deployer.refuse_relief("control", "no device");
+  deployer.refuse_standby("control", "no device");
   ASSERT_TRUE(deployer.apply({{ramp::to_core<Dead>("dead")}}));
   deployer.run_for(50ms);
 
@@ -133,7 +133,7 @@ TEST(Recovery, AStopEndsTheWait) {
   Deployer& deployer = system.deployer;
 
   ASSERT_TRUE(deployer.stop({"control"}));
-  make_reliefs(deployer);
+  make_standby_cores(deployer);
   deployer.run_for(50ms);
 
   EXPECT_EQ(deployer.status("control").state, ComponentState::stopped);
@@ -147,7 +147,7 @@ TEST(Recovery, ADirectStopEndsTheWait) {
   const auto stop = deployer.begin_direct_stop({"control"});
   while (!stop->advance()) deployer.run_for(1ms);
 
-  make_reliefs(deployer);
+  make_standby_cores(deployer);
   deployer.run_for(50ms);
 
   EXPECT_EQ(deployer.status("control").state, ComponentState::stopped);
@@ -170,7 +170,7 @@ TEST(Recovery, AChangeOfTheCoreEndsTheWait) {
   Deployer& deployer = system.deployer;
 
   ASSERT_TRUE(deployer.swap_core<ramp::Down>("control"));
-  make_reliefs(deployer);
+  make_standby_cores(deployer);
   deployer.run_for(50ms);
 
   EXPECT_EQ(deployer.status("control").state, ComponentState::running);
@@ -212,10 +212,10 @@ TEST(Recovery, ASwapInPlaceToACoreThatFailsAtOnceReachesTheFallbackCore) {
   deployer.run_for(5ms);
 
   ASSERT_TRUE(deployer.swap_core_in_place(ramp::to_core<Dead>("broken")));
-  deployer.run_for(30ms);  // nobody has made its relief yet
+  deployer.run_for(30ms);  // nobody has made its standby yet
   EXPECT_EQ(deployer.status("control").state, ComponentState::recovering);
   EXPECT_EQ(deployer.status("control").recovery.way, Recovery::Way::fallback);
-  make_reliefs(deployer);
+  make_standby_cores(deployer);
   deployer.run_for(15ms);
 
   const auto outcomes = tend(deployer);
@@ -228,7 +228,7 @@ TEST(Recovery, ASwapInPlaceToACoreThatFailsAtOnceReachesTheFallbackCore) {
 TEST(Recovery, AComponentCanBeRemovedWhileItWaits) {
   Recovering system;
   Deployer& deployer = system.deployer;
-  const auto wanted = deployer.wanted_reliefs();
+  const auto wanted = deployer.wanted_standby_cores();
   ASSERT_EQ(wanted.size(), 1u);
   Change change;
   change.remove.push_back("control");
@@ -237,7 +237,7 @@ TEST(Recovery, AComponentCanBeRemovedWhileItWaits) {
   deployer.run_for(50ms);
 
   EXPECT_TRUE(tend(deployer).empty());
-  EXPECT_TRUE(deployer.wanted_reliefs().empty());
+  EXPECT_TRUE(deployer.wanted_standby_cores().empty());
   EXPECT_TRUE(deployer.status().empty());
 }
 

@@ -32,8 +32,8 @@ struct FallingBack : UnsteadyArchitecture {
   }
 };
 
-void prepare_reliefs(Deployer& deployer) {
-  for (const Change& change : deployer.wanted_reliefs()) {
+void prepare_standby_cores(Deployer& deployer) {
+  for (const Change& change : deployer.wanted_standby_cores()) {
     auto prepared = deployer.prepare(change);
     ASSERT_TRUE(prepared) << to_string(prepared.error());
     deployer.stand_by(*prepared);
@@ -44,7 +44,7 @@ TEST(Relief, TheFallbackCoreTakesOverAtTheNextRelease) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
-  EXPECT_TRUE(deployer.wanted_reliefs().empty()) << "it stands by";
+  EXPECT_TRUE(deployer.wanted_standby_cores().empty()) << "it stands by";
 
   deployer.run_for(25ms);
   EXPECT_EQ(ramp::read(architecture.position), -1.0) << "the safe value, at once";
@@ -68,7 +68,7 @@ TEST(Relief, TheFallbackCoreTakesOverAtTheNextRelease) {
   EXPECT_EQ(deployer.status("control").state, ComponentState::running);
   EXPECT_EQ(deployer.generation(), 2u);
   EXPECT_LT(ramp::read(architecture.position), 2.0) << "it goes on from the state of the other one";
-  EXPECT_TRUE(deployer.wanted_reliefs().empty()) << "nothing falls back from the fallback";
+  EXPECT_TRUE(deployer.wanted_standby_cores().empty()) << "nothing falls back from the fallback";
 }
 
 TEST(Relief, TheCoreThatFailedIsFreedWithWhatIsCollectedThen) {
@@ -93,7 +93,7 @@ TEST(Relief, AFreshCoreTakesOverWithinItsBudgetOfRestarts) {
   for (int i = 0; i < 40; ++i) {
     deployer.run_for(10ms);
     for (Outcome& one : tend(deployer)) outcomes.push_back(std::move(one));
-    prepare_reliefs(deployer);
+    prepare_standby_cores(deployer);
   }
 
   ASSERT_EQ(outcomes.size(), 3u);
@@ -129,7 +129,7 @@ TEST(Relief, IsNotLostWhenSomebodyLooksDuringItsFirstJob) {
   Watched::deployer() = &deployer;
   ASSERT_TRUE(deployer.deploy());
 
-  deployer.run_for(35ms);  // the third job throws, the fourth is that of the relief
+  deployer.run_for(35ms);  // the third job throws, the fourth is that of the standby core
 
   EXPECT_EQ(tend(deployer).size(), 1u);
   EXPECT_EQ(deployer.status("control").core, "watched");
@@ -224,7 +224,7 @@ TEST(Relief, OfTheNewCoreGoesWithItsWayBack) {
   const auto outcomes = tend(deployer);
   ASSERT_EQ(outcomes.size(), 1u);
   EXPECT_EQ(outcomes[0].kind, Outcome::Kind::rolled_back);
-  EXPECT_EQ(deployer.wanted_reliefs().size(), 1u) << "of the old one";
+  EXPECT_EQ(deployer.wanted_standby_cores().size(), 1u) << "of the old one";
 }
 
 TEST(Relief, StandsByOnceAFaultedComponentIsStartedAgain) {
@@ -239,7 +239,7 @@ TEST(Relief, StandsByOnceAFaultedComponentIsStartedAgain) {
   architecture.control.fall_back_to(
       ComponentBase::Fallback{CoreType::of<ramp::Down>("ramp/down"), {}});
 
-  prepare_reliefs(deployer);
+  prepare_standby_cores(deployer);
   EXPECT_EQ(deployer.status("control").state, ComponentState::faulted) << "nobody started it";
   ASSERT_TRUE(deployer.start({"control"}));
   deployer.run_for(50ms);
@@ -255,7 +255,7 @@ TEST(Relief, AChangeMakesItAnew) {
   ASSERT_TRUE(deployer.disconnect("control.ports.out"));
 
   EXPECT_TRUE(tend(deployer).empty());
-  EXPECT_TRUE(deployer.wanted_reliefs().empty()) << "it came with the change";
+  EXPECT_TRUE(deployer.wanted_standby_cores().empty()) << "it came with the change";
   deployer.run_for(60ms);
 
   ASSERT_EQ(tend(deployer).size(), 1u);
@@ -274,7 +274,7 @@ struct Reluctant : ramp::Down {
   }
 };
 
-/// The relief could not come with the change.
+/// The standby core could not come with the change.
 struct FallingBackOnProbation : FallingBack {
   FallingBackOnProbation() {
     control.fall_back_to(ComponentBase::Fallback{CoreType::of<Reluctant>("reluctant"), {}});
@@ -289,7 +289,7 @@ struct FallingBackOnProbation : FallingBack {
 
 TEST(Relief, OfAChangeThatWasLedBackMeanwhileDoesNotStandBy) {
   FallingBackOnProbation system;
-  const std::vector<Change> wanted = system.deployer.wanted_reliefs();
+  const std::vector<Change> wanted = system.deployer.wanted_standby_cores();
   ASSERT_EQ(wanted.size(), 1u);
   auto prepared = system.deployer.prepare(wanted[0]);
   ASSERT_TRUE(prepared) << to_string(prepared.error());
@@ -298,8 +298,8 @@ TEST(Relief, OfAChangeThatWasLedBackMeanwhileDoesNotStandBy) {
 
   system.deployer.stand_by(*prepared);
 
-  EXPECT_EQ(system.deployer.wanted_reliefs().size(), 1u) << "one for what runs now";
-  prepare_reliefs(system.deployer);
+  EXPECT_EQ(system.deployer.wanted_standby_cores().size(), 1u) << "one for what runs now";
+  prepare_standby_cores(system.deployer);
   system.deployer.run_for(50ms);  // the old core throws
   const auto outcomes = tend(system.deployer);
   ASSERT_EQ(outcomes.size(), 2u);
@@ -312,9 +312,9 @@ TEST(Relief, IsNotWantedWhileAChangeIsLedBack) {
   system.deployer.run_for(10900us);
   ASSERT_TRUE(system.deployer.undo());  // one more job comes before its instant
 
-  EXPECT_TRUE(system.deployer.wanted_reliefs().empty());
+  EXPECT_TRUE(system.deployer.wanted_standby_cores().empty());
   system.deployer.run_for(15ms);
-  EXPECT_EQ(system.deployer.wanted_reliefs().size(), 1u);
+  EXPECT_EQ(system.deployer.wanted_standby_cores().size(), 1u);
 }
 
 TEST(Relief, DeploymentIsRefusedWhenTheFallbackCoreCannotBeConfigured) {
@@ -383,7 +383,8 @@ TEST(Relief, StaysInForceWhenATransactionComesThatDoesNotKnowOfIt) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
-  deployer.run_for(30900us);  // the relief is taken 100 us later, before the instant of the change
+  deployer.run_for(
+      30900us);  // the standby core is taken 100 us later, before the instant of the change
   Change change{{}};
   change.edits.emplace_back().component = "control";
   change.edits.back().mode = Mode::run;

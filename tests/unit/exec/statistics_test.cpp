@@ -6,7 +6,7 @@
 #include <future>
 #include <thread>
 
-#include "exec/task.h"
+#include "exec/task/task.h"
 #include "rt/preemption.h"
 #include "support/eventually.h"
 #include "support/ramp.h"
@@ -45,7 +45,7 @@ class TaskStatistics : public testing::Test {
   void begin() {
     ASSERT_TRUE(component.configure());
     component.core().clock = &clock;
-    auto first = std::make_unique<Published>();
+    auto first = std::make_unique<TaskUpdate>();
     first->bundle = component.bundle();
     first->grid = 1ms;
     task.begin(std::move(first), kT0);

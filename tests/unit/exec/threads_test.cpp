@@ -8,7 +8,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include "exec/runner.h"
+#include "exec/run/threads.h"
 
 namespace mauve::exec {
 namespace {

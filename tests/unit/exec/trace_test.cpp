@@ -179,7 +179,7 @@ TEST_F(TraceOfARamp, TellsOfAFaultAndOfTheWayBack) {
   EXPECT_EQ(trace_name(taken[0].name), "change");
   EXPECT_EQ(taken[0].b, 1);
   EXPECT_EQ(trace_name(taken[1].name), "back");
-  EXPECT_EQ(taken[1].b, 2) << "the way back has a number of its own";
+  EXPECT_EQ(taken[1].b, 2) << "the rollback has a number of its own";
   EXPECT_EQ(taken[1].a, faults[0].time + Duration{200us}.count());
   const auto back = test::of_kind(all, TraceKind::rollback);
   ASSERT_EQ(back.size(), 1u);

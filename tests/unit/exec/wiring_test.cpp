@@ -7,6 +7,7 @@
 #include "model/wiring.h"
 #include "support/outcomes.h"
 
+#include <mauve/architecture.h>
 #include <mauve/deployer.h>
 #include <mauve/plugin.h>
 
@@ -140,7 +141,7 @@ TEST_F(ExclusiveOutputAtRunTime, HasOneWriterAfterARollbackToo) {
   const auto take = deployer.apply({{connect("machine", "speed", "command.write")}});
   ASSERT_TRUE(take) << to_string(take.error());
   EXPECT_THAT(take->notes, ElementsAre(HasSubstr("generation 1")))
-      << "both have one way back: to the one writer before";
+      << "both have one rollback: to the one writer before";
   ASSERT_TRUE(deployer.undo());
   deployer.run_for(50ms);
   EXPECT_THAT(test::tend(deployer), SizeIs(1));

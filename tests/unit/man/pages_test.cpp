@@ -12,8 +12,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "ctl/command.h"
-#include "ctl/options.h"
+#include "cli/command.h"
+#include "cli/options.h"
 #include "daemon/options.h"
 #include "protocol/methods.h"
 #include "roff.h"

@@ -2,7 +2,7 @@
 /// The paper's clock-based state machine (Listing 3, Fig. 2 and 3).
 #include <gtest/gtest.h>
 
-#include "exec/task.h"
+#include "exec/task/task.h"
 
 #include <mauve/architecture.h>
 #include <mauve/plugin.h>
@@ -59,7 +59,7 @@ TEST(Fsm, FollowsTheTimelineOfThePaper) {
   auto& core = static_cast<Guidance&>(component.core());
   core.clock = &clock;
   exec::Task task("control", clock);
-  auto first = std::make_unique<exec::Published>();
+  auto first = std::make_unique<exec::TaskUpdate>();
   first->bundle = component.bundle();
   task.begin(std::move(first), 0);
   const auto step = [&] {

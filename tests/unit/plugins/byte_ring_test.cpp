@@ -6,7 +6,7 @@
 #include <thread>
 #include <type_traits>
 
-#include "../../../plugins/drivers/byte_ring.h"
+#include "../../../plugins/drivers/serial/byte_ring.h"
 
 namespace {
 

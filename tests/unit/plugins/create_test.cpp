@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "../../../plugins/drivers/create_oi.h"
-#include "../../../plugins/drivers/wheels.h"
+#include "../../../plugins/drivers/base/create_oi.h"
+#include "../../../plugins/drivers/base/wheels.h"
 #include "../../../plugins/world/random.h"
 
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <string>
 
-#include "../../../plugins/drivers/csv_cell.h"
-#include "../../../plugins/drivers/csv_recording.h"
+#include "../../../plugins/drivers/recording/csv_cell.h"
+#include "../../../plugins/drivers/recording/csv_recording.h"
 #include "../../../plugins/types/grid.h"
 #include "../../../plugins/types/pose.h"
 #include "../../../plugins/types/scan.h"

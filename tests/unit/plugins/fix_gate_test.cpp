@@ -5,7 +5,8 @@
 #include <functional>
 #include <vector>
 
-#include "../../../plugins/drivers/fix_gate.h"
+#include "../../../plugins/drivers/gnss/fix_gate.h"
+#include "mauve/change.h"
 
 namespace {
 

@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "../../../plugins/drivers/gnss_reader.h"
-#include "../../../plugins/drivers/ubx_pvt.h"
+#include "../../../plugins/drivers/gnss/gnss_reader.h"
+#include "../../../plugins/drivers/gnss/ubx_pvt.h"
 #include "../../../plugins/world/random.h"
 #include "support/gpsd_check.h"
 #include "support/test_data.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "../../../plugins/drivers/line_bytes.h"
+#include "../../../plugins/drivers/serial/line_bytes.h"
 
 #include <cstdint>
 

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <string>
 
-#include "../../../plugins/drivers/line_thread.h"
+#include "../../../plugins/drivers/serial/line_thread.h"
 #include "support/eventually.h"
 
 namespace mauve::test {

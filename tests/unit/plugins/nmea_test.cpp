@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "../../../plugins/drivers/nmea_fix.h"
-#include "../../../plugins/drivers/nmea_frame.h"
-#include "../../../plugins/drivers/nmea_write.h"
+#include "../../../plugins/drivers/gnss/nmea_fix.h"
+#include "../../../plugins/drivers/gnss/nmea_frame.h"
+#include "../../../plugins/drivers/gnss/nmea_write.h"
 #include "../../../plugins/world/random.h"
 
 namespace {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "../../../plugins/drivers/playback.h"
+#include "../../../plugins/drivers/recording/playback.h"
 #include "../../../plugins/types/motion.h"
 #include "../../../plugins/types/pose.h"
 #include "support/temp_dir.h"

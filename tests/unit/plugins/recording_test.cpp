@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "../../../plugins/drivers/recording.h"
+#include "../../../plugins/drivers/recording/recording.h"
 #include "support/temp_dir.h"
 #include "support/test_data.h"
 

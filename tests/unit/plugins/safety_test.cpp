@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "../../../plugins/drivers/recording.h"
+#include "../../../plugins/drivers/recording/recording.h"
 #include "../../../plugins/safety/zones.h"
 #include "../../../plugins/world/world.h"
 #include "support/test_data.h"

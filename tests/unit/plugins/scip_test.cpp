@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "../../../plugins/drivers/recording.h"
-#include "../../../plugins/drivers/scip_write.h"
+#include "../../../plugins/drivers/laser/scip_write.h"
+#include "../../../plugins/drivers/recording/recording.h"
 #include "../../../plugins/world/random.h"
 #include "../../../plugins/world/world.h"
 #include "support/test_data.h"

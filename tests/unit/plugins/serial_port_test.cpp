@@ -10,7 +10,7 @@
 #include <string>
 #include <thread>
 
-#include "../../../plugins/drivers/serial_port.h"
+#include "../../../plugins/drivers/serial/serial_port.h"
 
 namespace {
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "../../../plugins/drivers/gnss_reader.h"
-#include "../../../plugins/drivers/nmea_write.h"
-#include "../../../plugins/drivers/ubx_frame.h"
-#include "../../../plugins/drivers/ubx_pvt.h"
+#include "../../../plugins/drivers/gnss/gnss_reader.h"
+#include "../../../plugins/drivers/gnss/nmea_write.h"
+#include "../../../plugins/drivers/gnss/ubx_frame.h"
+#include "../../../plugins/drivers/gnss/ubx_pvt.h"
 #include "../../../plugins/world/random.h"
 
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "../../../plugins/drivers/xbus_frame.h"
-#include "../../../plugins/drivers/xbus_imu.h"
+#include "../../../plugins/drivers/imu/xbus_frame.h"
+#include "../../../plugins/drivers/imu/xbus_imu.h"
 #include "../../../plugins/world/random.h"
 
 namespace {

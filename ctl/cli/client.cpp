@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "cli/client.h"
+
+#include <sys/un.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/write.hpp>
+
+#include "protocol/methods.h"
+
+namespace mauve::ctl {
+namespace {
+
+namespace asio = boost::asio;
+using boost::system::error_code;
+using protocol::fault_of;
+using protocol::ServerMessage;
+
+// Answers may be longer than requests: the export of a large system.
+constexpr std::size_t kLongestAnswer = 64 * 1024 * 1024;
+constexpr std::size_t kLongestPath = sizeof(sockaddr_un::sun_path) - 1;
+
+constexpr std::string_view kHowToStart =
+    "start it (systemctl start mauved, or mauved ARCHITECTURE.json), or choose another --socket";
+
+Fault cannot_connect(const std::string& path, const error_code& error) {
+  if (error == asio::error::no_permission || error == asio::error::access_denied) {
+    return fault_of(refuse(Errc::not_permitted, path, "not permitted to open the socket of mauved",
+                           "ask to be added to the group 'mauve', then log in again"));
+  }
+  std::string message = "cannot connect to mauved: " + error.message();
+  if (error == error_code(ENOENT, boost::system::system_category())) {
+    message = "mauved does not run: there is no socket";
+  } else if (error == asio::error::connection_refused) {
+    message = "mauved does not run: nobody listens on the socket";
+  }
+  return fault_of(protocol::kUnreachable, std::move(message), path, std::string(kHowToStart));
+}
+
+bool speaks_our_version(const Json& greeting) {
+  const auto versions = greeting.find("protocol");
+  return versions != greeting.end() && versions->is_array() &&
+         std::find(versions->begin(), versions->end(), protocol::kVersion) != versions->end();
+}
+
+}  // namespace
+
+struct Client::Connection {
+  asio::io_context io;
+  asio::local::stream_protocol::socket socket{io};
+  protocol::LineFramer framer{kLongestAnswer};
+  std::array<char, 65536> buffer{};
+
+  /// Runs the one operation that was started; false when the deadline passed (it is cancelled).
+  bool finish(Deadline deadline) {
+    io.restart();
+    io.run_until(deadline);
+    if (io.stopped()) return true;
+    error_code ignored;
+    socket.cancel(ignored);
+    io.run();
+    return false;
+  }
+};
+
+Client::Client(std::string socket_path, std::chrono::nanoseconds greeting_timeout)
+    : path_(std::move(socket_path)),
+      greeting_timeout_(greeting_timeout),
+      connection_(std::make_unique<Connection>()) {}
+
+Client::~Client() = default;
+
+std::optional<Fault> Client::connect() {
+  if (path_.empty() || path_.size() > kLongestPath) {
+    return fault_of(protocol::kUsage,
+                    "the path of a socket has 1 to " + std::to_string(kLongestPath) + " characters",
+                    path_);
+  }
+  const Deadline deadline = std::chrono::steady_clock::now() + greeting_timeout_;
+  connection_ = std::make_unique<Connection>();
+  error_code error;
+  connection_->socket.async_connect(asio::local::stream_protocol::endpoint(path_),
+                                    [&](const error_code& result) { error = result; });
+  if (!connection_->finish(deadline)) error = asio::error::timed_out;
+  if (error) return cannot_connect(path_, error);
+
+  auto line = read_line(deadline);
+  if (auto* text = std::get_if<std::string>(&line)) return accept_greeting(*text);
+  Fault fault = std::get<Fault>(std::move(line));
+  if (fault.name != "timed_out") return fault;
+  return fault_of(protocol::kUnreachable, "the server did not greet", path_,
+                  "is it mauved? if so it hangs: systemctl status mauved");
+}
+
+std::optional<Fault> Client::accept_greeting(std::string_view line) {
+  auto message = protocol::parse_server_message(line);
+  if (!message) return bad_answer(message.error().message);
+  if (auto* response = std::get_if<protocol::Response>(&*message)) {
+    if (auto* fault = std::get_if<Fault>(&response->outcome)) return std::move(*fault);
+  }
+  auto* hello = std::get_if<Notification>(&*message);
+  if (hello == nullptr || hello->method != "hello" || !hello->params.is_object()) {
+    return bad_answer("the server did not greet as mauved does");
+  }
+  greeting_ = std::move(hello->params);
+  if (speaks_our_version(greeting_)) return std::nullopt;
+  return fault_of(protocol::kBadAnswer,
+                  "the daemon does not speak protocol " + std::to_string(protocol::kVersion), path_,
+                  "use the mauvectl that was installed with it");
+}
+
+std::variant<Json, Fault> Client::call(std::string_view method, const Json& params,
+                                       std::chrono::nanoseconds timeout) {
+  const Deadline deadline = std::chrono::steady_clock::now() + timeout;
+  const auto* known = protocol::find_method(method);
+  const bool changes = known != nullptr && known->mutation;
+  const auto lost = [&](Fault fault) {
+    if (changes) fault.state = "unknown";
+    return fault;
+  };
+  const std::string line = protocol::to_line(protocol::make_request(++last_id_, method, params));
+  if (line.size() > protocol::kMaxLine) {
+    return fault_of(refuse(Errc::limit, std::string(method), "the request is longer than 1 MiB"));
+  }
+  if (auto fault = send(line + "\n", deadline)) return lost(std::move(*fault));
+  while (true) {
+    auto message = read_message(deadline);
+    if (auto* fault = std::get_if<Fault>(&message)) return lost(std::move(*fault));
+    auto& content = std::get<ServerMessage>(message);
+    if (auto* notification = std::get_if<Notification>(&content)) {
+      notifications_.push_back(std::move(*notification));
+      continue;
+    }
+    auto& response = std::get<protocol::Response>(content);
+    // An error without id is about the connection, so it is about this request as well.
+    if (response.id == last_id_ || response.id.is_null()) return std::move(response.outcome);
+  }
+}
+
+std::variant<Notification, Fault> Client::next(Deadline deadline) {
+  while (notifications_.empty()) {
+    auto message = read_message(deadline);
+    if (auto* fault = std::get_if<Fault>(&message)) return std::move(*fault);
+    auto& content = std::get<ServerMessage>(message);
+    if (auto* notification = std::get_if<Notification>(&content)) {
+      notifications_.push_back(std::move(*notification));
+    }
+  }
+  Notification first = std::move(notifications_.front());
+  notifications_.pop_front();
+  return first;
+}
+
+std::variant<ServerMessage, Fault> Client::read_message(Deadline deadline) {
+  auto line = read_line(deadline);
+  if (auto* fault = std::get_if<Fault>(&line)) return std::move(*fault);
+  auto message = protocol::parse_server_message(std::get<std::string>(line));
+  if (!message) return bad_answer(message.error().message);
+  return std::move(*message);
+}
+
+std::variant<std::string, Fault> Client::read_line(Deadline deadline) {
+  while (true) {
+    if (auto line = connection_->framer.next()) return std::move(*line);
+    error_code error;
+    std::size_t received = 0;
+    connection_->socket.async_read_some(asio::buffer(connection_->buffer),
+                                        [&](const error_code& result, std::size_t size) {
+                                          error = result;
+                                          received = size;
+                                        });
+    if (!connection_->finish(deadline)) {
+      return fault_of(refuse(Errc::timed_out, path_, "the daemon did not answer in time",
+                             "wait longer with --timeout, look with: mauvectl status"));
+    }
+    if (error) return gone();
+    const std::string_view bytes(connection_->buffer.data(), received);
+    if (Status fed = connection_->framer.feed(bytes); !fed) return bad_answer(fed.error().message);
+  }
+}
+
+std::optional<Fault> Client::send(const std::string& line, Deadline deadline) {
+  error_code error;
+  asio::async_write(connection_->socket, asio::buffer(line),
+                    [&](const error_code& result, std::size_t) { error = result; });
+  if (!connection_->finish(deadline)) {
+    return fault_of(refuse(Errc::timed_out, path_, "the daemon does not take the request",
+                           "look with: mauvectl status"));
+  }
+  // A daemon that refuses may close before it has read everything: its reason can still be read.
+  if (error && error != asio::error::broken_pipe) return gone();
+  return std::nullopt;
+}
+
+Fault Client::gone() const {
+  const bool half = connection_->framer.partial();
+  return fault_of(protocol::kUnreachable,
+                  half ? "mauved went away in the middle of a line" : "mauved went away", path_,
+                  "look why: journalctl -u mauved, mauvectl status");
+}
+
+Fault Client::bad_answer(std::string message) const {
+  return fault_of(protocol::kBadAnswer, std::move(message), path_,
+                  "is this the socket of mauved? choose another with --socket PATH");
+}
+
+}  // namespace mauve::ctl

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// mauvectl: looks at mauved and changes what runs in it.
+#include <signal.h>
+#include <unistd.h>
+
+#include <exception>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "cli/complete.h"
+#include "cli/interrupt.h"
+#include "cli/options.h"
+#include "cli/session.h"
+
+namespace {
+
+using namespace mauve::ctl;
+
+/// Ends at once, as if there were no handler, but says what may still go on.
+extern "C" void end_at_once(int signal_number) {
+  constexpr char kText[] =
+      "\nmauvectl: stopped waiting; the daemon may still carry out the change\n";
+  if (g_change_awaited != 0) [[maybe_unused]]
+    const auto written = write(2, kText, sizeof kText - 1);
+  signal(signal_number, SIG_DFL);
+  raise(signal_number);
+}
+
+Colour colour_of(const std::string& name) {
+  if (name == "always") return Colour::always;
+  return name == "never" ? Colour::never : Colour::automatic;
+}
+
+int refuse_use(const Misuse& misuse) {
+  const Screen screen = standard_screen(misuse.json, colour_of(misuse.colour));
+  if (screen.json) {
+    screen.out << mauve::protocol::to_line(fault_json(misuse.fault)) << std::endl;
+  } else {
+    screen.err << render_fault({}, misuse.fault, {screen.width_err, screen.colour_err});
+  }
+  return misuse.fault.exit;
+}
+
+int run(const std::vector<std::string>& words) {
+  if (!words.empty() && words.front() == "__complete") {
+    std::cout << completion_lines(complete({words.begin() + 1, words.end()}));
+    return 0;
+  }
+  constexpr std::size_t kPiped = 80;
+  const std::size_t width = standard_screen(false, Colour::never).width;
+  auto parsed = parse_options(words, width == 0 ? kPiped : width);
+  if (const auto* misuse = std::get_if<Misuse>(&parsed)) return refuse_use(*misuse);
+  if (const auto* text = std::get_if<Text>(&parsed)) {
+    std::cout << text->text;
+    return 0;
+  }
+  auto& asked = std::get<Invocation>(parsed);
+  const Screen screen = standard_screen(asked.globals.json, colour_of(asked.globals.colour));
+  Session session(*asked.command, std::move(asked.arguments), std::move(asked.globals), screen);
+  return asked.command->run(session);
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  signal(SIGINT, end_at_once);
+  signal(SIGTERM, end_at_once);
+  // The last door: a full memory or a library's surprise is an error with an exit code, not a
+  // crash.
+  try {
+    return run({words + 1, words + count});
+  } catch (const std::exception& error) {
+    std::cerr << "error: mauvectl failed: " << error.what() << '\n';
+    return 1;
+  }
+}

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What a command makes: into the file of --output, or to standard output.
+#pragma once
+
+#include <string>
+
+#include "cli/session.h"
+
+namespace mauve::ctl {
+
+/// To the file of --output, or to standard output; then tells of it. Returns the exit code.
+int write_output(Session& session, const std::string& text, const std::string& told = {},
+                 Json facts = Json::object(), const std::string& remarks = {});
+/// "drew 12 values to drive.svg", or with --json the facts and the file; remarks are lines below.
+/// Where standard output is the picture, to standard error.
+void tell_output(Session& session, const std::string& told, Json facts,
+                 const std::string& remarks = {});
+
+}  // namespace mauve::ctl

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "cli/session.h"
+
+#include <algorithm>
+#include <iostream>
+#include <iterator>
+#include <thread>
+#include <utility>
+
+#include "base/duration.h"
+#include "cli/files.h"
+#include "cli/interrupt.h"
+#include "protocol/methods.h"
+
+namespace mauve::ctl {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::chrono::nanoseconds kQuestion = 5s;
+// A change is prepared, proved and committed before its answer: constructing a core may take long.
+// So may judging a file, in whose process all its elements are made.
+constexpr std::chrono::nanoseconds kChange = 30s;
+constexpr std::chrono::nanoseconds kLongestWait = 24h;
+constexpr std::chrono::nanoseconds kBetweenTries = 20ms;
+
+bool is_change(std::string_view method) {
+  const protocol::Method* known = protocol::find_method(method);
+  return known != nullptr && known->mutation;
+}
+
+bool is_judged(std::string_view method) {
+  return method == "config.check" || method == "architecture.diff";
+}
+
+/// A command may change something in one form only, as stats does.
+Fault changes_nothing(std::string_view command) {
+  return protocol::fault_of(protocol::kUsage,
+                            "--if-generation and --reason are for what changes something", {},
+                            "asked like this, " + std::string(command) + " changes nothing");
+}
+
+}  // namespace
+
+std::optional<std::chrono::nanoseconds> timeout_of(std::string_view text) {
+  const auto parsed = parse_duration(text);
+  if (!parsed || *parsed <= 0ns || *parsed > kLongestWait) return std::nullopt;
+  return *parsed;
+}
+
+Fault bad_file(const Error& error) {
+  return protocol::fault_of(protocol::kUsage, error.message, error.at, error.hint);
+}
+
+std::variant<Json, Fault> file_params(const Session& session, std::string_view argument) {
+  const std::string file = session.arguments.one(argument);
+  if (file == "-") {
+    return Json{{"text", std::string{std::istreambuf_iterator<char>(std::cin), {}}},
+                {"file", "standard input"}};
+  }
+  auto stream = open_to_read(file);
+  if (!stream) return bad_file(stream.error());
+  return Json{{"text", std::string{std::istreambuf_iterator<char>(*stream), {}}}, {"file", file}};
+}
+
+Session::Session(const Command& asked_command, Arguments asked_arguments, Globals asked_globals,
+                 Screen where)
+    : command(asked_command),
+      arguments(std::move(asked_arguments)),
+      globals(std::move(asked_globals)),
+      screen(where),
+      client_(globals.socket, std::max(timeout_of(globals.timeout).value_or(kQuestion),
+                                       timeout_of(globals.wait).value_or(0ns))) {}
+
+std::optional<Fault> Session::connect() {
+  const auto wait = timeout_of(globals.wait);
+  const auto end = std::chrono::steady_clock::now() + wait.value_or(0ns);
+  while (true) {
+    auto fault = client_.connect();
+    if (!fault || !wait || fault->code != protocol::kUnreachable) return fault;
+    if (std::chrono::steady_clock::now() >= end) {
+      fault->message += "; waited " + globals.wait;
+      return fault;
+    }
+    std::this_thread::sleep_for(kBetweenTries);
+  }
+}
+
+std::variant<Json, Fault> Session::call(std::string_view method, Json params) {
+  const bool changes = is_change(method);
+  if (!changes && (globals.if_generation || !globals.reason.empty())) {
+    return changes_nothing(command.name);
+  }
+  if (!connected_) {
+    if (auto fault = connect()) return std::move(*fault);
+    connected_ = true;
+  }
+  const bool long_work = changes || is_judged(method);
+  const auto timeout = timeout_of(globals.timeout).value_or(long_work ? kChange : kQuestion);
+  if (changes) {
+    if (globals.if_generation) params["if_generation"] = *globals.if_generation;
+    if (!globals.reason.empty()) params["reason"] = globals.reason;
+    if (!globals.timeout.empty()) {
+      params["deadline_ms"] =
+          std::chrono::duration_cast<std::chrono::milliseconds>(timeout).count();
+    }
+  }
+  g_change_awaited = changes ? 1 : 0;
+  auto answer = client_.call(method, params, timeout);
+  g_change_awaited = 0;
+  return answer;
+}
+
+void Session::print(const Json& value, std::string_view text) {
+  if (screen.json) {
+    screen.out << protocol::to_line(value) << '\n';
+  } else {
+    screen.out << text;
+  }
+  screen.out.flush();
+}
+
+int Session::fail(const Fault& fault) {
+  if (screen.json) {
+    screen.out << protocol::to_line(fault_json(fault)) << '\n';
+  } else {
+    screen.err << render_fault(asked(fault.where), fault, {screen.width_err, screen.colour_err});
+  }
+  screen.out.flush();
+  return fault.exit;
+}
+
+std::string Session::asked(std::string_view where) const {
+  std::string text(command.name);
+  for (const Argument& argument : command.arguments) {
+    if (argument.is_option()) continue;
+    for (const std::string& given : arguments.all(argument.name)) {
+      const std::string name = given.substr(0, given.find('='));
+      if (!argument.many || name == where) return text + " " + name;
+    }
+  }
+  return text;
+}
+
+}  // namespace mauve::ctl

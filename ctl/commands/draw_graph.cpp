@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "base/name.h"
+#include "cli/output.h"
+#include "commands/actions.h"
+#include "picture/graph.h"
+#include "picture/machine.h"
+#include "render/words.h"
+
+namespace mauve::ctl {
+namespace {
+
+using protocol::fault_of;
+
+enum class Form { dot, mermaid, svg };
+
+/// A name without an ending may be of any form.
+bool is_known_form(const std::string& file) {
+  const auto name = file.substr(file.rfind('/') + 1);
+  if (name.find('.') == name.npos) return true;
+  constexpr std::array<std::string_view, 5> kEndings = {".svg", ".mmd", ".mermaid", ".dot", ".gv"};
+  return std::ranges::any_of(kEndings, [&](std::string_view end) { return name.ends_with(end); });
+}
+
+/// As an option says, else as the file is called.
+std::variant<Form, Fault> form_of(const Arguments& given) {
+  const int said = (given.has("--dot") ? 1 : 0) + (given.has("--mermaid") ? 1 : 0) +
+                   (given.has("--svg") ? 1 : 0);
+  if (said > 1) {
+    return fault_of(protocol::kUsage, "one of --dot, --mermaid and --svg", {},
+                    "example: mauvectl graph --svg -o rover.svg");
+  }
+  const std::string file = given.one("-o,--output");
+  if (said == 0 && !file.empty() && !is_known_form(file)) {
+    return fault_of(protocol::kUsage, "the name of the file does not tell its form", file,
+                    "end it with .svg, .mmd, .mermaid, .dot or .gv, or give --svg, --mermaid or "
+                    "--dot");
+  }
+  if (given.has("--svg") || (said == 0 && file.ends_with(".svg"))) return Form::svg;
+  const bool mermaid = file.ends_with(".mmd") || file.ends_with(".mermaid");
+  return given.has("--mermaid") || (said == 0 && mermaid) ? Form::mermaid : Form::dot;
+}
+
+std::string drawn(const Graph& graph, Form form) {
+  if (form == Form::dot) return graph_dot(graph);
+  return form == Form::svg ? graph_svg(graph) : graph_mermaid(graph);
+}
+
+std::string drawn(const Machine& machine, Form form) {
+  if (form == Form::dot) return machine_dot(machine);
+  return form == Form::svg ? machine_svg(machine) : machine_mermaid(machine);
+}
+
+std::optional<Fault> unknown_name(const Graph& graph, const std::vector<std::string>& wanted) {
+  std::vector<std::string> known;
+  for (const Graph::Node& node : graph.nodes) known.push_back(node.name);
+  for (const std::string& name : wanted) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    Fault fault = fault_of(refuse(Errc::unknown_name, name, "there is nothing of this name",
+                                  known_names(name, known)));
+    return fault;
+  }
+  return std::nullopt;
+}
+
+/// Told where the picture goes into a file.
+std::string told_of(const Session& session, const std::string& drawn) {
+  return session.arguments.has("-o,--output") ? "drew " + drawn : std::string();
+}
+
+/// The rows of what is drawn; all else as it was.
+Json part_of(Json answer, const Graph& drawn) {
+  for (const char* key : {"components", "resources"}) {
+    Json rows = Json::array();
+    for (const Json& row : list_in(answer, key)) {
+      const auto same = [&](const Graph::Node& node) { return node.name == word(row, "name"); };
+      if (std::any_of(drawn.nodes.begin(), drawn.nodes.end(), same)) rows.push_back(row);
+    }
+    answer[key] = std::move(rows);
+  }
+  return answer;
+}
+
+/// With --json the answer itself, unless the picture goes into a file.
+bool wants_answer(const Session& session) {
+  return session.screen.json && !session.arguments.has("-o,--output");
+}
+
+int draw_machine(Session& session, Form form) {
+  const std::string name = session.arguments.one("--fsm");
+  const auto answer = session.call("object.get", {{"address", name}});
+  if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
+  const auto& object = std::get<Json>(answer);
+  const Machine machine = machine_of(object);
+  if (machine.states.empty()) {
+    return session.fail(
+        fault_of(protocol::kUsage, "has no state machine", name, "mauvectl list components"));
+  }
+  if (wants_answer(session)) {
+    session.print(object.value("machine", Json()), {});
+    return 0;
+  }
+  return write_output(session, drawn(machine, form),
+                      told_of(session, "the state machine of " + name));
+}
+
+}  // namespace
+
+int run_graph(Session& session) {
+  const auto form = form_of(session.arguments);
+  if (const auto* fault = std::get_if<Fault>(&form)) return session.fail(*fault);
+  const auto names = session.arguments.all("ELEMENT");
+  if (session.arguments.has("--fsm")) {
+    if (names.empty()) return draw_machine(session, std::get<Form>(form));
+    return session.fail(fault_of(protocol::kUsage, "--fsm draws one component alone", {},
+                                 "example: mauvectl graph --fsm control -o control.svg"));
+  }
+  const auto answer = session.call("architecture.graph", Json::object());
+  if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
+  const auto& result = std::get<Json>(answer);
+  Graph graph = graph_of(result);
+  if (const auto fault = unknown_name(graph, names)) return session.fail(*fault);
+  if (!names.empty()) graph = part_of(graph, names);
+  if (wants_answer(session)) {
+    session.print(names.empty() ? result : part_of(result, graph), {});
+    return 0;
+  }
+  const int code = write_output(session, drawn(graph, std::get<Form>(form)),
+                                told_of(session, counted(graph.nodes.size(), "element")));
+  for (const Json& note : names.empty() ? list_in(result, "notes") : Json::array()) {
+    session.screen.err << "note: " << harmless(word(note, "address") + " " + word(note, "text"))
+                       << "\n";
+  }
+  return code;
+}
+
+}  // namespace mauve::ctl

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <string>
+
+#include "render/render.h"
+#include "render/table.h"
+#include "render/words.h"
+
+namespace mauve::ctl {
+namespace {
+
+std::string state_in_words(const Fault& fault) {
+  const std::string generation =
+      fault.generation ? "generation " + std::to_string(*fault.generation) : std::string{};
+  if (fault.state == "unknown") return "unknown, the change may still be carried out";
+  if (fault.state == "safe") return "safe, outputs have their safe values";
+  if (generation.empty()) return harmless(fault.state);
+  if (fault.state == "rolled_back") return "rolled back (" + generation + " runs again)";
+  return harmless(fault.state) + " (" + generation + " still running)";
+}
+
+}  // namespace
+
+std::string render_fault(std::string_view command, const Fault& fault, Look look) {
+  const std::string message =
+      (command.empty() ? "" : std::string(command) + ": ") + harmless(fault.message);
+  const auto part = [&](const char* name, const std::string& content) {
+    return content.empty() ? "" : wrapped(name + content, look.width, 11) + "\n";
+  };
+  constexpr std::string_view kError = "error:";
+  const std::string first = wrapped(std::string(kError) + " " + message, look.width, 2);
+  return painted(kError, Paint::red, look.colour) + first.substr(kError.size()) + "\n" +
+         part("  where  : ", harmless(fault.where)) + part("  state  : ", state_in_words(fault)) +
+         part("  hint   : ", harmless(fault.hint));
+}
+
+Json fault_json(const Fault& fault) {
+  Json error = {{"code", fault.code},   {"name", fault.name},   {"message", fault.message},
+                {"state", fault.state}, {"where", fault.where}, {"hint", fault.hint},
+                {"exit", fault.exit},   {"generation", nullptr}};
+  if (fault.generation) error["generation"] = *fault.generation;
+  if (!fault.errors.is_null()) error["errors"] = fault.errors;
+  return {{"error", std::move(error)}};
+}
+
+}  // namespace mauve::ctl

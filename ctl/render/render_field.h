@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Members of an answer with units instead of raw numbers. Pure.
+#pragma once
+
+#include <string>
+
+#include "render/words.h"
+
+namespace mauve::ctl {
+
+/// The key as a title: "wait" for "wait_ns", because the content has its unit.
+[[nodiscard]] std::string field_title(const std::string& key);
+
+/// The content in words: durations, instants and sizes with their units, "none" for a task's limit
+/// that is not set, else as word() has it.
+[[nodiscard]] std::string field_content(const Json& object, const std::string& key);
+
+/// The states of object.get's "machine", each with "next": "[1] doze, [else] run".
+[[nodiscard]] Json machine_rows(const Json& machine);
+
+}  // namespace mauve::ctl

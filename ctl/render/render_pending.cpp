@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The pending things that `status` tells: changes on probation, a start after a crash, cores in
+/// quarantine, unknown values that rules need, connections that may be a mistake.
+#include "render/render.h"
+#include "render/table.h"
+#include "render/words.h"
+
+namespace mauve::ctl {
+
+namespace {
+
+std::string sentence_of(const Json& one) {
+  const std::string which = changes_in_words(one);
+  const std::string left = seconds_in_words(number(one, "left_ns") * 1e-9);
+  const std::string state = word(one, "state");
+  if (state == "leads_back") return which + ": a failure or undo leads back now";
+  if (state == "awaits_confirmation") {
+    return which + ": goes back in " + left + " unless somebody confirms it: mauvectl confirm";
+  }
+  // A number of jobs that somebody gave decides alone.
+  const bool jobs_alone = number(one, "left_ns") > 3600e9;
+  return which + ": on probation for " + (jobs_alone ? "" : left + " still, or ") +
+         word(one, "jobs") + " jobs: a failure, or mauvectl undo, leads back";
+}
+
+}  // namespace
+
+std::string render_pending(const Json& status, Look look) {
+  std::string text;
+  const auto add = [&](const std::string& line) {
+    text += painted(wrapped(harmless(line), look.width, 2), Paint::yellow, look.colour) + "\n";
+  };
+  for (const Json& one : list_in(status, "probations")) add(sentence_of(one));
+  for (const Json& one : list_in(status, "notes")) {
+    add("note: " + word(one, "address") + " " + word(one, "text"));
+  }
+  for (const Json& one : list_in(status, "unknown_values")) {
+    add(word(one, "address") + " is " + word(one, "text") + ": mauvectl rules");
+  }
+  if (const auto recovered = word(status, "recovered"); number(status, "recovered") > 0) {
+    add("this run began with generation " + recovered +
+        " after a crash, not with its file: an orderly end and a start begin with the file, as "
+        "does mauved --fresh");
+  }
+  if (const double cores = number(status, "quarantine"); cores > 0) {
+    add(counted(static_cast<std::size_t>(cores), "core") + (cores > 1 ? " are" : " is") +
+        " in quarantine: mauvectl quarantine");
+  }
+  return text;
+}
+
+}  // namespace mauve::ctl

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <array>
+#include <string>
+
+#include "render/render.h"
+#include "render/table.h"
+#include "render/words.h"
+
+namespace mauve::ctl {
+namespace {
+
+/// "drivers/laser_sim" is "laser_sim" in the row of the plugin "drivers".
+std::string own_name(std::string name, const std::string& plugin) {
+  return name.starts_with(plugin + "/") ? name.substr(plugin.size() + 1) : name;
+}
+
+std::string warnings_of(const Json& plugin, const std::string& name, Look look) {
+  std::string text;
+  for (const Json& warning : list_in(plugin, "warnings")) {
+    text += painted("warning:", Paint::yellow, look.colour) + " " + name + ": " + compact(warning) +
+            "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string render_plugin(std::string_view done, const Json& result, Look look) {
+  const std::string unmapped = word(result, "unmapped");
+  std::string text(done);
+  if (unmapped == "true") text += ", the old code is out of memory";
+  Json receipt = result;
+  if (receipt.is_object()) receipt.erase("warnings");  // told below
+  text = render_receipt(text, receipt, look);
+  if (const auto why = word(result, "why"); unmapped == "false" && !why.empty()) {
+    text += wrapped("  the old code stays in memory: " + why, look.width, 4) + "\n";
+  }
+  return text + warnings_of(result, word(result, "plugin"), look);
+}
+
+std::string render_plugins(const Json& result, Look look) {
+  constexpr std::array<const char*, 5> kKinds{"components", "cores", "fsms", "resources", "types"};
+  const Json& items = list_in(result, "items");
+  if (items.empty()) return "none\n";
+  std::string text;
+  for (const Json& plugin : items) {
+    const std::string name = word(plugin, "name");
+    text += painted(name, Paint::bold, look.colour) + " " + word(plugin, "version");
+    if (const auto users = whole_number(plugin, "users"); users > 0) {
+      text += ", " + counted(users, "object") + " in use";
+    }
+    text += "\n";
+    for (const char* kind : kKinds) {
+      std::string names;
+      for (const Json& one : list_in(plugin, kind)) {
+        join(names, own_name(compact(one), name));
+      }
+      if (names.empty()) continue;
+      std::string line = "  " + std::string(kind);
+      line.append(14 - line.size(), ' ').append(names);
+      text += wrapped(line, look.width, 14) + "\n";
+    }
+    text += warnings_of(plugin, name, look);
+  }
+  return text;
+}
+
+std::string render_plugins_for(const Json& result, Look look) {
+  const Json& items = list_in(result, "items");
+  if (items.empty()) return "none\n";
+  Table table({{"CORE"}, {"PLUGIN"}, {"VERSION"}});
+  for (const Json& plugin : items) {
+    for (const Json& core : list_in(plugin, "cores")) {
+      table.add({{compact(core)}, {word(plugin, "name")}, {word(plugin, "version")}});
+    }
+  }
+  return table.text(look.width, look.colour);
+}
+
+}  // namespace mauve::ctl

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The answer to a change.
+#include <algorithm>
+#include <string>
+
+#include "render/render.h"
+#include "render/table.h"
+#include "render/words.h"
+
+namespace mauve::ctl {
+namespace {
+
+/// ", on probation for 3000 jobs or 10 s"
+std::string on_probation(const Json& receipt) {
+  const Json& probation = member(receipt, "probation");
+  if (!probation.is_object()) return {};
+  if (const double confirm = number(probation, "confirm_within_ns"); confirm > 0) {
+    return ", to be confirmed within " + nanoseconds_in_words(confirm);
+  }
+  const std::string jobs =
+      ", on probation for " + counted(whole_number(probation, "activations"), "job");
+  constexpr double kWholeDay = 86'400e9;  // in place of none
+  const double time = number(probation, "time_ns");
+  return time >= kWholeDay ? jobs : jobs + " or " + nanoseconds_in_words(time);
+}
+
+/// One line for each entry of a list of the receipt.
+template <typename F>
+std::string lines_of(const Json& receipt, const char* list, Look look, const F& line) {
+  std::string text;
+  for (const Json& one : list_in(receipt, list)) {
+    text += wrapped("  " + line(one), look.width, 4) + "\n";
+  }
+  return text;
+}
+
+/// The lines of the change tell the values.
+std::string defaults(const Json& receipt, Look look) {
+  std::string names;
+  for (const Json& one : list_in(receipt, "defaults")) join(names, word(one, "name"));
+  if (names.empty()) return {};
+  const bool one = list_in(receipt, "defaults").size() == 1;
+  return wrapped("  " + names + (one ? " has its default value" : " have their default values") +
+                     "; --set NAME=VALUE keeps another",
+                 look.width, 4) +
+         "\n";
+}
+
+/// "  bypass (true) is gone: the new core has no such property"
+std::string gone(const Json& receipt, Look look) {
+  return lines_of(receipt, "gone", look, [](const Json& one) {
+    return word(one, "name") + " (" + word(one, "before") +
+           ") is gone: the new core has no such property";
+  });
+}
+
+/// "  mission.core.goal.y keeps 0: the value given does not name it"
+std::string kept(const Json& receipt, Look look) {
+  return lines_of(receipt, "kept", look, [](const Json& one) {
+    return word(one, "address") + " keeps " + word(one, "value") +
+           ": the value given does not name it";
+  });
+}
+
+/// "  control: its state pi_state/2 (24 bytes) is dropped", one a line.
+std::string dropped(const Json& receipt, Look look) {
+  std::string text;
+  for (const Json& one : list_in(receipt, "components")) {
+    const std::string state = word(one, "dropped");
+    if (state.empty()) continue;
+    text += wrapped("  " + word(one, "name") + ": its state " + state + " (" +
+                        counted(whole_number(one, "dropped_bytes"), "byte") + ") is dropped",
+                    look.width, 4) +
+            "\n";
+  }
+  return text;
+}
+
+/// "laser, gnss: running already".
+std::string already_so(const Json& receipt, Look look) {
+  std::string names;
+  for (const Json& name : list_in(receipt, "already")) join(names, harmless(compact(name)));
+  if (names.empty()) return {};
+  return wrapped("  " + names + ": " + word(receipt, "already_state") + " already", look.width, 4) +
+         "\n";
+}
+
+/// "control is faulted and does not run: mauvectl start control", one a line.
+std::string standing(const Json& receipt, Look look) {
+  std::string text;
+  for (const Json& one : list_in(receipt, "standing")) {
+    const std::string line =
+        word(one, "name") + " is " + word(one, "state") + " and does not run: " + word(one, "hint");
+    text += painted(wrapped(line, look.width, 2), Paint::yellow, look.colour) + "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string dropped_states(const Json& receipt, Look look) { return dropped(receipt, look); }
+
+std::string render_receipt(std::string_view done, const Json& receipt, Look look) {
+  const std::string generation = word(receipt, "generation");
+  const std::string already = already_so(receipt, look);
+  if (member(receipt, "changed") == false) {
+    return "nothing to change (generation " + generation + " still running)\n" + already;
+  }
+  const Json& components = member(receipt, "components");
+  std::string text(done);
+  const std::string state = word(receipt, "state");
+  if (state == "rolled_back") text += ", but it was rolled back";
+  if (state == "safe") text += " only partly, the robot is in its safe state";
+  double pause = 0;
+  std::uint64_t missed = 0;
+  std::uint64_t bytes = 0;
+  for (const Json& one : components) {
+    pause = std::max(pause, number(one, "pause_ns"));
+    missed += whole_number(one, "missed");
+    bytes += whole_number(one, "bytes");
+  }
+  if (!components.empty()) {
+    text += components.size() > 1 ? ": longest pause " : ": pause ";
+    text += nanoseconds_in_words(pause) + ", " + counted(missed, "release") + " missed";
+  }
+  if (bytes > 0) text += ", " + counted(bytes, "byte") + " of state kept";
+  const auto attempts = whole_number(receipt, "attempts");
+  if (attempts > 1) text += ", " + counted(attempts, "attempt");
+  text += " (generation " + generation + on_probation(receipt);
+  if (member(receipt, "saved") == false) text += ", applied but NOT saved";
+  text += ")";
+  if (const auto held = whole_number(receipt, "rules_held"); held > 0) {
+    text += ", " + counted(held, "rule") + (held == 1 ? " is held" : " are held");
+  }
+  text = wrapped(text, look.width, 2) + "\n";
+  text += already + defaults(receipt, look) + gone(receipt, look) + kept(receipt, look) +
+          dropped(receipt, look) + standing(receipt, look);
+  const Json& notes = member(receipt, "notes");
+  for (const Json& note : notes.is_array() ? notes : Json::array()) {
+    text += wrapped("note: " + harmless(compact(note)), look.width, 2) + "\n";
+  }
+  const Json& warnings = member(receipt, "warnings");
+  for (const Json& warning : warnings.is_array() ? warnings : Json::array()) {
+    const std::string line = "warning: " + harmless(compact(warning));
+    text += painted(wrapped(line, look.width, 2), Paint::yellow, look.colour) + "\n";
+  }
+  return text;
+}
+
+}  // namespace mauve::ctl

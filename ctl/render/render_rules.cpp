@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <string>
+
+#include "render/render.h"
+#include "render/table.h"
+#include "render/words.h"
+
+namespace mauve::ctl {
+namespace {
+
+Paint paint_of_rule(const std::string& state) {
+  if (state == "fired" || state == "holding" || state == "held") return Paint::yellow;
+  return state == "disabled" || state == "limited" ? Paint::red : Paint::plain;
+}
+
+/// "gnss.core.satellites < 4 (9)": the values in the order of the addresses.
+std::string condition_of(const Json& rule) {
+  std::string values;
+  for (const Json& one : rule.value("values", Json::array())) {
+    join(values, word(one, "value"));
+  }
+  return word(rule, "when") + (values.empty() ? "" : " (" + values + ")");
+}
+
+std::string last_of(const Json& rule) {
+  if (whole_number(rule, "fired") == 0) return "never";
+  return nanoseconds_in_words(number(rule, "ago_ns")) + " ago";
+}
+
+}  // namespace
+
+std::string render_rules(const Json& result, Look look) {
+  const Json items = result.is_object() ? result.value("items", Json::array()) : Json::array();
+  if (items.empty()) return "none\n";
+  Table table({{"NAME"},
+               {"STATE"},
+               {"CONDITION"},
+               {"FIRED", true, 2},
+               {"LAST", false, 1},
+               {"ANSWER"},
+               {"WHY NOT"}});
+  for (const Json& rule : items) {
+    const std::string state = word(rule, "state");
+    const std::string answer = word(rule, "answer");
+    const bool bad = answer.starts_with("refused") || answer.starts_with("unsafe");
+    table.add({{word(rule, "name")},
+               {state, paint_of_rule(state)},
+               {condition_of(rule)},
+               {word(rule, "fired")},
+               {last_of(rule)},
+               {answer, bad ? Paint::red : Paint::plain},
+               {word(rule, "why_not")}});
+  }
+  return table.text(look.width, look.colour);
+}
+
+std::string render_rule(const Json& result, Look look) {
+  const Json items = result.is_object() ? result.value("items", Json::array()) : Json::array();
+  if (items.empty()) return "none\n";
+  Json rule = items.front();
+  rule["last"] = last_of(rule);
+  for (const char* key : {"ago_ns", "fired_ns"}) rule.erase(key);
+  return render_object(rule, look);
+}
+
+}  // namespace mauve::ctl

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <algorithm>
+#include <string>
+
+#include "render/render.h"
+#include "render/words.h"
+
+namespace mauve::ctl {
+namespace {
+
+std::string did_in_words(const Json& failure) {
+  const std::string did = word(failure, "did");
+  const std::string core = word(failure, "core_after");
+  const std::string generation = " (generation " + word(failure, "generation_after") + ")";
+  const std::string state = word(failure, "state_after");
+  const bool stands = state == "stopped" || state == "faulted";
+  if (did == "rolled_back")
+    return "the change was rolled back: " + core +
+           (stands ? " is in its place again, and the component is " + state : " runs again") +
+           generation;
+  if (did == "fell_back") return "its fallback core " + core + " took over" + generation;
+  if (did == "restarted") return "a fresh core took over" + generation;
+  return "it was stopped with its safe values written; others go on";
+}
+
+std::string what_happened(const Json& failure) {
+  const std::string cause = word(failure, "cause");
+  const std::string text = word(failure, "text");
+  std::string line = cause.empty() ? text : cause + (text.empty() ? "" : ": " + text);
+  if (line.empty()) line = "failed";
+  if (const auto state = word(failure, "fsm_state"); !state.empty()) line += ", in state " + state;
+  if (const auto job = whole_number(failure, "job"); job > 0) {
+    line += ", job " + std::to_string(job);
+  }
+  line += ", core " + word(failure, "core");
+  if (const auto build = word(failure, "build_id"); !build.empty()) {
+    line += " (build " + build.substr(0, 12) + ")";
+  }
+  return line;
+}
+
+std::string change_in_words(const Json& change) {
+  const std::string reason = word(change, "reason");
+  return "generation " + word(change, "generation") + " by " + word(change, "method") + ", uid " +
+         word(change, "uid") + ", " + word(change, "time") + (reason.empty() ? "" : ": " + reason);
+}
+
+class Passage {
+ public:
+  explicit Passage(Look look) : look_(look) {}
+  void add(const std::string& title, const std::string& content) {
+    if (content.empty()) return;
+    text_ +=
+        wrapped(title + std::string(10 - std::min<std::size_t>(9, title.size()), ' ') + content,
+                look_.width, 10) +
+        "\n";
+  }
+  std::string text_;
+
+ private:
+  Look look_;
+};
+
+std::string listed(const Json& names) {
+  std::string text;
+  for (const Json& name : names) join(text, compact(name));
+  return text;
+}
+
+std::string why_heading(const Json& why, const Json& failure) {
+  const std::string state = word(why, "state");
+  std::string line = word(why, "component") + ": " + state + ", core " + word(why, "core");
+  if (number(why, "late_ns") > 0) {
+    line += ", its job should have ended " + nanoseconds_in_words(number(why, "late_ns")) + " ago";
+  }
+  if (const auto how = recovery_in_words(member(why, "recovery")); !how.empty()) {
+    line += ", " + how;
+  }
+  return failure.is_object() ? line
+                             : line + "; nothing failed since mauved began, " + word(why, "since");
+}
+
+}  // namespace
+
+std::string render_why(const Json& why, Look look) {
+  const Json failure = why.is_object() ? why.value("failure", Json()) : Json();
+  const Json change = why.is_object() ? why.value("change", Json()) : Json();
+  Passage text(look);
+  const bool failed = word(why, "state") == "faulted" || word(why, "state") == "recovering";
+  const Paint paint = failed ? Paint::red : Paint::bold;
+  text.text_ =
+      painted(wrapped(why_heading(why, failure), look.width, 2), paint, look.colour) + "\n";
+  if (failure.is_object()) {
+    text.add("what", what_happened(failure));
+    text.add("when", word(failure, "time") + ", " +
+                         nanoseconds_in_words(number(failure, "ago_ns")) + " ago; " +
+                         counted(whole_number(failure, "times"), "failure") +
+                         " since mauved began");
+    text.add("then", did_in_words(failure));
+  }
+  if (change.is_object())
+    text.add(failure.is_object() ? "before" : "changed", change_in_words(change));
+  auto counts = counted(whole_number(why, "missed"), "release") + " missed, " +
+                counted(whole_number(why, "overruns"), "overrun");
+  if (const auto kernel = kernel_in_words(member(why, "kernel")); !kernel.empty()) {
+    join(counts, kernel, "; ");
+  }
+  text.add("counted", counts);
+  text.add("poisoned", listed(list_in(why, "poisoned")));
+  for (const Json& one : list_in(why, "quarantine")) {
+    text.add("kept out", word(one, "core") + ": it " + word(one, "reason"));
+  }
+  for (const Json& hint : list_in(why, "hints")) text.add("next", compact(hint));
+  const Json& records = list_in(why, "records");
+  if (records.empty() || !failure.is_object()) return text.text_;
+  text.text_ += painted("its last records", Paint::bold, look.colour) + "\n";
+  for (const Json& record : records) text.text_ += render_record(record, look);
+  return text.text_;
+}
+
+}  // namespace mauve::ctl

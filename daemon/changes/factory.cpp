@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "changes/factory.h"
+
+#include <sys/prctl.h>
+
+#include <algorithm>
+
+#include "base/mutex.h"
+#include "mauve/job.h"
+#include "model/leavable.h"
+#include "rt/rescue.h"
+
+namespace mauve::daemon {
+
+using SteadyClock = std::chrono::steady_clock;
+
+/// What one thread is at, under Shared::mutex but for `leavable`.
+struct Factory::Thread {
+  Leavable leavable;
+  bool busy = false;
+  bool left = false;
+  bool returned = false;
+  SteadyClock::time_point since;
+  Job then;
+  GivenUp given_up;
+};
+
+/// Outlives the factory while anybody is left behind.
+struct Factory::Shared {
+  struct Piece {
+    Job work;
+    Job then;
+    GivenUp given_up;
+  };
+
+  explicit Shared(std::function<void(Job)> its_go_on) : go_on(std::move(its_go_on)) {}
+
+  const std::function<void(Job)> go_on;
+  Mutex mutex;
+  ConditionVariable wake;
+  FairQueue<Piece> queue MAUVE_GUARDED_BY(mutex);
+  bool stopping MAUVE_GUARDED_BY(mutex) = false;
+  std::shared_ptr<Thread> serving;
+};
+
+Factory::Factory(std::function<void(Job)> go_on)
+    : shared_(std::make_shared<Shared>(std::move(go_on))) {}
+
+Factory::~Factory() { stop(); }
+
+void Factory::start() { begin(); }
+
+void Factory::begin() {
+  auto fresh = std::make_shared<Thread>();
+  {
+    const MutexLock lock(shared_->mutex);
+    shared_->serving = fresh;
+  }
+  thread_ = std::thread([shared = shared_, fresh] {
+    prctl(PR_SET_NAME, "mauve-factory");
+    const rt::FaultStack stack;  // a hook may fill its own
+    fresh->leavable.begin_here();
+    run(shared, fresh);
+  });
+}
+
+void Factory::stop() {
+  {
+    const MutexLock lock(shared_->mutex);
+    shared_->stopping = true;
+  }
+  shared_->wake.notify_all();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+}
+
+void Factory::post(Job work, Job then, GivenUp given_up, const Asker& asker) {
+  const MutexLock lock(shared_->mutex);
+  if (shared_->stopping) {
+    return;
+  }
+  shared_->queue.push(asker, {std::move(work), std::move(then), std::move(given_up)});
+  shared_->wake.notify_one();
+}
+
+void Factory::run(const std::shared_ptr<Shared>& shared, const std::shared_ptr<Thread>& self) {
+  for (;;) {
+    Job work;
+    {
+      MutexLock lock(shared->mutex);
+      shared->wake.wait(lock, [&]() MAUVE_REQUIRES(shared->mutex) {
+        return shared->stopping || !shared->queue.empty();
+      });
+      if (shared->queue.empty()) {
+        return;
+      }
+      auto next = shared->queue.pop();
+      work = std::move(next.work);
+      self->then = std::move(next.then);
+      self->given_up = std::move(next.given_up);
+      self->busy = true;
+      self->since = SteadyClock::now();
+    }
+    work();
+    work = nullptr;  // what it holds is destroyed here, before [control] goes on
+    Job then;
+    GivenUp unused;
+    {
+      const MutexLock lock(shared->mutex);
+      if (self->left) {
+        self->returned = true;
+        return;
+      }
+      self->busy = false;
+      then = std::move(self->then);
+      unused = std::move(self->given_up);
+    }
+    unused = nullptr;
+    shared->go_on(std::move(then));
+  }
+}
+
+std::vector<LeftBehind> Factory::look(std::chrono::nanoseconds bound) {
+  Job then;
+  GivenUp given_up;
+  LeftBehind left;
+  {
+    const MutexLock lock(shared_->mutex);
+    const auto thread = shared_->serving;
+    const auto taken = SteadyClock::now() - thread->since;
+    if (!thread->busy || taken < bound) {
+      return {};
+    }
+    left.hook = thread->leavable.hook();
+    if (!thread->leavable.leave()) {
+      return {};
+    }
+    thread->left = true;
+    then = std::move(thread->then);
+    given_up = std::move(thread->given_up);
+    left.since = std::chrono::system_clock::now() -
+                 std::chrono::duration_cast<std::chrono::system_clock::duration>(taken);
+    left.user = user_;
+    left_.emplace_back(left, thread);
+  }
+  thread_.detach();
+  begin();
+  // It may hold the last reference to elements, so it goes where these are freed; with it goes the
+  // ticket of the change.
+  post([then = std::move(then)]() mutable { then = nullptr; }, [] {}, {});
+  if (given_up) {
+    given_up(left.hook);
+  }
+  return {left};
+}
+
+std::vector<LeftBehind> Factory::left_behind() const {
+  std::vector<LeftBehind> all;
+  const MutexLock lock(shared_->mutex);
+  for (const auto& [left, thread] : left_) {
+    if (!thread->returned) {
+      all.push_back(left);
+    }
+  }
+  return all;
+}
+
+}  // namespace mauve::daemon

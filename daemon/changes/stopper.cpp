@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "changes/stopper.h"
+
+#include <sys/prctl.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "base/mutex.h"
+#include "mauve/deployer.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const auto& name : names) {
+    text += (text.empty() ? "" : ", ") + name;
+  }
+  return text;
+}
+
+}  // namespace
+
+bool StopOrder::begin() {
+  const MutexLock lock(mutex_);
+  begun_ = true;
+  return direct_ != nullptr;
+}
+
+void StopOrder::end(Deployer& deployer) {
+  const MutexLock lock(mutex_);
+  over_ = true;
+  if (direct_ != nullptr) {
+    deployer.end_direct_stop(components_);
+  }
+}
+
+std::vector<std::string> StopOrder::stopped_directly() const {
+  const MutexLock lock(mutex_);
+  return direct_ != nullptr ? direct_->ran() : std::vector<std::string>();
+}
+
+void Stopper::start(Deployer& deployer) {
+  deployer_ = &deployer;
+  thread_ = std::thread([this] {
+    prctl(PR_SET_NAME, "mauve-stop");
+    run();
+  });
+}
+
+void Stopper::stop() {
+  {
+    const MutexLock lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+}
+
+void Stopper::watch(std::shared_ptr<StopOrder> order) {
+  {
+    const MutexLock lock(mutex_);
+    new_ones_.push_back(std::move(order));
+  }
+  wake_.notify_all();
+}
+
+void Stopper::run() {
+  for (;;) {
+    {
+      MutexLock lock(mutex_);
+      if (orders_.empty()) {
+        wake_.wait(lock,
+                   [this]() MAUVE_REQUIRES(mutex_) { return stopping_ || !new_ones_.empty(); });
+      } else {
+        wake_.wait_for(lock, kEvery, [this]() MAUVE_REQUIRES(mutex_) { return stopping_; });
+      }
+      if (stopping_) {
+        return;
+      }
+      std::move(new_ones_.begin(), new_ones_.end(), std::back_inserter(orders_));
+      new_ones_.clear();
+    }
+    std::erase_if(orders_, [this](const auto& order) { return look(*order); });
+  }
+}
+
+/// True: there is nothing more to do for it here.
+bool Stopper::look(StopOrder& order) {
+  const MutexLock lock(order.mutex_);
+  if (order.direct_ == nullptr) {
+    if (order.over_) {
+      return true;
+    }
+    if (!is_held_up(order)) {
+      return false;
+    }
+    if (!begin_directly(order)) {
+      return true;
+    }
+  }
+  if (!order.direct_->advance()) {
+    return false;
+  }
+  if (order.tell_) {
+    order.tell_(*order.direct_);
+  }
+  return true;
+}
+
+/// It has not come to the stop yet, or has come to it and does not look after it any more.
+bool Stopper::is_held_up(StopOrder& order) const {
+  const auto looks = deployer_->looks();
+  if (order.begun_ && looks != order.looks_) {
+    order.looks_ = looks;
+    order.waited_ = 0;
+    return false;
+  }
+  return ++order.waited_ > kPatience;
+}
+
+bool Stopper::begin_directly(StopOrder& order) {
+  if (order.applies_ && !order.applies_()) {
+    return false;
+  }
+  order.direct_ = deployer_->begin_direct_stop(order.components_);
+  if (order.direct_ == nullptr) {
+    return false;
+  }
+  if (!order.direct_->ran().empty()) {
+    log_.write(logging::Event::stopped_directly, {{"text", listed(order.direct_->ran())}});
+  }
+  return true;
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// architecture.apply and architecture.diff. The latter is judged in a process of its own; the
+/// former:
+///
+///   [trial]   make everything in a process of its own, in case that it crashes or hangs
+///   [factory] parse, load plugins beside the running ones, make all elements
+///   [control] compare with what runs
+///   [factory] prepare what is new
+///   [control] put it in force; names of new plugins come into the catalog
+///   [factory] free the rest
+#include "commands/change/architecture.h"
+
+#include <algorithm>
+#include <functional>
+#include <iterator>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "arch/diff_rules.h"
+#include "arch/load.h"
+#include "arch/value_json.h"
+#include "commands/answer.h"
+#include "commands/change/change.h"
+#include "commands/change/policies.h"
+#include "commands/change/trial.h"
+#include "commands/gate.h"
+#include "commands/model.h"
+#include "commands/recovery/given_up.h"
+#include "mauve/architecture.h"
+#include "monitor/supervisor.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using logging::Event;
+
+/// Another architecture beside the running one.
+class Application final : public Companion {
+ public:
+  Application(Running& running, std::string text, bool dry_run)
+      : running_(running), text_(std::move(text)), catalog_(running.catalog), dry_run_(dry_run) {}
+  /// What elements logged last is text in the code of their plugin.
+  ~Application() override {
+    wanted_.reset();
+    difference_ = {};
+    if (!plugins_.empty()) {
+      running_.log.flush();
+    }
+  }
+
+  /// [factory]
+  void load() { wanted_ = arch::load(text_, catalog_, problems_, &supervision_); }
+  [[nodiscard]] const arch::Problems& problems() const { return problems_; }
+
+  /// [control] Once the file turned out to be good.
+  void compare() {
+    difference_ = arch::compare(running_.architecture, *wanted_, parked_now(running_));
+    elements_ = !difference_.lines.empty();
+    compare_supervision();
+    for (const auto* loaded : catalog_.plugins()) {
+      if (running_.catalog.find(loaded->info().name) == nullptr) {
+        plugins_.push_back(loaded->info().name);
+      }
+    }
+  }
+  [[nodiscard]] bool same() const { return difference_.lines.empty() && plugins_.empty(); }
+  [[nodiscard]] bool changes_elements() const { return elements_; }
+  [[nodiscard]] bool only_loads() const { return !elements_ && !supervises_; }
+  /// Its name is part of a file, but no part that can change.
+  [[nodiscard]] Status named_alike() const {
+    if (wanted_->name() == running_.architecture.name()) {
+      return ok();
+    }
+    return refuse(Errc::unsupported, "name",
+                  "the file is of architecture \"" + wanted_->name() + "\", \"" +
+                      running_.architecture.name() + "\" is running",
+                  "keep the name, or start mauved with this file");
+  }
+  /// A change of a contract goes by the barrier, unless it was asked for something else.
+  [[nodiscard]] Change take_change(StatePolicy state, std::optional<Sync> asked) {
+    for (auto& edit : difference_.change.edits) {
+      edit.state = state;
+    }
+    for (auto& joining : difference_.change.new_resources) {
+      joining.state = state;
+    }
+    difference_.change.sync =
+        asked.value_or(difference_.exchanged.empty() ? Sync::cut : Sync::barrier);
+    difference_.change.has_companion = supervises_;
+    return std::move(difference_.change);
+  }
+
+  Status ready() override {
+    if (running_.supervisor.adoptions() != compared_with_) {
+      return refuse(Errc::conflict, "rules",
+                    "changed since the file was compared with them: a change was rolled back",
+                    "look at what runs now, then apply the file again");
+    }
+    for (const auto& name : plugins_) {
+      if (auto good = running_.catalog.check_types(*catalog_.find(name)); !good) {
+        return good;
+      }
+    }
+    return ok();
+  }
+  void in_force(std::uint64_t generation) override {
+    if (supervises_) {
+      running_.supervisor.adopt(std::move(supervision_), generation);
+    }
+    for (const auto& name : plugins_) {
+      const auto& loaded = *catalog_.find(name);
+      // It was checked, and no other change came in between.
+      static_cast<void>(running_.catalog.commit(loaded));
+      running_.log.write(Event::plugin_loaded, {{"plugin", name},
+                                                {"version", loaded.info().version},
+                                                {"file", loaded.info().file},
+                                                {"build_id", loaded.info().build_id}});
+    }
+  }
+  void complete(Json& result) override {
+    result["lines"] = Json::array();
+    for (const auto& line : all_lines()) {
+      result["lines"].push_back(to_json(line));
+    }
+    if (!difference_.exchanged.empty()) {
+      result["exchanged"] = difference_.exchanged;
+    }
+    if (dry_run_) {
+      result["dry_run"] = true;
+    }
+  }
+  [[nodiscard]] std::optional<std::vector<arch::Line>> lines() const override {
+    return all_lines();
+  }
+  [[nodiscard]] bool dry_run() const override { return dry_run_; }
+
+ private:
+  [[nodiscard]] std::vector<arch::Line> all_lines() const {
+    std::vector<arch::Line> lines;
+    for (const auto& name : plugins_) {
+      lines.push_back(arch::make_line("plugin", name, {}, name));
+    }
+    std::ranges::copy(difference_.lines, std::back_inserter(lines));
+    return lines;
+  }
+  void compare_supervision() {
+    compared_with_ = running_.supervisor.adoptions();
+    auto lines = arch::compare(running_.supervisor.supervision(), supervision_);
+    supervises_ = !lines.empty();
+    std::ranges::move(lines, std::back_inserter(difference_.lines));
+  }
+
+  Running& running_;
+  std::string text_;
+  plugin::Catalog catalog_;  // the running one, and what the file adds
+  bool dry_run_;
+  arch::Problems problems_;
+  std::unique_ptr<Architecture> wanted_;
+  arch::Difference difference_;
+  bool elements_ = false;
+  rules::Supervision supervision_;
+  std::uint64_t compared_with_ = 0;   // see Supervisor::adoptions()
+  bool supervises_ = false;           // its rules, transactions or permissions are others
+  std::vector<std::string> plugins_;  // not loaded yet
+};
+using ApplicationPtr = std::shared_ptr<Application>;
+
+/// [control] Nothing of the application is touched on this thread afterwards.
+void free_in_factory(Running& running, ApplicationPtr application, Ticket ticket) {
+  running.control.in_factory(
+      [application = std::move(application)]() mutable { application.reset(); },
+      [ticket = std::move(ticket)] {});
+}
+
+void refuse_file(Running& running, const Call& call, Json errors) {
+  refuse_text(running, call, "the file has", "mend the file; mauvectl check looks at it again",
+              std::move(errors));
+}
+
+void answer_unchanged(Running& running, const Call& call, Application& application) {
+  Receipt receipt;
+  receipt.generation = running.generation;
+  auto result = to_json(receipt);
+  application.complete(result);
+  answer(running, call, std::move(result));
+}
+
+Status check_nothing_to_prove(const Json& params) {
+  for (const char* option : {"probation", "misses", "confirm_within"}) {
+    if (!params.contains(option) || text_or(params, option) == "off") {
+      continue;
+    }
+    return refuse(Errc::invalid_value, option,
+                  "the file adds plugins and changes nothing that runs, so there is nothing to try "
+                  "out or to take back",
+                  "leave out " + std::string(option) + "; mauvectl unload takes a plugin away");
+  }
+  return ok();
+}
+
+/// [control] Plugins are all that the file adds: no component takes part, no new generation.
+void load_only(Running& running, const Call& call, Application& application) {
+  auto good = check_nothing_to_prove(call.params);
+  if (good) {
+    good = check_conditions(running, call);
+  }
+  if (good) {
+    good = application.ready();
+  }
+  if (good) {
+    good = may_change(running, *application.lines());
+  }
+  if (!good) {
+    return answer(running, call, good.error());
+  }
+  application.in_force(running.generation);
+  Receipt receipt;
+  receipt.generation = running.generation;
+  receipt.state = ChangeState::applied;
+  auto result = to_json(receipt);
+  application.complete(result);
+  answer(running, call, std::move(result));
+}
+
+/// [control] The file is good, and compared.
+void go_on(Running& running, const CallPtr& call, ApplicationPtr application, Ticket ticket) {
+  const auto state = state_policy(call->params);
+  const auto sync = sync_of(call->params);
+  const auto named = application->named_alike();
+  if (!state || !sync || !named) {
+    answer(running, *call, !state ? state.error() : !sync ? sync.error() : named.error());
+  } else if (application->same() || (application->dry_run() && !application->changes_elements())) {
+    answer_unchanged(running, *call, *application);
+  } else if (application->only_loads()) {
+    load_only(running, *call, *application);
+  } else {
+    auto change = application->take_change(*state, *sync);
+    return apply(running, call, std::move(ticket), std::move(change), std::move(application));
+  }
+  free_in_factory(running, std::move(application), std::move(ticket));
+}
+
+/// [factory] makes its elements, then it is compared.
+void load_then_go_on(Running& running, const CallPtr& call, ApplicationPtr application,
+                     Ticket ticket) {
+  auto work = [application] { application->load(); };
+  auto then = [&running, call, application = std::move(application),
+               ticket = std::move(ticket)]() mutable {
+    if (!application->problems().empty()) {
+      refuse_file(running, *call, to_json(application->problems()));
+      return free_in_factory(running, std::move(application), std::move(ticket));
+    }
+    application->compare();
+    go_on(running, call, std::move(application), std::move(ticket));
+  };
+  running.control.in_factory(std::move(work), std::move(then),
+                             [&running, call](const std::string& hook) {
+                               answer(running, *call, given_up(running, hook, "file"));
+                             });
+}
+
+}  // namespace
+
+void apply_architecture(Running& running, const CallPtr& call, Ticket ticket, std::string text,
+                        const std::string& reason) {
+  if (!reason.empty() && text_or(call->params, "reason").empty()) {
+    call->params["reason"] = reason;
+  }
+  auto question = question_of(running, *call);
+  question.text = text;
+  question.loads = true;
+  auto application =
+      std::make_shared<Application>(running, std::move(text), flag(call->params, "dry_run"));
+  try_out(running, call, question, text_or(call->params, "file", "text"),
+          [&running, call, application, ticket = std::move(ticket)] {
+            load_then_go_on(running, call, application, ticket);
+          });
+}
+
+void apply_file(Running& running, const CallPtr& call, Ticket ticket) {
+  apply_architecture(running, call, std::move(ticket), text_or(call->params, "text"), "");
+}
+
+/// In a process of its own, so that a viewer may ask: nothing that the file names is made here.
+void diff_architecture(Running& running, const CallPtr& call, Ticket /*none*/) {
+  auto question = question_of(running, *call);
+  question.running = arch::to_json_text(described(running));
+  running.judge(asker_of(*call), question, [&running, call](Result<Json> judged) {
+    if (!judged) {
+      return answer(running, *call, judged.error());
+    }
+    if (!(*judged)["errors"].empty()) {
+      return refuse_file(running, *call, (*judged)["errors"]);
+    }
+    judged->erase("errors");
+    (*judged)["generation"] = running.generation.load();
+    answer(running, *call, std::move(judged));
+  });
+}
+
+Question question_of(const Running& running, const Call& call) {
+  Question question{text_or(call.params, "text")};
+  for (const auto* plugin : running.catalog.plugins()) {
+    question.loaded.push_back(plugin->info().name);
+  }
+  question.loads = call.caller.role >= server::Role::admin;
+  return question;
+}
+
+/// All at once: a look while the architecture is walked through could change it.
+arch::Parked parked_now(const Running& running) {
+  std::set<std::string, std::less<>> parked;
+  for (const auto& one : running.deployer.status()) {
+    if (one.state == ComponentState::stopped) {
+      parked.insert(one.name);
+    }
+  }
+  return [parked = std::move(parked)](const ComponentBase& component) {
+    return parked.contains(component.name());
+  };
+}
+
+}  // namespace mauve::daemon

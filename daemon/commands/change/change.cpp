@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "commands/change/change.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "commands/answer.h"
+#include "commands/gate.h"
+#include "commands/model.h"
+#include "commands/recovery/given_up.h"
+#include "commands/recovery/quarantine.h"
+#include "commands/recovery/unproven.h"
+#include "exec/system/prepared.h"
+#include "judge/judgement.h"
+#include "mauve/architecture.h"
+#include "model/elements.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+/// Everything one change needs on its way between the threads. It is created on [control] and goes
+/// away on [factory], since freeing elements runs user code.
+struct Journey {
+  Change change;
+  std::uint64_t stops = 0;  ///< of its components, when it began
+  std::optional<Result<PreparedChange>> prepared;
+  std::optional<Retired> retired{std::in_place};
+  std::shared_ptr<Companion> companion;  ///< may be null
+  Status exchanged;
+  std::vector<arch::Line> lines;  ///< the differences that it makes, once it is prepared
+  std::vector<std::string> notes;
+  std::shared_ptr<const Bundle> before;  ///< of a swap in place
+};
+using JourneyPtr = std::shared_ptr<Journey>;
+
+/// [factory]
+Status free_all(Journey& journey) {
+  auto cleaned = journey.retired->release();
+  const std::string at = journey.change.edits.empty() ? "" : journey.change.edits[0].component;
+  static_cast<void>(drop_elements(at, [&journey] {
+    journey.prepared.reset();
+    journey.change = {};
+    journey.companion.reset();
+  }));
+  return cleaned;
+}
+
+/// [control] Nothing of the journey is touched on this thread afterwards.
+void free_in_factory(Running& running, JourneyPtr journey, Ticket ticket) {
+  running.control.in_factory(
+      [&running, journey = std::move(journey)] {
+        const auto cleaned = free_all(*journey);
+        if (!cleaned) {
+          running.log.write(logging::Event::clean_up_failed,
+                            {{"component", cleaned.error().at}, {"text", cleaned.error().message}});
+        }
+      },
+      [ticket = std::move(ticket)] {});
+}
+
+void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
+            const std::string& state, Journey& journey) {
+  Companion* const companion = journey.companion.get();
+  const bool in_force = receipt || receipt.error().code == Errc::partly;
+  if (companion != nullptr && in_force) {
+    companion->in_force(receipt ? receipt->generation : running.generation.load());
+  }
+  if (!receipt) {
+    return answer(running, call, receipt.error(), state);
+  }
+  auto result = to_json(*receipt);
+  say_sync(journey.prepared, result);
+  say_who_stands(running, journey.change, result);
+  say_kept(running, journey.change, result);
+  if (journey.change.probation) {
+    result["probation"] = to_json(*journey.change.probation);
+  }
+  if (companion != nullptr) {
+    companion->complete(result);
+  }
+  say_lines(journey.lines, result);
+  say_notes(journey.notes, result);
+  answer(running, call, std::move(result));
+}
+
+/// A start or a stop brings nothing that could be tried out, and a way back from a start would only
+/// stop the component again. That holds for a start with a fresh core of the same type too.
+bool changes_modes_only(const Running& running, const Change& change) {
+  return !change.has_companion && change.new_components.empty() && change.new_resources.empty() &&
+         change.remove.empty() &&
+         std::all_of(change.edits.begin(), change.edits.end(), [&](const Edit& one) {
+           const auto* component = running.architecture.find_component(one.component);
+           const bool other_core =
+               one.core &&
+               (component == nullptr || component->bundle()->core_type.name != one.core->name);
+           return one.mode != Mode::keep && !other_core;
+         });
+}
+
+using Stops = std::map<std::string, std::uint64_t>;
+
+std::uint64_t stops_of(const Stops& stops, const Change& change) {
+  std::uint64_t sum = 0;
+  for (const auto& edit : change.edits) {
+    const auto found = stops.find(edit.component);
+    sum += found == stops.end() ? 0 : found->second;
+  }
+  return sum;
+}
+
+bool starts_something(const Change& change) {
+  return std::any_of(change.edits.begin(), change.edits.end(),
+                     [](const Edit& edit) { return edit.mode == Mode::run; });
+}
+
+Error stopped_meanwhile(const Journey& journey) {
+  return refuse(Errc::conflict, journey.change.edits[0].component,
+                "was stopped by request after this change was asked for", "start it again");
+}
+
+/// [control] False when the change was given up before anything happened.
+bool may_go_on(Running& running, const Call& call, Journey& journey) {
+  if (!*journey.prepared) {
+    answer(running, call, journey.prepared->error());
+    return false;
+  }
+  auto met = check_conditions(running, call);
+  const bool stopped = overtaken_by_stop(running, call, journey.change) ||
+                       (starts_something(journey.change) &&
+                        stops_of(running.stops, journey.change) != journey.stops);
+  if (met && stopped) {
+    met = stopped_meanwhile(journey);
+  }
+  if (met && journey.companion != nullptr) {
+    met = journey.companion->ready();
+  }
+  if (met) {
+    const auto whole = journey.companion == nullptr ? std::nullopt : journey.companion->lines();
+    journey.lines = whole ? *whole : lines_of(running, **journey.prepared);
+    met = may_change(running, journey.lines);
+    journey.notes = place_notes(running, journey.change);
+  }
+  if (!met) {
+    answer(running, call, met.error());
+  }
+  return met.has_value();
+}
+
+/// Nothing but values, attributes of tasks and connections, each of which is in force already.
+bool is_so_already(const Journey& journey) {
+  const auto& change = journey.change;
+  const bool elements = !change.new_components.empty() || !change.new_resources.empty() ||
+                        !change.remove.empty() || journey.companion != nullptr;
+  return !elements && journey.lines.empty() &&
+         std::ranges::all_of(change.edits, [](const Edit& edit) {
+           return edit.state != StatePolicy::drop && !edit.core && !edit.fsm && !edit.type &&
+                  !edit.resource && edit.mode == Mode::keep;
+         });
+}
+
+void answer_so_already(Running& running, const Call& call) {
+  Receipt nothing;
+  nothing.generation = running.generation;
+  answer(running, call, to_json(nothing));
+}
+
+/// [control] Commits, answers, and lets [factory] free what it replaced.
+void put_in_force(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
+  if (is_so_already(*journey)) {
+    answer_so_already(running, *call);
+    return free_in_factory(running, std::move(journey), std::move(ticket));
+  }
+  if (journey->change.probation) {
+    remember_lines(running, journey->lines);
+  }
+  auto ongoing = running.deployer.begin(**journey->prepared);
+  when_answered(running, std::move(ongoing),
+                [&running, call, journey, ticket = std::move(ticket)](Ongoing& done) mutable {
+                  const auto receipt = done.result();
+                  journey->retired = std::move(done.retired());
+                  finish(running, *call, receipt, receipt ? "" : state_after(receipt.error()),
+                         *journey);
+                  free_in_factory(running, std::move(journey), std::move(ticket));
+                });
+}
+
+/// [control] Ends a dry run: the answer tells the prepared change, and [factory] frees it.
+void tell(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
+  auto result = to_json(running.deployer.foresee(**journey->prepared));
+  result["dry_run"] = true;
+  say_sync(journey->prepared, result);
+  say_kept(running, journey->change, result);
+  if (journey->companion != nullptr) {
+    journey->companion->complete(result);
+  }
+  say_lines(journey->lines, result);
+  say_notes(journey->notes, result);
+  if (!result.contains("lines")) {
+    result["lines"] = Json::array();
+  }
+  answer(running, *call, std::move(result));
+  free_in_factory(running, std::move(journey), std::move(ticket));
+}
+
+// --- in place: park, exchange on [factory], resume ----------------------------------------------
+
+void end_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket,
+                  const Result<Receipt>& receipt) {
+  const auto& name = journey->change.edits[0].component;
+  const auto& probation = journey->change.probation;
+  if (receipt && probation) {
+    begin_place_probation(running, *call, name, journey->before, *probation);
+  } else if (receipt) {
+    begin_unproven(running, *call, journey->change);
+  }
+  const bool back = !receipt && running.deployer.status(name).state == ComponentState::running;
+  finish(running, *call, receipt, back ? "rolled_back" : "safe", *journey);
+  free_in_factory(running, std::move(journey), std::move(ticket));
+}
+
+void resume_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
+  auto& change = **journey->prepared;
+  const bool stopped = stops_of(running.stops, journey->change) != journey->stops;
+  if (stopped && journey->exchanged) {
+    // The new core takes its place, but the component stays where the stop put it.
+    call->mark = Mark::unconfirmed;
+    return put_in_force(running, call, std::move(journey), std::move(ticket));
+  }
+  if (stopped) {
+    return end_in_place(running, call, journey, std::move(ticket), journey->exchanged.error());
+  }
+  auto resumed = running.deployer.begin_in_place_resume(change, journey->exchanged);
+  if (!resumed) {
+    return end_in_place(running, call, journey, std::move(ticket), resumed.error());
+  }
+  when_answered(running, *std::move(resumed),
+                [&running, call, journey, ticket = std::move(ticket)](Ongoing& done) mutable {
+                  auto receipt = done.result();
+                  journey->retired = std::move(done.retired());
+                  if (!journey->exchanged) {
+                    receipt = journey->exchanged.error();
+                  }
+                  end_in_place(running, call, journey, std::move(ticket), receipt);
+                });
+}
+
+void exchange_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
+  running.control.in_factory(
+      [&running, journey] {
+        journey->exchanged = running.deployer.in_place_exchange(**journey->prepared);
+      },
+      [&running, call, journey, ticket = std::move(ticket)]() mutable {
+        resume_in_place(running, call, std::move(journey), std::move(ticket));
+      },
+      [&running, call, name = journey->change.edits[0].component](const std::string& hook) {
+        bar(running, {name}, hook, true);
+        answer(running, *call,
+               given_up(running, hook, name, name + " is stopped with its safe values written"),
+               "safe");
+      });
+}
+
+void park_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
+  journey->before = (**journey->prepared).content().members.front().base;
+  auto parking = running.deployer.begin_in_place_park(**journey->prepared);
+  when_answered(running, std::move(parking),
+                [&running, call, journey, ticket = std::move(ticket)](Ongoing& done) mutable {
+                  if (const auto parked = done.result(); !parked) {
+                    answer(running, *call, parked.error(), state_after(parked.error()));
+                    return free_in_factory(running, std::move(journey), std::move(ticket));
+                  }
+                  exchange_in_place(running, call, std::move(journey), std::move(ticket));
+                });
+}
+
+using JourneyStep = void (*)(Running&, const CallPtr&, JourneyPtr, Ticket);
+
+std::vector<std::string> components_of(const Change& change) {
+  std::vector<std::string> names;
+  for (const auto& edit : change.edits) {
+    names.push_back(edit.component);
+  }
+  return names;
+}
+
+/// Prepares on [factory]; goes on with `next` unless there is a reason not to.
+void prepare_then(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket,
+                  std::function<Result<PreparedChange>()> prepare, JourneyStep next) {
+  running.control.in_factory(
+      [journey, prepare = std::move(prepare)] { journey->prepared = prepare(); },
+      [&running, call, journey, next, ticket = std::move(ticket)]() mutable {
+        if (!may_go_on(running, *call, *journey)) {
+          return free_in_factory(running, std::move(journey), std::move(ticket));
+        }
+        next(running, call, std::move(journey), std::move(ticket));
+      },
+      [&running, call, names = components_of(journey->change)](const std::string& hook) {
+        bar(running, names, hook, false);
+        call->given_up = true;
+        answer(running, *call, given_up(running, hook, std::string(call->method->name)));
+      });
+}
+
+}  // namespace
+
+void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
+                   std::function<void(Ongoing&)> then) {
+  running.control.await([ongoing] { return ongoing->advance(); },
+                        [&running, ongoing, then = std::move(then)] {
+                          running.tell_outcomes();
+                          const StandStill still(running);
+                          running.generation = running.deployer.generation();
+                          then(*ongoing);
+                        });
+}
+
+std::vector<arch::Line> lines_of(const Running& running, PreparedChange& change) {
+  const StandStill still(running);
+  return arch::lines_of(change.content(), [&running](const ComponentBase& component) {
+    return running.deployer.status(component.name()).state == ComponentState::running;
+  });
+}
+
+std::string state_after(const Error& error) {
+  return error.code == Errc::partly ? "partly" : "unchanged";
+}
+
+void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
+           std::shared_ptr<Companion> companion) {
+  auto free = check_quarantine(running, change);
+  if (free) {
+    free = check_barred(running, change);
+  }
+  if (!free) {
+    return answer(running, *call, free.error());
+  }
+  auto probation = probation_of(call->params);
+  if (!probation) {
+    return answer(running, *call, probation.error());
+  }
+  if (!changes_modes_only(running, change)) {
+    change.probation = *probation;
+    call->mark = *probation ? Mark::unconfirmed : Mark::confirmed;
+  }
+  auto journey = std::make_shared<Journey>();
+  journey->change = std::move(change);
+  const bool dry_run =
+      flag(call->params, "dry_run") || (companion != nullptr && companion->dry_run());
+  journey->companion = std::move(companion);
+  journey->stops = stops_of(call->stops ? *call->stops : running.stops, journey->change);
+  auto& edits = journey->change;
+  prepare_then(
+      running, call, std::move(journey), std::move(ticket),
+      [&running, &edits] { return running.deployer.prepare(edits); },
+      dry_run ? tell : put_in_force);
+}
+
+void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit,
+                    std::shared_ptr<Companion> companion) {
+  const auto probation = probation_of(call->params);
+  if (!probation) {
+    return answer(running, *call, probation.error());
+  }
+  auto journey = std::make_shared<Journey>();
+  journey->companion = std::move(companion);
+  journey->change.edits.push_back(std::move(edit));
+  journey->change.probation = *probation;
+  auto free = check_quarantine(running, journey->change);
+  if (free) {
+    free = check_barred(running, journey->change);
+  }
+  if (!free) {
+    return answer(running, *call, free.error());
+  }
+  journey->stops = stops_of(call->stops ? *call->stops : running.stops, journey->change);
+  auto& only = journey->change.edits[0];
+  prepare_then(
+      running, call, std::move(journey), std::move(ticket),
+      [&running, &only] { return running.deployer.prepare_in_place(only); }, park_in_place);
+}
+
+Edit edit_of(std::string_view component) {
+  Edit edit;
+  edit.component = component;
+  return edit;
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// change.apply: steps as those of a transaction in an architecture file, all at one instant.
+#include "arch/check_steps.h"
+#include "arch/json.h"
+#include "arch/parse_rules.h"
+#include "arch/transaction.h"
+#include "commands/answer.h"
+#include "commands/change/change.h"
+#include "commands/change/policies.h"
+#include "commands/model.h"
+#include "commands/path_rule.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+rules::Steps steps_of(const Running& running, const std::string& text, arch::Problems& problems) {
+  arch::TransactionSpec wanted;
+  const auto node = arch::parse_json(text, problems);
+  if (node) {
+    arch::read_change({*node, "change", problems}, wanted);
+  }
+  if (problems.empty()) {
+    const arch::Spec none;  // the steps are about what runs
+    arch::check_steps(wanted, "change", {none, running.architecture, running.catalog}, problems);
+  }
+  rules::Steps steps;
+  for (auto& spec : wanted.steps) {
+    steps.push_back(std::move(spec.step));
+  }
+  return steps;
+}
+
+void refuse_steps(Running& running, const Call& call, const arch::Problems& problems) {
+  refuse_text(running, call, "the steps have",
+              "all steps are those of a transaction: disconnect, connect, swap, set, stop, start",
+              to_json(problems));
+}
+
+/// A request is refused where a reaction to a fault would lose a state or a value.
+void keep_values_and_states(const Running& running, StatePolicy policy, Change& change) {
+  for (auto& edit : change.edits) {
+    edit.allows = path_rule(running.path_dirs);
+    edit.values = Values::keep;
+    if (edit.state != StatePolicy::drop) {
+      edit.state = policy;
+    }
+  }
+}
+
+}  // namespace
+
+void change_steps(Running& running, const CallPtr& call, Ticket ticket) {
+  const auto policy = state_policy(call->params);
+  if (!policy) {
+    return answer(running, *call, policy.error());
+  }
+  arch::Problems problems;
+  const auto steps = steps_of(running, text_or(call->params, "text"), problems);
+  if (!problems.empty()) {
+    return refuse_steps(running, *call, problems);
+  }
+  auto change = arch::change_of(steps, running.architecture, running.deployer, running.catalog);
+  if (!change) {
+    return answer(running, *call, change.error());
+  }
+  if (change->edits.empty()) {
+    return answer(running, *call, to_json(Receipt{running.generation, {}, {}, 0, {}}));
+  }
+  keep_values_and_states(running, *policy, *change);
+  apply(running, call, std::move(ticket), *std::move(change));
+}
+
+}  // namespace mauve::daemon

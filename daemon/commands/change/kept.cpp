@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "arch/value_json.h"
+#include "commands/change/change.h"
+#include "commands/model.h"
+#include "mauve/property.h"
+
+namespace mauve::daemon {
+
+void add_kept(const std::string& address, const Value& given, const Value& now, Json& kept) {
+  const auto* members = now.get_if<Value::Object>();
+  if (members == nullptr || given.get_if<Value::Object>() == nullptr) {
+    return;
+  }
+  for (const auto& [name, value] : *members) {
+    const auto field = address + "." + name;
+    if (const auto* same = given.find(name); same != nullptr) {
+      add_kept(field, *same, value, kept);
+    } else {
+      kept.push_back({{"address", field}, {"value", arch::to_json(value)}});
+    }
+  }
+}
+
+void say_kept(const Running& running, const Change& change, Json& result) {
+  auto kept = Json::array();
+  for (const auto& edit : change.edits) {
+    for (const auto& [path, given] : edit.properties) {
+      const auto address = edit.component + "." + path;
+      const auto target = find_target(running, address);
+      if (target && target->property != nullptr) {
+        add_kept(address, given, target->property->value(), kept);
+      }
+    }
+  }
+  if (!kept.empty()) {
+    result["kept"] = std::move(kept);
+  }
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// plugin.load and plugin.unload: code comes and goes while the robot moves.
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include "commands/answer.h"
+#include "commands/change/change.h"
+#include "commands/change/trial.h"
+#include "commands/gate.h"
+#include "commands/recovery/given_up.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using logging::Event;
+using plugin::Library;
+using plugin::LoadedPlugin;
+
+void log_loaded(Running& running, const plugin::PluginInfo& info) {
+  running.log.write(Event::plugin_loaded, {{"plugin", info.name},
+                                           {"version", info.version},
+                                           {"file", info.file},
+                                           {"build_id", info.build_id}});
+}
+
+struct Load {
+  std::string name;
+  std::optional<Result<LoadedPlugin>> loaded;
+};
+
+void finish_load(Running& running, const Call& call, Load& load) {
+  if (!*load.loaded) {
+    return answer(running, call, load.loaded->error());
+  }
+  if (auto met = check_conditions(running, call); !met) {
+    return answer(running, call, met.error());
+  }
+  const auto info = (*load.loaded)->info();
+  const std::vector lines = {arch::make_line("plugin", info.name, {}, info.name)};
+  if (auto free = may_change(running, lines); !free) {
+    return answer(running, call, free.error());
+  }
+  if (flag(call.params, "dry_run")) {
+    Json foretold{{"plugin", info.name},
+                  {"version", info.version},
+                  {"warnings", info.warnings},
+                  {"dry_run", true},
+                  {"generation", running.generation.load()}};
+    say_lines(lines, foretold);
+    return answer(running, call, std::move(foretold));
+  }
+  auto done = running.catalog.commit(std::move(**load.loaded));
+  if (!done) {
+    return answer(running, call, done.error());
+  }
+  log_loaded(running, info);
+  Json result{{"plugin", info.name},
+              {"version", info.version},
+              {"warnings", info.warnings},
+              {"loaded", true},
+              {"unmapped", nullptr},
+              {"why", ""},
+              {"generation", running.generation.load()}};
+  say_lines(lines, result);
+  answer(running, call, std::move(result));
+}
+
+arch::Line line_of_unloading(const std::string& name) {
+  return arch::make_line("plugin", name, name, {});
+}
+
+void finish_unload(Running& running, const Call& call, const std::string& name,
+                   const plugin::Unmapped& unmapped) {
+  const auto event = unmapped.unmapped ? Event::plugin_unloaded : Event::plugin_resident;
+  running.log.write(
+      event, {{"plugin", name}, {"text", unmapped.unmapped ? "by request" : unmapped.reason}});
+  Json result{{"plugin", name},
+              {"loaded", false},
+              {"unmapped", unmapped.unmapped},
+              {"why", unmapped.reason},
+              {"generation", running.generation.load()}};
+  say_lines({line_of_unloading(name)}, result);
+  answer(running, call, std::move(result));
+}
+
+/// The users that are named may be what a probation leads back to, and nothing that runs.
+Error why_in_use(const Running& running, const std::string& plugin, Error error) {
+  const bool in_force = !members_of(running, plugin, StatePolicy::keep).edits.empty();
+  if (error.code != Errc::wrong_state || !running.deployer.on_probation() || in_force) {
+    return error;
+  }
+  error.message += ", which does not run any more: it is kept for the way back until generation " +
+                   std::to_string(running.generation.load()) + " has proved itself";
+  error.hint = "mauvectl confirm ends that at once";
+  return error;
+}
+
+/// [control] It did no harm elsewhere.
+void load_in_factory(Running& running, const CallPtr& call, const std::shared_ptr<Load>& load,
+                     Ticket ticket) {
+  running.control.in_factory(
+      [&running, load] { load->loaded = running.catalog.prepare_load(load->name); },
+      [&running, call, load, ticket = std::move(ticket)] {
+        finish_load(running, *call, *load);
+        // A plugin that was refused is unmapped where it was mapped.
+        running.control.in_factory([load] { load->loaded.reset(); }, [ticket] {});
+      },
+      [&running, call, name = load->name](const std::string& hook) {
+        answer(running, *call, given_up(running, hook, name));
+      });
+}
+
+}  // namespace
+
+void load_plugin(Running& running, const CallPtr& call, Ticket ticket) {
+  auto load = std::make_shared<Load>();
+  load->name = text_or(call->params, "plugin");
+  if (const auto* there = running.catalog.find(load->name)) {
+    return answer(
+        running, *call,
+        refuse(Errc::duplicate, load->name, "is loaded already, version " + there->info().version,
+               "mauvectl reload " + load->name + " takes the file of now"));
+  }
+  try_out(running, call, question_of_plugin(load->name), load->name,
+          [&running, call, load, ticket = std::move(ticket)] {
+            load_in_factory(running, call, load, ticket);
+          });
+}
+
+namespace {
+
+/// [control] Nothing that changes before this one left behind holds the library any more.
+void unload_settled(Running& running, const CallPtr& call, const std::string& name, Ticket ticket) {
+  if (auto free = may_change(running, {line_of_unloading(name)}); !free) {
+    return answer(running, *call, free.error());
+  }
+  auto library = running.catalog.remove(name);
+  if (!library) {
+    return answer(running, *call, why_in_use(running, name, library.error()));
+  }
+  auto unmapped = std::make_shared<plugin::Unmapped>();
+  running.control.in_factory(
+      [&running, unmapped, library = *std::move(library)]() mutable {
+        running.log.flush();  // its messages are text in its code
+        *unmapped = Library::release(std::move(library));
+      },
+      [&running, call, name, unmapped, ticket = std::move(ticket)] {
+        finish_unload(running, *call, name, *unmapped);
+      },
+      [&running, call, name](const std::string& /*none*/) {
+        finish_unload(running, *call, name, {false, "a thread was left behind in it"});
+      });
+}
+
+}  // namespace
+
+/// Cores that were replaced just now hold their library until their threads have looked elsewhere
+/// and [factory] has freed them. That takes moments, unless a thread hangs.
+void unload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
+  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  running.control.await(
+      [&running, patience] {
+        return running.deployer.settled() || std::chrono::steady_clock::now() > patience;
+      },
+      [&running, call, ticket = std::move(ticket)]() mutable {
+        auto free = std::make_shared<Retired>(running.deployer.collect());
+        running.control.in_factory(
+            [free] { static_cast<void>(free->release()); },
+            [&running, call, ticket = std::move(ticket)]() mutable {
+              unload_settled(running, call, text_or(call->params, "plugin"), std::move(ticket));
+            },
+            [&running, call](const std::string& hook) {
+              answer(running, *call, given_up(running, hook, text_or(call->params, "plugin")));
+            });
+      });
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// plugin.reload: everything that components run, and all resources, move to the new code in one
+/// transaction. The old code stays in memory while the change is on probation (see former.h);
+/// without a probation it is unmapped at once, or it is said why not.
+///
+///   [trial]   make everything that runs from the new file in a process of its own
+///   [factory] map the new file, make and configure the new elements
+///   [control] the names change hands, all members swap at one instant; with resources at a barrier
+///   [factory] without a probation: the old elements are cleaned up and freed, the old code
+///   unmapped
+#include <algorithm>
+#include <iterator>
+#include <optional>
+
+#include "arch/value_json.h"
+#include "commands/answer.h"
+#include "commands/change/change.h"
+#include "commands/change/policies.h"
+#include "commands/change/trial.h"
+#include "commands/gate.h"
+#include "commands/model.h"
+#include "commands/recovery/former.h"
+#include "commands/recovery/given_up.h"
+#include "commands/recovery/quarantine.h"
+#include "commands/recovery/unproven.h"
+#include "mauve/architecture.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using logging::Event;
+using plugin::Library;
+using plugin::LoadedPlugin;
+
+struct Reload {
+  std::string name;
+  Change change;  ///< types are filled in by [factory], also of the fallback cores
+  std::optional<Result<LoadedPlugin>> loaded;
+  std::optional<Result<PreparedChange>> prepared;
+  std::optional<Retired> retired{std::in_place};
+  std::optional<Receipt> receipt;
+  std::optional<LoadedPlugin> old;
+  plugin::Unmapped unmapped;
+  std::vector<arch::Line> lines;  ///< the differences that it makes, once it is prepared
+};
+using ReloadPtr = std::shared_ptr<Reload>;
+
+template <typename T>
+Status take_new(const std::map<std::string, T, std::less<>>& offered, std::optional<T>& type,
+                const std::string& component) {
+  if (!type) {
+    return ok();
+  }
+  const auto found = offered.find(type->name);
+  if (found == offered.end()) {
+    return refuse(Errc::plugin_refused, component,
+                  "runs " + type->name + ", which the new file does not have any more",
+                  "swap it for another one first");
+  }
+  type = found->second;
+  return ok();
+}
+
+Status take_new_fallbacks(const LoadedPlugin& offered, Reload& reload) {
+  for (auto& [component, fallback] : reload.change.fallbacks) {
+    const auto found = offered.cores.find(fallback->core.name);
+    if (found == offered.cores.end()) {
+      return refuse(
+          Errc::plugin_refused, component,
+          "falls back on " + fallback->core.name + ", which the new file does not have any more",
+          "name another fallback_core in the file and apply it first");
+    }
+    fallback->core = found->second;
+  }
+  return ok();
+}
+
+/// [factory]
+void prepare(Running& running, Reload& reload) {
+  reload.loaded = running.catalog.prepare_load(reload.name);
+  if (!*reload.loaded) {
+    reload.prepared = reload.loaded->error();
+    return;
+  }
+  const auto& offered = **reload.loaded;
+  if (auto found = take_new_fallbacks(offered, reload); !found) {
+    reload.prepared = found.error();
+    return;
+  }
+  for (auto& edit : reload.change.edits) {
+    auto found = take_new(offered.cores, edit.core, edit.component);
+    if (found) {
+      found = take_new(offered.fsms, edit.fsm, edit.component);
+    }
+    if (found) {
+      found = take_new(offered.components, edit.type, edit.component);
+    }
+    if (found) {
+      found = take_new(offered.resources, edit.resource, edit.component);
+    }
+    if (!found) {
+      reload.prepared = found.error();
+      return;
+    }
+  }
+  if (!reload.change.edits.empty()) {
+    reload.prepared = running.deployer.prepare(reload.change);
+  }
+}
+
+/// "1.0.0 (build 3f2a91c4)"
+std::string build_of(const plugin::PluginInfo& info) {
+  constexpr std::size_t kEnough = 8;
+  return info.version + " (build " + info.build_id.substr(0, kEnough) + ")";
+}
+
+/// [control]
+std::vector<arch::Line> lines_of_reload(const Running& running, Reload& reload) {
+  const auto* now = running.catalog.find(reload.name);
+  auto before = now == nullptr ? Value() : Value(build_of(now->info()));
+  std::vector<arch::Line> lines = {arch::make_line("plugin", reload.name, std::move(before),
+                                                   build_of((*reload.loaded)->info()))};
+  if (reload.prepared) {
+    std::ranges::move(lines_of(running, **reload.prepared), std::back_inserter(lines));
+  }
+  return lines;
+}
+
+/// [control] What could refuse the new code is asked before anything moves.
+Status may_go_on(Running& running, const Call& call, Reload& reload) {
+  if (reload.prepared && !*reload.prepared) {
+    return reload.prepared->error();
+  }
+  if (auto met = check_conditions(running, call); !met) {
+    return met;
+  }
+  for (const auto& edit : reload.change.edits) {
+    auto free = ok();
+    if (edit.core) {
+      free = check_quarantine(running, edit.component, edit.core->name,
+                              (*reload.loaded)->info().build_id);
+    }
+    if (!free) {
+      return free;
+    }
+  }
+  if (auto good = running.catalog.check_types(**reload.loaded); !good) {
+    return good;
+  }
+  reload.lines = lines_of_reload(running, reload);
+  return may_change(running, reload.lines);
+}
+
+/// [control] The names change hands last, since that cannot be taken back.
+Status hand_names_over(Running& running, Reload& reload) {
+  auto old = running.catalog.exchange(std::move(**reload.loaded));
+  if (!old) {
+    return old.error();
+  }
+  if (reload.change.probation && reload.receipt && *old) {
+    keep_former(running, **std::move(old));
+    reload.unmapped = {false, "generation " + std::to_string(reload.receipt->generation) +
+                                  " is on probation, and its way back leads there"};
+    return ok();
+  }
+  reload.old = *std::move(old);
+  return ok();
+}
+
+/// [factory] Messages of the old code are text in the old code: they are told before it goes.
+void free_old(Running& running, Reload& reload, bool in_force) {
+  static_cast<void>(reload.retired->release());
+  reload.prepared.reset();
+  reload.change = {};  // the new types, and with them their library
+  reload.loaded.reset();
+  if (in_force && reload.old) {
+    running.log.flush();
+    auto library = reload.old->library();
+    reload.old.reset();
+    reload.unmapped = Library::release(std::move(library));
+  }
+}
+
+/// What is said of a reload that is in force, but for what became of the old code.
+Json result_of(Running& running, Reload& reload) {
+  auto result = reload.receipt ? to_json(*reload.receipt) : to_json(Receipt{});
+  say_sync(reload.prepared, result);
+  say_who_stands(running, reload.change, result);
+  say_lines(reload.lines, result);
+  if (reload.receipt && reload.change.probation) {
+    result["probation"] = to_json(*reload.change.probation);
+  }
+  result["changed"] = true;
+  result["state"] = "applied";
+  result["plugin"] = reload.name;
+  result["loaded"] = true;
+  return result;
+}
+
+void finish(Running& running, const Call& call, Json result, const plugin::Unmapped& old) {
+  const auto stays = result.contains("probation") ? Event::plugin_kept : Event::plugin_resident;
+  running.log.write(old.unmapped ? Event::plugin_unloaded : stays,
+                    {{"plugin", text_or(result, "plugin")},
+                     {"text", old.unmapped ? std::string("replaced by a new one") : old.reason}});
+  result["generation"] = running.generation.load();
+  result["unmapped"] = old.unmapped;
+  result["why"] = old.reason;
+  answer(running, call, std::move(result));
+}
+
+/// [control] A refusal is answered at once, what is in force when the old code is gone.
+void end(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket,
+         const Status& done) {
+  const bool in_force = done.has_value();
+  if (!in_force) {
+    answer(running, *call, done.error(), state_after(done.error()));
+  }
+  auto result = in_force ? result_of(running, *reload) : Json();
+  running.control.in_factory(
+      [&running, reload, in_force] { free_old(running, *reload, in_force); },
+      [&running, call, reload, in_force, result, ticket = std::move(ticket)] {
+        if (in_force) {
+          finish(running, *call, result, reload->unmapped);
+        }
+      },
+      [&running, call, in_force, result](const std::string& hook) {
+        if (in_force) {
+          finish(running, *call, result,
+                 {false, "a thread was left behind in it" + (hook.empty() ? "" : ": " + hook)});
+        }
+      });
+}
+
+/// [control] What still looks at the old code: a probation that this change ended, a core that
+/// stood by. Threads look away at once, but one that hangs.
+void end_when_settled(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket,
+                      const Status& done) {
+  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  running.control.await(
+      [&running, patience] {
+        return running.deployer.settled() || std::chrono::steady_clock::now() > patience;
+      },
+      [&running, call, reload, ticket = std::move(ticket), done]() mutable {
+        reload->retired->merge(running.deployer.collect());
+        end(running, call, std::move(reload), std::move(ticket), done);
+      });
+}
+
+/// [control] Ends a dry run: the answer tells the prepared reload, and [factory] frees it.
+void tell_reload(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket) {
+  Receipt nothing;
+  nothing.generation = running.deployer.generation();
+  auto result = to_json(reload->prepared ? running.deployer.foresee(**reload->prepared) : nothing);
+  result["dry_run"] = true;
+  say_sync(reload->prepared, result);
+  say_lines(reload->lines, result);
+  answer(running, *call, std::move(result));
+  running.control.in_factory(
+      [reload = std::move(reload)]() mutable {
+        reload->prepared.reset();
+        reload->change = {};
+        reload->loaded.reset();
+        reload.reset();
+      },
+      [ticket = std::move(ticket)] {});
+}
+
+/// [control]
+void put_reload_in_force(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket) {
+  if (auto good = may_go_on(running, *call, *reload); !good) {
+    return end(running, call, std::move(reload), std::move(ticket), good);
+  }
+  if (flag(call->params, "dry_run")) {
+    return tell_reload(running, call, std::move(reload), std::move(ticket));
+  }
+  if (reload->change.edits.empty()) {
+    const auto done = hand_names_over(running, *reload);
+    return end(running, call, std::move(reload), std::move(ticket), done);
+  }
+  if (reload->change.probation) {
+    remember_lines(running, reload->lines);
+  }
+  auto ongoing = running.deployer.begin(**reload->prepared);
+  when_answered(running, std::move(ongoing),
+                [&running, call, reload, ticket = std::move(ticket)](Ongoing& swapped) mutable {
+                  const auto receipt = swapped.result();
+                  reload->retired = std::move(swapped.retired());
+                  Status done = ok();
+                  if (receipt) {
+                    reload->receipt = *receipt;
+                    if (reload->change.probation) {
+                      call->mark = Mark::unconfirmed;
+                    } else {
+                      begin_unproven(running, *call, reload->change);
+                    }
+                    done = hand_names_over(running, *reload);
+                  } else {
+                    done = receipt.error();
+                  }
+                  if (reload->change.probation && done) {
+                    return end(running, call, std::move(reload), std::move(ticket), done);
+                  }
+                  end_when_settled(running, call, std::move(reload), std::move(ticket), done);
+                });
+}
+
+/// [control] The elements of now, made by the new file, did no harm elsewhere.
+void reload_in_factory(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket) {
+  running.control.in_factory([&running, reload] { prepare(running, *reload); },
+                             [&running, call, reload, ticket = std::move(ticket)]() mutable {
+                               put_reload_in_force(running, call, std::move(reload),
+                                                   std::move(ticket));
+                             },
+                             [&running, call, name = reload->name](const std::string& hook) {
+                               answer(running, *call, given_up(running, hook, name));
+                             });
+}
+
+}  // namespace
+
+Change members_of(const Running& running, const std::string& plugin, StatePolicy state) {
+  Change change;
+  for (const auto* component : running.architecture.components()) {
+    const auto& bundle = *component->bundle();
+    auto edit = edit_of(component->name());
+    edit.state = state;
+    if (plugin_of(bundle.core_type.name) == plugin) {
+      edit.core = bundle.core_type;
+    }
+    if (plugin_of(bundle.fsm_type.name) == plugin) {
+      edit.fsm = bundle.fsm_type;
+    }
+    if (plugin_of(component->type().name) == plugin) {
+      edit.type = component->type();
+    }
+    if (const auto& fallback = component->fallback();
+        fallback && plugin_of(fallback->core.name) == plugin) {
+      edit.task = bundle.task;  // it takes part, so that what stands by of the old build goes
+      change.fallbacks.push_back({component->name(), fallback});
+    }
+    if (edit.core || edit.fsm || edit.type || edit.task) {
+      change.edits.push_back(std::move(edit));
+    }
+  }
+  for (const auto* resource : running.architecture.resources()) {
+    if (plugin_of(resource->type().name) != plugin) {
+      continue;
+    }
+    auto edit = edit_of(resource->name());
+    edit.state = state;
+    edit.resource = resource->type();
+    change.edits.push_back(std::move(edit));
+  }
+  return change;
+}
+
+void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
+  auto reload = std::make_shared<Reload>();
+  reload->name = text_or(call->params, "plugin");
+  if (running.catalog.find(reload->name) == nullptr) {
+    return answer(running, *call,
+                  refuse(Errc::unknown_name, reload->name, "no such plugin is loaded",
+                         "mauvectl load " + reload->name));
+  }
+  const auto policy = state_policy(call->params);
+  if (!policy) {
+    return answer(running, *call, policy.error());
+  }
+  const auto probation = probation_of(call->params);
+  if (!probation) {
+    return answer(running, *call, probation.error());
+  }
+  running.tell_outcomes();  // a probation that has ended keeps nothing
+  if (auto free = check_former(running, reload->name); !free) {
+    return answer(running, *call, free.error());
+  }
+  Question question{arch::to_json_text(described(running))};
+  question.loads = true;
+  try_out(running, call, question, reload->name,
+          [&running, call, reload, policy = *policy, probation = *probation,
+           ticket = std::move(ticket)] {
+            reload->change = members_of(running, reload->name, policy);
+            reload->change.made_from = running.deployer.generation();
+            if (!reload->change.edits.empty()) {
+              reload->change.probation = probation;
+            }
+            if (auto free = check_barred(running, reload->change); !free) {
+              return answer(running, *call, free.error());
+            }
+            reload_in_factory(running, call, reload, ticket);
+          });
+}
+
+}  // namespace mauve::daemon

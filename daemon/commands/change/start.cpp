@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// component.start: the fsm at its initial state, on the next instant of the grid.
+#include "commands/answer.h"
+#include "commands/change/change.h"
+#include "commands/look/named.h"
+#include "mauve/architecture.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+Edit edit_to_start(const Running& running, const std::string& name, bool reset) {
+  auto edit = edit_of(name);
+  edit.mode = Mode::run;
+  if (reset) {
+    edit.core = running.architecture.find_component(name)->bundle()->core_type;
+    edit.state = StatePolicy::drop;
+  }
+  return edit;
+}
+
+/// What runs already is named in the answer.
+class Already final : public Companion {
+ public:
+  explicit Already(std::vector<std::string> names) : names_(std::move(names)) {}
+  Status ready() override { return ok(); }
+  void in_force(std::uint64_t /*generation*/) override {}
+  void complete(Json& result) override { say_already(names_, "running", result); }
+
+ private:
+  std::vector<std::string> names_;
+};
+
+}  // namespace
+
+void start(Running& running, const CallPtr& call, Ticket ticket) {
+  const auto names = components_meant(running, *call, "start");
+  if (!names) {
+    return answer(running, *call, names.error());
+  }
+  const bool reset = flag(call->params, "reset");
+  Change change;
+  std::vector<std::string> run;
+  for (const auto& name : *names) {
+    if (running.deployer.status(name).state != ComponentState::running) {
+      change.edits.push_back(edit_to_start(running, name, reset));
+    } else if (reset && !flag(call->params, "all")) {
+      return answer(running, *call,
+                    refuse(Errc::wrong_state, name,
+                           "runs, and only a component that is stopped starts with a fresh state",
+                           "mauvectl stop " + name + " first"));
+    } else {
+      run.push_back(name);
+    }
+  }
+  if (change.edits.empty()) {
+    Receipt nothing;
+    nothing.generation = running.deployer.generation();
+    auto result = to_json(nothing);
+    say_already(run, "running", result);
+    return answer(running, *call, std::move(result));
+  }
+  apply(running, call, std::move(ticket), std::move(change),
+        std::make_shared<Already>(std::move(run)));
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// component.stop: ends the current job, writes safe values, parks. Served before everything else,
+/// also while a long change is prepared, and without [control] when that is held up.
+#include <algorithm>
+#include <atomic>
+
+#include "commands/answer.h"
+#include "commands/change/change.h"
+#include "commands/look/named.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+/// [stop] What [control] is going to look at first: false when it will refuse the stop.
+bool applies(const Running& running, const Call& call) {
+  if (flag(call.params, "all") == !texts(call.params, "components").empty()) {
+    return false;
+  }
+  const auto wanted = call.params.find("if_generation");
+  if (wanted != call.params.end() && *wanted != running.generation.load()) {
+    return false;
+  }
+  const auto passed = std::chrono::steady_clock::now() - call.received;
+  const auto deadline = call.params.find("deadline_ms");
+  return deadline == call.params.end() || deadline->get<std::uint64_t>() >= 86'400'000U ||
+         passed <= std::chrono::milliseconds(deadline->get<std::int64_t>());
+}
+
+/// Those that ran are the members of the receipt, although an ordinary stop met them parked.
+Json directly(Json receipt, const std::vector<std::string>& ran) {
+  receipt["directly"] = true;
+  receipt["changed"] = !ran.empty();
+  receipt["state"] = ran.empty() ? "unchanged" : "applied";
+  receipt["components"] = Json::array();
+  for (const auto& name : ran) {
+    receipt["components"].push_back({{"name", name}, {"pause_ns", 0}, {"missed", 0}, {"bytes", 0}});
+  }
+  return receipt;
+}
+
+/// [stop] The books follow when [control] goes on.
+void answer_directly(const Running& running, const Call& call, const DirectStop& done) {
+  const auto generation = running.generation.load();
+  if (!done.run_still().empty()) {
+    std::string names;
+    for (const auto& name : done.run_still()) {
+      names += (names.empty() ? "" : ", ") + name;
+    }
+    return call.reply(protocol::fault_of(
+        refuse(Errc::partly, names,
+               "did not end its job in time, while [control] is held up; it stops as soon as the "
+               "job ends, all others are stopped",
+               "end mauved with SIGTERM, which writes all safe values"),
+        "partly", generation));
+  }
+  Json receipt = {{"generation", generation}, {"commit", 0}, {"attempts", 0}};
+  receipt["warnings"] = Json::array(
+      {"the thread that executes commands did not come to this stop within 25 ms (a long command, "
+       "or "
+       "code of a plugin that does not return), so the stop was carried out without it; other "
+       "commands wait until that thread goes on; SIGTERM ends mauved safely all the same"});
+  call.reply(directly(std::move(receipt), done.ran()));
+}
+
+/// Ends the order when the stop is over, on whichever path.
+std::shared_ptr<void> until_over(Running& running, std::shared_ptr<StopOrder> order) {
+  return {nullptr, [&running, order = std::move(order)](void*) {
+            if (order != nullptr) {
+              order->end(running.deployer);
+            }
+          }};
+}
+
+/// The answer to a dry run of a stop.
+Json foretold(const Running& running, const std::vector<arch::Line>& lines,
+              const std::vector<std::string>& stopped) {
+  Receipt nothing;
+  nothing.generation = running.deployer.generation();
+  auto result = to_json(nothing);
+  result["dry_run"] = true;
+  say_lines(lines, result);
+  if (!result.contains("lines")) {
+    result["lines"] = Json::array();
+  }
+  say_already(stopped, "stopped", result);
+  return result;
+}
+
+}  // namespace
+
+bool overtaken_by_stop(const Running& running, const Call& call, const Change& change) {
+  return std::any_of(change.edits.begin(), change.edits.end(), [&](const Edit& edit) {
+    const auto came = running.stops_came.find(edit.component);
+    return edit.mode == Mode::run && came != running.stops_came.end() &&
+           came->second > call.received;
+  });
+}
+
+void watch_over_stop(Running& running, const CallPtr& call) {
+  if (running.stopper == nullptr || flag(call->params, "dry_run")) {
+    return;
+  }
+  // [control] and [stop] may both have an answer: the first one counts.
+  call->reply = [reply = std::move(call->reply),
+                 answered = std::make_shared<std::atomic<bool>>(false)](server::Outcome outcome) {
+    if (!answered->exchange(true)) {
+      reply(std::move(outcome));
+    }
+  };
+  // What [stop] uses of the call nobody changes any more.
+  const std::shared_ptr<const Call> asked = std::make_shared<Call>(*call);
+  call->order = std::make_shared<StopOrder>(
+      names_in(call->params, "components"), [&running, asked] { return applies(running, *asked); },
+      [&running, asked](const DirectStop& done) { answer_directly(running, *asked, done); });
+  running.stopper->watch(call->order);
+}
+
+void stop(Running& running, const CallPtr& call, Ticket /*none: it waits for no other change*/) {
+  const bool ordered = call->order != nullptr && call->order->begin();
+  auto over = until_over(running, call->order);
+  if (auto met = ordered ? ok() : check_conditions(running, *call); !met) {
+    return answer(running, *call, met.error());
+  }
+  const auto names = components_meant(running, *call, "stop");
+  if (!names) {
+    return answer(running, *call, names.error());
+  }
+  std::vector<std::string> stopped;
+  std::vector<arch::Line> lines;
+  for (const auto& name : *names) {
+    const auto state = running.deployer.status(name).state;
+    if (state == ComponentState::stopped) {
+      stopped.push_back(name);
+    }
+    if (state == ComponentState::running) {
+      lines.push_back(arch::make_line("start", name + ".start", true, false));
+    }
+  }
+  if (flag(call->params, "dry_run")) {
+    return answer(running, *call, foretold(running, lines, stopped));
+  }
+  for (const auto& name : *names) {
+    ++running.stops[name];
+    auto& came = running.stops_came[name];
+    came = std::max(came, call->received);
+  }
+  auto stopping = flag(call->params, "all")
+                      ? Result<std::shared_ptr<Ongoing>>(running.deployer.begin_stop_all())
+                      : running.deployer.begin_stop(*names);
+  if (!stopping) {
+    return answer(running, *call, stopping.error());
+  }
+  when_answered(
+      running, *std::move(stopping), [&running, call, over, stopped, lines](Ongoing& done) {
+        const auto receipt = done.result();
+        if (!receipt) {
+          return answer(running, *call, receipt.error(), "safe");
+        }
+        const auto ran =
+            call->order != nullptr ? call->order->stopped_directly() : std::vector<std::string>();
+        auto result = ran.empty() ? to_json(*receipt) : directly(to_json(*receipt), ran);
+        if (ran.empty()) {
+          say_already(stopped, "stopped", result);
+        }
+        if (flag(result, "changed")) {
+          say_lines(lines, result);
+        }
+        answer(running, *call, std::move(result));
+      });
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// core.swap: another core behind the same contract, at a boundary, state handed over.
+#include <algorithm>
+
+#include "arch/diff.h"
+#include "arch/value_json.h"
+#include "base/duration.h"
+#include "commands/answer.h"
+#include "commands/change/change.h"
+#include "commands/change/policies.h"
+#include "commands/model.h"
+#include "commands/path_rule.h"
+#include "mauve/architecture.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+/// "gain" and "core.gain" mean the same here.
+std::string property_path(const std::string& key) {
+  return key.find('.') == std::string::npos ? "core." + key : key;
+}
+
+/// What a job of the new core may use of the processor; as it was when it is not said.
+Status declare_budget(const ComponentBase& component, const Json& params, Edit& edit) {
+  if (!params.contains("budget")) {
+    return ok();
+  }
+  const auto budget = parse_duration(text_or(params, "budget"));
+  if (!budget) {
+    return refuse(budget.error().code, "budget", budget.error().message, budget.error().hint);
+  }
+  edit.task = component.bundle()->task;
+  edit.task->budget = *budget;
+  return ok();
+}
+
+Result<Edit> edit_from(const Running& running, const Json& params) {
+  const auto component = find_component(running, text_or(params, "component"));
+  if (!component) {
+    return component.error();
+  }
+  auto core = running.catalog.core(text_or(params, "core"));
+  if (!core) {
+    return core.error();
+  }
+  const auto policy = state_policy(params);
+  if (!policy) {
+    return policy.error();
+  }
+  auto edit = edit_of((*component)->name());
+  edit.core = *std::move(core);
+  edit.state = *policy;
+  edit.values = flag(params, "defaults") ? Values::defaults : Values::keep;
+  edit.allows = path_rule(running.path_dirs);
+  if (auto declared = declare_budget(**component, params, edit); !declared) {
+    return declared.error();
+  }
+  if (const auto set = params.find("set"); set != params.end()) {
+    for (const auto& [key, json] : set->items()) {
+      auto value = arch::from_json(json);
+      if (!value) {
+        value.error().at = edit.component + "." + property_path(key);
+        return value.error();
+      }
+      edit.properties.emplace_back(property_path(key), *std::move(value));
+    }
+  }
+  return edit;
+}
+
+/// What became of the properties of the core before: values that are others now, since the defaults
+/// of the new core were asked for, and properties that the new core does not have.
+class Properties final : public Companion {
+ public:
+  Properties(const Running& running, const ComponentBase& component, const Edit& edit)
+      : running_(running), component_(component.name()) {
+    for (const auto* property : component.bundle()->core->properties()) {
+      const std::string name(property->name());
+      const auto set = [&](const auto& given) { return given.first == "core." + name; };
+      if (std::ranges::none_of(edit.properties, set)) {
+        before_.emplace_back(name, property->value());
+      }
+    }
+  }
+  Status ready() override { return ok(); }
+  void in_force(std::uint64_t /*generation*/) override {}
+  void complete(Json& result) override {
+    auto* component = running_.architecture.find_component(component_);
+    if (component == nullptr) {
+      return;
+    }
+    auto differ = Json::array();
+    auto gone = Json::array();
+    for (const auto& [name, before] : before_) {
+      const auto* now = component->core().find_property(name);
+      if (now == nullptr) {
+        gone.push_back({{"name", name}, {"before", arch::to_json(before)}});
+      }
+      if (now != nullptr && !arch::same_value(before, now->value())) {
+        differ.push_back({{"name", name},
+                          {"before", arch::to_json(before)},
+                          {"after", arch::to_json(now->value())}});
+      }
+    }
+    if (!differ.empty()) {
+      result["defaults"] = std::move(differ);
+    }
+    if (!gone.empty()) {
+      result["gone"] = std::move(gone);
+    }
+  }
+
+ private:
+  const Running& running_;
+  std::string component_;
+  std::vector<std::pair<std::string, Value>> before_;
+};
+
+/// The old core lets go before the new one begins: nothing could be prepared and dropped, and the
+/// way back takes as long as the swap, so that a late job does not lead back.
+Status may_be_in_place(const Json& params) {
+  if (flag(params, "dry_run")) {
+    return refuse(
+        Errc::unsupported, "dry_run",
+        "a swap in place prepares the new core only when the old one has let go, so there "
+        "is nothing to foresee",
+        "leave out in_place to see what a swap beside the old core would do");
+  }
+  if (params.contains("misses")) {
+    return refuse(Errc::invalid_value, "misses",
+                  "the way back from a swap in place stops the component as long as the swap did, "
+                  "so only a failure leads back, not late jobs",
+                  "leave out misses, or in_place");
+  }
+  return ok();
+}
+
+}  // namespace
+
+void swap_core(Running& running, const CallPtr& call, Ticket ticket) {
+  auto edit = edit_from(running, call->params);
+  if (!edit) {
+    return answer(running, *call, edit.error());
+  }
+  const bool in_place = flag(call->params, "in_place");
+  if (const auto sound = in_place ? may_be_in_place(call->params) : ok(); !sound) {
+    return answer(running, *call, sound.error());
+  }
+  auto properties = std::make_shared<Properties>(
+      running, *running.architecture.find_component(edit->component), *edit);
+  if (in_place) {
+    return apply_in_place(running, call, std::move(ticket), *std::move(edit),
+                          std::move(properties));
+  }
+  apply(running, call, std::move(ticket), {{*std::move(edit)}}, std::move(properties));
+}
+
+}  // namespace mauve::daemon

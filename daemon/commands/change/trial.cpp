@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "commands/change/trial.h"
+
+#include <utility>
+
+#include "arch/spec.h"
+#include "commands/answer.h"
+
+namespace mauve::daemon {
+
+void try_out(Running& running, const CallPtr& call, const Question& question, const std::string& at,
+             std::function<void()> go_on) {
+  running.try_out(question, [&running, call, at, go_on = std::move(go_on)](Result<Json> tried) {
+    if (tried) {
+      return go_on();
+    }
+    if (tried.error().at == kWholeFile) {
+      tried.error().at = at;
+    }
+    answer(running, *call, tried.error());
+  });
+}
+
+Question question_of_plugin(const std::string& name) {
+  const Json file{{"schema", arch::kSchema}, {"name", "trial"}, {"plugins", {name}}};
+  Question question{file.dump()};
+  question.loads = true;
+  return question;
+}
+
+}  // namespace mauve::daemon

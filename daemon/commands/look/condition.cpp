@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// condition.get: what a condition, as of a rule, says now.
+#include "rules/condition.h"
+#include "arch/quantity.h"
+#include "arch/value_json.h"
+#include "commands/answer.h"
+#include "commands/look/value.h"
+
+namespace mauve::daemon {
+
+Result<Json> condition(Running& running, const Call& call) {
+  const auto wanted = rules::Condition::parse(text_or(call.params, "condition"));
+  if (!wanted) {
+    return refuse(wanted.error().code, "condition", wanted.error().message, wanted.error().hint);
+  }
+  const rules::Read reader = [&](const std::string& address) -> Result<Value> {
+    const auto quantity = arch::find_quantity(running.architecture, address);
+    return quantity ? read(running, *quantity) : Result<Value>(quantity.error());
+  };
+  auto values = Json::array();
+  for (const auto& comparison : wanted->comparisons()) {
+    const auto value = reader(comparison.address);
+    if (!value) {
+      return value.error();
+    }
+    values.push_back({{"address", comparison.address}, {"value", arch::to_json(*value)}});
+  }
+  std::string error;
+  const auto truth = wanted->evaluate(reader, error);
+  return Json{{"condition", wanted->text()},
+              {"holds", truth == rules::Truth::unknown ? Json() : Json(truth == rules::Truth::yes)},
+              {"values", std::move(values)},
+              {"generation", running.generation.load()}};
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "commands/look/named.h"
+
+#include <algorithm>
+
+#include "commands/answer.h"
+#include "commands/model.h"
+#include "mauve/architecture.h"
+
+namespace mauve::daemon {
+
+std::vector<std::string> names_in(const Json& params, const char* name) {
+  std::vector<std::string> names;
+  for (auto& one : texts(params, name)) {
+    if (std::find(names.begin(), names.end(), one) == names.end()) {
+      names.push_back(std::move(one));
+    }
+  }
+  return names;
+}
+
+Result<std::vector<std::string>> components_meant(const Running& running, const Call& call,
+                                                  const std::string& verb) {
+  auto names = names_in(call.params, "components");
+  const bool all = flag(call.params, "all");
+  if (all == !names.empty()) {
+    return refuse(Errc::invalid_value, "components",
+                  all ? "names components and says all" : "names no component to " + verb,
+                  "either components or all");
+  }
+  if (all) {
+    for (const auto* component : running.architecture.components()) {
+      names.push_back(component->name());
+    }
+  }
+  for (const auto& name : names) {
+    if (const auto component = find_component(running, name); !component) {
+      return component.error();
+    }
+  }
+  return names;
+}
+
+void say_already(const std::vector<std::string>& names, const char* state, Json& result) {
+  if (!names.empty()) {
+    result["already"] = names;
+    result["already_state"] = state;
+  }
+}
+
+}  // namespace mauve::daemon

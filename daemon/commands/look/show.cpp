@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// object.get and param.get: everything about one thing, and the value of one thing.
+#include <initializer_list>
+
+#include "arch/describe.h"
+#include "arch/value_json.h"
+#include "base/duration.h"
+#include "commands/answer.h"
+#include "commands/look/parts_json.h"
+#include "commands/look/value.h"
+#include "commands/model.h"
+#include "mauve/architecture.h"
+#include "mauve/observable.h"
+#include "mauve/port_base.h"
+#include "mauve/resource.h"
+#include "mauve/service.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+Json property_row(const std::string& name, const PropertyBase& property) {
+  return {{"name", name},
+          {"value", arch::to_json(property.value())},
+          {"default", arch::to_json(property.default_value())},
+          {"min", arch::to_json(property.min())},
+          {"max", arch::to_json(property.max())},
+          {"unit", property.unit()},
+          {"type", property.type().name},
+          {"text", property.text()}};
+}
+
+Json observable_row(const std::string& name, const ObservableBase& observable) {
+  return {{"name", name},
+          {"value", arch::to_json(observable.value())},
+          {"unit", observable.unit()},
+          {"type", observable.type().name},
+          {"text", observable.text()}};
+}
+
+/// What only a look at one element or port tells.
+Json whole_port_row(const Element& element, const PortBase& port) {
+  auto row = port_row(element, port);
+  row["max_age"] = max_age_of(connection(element, port));
+  row["safe_value"] = port.has_safe_value();
+  row["failures"] = port.failures();
+  return row;
+}
+
+/// What `get` says of it, where there is something to get.
+void add_value(Json& object, const Running& running, const std::string& address,
+               const Target& target, std::initializer_list<const char*> keys) {
+  const auto now = sample(running, address, target);
+  for (const auto* key : keys) {
+    if (now && now->contains(key)) {
+      object[key] = (*now)[key];
+    }
+  }
+}
+
+/// Of ports that read shared data also how fresh that is.
+Json port_rows(const Running& running, const Element& element) {
+  Json rows = Json::array();
+  for (auto* port : element.shell().ports()) {
+    auto row = whole_port_row(element, *port);
+    if (reads_shared_data(element, *port)) {
+      add_value(row, running, port->address(), {element, nullptr, nullptr, port},
+                {"status", "age_ns"});
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+void add_parts(Json& object, const Running& running, const Element& element) {
+  Json properties = Json::array();
+  Json observables = Json::array();
+  for (const auto& [group, part] : element.parts()) {
+    const auto prefix = std::string(group) + ".";
+    for (const auto* property : part->properties()) {
+      properties.push_back(property_row(prefix + std::string(property->name()), *property));
+    }
+    for (const auto* observable : part->observables()) {
+      observables.push_back(observable_row(prefix + std::string(observable->name()), *observable));
+    }
+  }
+  object["properties"] = std::move(properties);
+  object["observables"] = std::move(observables);
+  object["ports"] = port_rows(running, element);
+}
+
+Json task_of(const TaskAttributes& task, const ComponentStatus& status) {
+  return {{"priority", task.priority},
+          {"cpus", status.cpus},
+          {"offset", format_duration(task.offset)},
+          {"deadline", format_duration(task.deadline)},
+          {"budget", format_duration(task.budget)},
+          {"stack", task.stack},
+          {"on_overrun", to_string(task.on_overrun)},
+          {"on_fault", arch::to_json(arch::describe_fault_policy(task.on_fault))},
+          {"watchdog", format_duration(status.watchdog)},
+          {"start", task.start}};
+}
+
+Json counters_of(const ComponentStatus& status) {
+  return {{"releases", status.releases},
+          {"missed", status.missed},
+          {"overruns", status.overruns},
+          {"over_budget", status.over_budget},
+          {"late_ns", status.late.count()},
+          {"lateness_last_ns", status.lateness_last.count()},
+          {"lateness_max_ns", status.lateness_max.count()},
+          {"execution_last_ns", status.execution_last.count()},
+          {"execution_max_ns", status.execution_max.count()},
+          {"next_release_ns", status.next_release.count()}};
+}
+
+Json show_component(const Running& running, ComponentBase& component) {
+  const auto status = running.deployer.status(component.name());
+  const auto& bundle = *component.bundle();
+  Json states = Json::array();
+  for (const auto* state : bundle.fsm->states()) {
+    states.push_back(state->name());
+  }
+  Json object = {{"address", component.name()},
+                 {"kind", "component"},
+                 {"type", component.type().name},
+                 {"core", bundle.core_type.name},
+                 {"fallback_core", arch::to_json(arch::describe_fallback(component.fallback()))},
+                 {"contract", bundle.core_type.contract.name},
+                 {"fsm", bundle.fsm_type.name},
+                 {"fsm_state", status.fsm_state},
+                 {"fsm_states", std::move(states)},
+                 {"machine", machine_json(*bundle.fsm)},
+                 {"state", to_string(status.state)},
+                 {"realtime", status.realtime},
+                 {"task", task_of(bundle.task, status)},
+                 {"counters", counters_of(status)}};
+  if (!status.fault.empty()) {
+    object["fault"] = status.fault;
+  }
+  if (status.state == ComponentState::recovering) {
+    object["recovery"] = recovery_json(status.recovery);
+  }
+  add_parts(object, running, {&component, nullptr});
+  return object;
+}
+
+/// Addresses of all ports that are connected to the resource.
+Json users_of(const Running& running, const ResourceBase& resource) {
+  Json users = Json::array();
+  const auto add = [&](const Element& element) {
+    for (const auto* port : element.shell().ports()) {
+      const auto* binding = connection(element, *port);
+      if (binding != nullptr && &binding->service().resource() == &resource) {
+        users.push_back(port->address());
+      }
+    }
+  };
+  for (auto* component : running.architecture.components()) {
+    add({component, nullptr});
+  }
+  for (auto* other : running.architecture.resources()) {
+    add({nullptr, other});
+  }
+  return users;
+}
+
+Json show_resource(const Running& running, ResourceBase& resource) {
+  Json object = {{"address", resource.name()},
+                 {"kind", "resource"},
+                 {"type", resource.type().name},
+                 {"services", service_rows(resource)},
+                 {"users", users_of(running, resource)},
+                 {"hold", format_duration(resource.gate().declared_hold())},
+                 {"hold_max_ns", resource.gate().longest_hold().count()},
+                 {"over_hold", resource.gate().over_hold()},
+                 {"lock_timeouts", resource.gate().timeouts()},
+                 {"poisoned", resource.gate().poisoned()}};
+  add_parts(object, running, {nullptr, &resource});
+  return object;
+}
+
+Result<Json> show_target(const Running& running, const std::string& address) {
+  const auto target = find_target(running, address);
+  if (!target) {
+    return target.error();
+  }
+  Json object;
+  if (target->property != nullptr) {
+    object = property_row(address, *target->property);
+    object["kind"] = "property";
+  } else if (target->observable != nullptr) {
+    object = observable_row(address, *target->observable);
+    object["kind"] = "observable";
+  } else if (target->port != nullptr) {
+    object = whole_port_row(target->element, *target->port);
+  } else {
+    object = service_row(*target->service);
+  }
+  object.erase("name");
+  object["address"] = address;
+  if (target->port != nullptr || target->service != nullptr) {
+    add_value(object, running, address, *target, {"value", "status", "age_ns"});
+  }
+  const auto* data = target->service != nullptr ? target->service->signature().data
+                     : target->port != nullptr  ? target->port->signature().data
+                                                : nullptr;
+  if (data != nullptr && data->describe != nullptr) {
+    object["fields"] = arch::to_json(data->describe());
+  }
+  return object;
+}
+
+}  // namespace
+
+Result<Json> show(Running& running, const Call& call) {
+  const auto address = text_or(call.params, "address");
+  if (address.find('.') != std::string::npos) {
+    return show_target(running, address);
+  }
+  const auto element = find_element(running, address);
+  if (!element) {
+    return element.error();
+  }
+  return element->component != nullptr ? show_component(running, *element->component)
+                                       : show_resource(running, *element->resource);
+}
+
+Result<Json> get(Running& running, const Call& call) {
+  return sample_at(running, text_or(call.params, "address"));
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// status.get, ping, version: is it well, and what is it?
+#include <algorithm>
+
+#include "commands/answer.h"
+#include "commands/change/change.h"
+#include "commands/command.h"
+#include "commands/gate.h"
+#include "commands/look/log_json.h"
+#include "commands/look/parts_json.h"
+#include "commands/model.h"
+#include "commands/recovery/given_up.h"
+#include "commands/recovery/quarantine.h"
+#include "mauve/architecture.h"
+#include "mauve/version.h"
+#include "monitor/guardian.h"
+#include "monitor/supervisor.h"
+#include "state/state_store.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+/// Names of the resources that refuse their users.
+Json poisoned(const Running& running) {
+  Json names = Json::array();
+  for (auto* resource : running.architecture.resources()) {
+    if (resource->gate().poisoned()) {
+      names.push_back(resource->name());
+    }
+  }
+  return names;
+}
+
+/// A swap in place, in the same form.
+Json row_of(const PlaceProbation& place) {
+  const Duration passed = std::chrono::steady_clock::now() - place.since;
+  const bool confirms = place.rules.confirm_within > Duration{0};
+  const auto left = (confirms ? place.rules.confirm_within : place.rules.time) - passed;
+  return {{"generations", {place.generation}},
+          {"components", {place.component}},
+          {"state", place.leads_back ? "leads_back"
+                    : confirms       ? "awaits_confirmation"
+                                     : "watching"},
+          {"left_ns", std::max(left, Duration{0}).count()},
+          {"jobs", confirms ? Json() : Json(place.rules.activations)}};
+}
+
+/// What waits to prove itself or to be confirmed, the oldest first.
+Json probations(const Running& running) {
+  Json rows = Json::array();
+  for (const auto& one : running.deployer.probations()) {
+    const auto& rules = one.rules;
+    const bool confirms = rules.confirm_within > Duration{0};
+    const auto left = (confirms ? rules.confirm_within : rules.time) - one.passed;
+    rows.push_back({{"generations", one.changes},
+                    {"components", one.components},
+                    {"state", one.leads_back ? "leads_back"
+                              : confirms     ? "awaits_confirmation"
+                                             : "watching"},
+                    {"left_ns", std::max(left, Duration{0}).count()},
+                    {"jobs", confirms ? Json() : Json(rules.activations)}});
+  }
+  for (const auto& place : running.places) {
+    rows.push_back(row_of(place));
+  }
+  return rows;
+}
+
+/// Of the plugin that brought it; null for a core of the program itself.
+Json version_of(const Running& running, const std::string& core) {
+  const auto* loaded = running.catalog.find(plugin_of(core));
+  return loaded == nullptr ? Json() : Json(loaded->info().version);
+}
+
+Json row_of(const Running& running, const ComponentStatus& one) {
+  Json row = {{"name", one.name},
+              {"type", one.type},
+              {"core", one.core},
+              {"core_version", version_of(running, one.core)},
+              {"fsm_state", one.fsm_state},
+              {"state", to_string(one.state)},
+              {"priority", one.priority},
+              {"cpus", one.cpus},
+              {"realtime", one.realtime},
+              {"changing", one.changing},
+              {"releases", one.releases},
+              {"missed", one.missed},
+              {"overruns", one.overruns},
+              {"over_budget", one.over_budget},
+              {"late_ns", one.late.count()},
+              {"period_ns", one.period.count()},
+              {"next_release_ns", one.next_release.count()},
+              {"lateness_last_ns", one.lateness_last.count()},
+              {"lateness_max_ns", one.lateness_max.count()},
+              {"execution_last_ns", one.execution_last.count()},
+              {"execution_max_ns", one.execution_max.count()}};
+  if (!one.fault.empty()) {
+    row["fault"] = one.fault;
+  }
+  if (one.state == ComponentState::recovering) {
+    row["recovery"] = recovery_json(one.recovery);
+  }
+  if (one.state == ComponentState::faulted) {
+    row["hint"] = "mauvectl start " + one.name;
+  }
+  return row;
+}
+
+}  // namespace
+
+Result<Json> ping(Running& /*running*/, const Call& /*call*/) { return Json{{"pong", true}}; }
+
+Result<Json> version(Running& running, const Call& /*call*/) {
+  return Json{{"server", std::string("mauved ") + kVersion},
+              {"version", kVersion},
+              {"protocol", {protocol::kVersion}},
+              {"abi", kAbi},
+              {"boot", running.boot}};
+}
+
+Result<Json> status(Running& running, const Call& /*call*/) {
+  Json rows = Json::array();
+  for (const auto& one : running.deployer.status()) {
+    rows.push_back(row_of(running, one));
+  }
+  const std::chrono::duration<double> up = std::chrono::steady_clock::now() - running.since;
+  Json result = {{"generation", running.deployer.generation()},
+                 {"architecture", running.architecture.name()},
+                 {"uptime_s", up.count()},
+                 {"t_ns", running.deployer.clock().now() - running.deployer.t0()},
+                 {"realtime", running.deployer.realtime()},
+                 {"lock", to_string(running.lock)},
+                 {"log_levels", log_levels_json(running)},
+                 {"components", std::move(rows)},
+                 {"poisoned", poisoned(running)},
+                 {"left_behind", left_behind(running)},
+                 {"lost_to_quarantine", lost_to_quarantine(running)},
+                 {"probations", probations(running)},
+                 {"notes", wiring_notes(running)},
+                 {"unknown_values", running.supervisor.lost_values()},
+                 {"recovered", running.recovered == 0 ? Json() : Json(running.recovered)},
+                 {"quarantine", running.quarantined.size()}};
+  if (running.guardian != nullptr) {
+    result["guardian"] = running.guardian->json();
+  }
+  if (running.store != nullptr) {
+    result["saved"] = running.store->saved();
+  }
+  return result;
+}
+
+}  // namespace mauve::daemon

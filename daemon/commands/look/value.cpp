@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "commands/look/value.h"
+
+#include <optional>
+
+#include "arch/built_in.h"
+#include "arch/task_attributes.h"
+#include "arch/value_json.h"
+#include "base/duration.h"
+#include "mauve/observable.h"
+#include "mauve/property.h"
+#include "mauve/resource.h"
+#include "mauve/service.h"
+#include "model/look_outside.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+Json answer_for(const std::string& address, Json value, std::string_view status) {
+  return {{"address", address}, {"value", std::move(value)}, {"status", status}};
+}
+
+/// A reader slot of its own for the time of one read.
+class Slot {
+ public:
+  explicit Slot(ServiceBase& service) : service_(service) { cursor.slot = service.attach(); }
+  ~Slot() { service_.detach(cursor.slot); }
+  Slot(const Slot&) = delete;
+  Slot& operator=(const Slot&) = delete;
+
+  Cursor cursor;
+
+ private:
+  ServiceBase& service_;
+};
+
+Result<Json> read_service(const Running& running, const std::string& address,
+                          ServiceBase& service) {
+  const auto* type = service.signature().data;
+  const auto kind = service.signature().kind;
+  if (kind != PortKind::read) {
+    const auto word = std::string(to_string(kind));
+    return refuse(
+        Errc::wrong_state, address,
+        (kind == PortKind::event ? "is an " : "is a ") + word + " service, it has no value to read",
+        service.taps() != nullptr
+            ? "mauvectl get " + service.resource().name() + ".read has the last value"
+            : "mauvectl show " + address + " tells its types");
+  }
+  if (service.resource().type().name == arch::kRingBuffer) {
+    return refuse(Errc::unsupported, address, "is a queue: reading would take an item away",
+                  "watch it, or get " + service.resource().name() + ".core.size");
+  }
+  if (type == nullptr || type->to_value == nullptr) {
+    return refuse(Errc::unsupported, address, "its type has no description",
+                  "describe it: specialise mauve::Described");
+  }
+  Slot slot(service);
+  Json value;
+  auto encode = [&](const void* data) { value = arch::to_json(type->to_value(data)); };
+  const auto status = look_outside(service, Visitor(encode), slot.cursor);
+  if (!status) {
+    if (service.resource().gate().poisoned()) {
+      running.log.write(logging::Event::read_poisoned, {{"text", to_string(status.error())}});
+    }
+    return status.error();
+  }
+  auto out = answer_for(address, std::move(value), to_string(*status));
+  if (has_value(*status)) {
+    out["t_ns"] = slot.cursor.stamp - running.deployer.t0();
+    out["age_ns"] = running.deployer.clock().now() - slot.cursor.stamp;
+  }
+  return out;
+}
+
+/// What the port knows more than the service: where its values come from and how old they may be.
+void add_connection(Json& out, const Binding& binding) {
+  out["service"] = binding.service().address();
+  out["max_age"] = max_age_of(&binding);
+  const auto limit = binding.max_age();
+  if (limit > Duration{0} && out.contains("age_ns") && out["age_ns"] > limit.count()) {
+    out["status"] = to_string(DataStatus::stale);
+  }
+}
+
+/// Of a port that does not read: the service that it leads to, and the value that was written there
+/// last, where that is stored.
+Result<Json> sample_output(const Running& running, const std::string& address,
+                           ServiceBase& service) {
+  const auto kind = service.signature().kind;
+  const bool stored = kind == PortKind::write && service.exchange() != nullptr;
+  auto* const reading = stored ? service.resource().find_service("read") : nullptr;
+  auto out = reading != nullptr
+                 ? read_service(running, address, *reading)
+                 : Result<Json>(answer_for(address, nullptr, to_string(DataStatus::no_data)));
+  if (out) {
+    (*out)["service"] = service.address();
+    (*out)["kind"] = to_string(kind);
+  }
+  return out;
+}
+
+Value statistic(const ComponentStatus& status, std::string_view name) {
+  const auto count = [](std::uint64_t number) { return Value(static_cast<std::int64_t>(number)); };
+  if (name == "state") {
+    return to_string(status.state);
+  }
+  if (name == "core") {
+    return status.core;
+  }
+  if (name == "fsm_state") {
+    return status.fsm_state;
+  }
+  if (name == "releases") {
+    return count(status.releases);
+  }
+  if (name == "missed") {
+    return count(status.missed);
+  }
+  if (name == "overruns") {
+    return count(status.overruns);
+  }
+  if (name == "over_budget") {
+    return count(status.over_budget);
+  }
+  return format_duration(name == "late"           ? status.late
+                         : name == "lateness_max" ? status.lateness_max
+                                                  : status.execution_max);
+}
+
+/// Of a service or port that reads shared data.
+Value look_at(const Running& running, const arch::Quantity& quantity, ServiceBase& service) {
+  using Aspect = arch::Quantity::Aspect;
+  Slot slot(service);
+  Value value;
+  auto decode = [&](const void* data) {
+    if (quantity.aspect == Aspect::value) {
+      value = arch::field_of(service.signature().data->to_value(data), quantity.fields);
+    }
+  };
+  auto status = service.look(Visitor(decode), slot.cursor);
+  const Duration age{running.deployer.clock().now() - slot.cursor.stamp};
+  if (quantity.target.port != nullptr && has_value(status)) {
+    const auto limit = connection(quantity.target.element, *quantity.target.port)->max_age();
+    status = limit > Duration{0} && age > limit ? DataStatus::stale : status;
+  }
+  if (quantity.aspect == Aspect::status) {
+    return to_string(status);
+  }
+  if (!has_value(status)) {
+    return {};
+  }
+  return quantity.aspect == Aspect::age ? Value(format_duration(age)) : value;
+}
+
+}  // namespace
+
+Json max_age_of(const Binding* binding) {
+  return binding == nullptr || binding->max_age() == Duration{0}
+             ? Json()
+             : Json(format_duration(binding->max_age()));
+}
+
+ServiceBase* service_of(const Target& target) {
+  if (target.port == nullptr) {
+    return target.service;
+  }
+  const auto* binding = connection(target.element, *target.port);
+  return binding == nullptr ? nullptr : &binding->service();
+}
+
+Result<Json> sample(const Running& running, const std::string& address, const Target& target) {
+  if (target.property != nullptr) {
+    return answer_for(address, arch::to_json(target.property->value()), "current");
+  }
+  if (target.observable != nullptr) {
+    return answer_for(address, arch::to_json(target.observable->value()), "current");
+  }
+  auto* service = service_of(target);
+  if (service == nullptr) {
+    auto out = answer_for(address, nullptr, to_string(DataStatus::no_data));
+    out["service"] = nullptr;
+    return out;
+  }
+  const bool is_port = target.port != nullptr;
+  if (is_port && service->signature().kind != PortKind::read) {
+    return sample_output(running, address, *service);
+  }
+  auto out = read_service(running, address, *service);
+  if (out && is_port) {
+    add_connection(*out, *connection(target.element, *target.port));
+  }
+  return out;
+}
+
+namespace {
+
+/// "control.task.budget"; nothing: the address is of something else.
+std::optional<Result<Json>> sample_task(const Running& running, const std::string& address) {
+  constexpr std::string_view kTask = ".task.";
+  const auto dot = address.find(kTask);
+  if (dot == std::string::npos || address.find('.') != dot) {
+    return std::nullopt;
+  }
+  const auto component = find_component(running, address.substr(0, dot));
+  if (!component) {
+    return component.error();
+  }
+  auto value = arch::attribute_of((*component)->bundle()->task, address.substr(0, dot) + ".task",
+                                  std::string_view(address).substr(dot + kTask.size()));
+  if (!value) {
+    return value.error();
+  }
+  return answer_for(address, arch::to_json(*value), "current");
+}
+
+}  // namespace
+
+Result<Json> sample_at(const Running& running, const std::string& address) {
+  if (auto attribute = sample_task(running, address)) {
+    return *std::move(attribute);
+  }
+  const auto target = find_target(running, address);
+  if (target) {
+    return sample(running, address, *target);
+  }
+  const auto quantity = arch::find_quantity(running.architecture, address);
+  if (!quantity) {
+    return target.error();
+  }
+  const auto value = read(running, *quantity);
+  if (!value) {
+    return value.error();
+  }
+  return answer_for(address, arch::to_json(*value), "current");
+}
+
+Result<Value> read(const Running& running, const arch::Quantity& quantity) {
+  const auto& target = quantity.target;
+  if (!quantity.statistic.empty()) {
+    return statistic(running.deployer.status(target.element.name()), quantity.statistic);
+  }
+  if (target.property != nullptr) {
+    return arch::field_of(target.property->value(), quantity.fields);
+  }
+  if (target.observable != nullptr) {
+    return target.observable->value();
+  }
+  auto* service = service_of(target);
+  if (service == nullptr) {
+    const bool status = quantity.aspect == arch::Quantity::Aspect::status;
+    return status ? Value(to_string(DataStatus::no_data)) : Value();
+  }
+  if (service->resource().type().name != arch::kSharedData) {
+    return refuse(Errc::unsupported, service->address(), "is not stored but made for each reader",
+                  "mauvectl get " + service->address());
+  }
+  return look_at(running, quantity, *service);
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// component.why: the last failure of a component, what came before it, what the system did, and
+/// what to do next.
+#include <algorithm>
+
+#include "commands/answer.h"
+#include "commands/look/log_json.h"
+#include "commands/measure/kernel_counts.h"
+#include "commands/model.h"
+#include "mauve/architecture.h"
+#include "mauve/service.h"
+#include "state/state_store.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+Json attempt_json(const Attempt* attempt) {
+  if (attempt == nullptr) {
+    return nullptr;
+  }
+  return {{"generation", attempt->generation},
+          {"time", attempt->time},
+          {"method", attempt->method},
+          {"uid", attempt->uid},
+          {"reason", attempt->reason}};
+}
+
+/// Its answer may have come after the failure that it led to.
+const Attempt* change_before(const Running& running, const std::string& name,
+                             const Failure& failure) {
+  const auto* last = running.failures.last_change(name);
+  if (last != nullptr && last->generation <= failure.generation) {
+    return last;
+  }
+  return failure.change ? &*failure.change : nullptr;
+}
+
+Json failure_json(const Running& running, const Failure& failure) {
+  return {{"time", failure.time},
+          {"t_ns", failure.monotonic_ns - running.deployer.t0()},
+          {"ago_ns", running.deployer.clock().now() - failure.monotonic_ns},
+          {"cause", failure.cause},
+          {"text", failure.text},
+          {"core", failure.culprit.core},
+          {"build_id", failure.culprit.build_id},
+          {"fsm_state", failure.fsm_state},
+          {"job", failure.job},
+          {"did", to_string(failure.reaction)},
+          {"core_after", failure.core_after},
+          {"state_after", failure.state_after},
+          {"generation", failure.generation},
+          {"generation_after", failure.generation_after},
+          {"times", failure.times}};
+}
+
+/// Resources that it is connected to and that refuse their users.
+Json poisoned_of(const ComponentBase& component) {
+  Json names = Json::array();
+  for (const auto& binding : *component.bundle()->bindings) {
+    if (binding == nullptr || !binding->service().resource().gate().poisoned()) {
+      continue;
+    }
+    const Json name = binding->service().resource().name();
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+      names.push_back(name);
+    }
+  }
+  return names;
+}
+
+Json quarantine_of(const Running& running, const Failure* failure) {
+  Json cores = Json::array();
+  for (const auto& [version, reason] : running.quarantined) {
+    const auto at = version.find('@');
+    if (failure != nullptr && version.substr(0, at) == failure->culprit.core) {
+      cores.push_back({{"core", failure->culprit.core},
+                       {"build_id", version.substr(at + 1)},
+                       {"reason", reason}});
+    }
+  }
+  return cores;
+}
+
+/// What was done about it decides what can be done next.
+void add_next_steps(const Running& running, const std::string& name, const Failure& failure,
+                    Json& hints) {
+  const auto& core = failure.culprit.core;
+  const bool hung = failure.cause == "did not return";
+  switch (failure.reaction) {
+    case Reaction::parked:
+      hints.push_back("mauvectl start " + name + " --reset: again, with a fresh core");
+      hints.push_back("mauvectl plugins --for " + name +
+                      ": the cores that could take its place with swap-core");
+      break;
+    case Reaction::fell_back:
+      hints.push_back("mauvectl swap-core " + name + " " + core + ": once it is mended");
+      break;
+    case Reaction::restarted:
+      hints.push_back("mauvectl show " + name + ": whether it goes well now");
+      break;
+    case Reaction::rolled_back:
+      if (!quarantine_of(running, &failure).empty()) {
+        hints.push_back("mauvectl reload " + plugin_of(core) +
+                        ": a corrected build; or mauvectl "
+                        "quarantine release " +
+                        core);
+      } else {
+        hints.push_back("correct what the change set, then make it again");
+      }
+      break;
+  }
+  if (hung) {
+    hints.push_back("a job of it may run as long as its watchdog or ten budgets: mauvectl show " +
+                    name);
+  }
+  if (failure.cause.starts_with("took longer") || failure.cause.starts_with("overran") ||
+      failure.text.starts_with("overran")) {
+    hints.push_back("mauvectl analyze: what its jobs take, and what they may");
+  }
+  const auto* change = change_before(running, name, failure);
+  const bool parked = failure.reaction == Reaction::parked;
+  if (parked && change != nullptr && running.store != nullptr && change->generation > 1) {
+    hints.push_back("mauvectl rollback " + std::to_string(change->generation - 1) +
+                    ": to before the last change of it");
+  }
+}
+
+Json hints_for(const Running& running, const std::string& name, const Failure* failure,
+               const Json& poisoned) {
+  Json hints = Json::array();
+  if (failure != nullptr) {
+    add_next_steps(running, name, *failure, hints);
+  }
+  for (const auto& resource : poisoned) {
+    const auto* element = running.architecture.find_resource(resource.get<std::string>());
+    const auto type = element == nullptr ? std::string() : element->type().name;
+    hints.push_back(plugin_of(type).empty()
+                        ? resource.get<std::string>() + " refuses its users until mauved restarts"
+                        : "mauvectl reload " + plugin_of(type) + " --state drop: a new core for " +
+                              resource.get<std::string>());
+  }
+  return hints;
+}
+
+Json records_of(const Running& running, const std::string& name, const Failure* failure) {
+  logging::Filter filter;
+  filter.component = name;
+  const auto records = failure != nullptr ? failure->records
+                                          : running.log.history().tail(Failures::kRecords, filter);
+  Json rows = Json::array();
+  for (const auto& record : records) {
+    rows.push_back(record_json(record, running.deployer.t0()));
+  }
+  return rows;
+}
+
+/// Whose first job was with the start of mauved.
+std::string began(const Running& running) {
+  using std::chrono::system_clock;
+  const auto up = std::chrono::steady_clock::now() - running.since;
+  return logging::utc(system_clock::now() - std::chrono::duration_cast<system_clock::duration>(up));
+}
+
+}  // namespace
+
+Result<Json> why(Running& running, const Call& call) {
+  const auto name = text_or(call.params, "component");
+  const auto component = find_component(running, name);
+  if (!component) {
+    return component.error();
+  }
+  const auto status = running.deployer.status(name);
+  const auto* failure = running.failures.find(name, running.log.history());
+  const auto* change = failure != nullptr ? change_before(running, name, *failure)
+                                          : running.failures.last_change(name);
+  const auto poisoned = poisoned_of(**component);
+  Json result = {{"component", name},
+                 {"state", to_string(status.state)},
+                 {"fsm_state", status.fsm_state},
+                 {"core", status.core},
+                 {"recovery", recovery_json(status.recovery)},
+                 {"late_ns", status.late.count()},
+                 {"missed", status.missed},
+                 {"overruns", status.overruns},
+                 {"kernel", kernel_counts(rt::threads_of("/", "self"), name)},
+                 {"since", began(running)},
+                 {"failure", failure == nullptr ? Json() : failure_json(running, *failure)},
+                 {"change", attempt_json(change)},
+                 {"poisoned", poisoned},
+                 {"quarantine", quarantine_of(running, failure)},
+                 {"records", records_of(running, name, failure)},
+                 {"hints", hints_for(running, name, failure, poisoned)}};
+  return result;
+}
+
+}  // namespace mauve::daemon

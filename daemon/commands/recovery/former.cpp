@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "commands/recovery/former.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "changes/control.h"
+#include "commands/command.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using logging::Event;
+using plugin::Library;
+
+/// Threads look away within one job, unless one hangs: then the code stays, and the log says so.
+constexpr std::chrono::seconds kPatience{2};
+
+bool ends_a_probation(const Outcome& outcome) {
+  return outcome.kind == Outcome::Kind::passed || outcome.kind == Outcome::Kind::overtaken ||
+         outcome.kind == Outcome::Kind::rolled_back;
+}
+
+/// The former build has its names again. Returns the code that loses them.
+Former::Leaving give_back(Running& running, plugin::LoadedPlugin former) {
+  const auto info = former.info();
+  auto failed = running.catalog.exchange(std::move(former));
+  if (!failed || !*failed) {
+    running.log.write(
+        Event::plugin_resident,
+        {{"plugin", info.name}, {"text", failed ? "its names are gone" : failed.error().message}});
+    return {};
+  }
+  running.log.write(Event::plugin_given_back,
+                    {{"plugin", info.name}, {"version", info.version}, {"build", info.build_id}});
+  return {(*failed)->library(), {}, "its reload was rolled back"};
+}
+
+}  // namespace
+
+Status check_former(const Running& running, const std::string& plugin) {
+  const auto found = running.former.kept.find(plugin);
+  if (found == running.former.kept.end()) {
+    return ok();
+  }
+  return refuse(Errc::conflict, plugin,
+                "was reloaded in generation " + std::to_string(found->second.generation) +
+                    ", which is on probation: the build before is kept for its way back, and one "
+                    "only can be kept",
+                "mauvectl confirm, or mauvectl undo, then reload again");
+}
+
+void keep_former(Running& running, plugin::LoadedPlugin former) {
+  const std::string name = former.info().name;
+  running.former.kept.insert_or_assign(
+      name, Former::Kept{running.deployer.generation(), std::move(former)});
+}
+
+void let_former_go(Running& running, const Outcome& outcome) {
+  if (!ends_a_probation(outcome)) {
+    return;
+  }
+  auto& kept = running.former.kept;
+  for (auto one = kept.begin(); one != kept.end();) {
+    if (std::ranges::find(outcome.changes, one->second.generation) == outcome.changes.end()) {
+      ++one;
+      continue;
+    }
+    auto former = std::move(one->second.plugin);
+    one = kept.erase(one);
+    Former::Leaving leaving{former.library(), {}, "replaced by a new one, which has proved itself"};
+    if (outcome.kind == Outcome::Kind::rolled_back) {
+      leaving = give_back(running, std::move(former));
+    }
+    leaving.since = std::chrono::steady_clock::now();
+    if (leaving.library != nullptr) {
+      running.former.leaving.push_back(std::move(leaving));
+    }
+  }
+}
+
+void free_former(Running& running) {
+  auto& leaving = running.former.leaving;
+  if (leaving.empty()) {
+    return;
+  }
+  const bool patient = std::chrono::steady_clock::now() - leaving.front().since < kPatience;
+  if (!running.deployer.settled() && patient) {
+    return;
+  }
+  auto elements = std::make_shared<Retired>(running.deployer.collect());
+  auto code = std::make_shared<std::vector<Former::Leaving>>(std::exchange(leaving, {}));
+  running.control.in_factory(
+      [&running, elements, code] {
+        static_cast<void>(elements->release());
+        running.log.flush();  // messages of the code are text in the code
+        for (auto& one : *code) {
+          const auto name = one.library->info().name;
+          const auto done = Library::release(std::move(one.library));
+          running.log.write(done.unmapped ? Event::plugin_unloaded : Event::plugin_resident,
+                            {{"plugin", name}, {"text", done.unmapped ? one.text : done.reason}});
+        }
+      },
+      [] {}, [](const std::string& /*hook*/) {});
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The code that a reload replaced. It stays in memory as long as the reload is on probation, since
+/// the way back leads to it, and gets its names back when the reload is rolled back.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mauve/result.h"
+#include "plugin/catalog.h"
+
+namespace mauve {
+struct Outcome;
+}  // namespace mauve
+
+namespace mauve::daemon {
+
+struct Running;
+
+/// [control]
+struct Former {
+  struct Kept {
+    std::uint64_t generation = 0;  ///< that the reload made
+    plugin::LoadedPlugin plugin;
+  };
+  /// Code without names, which some thread may still look at.
+  struct Leaving {
+    std::shared_ptr<plugin::Library> library;
+    std::chrono::steady_clock::time_point since;
+    std::string text;  ///< for the log, when it has left the memory
+  };
+  std::map<std::string, Kept, std::less<>> kept;  ///< by plugin
+  std::vector<Leaving> leaving;
+};
+
+/// [control] Refused while a reload of this plugin is on probation: only one former build is kept.
+[[nodiscard]] Status check_former(const Running& running, const std::string& plugin);
+
+/// [control] The reload that made the generation in force is on probation.
+void keep_former(Running& running, plugin::LoadedPlugin former);
+
+/// [control] A probation has ended: the code that is not needed any more leaves, and after a
+/// rollback the former one has its names again.
+void let_former_go(Running& running, const Outcome& outcome);
+
+/// [control] Frees on [factory] the code that no thread looks at any more.
+void free_former(Running& running);
+
+}  // namespace mauve::daemon

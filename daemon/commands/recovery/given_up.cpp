@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "commands/recovery/given_up.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "base/duration.h"
+#include "mauve/architecture.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+/// Each keeps a thread and a library: a client that tries again and again shall not use them up.
+constexpr std::size_t kMostLeftBehind = 8;
+constexpr std::ptrdiff_t kMostOfOneUser = 2;
+
+Status check_name(const Running& running, const std::string& name) {
+  const auto found = running.barred.find(name);
+  if (found == running.barred.end()) {
+    return ok();
+  }
+  return refuse(Errc::wrong_state, name,
+                "cannot be changed any more: a thread was left behind in " + found->second,
+                "restart mauved");
+}
+
+}  // namespace
+
+Error given_up(const Running& running, const std::string& hook, const std::string& at,
+               const std::string& now) {
+  const auto space = hook.find(' ');
+  const bool placed = space != std::string::npos;
+  return refuse(Errc::timed_out, placed ? hook.substr(0, space) : at,
+                (placed         ? hook.substr(space + 1)
+                 : hook.empty() ? "user code"
+                                : hook) +
+                    " did not return within " + format_duration(running.control.prepare_within()) +
+                    ", so it was given up: " + now,
+                "its thread is left behind and holds its library until mauved is restarted: mend "
+                "it, or give it longer with mauved --prepare-within");
+}
+
+void bar(Running& running, const std::vector<std::string>& components, const std::string& hook,
+         bool all) {
+  for (const auto& name : components) {
+    const auto* component = running.architecture.find_component(name);
+    const bool whole = component != nullptr && component->shell().configured() &&
+                       component->core().configured() && component->fsm().configured();
+    if (component != nullptr && (all || !whole)) {
+      running.barred.emplace(name, hook.empty() ? "user code" : hook);
+    }
+  }
+}
+
+Status check_barred(const Running& running, const Change& change) {
+  for (const auto& edit : change.edits) {
+    if (auto free = check_name(running, edit.component); !free) {
+      return free;
+    }
+  }
+  for (const auto& name : change.remove) {
+    if (auto free = check_name(running, name); !free) {
+      return free;
+    }
+  }
+  return ok();
+}
+
+Status may_prepare(const std::vector<LeftBehind>& left, std::optional<uid_t> user) {
+  const auto of_user = std::ranges::count(left, user, &LeftBehind::user);
+  if (user && of_user >= kMostOfOneUser) {
+    return refuse(Errc::wrong_state, "mauved",
+                  std::to_string(of_user) +
+                      " hooks of changes of yours have not returned, so nothing new of yours is "
+                      "prepared; what runs goes on",
+                  "`status` names the hooks; wait until they return, or mend them and restart "
+                  "mauved");
+  }
+  if (left.size() < kMostLeftBehind) {
+    return ok();
+  }
+  return refuse(Errc::wrong_state, "mauved",
+                std::to_string(left.size()) +
+                    " threads are left behind in hooks that did not return, so "
+                    "nothing new is prepared; what runs goes on",
+                "`status` names the hooks; mend them, then restart mauved");
+}
+
+Json left_behind(const Running& running) {
+  Json rows = Json::array();
+  for (const auto& one : running.control.left_behind()) {
+    rows.push_back({{"hook", one.hook}, {"since", logging::utc(one.since)}});
+  }
+  return rows;
+}
+
+}  // namespace mauve::daemon

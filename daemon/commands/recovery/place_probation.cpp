@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "commands/recovery/place_probation.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "commands/change/change.h"
+#include "commands/model.h"
+#include "commands/recovery/given_up.h"
+#include "exec/system/prepared.h"
+#include "mauve/architecture.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+/// Why, and from which swap.
+struct Reason {
+  PlaceProbation place;
+  std::string text;
+  std::optional<Incident> incident;  ///< none: a user asked for it
+};
+
+/// The core before takes over again. Created on [control], freed on [factory].
+struct WayBackInPlace {
+  Reason reason;
+  std::uint64_t stops = 0;
+  std::optional<Result<PreparedChange>> prepared;
+  Status exchanged;
+  std::optional<Retired> retired{std::in_place};
+};
+using WayBackPtr = std::shared_ptr<WayBackInPlace>;
+
+std::uint64_t stops_of_component(const Running& running, const std::string& component) {
+  const auto found = running.stops.find(component);
+  return found == running.stops.end() ? 0 : found->second;
+}
+
+Outcome outcome_of(const Running& running, const PlaceProbation& place, Outcome::Kind kind,
+                   std::string reason) {
+  Outcome outcome;
+  outcome.kind = kind;
+  outcome.began = place.generation;
+  outcome.changes = {place.generation};
+  outcome.generation = running.deployer.generation();
+  outcome.reason = std::move(reason);
+  for (const auto& open : running.deployer.probations()) {
+    const auto first = open.changes.front();
+    outcome.oldest_open = outcome.oldest_open == 0 ? first : std::min(outcome.oldest_open, first);
+  }
+  return outcome;
+}
+
+/// Elements are freed on [factory], since their destructors are user code.
+void free_in_factory(Running& running, WayBackPtr way, Ticket ticket) {
+  running.control.in_factory(
+      [way = std::move(way)]() mutable {
+        static_cast<void>(way->retired->release());
+        way.reset();
+      },
+      [ticket = std::move(ticket)] {});
+}
+
+void free_bundles(Running& running, PlaceProbation place) {
+  auto kept = std::make_shared<PlaceProbation>(std::move(place));
+  running.control.in_factory([kept = std::move(kept)]() mutable { kept.reset(); }, [] {});
+}
+
+void conclude(Running& running, const Reason& reason, const Status& done) {
+  const auto& place = reason.place;
+  auto outcome = outcome_of(running, place, Outcome::Kind::rolled_back, reason.text);
+  outcome.incident = reason.incident;
+  outcome.component = reason.incident ? place.component : std::string();
+  if (reason.incident && exec::is_other_code(*place.before->core, *place.now->core)) {
+    outcome.cores.push_back(place.now->core_type.name);
+  }
+  if (!done) {
+    outcome.kind = Outcome::Kind::gave_up;
+    outcome.component = place.component;
+    outcome.reason =
+        reason.text + "; the core before could not take over again: " + to_string(done.error());
+  }
+  std::erase_if(running.places,
+                [&](const auto& one) { return one.generation == place.generation; });
+  running.settle(outcome);
+}
+
+void end(Running& running, WayBackPtr way, Ticket ticket, const Status& done) {
+  conclude(running, way->reason, done);
+  free_in_factory(running, std::move(way), std::move(ticket));
+}
+
+/// A hook did not return. Its thread goes on with the way back, which is its own from now on.
+void leave_behind(Running& running, const Reason& reason, const std::string& hook) {
+  const auto& name = reason.place.component;
+  bar(running, {name}, hook, true);
+  conclude(running, reason,
+           given_up(running, hook, name, name + " is stopped with its safe values written"));
+  free_bundles(running, reason.place);
+}
+
+void resume(Running& running, WayBackPtr way, Ticket ticket) {
+  auto& change = **way->prepared;
+  const auto& component = way->reason.place.component;
+  if (stops_of_component(running, component) != way->stops) {
+    change.content().members.front().resume = false;  // it was stopped meanwhile, and stays so
+  }
+  auto resumed = running.deployer.begin_in_place_resume(change, way->exchanged);
+  if (!resumed) {
+    return end(running, std::move(way), std::move(ticket), resumed.error());
+  }
+  when_answered(running, *std::move(resumed),
+                [&running, way, ticket = std::move(ticket)](Ongoing& done) mutable {
+                  const auto receipt = done.result();
+                  way->retired = std::move(done.retired());
+                  end(running, std::move(way), std::move(ticket),
+                      receipt ? ok() : Status(receipt.error()));
+                });
+}
+
+void exchange(Running& running, WayBackPtr way, Ticket ticket) {
+  running.control.in_factory(
+      [&running, way] { way->exchanged = running.deployer.in_place_exchange(**way->prepared); },
+      [&running, way, ticket]() mutable { resume(running, std::move(way), std::move(ticket)); },
+      [&running, reason = way->reason, ticket](const std::string& hook) {
+        leave_behind(running, reason, hook);
+      });
+}
+
+void park(Running& running, WayBackPtr way, Ticket ticket) {
+  if (!*way->prepared) {
+    const Status refused = way->prepared->error();
+    return end(running, std::move(way), std::move(ticket), refused);
+  }
+  auto parking = running.deployer.begin_in_place_park(**way->prepared);
+  when_answered(running, std::move(parking),
+                [&running, way, ticket = std::move(ticket)](Ongoing& done) mutable {
+                  if (const auto parked = done.result(); !parked) {
+                    return end(running, std::move(way), std::move(ticket), parked.error());
+                  }
+                  exchange(running, std::move(way), std::move(ticket));
+                });
+}
+
+/// A change like any other, so that no two prepare at the same time. False: one is under way.
+bool lead_back(Running& running, PlaceProbation& place, const std::string& text,
+               std::optional<Incident> incident) {
+  if (running.control.busy()) {
+    return false;
+  }
+  auto way = std::make_shared<WayBackInPlace>();
+  way->reason = {place, text, std::move(incident)};
+  way->stops = stops_of_component(running, place.component);
+  place.leads_back = running.control.change([&running, way](Ticket ticket) {
+    running.control.works_for(std::nullopt);
+    running.control.in_factory(
+        [&running, way] {
+          const auto& from = way->reason.place;
+          way->prepared = running.deployer.prepare_back_in_place(from.component, from.before);
+        },
+        [&running, way, ticket]() mutable { park(running, std::move(way), std::move(ticket)); },
+        [&running, reason = way->reason, ticket](const std::string& hook) {
+          leave_behind(running, reason, hook);
+        });
+  });
+  return place.leads_back;
+}
+
+/// The result of a look: a failure, its end, or neither yet.
+struct Verdict {
+  std::optional<Outcome::Kind> kind = std::nullopt;
+  std::string reason = {};
+  std::optional<Incident> incident = std::nullopt;
+};
+
+Verdict judge(const Running& running, const PlaceProbation& place) {
+  const auto* component = running.architecture.find_component(place.component);
+  if (component == nullptr || component->bundle() != place.now) {
+    return {Outcome::Kind::overtaken, "a newer change", std::nullopt};
+  }
+  const auto status = running.deployer.status(place.component);
+  if (status.state == ComponentState::faulted || status.state == ComponentState::recovering) {
+    return {Outcome::Kind::rolled_back, status.fault, status.incident};
+  }
+  const Duration passed = std::chrono::steady_clock::now() - place.since;
+  if (place.rules.confirm_within > Duration{0}) {
+    const bool late = passed >= place.rules.confirm_within;
+    return late ? Verdict{Outcome::Kind::rolled_back, "not confirmed within its time", std::nullopt}
+                : Verdict{};
+  }
+  if (status.releases - place.releases >= place.rules.activations) {
+    return {Outcome::Kind::passed,
+            std::to_string(place.rules.activations) + " jobs without a fault", std::nullopt};
+  }
+  return passed >= place.rules.time
+             ? Verdict{Outcome::Kind::passed, "its time passed without a fault", std::nullopt}
+             : Verdict{};
+}
+
+void settle(Running& running, std::size_t index, Outcome::Kind kind, const std::string& reason) {
+  auto place = std::move(running.places[index]);
+  running.places.erase(running.places.begin() + static_cast<std::ptrdiff_t>(index));
+  running.settle(outcome_of(running, place, kind, reason));
+  free_bundles(running, std::move(place));
+}
+
+}  // namespace
+
+void begin_place_probation(Running& running, Call& call, const std::string& component,
+                           std::shared_ptr<const Bundle> before, const Probation& rules) {
+  call.mark = Mark::unconfirmed;
+  const auto* found = running.architecture.find_component(component);
+  if (found == nullptr) {
+    return;
+  }
+  running.places.push_back(
+      {running.deployer.generation(), component, rules, std::chrono::steady_clock::now(),
+       running.deployer.status(component).releases, std::move(before), found->bundle()});
+}
+
+void look_at_places(Running& running) {
+  for (std::size_t i = 0; i < running.places.size();) {
+    auto& place = running.places[i];
+    const auto verdict = place.leads_back ? Verdict{} : judge(running, place);
+    if (!verdict.kind) {
+      ++i;
+    } else if (*verdict.kind != Outcome::Kind::rolled_back) {
+      settle(running, i, *verdict.kind, verdict.reason);
+    } else {
+      static_cast<void>(lead_back(running, place, verdict.reason, verdict.incident));
+      ++i;
+    }
+  }
+}
+
+bool confirm_places(Running& running) {
+  bool any = false;
+  for (std::size_t i = 0; i < running.places.size();) {
+    if (running.places[i].leads_back) {
+      ++i;
+      continue;
+    }
+    settle(running, i, Outcome::Kind::passed, "confirmed");
+    any = true;
+  }
+  return any;
+}
+
+std::optional<PlaceTarget> newest_place(const Running& running, std::uint64_t than) {
+  const auto newest = std::ranges::max_element(running.places, {}, &PlaceProbation::generation);
+  if (newest == running.places.end() || newest->generation < than) {
+    return std::nullopt;
+  }
+  return PlaceTarget{newest->generation, newest->component, newest->before};
+}
+
+Status undo_place(Running& running, const PlaceTarget& target, const std::string& reason) {
+  const auto found =
+      std::ranges::find(running.places, target.generation, &PlaceProbation::generation);
+  if (found->leads_back || lead_back(running, *found, reason, std::nullopt)) {
+    return ok();
+  }
+  return refuse(Errc::conflict, target.component,
+                "another change is being prepared, so the core before cannot be configured now",
+                "mauvectl undo again when that change has ended");
+}
+
+Status is_back(const Running& running, const PlaceTarget& target) {
+  const auto* component = running.architecture.find_component(target.component);
+  const auto now = component == nullptr ? nullptr : component->bundle();
+  if (now != nullptr && !target.before.owner_before(now) && !now.owner_before(target.before)) {
+    return ok();
+  }
+  return refuse(Errc::partly, target.component,
+                "the core before could not take over again; the component is " +
+                    std::string(to_string(running.deployer.status(target.component).state)) +
+                    " and its outputs have their safe values",
+                "mauvectl why " + target.component);
+}
+
+bool places_lead_back(const Running& running) {
+  return std::ranges::any_of(running.places, &PlaceProbation::leads_back);
+}
+
+bool is_place(const Running& running, const std::string& component) {
+  return std::ranges::any_of(running.places,
+                             [&](const auto& one) { return one.component == component; });
+}
+
+std::uint64_t oldest_place(const Running& running) {
+  std::uint64_t oldest = 0;
+  for (const auto& place : running.places) {
+    oldest = oldest == 0 ? place.generation : std::min(oldest, place.generation);
+  }
+  return oldest;
+}
+
+std::vector<std::string> place_notes(const Running& running, const Change& change) {
+  std::vector<std::string> notes;
+  for (const auto& place : running.places) {
+    const bool changed = std::ranges::any_of(
+        change.edits, [&](const Edit& edit) { return edit.component == place.component; });
+    if (changed && !place.leads_back) {
+      notes.push_back("the probation of generation " + std::to_string(place.generation) + " (" +
+                      place.component +
+                      ", swapped in place) ends early: nothing leads back to the core before it");
+    }
+  }
+  return notes;
+}
+
+}  // namespace mauve::daemon

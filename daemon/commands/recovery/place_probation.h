@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The probation of a swap in place. Both cores want the same device, so the core before cannot
+/// stand ready: when the new one fails, its component has its safe values until the core before is
+/// configured again, on [factory].
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mauve/probation.h"
+#include "mauve/result.h"
+
+namespace mauve {
+struct Bundle;
+struct Change;
+}  // namespace mauve
+
+namespace mauve::daemon {
+
+struct Running;
+struct Call;
+
+/// A swap in place that has not proved itself. [control]
+struct PlaceProbation {
+  std::uint64_t generation = 0;  ///< that it made
+  std::string component;
+  Probation rules;
+  std::chrono::steady_clock::time_point since;
+  std::uint64_t releases = 0;  ///< of the component when it began
+  std::shared_ptr<const Bundle> before;
+  std::shared_ptr<const Bundle> now;
+  bool leads_back = false;
+};
+
+/// [control] The swap in place is in force.
+void begin_place_probation(Running& running, Call& call, const std::string& component,
+                           std::shared_ptr<const Bundle> before, const Probation& rules);
+
+/// [control] Some times a second: whether a swap in place has failed, proved itself, or was
+/// overtaken by a newer change of its component.
+void look_at_places(Running& running);
+
+/// [control] By hand. False: there was none.
+[[nodiscard]] bool confirm_places(Running& running);
+
+/// Names a swap in place, and the core that its way back leads to.
+struct PlaceTarget {
+  std::uint64_t generation = 0;
+  std::string component;
+  std::weak_ptr<const Bundle> before;
+};
+
+/// [control] The newest one, if it is newer than the generation `than`.
+[[nodiscard]] std::optional<PlaceTarget> newest_place(const Running& running, std::uint64_t than);
+
+/// [control] Begins to put the core before in force again; the log shows `reason`. The log, the
+/// audit log and the history tell the end of the way back, as they do for every probation. The call
+/// is refused while another change is being prepared.
+[[nodiscard]] Status undo_place(Running& running, const PlaceTarget& target,
+                                const std::string& reason);
+
+/// [control] After the way back: whether the core before has taken over.
+[[nodiscard]] Status is_back(const Running& running, const PlaceTarget& target);
+
+/// [control] Some swap in place is being led back.
+[[nodiscard]] bool places_lead_back(const Running& running);
+
+/// [control] This component was swapped in place, and its core before takes over if it fails: no
+/// other core stands by for it.
+[[nodiscard]] bool is_place(const Running& running, const std::string& component);
+
+/// [control] The generation of the oldest one that is open; 0: there is none.
+[[nodiscard]] std::uint64_t oldest_place(const Running& running);
+
+/// [control] Sentences on the ones that a change of these components ends early.
+[[nodiscard]] std::vector<std::string> place_notes(const Running& running, const Change& change);
+
+}  // namespace mauve::daemon

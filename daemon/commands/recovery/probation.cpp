@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// change.confirm and change.undo: what becomes of the change on probation. Served before
+/// everything that waits.
+#include <algorithm>
+#include <charconv>
+#include <system_error>
+
+#include "base/duration.h"
+#include "commands/answer.h"
+#include "commands/change/change.h"
+#include "commands/recovery/unproven.h"
+#include "state/state_store.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+/// "2/64": late jobs that are tolerated, of so many.
+Status read_misses(const std::string& text, Probation& probation) {
+  unsigned misses = 0;
+  unsigned window = 0;
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, misses);
+  const bool slash = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
+  const auto second = slash ? std::from_chars(first.ptr + 1, end, window) : first;
+  const bool sound = slash && second.ec == std::errc() && second.ptr == end && window >= 1 &&
+                     window <= 64 && misses < window;
+  if (!sound) {
+    return refuse(Errc::invalid_value, "misses",
+                  "'" + text.substr(0, 64) + "' is no M/K with M below K, and K at most 64",
+                  "2/64: two late jobs of the last 64 are tolerated");
+  }
+  if (misses == 0) {
+    return refuse(Errc::invalid_value, "misses",
+                  "0 would roll back at a single late job, and a machine that stands still makes "
+                  "any job late",
+                  "1/" + std::to_string(std::max(window, 2U)) + " is the strictest");
+  }
+  probation.misses = misses;
+  probation.window = window;
+  return ok();
+}
+
+/// What a change without a probation would silently not do.
+Status nothing_else(const Json& params) {
+  for (const char* option : {"misses", "confirm_within"}) {
+    if (params.contains(option)) {
+      return refuse(Errc::invalid_value, option, "probation is off, so this would do nothing",
+                    "leave out " + std::string(option) + ", or probation off");
+    }
+  }
+  return ok();
+}
+
+/// What to do instead, where anything is kept.
+Error no_way_back(const Running& running, Error error) {
+  const auto now = running.deployer.generation();
+  error.hint.clear();
+  if (running.store == nullptr) {
+    return error;
+  }
+  for (const auto& saved : running.store->generations().list()) {
+    if (saved.number < now && !saved.damaged) {
+      error.hint = "mauvectl rollback " + std::to_string(saved.number);
+      break;  // the newest first
+    }
+  }
+  return error;
+}
+
+/// A change on probation, with those that it joined.
+struct Tried {
+  std::vector<std::uint64_t> changes;
+  std::vector<std::string> components;
+  std::optional<PlaceTarget> place;  ///< of a swap in place
+};
+
+Json tried_json(const Tried& change) {
+  return {{"generations", change.changes}, {"components", change.components}};
+}
+
+/// The changes on probation, each with the changes that it joined. A change that a rollback is
+/// taking back is left out.
+Json on_probation(const Running& running) {
+  Json all = Json::array();
+  for (const auto& open : running.deployer.probations()) {
+    if (!open.leads_back) {
+      all.push_back(tried_json(Tried{open.changes, open.components, std::nullopt}));
+    }
+  }
+  for (const auto& place : running.places) {
+    if (!place.leads_back) {
+      all.push_back(tried_json(Tried{{place.generation}, {place.component}, std::nullopt}));
+    }
+  }
+  return all;
+}
+
+/// The one that `undo` takes back; no changes: there is none.
+Tried newest_of(const Running& running) {
+  Tried newest;
+  for (const auto& open : running.deployer.probations()) {
+    if (!open.leads_back) {
+      newest = {open.changes, open.components, std::nullopt};
+    }
+  }
+  const auto than = newest.changes.empty() ? 0 : newest.changes.back();
+  if (auto place = newest_place(running, than)) {
+    newest = {{place->generation}, {place->component}, std::move(place)};
+  }
+  return newest;
+}
+
+/// The answer to `undo` of these changes, before they are taken back.
+Json undone_json(const Running& running, const Tried& newest) {
+  return {{"lines", running.way_back.back_from(newest.changes)},
+          {"undone", tried_json(newest)},
+          {"components", Json::array()}};
+}
+
+void answer_undone(Running& running, const Call& call, Json result) {
+  result["generation"] = running.generation.load();
+  result["changed"] = true;
+  result["state"] = "applied";
+  answer(running, call, std::move(result));
+}
+
+void answer_foretold(Running& running, const Call& call, Json result) {
+  result["generation"] = running.generation.load();
+  result["changed"] = false;
+  result["state"] = "unchanged";
+  result["dry_run"] = true;
+  answer(running, call, std::move(result));
+}
+
+/// Back to the core before a swap in place, which takes as long as the swap did.
+void undo_in_place(Running& running, const CallPtr& call, const PlaceTarget& target, Json result,
+                   const std::string& reason) {
+  if (auto begun = undo_place(running, target, reason); !begun) {
+    return answer(running, *call, begun.error());
+  }
+  running.control.await([&running] { return !places_lead_back(running); },
+                        [&running, call, target, result = std::move(result)]() mutable {
+                          if (auto back = is_back(running, target); !back) {
+                            return answer(running, *call, back.error());
+                          }
+                          answer_undone(running, *call, std::move(result));
+                        });
+}
+
+}  // namespace
+
+Result<std::optional<Probation>> probation_of(const Json& params) {
+  Probation probation;
+  if (const auto given = params.find("probation"); given != params.end()) {
+    const auto& text = given->get_ref<const std::string&>();
+    if (text == "off") {
+      if (auto alone = nothing_else(params); !alone) {
+        return alone.error();
+      }
+      return std::optional<Probation>{};
+    }
+    const bool digits =
+        !text.empty() && text.size() < 10 && text.find_first_not_of("0123456789") == text.npos;
+    if (!digits || std::stoul(text) == 0) {
+      return refuse(Errc::invalid_value, "probation",
+                    "'" + text.substr(0, 64) + "' is no number of jobs",
+                    "a number such as 3000, or off");
+    }
+    probation.activations = std::stoul(text);
+    probation.time = Duration{24h};  // the number alone decides
+  }
+  if (params.contains("misses")) {
+    if (auto sound = read_misses(text_or(params, "misses"), probation); !sound) {
+      return sound.error();
+    }
+  }
+  if (const auto text = text_or(params, "confirm_within"); !text.empty()) {
+    const auto within = parse_duration(text);
+    if (!within || *within <= Duration{0}) {
+      return refuse(Errc::invalid_value, "confirm_within",
+                    "'" + text.substr(0, 64) + "' is no time", "write it with a unit: 30s");
+    }
+    probation.confirm_within = *within;
+  }
+  return std::optional<Probation>{probation};
+}
+
+Json to_json(const Probation& probation) {
+  Json json = {{"activations", probation.activations}, {"time_ns", probation.time.count()}};
+  if (probation.confirm_within > Duration{0}) {
+    json["confirm_within_ns"] = probation.confirm_within.count();
+  }
+  return json;
+}
+
+void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
+  // A commit may be newer than the last look.
+  running.generation = running.deployer.generation();
+  if (auto met = check_conditions(running, *call); !met) {
+    return answer(running, *call, met.error());
+  }
+  Json confirmed = on_probation(running);
+  const auto done = running.deployer.confirm();
+  const bool places = confirm_places(running);
+  if (const bool new_code = confirm_unproven(running); !done && !places && !new_code) {
+    return answer(running, *call, done.error());
+  }
+  call->confirms = true;  // what a power cut could take back is no confirmation: the answer waits
+  answer(running, *call,
+         Json{{"generation", running.deployer.generation()},
+              {"changed", true},
+              {"confirmed", std::move(confirmed)}});
+}
+
+void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
+  if (auto met = check_conditions(running, *call); !met) {
+    return answer(running, *call, met.error());
+  }
+  const auto newest = newest_of(running);
+  auto result = undone_json(running, newest);
+  if (flag(call->params, "dry_run") && !newest.changes.empty()) {
+    return answer_foretold(running, *call, std::move(result));
+  }
+  const auto reason = text_or(call->params, "reason");
+  const auto text = std::string(kUndone) + (reason.empty() ? " by request" : ": " + reason);
+  if (newest.place) {
+    return undo_in_place(running, call, *newest.place, std::move(result), text);
+  }
+  auto begun = running.deployer.undo(text);
+  if (!begun) {
+    return answer(running, *call, no_way_back(running, begun.error()));
+  }
+  const auto before = running.deployer.generation();
+  running.control.await(
+      [&running, before] {
+        running.generation = running.deployer.generation();
+        return running.generation != before || !running.deployer.going_back();
+      },
+      [&running, call, result = std::move(result)]() mutable {
+        running.tell_outcomes();  // that saves it, with the mark of the one that it goes back to
+        answer_undone(running, *call, std::move(result));
+      });
+}
+
+}  // namespace mauve::daemon

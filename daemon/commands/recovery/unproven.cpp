@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "commands/recovery/unproven.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "mauve/architecture.h"
+#include "state/recovery.h"
+#include "state/state_store.h"
+
+namespace mauve::daemon {
+
+void begin_unproven(Running& running, Call& call, const Change& change) {
+  call.mark = Mark::unconfirmed;
+  running.unproven = {running.deployer.generation(), std::chrono::steady_clock::now()};
+  for (const auto& edit : change.edits) {
+    running.unproven.components.push_back(edit.component);
+  }
+}
+
+void begin_start(Running& running, std::uint64_t replaces, unsigned crashes) {
+  const auto now = std::chrono::steady_clock::now();
+  running.started = {running.generation, now, crashes};
+  running.unproven = {running.generation, now, {}, replaces};
+  for (const auto* component : running.architecture.components()) {
+    running.unproven.components.push_back(component->name());
+  }
+}
+
+namespace {
+
+/// Who changed something and went back before the start was confirmed runs the start again.
+void look_at_start(Running& running) {
+  auto& started = running.started;
+  const auto ran = std::chrono::steady_clock::now() - started.since;
+  if (started.generation == 0) {
+    return;
+  }
+  if (started.proves && ran >= Probation{}.time) {
+    started.proves = false;
+    if (started.generation != running.generation) {
+      running.store->confirm_same(started.generation, running.generation);
+    }
+  }
+  if (!started.long_ago && ran >= kSoon) {
+    started.long_ago = true;
+    running.store->ran_long();
+    if (started.crashes > 0) {
+      running.store->forget_crashes(started.generation);
+    }
+  }
+}
+
+}  // namespace
+
+void look_at_unproven(Running& running) {
+  look_at_start(running);
+  const auto& unproven = running.unproven;
+  if (unproven.generation == 0) {
+    return;
+  }
+  const bool failed =
+      std::any_of(unproven.components.begin(), unproven.components.end(), [&](const auto& name) {
+        const auto state = running.deployer.status(name).state;
+        return state == ComponentState::faulted || state == ComponentState::recovering;
+      });
+  if (failed && unproven.since == running.started.since) {
+    running.started.proves = false;
+  }
+  if (failed) {
+    running.unproven = {};
+  } else if (unproven.generation == running.generation && !running.deployer.on_probation() &&
+             std::chrono::steady_clock::now() - unproven.since >= Probation{}.time) {
+    static_cast<void>(confirm_unproven(running));
+  }
+}
+
+void carry_unproven(Running& running, std::uint64_t generation) {
+  if (running.unproven.generation != 0 && running.unproven.generation + 1 == generation) {
+    running.unproven.generation = generation;
+    running.unproven.replaces = 0;  // the copy is of another architecture
+  }
+}
+
+bool confirm_unproven(Running& running) {
+  const auto unproven = std::exchange(running.unproven, {});
+  if (unproven.generation == 0 || unproven.generation != running.generation) {
+    return false;
+  }
+  if (running.store != nullptr) {
+    running.store->confirm_start(unproven.generation, unproven.replaces);
+  }
+  return true;
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "commands/recovery/way_back.h"
+
+#include <algorithm>
+
+namespace mauve::daemon {
+
+namespace {
+
+using Json = protocol::Json;
+
+bool is_of_same(const Json& a, const Json& b) {
+  return a["kind"] == b["kind"] && a["address"] == b["address"];
+}
+
+/// Only the value at the end counts. Of a change to which no way back belongs (a start or a stop)
+/// only addresses count that an earlier one changed.
+void add_later(const Json& line, bool leads_back, Json& all) {
+  const auto earlier =
+      std::ranges::find_if(all, [&](const Json& one) { return is_of_same(one, line); });
+  if (earlier != all.end()) {
+    (*earlier)["new"] = line["new"];
+  } else if (leads_back) {
+    all.push_back(line);
+  }
+}
+
+const char* op_of(const Json& before, const Json& after) {
+  if (before.is_null()) {
+    return "add";
+  }
+  return after.is_null() ? "remove" : "change";
+}
+
+}  // namespace
+
+void WayBackLines::remember(std::uint64_t generation, const Json& lines) {
+  if (lines.is_array() && !lines.empty()) {
+    lines_[generation] = lines;
+  }
+  if (lines_.size() > kMost) {
+    lines_.erase(lines_.begin());
+  }
+}
+
+Json WayBackLines::back_from(const std::vector<std::uint64_t>& changes) const {
+  Json made = Json::array();
+  for (const auto& [generation, lines] : lines_) {
+    const bool leads_back = std::ranges::find(changes, generation) != changes.end();
+    for (const auto& line : lines) {
+      add_later(line, leads_back, made);
+    }
+  }
+  Json back = Json::array();
+  for (const auto& line : made) {
+    if (line["old"] != line["new"]) {
+      back.push_back({{"op", op_of(line["new"], line["old"])},
+                      {"kind", line["kind"]},
+                      {"address", line["address"]},
+                      {"old", line["new"]},
+                      {"new", line["old"]}});
+    }
+  }
+  return back;
+}
+
+void WayBackLines::forget(const std::vector<std::uint64_t>& changes) {
+  for (const auto generation : changes) {
+    lines_.erase(generation);
+  }
+}
+
+}  // namespace mauve::daemon

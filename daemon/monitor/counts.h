@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// How often something happened since mauved began, for `metrics`.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "base/mutex.h"
+#include "mauve/happening.h"
+
+namespace mauve::daemon {
+
+class Counts {
+ public:
+  using OfMethods = std::map<std::string, std::uint64_t, std::less<>>;
+  /// By method and the name of the error.
+  using OfRefusals = std::map<std::pair<std::string, std::string>, std::uint64_t>;
+  using OfComponents = std::map<std::string, std::uint64_t>;
+
+  /// [any but rt] A request of this method has its answer; `error` is empty when it is no refusal.
+  void answered(std::string_view method, std::string_view error) {
+    const MutexLock lock(mutex_);
+    ++commands_[std::string(method)];
+    if (!error.empty()) {
+      ++refusals_[{std::string(method), std::string(error)}];
+    }
+  }
+  /// [control] What the system did by itself.
+  void note(const Outcome& outcome) { ++outcomes_[outcome.kind][outcome.component]; }
+
+  [[nodiscard]] OfMethods commands() const {
+    const MutexLock lock(mutex_);
+    return commands_;
+  }
+  [[nodiscard]] OfRefusals refusals() const {
+    const MutexLock lock(mutex_);
+    return refusals_;
+  }
+  /// [control] By component; an empty name: no component was at fault.
+  [[nodiscard]] OfComponents of(Outcome::Kind kind) const {
+    const auto found = outcomes_.find(kind);
+    return found == outcomes_.end() ? OfComponents() : found->second;
+  }
+
+ private:
+  mutable Mutex mutex_;
+  OfMethods commands_ MAUVE_GUARDED_BY(mutex_);
+  OfRefusals refusals_ MAUVE_GUARDED_BY(mutex_);
+  std::map<Outcome::Kind, OfComponents> outcomes_;  // [control]
+};
+
+}  // namespace mauve::daemon

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "monitor/guardian.h"
+
+#include <filesystem>
+#include <string>
+
+#include "base/duration.h"
+#include "commands/change/change.h"
+#include "commands/model.h"
+#include "mauve/architecture.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using logging::Event;
+using How = rt::GuardianState::How;
+using What = rt::GuardianNews::What;
+
+/// Both are installed in the same folder.
+std::string program() {
+  std::error_code failed;
+  const auto own = std::filesystem::read_symlink("/proc/self/exe", failed);
+  return (own.parent_path() / "mauve-guardian").string();
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const auto& name : names) {
+    text += (text.empty() ? "" : ", ") + name;
+  }
+  return text;
+}
+
+std::string found_text(const rt::GuardianNews& news) {
+  std::string text =
+      news.state.how == How::service ? "the guardian service" : "a guardian of its own";
+  text += " (process " + std::to_string(news.state.process) + ") holds " +
+          listed(rt::GuardedOutputs::of_process().names());
+  if (news.lasted > Duration{0}) {
+    text += "; for " + format_duration(std::chrono::round<std::chrono::milliseconds>(news.lasted)) +
+            " there was none";
+  }
+  return text;
+}
+
+}  // namespace
+
+Status Guardian::start(const Options& options) {
+  rt::GuardianPlan plan;
+  plan.use = options.guardian;
+  plan.socket = options.socket + ".guardian";
+  plan.command = {program(), "--connected"};
+  return link_.start(std::move(plan), [this](const rt::GuardianNews& news) { tell(news); });
+}
+
+/// On the thread of the link.
+void Guardian::tell(const rt::GuardianNews& news) {
+  const auto outputs = listed(rt::GuardedOutputs::of_process().names());
+  switch (news.what) {
+    case What::found:
+      return log_.write(Event::guardian_found, {{"text", found_text(news)}});
+    case What::absent:
+      return log_.write(Event::guardian_absent, {{"outputs", outputs}, {"text", news.state.why}});
+    case What::lost:
+      return log_.write(Event::guardian_lost, {{"outputs", outputs}, {"text", news.state.why}});
+    case What::silence:
+      log_.write(Event::outputs_taken, {{"lasted", format_duration(news.lasted)},
+                                        {"done", static_cast<std::int64_t>(news.done)},
+                                        {"total", static_cast<std::int64_t>(news.total)}});
+      silent_ = true;
+      return stop_all();
+  }
+}
+
+void Guardian::serve(Running& running) {
+  running_ = &running;
+  stop_all();  // it may have been silent before there was anything to stop
+}
+
+/// Until then components may have gone on, with live outputs: so the orders are sent once more.
+void Guardian::stop_all() {
+  Running* const running = running_;
+  if (running == nullptr || !silent_.exchange(false)) {
+    return;
+  }
+  running->control.urgent([running] {
+    for (const auto* component : running->architecture.components()) {
+      ++running->stops[component->name()];
+    }
+    when_answered(*running, running->deployer.begin_stop_all(),
+                  [](Ongoing& /*done*/) { rt::GuardedOutputs::of_process().send_again(); });
+  });
+}
+
+Json Guardian::json() const {
+  const auto state = link_.state();
+  const auto names = rt::GuardedOutputs::of_process().names();
+  if (names.empty()) {
+    return Json();
+  }
+  Json row = {{"outputs", names}, {"present", state.how != How::none}};
+  if (state.how == How::none) {
+    const Duration since{MonotonicClock().now() - state.since};
+    row["why"] = state.why;
+    row["absent_s"] = std::chrono::duration<double>(since).count();
+  } else {
+    row["process"] = state.process;
+    row["service"] = state.how == How::service;
+  }
+  return row;
+}
+
+}  // namespace mauve::daemon

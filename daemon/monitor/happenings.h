@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What real-time threads report, as log records.
+#pragma once
+
+#include "log/log.h"
+#include "mauve/deployer.h"
+#include "monitor/supervisor.h"
+
+namespace mauve::daemon {
+
+/// [log] The record of one happening.
+[[nodiscard]] logging::Record record_of(const Happening& happening);
+
+/// [any] Empties the rings of all real-time threads into the log; requests also go to the
+/// supervisor. Both outlive its use: take the source away before they go.
+[[nodiscard]] logging::Log::Source happenings_of(Deployer& deployer, Supervisor& supervisor);
+
+}  // namespace mauve::daemon

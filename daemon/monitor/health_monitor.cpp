@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "monitor/health_monitor.h"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "base/duration.h"
+#include "base/mutex.h"
+#include "commands/audit.h"
+#include "commands/change/change.h"
+#include "commands/look/notice.h"
+#include "commands/model.h"
+#include "commands/recovery/given_up.h"
+#include "commands/recovery/quarantine.h"
+#include "commands/recovery/unproven.h"
+#include "mauve/architecture.h"
+#include "monitor/supervisor.h"
+#include "state/state_store.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using logging::Event;
+
+constexpr std::chrono::milliseconds kEvery{20};
+constexpr unsigned kLooksANotice = 5;
+
+std::int64_t to_signed(std::uint64_t value) { return static_cast<std::int64_t>(value); }
+
+Event event_of(const Outcome& outcome) {
+  switch (outcome.kind) {
+    case Outcome::Kind::passed:
+    case Outcome::Kind::overtaken:
+      return Event::probation_passed;
+    case Outcome::Kind::rolled_back:
+      return outcome.component.empty() && outcome.reason.starts_with(kUndone) ? Event::undone
+                                                                              : Event::rolled_back;
+    case Outcome::Kind::fell_back:
+      return Event::fell_back;
+    case Outcome::Kind::gave_up:
+      return Event::recovery_given_up;
+    case Outcome::Kind::restarted:
+      break;
+  }
+  return Event::restarted;
+}
+
+/// "control threw: sensor lost"
+std::string cause_of(const Outcome& outcome) {
+  return (outcome.component.empty() ? "" : outcome.component + " ") + outcome.reason;
+}
+
+}  // namespace
+
+void HealthMonitor::start(Running& running) {
+  running_ = &running;
+  running.tell_outcomes = [this] { tell_outcomes(); };
+  running.settle = [this](const Outcome& outcome) { settle(outcome); };
+  running.control.read([&running] { remember_cores(running); });
+  thread_ = std::thread([this] { run(); });
+}
+
+void HealthMonitor::stop() {
+  {
+    const MutexLock lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+void HealthMonitor::run() {
+  MutexLock lock(mutex_);
+  while (!wake_.wait_for(lock, kEvery, [this]() MAUVE_REQUIRES(mutex_) { return stopping_; })) {
+    running_->deadlines.look(*running_, std::chrono::steady_clock::now());
+    if (looking_.exchange(true)) {
+      continue;  // [control] is busy: one look is enough
+    }
+    running_->control.read([this] { look(); });
+  }
+}
+
+/// [control]
+void HealthMonitor::look() {
+  tell_of_factory();
+  tell_of_holds();
+  tell_outcomes();
+  if (++looks_ % kLooksANotice == 0) {
+    notice_parked(*running_);
+    tell_of_scheduling();
+  }
+  look_at_places(*running_);
+  look_at_unproven(*running_);
+  free_former(*running_);
+  tell_counted_refusals(*running_, std::chrono::steady_clock::now());
+  make_standby_cores();
+  looking_ = false;
+}
+
+void HealthMonitor::tell_outcomes() {
+  auto free = std::make_shared<Retired>();
+  const auto outcomes = running_->deployer.tend(*free);
+  running_->generation = running_->deployer.generation();
+  for (auto outcome : outcomes) {
+    const auto place = oldest_place(*running_);
+    if (place != 0 && (outcome.oldest_open == 0 || place < outcome.oldest_open)) {
+      outcome.oldest_open = place;
+    }
+    settle(outcome);
+  }
+  if (!free->empty()) {
+    running_->control.in_factory([free] { static_cast<void>(free->release()); }, [] {});
+  }
+}
+
+void HealthMonitor::settle(const Outcome& outcome) {
+  running_->generation = running_->deployer.generation();
+  tell(outcome);
+  notice(*running_, outcome);
+}
+
+void HealthMonitor::tell_of_factory() {
+  for (const auto& left : running_->control.look_after_factory()) {
+    running_->log.write(Event::hook_left_behind,
+                        {{"hook", left.hook.empty() ? std::string("user code") : left.hook}});
+  }
+}
+
+/// A resource under the same name may be another one, which begins to count anew.
+void HealthMonitor::tell_of_holds() {
+  for (const auto* resource : running_->architecture.resources()) {
+    const auto& gate = resource->gate();
+    const auto count = gate.over_hold();
+    auto& told = over_hold_[resource->name()];
+    if (count < told) {
+      told = 0;
+    }
+    if (count == 0 || count < 10 * told) {
+      continue;
+    }
+    told = count;
+    const auto held = std::chrono::ceil<std::chrono::microseconds>(gate.longest_hold());
+    running_->log.write(Event::hold_exceeded, {{"resource", resource->name()},
+                                               {"held", format_duration(held)},
+                                               {"hold", format_duration(gate.declared_hold())},
+                                               {"count", to_signed(count)}});
+  }
+}
+
+void HealthMonitor::tell_of_scheduling() {
+  for (const auto& one : running_->deployer.status()) {
+    auto& told = restored_[one.name];
+    if (one.restored < told) {
+      told = 0;
+    }
+    if (one.restored == 0 || one.restored < 10 * told) {
+      continue;
+    }
+    told = one.restored;
+    running_->log.write(Event::scheduling_restored,
+                        {{"component", one.name}, {"count", to_signed(one.restored)}});
+  }
+}
+
+void HealthMonitor::tell(const Outcome& outcome) {
+  running_->counts.note(outcome);
+  if (outcome.kind == Outcome::Kind::rolled_back) {
+    running_->supervisor.take_back(outcome.changes);  // before the generation is saved
+  }
+  const auto changes = changes_back(outcome);
+  running_->log.write(event_of(outcome), {{"component", outcome.component},
+                                          {"generation", to_signed(outcome.generation)},
+                                          {"began", to_signed(outcome.began)},
+                                          {"cause", cause_of(outcome)},
+                                          {"text", outcome.reason},
+                                          {"changes", changes}});
+  if (running_->store != nullptr) {
+    save(outcome, changes);
+  }
+  running_->way_back.forget(outcome.changes);
+  const bool rolled_back = outcome.kind == Outcome::Kind::rolled_back;
+  for (const auto& core : rolled_back ? outcome.cores : std::vector<std::string>()) {
+    if (quarantine(*running_, core, outcome.reason)) {
+      running_->log.write(Event::quarantined, {{"core", core}, {"text", outcome.reason}});
+    }
+  }
+  let_former_go(*running_, outcome);  // last: the quarantine is of the build that failed
+}
+
+/// The differences that a rollback makes, in the lines of `plan`; empty of other outcomes.
+std::string HealthMonitor::changes_back(const Outcome& outcome) const {
+  if (outcome.kind != Outcome::Kind::rolled_back) {
+    return {};
+  }
+  return changes_of({{"lines", running_->way_back.back_from(outcome.changes)}});
+}
+
+/// A generation that the system made by itself is saved like others; nobody waits for it.
+void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
+  auto& store = *running_->store;
+  const auto began = outcome.began;
+  if (outcome.kind == Outcome::Kind::overtaken || outcome.kind == Outcome::Kind::gave_up) {
+    return;  // the one proved nothing, the newer one will; the other made no generation
+  }
+  if (outcome.kind == Outcome::Kind::passed) {
+    for (const auto generation : proofs_.passed(outcome)) {
+      if (generation != running_->unproven.generation) {  // it holds new code without a probation
+        store.mark(generation, Mark::confirmed);
+      }
+    }
+    return;
+  }
+  const StandStill still(*running_);
+  Generation about;
+  about.number = outcome.generation;
+  about.boot = running_->boot;
+  about.time = logging::utc(std::chrono::system_clock::now());
+  about.uid = geteuid();
+  about.command = to_string(outcome.kind);
+  about.reason = cause_of(outcome);
+  about.changes = changes;
+  about.mark = Mark::unconfirmed;
+  Json line = {{"time", about.time},         {"method", about.command},
+               {"uid", about.uid},           {"pid", getpid()},
+               {"reason", about.reason},     {"before", began},
+               {"generation", about.number}, {"outcome", "applied"},
+               {"state", about.command}};
+  if (!changes.empty()) {
+    line["changes"] = changes;
+  }
+  const auto now = about.number;
+  if (now == running_->deployer.generation()) {
+    store.keep(std::move(about), described(*running_), std::move(line), {});
+  } else {
+    // A newer change came before this look: the architecture that runs is that of the newer
+    // generation, which its own answer saves, and nobody may take it for this one.
+    store.audit(line);
+  }
+  if (outcome.kind != Outcome::Kind::rolled_back) {
+    relieved_ = now;
+    return;
+  }
+  proofs_.rolled_back(outcome);
+  if (relieved_ < began && outcome.oldest_open == 0) {
+    store.confirm_like(now, began - 1);  // what nobody relieved is what it was before
+  }
+  for (const auto generation : outcome.changes) {
+    store.mark(generation, Mark::rolled_back);
+  }
+}
+
+/// A component that waits for a standby core that cannot be made stops waiting.
+bool HealthMonitor::refused_before(const Change& standby) {
+  const auto& component = standby.edits[0].component;
+  if (const auto free = check_barred(*running_, standby); !free) {
+    running_->deployer.refuse_standby(component, to_string(free.error()));
+    return true;
+  }
+  const auto found = refused_.find(component);
+  if (found == refused_.end() || found->second.generation < running_->generation) {
+    return false;
+  }
+  running_->deployer.refuse_standby(component, found->second.why);
+  return true;
+}
+
+void HealthMonitor::refuse_standby(const Change& standby, const Error& error, bool for_ever) {
+  constexpr auto kAll = std::numeric_limits<std::uint64_t>::max();
+  const auto& component = standby.edits[0].component;
+  refused_[component] = {for_ever ? kAll : running_->generation.load(),
+                         "no core stands by for it: " + to_string(error)};
+  running_->log.write(Event::relief_refused,
+                      {{"component", component}, {"text", to_string(error)}});
+}
+
+/// A change like any other, so that no two prepare at the same time.
+void HealthMonitor::make_standby_cores() {
+  if (making_ || running_->control.busy()) {
+    return;
+  }
+  auto wanted = running_->deployer.wanted_standby_cores();
+  const auto may = may_prepare(running_->control.left_behind(), std::nullopt);
+  if (!may) {
+    for (const auto& standby : wanted) {
+      running_->deployer.refuse_standby(standby.edits[0].component, to_string(may.error()));
+    }
+    return;
+  }
+  std::erase_if(wanted, [this](const Change& standby) {
+    return refused_before(standby) || is_place(*running_, standby.edits[0].component);
+  });
+  if (wanted.empty()) {
+    return;
+  }
+  making_ = running_->control.change([this, wanted = std::move(wanted)](Ticket ticket) {
+    running_->control.works_for(std::nullopt);
+    using Prepared = std::vector<Result<PreparedChange>>;
+    auto prepared = std::make_shared<Prepared>();
+    running_->control.in_factory(
+        [this, wanted, prepared] {
+          for (const auto& change : wanted) {
+            prepared->push_back(running_->deployer.prepare_standby(change));
+          }
+        },
+        [this, wanted, prepared, ticket]() mutable {
+          for (std::size_t i = 0; i < wanted.size(); ++i) {
+            auto& standby = (*prepared)[i];
+            if (standby) {
+              running_->deployer.stand_by(*standby);
+            } else {
+              refuse_standby(wanted[i], standby.error(), false);
+            }
+          }
+          making_ = false;
+          // What did not stand by is freed where it was made.
+          running_->control.in_factory([prepared] { prepared->clear(); }, [ticket] {});
+        },
+        [this, wanted](const std::string& hook) {
+          for (const auto& standby : wanted) {
+            refuse_standby(standby, given_up(*running_, hook, standby.edits[0].component), true);
+          }
+          making_ = false;
+        });
+  });
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Looks after what the running system does by itself: probations that end, rollbacks, cores that
+/// took over from failing ones; keeps such cores in readiness.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <thread>
+
+#include "base/mutex.h"
+#include "commands/command.h"
+#include "state/proofs.h"
+
+namespace mauve::daemon {
+
+class HealthMonitor {
+ public:
+  HealthMonitor() = default;
+  ~HealthMonitor() { stop(); }
+  HealthMonitor(const HealthMonitor&) = delete;
+  HealthMonitor& operator=(const HealthMonitor&) = delete;
+
+  /// [main] From now on, 50 times a second.
+  void start(Running& running);
+  void stop();
+
+ private:
+  void run();
+  void look();
+  void tell_outcomes();
+  void settle(const Outcome& outcome);
+  void tell(const Outcome& outcome);
+  void save(const Outcome& outcome, const std::string& changes);
+  [[nodiscard]] std::string changes_back(const Outcome& outcome) const;
+  void tell_of_factory();
+  void tell_of_holds();
+  void tell_of_scheduling();
+  void make_standby_cores();
+  [[nodiscard]] bool refused_before(const Change& standby);
+  void refuse_standby(const Change& standby, const Error& error, bool for_ever);
+
+  Running* running_ = nullptr;
+  Mutex mutex_;
+  ConditionVariable wake_;
+  bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
+  std::atomic<bool> looking_{false};  ///< a look is queued or under way
+  bool making_ = false;               ///< [control] standby_cores are being made
+  Proofs proofs_;                     ///< [control]
+  std::uint64_t relieved_ = 0;        ///< [control] the last generation that a standby core made
+  /// The standby core of a component was refused in this generation: it is tried again in the next
+  /// one, but a standby core whose hook hung is never tried again.
+  struct RefusedStandby {
+    std::uint64_t generation = 0;
+    std::string why;
+  };
+  std::map<std::string, RefusedStandby> refused_;  ///< [control] by component
+  /// [control] By resource: how many calls of it were longer than declared when it was told last.
+  std::map<std::string, std::uint64_t> over_hold_;
+  /// [control] By component: the count of put-back schedulings that the log told last.
+  std::map<std::string, std::uint64_t> restored_;
+  unsigned looks_ = 0;  ///< [control]
+  std::thread thread_;
+};
+
+}  // namespace mauve::daemon

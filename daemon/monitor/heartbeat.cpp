@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "monitor/heartbeat.h"
+
+#include <utility>
+
+#include "base/mutex.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+constexpr Duration kBeyondTheBound = 1s;
+
+}  // namespace
+
+std::string overdue(const Running& running) {
+  const Duration now{running.deployer.clock().now() - running.deployer.t0()};
+  std::string names;
+  for (const auto& one : running.deployer.status()) {
+    const bool bounded = one.state == ComponentState::running && one.watchdog > Duration{0};
+    if (bounded && now - one.next_release > one.watchdog + kBeyondTheBound) {
+      names += (names.empty() ? "" : ", ") + one.name;
+    }
+  }
+  return names;
+}
+
+Heartbeat::Heartbeat(Running& running, Post in_io) : running_(running), in_io_(std::move(in_io)) {}
+
+std::string Heartbeat::look() {
+  std::string wrong;
+  if (!answers_->control) {
+    wrong = "[control] does not answer";
+  } else if (!answers_->io) {
+    wrong = "[io] does not answer";
+  } else {
+    const MutexLock lock(answers_->mutex);
+    wrong = answers_->late.empty() ? "" : "releases are not made by " + answers_->late;
+  }
+  ask();
+  return wrong;
+}
+
+/// One question at a time: those who do not answer are not asked again.
+void Heartbeat::ask() {
+  if (answers_->control.exchange(false)) {
+    running_.control.urgent([&running = running_, answers = answers_] {
+      auto late = overdue(running);
+      const MutexLock lock(answers->mutex);
+      answers->late = std::move(late);
+      answers->control = true;
+    });
+  }
+  if (answers_->io.exchange(false)) {
+    in_io_([answers = answers_] { answers->io = true; });
+  }
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "monitor/late_summary.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <string_view>
+
+namespace mauve::daemon {
+
+namespace {
+
+constexpr std::string_view kMissed = "missed";
+constexpr std::string_view kOverrun = "overrun";
+
+/// "3 releases missed, 9 in all": one happening may tell of several releases.
+std::int64_t number_in(const Happening& happening) {
+  std::int64_t number = 1;
+  if (happening.event == kMissed) {
+    const auto& text = happening.text;
+    std::from_chars(text.data(), text.data() + text.size(), number);
+  }
+  return number;
+}
+
+}  // namespace
+
+bool LateSummary::concerns(const Happening& happening) {
+  return happening.event == kMissed || happening.event == kOverrun;
+}
+
+bool LateSummary::pass(const Happening& happening) {
+  auto found = std::find_if(all_.begin(), all_.end(), [&](const Counted& one) {
+    return one.last.component == happening.component && one.last.event == happening.event;
+  });
+  if (found == all_.end()) {
+    all_.push_back({happening, happening.time, 0});
+    return true;
+  }
+  found->last = happening;
+  if (found->more == 0 && happening.time - found->since >= kEach.count()) {
+    found->since = happening.time;
+    return true;
+  }
+  found->more += number_in(happening);
+  return false;
+}
+
+std::vector<Happening> LateSummary::due(Instant now) {
+  std::vector<Happening> lines;
+  for (auto& one : all_) {
+    if (one.more > 0 && now - one.since >= kEach.count()) {
+      lines.push_back(summary(one, now));
+    }
+  }
+  return lines;
+}
+
+std::vector<Happening> LateSummary::finish(const std::string& component, Instant now) {
+  std::vector<Happening> lines;
+  for (auto& one : all_) {
+    if (one.more > 0 && one.last.component == component) {
+      lines.push_back(summary(one, now));
+    }
+  }
+  return lines;
+}
+
+/// "12 more releases missed in 10 s, 40 in all"
+Happening LateSummary::summary(Counted& counted, Instant now) {
+  Happening line = counted.last;
+  const bool one = counted.more == 1;
+  const auto* const missed = one ? " more release missed" : " more releases missed";
+  const auto* const late = one ? " more job ended late" : " more jobs ended late";
+  const auto seconds = std::chrono::ceil<std::chrono::seconds>(Duration{now - counted.since});
+  const auto comma = line.text.find(", ");
+  line.text = std::to_string(counted.more) + (line.event == kMissed ? missed : late) + " in " +
+              std::to_string(seconds.count()) + " s" +
+              (comma == std::string::npos ? std::string() : line.text.substr(comma));
+  counted.more = 0;
+  counted.since = now;
+  return line;
+}
+
+}  // namespace mauve::daemon

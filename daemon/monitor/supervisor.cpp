@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "monitor/supervisor.h"
+
+#include <sys/prctl.h>
+
+#include <algorithm>
+
+#include "arch/transaction.h"
+#include "arch/value_json.h"
+#include "base/duration.h"
+#include "base/mutex.h"
+#include "base/name.h"
+#include "commands/answer.h"
+#include "commands/audit.h"
+#include "commands/change/change.h"
+#include "commands/gate.h"
+#include "commands/look/value.h"
+#include "commands/recovery/given_up.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using logging::Event;
+
+constexpr std::chrono::milliseconds kLookEvery{10};
+constexpr const char* kOwnSteps = "its own steps";
+
+/// Nobody's call: what is audited is that the daemon itself did it.
+constexpr protocol::Method kMethod{kSupervision, "", {}, true};
+
+std::string said(const Fault& fault) {
+  return (fault.where.empty() ? "" : fault.where + ": ") + fault.message +
+         (fault.hint.empty() ? "" : " (" + fault.hint + ")");
+}
+
+/// Locked, busy, somebody else was quicker: the same may be done a moment later.
+bool is_a_matter_of_time(const Fault& fault) {
+  return fault.name == to_string(Errc::conflict) || fault.name == to_string(Errc::timed_out);
+}
+
+std::string shown(const Value& value) { return value.is_null() ? "not there" : to_string(value); }
+
+/// "rule too_hot cannot be judged and does not fire (when_unknown hold)".
+std::string consequence(const rules::Engine& engine, const rules::SightChange& change) {
+  std::string holding;
+  std::string firing;
+  for (const auto& rule : engine.rules()) {
+    if (std::ranges::find(change.rules, rule.name) == change.rules.end()) {
+      continue;
+    }
+    auto& names = rule.when_unknown == rules::Unknown::fire ? firing : holding;
+    names += (names.empty() ? "" : ", ") + rule.name;
+  }
+  std::string text;
+  if (!holding.empty()) {
+    text = "rule " + holding + " cannot be judged and does not fire (when_unknown is hold)";
+  }
+  if (!firing.empty()) {
+    text += (text.empty() ? "rule " : "; rule ") + firing + " fires (when_unknown is fire)";
+  }
+  return text;
+}
+
+/// Else there is nothing to prove: a late job shall not bring back what a rule took away.
+bool brings_something_new(const rules::Steps& steps) {
+  return std::ranges::any_of(steps, [](const rules::Step& step) {
+    return step.action == rules::Action::swap || step.action == rules::Action::set;
+  });
+}
+
+}  // namespace
+
+void Supervisor::adopt(rules::Supervision supervision, std::uint64_t generation) {
+  before_ = std::exchange(supervision_, std::move(supervision));
+  adopted_in_ = generation;
+  engine_ = rules::Engine(supervision_.rules);
+  ++adoptions_;
+  if (running_ != nullptr) {
+    begin_to_look();
+  }
+}
+
+/// At most one change on probation brings rules: another one ends the probation of the first.
+void Supervisor::take_back(const std::vector<std::uint64_t>& generations) {
+  if (adopted_in_ != 0 && std::ranges::find(generations, adopted_in_) != generations.end()) {
+    adopt(std::move(before_));
+  }
+}
+
+void Supervisor::start(Running& running) {
+  running_ = &running;
+  begin_to_look();
+}
+
+/// Without rules there is nothing to look at, and no thread.
+void Supervisor::begin_to_look() {
+  if (supervision_.rules.empty() || thread_.joinable()) {
+    return;
+  }
+  thread_ = std::thread([this] {
+    prctl(PR_SET_NAME, "mauve-rules");
+    run();
+  });
+}
+
+void Supervisor::stop() {
+  {
+    const MutexLock lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+}
+
+/// [rules] A look that still waits is not queued twice.
+void Supervisor::run() {
+  MutexLock lock(mutex_);
+  while (!wake_.wait_for(lock, kLookEvery, [this]() MAUVE_REQUIRES(mutex_) { return stopping_; })) {
+    if (!look_pending_.exchange(true)) {
+      control_.read([this] { look(); });
+    }
+  }
+}
+
+/// [control]
+void Supervisor::look() {
+  look_pending_ = false;
+  const auto held = [this](const rules::Rule& rule) {
+    return held_by(running_->lock, steps_of(rule));
+  };
+  const auto fired = engine_.step(running_->deployer.clock().now(), reader(), held);
+  for (const auto& change : engine_.changes()) {
+    report_sight(change);
+  }
+  for (const auto rule : fired) {
+    fire(rule);
+  }
+}
+
+void Supervisor::report_sight(const rules::SightChange& change) {
+  logging::Fields fields = {{"address", change.address}, {"value", shown(change.value)}};
+  if (change.lost) {
+    fields.push_back({"text", consequence(engine_, change)});
+  }
+  running_->log.write(change.lost ? Event::value_unknown : Event::value_known, std::move(fields));
+}
+
+Json Supervisor::lost_values() const {
+  Json rows = Json::array();
+  for (const auto& one : engine_.lost()) {
+    rows.push_back({{"address", one.address},
+                    {"value", arch::to_json(one.value)},
+                    {"rules", one.rules},
+                    {"text", shown(one.value) + ": " + consequence(engine_, one)}});
+  }
+  return rows;
+}
+
+const rules::Steps& Supervisor::steps_of(const rules::Rule& rule) const {
+  return rule.transaction.empty() ? rule.steps : *supervision_.find(rule.transaction);
+}
+
+std::size_t Supervisor::held() const {
+  if (running_ == nullptr) {
+    return 0;
+  }
+  return static_cast<std::size_t>(std::ranges::count_if(engine_.rules(), [this](const auto& rule) {
+    return !held_by(running_->lock, steps_of(rule)).empty();
+  }));
+}
+
+rules::Read Supervisor::reader() const {
+  return [this](const std::string& address) -> Result<Value> {
+    const auto quantity = arch::find_quantity(running_->architecture, address);
+    if (!quantity) {
+      return quantity.error();
+    }
+    return read(*running_, *quantity);
+  };
+}
+
+void Supervisor::fire(std::size_t index) {
+  const auto& rule = engine_.rules()[index];
+  const auto values = rules::in_words(rule.when.values(reader()));
+  Order order{rule.transaction.empty() ? kOwnSteps : rule.transaction,
+              "by rule " + rule.name,
+              {},
+              steps_of(rule),
+              {},
+              values};
+  running_->log.write(Event::rule_fired,
+                      {{"rule", rule.name}, {"transaction", order.transaction}, {"text", values}});
+  order.done = [this, index, adoption = adoptions_](const std::string& answer, bool again) {
+    if (adoption == adoptions_) {
+      engine_.answered(index, answer, again);
+    }
+  };
+  carry_out(std::move(order));
+}
+
+void Supervisor::request(std::string component, std::string transaction) {
+  control_.read([this, component = std::move(component), transaction = std::move(transaction)] {
+    serve(component, transaction);
+  });
+}
+
+/// [control] The component is real-time code of a plugin: it may do what the file permits.
+void Supervisor::serve(const std::string& component, const std::string& transaction) {
+  Order order{transaction, "requested by " + component, component, {}, {}, {}};
+  const auto* steps = supervision_.find(transaction);
+  if (!supervision_.permits(component, transaction)) {
+    std::vector<std::string> names;
+    for (const auto& [name, unused] : supervision_.transactions) {
+      names.push_back(name);
+    }
+    return refuse_request(
+        order, steps == nullptr
+                   ? refuse(Errc::unknown_name, transaction, "there is no such transaction",
+                            known_names(transaction, names))
+                   : refuse(Errc::not_permitted, component, "may not request this",
+                            "name it under \"may_request\" of " + component));
+  }
+  if (!under_way_.emplace(component, transaction).second) {
+    return refuse_request(
+        order, refuse(Errc::conflict, transaction, "is under way already, by an earlier request"));
+  }
+  order.steps = *steps;
+  order.done = [this, component, transaction](const std::string& /*answer*/, bool /*again*/) {
+    under_way_.erase({component, transaction});
+  };
+  carry_out(std::move(order));
+}
+
+void Supervisor::refuse_request(const Order& order, const Error& error) {
+  conclude(order, protocol::fault_of(error, "unchanged", running_->generation.load()));
+}
+
+/// [control] Queued behind the changes that wait already.
+void Supervisor::carry_out(Order order) {
+  auto call = std::make_shared<Call>();
+  call->method = &kMethod;
+  call->params = {{"transaction", order.transaction}, {"reason", order.by}};
+  call->received = std::chrono::steady_clock::now();
+  auto steps = order.steps;
+  if (!brings_something_new(steps)) {
+    call->params["probation"] = "off";
+  }
+  call->reply = [this, order = std::move(order),
+                 asked = std::weak_ptr(call)](const server::Outcome& outcome) {
+    const auto there = asked.lock();  // an answer that waited for the disk outlives it
+    const bool given_up = there != nullptr && there->given_up;
+    // Whoever answers: the books are kept on [control].
+    control_.read([this, order, outcome, given_up] { conclude(order, outcome, given_up); });
+  };
+  const bool queued = control_.change([this, call, steps = std::move(steps)](Ticket ticket) {
+    auto met = check_conditions(*running_, *call);
+    if (met) {
+      met = may_prepare(control_.left_behind(), std::nullopt);
+    }
+    if (!met) {
+      return answer(*running_, *call, met.error());
+    }
+    control_.works_for(std::nullopt);
+    auto change =
+        arch::change_of(steps, running_->architecture, running_->deployer, running_->catalog);
+    if (!change) {
+      return answer(*running_, *call, change.error());
+    }
+    if (change->edits.empty()) {
+      return answer(*running_, *call, to_json(Receipt{running_->generation, {}, {}, 0, {}}));
+    }
+    apply(*running_, call, std::move(ticket), *std::move(change));
+  });
+  if (!queued) {
+    answer(*running_, *call, refuse(Errc::conflict, "", "too many changes wait already"));
+  }
+}
+
+void Supervisor::conclude(const Order& order, const server::Outcome& outcome, bool given_up) {
+  const std::string cause = order.values.empty() ? "" : " (" + order.values + ")";
+  logging::Fields fields = {{"transaction", order.transaction}, {"by", order.by + cause}};
+  if (!order.component.empty()) {
+    fields.push_back({"component", order.component});
+  }
+  std::string answer;
+  bool again = false;
+  if (const auto* fault = std::get_if<Fault>(&outcome)) {
+    const bool unsafe = fault->state != "unchanged";
+    fields.push_back({"text", said(*fault)});
+    fields.push_back({"error", fault->name});
+    running_->log.write(unsafe ? Event::transaction_unsafe : Event::transaction_refused,
+                        std::move(fields));
+    answer = (unsafe ? "unsafe: " : "refused: ") + said(*fault);
+    // A hook that hangs would keep one more thread at each try.
+    again = !unsafe && !given_up && is_a_matter_of_time(*fault);
+  } else {
+    const auto& receipt = std::get<Json>(outcome);
+    answer = text_or(receipt, "state") + ", generation " + receipt["generation"].dump();
+    const auto lines = changes_of(receipt);
+    std::string text = answer + (lines.empty() ? "" : ": " + lines);
+    // The log is all that users see of it: also that the change joined a probation.
+    for (const auto& note : receipt.value("notes", Json::array())) {
+      text += "; " + note.get<std::string>();
+    }
+    fields.push_back({"text", std::move(text)});
+    running_->log.write(Event::transaction_applied, std::move(fields));
+  }
+  if (order.done) {
+    order.done(answer, again);
+  }
+}
+
+Result<Json> Supervisor::list(const std::string& rule) const {
+  const auto now = running_->deployer.clock().now();
+  Json rows = Json::array();
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < engine_.rules().size(); ++i) {
+    names.push_back(engine_.rules()[i].name);
+    if (rule.empty() || rule == names.back()) {
+      rows.push_back(row(i, now));
+    }
+  }
+  if (!rule.empty() && rows.empty()) {
+    return refuse(Errc::unknown_name, rule, "there is no rule of this name",
+                  known_names(rule, names));
+  }
+  return Json{{"items", std::move(rows)}};
+}
+
+Json Supervisor::row(std::size_t index, Instant now) const {
+  const auto& rule = engine_.rules()[index];
+  const auto report = engine_.report(index, now, reader());
+  Json values = Json::array();
+  for (const auto& [address, value] : report.values) {
+    values.push_back({{"address", address}, {"value", arch::to_json(value)}});
+  }
+  return {{"name", rule.name},
+          {"state", to_string(report.state)},
+          {"when", rule.when.text()},
+          {"values", std::move(values)},
+          {"for", format_duration(rule.timing.hold)},
+          {"until", rule.until ? Json(rule.until->text()) : Json()},
+          {"when_unknown", to_string(rule.when_unknown)},
+          {"do", rule.transaction.empty() ? Json() : Json(rule.transaction)},
+          {"cool_down", format_duration(rule.timing.cool_down)},
+          {"per_hour", rule.timing.per_hour},
+          {"fired", report.times},
+          {"fired_ns", report.last ? Json(*report.last - running_->deployer.t0()) : Json()},
+          {"ago_ns", report.last ? Json(now - *report.last) : Json()},
+          {"answer", report.answer},
+          {"why_not", report.why_not}};
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What the daemon changes by itself: rules that fire, and transactions that components request.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <set>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "base/mutex.h"
+#include "commands/command.h"
+#include "rules/engine.h"
+
+namespace mauve::daemon {
+
+/// Looks at the rules 100 times a second on [control], while there are any. Transactions go the way
+/// of every change: one at a time, so a change under way delays them. What became of each is an
+/// event.
+class Supervisor {
+ public:
+  explicit Supervisor(Control& control) : control_(control) {}
+  ~Supervisor() { stop(); }
+  Supervisor(const Supervisor&) = delete;
+  Supervisor& operator=(const Supervisor&) = delete;
+
+  /// What the file says. Rules begin anew, armed. `generation`: of the change that brings it.
+  /// [main] before start(), then [control]
+  void adopt(rules::Supervision supervision, std::uint64_t generation = 0);
+  /// The changes that made these generations were rolled back: what they replaced is in force
+  /// again, if they replaced anything, with its rules armed. [control]
+  void take_back(const std::vector<std::uint64_t>& generations);
+  /// Begins to look, as soon as [control] runs. [main]
+  void start(Running& running);
+  /// [main], before [control] ends.
+  void stop();
+
+  /// A component's real-time code asked for it. [log]
+  void request(std::string component, std::string transaction);
+
+  [[nodiscard]] const rules::Supervision& supervision() const { return supervision_; }
+  /// How often another one came. [control]
+  [[nodiscard]] std::uint64_t adoptions() const { return adoptions_; }
+  /// How many rules the lock keeps from firing. [control]
+  [[nodiscard]] std::size_t held() const;
+  /// The values that rules look at and that are unknown, with what this means. [control]
+  [[nodiscard]] Json lost_values() const;
+  /// One row a rule, of one rule only when it is named. [control]
+  [[nodiscard]] Result<Json> list(const std::string& rule) const;
+
+ private:
+  /// A transaction on its way.
+  struct Order {
+    std::string transaction;  ///< as it is called in the log
+    std::string by;           ///< "by rule gnss_lost"
+    std::string component;    ///< that requested it; may be empty
+    rules::Steps steps;
+    /// `again`: it was refused because this was not the time.
+    std::function<void(const std::string& answer, bool again)> done;
+    std::string values = {};  ///< of the rule's condition: "second.core.input is 6"
+  };
+
+  void begin_to_look();
+  void run();
+  void look();
+  void fire(std::size_t rule);
+  void report_sight(const rules::SightChange& change);
+  void serve(const std::string& component, const std::string& transaction);
+  void refuse_request(const Order& order, const Error& error);
+  void carry_out(Order order);
+  void conclude(const Order& order, const server::Outcome& outcome, bool given_up = false);
+  [[nodiscard]] rules::Read reader() const;
+  [[nodiscard]] const rules::Steps& steps_of(const rules::Rule& rule) const;
+  [[nodiscard]] Json row(std::size_t rule, Instant now) const;
+
+  Control& control_;
+  rules::Supervision supervision_;
+  rules::Supervision before_;     // what the newest adoption replaced, [control]
+  std::uint64_t adopted_in_ = 0;  // the generation of that, [control]
+  rules::Engine engine_;          // [control]
+  std::uint64_t adoptions_ = 0;   // [control]
+  std::set<std::pair<std::string, std::string>> under_way_;  // requests, [control]
+  Running* running_ = nullptr;
+
+  std::atomic<bool> look_pending_{false};
+  Mutex mutex_;  // guards what follows
+  ConditionVariable wake_;
+  bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
+  std::thread thread_;
+};
+
+}  // namespace mauve::daemon

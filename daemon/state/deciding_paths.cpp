@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "state/deciding_paths.h"
+
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+
+#include "plugin/trust.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+constexpr std::string_view kState = "state directory";
+
+std::string whole(const std::string& path) {
+  std::error_code failed;
+  auto absolute = std::filesystem::absolute(path, failed);
+  return failed ? path : absolute.string();
+}
+
+/// How the file or directory that is to blame belongs to the path.
+std::string relation(const std::string& blamed, const DecidingPath& deciding) {
+  if (blamed == deciding.path) {
+    return "it is the " + deciding.what;
+  }
+  const bool above = blamed == "/" || deciding.path.starts_with(blamed + "/");
+  return (above ? "it holds the " : "it belongs to the ") + deciding.what + " " + deciding.path;
+}
+
+}  // namespace
+
+std::vector<DecidingPath> deciding_paths(const Options& options) {
+  std::vector<DecidingPath> paths{
+      {"architecture file", whole(options.architecture)},
+      {"socket directory", std::filesystem::path(whole(options.socket)).parent_path().string()}};
+  if (!options.state_dir.empty()) {
+    paths.push_back({std::string(kState), whole(options.state_dir)});
+  }
+  return paths;
+}
+
+std::optional<Error> distrust_of(const DecidingPath& deciding) {
+  // What somebody put into a sticky directory beforehand is his.
+  const std::string deepest =
+      deciding.what == kState ? deciding.path + "/generations" : deciding.path;
+  const auto trusted = plugin::Trust::of_this_process().check_path(deepest);
+  if (trusted) {
+    return std::nullopt;
+  }
+  Error error = trusted.error();
+  error.code = Errc::not_permitted;
+  error.message += " (" + relation(error.at, deciding) + ")";
+  return error;
+}
+
+Status check_trust(const std::vector<DecidingPath>& paths, Realtime realtime, logging::Log& log) {
+  for (const auto& deciding : paths) {
+    auto distrust = distrust_of(deciding);
+    if (!distrust) {
+      continue;
+    }
+    if (realtime == Realtime::require) {
+      distrust->hint += (distrust->hint.empty() ? "" : "; ") +
+                        std::string("--realtime prefer starts with a warning instead");
+      return *std::move(distrust);
+    }
+    log.write(logging::Event::path_distrusted,
+              {{"text", to_string(*distrust)}, {"file", distrust->at}});
+  }
+  return ok();
+}
+
+}  // namespace mauve::daemon

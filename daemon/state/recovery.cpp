@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "state/recovery.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "arch/load.h"
+#include "judge/judge.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using logging::Event;
+
+std::string folder_of(const std::string& file) {
+  return std::filesystem::absolute(file).parent_path().string();
+}
+
+/// What a start with it would come to.
+struct StartTrial {
+  Status survived = ok();  ///< code of a plugin crashed, hung or ended the process
+  Status good = ok();      ///< the first error of the file
+};
+
+/// Made once in a process of its own: code of a plugin that crashes there does not take mauved with
+/// it, and of a generation that cannot be made nothing stays behind. When there is no such process
+/// to be had, or it was late outside of any hook, as on a machine that is busy, the start itself
+/// will tell.
+StartTrial tried(const Origin& origin, const Options& options) {
+  Question question{origin.text};
+  question.loads = true;
+  const auto judged = judge_apart(options, question);
+  StartTrial trial;
+  const bool late = !judged && judged.error().code == Errc::timed_out;
+  if (late && judged.error().at == kWholeFile) {
+    return trial;
+  }
+  if (!judged && died(judged.error())) {
+    trial.survived = judged.error();
+    if (judged.error().at == kWholeFile) {
+      trial.survived.error().at = origin.file;
+    }
+  } else if (judged && judged->contains("errors") && !(*judged)["errors"].empty()) {
+    const auto& first = (*judged)["errors"].front();
+    trial.good = refuse(Errc::invalid_value, first.value("at", origin.file),
+                        first.value("message", ""), first.value("hint", ""));
+  }
+  return trial;
+}
+
+/// Of one whose folder is no more the file of the command line may still know better.
+std::string folder_of(const Generation& one, const Options& options) {
+  std::error_code gone;
+  return std::filesystem::is_directory(one.folder, gone) ? one.folder
+                                                         : folder_of(options.architecture);
+}
+
+/// The crash counts for the newest confirmed generation of the architecture that was started. What
+/// was never confirmed is not started anyway.
+void count_crash(Generations& generations, std::uint64_t started, logging::Log& log) {
+  const auto ran = generations.text(started);
+  if (!ran) {
+    return;
+  }
+  for (const auto& one : generations.list()) {
+    const auto text = generations.text(one.number);
+    if (one.mark != Mark::confirmed || !text || *text != *ran) {
+      continue;
+    }
+    if (auto counted = generations.set_crashes(one.number, one.crashes + 1); !counted) {
+      log.write(Event::generation_not_saved, {{"text", to_string(counted.error())}});
+    }
+    return;
+  }
+}
+
+std::optional<Origin> last_confirmed(const Options& options, const Generations& generations,
+                                     logging::Log& log) {
+  std::vector<std::string> passed_over;
+  for (const auto& one : generations.list()) {
+    const auto number = static_cast<std::int64_t>(one.number);
+    if (one.mark != Mark::confirmed && !one.damaged) {
+      continue;
+    }
+    Origin origin{generations.file(one.number).string(),
+                  {},
+                  folder_of(one, options),
+                  one.number,
+                  one.crashes,
+                  one.command == kRecover ? one.number : 0};
+    auto text = generations.text(one.number);
+    if (text && (one.damaged || std::ranges::find(passed_over, *text) != passed_over.end())) {
+      continue;  // of one that was damaged a moment ago the mark is not known
+    }
+    if (text && one.crashes >= kMostCrashes) {
+      log.write(Event::generation_passed_over,
+                {{"generation", number}, {"count", static_cast<std::int64_t>(one.crashes)}});
+      passed_over.push_back(*std::move(text));
+      continue;
+    }
+    auto usable = text ? ok() : Status(text.error());
+    if (usable) {
+      origin.text = *std::move(text);
+      const auto trial = tried(origin, options);
+      usable = trial.survived ? trial.good : trial.survived;
+    }
+    if (usable) {
+      log.write(Event::generation_recovered,
+                {{"generation", number}, {"time", one.time}, {"file", options.architecture}});
+      return origin;
+    }
+    log.write(Event::generation_unusable,
+              {{"generation", number}, {"text", to_string(usable.error())}});
+  }
+  log.write(Event::nothing_to_recover, {{"file", options.architecture}});
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<Origin> what_to_start(const Options& options, StateStore* store, logging::Log& log) {
+  if (store != nullptr && store->crashed_generation() != 0) {
+    count_crash(store->generations(), store->crashed_generation(), log);
+  }
+  if (store != nullptr && store->crashed() && !options.fresh) {
+    if (auto origin = last_confirmed(options, store->generations(), log)) {
+      return *std::move(origin);
+    }
+  }
+  auto text = arch::read_file(options.architecture);
+  if (!text) {
+    return text.error();
+  }
+  Origin origin{options.architecture, *std::move(text), folder_of(options.architecture)};
+  if (auto survived = tried(origin, options).survived; !survived) {
+    return survived.error();
+  }
+  return origin;
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What outlives a run of mauved, in its state directory: generations, audit log, and whether the
+/// last run came to its end. Written on [disk], a thread of its own: a slow disk delays no change.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/mutex.h"
+#include "changes/control.h"
+#include "log/log.h"
+#include "mauve/value.h"
+#include "protocol/framing.h"
+#include "rt/descriptor.h"
+#include "state/generations.h"
+
+namespace mauve::daemon {
+
+class StateStore {
+ public:
+  using Json = protocol::Json;
+
+  /// Makes the directory where it is missing. Refused: no rights, or another mauved has it. [main]
+  [[nodiscard]] static Result<std::unique_ptr<StateStore>> open(const std::string& directory,
+                                                                logging::Log& log);
+
+  /// [any] The run before this one did not come to its end: a crash, a power cut.
+  [[nodiscard]] bool crashed() const { return crashed_; }
+  /// [any] What it had started with when it crashed soon after that, while the machine ran on; 0:
+  /// nothing of that kind.
+  [[nodiscard]] std::uint64_t crashed_generation() const { return crashed_generation_; }
+  /// From now on an end without end() or refused() is a crash of this generation (0: of the file).
+  /// [main], before any code of a plugin runs
+  void try_generation(std::uint64_t generation);
+  [[nodiscard]] const Generations& generations() const { return *generations_; }
+  /// [main], before begin()
+  [[nodiscard]] Generations& generations() { return *generations_; }
+  [[nodiscard]] const std::string& directory() const { return directory_; }
+
+  /// Saves what this run starts with, waiting for the disk, and begins to write on [disk]. [main]
+  /// After a crash the starts that nobody confirmed go.
+  void begin(const Generation& first, const Value& architecture);
+  /// Writes what waits, then says that the run has come to its end. [main]
+  void end();
+
+  /// How a generation that is new is marked: as it says, confirmed also when it was saved already,
+  /// or like the one before it.
+  enum class As : std::uint8_t { marked, confirmed, before };
+
+  /// Saves a generation, adds `line` to the audit log with "saved", then calls `then` on [disk].
+  /// "saved" tells of its mark as well. [any but rt]
+  void keep(Generation about, Value architecture, Json line, std::function<void(bool saved)> then,
+            As as = As::marked);
+  /// Adds a line to the audit log, for which nobody waits. When too many are on their way, lines
+  /// are lost and counted. [any but rt]
+  void audit(const Json& line);
+  /// Marks a saved generation, after what waits for [disk]. [any but rt]
+  void mark(std::uint64_t generation, Mark mark);
+  /// Confirms a saved generation if an earlier one, to which it goes back, is. [any but rt]
+  void confirm_like(std::uint64_t generation, std::uint64_t earlier);
+  /// Its run did not end by a crash soon after its start. [any but rt]
+  void forget_crashes(std::uint64_t generation);
+  /// Confirms both when they are the same architecture. [any but rt]
+  void confirm_same(std::uint64_t generation, std::uint64_t other);
+  /// Confirms a saved generation; then `replaced`, which has the same architecture, is needed no
+  /// more (0: none). [any but rt]
+  void confirm_start(std::uint64_t generation, std::uint64_t replaced);
+  /// The run has gone on for so long that its end would be no crash soon after a start. [any but
+  /// rt]
+  void ran_long();
+  /// The run is refused before it began. [main]
+  void refused();
+  /// Runs this on [disk], after what waits there. [any but rt]
+  void on_disk(std::function<void()> work) { disk_.post(std::move(work)); }
+  /// Saves the list of cores in quarantine. [any but rt]
+  void quarantine(Json cores);
+  /// [main] The list as the run before left it.
+  [[nodiscard]] const Json& quarantined() const { return quarantined_; }
+  /// [any but rt] Waits until everything said so far is on the disk, or could not be.
+  void flush();
+
+  /// [any] False when the disk did not take the newest generation.
+  [[nodiscard]] bool saved() const { return saved_; }
+
+  static constexpr std::size_t kWaiting = 4096;  ///< audit lines
+
+ private:
+  StateStore(std::string directory, logging::Log& log)
+      : directory_(std::move(directory)), log_(log) {}
+
+  bool save(const Generation& about, const Value& architecture);
+  bool save_cores();
+  void end_row_of_crashes();
+  [[nodiscard]] Mark mark_before(std::uint64_t generation) const;
+  bool mark_now(std::uint64_t generation, Mark mark);
+  void put_aside(const std::filesystem::path& folder);
+  void read_marker();
+  void put_marker(std::string_view text);
+  void read_quarantine();
+  void write_waiting();
+  [[nodiscard]] Status rotate_audit() const;
+  void write_lines(const std::string& lines);
+  void report(logging::Event event, const Error& error);
+
+  const std::string directory_;
+  logging::Log& log_;
+  rt::Descriptor held_;
+  std::unique_ptr<Generations> generations_;
+  bool crashed_ = false;
+  std::uint64_t crashed_generation_ = 0;
+  Json quarantined_ = Json::array();
+  std::atomic<bool> saved_{true};
+  std::optional<Json> unsaved_cores_;  ///< [disk] in quarantine
+  std::uint64_t first_ = 0;            ///< of this run
+  std::uint64_t newest_ = 0;           ///< [disk] that was to be saved, and its mark if it was not
+  Mark newest_mark_ = Mark::unconfirmed;
+  bool audit_broken_ = false;  ///< [disk] one complaint each until it works again
+  Mutex mutex_;                ///< guards what follows
+  std::vector<std::string> waiting_ MAUVE_GUARDED_BY(mutex_);
+  std::uint64_t lost_ MAUVE_GUARDED_BY(mutex_) = 0;
+  WorkerThread disk_{"mauve-disk"};
+};
+
+}  // namespace mauve::daemon

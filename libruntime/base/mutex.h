@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Mutex, MutexLock and ConditionVariable: std::mutex and its companions, with annotations that
+/// clang checks at compile time (-Wthread-safety): data that is guarded by a mutex is used only
+/// while the mutex is held. Not for real-time threads, which use rt::PiMutex.
+///
+/// See "Thread Safety Analysis" in the manual of clang, where the names of the macros come from.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+
+#if defined(__clang__)
+#define MAUVE_THREAD_ATTRIBUTE(x) __attribute__((x))
+#else
+#define MAUVE_THREAD_ATTRIBUTE(x)
+#endif
+
+/// Of a member: it is used only while this mutex is held.
+#define MAUVE_GUARDED_BY(mutex) MAUVE_THREAD_ATTRIBUTE(guarded_by(mutex))
+/// Of a function: its caller holds this mutex.
+#define MAUVE_REQUIRES(mutex) MAUVE_THREAD_ATTRIBUTE(requires_capability(mutex))
+/// Of a function: its caller does not hold this mutex, since the function takes it.
+#define MAUVE_EXCLUDES(mutex) MAUVE_THREAD_ATTRIBUTE(locks_excluded(mutex))
+/// Of a function whose use of a mutex the analysis cannot follow; a comment says why it is right.
+#define MAUVE_NOT_ANALYSED MAUVE_THREAD_ATTRIBUTE(no_thread_safety_analysis)
+
+namespace mauve {
+
+class MAUVE_THREAD_ATTRIBUTE(capability("mutex")) Mutex {
+ public:
+  void lock() MAUVE_THREAD_ATTRIBUTE(acquire_capability()) { mutex_.lock(); }
+  void unlock() MAUVE_THREAD_ATTRIBUTE(release_capability()) { mutex_.unlock(); }
+  [[nodiscard]] bool try_lock() MAUVE_THREAD_ATTRIBUTE(try_acquire_capability(true)) {
+    return mutex_.try_lock();
+  }
+
+ private:
+  friend class MutexLock;
+  std::mutex mutex_;
+};
+
+/// Holds a mutex until the end of its scope, or until unlock().
+class MAUVE_THREAD_ATTRIBUTE(scoped_lockable) MutexLock {
+ public:
+  explicit MutexLock(Mutex& mutex) MAUVE_THREAD_ATTRIBUTE(acquire_capability(mutex))
+      : lock_(mutex.mutex_) {}
+  ~MutexLock() MAUVE_THREAD_ATTRIBUTE(release_capability()) = default;
+  MutexLock(const MutexLock&) = delete;
+  MutexLock& operator=(const MutexLock&) = delete;
+
+  void unlock() MAUVE_THREAD_ATTRIBUTE(release_capability()) { lock_.unlock(); }
+  void lock() MAUVE_THREAD_ATTRIBUTE(acquire_capability()) { lock_.lock(); }
+
+ private:
+  friend class ConditionVariable;
+  std::unique_lock<std::mutex> lock_;
+};
+
+/// What a thread that holds the lock waits for; each wait gives the mutex up meanwhile. A predicate
+/// is a lambda with MAUVE_REQUIRES(its mutex).
+class ConditionVariable {
+ public:
+  void notify_one() { condition_.notify_one(); }
+  void notify_all() { condition_.notify_all(); }
+
+  void wait(MutexLock& lock) { condition_.wait(lock.lock_); }
+  template <typename Predicate>
+  void wait(MutexLock& lock, Predicate ready) MAUVE_NOT_ANALYSED {
+    condition_.wait(lock.lock_, ready);
+  }
+  /// False: the time is over, and the predicate does not hold.
+  template <typename Rep, typename Period, typename Predicate>
+  bool wait_for(MutexLock& lock, std::chrono::duration<Rep, Period> time,
+                Predicate ready) MAUVE_NOT_ANALYSED {
+    return condition_.wait_for(lock.lock_, time, ready);
+  }
+
+ private:
+  std::condition_variable condition_;
+};
+
+}  // namespace mauve

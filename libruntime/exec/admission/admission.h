@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Admission of the running system and of its changes, as DeployOptions::admission says.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "exec/system/system.h"
+
+#include <mauve/timing.h>
+
+namespace mauve::exec {
+
+/// Before the first release; what is not proved goes to the warnings of the system. [control]
+Status admit_deployment(System& system);
+
+/// A prepared change: the warnings for its receipt, or the first problem. A barrier only moves
+/// releases apart, of members and of bystanders, so what is proved for the cut holds for it.
+/// [factory] or [control], under System::model.
+[[nodiscard]] Result<std::vector<std::string>> admit_change(System& system,
+                                                            const PreparedChange::Content& change);
+
+/// May this take over from what the change brings its component? By Admission::strict only.
+[[nodiscard]] bool admit_standby(System& system, const PreparedChange::Content& change,
+                                 const PreparedMember& standby);
+
+/// Of what runs now. [control]
+[[nodiscard]] Timing analyze(System& system);
+/// Only the response of each component, where it is known: a small part of the work. [control]
+[[nodiscard]] std::map<std::string, Duration> responses(System& system);
+/// Of an architecture that is not deployed, from what it declares; where a component names no CPUs
+/// as a deployer would choose. Its state machines are configured, and cleaned up afterwards.
+[[nodiscard]] Timing analyze(Architecture& architecture, const MachineCosts& machine);
+
+}  // namespace mauve::exec

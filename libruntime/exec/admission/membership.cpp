@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/admission/membership.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/mutex.h"
+#include "exec/admission/placement.h"
+#include "exec/system/events.h"
+#include "exec/system/make_update.h"
+#include "exec/system/trace_records.h"
+#include "model/left_behind.h"
+
+#include <mauve/component.h>
+
+namespace mauve::exec {
+namespace {
+
+/// A thread that is parked ends at once.
+constexpr Duration kEndOfThread = 500ms;
+
+}  // namespace
+
+Result<Deployed*> let_in(System& system, ComponentBase& component) {
+  if (Status sound = check_cpus(component.bundle()->task, component.name()); !sound) {
+    return sound.error();
+  }
+  Deployed joining;
+  joining.component = &component;
+  joining.hidden = true;
+  joining.task = new_task(system, component);
+  joining.task->begin(first_bundle(component, Mode::park), system.t0);
+  place(system, joining);
+  if (Status started = start_thread(system, joining); !started) return started.error();
+  const MutexLock lock(system.members);
+  system.deployed.push_back(std::move(joining));
+  return &system.deployed.back();
+}
+
+bool let_go(System& system, Deployed& deployed) {
+  const bool ended =
+      system.runner->end(*deployed.task, system.runner->now() + kEndOfThread.count()) &&
+      !system.runner->has_lost(deployed.task.get());
+  deployed.ended = ended;
+  if (!ended) {
+    deployed.component->abandon();
+    leave_behind(deployed.task);  // its thread still runs in it
+    leave_behind(system.runner);
+  }
+  keep_last_events(system, deployed);
+  keep_last_trace(system, deployed);
+  system.free.keep(std::exchange(deployed.standby, {}).content);
+  deployed.component = nullptr;
+  const MutexLock lock(system.members);
+  const auto here = std::find_if(system.deployed.begin(), system.deployed.end(),
+                                 [&](const Deployed& one) { return &one == &deployed; });
+  system.departed->splice(system.departed->end(), system.deployed, here);
+  return ended;
+}
+
+}  // namespace mauve::exec

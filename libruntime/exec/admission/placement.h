@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// On which CPU a component runs whose task names none.
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "exec/system/system.h"
+
+#include <mauve/binding.h>
+
+namespace mauve::exec {
+
+/// Resources whose lock a call through these connections may take, by themselves or through their
+/// own ports. Those of SharedData are held for some stores and are not among them.
+[[nodiscard]] std::set<ResourceBase*> locks_of(const Bindings& bindings);
+
+/// Errors: a CPU that is not there.
+[[nodiscard]] Status check_cpus(const TaskAttributes& task, const std::string& component);
+
+/// Who runs where. Admission asks it what deployment will do.
+class Placement {
+ public:
+  /// Of those that are there; their order counts.
+  explicit Placement(const System& system);
+
+  struct Seat {
+    std::vector<int> cpus;
+    std::string why;  ///< empty: the task names them
+  };
+  /// Where the task says; else where those are with whom it shares a lock, also by way of others,
+  /// since priority inheritance holds on one CPU; else where the fewest are so far. It is there
+  /// from now on.
+  Seat seat(const std::string& name, const Bundle& bundle);
+
+ private:
+  struct Placed {
+    std::string name;
+    std::set<ResourceBase*> locks;
+    std::vector<int> cpus;
+  };
+  [[nodiscard]] int least_used() const;
+  [[nodiscard]] std::set<ResourceBase*> linked_by(std::set<ResourceBase*> locks) const;
+
+  std::vector<Placed> placed_;
+  std::vector<std::set<ResourceBase*>> all_;  ///< locks of each, placed or not
+};
+
+/// Chooses the CPU of one that is not among the deployed yet, or has none so far.
+void place(System& system, Deployed& deployed);
+
+}  // namespace mauve::exec

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The response time analysis as a user reads it: rows, notes and sentences.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/admission.h"
+#include "exec/admission/timing_model.h"
+#include "exec/system/system.h"
+
+#include <mauve/timing.h>
+
+namespace mauve::exec {
+
+[[nodiscard]] std::string sentence(const Error& error);
+[[nodiscard]] std::vector<std::string> sentences(const std::vector<analysis::Problem>& problems);
+
+/// Of the job with the least slack, where it can be said.
+[[nodiscard]] std::optional<Duration> response_of(const analysis::TaskReport& task);
+
+/// The assumed costs of the machine, in words.
+[[nodiscard]] std::string assumption_of(const MachineCosts& machine);
+
+/// What follows for the components of the model, and how the machine behaves. [control]
+[[nodiscard]] Timing report_of(const System& system, const TimingModel& model);
+
+}  // namespace mauve::exec

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Barrier: the change of a contract between members. All that run wait at their first release at
+/// or after an instant; once the last one is there nobody is inside a resource of the change, and
+/// what leaves hands over to what joins under its name. Then everybody goes on at once.
+///
+///   [control]                             [rt]
+///   publish `wait` at tc ---------------> boundary r >= tc: no job any more
+///   all wait, and the resources are free
+///     hand over; publish the new bundles
+///     as an order at tc2 ---------------> take it; first release >= tc2, on the grid as it was
+///   somebody does not come in time
+///     publish `go_on` ------------------> the same, with what it runs with
+///
+/// Bystanders, who reach a resource of the change only through another one, wait and go on too.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "exec/swap/two_phase_commit.h"
+#include "exec/system/prepared.h"
+#include "exec/system/system.h"
+#include "model/state_transfer.h"
+
+#include <mauve/receipt.h>
+
+namespace mauve::exec {
+
+/// While they wait, outputs stay as they are: nobody waits longer for one that does not come, nor
+/// for converters.
+inline constexpr Duration kLongestWait = 500ms;
+
+class Barrier {
+ public:
+  explicit Barrier(System& system) : system_(system) {}
+
+  /// Is everything as it was prepared? Nothing has happened, and nothing does here.
+  Status check(const PreparedChange::Content& content);
+  /// Lets all of these wait that run, and the bystanders.
+  /// `number`: of the change.
+  void begin(const std::vector<Deployed*>& members, std::uint64_t number);
+  /// True when all wait, or nobody does any more.
+  bool advance();
+  [[nodiscard]] bool all_wait() const { return phase_ == Phase::waiting; }
+  /// Who waits goes on with what it runs with. Nothing once the hand-over has begun.
+  void call_off(Error why);
+  /// Because a stop of this one was asked for.
+  void give_way(const Deployed& stopped);
+  /// Only when all wait; from here on nothing can fail. False: somebody is inside a resource, and
+  /// it is called off.
+  bool hand_over(const std::vector<PreparedResource>& changed);
+  /// What lets the bystanders go on together with the members.
+  [[nodiscard]] std::vector<Member> go_on() const;
+  /// Nobody waits any more.
+  void end();
+
+  /// Why it was called off.
+  [[nodiscard]] const Error& refusal() const { return refusal_; }
+  /// What it cost bystanders, what was handed over, and the attempts.
+  void tell(Receipt& receipt) const;
+
+ private:
+  enum class Phase : std::uint8_t { gathering, waiting, parting, over };
+  struct Replacement {
+    ResourceBase* from;
+    ResourceBase* into;
+    StateTransfer plan;
+    std::size_t bytes = 0;
+  };
+  struct Bystander {
+    Deployed* deployed;
+    std::uint64_t missed_before;
+  };
+
+  [[nodiscard]] bool hand_over();
+  [[nodiscard]] const Deployed* halted() const;
+  void part();
+  [[nodiscard]] std::string absent() const;
+
+  System& system_;
+  Phase phase_ = Phase::gathering;
+  std::uint64_t number_ = 0;
+  std::vector<Replacement> replacements_;
+  std::vector<Bystander> bystanders_;
+  std::vector<Deployed*> gathered_;  // by member of the swaps
+  std::unique_ptr<TwoPhaseCommit> gathering_;
+  std::unique_ptr<TwoPhaseCommit> parting_;
+  Error refusal_;
+};
+
+}  // namespace mauve::exec

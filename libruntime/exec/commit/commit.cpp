@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/commit/commit.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "exec/admission/admission.h"
+#include "exec/admission/membership.h"
+#include "exec/recovery/probations.h"
+#include "exec/recovery/standby.h"
+#include "exec/swap/rewired.h"
+#include "exec/system/books.h"
+#include "exec/system/make_update.h"
+#include "exec/system/tell_control.h"
+
+#include <mauve/architecture.h>
+#include <mauve/job.h>
+#include <mauve/receipt.h>
+#include <mauve/resource.h>
+
+namespace mauve::exec {
+namespace {
+
+Status check_member(const PreparedMember& member, const Deployed& deployed) {
+  if (deployed.changing) {
+    return refuse(Errc::conflict, member.component->name(),
+                  "has not ended the job it is in, and a change waits for that",
+                  "try again; look at `status`: a core that never returns holds its component");
+  }
+  if (member.component->bundle() != member.base) {
+    return refuse(Errc::conflict, member.component->name(),
+                  "was changed by somebody else while this change was prepared", "try again");
+  }
+  return ok();
+}
+
+Status check_resource(const PreparedResource& change) {
+  const ResourceBase& resource = *change.resource;
+  const bool same_hold = !change.hold || resource.gate().declared_hold() == change.base_hold;
+  if (resource.shared_core() == change.base.core &&
+      resource.shared_bindings() == change.base.bindings && same_hold) {
+    return ok();
+  }
+  return refuse(Errc::conflict, resource.name(),
+                "was changed by somebody else while this change was prepared", "try again");
+}
+
+/// The maker of the newest generation is going to look at it: for some looks `next` makes no
+/// other one. The parts of a stop do not wait for each other. [control]
+bool leaves_newest_in_place(System& system, const Commit& next) {
+  constexpr unsigned kLooks = 8;
+  const auto made = system.newest.lock();
+  if (made == nullptr || !made->untold() || (made->is_order() && next.is_order())) return false;
+  return ++system.looks_at_newest <= kLooks;
+}
+
+Status check_is_there(const Architecture& architecture, const ResourceBase* resource) {
+  const auto& there = architecture.resources();
+  if (std::find(there.begin(), there.end(), resource) != there.end()) return ok();
+  return refuse(Errc::conflict, resource->name(), "has left while this change was prepared",
+                "look at `status`");
+}
+
+/// A change that was prepared against an older revision of the model still fits to it.
+Status check_fit_again(System& system, const PreparedChange::Content& content) {
+  Status sound = check_fit(system.architecture, content);
+  if (sound && system.options.admission == Admission::strict) {
+    if (auto admitted = admit_change(system, content); !admitted) sound = admitted.error();
+  }
+  if (sound) return ok();
+  return refuse(Errc::conflict, sound.error().at,
+                sound.error().message +
+                    "; the architecture changed while this change was prepared, for example by a "
+                    "rollback",
+                "try again; `logs` and `history` tell what came between");
+}
+
+}  // namespace
+
+Commit::Commit(System& system, Content content, TwoPhaseCommit::Kind kind, Duration longest_job)
+    : system_(system), departed_(system.departed), content_(std::move(content)), kind_(kind) {
+  Status sound = check(kind);
+  if (sound) sound = let_in_new();
+  if (sound && barrier_ != nullptr) sound = end_probations_before();
+  if (!sound) {
+    refuse_all(std::move(sound.error()));
+    return;
+  }
+  number_ = ++system_.changes;
+  if (content_->probation) {
+    rollback_ = std::make_shared<Rollback>();
+    back_number_ = ++system_.changes;
+  }
+  hold_members();
+  if (barrier_ == nullptr) {
+    publish(kind, longest_job);
+  } else {
+    barrier_->begin(deployed_, number_);
+  }
+}
+
+/// Nothing has happened, and nothing will.
+void Commit::refuse_all(Error error) {
+  let_go_new();
+  heritage_.let_go();
+  result_ = std::move(error);
+  over_ = true;
+  content_.reset();
+}
+
+/// False: not yet, or never. Who waits takes an order at once, so nothing can fail after it.
+bool Commit::pass_barrier() {
+  if (!barrier_->advance()) return false;
+  if (barrier_->all_wait() && barrier_->hand_over(content_->resources)) {
+    publish(TwoPhaseCommit::Kind::order, kLongestJob);
+    return true;
+  }
+  if (barrier_->advance()) {
+    for (Deployed* deployed : deployed_) deployed->changing = false;
+    barrier_->end();
+    refuse_all(barrier_->refusal());
+  }
+  return false;
+}
+
+Status Commit::check(TwoPhaseCommit::Kind kind) {
+  if (Status outside = refuse_in_job("deployer", "commit()"); !outside) return outside;
+  for (const PreparedMember& member : content_->members) {
+    if (member.part == Part::joins) {
+      deployed_.push_back(nullptr);  // see let_in_new()
+      continue;
+    }
+    deployed_.push_back(system_.find(*member.component));
+    // What was rolled back but is not in the books yet can be ordered to park.
+    const bool there = deployed_.back() != nullptr &&
+                       (kind == TwoPhaseCommit::Kind::order || !deployed_.back()->hidden);
+    if (!there) {
+      return refuse(Errc::conflict, member.component->name(),
+                    "has left while this change was prepared", "look at `status`");
+    }
+    if (Status current = check_member(member, *deployed_.back()); !current) return current;
+  }
+  for (const ResourceBase* leaving : content_->leaving_resources) {
+    if (Status there = check_is_there(system_.architecture, leaving); !there) return there;
+  }
+  for (const PreparedResource& resource : content_->resources) {
+    Status there = check_is_there(system_.architecture, resource.resource);
+    if (!there) return there;
+    if (Status current = check_resource(resource); !current) return current;
+  }
+  const bool outdated = content_->revision && *content_->revision != system_.revision;
+  if (outdated && !content_->in_place) {
+    if (Status fits = check_fit_again(system_, *content_); !fits) return fits;
+  }
+  if (content_->barrier) {
+    barrier_ = std::make_unique<Barrier>(system_);
+    if (Status ready = barrier_->check(*content_); !ready) return ready;
+  }
+  return check_probations(kind);
+}
+
+Status Commit::check_probations(TwoPhaseCommit::Kind kind) {
+  if (kind == TwoPhaseCommit::Kind::order) return ok();
+  receipt_.notes = notes_of(system_, *content_);
+  for (const auto& one : system_.probations) {
+    if (one->told() || !concerns(system_, *content_, one->content())) continue;
+    if (one->awaits_confirmation()) {
+      return refuse(Errc::conflict, "generation " + std::to_string(one->changes().back()),
+                    "waits to be confirmed, so nothing of it is changed meanwhile",
+                    "confirm it, or undo it");
+    }
+    if (one->rollback()->rolls_back()) return being_rolled_back(one->changes().back());
+    if (changes_modes_only(*content_)) continue;
+    before_.push_back(one->rollback());
+    if (!can_join(*content_, one->content())) continue;
+    heritage_.add(*one);
+    if (Status there = follow(*one); !there) return there;
+  }
+  return ok();
+}
+
+/// What the change before changed, and this one does not, goes back with the members of this one.
+Status Commit::follow(const ProbationPeriod& before) {
+  if (!content_->probation) content_->probation = before.content().probation;
+  for (std::size_t i = 0; i < before.members().size(); ++i) {
+    ComponentBase& component = *before.content().members[i].component;
+    const auto same = [&](const PreparedMember& one) { return one.component == &component; };
+    if (std::any_of(content_->members.begin(), content_->members.end(), same)) continue;
+    content_->members.push_back(member_of(component, Mode::keep));
+    content_->members.back().part = Part::follows;
+    deployed_.push_back(before.members()[i].deployed);
+    const Status free = check_member(content_->members.back(), *deployed_.back());
+    if (!free) return free;
+  }
+  return ok();
+}
+
+/// Who waits at a barrier does not go back: there the probations of the changes before end when the
+/// members are called.
+Status Commit::end_probations_before() {
+  for (const auto& before : std::exchange(before_, {})) {
+    ProbationPeriod* const one = probation_of(system_, *before);
+    if (one == nullptr || one->pass("a newer change", Outcome::Kind::overtaken)) continue;
+    return being_rolled_back(one->changes().back());
+  }
+  return ok();
+}
+
+Status Commit::let_in_new() {
+  for (std::size_t i = 0; i < deployed_.size(); ++i) {
+    if (deployed_[i] != nullptr) continue;
+    Result<Deployed*> joining = let_in(system_, *content_->members[i].component);
+    if (!joining) return joining.error();
+    deployed_[i] = *joining;
+  }
+  return ok();
+}
+
+void Commit::let_go_new() {
+  for (std::size_t i = 0; i < deployed_.size(); ++i) {
+    if (deployed_[i] == nullptr || content_->members[i].part != Part::joins) continue;
+    static_cast<void>(let_go(system_, *std::exchange(deployed_[i], nullptr)));
+  }
+}
+
+void Commit::add_standby(std::size_t index, const Deployed& deployed, TaskUpdate& next) {
+  const Content& standby = content_->members[index].standby;
+  if (standby == nullptr) return;
+  PreparedMember& takes_over = standby->members.front();
+  next.standby = make_standby(takes_over, deployed.restarts.size());
+  standby_cores_[index] = {standby, &takes_over, next.standby->answer};
+}
+
+Member Commit::forth(std::size_t index, Deployed& deployed) {
+  const PreparedMember& change = content_->members[index];
+  Member member;
+  member.task = deployed.task.get();
+  member.next = make_update(change);
+  member.next->number = number_;
+  add_standby(index, deployed, *member.next);
+  if (rollback_ != nullptr) begin_rollback(change, deployed, *member.next);
+  return member;
+}
+
+void Commit::begin_rollback(const PreparedMember& change, Deployed& deployed, TaskUpdate& next) {
+  Origin origin = origin_of(change, deployed.state() == ComponentState::running);
+  const Origin* const before = heritage_.origin_of(*change.component);
+  if (before != nullptr) origin = further_back(*before, origin);
+  next.back = make_rollback(change, origin);
+  next.rollback = rollback_.get();
+  lead_by(*next.back);
+  next.tolerated = content_->probation->misses;
+  const unsigned window = std::min(content_->probation->window, 64U);
+  next.window = window == 64 ? ~0ULL : (1ULL << window) - 1;
+  MemberRollback& member = rollbacks_.emplace_back();
+  member.deployed = &deployed;
+  member.origin = std::move(origin);
+  member.back = next.back.get();
+  member.answer = next.back->answer;
+  member.releases_before = deployed.task->counters().releases.load();
+}
+
+void Commit::lead_by(TaskUpdate& back) {
+  back.decision = &rollback_->decision();
+  back.rollback = rollback_.get();
+  back.number = back_number_;
+}
+
+std::vector<ResourceMember> Commit::resource_members() const {
+  std::vector<ResourceMember> resources;
+  for (const PreparedResource& change : content_->resources) {
+    resources.push_back({change.resource, change.parts, change.state, nullptr});
+  }
+  return resources;
+}
+
+void Commit::hold_members() {
+  entered_.resize(deployed_.size());
+  standby_cores_.resize(deployed_.size());
+  for (Deployed* deployed : deployed_) {
+    missed_before_.push_back(deployed->task->counters().missed.load());
+    deployed->changing = true;
+  }
+}
+
+void Commit::publish(TwoPhaseCommit::Kind kind, Duration longest_job) {
+  std::vector<Member> members;
+  for (std::size_t i = 0; i < deployed_.size(); ++i) members.push_back(forth(i, *deployed_[i]));
+  if (barrier_ != nullptr) {
+    for (Member& bystander : barrier_->go_on()) members.push_back(std::move(bystander));
+  }
+  swap_ = std::make_unique<TwoPhaseCommit>(std::move(members), resource_members(), *system_.runner,
+                                           longest_job, kind, before_);
+  tell_attempt();
+}
+
+bool Commit::advance() {
+  if (over_) return true;
+  if (swap_ == nullptr && !pass_barrier()) return over_;
+  over_ = back_by_ != 0 ? all_went_back() : all_changed();
+  if (over_) content_.reset();  // freed by whoever prepared it
+  return over_ || answered();
+}
+
+/// True when no member is left to wait for. The model shows a transaction whole and together with
+/// its generation: when the model is saved meanwhile, the saved one is no mixture.
+bool Commit::all_changed() {
+  const bool settled = swap_->advance();
+  tell_attempt();
+  if (!answered() && leaves_newest_in_place(system_, *this)) return false;
+  // Behind a barrier nobody is in a job.
+  const bool late = barrier_ == nullptr && swap_->result().state == SwapResult::State::waiting;
+  const bool shows = kind_ == TwoPhaseCommit::Kind::order || settled;
+  for (std::size_t i = 0; shows && i < deployed_.size(); ++i) {
+    if (swap_->members()[i].settled && !entered_[i]) enter(i);
+  }
+  if (!answered() && (settled || late)) conclude();
+  return settled && back_by_ == 0;
+}
+
+Result<Receipt> Commit::result() const {
+  told_ = answered();
+  if (result_) return *result_;
+  return refuse(Errc::wrong_state, "commit", "is still under way",
+                "call advance() until it is not");
+}
+
+std::vector<Deployed*> Commit::silent() const {
+  std::vector<Deployed*> silent;
+  for (std::size_t i = 0; i < deployed_.size(); ++i) {
+    if (swap_ != nullptr && !swap_->members()[i].in_force) silent.push_back(deployed_[i]);
+  }
+  return silent;
+}
+
+}  // namespace mauve::exec

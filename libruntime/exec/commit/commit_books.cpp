@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The books of a commit: the model shows what the members run, and what becomes of what they ran.
+#include <utility>
+
+#include "exec/admission/membership.h"
+#include "exec/commit/commit.h"
+#include "exec/commit/under_way.h"
+#include "exec/recovery/probations.h"
+#include "exec/system/books.h"
+#include "exec/system/make_update.h"
+#include "exec/system/tell_control.h"
+
+#include <mauve/architecture.h>
+#include <mauve/receipt.h>
+
+namespace mauve::exec {
+
+/// The member's thread has answered: what it runs is what the model shows.
+void Commit::enter(std::size_t index) {
+  const Member& settled = swap_->members()[index];
+  const SwapResult::State state = swap_->result().state;
+  const bool another_attempt = !settled.in_force && (state == SwapResult::State::under_way);
+  if (another_attempt) return;
+  PreparedMember& member = content_->members[index];
+  entered_[index] = true;
+  if (member.part == Part::follows) {
+    deployed_[index]->changing = false;
+    return;
+  }
+  deployed_[index]->parking = false;
+  deployed_[index]->changing = settled.in_force && member.part == Part::leaves;
+  if (!settled.in_force) return;
+  ++system_.revision;
+  deployed_[index]->shown = number_;
+  if (member.next != member.base) member.component->install(member.next);
+  if (member.type) {
+    ComponentType before = member.component->type();
+    member.component->renew(*std::exchange(member.type, std::move(before)));
+  }
+  schedule(system_, *deployed_[index]);
+  system_.runner->look_again();
+  // Where a lost thread is inside, it is freed when that has ended: see collect().
+  const bool lost = system_.runner->has_lost(deployed_[index]->task.get());
+  // What the rollback may need is looked at when the change joins the one before: see adopt().
+  if (heritage_.origin_of(*member.component) == nullptr) {
+    retire(*member.base, *member.next, lost ? system_.free : retired_);
+  }
+  if (member.next != member.base || member.standby != nullptr) {
+    StandbyCore& standby = deployed_[index]->standby;
+    system_.free.keep(std::exchange(standby, std::exchange(standby_cores_[index], {})).content);
+    member.standby.reset();
+  }
+  member.made.forget();
+  const std::uint64_t missed = deployed_[index]->task->counters().missed.load();
+  MemberReceipt row{member.component->name(), settled.pause, missed - missed_before_[index],
+                    settled.bytes};
+  say_dropped(*member.base->core, *member.next->core, member.state, row);
+  receipt_.components.push_back(std::move(row));
+}
+
+void Commit::enter_resources() {
+  Retired& retired = system_.runner->has_lost() ? system_.free : retired_;
+  for (std::size_t i = 0; i < swap_->resources().size(); ++i) {
+    const ResourceUpdate& update = *swap_->resources()[i].update;
+    if (update.state() != ResourceUpdate::State::in_force) continue;
+    PreparedResource& change = content_->resources[i];
+    ++system_.revision;
+    change.resource->install(change.parts.core, change.parts.bindings);
+    if (change.hold) change.resource->gate().declare_hold(*change.hold);
+    if (change.parts.core != nullptr) retired.add(change.base.core);
+    change.made.forget();
+    MemberReceipt row{change.resource->name(), update.pause(), 0, update.bytes()};
+    if (change.parts.core != nullptr) {
+      say_dropped(*change.base.core, *change.parts.core, change.state, row);
+    }
+    receipt_.components.push_back(std::move(row));
+  }
+}
+
+/// Each attempt, once it is decided.
+void Commit::tell_attempt() {
+  const SwapResult& swapped = swap_->result();
+  if (swapped.attempts == attempts_told_) return;
+  attempts_told_ = swapped.attempts;
+  const bool committed = swap_->decision() == Decision::State::committed;
+  tell_control(system_, committed ? TraceKind::commit : TraceKind::abort, content_->what,
+               swapped.instant, number_);
+  if (!committed) return;
+  tell_members(system_, *content_, number_);
+  for (const std::string& address : content_->sets) {
+    tell_control(system_, TraceKind::set, address, 0, number_);
+  }
+}
+
+/// One that was committed is taken back: nobody came in time.
+void Commit::tell_end() {
+  if (swap_->result().state != SwapResult::State::revoked) return;
+  tell_control(system_, TraceKind::abort, content_->what, swap_->result().instant, number_);
+}
+
+void Commit::conclude() {
+  tell_end();
+  const SwapResult& swapped = swap_->result();
+  const bool nothing_happened = swapped.state == SwapResult::State::missed ||
+                                swapped.state == SwapResult::State::revoked ||
+                                swapped.state == SwapResult::State::overtaken;
+  if (nothing_happened) {
+    result_ = not_applied();
+    for (const auto& before : before_) before->give_way_to(nullptr);
+    heritage_.let_go();
+    return let_go_new();
+  }
+  if (heritage_.changes().empty()) overtake_before();
+  enter_resources();
+  if (system_.runner->has_lost()) system_.free.keep(content_);  // it may be inside of what leaves
+  receipt_.state = ChangeState::applied;
+  receipt_.commit = Duration{swapped.instant - system_.t0};
+  receipt_.attempts = swapped.attempts;
+  receipt_.warnings = content_->warnings;
+  const bool whole = swapped.state == SwapResult::State::committed && failed().empty();
+  exchange_fallbacks(system_.architecture, content_->fallbacks);  // the rollback does so again
+  if (barrier_ != nullptr) {
+    barrier_->tell(receipt_);
+    barrier_->end();
+  }
+  if (!whole && rollback_ != nullptr) return take_back();
+  receipt_.generation = content_->step ? system_.generation : ++system_.generation;
+  system_.newest = weak_from_this();
+  system_.looks_at_newest = 0;
+  change_membership();
+  if (whole) {
+    result_ = receipt_;
+    if (rollback_ != nullptr) return begin_probation();
+  } else {
+    result_ = not_applied();
+  }
+  for (std::size_t i = 0; i < deployed_.size(); ++i) {
+    if (content_->members[i].part != Part::leaves || !swap_->members()[i].in_force) continue;
+    static_cast<void>(let_go(system_, *std::exchange(deployed_[i], nullptr)));
+  }
+}
+
+/// Those that this change joins pass on what they roll back to; it ends the others early.
+void Commit::overtake_before() {
+  for (const auto& before : before_) {
+    ProbationPeriod* const one = probation_of(system_, *before);
+    if (one == nullptr) continue;  // its probation ended by itself
+    if (heritage_.has(*before)) {
+      one->pass_on_to(*content_, rollbacks_);
+    } else {
+      one->overtake();
+    }
+  }
+  heritage_.let_go();
+  let_fade(system_);
+}
+
+/// Some member hangs in its job: those that have changed go back, so that there is no mixture.
+void Commit::take_back() {
+  const bool quietly =
+      rollback_->trigger(system_.runner->clock(), "some member did not end its job in time");
+  if (!quietly) ++system_.generation;  // a core failed meanwhile, which is told
+  change_membership();
+  for (std::size_t i = 0; i < deployed_.size(); ++i) {
+    rollbacks_[i].in_force = swap_->members()[i].in_force;
+  }
+  begin_probation();
+  if (quietly) system_.probations.back()->go_quietly();
+  back_by_ = system_.runner->now() + kLongestJob.count();
+}
+
+/// Or some member that has changed does not go back in time either.
+bool Commit::all_went_back() {
+  if (const ModelLock::Hold hold(system_.model, std::try_to_lock); hold) look_after_itself(system_);
+  ProbationPeriod* const one = probation_of(system_, *rollback_);
+  const bool under_way = one != nullptr;
+  if (under_way && system_.runner->now() < back_by_) return false;
+  if (under_way) one->tell_after_all();
+  result_ = not_applied();
+  if (!under_way && !failed().empty()) {
+    result_ = refuse(Errc::hook_threw, failed(),
+                     "could not convert the state of the core before, so the change was taken back",
+                     "mend its converter: the log says how it failed");
+  } else if (!under_way) {
+    result_ = refuse(Errc::timed_out, result_->error().at,
+                     "did not end its job within 2 s, so the change was taken back on all others",
+                     "look at `status`: a core that never returns holds its component");
+  }
+  return true;
+}
+
+/// What joined is part of the architecture now, what left is not; it stays alive with the content.
+void Commit::change_membership() {
+  ++system_.revision;
+  for (std::size_t i = 0; i < deployed_.size(); ++i) {
+    PreparedMember& member = content_->members[i];
+    if (!entered_[i] || !swap_->members()[i].in_force) continue;
+    if (member.part == Part::leaves) {
+      member.owner = system_.architecture.take_out(*member.component);
+      deployed_[i]->hidden = true;
+      deployed_[i]->changing = false;
+    }
+  }
+  // A member that hangs may still use what was to leave.
+  const bool whole = swap_->result().state == SwapResult::State::committed;
+  for (ResourceBase* resource : content_->leaving_resources) {
+    if (!whole) break;
+    content_->left_resources.push_back(system_.architecture.take_out(*resource));
+    // The rollback of an earlier change may lead through it until no thread looks at it any more,
+    // and its earlier cores may use its shell until they are freed.
+    for (const auto& one : system_.fading) one->keep_longest(content_->left_resources.back());
+    system_.free.keep_longest(content_->left_resources.back());
+  }
+  for (const auto& resource : content_->new_resources) system_.architecture.own(resource);
+  for (std::size_t i = 0; i < deployed_.size(); ++i) {
+    PreparedMember& member = content_->members[i];
+    if (member.part != Part::joins) continue;
+    if (rollback_ != nullptr && !swap_->members()[i].in_force) {
+      static_cast<void>(let_go(system_, *deployed_[i]));
+      continue;
+    }
+    system_.architecture.own(member.owner);
+    deployed_[i]->hidden = false;
+  }
+}
+
+void Commit::begin_probation() {
+  if (!heritage_.changes().empty()) {
+    overtake_before();
+    for (const PreparedMember& member : content_->members) {
+      if (heritage_.origin_of(*member.component) == nullptr) continue;
+      retire(*member.base, *member.next, retired_);
+    }
+    lead_late_members_back();
+  }
+  system_.probations.push_back(
+      std::make_unique<ProbationPeriod>(system_, content_, std::move(rollbacks_), rollback_,
+                                        std::move(retired_), back_number_, heritage_.changes()));
+}
+
+/// A member that hangs runs what the change before gave it. It goes back when it ends its job.
+void Commit::lead_late_members_back() {
+  for (std::size_t i = 0; i < rollbacks_.size(); ++i) {
+    MemberRollback& member = rollbacks_[i];
+    const PreparedMember& change = content_->members[i];
+    if (member.in_force || heritage_.origin_of(*change.component) == nullptr) continue;
+    auto back = make_rollback(change, member.origin);
+    lead_by(*back);
+    member.back = back.get();
+    member.answer = back->answer;
+    member.in_force = true;
+    member.deployed->task->mailbox().put_back(*back.release());
+    system_.runner->wake(*member.deployed->task);
+  }
+}
+
+/// The names of members whose state was not converted.
+std::string Commit::failed() const {
+  std::string names;
+  for (const ResourceMember& one : swap_->resources()) {
+    if (!one.update->failed()) continue;
+    names += (names.empty() ? "" : ", ") + one.resource->name();
+  }
+  for (std::size_t i = 0; i < swap_->members().size() && i < deployed_.size(); ++i) {
+    if (!swap_->members()[i].failed) continue;
+    names += (names.empty() ? "" : ", ") + deployed_[i]->task->name();
+  }
+  return names;
+}
+
+Error Commit::not_applied() const {
+  if (const std::string names = failed(); !names.empty() && rollback_ == nullptr) {
+    return refuse(
+        Errc::partly, names,
+        "could not convert the state of the core before: a component failed with its safe "
+        "values written, a resource is poisoned; the change is in force",
+        "mend its converter, then swap again; without --probation off it would have been "
+        "taken back");
+  }
+  std::string names;
+  for (const Deployed* one : silent()) {
+    names += (names.empty() ? "" : ", ") + one->task->name();
+  }
+  for (const ResourceMember& one : swap_->resources()) {
+    if (one.update->state() == ResourceUpdate::State::in_force) continue;
+    names += (names.empty() ? "" : ", ") + one.resource->name();
+  }
+  if (swap_->members().empty() && swap_->result().state != SwapResult::State::overtaken) {
+    return refuse(Errc::timed_out, names,
+                  "is held by a caller that does not leave it, so it was not changed",
+                  "look at `status`: a core that never returns holds its component");
+  }
+  const std::string look = "look at `status`: a core that never returns holds its component";
+  switch (swap_->result().state) {
+    case SwapResult::State::overtaken:
+      return being_rolled_back(system_.generation);
+    case SwapResult::State::missed:
+      return refuse(Errc::timed_out, names,
+                    "every attempt missed its instant: the machine is overloaded", "try again");
+    case SwapResult::State::revoked:
+      return refuse(Errc::timed_out, names,
+                    "did not end its job within 2 s, so the change was taken back", look);
+    case SwapResult::State::waiting:
+      return refuse(Errc::partly, names, "did not end its job in time; it will obey when it does",
+                    look);
+    default:
+      if (rollback_ != nullptr) {
+        return refuse(Errc::partly, names,
+                      "did not end its job within 2 s: the change is taken back on the others, but "
+                      "some of them do not end their job either",
+                      look);
+      }
+      return refuse(Errc::partly, names,
+                    "did not end its job within 2 s: the change is in force on the others only, a "
+                    "mixture that "
+                    "is not safe to keep",
+                    "stop the component that hangs, then change it, or all others back");
+  }
+}
+
+}  // namespace mauve::exec

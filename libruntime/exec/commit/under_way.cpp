@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/commit/under_way.h"
+
+#include <algorithm>
+#include <memory>
+#include <mutex>
+
+#include "exec/recovery/probations.h"
+#include "exec/recovery/standby.h"
+
+namespace mauve::exec {
+
+/// Probations first: a stop may make a task forget the rollback that it took. But they wait until
+/// the maker of a change knows its generation, which is saved before the next one comes.
+void advance(System& system) {
+  system.looks.fetch_add(1);
+  if (system.stands_still > 0) return;
+  if (const ModelLock::Hold hold(system.model, std::try_to_lock); hold) look_after_itself(system);
+  std::erase_if(system.under_way, [](const std::shared_ptr<Commit>& commit) {
+    static_cast<void>(commit->advance());
+    return commit->over();
+  });
+}
+
+/// A maker that has let it go never asks.
+bool is_untold(const System& system) {
+  const auto last = system.last_transaction.lock();
+  if (last == nullptr || !last->untold()) return false;
+  const bool kept_here =
+      std::find(system.under_way.begin(), system.under_way.end(), last) != system.under_way.end();
+  return last.use_count() > (kept_here ? 2 : 1);
+}
+
+std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change,
+                                     TwoPhaseCommit::Kind kind, Duration longest_job) {
+  // What an order was made from is true now; a rollback that gets into the books would undo that.
+  if (kind == TwoPhaseCommit::Kind::transaction) advance(system);
+  auto commit = std::make_shared<Commit>(system, change.share(), kind, longest_job);
+  if (kind == TwoPhaseCommit::Kind::transaction) system.last_transaction = commit;
+  if (!commit->over()) system.under_way.push_back(commit);
+  return commit;
+}
+
+void look_after_itself(System& system) {
+  if (is_untold(system)) return;
+  for (const auto& one : system.probations) static_cast<void>(one->advance());
+  let_fade(system);
+  std::erase_if(system.fading, [&](const std::shared_ptr<ProbationPeriod>& one) {
+    if (one->advance()) return false;
+    system.free.merge(one->take_free());
+    return true;
+  });
+  look_after_standby_cores(system);
+  system.forget_departed();
+}
+
+}  // namespace mauve::exec

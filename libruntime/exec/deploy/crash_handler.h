@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What a system still does when the process must die of a fault.
+#pragma once
+
+#include "exec/system/system.h"
+
+namespace mauve::exec {
+
+/// From now on; until System::crash_handler is reset. Nothing where signals cannot be handled.
+Status prepare_crash_handler(System& system);
+
+}  // namespace mauve::exec

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Direct stop: parks components when [control] is held up. It uses the list of tasks, under its
+/// lock, and nothing else of the model: each task writes its safe values and parks by itself
+/// (Task::halt), and a job that does not end is ended by the guard. An ordinary stop does the books
+/// when [control] goes on.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "exec/system/system.h"
+
+#include <mauve/ongoing.h>
+
+namespace mauve::exec {
+
+/// See Deployer::begin_direct_stop(). Of all components, those that write safe values park first,
+/// and the others get one more job to act on that. [any]
+[[nodiscard]] std::unique_ptr<DirectStop> begin_direct_stop(System& system,
+                                                            std::vector<std::string> components);
+/// No components: all. [control]
+void end_direct_stop(System& system, const std::vector<std::string>& components);
+
+}  // namespace mauve::exec

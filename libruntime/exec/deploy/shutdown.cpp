@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/deploy/shutdown.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "exec/deploy/stop.h"
+#include "model/left_behind.h"
+
+namespace mauve::exec {
+namespace {
+
+/// A healthy component gets this long to end its job, and its thread to end, however late it is.
+constexpr Duration kShortestPatience = 100ms;
+
+}  // namespace
+
+std::vector<std::string> bring_down(System& system, Duration bound) {
+  std::vector<std::string> left_behind;
+  if (!system.up) return left_behind;
+  system.up = false;
+  const Instant deadline = system.runner->now() + bound.count();
+  Stop stop(system, in_order_of_safe_values(system), patience_within(bound));
+  // Ends by itself: every step of it is bounded.
+  static_cast<void>(system.runner->await([&] { return stop.advance(); }, kNever));
+  for (Deployed& deployed : system.deployed) {
+    const bool stuck = stop.hung().count(&deployed) != 0;
+    const Instant now = system.runner->now();
+    const Instant until = stuck ? now : std::max(deadline, now + kShortestPatience.count());
+    const bool ended = system.runner->end(*deployed.task, until);
+    deployed.ended = ended && !system.runner->has_lost(deployed.task.get());
+    if (deployed.ended) continue;
+    left_behind.push_back(deployed.component->name());
+    deployed.component->abandon();
+    leave_behind(deployed.task);  // its thread still runs in it
+    leave_behind(system.runner);
+  }
+  if (system.runner->has_lost()) {
+    leave_behind(std::make_shared<Retired>(std::exchange(system.free, {})));
+  }
+  system.crash_handler.reset();
+  return left_behind;
+}
+
+Duration patience_within(Duration bound) { return std::max(bound / 4, kShortestPatience); }
+
+}  // namespace mauve::exec

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Orderly end in bounded time.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <mauve/time.h>
+
+namespace mauve::exec {
+
+class System;
+
+/// shutdown(): see Deployer.
+std::vector<std::string> bring_down(System& system, Duration bound);
+
+/// Of one component, when the whole stop should not take much longer than `bound`.
+[[nodiscard]] Duration patience_within(Duration bound);
+
+}  // namespace mauve::exec

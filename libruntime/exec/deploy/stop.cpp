@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/deploy/stop.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "exec/commit/under_way.h"
+#include "exec/system/tell_control.h"
+#include "exec/task/safe_values.h"
+#include "rt/deadline.h"
+
+#include <mauve/receipt.h>
+#include <mauve/resource.h>
+#include <mauve/service.h>
+
+namespace mauve::exec {
+namespace {
+
+using Resources = std::set<const ResourceBase*>;
+
+Resources reached(const ComponentBase& component, bool by_safe_writes) {
+  Resources resources;
+  for (const PortBase* port : component.shell().ports()) {
+    const auto& binding = (*component.bundle()->bindings)[port->index()];
+    if (binding == nullptr) continue;
+    const bool wanted =
+        by_safe_writes ? port->has_safe_value() : port->signature().kind == PortKind::read;
+    if (wanted) resources.insert(&binding->service().resource());
+  }
+  return resources;
+}
+
+bool shares(const Resources& a, const Resources& b) {
+  return std::any_of(a.begin(), a.end(), [&](const auto* item) { return b.count(item) != 0; });
+}
+
+/// Stage of each component: later than all whose safe values it reads. Loops are cut at the number
+/// of components.
+std::map<const Deployed*, std::size_t> stage_numbers(const std::list<Deployed>& deployed) {
+  std::vector<std::pair<const Deployed*, Resources>> writers;
+  std::vector<std::pair<const Deployed*, Resources>> readers;
+  for (const Deployed& one : deployed) {
+    Resources written = reached(*one.component, true);
+    Resources read = reached(*one.component, false);
+    if (!written.empty()) writers.emplace_back(&one, std::move(written));
+    if (!read.empty()) readers.emplace_back(&one, std::move(read));
+  }
+  std::map<const Deployed*, std::size_t> stage;
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const auto& [writer, written] : writers) {
+      for (const auto& [reader, read] : readers) {
+        const std::size_t after = std::min(stage[writer] + 1, deployed.size());
+        if (reader == writer || stage[reader] >= after || !shares(written, read)) continue;
+        stage[reader] = after;
+        changed = true;
+      }
+    }
+  }
+  return stage;
+}
+
+/// Longer than this nobody waits for a slow reader's next job.
+constexpr Duration kNearRelease = 100ms;
+/// Nor longer than this for all of them.
+constexpr Duration kReadersMayTake = 500ms;
+/// For the safe values of one component, by services that may be code of a plugin.
+constexpr Duration kWritingMayTake = 200ms;
+
+}  // namespace
+
+Stages in_order_of_safe_values(System& system) {
+  const auto numbers = stage_numbers(system.deployed);
+  Stages stages(1);
+  for (Deployed& deployed : system.deployed) {
+    const auto found = numbers.find(&deployed);
+    const std::size_t number = found == numbers.end() ? 0 : found->second;
+    if (stages.size() <= number) stages.resize(number + 1);
+    stages[number].push_back(&deployed);
+  }
+  return stages;
+}
+
+Stop::Stop(System& system, Stages stages, Duration patience)
+    : system_(system), departed_(system.departed), stages_(std::move(stages)), patience_(patience) {
+  receipt_.generation = system.generation;
+  begin_stage();
+}
+
+bool Stop::advance() {
+  exec::advance(system_);
+  if (phase_ == Phase::parking) {
+    park_free();
+    if (!parked()) return false;
+    begin_reading();
+  }
+  if (phase_ == Phase::reading) {
+    if (!readers_have_read() && system_.runner->now() < read_by_) return false;
+    ++stage_;
+    begin_stage();
+    return false;
+  }
+  return true;
+}
+
+void Stop::begin_stage() {
+  const bool last_call = stage_ == stages_.size();
+  if (stage_ > stages_.size() || (last_call && waiting_.empty())) {
+    phase_ = Phase::over;
+    return;
+  }
+  phase_ = Phase::parking;
+  // What a component still waits for when all others are stopped is given up in this time.
+  patient_until_ = system_.runner->now() + (last_call ? kLongestJob : patience_).count();
+  if (!last_call) {
+    waiting_.insert(waiting_.end(), stages_[stage_].begin(), stages_[stage_].end());
+  }
+  park_free();
+}
+
+/// All that can be ordered to park now, at one instant. A change under way ends first: it is over
+/// soon, or given up.
+void Stop::park_free() {
+  auto content = std::make_unique<PreparedChange::Content>();
+  std::vector<std::string> names;
+  std::erase_if(waiting_, [&](Deployed* deployed) {
+    if (deployed->component == nullptr) return true;  // it left
+    if (deployed->changing) {
+      for (const auto& commit : system_.under_way) commit->give_way(*deployed);
+      return false;
+    }
+    deployed->task->mailbox().end_halt();  // from here on it is this stop that parks it
+    if (deployed->state() == ComponentState::running) {
+      names.push_back(deployed->component->name());
+      content->members.push_back(member_of(*deployed->component, Mode::park));
+      deployed->parking = true;
+    }
+    return true;
+  });
+  if (content->members.empty()) return;
+  content->what = what_of("component.stop", names);
+  PreparedChange change(std::move(content));
+  commits_.push_back(begin_commit(system_, change, TwoPhaseCommit::Kind::order, patience_));
+}
+
+/// Has everybody parked, or been given up? Later stages do not wait for who hangs.
+bool Stop::parked() {
+  std::erase_if(commits_, [&](const std::shared_ptr<Commit>& commit) {
+    if (!commit->answered()) return false;
+    take_answer(*commit);
+    return true;
+  });
+  if (!commits_.empty()) return false;
+  if (waiting_.empty()) return true;
+  if (system_.runner->now() < patient_until_) return false;
+  for (Deployed* deployed : waiting_) give_up(*deployed);
+  std::erase_if(waiting_, [](const Deployed* deployed) { return deployed->parking; });
+  return true;
+}
+
+void Stop::take_answer(const Commit& commit) {
+  const Receipt& part = commit.receipt();
+  receipt_.state = ChangeState::applied;
+  receipt_.generation = system_.generation;
+  receipt_.commit = std::max(receipt_.commit, part.commit);
+  receipt_.attempts = std::max(receipt_.attempts, part.attempts);
+  receipt_.components.insert(receipt_.components.end(), part.components.begin(),
+                             part.components.end());
+  for (Deployed* silent : commit.silent()) give_up(*silent);
+}
+
+void Stop::give_up(Deployed& deployed) {
+  if (deployed.component == nullptr || !hung_.insert(&deployed).second) return;
+  // Its thread is stuck in user code: the outputs get their safe values from here.
+  const rt::Deadline deadline(kWritingMayTake);
+  write_safe_values(*deployed.component->bundle(), false, deadline.watched());
+}
+
+void Stop::begin_reading() {
+  phase_ = Phase::reading;
+  readers_.clear();
+  read_by_ = system_.runner->now() + kReadersMayTake.count();
+  const Instant soon = system_.runner->now() - system_.t0 + kNearRelease.count();
+  for (std::size_t later = stage_ + 1; later < stages_.size(); ++later) {
+    for (const Deployed* reader : stages_[later]) {
+      const Counters& counters = reader->task->counters();
+      if (counters.next_release.load() > soon) continue;
+      readers_.emplace_back(reader, counters.releases.load());
+    }
+  }
+}
+
+/// The job that is under way may have read before; the one after it has not.
+bool Stop::readers_have_read() const {
+  return std::all_of(readers_.begin(), readers_.end(), [](const auto& entry) {
+    const auto& [reader, before] = entry;
+    return reader->state() != ComponentState::running ||
+           reader->task->counters().releases.load() > before + 1;
+  });
+}
+
+Result<Receipt> Stop::result() const {
+  if (hung_.empty()) return receipt_;
+  std::string names;
+  for (const Deployed* one : hung_) {
+    names += (names.empty() ? "" : ", ") + one->task->name();
+  }
+  return refuse(Errc::partly, names,
+                "did not end its job in time: its safe values are written, and it stops as soon as "
+                "the job ends; all others are stopped",
+                "a core that never returns can only be left behind: restart the daemon");
+}
+
+}  // namespace mauve::exec

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Stop: parks components at the end of the job they are in. It cannot be refused and does not need
+/// the component to be well: who does not come in time gets its safe values written from here, and
+/// parks as soon as its job ends.
+#pragma once
+
+#include <set>
+#include <vector>
+
+#include "exec/commit/commit.h"
+
+#include <mauve/ongoing.h>
+#include <mauve/receipt.h>
+
+namespace mauve::exec {
+
+/// Components that may park at the same time; a stage begins when the one before has ended.
+using Stages = std::vector<std::vector<Deployed*>>;
+
+/// Who writes safe values stops before who reads them.
+[[nodiscard]] Stages in_order_of_safe_values(System& system);
+
+/// Stops all stages in turn. Between two, components of later stages that will soon read what just
+/// stopped get one more job to act on it.
+class Stop final : public Ongoing {
+ public:
+  /// `patience`: how long a component may take to end its job.
+  Stop(System& system, Stages stages, Duration patience);
+
+  bool advance() override;
+  [[nodiscard]] Result<Receipt> result() const override;
+  Retired& retired() override { return nothing_; }
+  /// Those that did not come to a boundary in time.
+  [[nodiscard]] const std::set<const Deployed*>& hung() const { return hung_; }
+
+ private:
+  enum class Phase : std::uint8_t { parking, reading, over };
+
+  void begin_stage();
+  void park_free();
+  [[nodiscard]] bool parked();
+  void take_answer(const Commit& commit);
+  void give_up(Deployed& deployed);
+  void begin_reading();
+  [[nodiscard]] bool readers_have_read() const;
+
+  System& system_;
+  std::shared_ptr<void> departed_;  // keeps tasks that are let go meanwhile
+  Stages stages_;
+  const Duration patience_;
+  Phase phase_ = Phase::parking;
+  std::size_t stage_ = 0;
+  Instant patient_until_ = 0;
+  std::vector<Deployed*> waiting_;  // for a change of theirs to be over, also from stages before
+  std::vector<std::shared_ptr<Commit>> commits_;
+  std::vector<std::pair<const Deployed*, std::uint64_t>> readers_;  // and their releases before
+  Instant read_by_ = 0;
+  Receipt receipt_;
+  std::set<const Deployed*> hung_;
+  Retired nothing_;
+};
+
+}  // namespace mauve::exec

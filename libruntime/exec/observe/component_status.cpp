@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/observe/component_status.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "exec/recovery/standby.h"
+
+#include <mauve/component.h>
+#include <mauve/fsm.h>
+
+namespace mauve::exec {
+namespace {
+
+Duration longest_wait(const Bundle& bundle) {
+  Duration longest{0};
+  for (const FsmState* state : bundle.fsm->states()) longest = std::max(longest, state->duration());
+  return longest;
+}
+
+/// Releases that pass while its thread is late or in a job: it counts them when it comes to them.
+/// The newest one still runs, and so does the one whose job is under way.
+std::uint64_t passing(const Deployed& deployed, const ComponentStatus& status, Instant since_t0) {
+  const Bundle& bundle = *deployed.component->bundle();
+  const Duration overdue = Duration{since_t0} - status.next_release;
+  const Duration wait = longest_wait(bundle);
+  const bool skips = bundle.task.on_overrun == OnOverrun::skip;
+  if (!skips || wait <= Duration{0} || overdue < wait) return 0;
+  const auto due = static_cast<std::uint64_t>(overdue / wait);
+  return deployed.task->watch().busy_since() > 0 ? due - 1 : due;
+}
+
+/// Until a job ends, `release` is its own; which wait it will end in is not known before. So the
+/// longest one is its time, and as much again passes before it is called late.
+Duration lateness_of(const Bundle& bundle, Duration release, Instant since_t0) {
+  const Duration longest = longest_wait(bundle);
+  const Duration time = bundle.task.deadline > Duration{0} ? bundle.task.deadline : longest;
+  const Duration late = Duration{since_t0} - release - time;
+  return late > longest ? late : Duration{0};
+}
+
+}  // namespace
+
+ComponentStatus look_at(const System& system, const Deployed& deployed) {
+  const Counters& counters = deployed.task->counters();
+  const Bundle& bundle = *deployed.component->bundle();
+  ComponentStatus status;
+  status.name = deployed.component->name();
+  status.type = deployed.component->type().name;
+  status.core = bundle.core_type.name;
+  const auto& states = bundle.fsm->states();
+  const std::size_t index = counters.fsm_state.load(std::memory_order_relaxed);
+  if (index < states.size()) status.fsm_state = states[index]->name();
+  status.state = counters.state.load(std::memory_order_acquire);
+  status.priority = deployed.priority;
+  status.cpus = deployed.cpus;
+  status.realtime = deployed.realtime;
+  status.changing = deployed.changing;
+  status.releases = counters.releases.load(std::memory_order_relaxed);
+  status.missed = counters.missed.load(std::memory_order_relaxed);
+  status.overruns = counters.overruns.load(std::memory_order_relaxed);
+  status.faults = counters.faults.load(std::memory_order_relaxed);
+  status.over_budget = counters.over_budget.load(std::memory_order_relaxed);
+  status.lateness_max = Duration{counters.lateness_max.load(std::memory_order_relaxed)};
+  status.lateness_last = Duration{counters.lateness_last.load(std::memory_order_relaxed)};
+  status.execution_max = Duration{counters.execution_max.load(std::memory_order_relaxed)};
+  status.execution_last = Duration{counters.execution_last.load(std::memory_order_relaxed)};
+  status.period = bundle.fsm->grid();
+  status.next_release = Duration{counters.next_release.load(std::memory_order_relaxed)};
+  status.watchdog = deployed.task->bound(deployed.realtime);
+  status.restored = counters.restored.load(std::memory_order_relaxed);
+  const Instant failed_at = deployed.task->failed_core().at();
+  if (status.state == ComponentState::running && failed_at != 0) {
+    const bool hopeless =
+        deployed.task->failed_core().is_hopeless();  // it parks as soon as its thread looks
+    status.state = hopeless ? ComponentState::faulted : ComponentState::recovering;
+    if (!hopeless) status.recovery = recovery_of(system, deployed, failed_at);
+  }
+  if (status.state == ComponentState::running) {
+    status.missed += passing(deployed, status, system.runner->now() - system.t0);
+    status.late = lateness_of(bundle, status.next_release, system.runner->now() - system.t0);
+  }
+  if (status.state == ComponentState::faulted || status.state == ComponentState::recovering) {
+    status.incident = to_incident(deployed.task->report().fault());
+    status.fault = status.incident->text;
+  }
+  return status;
+}
+
+}  // namespace mauve::exec

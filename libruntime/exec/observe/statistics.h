@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What the jobs of a component took, as the deployer tells it.
+#pragma once
+
+#include "exec/system/system.h"
+
+#include <mauve/statistics.h>
+
+namespace mauve::exec {
+
+/// Of what the model shows. [control]
+[[nodiscard]] ComponentStatistics statistics_of(const System& system, const Deployed& deployed);
+
+}  // namespace mauve::exec

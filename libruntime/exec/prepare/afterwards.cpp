@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/prepare/afterwards.h"
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+
+#include <mauve/architecture.h>
+#include <mauve/change.h>
+#include <mauve/service.h>
+
+#include "rt/thread.h"
+
+namespace mauve::exec {
+
+Result<ServiceBase*> Afterwards::find_service(std::string_view address) const {
+  const std::string_view owner = address.substr(0, address.find('.'));
+  for (const NewResource& joining : change_.new_resources) {
+    if (joining.resource->name() != owner) continue;
+    const auto dot = address.find('.');
+    const std::string_view name = dot == std::string_view::npos ? "" : address.substr(dot + 1);
+    if (ServiceBase* service = joining.resource->find_service(name)) return service;
+    return refuse(Errc::unknown_name, std::string(address),
+                  "resource " + joining.resource->name() + " has no service of this name");
+  }
+  if (leaves(owner)) {
+    return refuse(Errc::unknown_name, std::string(address), "is removed by this very change");
+  }
+  return system_.architecture.find_service(address);
+}
+
+bool Afterwards::leaves(std::string_view name) const {
+  return std::find(change_.remove.begin(), change_.remove.end(), name) != change_.remove.end();
+}
+
+Status Afterwards::may_run_at(int priority) const {
+  return system_.realtime ? rt::may_use_fifo(priority) : ok();
+}
+
+}  // namespace mauve::exec

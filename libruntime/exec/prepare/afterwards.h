@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What there is after a change, while it is prepared.
+#pragma once
+
+#include <string_view>
+
+#include "exec/system/system.h"
+
+#include <mauve/result.h>
+
+namespace mauve {
+class ServiceBase;
+struct Change;
+}  // namespace mauve
+
+namespace mauve::exec {
+
+/// What there will be after the change, for everything that is connected by name. [factory]
+class Afterwards {
+ public:
+  Afterwards(System& system, const Change& change) : system_(system), change_(change) {}
+
+  /// Of what stays or joins.
+  [[nodiscard]] Result<ServiceBase*> find_service(std::string_view address) const;
+  [[nodiscard]] bool leaves(std::string_view name) const;
+  /// May a thread have this priority here?
+  [[nodiscard]] Status may_run_at(int priority) const;
+
+ private:
+  System& system_;
+  const Change& change_;
+};
+
+}  // namespace mauve::exec

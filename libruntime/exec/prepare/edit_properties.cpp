@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/prepare/edit_properties.h"
+
+#include <algorithm>
+
+#include "base/name.h"
+
+#include <mauve/property.h>
+
+namespace mauve::exec {
+namespace {
+
+/// "core.gain" -> {"core", "gain"}.
+std::pair<std::string_view, std::string_view> split(std::string_view path) {
+  const auto dot = path.find('.');
+  return dot == std::string_view::npos ? std::pair{std::string_view{}, path}
+                                       : std::pair{path.substr(0, dot), path.substr(dot + 1)};
+}
+
+Error no_property(const Configurable& element, std::string_view name) {
+  std::vector<std::string> names;
+  for (const PropertyBase* known : element.properties()) names.emplace_back(known->name());
+  const std::string nearest = nearest_name(name, names);
+  return refuse(Errc::unknown_name, element.address() + "." + std::string(name),
+                "there is no property of this name",
+                nearest.empty() ? "" : "did you mean " + element.address() + "." + nearest + "?");
+}
+
+/// May the value of a property of one core go on in another core?
+Status can_stay(const PropertyBase& old, const PropertyBase& same, const Edit& edit) {
+  const std::string defaults = "--defaults begins with the values of the new core";
+  const std::string hint = "--set " + std::string(same.name()) + "=... gives it one, " + defaults;
+  if (same.type().to_value == nullptr) {
+    return refuse(Errc::unsupported, same.address(),
+                  "is " + same.type().name +
+                      ", a type without a description, so its value cannot "
+                      "stay",
+                  defaults);
+  }
+  if (!same_type(same.type(), old.type())) {
+    return refuse(Errc::type_mismatch, same.address(),
+                  "is " + same.type().name + " in the new core and " + old.type().name +
+                      " in the one in force, so its value cannot stay",
+                  hint);
+  }
+  if (same.unit() != old.unit()) {
+    return refuse(Errc::type_mismatch, same.address(),
+                  "is in \"" + std::string(same.unit()) + "\" in the new core and in \"" +
+                      std::string(old.unit()) + "\" in the one in force, so its value cannot stay",
+                  hint);
+  }
+  Status fits = same.accepts(old.value());
+  if (fits && edit.allows && same.within() != old.within()) fits = edit.allows(same, old.value());
+  if (fits) return fits;
+  return refuse(fits.error().code, same.address(),
+                "has a value now that the new core does not take: " + fits.error().message, hint);
+}
+
+}  // namespace
+
+bool touches(const Edit& edit, std::string_view element) {
+  return std::any_of(edit.properties.begin(), edit.properties.end(),
+                     [&](const auto& property) { return split(property.first).first == element; });
+}
+
+/// A remade element starts with the values of the one it replaces.
+Status copy_properties(const Configurable& from, Configurable& into) {
+  for (const PropertyBase* old : from.properties()) {
+    PropertyBase* same = into.find_property(old->name());
+    if (same == nullptr || !same_type(same->type(), old->type())) continue;
+    if (same->type().to_value == nullptr) {
+      return refuse(Errc::unsupported, old->address(), "its type has no description",
+                    "describe it: specialise mauve::Described");
+    }
+    if (Status done = same->set(old->value()); !done) return done;
+  }
+  return ok();
+}
+
+Status keep_values(const Configurable& from, const Edit& edit, Configurable& into) {
+  if (edit.values == Values::defaults) return ok();
+  for (const PropertyBase* old : from.properties()) {
+    PropertyBase* same = into.find_property(old->name());
+    const auto set_here = [&](const auto& property) {
+      return split(property.first) ==
+             std::pair<std::string_view, std::string_view>("core", old->name());
+    };
+    if (same == nullptr || std::any_of(edit.properties.begin(), edit.properties.end(), set_here)) {
+      continue;
+    }
+    const Status stays = can_stay(*old, *same, edit);
+    if (!stays && edit.values == Values::keep) return stays;
+    if (Status done = stays ? same->set(old->value()) : ok(); !done) return done;
+  }
+  return ok();
+}
+
+Status set_properties(const Edit& edit, std::string_view name, Configurable& element) {
+  for (const auto& [path, value] : edit.properties) {
+    const auto [owner, property] = split(path);
+    if (owner != name) continue;
+    PropertyBase* found = element.find_property(property);
+    if (found == nullptr) return no_property(element, property);
+    if (Status allowed = edit.allows ? edit.allows(*found, value) : ok(); !allowed) return allowed;
+    if (Status done = found->set(value); !done) return done;
+  }
+  return ok();
+}
+
+Status check_paths(const Edit& edit, const std::vector<std::string_view>& elements) {
+  for (const auto& [path, value] : edit.properties) {
+    const auto owner = split(path).first;
+    if (std::find(elements.begin(), elements.end(), owner) != elements.end()) continue;
+    std::string list;
+    for (const auto element : elements) list += (list.empty() ? "" : ", ") + std::string(element);
+    return refuse(Errc::unknown_name, edit.component + "." + path, "is no property",
+                  "properties that can change while it runs belong to: " + list);
+  }
+  return ok();
+}
+
+/// An integrator must not vanish silently.
+Status check_state_survives(const CoreBase& core, const Edit& edit) {
+  const bool same_core = !edit.core.has_value();
+  if (!same_core || edit.state == StatePolicy::drop) return ok();
+  if (core.state() != nullptr || core.slow_state() != nullptr || core.stateless()) return ok();
+  return refuse(Errc::unsupported, core.address(),
+                "declares neither a state to hand over nor that it has none, so this change would "
+                "silently reset it",
+                "say --state drop to start it fresh, or declare mauve::State or mauve::Stateless "
+                "in the core");
+}
+
+}  // namespace mauve::exec

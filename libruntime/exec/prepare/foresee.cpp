@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/prepare/foresee.h"
+
+#include <algorithm>
+
+#include "exec/commit/commit.h"
+#include "exec/recovery/inherit.h"
+#include "exec/system/books.h"
+#include "model/hand_over.h"
+
+#include <mauve/receipt.h>
+#include <mauve/resource.h>
+
+namespace mauve::exec {
+namespace {
+
+/// What becomes of the state when one core replaces the other.
+MemberReceipt row_of(const std::string& name, const CoreBase& from, const CoreBase& into,
+                     StatePolicy policy) {
+  MemberReceipt row{name, Duration{0}, 0, 0};
+  if (&from == &into) return row;
+  const auto plan = plan_hand_over(from, into, policy);
+  if (plan) row.bytes = plan->bytes;
+  say_dropped(from, into, policy, row);
+  return row;
+}
+
+/// Those that would wait at a barrier may lose releases.
+void add_waits(const PreparedBarrier& barrier, Receipt& receipt) {
+  for (const auto& wait : barrier.waits) {
+    const auto row = std::find_if(receipt.components.begin(), receipt.components.end(),
+                                  [&](const auto& one) { return one.name == wait.component; });
+    if (row != receipt.components.end()) {
+      row->missed = wait.releases;
+    } else {
+      receipt.components.push_back({wait.component, Duration{0}, wait.releases, 0});
+    }
+  }
+}
+
+}  // namespace
+
+Receipt foresee(const System& system, const PreparedChange::Content& content) {
+  Receipt receipt;
+  receipt.generation = system.generation;
+  for (const auto& member : content.members) {
+    receipt.components.push_back(
+        row_of(member.component->name(), *member.base->core, *member.next->core, member.state));
+  }
+  for (const auto& resource : content.resources) {
+    if (resource.parts.core == nullptr) continue;
+    receipt.components.push_back(row_of(resource.resource->name(), *resource.base.core,
+                                        *resource.parts.core, resource.state));
+  }
+  if (content.barrier) add_waits(*content.barrier, receipt);
+  receipt.warnings = content.warnings;
+  receipt.notes = notes_of(system, content);
+  return receipt;
+}
+
+}  // namespace mauve::exec

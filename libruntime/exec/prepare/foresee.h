@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What a prepared change would do, for those who want to know before it takes effect.
+#pragma once
+
+#include "exec/system/prepared.h"
+#include "exec/system/system.h"
+
+#include <mauve/receipt.h>
+
+namespace mauve::exec {
+
+/// The receipt that the change would get now, without times. [control]
+[[nodiscard]] Receipt foresee(const System& system, const PreparedChange::Content& content);
+
+}  // namespace mauve::exec

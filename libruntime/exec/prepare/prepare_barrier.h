@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What is handed over at a barrier.
+#pragma once
+
+#include <vector>
+
+#include "exec/system/prepared.h"
+
+#include <mauve/result.h>
+
+namespace mauve {
+struct NewResource;
+}  // namespace mauve
+
+namespace mauve::exec {
+
+class System;
+
+/// The replacement of what leaves under its name, before it is configured. Errors: as
+/// plan_transfer().
+Status prepare_replacement(System& system, const NewResource& joining,
+                           PreparedChange::Content& content);
+
+}  // namespace mauve::exec

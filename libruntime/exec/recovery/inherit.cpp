@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/recovery/inherit.h"
+
+#include <algorithm>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "exec/recovery/probation_period.h"
+#include "exec/swap/bystanders.h"
+#include "exec/swap/rewired.h"
+
+#include <mauve/fsm.h>
+#include <mauve/resource.h>
+#include <mauve/service.h>
+
+namespace mauve::exec {
+namespace {
+
+using Content = PreparedChange::Content;
+using Names = std::set<std::string, std::less<>>;
+
+/// Everything that the change makes different, by name: a name that left may be there anew.
+Names names_of(const Content& change) {
+  Names names;
+  for (const PreparedMember& member : change.members) names.insert(member.component->name());
+  for (const PreparedResource& one : change.resources) names.insert(one.resource->name());
+  for (const auto& resource : change.new_resources) names.insert(resource->name());
+  for (const ResourceBase* resource : change.leaving_resources) names.insert(resource->name());
+  for (const NewFallback& fallback : change.fallbacks) names.insert(fallback.component);
+  return names;
+}
+
+bool has_resources(const Content& change) {
+  return !change.resources.empty() || !change.new_resources.empty() ||
+         !change.leaving_resources.empty();
+}
+
+using Resources = std::set<const ResourceBase*>;
+
+bool leads_into(const Bundle& bundle, const Resources& resources) {
+  return std::any_of(bundle.bindings->begin(), bundle.bindings->end(), [&](const auto& binding) {
+    return binding != nullptr && resources.contains(&binding->service().resource());
+  });
+}
+
+bool any_leads_into(const Content& change, const Resources& resources) {
+  return std::any_of(change.members.begin(), change.members.end(), [&](const auto& member) {
+    return leads_into(*member.base, resources) || leads_into(*member.next, resources);
+  });
+}
+
+bool same_names(const System& system, const Content& change, const Names& before) {
+  const Names names = names_of(change);
+  const bool shared = std::any_of(names.begin(), names.end(),
+                                  [&](const std::string& name) { return before.contains(name); });
+  if (shared || !change.barrier) return shared;
+  // Who waits at a barrier cannot be rolled back meanwhile.
+  const auto bystanders = bystanders_of(system, change);
+  return std::any_of(bystanders.begin(), bystanders.end(), [&](const ComponentBase* component) {
+    return before.contains(component->name());
+  });
+}
+
+const std::shared_ptr<Configurable>* find(const std::vector<std::shared_ptr<Configurable>>& all,
+                                          const Configurable* one) {
+  const auto found = std::find_if(all.begin(), all.end(),
+                                  [one](const auto& element) { return element.get() == one; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+std::vector<std::shared_ptr<Configurable>> elements_of(const Bundle& bundle) {
+  return {bundle.shell, bundle.core, bundle.fsm};
+}
+
+/// Those of `between` that are in neither of the others.
+void retire_between(const Bundle& between, const Bundle& before, const Bundle& now, Retired& free) {
+  const auto kept = elements_of(before);
+  const auto in_force = elements_of(now);
+  for (auto& element : elements_of(between)) {
+    if (find(kept, element.get()) == nullptr && find(in_force, element.get()) == nullptr) {
+      free.add(std::move(element));
+    }
+  }
+}
+
+template <typename T>
+void put_before(std::vector<T>& into, std::vector<T>& from) {
+  into.insert(into.begin(), std::make_move_iterator(from.begin()),
+              std::make_move_iterator(from.end()));
+  from.clear();
+}
+
+void adopt_fallbacks(Content& before, Content& heir) {
+  for (NewFallback& older : before.fallbacks) {
+    std::erase_if(heir.fallbacks,
+                  [&](const NewFallback& one) { return one.component == older.component; });
+  }
+  put_before(heir.fallbacks, before.fallbacks);
+}
+
+/// Of another class or another build.
+bool brings_code(const Content& change) {
+  return std::any_of(change.members.begin(), change.members.end(), [](const auto& member) {
+    return member.type || is_other_code(*member.base->shell, *member.next->shell) ||
+           is_other_code(*member.base->core, *member.next->core) ||
+           is_other_code(*member.base->fsm, *member.next->fsm);
+  });
+}
+
+std::string in_words(const std::vector<std::string>& names) {
+  std::string words;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    words += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  }
+  return words;
+}
+
+std::string in_words(const std::vector<std::uint64_t>& changes) {
+  const std::string last = std::to_string(changes.back());
+  return changes.size() == 1 ? "generation " + last
+                             : "generations " + std::to_string(changes.front()) + " to " + last;
+}
+
+}  // namespace
+
+bool concerns(const System& system, const Content& change, const Content& before) {
+  if (same_names(system, change, names_of(before))) return true;
+  // Rules refer to everything, and the order of resources within each other is that of all.
+  if (change.has_companion || before.has_companion) return true;
+  if (has_resources(change) && has_resources(before)) return true;
+  Resources joined;
+  for (const auto& resource : before.new_resources) joined.insert(resource.get());
+  Resources reached(change.leaving_resources.begin(), change.leaving_resources.end());
+  if (change.barrier)
+    reached = resources_touched(system.architecture, change);  // its users wait meanwhile
+  if (any_leads_into(change, joined) || any_leads_into(before, reached)) return true;
+  return clash(system.architecture, change, before);
+}
+
+bool changes_modes_only(const Content& change) {
+  if (change.probation || change.has_companion || change.barrier || change.in_place ||
+      has_resources(change) || !change.fallbacks.empty()) {
+    return false;
+  }
+  return std::all_of(change.members.begin(), change.members.end(), [](const auto& member) {
+    return member.part == Part::changes && member.next == member.base;
+  });
+}
+
+bool can_join(const Content& change, const Content& before) {
+  const bool plain = !change.barrier && !change.has_companion && !change.in_place &&
+                     !has_resources(change) && (change.probation || !brings_code(change));
+  if (!plain || !before.resources.empty()) return false;
+  return std::all_of(change.members.begin(), change.members.end(), [](const auto& member) {
+    return member.part == Part::changes || member.part == Part::follows;
+  });
+}
+
+void Heritage::add(ProbationPeriod& before) {
+  for (std::size_t i = 0; i < before.members().size(); ++i) {
+    members_.push_back({before.content().members[i].component, before.members()[i].origin});
+  }
+  rollbacks_.push_back(before.rollback().get());
+  held_.push_back(before.hold());
+  changes_.insert(changes_.end(), before.changes().begin(), before.changes().end());
+  std::sort(changes_.begin(), changes_.end());
+}
+
+const Origin* Heritage::origin_of(const ComponentBase& component) const {
+  const auto found = std::find_if(members_.begin(), members_.end(), [&](const Member& member) {
+    return member.component == &component;
+  });
+  return found == members_.end() ? nullptr : &found->origin;
+}
+
+bool Heritage::has(const Rollback& before) const {
+  return std::find(rollbacks_.begin(), rollbacks_.end(), &before) != rollbacks_.end();
+}
+
+Origin further_back(const Origin& before, const Origin& now) {
+  Origin origin = before;
+  if (before.mode == Mode::keep) {
+    origin.mode = now.mode;
+  } else if (now.mode != Mode::keep) {
+    origin.mode = Mode::keep;  // there and back
+  }
+  if (before.state == StatePolicy::keep || now.state == StatePolicy::drop) origin.state = now.state;
+  return origin;
+}
+
+void adopt(Content& before, Content& heir, const std::vector<MemberRollback>& members,
+           Retired& free) {
+  for (PreparedMember& older : before.members) {
+    const auto at = std::find_if(heir.members.begin(), heir.members.end(),
+                                 [&](const auto& one) { return one.component == older.component; });
+    const auto index = static_cast<std::size_t>(at - heir.members.begin());
+    PreparedMember& newer = *at;
+    if (!members[index].in_force) newer.next = older.next;
+    retire_between(*older.next, *older.base, *newer.next, free);
+    newer.base = older.base;
+    newer.part = older.part;
+    newer.owner = std::move(older.owner);
+    if (older.type) newer.type = std::move(older.type);
+  }
+  heir.has_companion = heir.has_companion || before.has_companion;
+  adopt_fallbacks(before, heir);
+  put_before(heir.new_resources, before.new_resources);
+  put_before(heir.leaving_resources, before.leaving_resources);
+  put_before(heir.left_resources, before.left_resources);
+}
+
+std::vector<std::string> notes_of(const System& system, const Content& change) {
+  std::vector<std::string> notes;
+  if (changes_modes_only(change)) return notes;
+  for (const auto& one : system.probations) {
+    if (one->told() || !concerns(system, change, one->content())) continue;
+    const OpenProbation open = one->look();
+    const std::string names = in_words(open.components);
+    const std::string first = std::to_string(open.changes.front() - 1);
+    if (can_join(change, one->content())) {
+      const bool several = open.changes.size() > 1;
+      notes.push_back(in_words(open.changes) + " (" + names + ")" +
+                      (several ? " have not proved themselves yet: this change joins them, so a "
+                                 "failure or `undo` rolls back to before all of them"
+                               : " has not proved itself yet: this change joins it, so a failure "
+                                 "or `undo` rolls back to before both") +
+                      ", as in generation " + first);
+    } else {
+      notes.push_back("the probation of " + in_words(open.changes) + " (" + names +
+                      ") ends early: a failure rolls back to before this change only");
+    }
+  }
+  return notes;
+}
+
+}  // namespace mauve::exec

@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/recovery/probation_period.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "exec/admission/membership.h"
+#include "exec/recovery/inherit.h"
+#include "exec/swap/resource_update.h"
+#include "exec/system/books.h"
+#include "exec/system/tell_control.h"
+#include "model/left_behind.h"
+
+#include <mauve/architecture.h>
+
+namespace mauve::exec {
+namespace {
+
+/// Does the resource have what the change gave it?
+bool in_force(const PreparedResource& change) {
+  const ResourceBase& resource = *change.resource;
+  return (change.parts.core == nullptr || resource.shared_core() == change.parts.core) &&
+         (change.parts.bindings == nullptr || resource.shared_bindings() == change.parts.bindings);
+}
+
+/// `owner` is null for a member of a derived architecture.
+template <typename Element>
+void put_back(Architecture& architecture, Element& element, std::shared_ptr<Element> owner) {
+  if (owner == nullptr) return architecture.add(element);
+  architecture.own(std::move(owner));
+}
+
+}  // namespace
+
+ProbationPeriod::ProbationPeriod(System& system, std::shared_ptr<Content> content,
+                                 std::vector<MemberRollback> members,
+                                 std::shared_ptr<Rollback> rollback, Retired replaced,
+                                 std::uint64_t number, std::vector<std::uint64_t> joined)
+    : system_(system),
+      departed_(system.departed),
+      content_(std::move(content)),
+      members_(std::move(members)),
+      rollback_(std::move(rollback)),
+      replaced_(std::move(replaced)),
+      changes_(std::move(joined)),
+      number_(number),
+      began_(system.runner->now()) {
+  changes_.push_back(system.generation);
+  for (const PreparedResource& change : content_->resources) {
+    if (!in_force(change)) continue;
+    ResourceParts before = change.base;
+    if (change.parts.core == nullptr) before.core.reset();
+    if (change.parts.bindings == nullptr) before.bindings.reset();
+    updates_.push_back(std::make_unique<ResourceUpdate>(*change.resource, std::move(before),
+                                                        change.state, rollback_->decision()));
+  }
+}
+
+ProbationPeriod::~ProbationPeriod() {
+  if (phase_ == Phase::over || (phase_ == Phase::withdrawing && all_looked_away())) return;
+  // The system goes down: whose thread ended looks at nothing any more.
+  const auto ended = [](const MemberRollback& member) { return member.deployed->ended; };
+  if (std::all_of(members_.begin(), members_.end(), ended)) return;
+  for (MemberRollback& member : members_) {
+    leave_behind(std::shared_ptr<TaskUpdate>(std::move(member.withdrawn)));
+  }
+  leave_behind(rollback_);
+}
+
+bool ProbationPeriod::awaits_confirmation() const {
+  return content_->probation->confirm_within > Duration{0} && open();
+}
+
+bool ProbationPeriod::advance() {
+  if (phase_ == Phase::watching) watch();
+  if (phase_ == Phase::going_back) go_back();
+  if (phase_ == Phase::withdrawing && all_looked_away()) {
+    for (auto& update : updates_) {
+      if (!update->disarm()) return true;
+    }
+    updates_.clear();
+    phase_ = Phase::over;
+  }
+  return phase_ != Phase::over;
+}
+
+void ProbationPeriod::watch() {
+  if (rollback_->told()) {
+    phase_ = Phase::going_back;
+    tell_control(system_, TraceKind::rollback, content_->what, rollback_->decision().instant(),
+                 number_);
+    tell_members(system_, *content_, number_);
+    for (const MemberRollback& member : members_) system_.runner->wake(*member.deployed->task);
+    return;
+  }
+  if (rollback_->closed()) return held_.expired() ? overtake() : void();
+  const Probation& rules = *content_->probation;
+  const Duration passed{system_.runner->now() - began_};
+  if (rules.confirm_within > Duration{0}) {
+    if (passed >= rules.confirm_within) {
+      static_cast<void>(undo("not confirmed within its time"));
+    }
+    return;
+  }
+  const auto proved = [&](const MemberRollback& member) {
+    const std::uint64_t releases = member.deployed->task->counters().releases.load();
+    return releases - member.releases_before >= rules.activations;
+  };
+  const bool all_proved =
+      !members_.empty() && std::all_of(members_.begin(), members_.end(), proved);
+  if ((all_proved || passed >= rules.time) && awaits_verdict()) return;
+  if (all_proved) {
+    static_cast<void>(pass(std::to_string(rules.activations) + " jobs without a fault"));
+  } else if (passed >= rules.time) {
+    static_cast<void>(pass("its time passed without a fault"));
+  }
+}
+
+/// A core that is seldom released may have too few jobs for a verdict when its time has passed. A
+/// member under suspicion gets twice as many more as a verdict takes for a core that is always too
+/// slow.
+bool ProbationPeriod::awaits_verdict() {
+  bool waits = false;
+  for (MemberRollback& member : members_) {
+    const Task& task = *member.deployed->task;
+    const std::uint64_t releases = task.counters().releases.load();
+    if (member.last_release == 0) member.last_release = releases + 2 * Evidence::kJobs;
+    waits = waits || (task.suspected() && releases < member.last_release);
+  }
+  return waits;
+}
+
+bool ProbationPeriod::undo(const std::string& reason) {
+  if (phase_ != Phase::watching) return false;
+  return rollback_->trigger(system_.runner->clock(), reason);
+}
+
+bool ProbationPeriod::pass(const std::string& reason, Outcome::Kind kind) {
+  if (phase_ != Phase::watching || !held_.expired() || !rollback_->close()) return false;
+  end(kind, reason);
+  return true;
+}
+
+void ProbationPeriod::overtake() {
+  if (phase_ != Phase::watching) return;
+  static_cast<void>(rollback_->close());  // or a member that failed meanwhile does
+  end(Outcome::Kind::overtaken, "a newer change");
+}
+
+void ProbationPeriod::end(Outcome::Kind kind, const std::string& reason) {
+  for (std::size_t i = 0; i < content_->members.size(); ++i) {
+    PreparedMember& member = content_->members[i];
+    if (member.part != Part::leaves) continue;
+    if (member.owner != nullptr) free_.keep(member.owner);
+  }
+  tell(kind, reason);
+  free_.merge(std::move(replaced_));
+  withdraw();
+  let_go_left();
+}
+
+void ProbationPeriod::pass_on_to(Content& heir, const std::vector<MemberRollback>& members) {
+  static_cast<void>(rollback_->close());  // or a member that failed meanwhile does
+  adopt(*content_, heir, members, free_);
+  replaced_.forget();
+  withdraw();
+}
+
+std::shared_ptr<const void> ProbationPeriod::hold() {
+  auto held = held_.lock();
+  if (held == nullptr) held_ = held = std::make_shared<int>();
+  return held;
+}
+
+OpenProbation ProbationPeriod::look() const {
+  OpenProbation open{changes_,
+                     {},
+                     Duration{system_.runner->now() - began_},
+                     *content_->probation,
+                     rollback_->rolls_back()};
+  for (const PreparedMember& member : content_->members) {
+    open.components.emplace_back(member.component->name());
+  }
+  for (const PreparedResource& one : content_->resources) {
+    open.components.emplace_back(one.resource->name());
+  }
+  return open;
+}
+
+/// Its rollback is out of the task's hands meanwhile; it is parked, so it misses nothing.
+void ProbationPeriod::keep_parked() {
+  for (std::size_t i = 0; i < content_->members.size(); ++i) {
+    Task& task = *members_[i].deployed->task;
+    TaskUpdate* const back = members_[i].back;
+    if (content_->members[i].part != Part::leaves || !task.mailbox().withdraw_rollback(*back))
+      continue;
+    back->mode = Mode::park;
+    task.mailbox().put_back(*back);
+    system_.runner->wake(task);
+  }
+}
+
+/// The tasks give the rollbacks up; each is freed when its thread has looked elsewhere.
+void ProbationPeriod::withdraw() {
+  phase_ = Phase::withdrawing;
+  for (MemberRollback& member : members_) {
+    Task& task = *member.deployed->task;
+    if (task.mailbox().withdraw_rollback(*member.back)) member.withdrawn.reset(member.back);
+    member.looks_after = task.mailbox().looks();
+    system_.runner->wake(task);
+  }
+  free_.keep(content_);
+}
+
+void ProbationPeriod::let_go_left() {
+  for (std::size_t i = 0; i < content_->members.size(); ++i) {
+    if (content_->members[i].part != Part::leaves) continue;
+    static_cast<void>(let_go(system_, *members_[i].deployed));
+  }
+}
+
+bool ProbationPeriod::all_looked_away() const {
+  return std::all_of(members_.begin(), members_.end(), [&](const MemberRollback& member) {
+    return !member.in_force || member.deployed->ended ||
+           member.deployed->task->mailbox().looks() > member.looks_after;
+  });
+}
+
+void ProbationPeriod::go_back() {
+  const Instant now = system_.runner->now();
+  for (auto& update : updates_) update->help(now);
+  if (!rollback_->told() || !all_are_back() || !may_let_go()) return;
+  tell(Outcome::Kind::rolled_back, culprit());
+  install_old();
+  if (!quiet_) system_.outcomes.back().generation = ++system_.generation;
+  replaced_.forget();
+  free_.keep(content_);
+  for (MemberRollback& member : members_) {
+    member.looks_after = member.deployed->task->mailbox().looks();
+    system_.runner->wake(*member.deployed->task);
+  }
+  phase_ = Phase::withdrawing;
+}
+
+bool ProbationPeriod::all_are_back() const {
+  const bool members = std::all_of(members_.begin(), members_.end(), [](const auto& member) {
+    return !member.in_force ||
+           member.answer->progress.load(std::memory_order_acquire) == TaskUpdate::Progress::done;
+  });
+  return members && std::all_of(updates_.begin(), updates_.end(),
+                                [](const auto& update) { return update->settled(); });
+}
+
+/// An order to park may be on its way to what joined; the task is parked, so that is over soon.
+bool ProbationPeriod::may_let_go() const {
+  for (std::size_t i = 0; i < content_->members.size(); ++i) {
+    const bool leaves = members_[i].in_force && content_->members[i].part == Part::joins;
+    if (leaves && members_[i].deployed->changing) return false;
+  }
+  return true;
+}
+
+/// What callers and threads use again is what the model shows.
+void ProbationPeriod::install_old() {
+  ++system_.revision;
+  Architecture& architecture = system_.architecture;
+  for (std::size_t i = 0; i < content_->members.size(); ++i) {
+    PreparedMember& member = content_->members[i];
+    Deployed* const deployed = members_[i].deployed;
+    if (!members_[i].in_force) continue;
+    deployed->shown = number_;
+    if (member.next != member.base) member.component->install(member.base);
+    if (member.type) member.component->renew(*member.type);
+    if (member.part == Part::leaves) {
+      put_back(architecture, *member.component, std::exchange(member.owner, nullptr));
+      deployed->hidden = false;
+    }
+    schedule(system_, *deployed);
+    retire(*member.next, *member.base, free_);
+    static_cast<void>(
+        deployed->task->mailbox().reclaim());  // the words that it ran with; elements stay
+    if (member.part != Part::joins) continue;
+    static_cast<void>(architecture.take_out(*member.component));
+    static_cast<void>(let_go(system_, *deployed));
+  }
+  for (const PreparedResource& change : content_->resources) {
+    if (!in_force(change)) continue;
+    change.resource->install(change.base.core, change.base.bindings);
+    if (change.hold) change.resource->gate().declare_hold(change.base_hold);
+    if (change.parts.core != nullptr) free_.add(change.parts.core);
+  }
+  exchange_fallbacks(architecture, content_->fallbacks);
+  for (const auto& resource : content_->new_resources) {
+    static_cast<void>(architecture.take_out(*resource));
+  }
+  for (std::size_t i = 0; i < content_->left_resources.size(); ++i) {
+    put_back(architecture, *content_->leaving_resources[i], content_->left_resources[i]);
+  }
+}
+
+void ProbationPeriod::tell_after_all() {
+  if (!std::exchange(quiet_, false)) return;
+  changes_.back() = ++system_.generation;
+}
+
+std::string ProbationPeriod::culprit() const {
+  const std::string text = rollback_->text();
+  if (rollback_->cause() == Cause::asked) return text;
+  const std::string cause(to_string(rollback_->cause()));
+  const ResourceBase* const inside = failed_in();
+  const std::string where = inside == nullptr ? "" : ", in a call of " + inside->name();
+  return (text.empty() ? cause : cause + ": " + text) + where;
+}
+
+/// The resource in whose service the member failed; null: it failed in its own code.
+const ResourceBase* ProbationPeriod::failed_in() const {
+  for (const ResourceBase* resource : system_.architecture.resources()) {
+    if (&resource->gate() == rollback_->inside()) return resource;
+  }
+  return nullptr;
+}
+
+/// The new cores that failed. A resource that fails its caller is not the fault of the caller's
+/// core.
+void ProbationPeriod::name_cores(Outcome& end) const {
+  if (failed_in() != nullptr) return;
+  for (const PreparedMember& member : content_->members) {
+    const std::string& core = member.next->core_type.name;
+    const bool is_new =
+        member.part == Part::joins || is_other_code(*member.base->core, *member.next->core);
+    if (is_new && member.component->name() == end.component) end.cores.push_back(core);
+  }
+}
+
+void ProbationPeriod::tell(Outcome::Kind kind, const std::string& reason) {
+  if (quiet_) return;
+  Outcome end;
+  end.began = changes_.front();
+  end.changes = changes_;
+  end.generation = system_.generation;
+  for (const auto& one : system_.probations) {
+    if (one.get() == this || one->told()) continue;
+    const std::uint64_t first = one->changes_.front();
+    end.oldest_open = end.oldest_open == 0 ? first : std::min(end.oldest_open, first);
+  }
+  end.kind = kind;
+  end.reason = reason;
+  if (kind == Outcome::Kind::rolled_back) {
+    end.commit = Duration{rollback_->decision().instant() - system_.t0};
+    for (const MemberRollback& member : members_) {
+      if (&member.deployed->task->report() == rollback_->member()) {
+        end.component = member.deployed->task->name();
+      }
+    }
+    if (!end.component.empty()) end.incident = to_incident(rollback_->fault());
+    name_cores(end);
+  }
+  system_.outcomes.push_back(std::move(end));
+}
+
+}  // namespace mauve::exec

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/swap/resource_update.h"
+
+#include "exec/task/write_quietly.h"
+
+#include <mauve/clock.h>
+#include <mauve/observable.h>
+#include <mauve/resource.h>
+
+namespace mauve::exec {
+namespace {
+
+std::vector<std::pair<const PortBase*, const Binding*>> lost_connections(
+    const ResourceBase& resource, const Bindings* next) {
+  std::vector<std::pair<const PortBase*, const Binding*>> lost;
+  if (next == nullptr) return lost;
+  for (const PortBase* port : resource.shell().ports()) {
+    const auto& before = resource.bindings()[port->index()];
+    const auto& after = (*next)[port->index()];
+    if (before == nullptr || before == after || goes_on_at_replacement(*before, after.get()))
+      continue;
+    lost.emplace_back(port, before.get());
+  }
+  return lost;
+}
+
+}  // namespace
+
+ResourceUpdate::ResourceUpdate(ResourceBase& resource, ResourceParts parts, StatePolicy state,
+                               Decision& decision)
+    : resource_(resource),
+      parts_(std::move(parts)),
+      replaced_{parts_.core != nullptr ? resource.shared_core() : nullptr,
+                parts_.bindings != nullptr ? resource.shared_bindings() : nullptr},
+      decision_(decision),
+      safe_writes_(lost_connections(resource, parts_.bindings.get())) {
+  if (parts_.core != nullptr) {
+    // Refused only on the rollback to a core that cannot take the state of a later one: it goes on
+    // from the value it had.
+    const auto plan = plan_hand_over(*replaced_.core, *parts_.core, state);
+    if (plan) hand_over_ = *plan;
+    for (ObservableBase* observable : parts_.core->observables()) {
+      const ObservableBase* same = replaced_.core->find_observable(observable->name());
+      const bool goes_on = same != nullptr && same_type(same->type(), observable->type());
+      if (goes_on) observables_.emplace_back(observable, same);
+    }
+  }
+  resource_.gate().defer(*this);
+}
+
+ResourceUpdate::~ResourceUpdate() = default;
+
+bool ResourceUpdate::visit(Instant release) {
+  if (state() == State::in_force || state() == State::given_up) return true;
+  if (release == 0) return false;
+  // The coordinator is late: whoever comes at the instant decides for all that nothing happens.
+  const Decision::Verdict verdict = decision_.meet(release);
+  if (verdict == Decision::Verdict::go_on) return false;
+  const bool aborted = verdict == Decision::Verdict::give_back;
+  State expected = State::waiting;
+  const State wanted = aborted ? State::given_up : State::taking;
+  if (!state_.compare_exchange_strong(expected, wanted, std::memory_order_acq_rel)) return true;
+  if (!aborted) take();
+  return true;
+}
+
+/// Under the gate.
+void ResourceUpdate::take() {
+  const Instant begin = MonotonicClock().now();
+  for (const auto& [port, before] : safe_writes_) write_quietly(*port, *before, true);
+  if (!resource_.gate().poisoned()) {  // else it may be half written: the new core begins anew
+    converting_.store(true);
+    const bool failed = hand_over_.run().happened();
+    if (!converting_.exchange(false)) return;  // its thread was given up: see finish_for_lost()
+    failed_ = failed;
+    bytes_ = failed ? 0 : hand_over_.bytes;
+  }
+  for (const auto& [into, from] : observables_) into->continue_from(*from);
+  meet();
+  pause_ = Duration{MonotonicClock().now() - begin};
+  state_.store(State::in_force, std::memory_order_release);
+}
+
+/// Half a state is not for its users: they are told, as after a caller that crashed in it.
+void ResourceUpdate::meet() {
+  resource_.meet(parts_.core, parts_.bindings);
+  if (failed_) resource_.gate().poison();
+  if (parts_.core != nullptr) resource_.gate().forget_holds();
+}
+
+/// A caller never returned from the converter; the guard took its lock away and poisoned the
+/// resource.
+void ResourceUpdate::finish_for_lost() {
+  if (state() != State::taking || !resource_.gate().poisoned()) return;
+  if (!converting_.exchange(false)) return;
+  failed_ = lost_ = true;
+  meet();
+  state_.store(State::in_force, std::memory_order_release);
+}
+
+void ResourceUpdate::help(Instant now) {
+  finish_for_lost();
+  if (state() != State::waiting) return;
+  if (decision_.given_up()) return revoke();
+  if (decision_.state() != Decision::State::committed || now < decision_.instant()) return;
+  if (!resource_.gate().try_enter()) return;
+  static_cast<void>(visit(now));
+  resource_.gate().forget(*this);
+  resource_.gate().leave();
+}
+
+void ResourceUpdate::revoke() {
+  State expected = State::waiting;
+  state_.compare_exchange_strong(expected, State::given_up, std::memory_order_acq_rel);
+}
+
+bool ResourceUpdate::disarm() {
+  if (!armed_) return true;
+  resource_.gate().forget(*this);
+  if (!resource_.gate().try_enter()) return false;
+  resource_.gate().leave();
+  armed_ = false;
+  return true;
+}
+
+}  // namespace mauve::exec

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The change of one resource. A resource has no thread: the first caller whose job is released at
+/// or after the instant takes the change under the resource's own lock, or the
+/// coordinator does when nobody comes.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "exec/system/resource_parts.h"
+#include "exec/update/decision.h"
+#include "model/hand_over.h"
+
+#include <mauve/binding.h>
+#include <mauve/change_policy.h>
+#include <mauve/gate.h>
+
+namespace mauve {
+
+class CoreBase;
+class ObservableBase;
+class PortBase;
+class ResourceBase;
+
+namespace exec {
+
+class ResourceUpdate final : public Deferred {
+ public:
+  enum class State : std::uint8_t {
+    waiting,
+    taking,
+    in_force,
+    given_up,  ///< aborted, revoked or never taken: the resource is untouched
+  };
+
+  /// Arms it. The transaction outlives it.
+  ResourceUpdate(ResourceBase& resource, ResourceParts parts, StatePolicy state,
+                 Decision& decision);
+  /// Nobody visits it any more: see disarm().
+  ~ResourceUpdate() override;
+
+  bool visit(Instant release) override;
+  /// Takes the change itself once the instant has passed, unless somebody is inside. [control]
+  void help(Instant now);
+  /// Takes it back if nobody took it. [control]
+  void revoke();
+  /// True when no caller can still be looking at it. [control]
+  [[nodiscard]] bool disarm();
+
+  [[nodiscard]] bool settled() const {
+    return state() == State::in_force || state() == State::given_up;
+  }
+  [[nodiscard]] State state() const { return state_.load(std::memory_order_acquire); }
+  [[nodiscard]] ResourceBase& resource() const { return resource_; }
+  /// What it had before; valid when in force.
+  [[nodiscard]] const ResourceParts& replaced() const { return replaced_; }
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
+  /// Its state was not converted: it is in force and poisoned.
+  [[nodiscard]] bool failed() const { return failed_; }
+  /// A thread that never returned is still inside: it must not be freed.
+  [[nodiscard]] bool lost() const { return lost_; }
+  /// How long callers were kept out.
+  [[nodiscard]] Duration pause() const { return pause_; }
+
+ private:
+  void take();
+  void meet();
+  void finish_for_lost();
+
+  ResourceBase& resource_;
+  ResourceParts parts_;
+  ResourceParts replaced_;
+  HandOver hand_over_;
+  std::vector<std::pair<ObservableBase*, const ObservableBase*>> observables_;
+  Decision& decision_;
+  /// Ports that lose their service: their safe values are written first.
+  std::vector<std::pair<const PortBase*, const Binding*>> safe_writes_;
+  std::atomic<State> state_{State::waiting};
+  bool armed_ = true;
+  std::atomic<bool> converting_{false};  // by a caller, which may be given up in it
+  bool failed_ = false;
+  bool lost_ = false;
+  std::size_t bytes_ = 0;
+  Duration pause_{0};
+};
+
+}  // namespace exec
+}  // namespace mauve

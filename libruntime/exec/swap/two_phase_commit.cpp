@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/swap/two_phase_commit.h"
+
+#include <algorithm>
+
+#include "base/fail_point.h"
+#include "exec/run/runner.h"
+#include "exec/task/task.h"
+#include "model/left_behind.h"
+
+namespace mauve::exec {
+namespace {
+
+constexpr Duration kShortestLead = 200us;
+constexpr Duration kLeadPerMember = 1us;
+
+/// Decided before it is published. It gets its instant when every member has it, so that nothing
+/// that holds up [control] meanwhile lets a member pass the instant unaware of it.
+class Order final : public Decision {
+ public:
+  Order() : Decision(kNever, State::committed) {}
+  using Decision::claim;
+};
+
+using Progress = TaskUpdate::Progress;
+
+}  // namespace
+
+TwoPhaseCommit::TwoPhaseCommit(std::vector<Member> members, std::vector<ResourceMember> resources,
+                               Runner& runner, Duration bound, Kind kind,
+                               std::vector<std::shared_ptr<Rollback>> before)
+    : members_(std::move(members)),
+      resources_(std::move(resources)),
+      runner_(runner),
+      bound_(bound),
+      kind_(kind),
+      before_(std::move(before)),
+      lead_(std::max(kShortestLead, kLeadPerMember * static_cast<std::int64_t>(members_.size()))) {
+  // Resources alone wait for nobody: their callers meet the change from now on.
+  if (members_.empty()) lead_ = Duration{0};
+  attempt();
+}
+
+TwoPhaseCommit::~TwoPhaseCommit() {
+  bool in_use = given_up_;
+  for (ResourceMember& member : resources_) old_updates_.push_back(std::move(member.update));
+  for (auto& update : old_updates_) {
+    if (!update->lost() && update->disarm()) continue;
+    leave_behind(std::shared_ptr<ResourceUpdate>(std::move(update)));
+    in_use = true;
+  }
+  // When a change was given up, or the system goes down over it: a thread may be about to look.
+  for (const Member& member : members_) in_use = in_use || member.update != nullptr;
+  if (!in_use) return;
+  for (auto& decision : decisions_) leave_behind(std::move(decision));
+}
+
+/// Publishes and decides. The whole of it is a few stores, so it runs just above ordinary threads
+/// (and below every component): a loaded machine does not make it miss its instant.
+void TwoPhaseCommit::attempt() {
+  ++result_.attempts;
+  const auto urgency = runner_.hurry();
+  result_.instant = runner_.now() + lead_.count();
+  const auto order = kind_ == Kind::order ? std::make_shared<Order>() : nullptr;
+  const bool decided = members_.empty() && before_.empty();
+  decisions_.push_back(order);
+  if (order == nullptr) {
+    decisions_.back() = std::make_shared<Decision>(
+        result_.instant, decided ? Decision::State::committed : Decision::State::prepared);
+  }
+  for (const auto& before : before_) before->give_way_to(decisions_.back());
+  MAUVE_FAIL_POINT("commit.before_publish");
+  for (Member& member : members_) publish(member);
+  for (ResourceMember& resource : resources_) arm(resource);
+  if (order != nullptr) {
+    result_.instant = runner_.now() + lead_.count();
+    static_cast<void>(order->claim(result_.instant));
+  }
+  deadline_ = result_.instant + bound_.count();
+  const bool late = !members_.empty() && runner_.now() >= result_.instant - kDecisionMargin.count();
+  const bool led_back = is_rolled_back();
+  MAUVE_FAIL_POINT("commit.before_decide");
+  decisions_.back()->decide(late || led_back ? Decision::State::aborted
+                                             : Decision::State::committed);
+  MAUVE_FAIL_POINT("commit.after_decide");
+  for (Member& member : members_) runner_.wake(*member.task);
+}
+
+void TwoPhaseCommit::publish(Member& member) {
+  static_cast<void>(member.task->mailbox().reclaim());  // words of changes before, no elements
+  member.next->decision = decisions_.back().get();
+  member.next->answer->progress = Progress::published;
+  member.answer = member.next->answer;
+  member.settled = false;
+  member.update = member.next.release();
+  member.task->mailbox().publish(*member.update);
+}
+
+void TwoPhaseCommit::arm(ResourceMember& resource) {
+  if (resource.update != nullptr) old_updates_.push_back(std::move(resource.update));
+  resource.update = std::make_unique<ResourceUpdate>(*resource.resource, resource.parts,
+                                                     resource.state, *decisions_.back());
+}
+
+bool TwoPhaseCommit::all_settled() {
+  bool settled = true;
+  for (Member& member : members_) {
+    if (!member.settled) settle(member);
+    settled = settled && member.settled;
+  }
+  for (ResourceMember& resource : resources_) {
+    resource.update->help(runner_.now());
+    settled = settled && resource.update->settled();
+  }
+  return settled;
+}
+
+bool TwoPhaseCommit::advance() {
+  if (!all_settled()) {
+    if (result_.state != SwapResult::State::under_way || runner_.now() < deadline_) return false;
+    if (is_taking()) return false;
+    give_up();
+    return result_.state != SwapResult::State::waiting;
+  }
+  const bool open =
+      result_.state == SwapResult::State::under_way || result_.state == SwapResult::State::waiting;
+  if (!open) return true;
+  if (decisions_.back()->state() == Decision::State::committed) {
+    result_.state = SwapResult::State::committed;
+    return true;
+  }
+  if (is_rolled_back()) {
+    result_.state = SwapResult::State::overtaken;
+    return true;
+  }
+  if (result_.attempts == kMaxAttempts) {
+    result_.state = SwapResult::State::missed;
+    return true;
+  }
+  lead_ *= 2;
+  attempt();
+  return false;
+}
+
+/// One of the changes before.
+bool TwoPhaseCommit::is_rolled_back() const {
+  return std::any_of(before_.begin(), before_.end(),
+                     [](const std::shared_ptr<Rollback>& before) { return before->rolls_back(); });
+}
+
+/// Some caller is about to change a resource: an instant later that is settled.
+bool TwoPhaseCommit::is_taking() const {
+  return std::any_of(resources_.begin(), resources_.end(), [](const ResourceMember& member) {
+    return member.update->state() == ResourceUpdate::State::taking;
+  });
+}
+
+/// The task may have taken the word and left it again, for instance on a rollback: then the word is
+/// freed, and only its answer is there.
+void TwoPhaseCommit::settle(Member& member) {
+  const Progress progress = member.answer->progress.load(std::memory_order_acquire);
+  if (progress == Progress::published) return;
+  if (progress == Progress::done) {
+    member.pause = member.answer->pause;
+    member.bytes = member.answer->bytes;
+    member.failed = member.answer->failed;
+    member.in_force = true;
+    static_cast<void>(
+        member.task->mailbox().reclaim());  // what it ran with before: words, no elements
+  } else {
+    member.next.reset(member.update);  // untouched, ready for another attempt
+  }
+  member.update = nullptr;
+  member.settled = true;
+}
+
+/// Some member does not come to a boundary, or does not end its first job after it: takes back
+/// what nobody has claimed.
+void TwoPhaseCommit::give_up() {
+  if (kind_ == Kind::order) {
+    result_.state = SwapResult::State::waiting;
+    return;
+  }
+  const bool committed = decisions_.back()->state() == Decision::State::committed;
+  std::size_t in_force = 0;
+  for (Member& member : members_) {
+    if (!member.settled) give_up(member, committed);
+    in_force += member.in_force ? 1 : 0;
+  }
+  for (ResourceMember& resource : resources_) {
+    resource.update->revoke();
+    in_force += resource.update->state() == ResourceUpdate::State::given_up ? 0 : 1;
+  }
+  result_.state = in_force == 0                                     ? SwapResult::State::revoked
+                  : in_force == members_.size() + resources_.size() ? SwapResult::State::committed
+                                                                    : SwapResult::State::partly;
+}
+
+/// What its thread has claimed it runs with, or is about to, or it gave it back and lets it lie.
+void TwoPhaseCommit::give_up(Member& member, bool committed) {
+  given_up_ = true;
+  if (member.task->mailbox().revoke(*member.update)) {
+    // What a thread may be about to look at is left behind; the elements are not.
+    member.update->bundle.reset();
+    member.update->back.reset();
+    leave_behind(std::shared_ptr<TaskUpdate>(std::exchange(member.update, nullptr)));
+  } else {
+    member.in_force = committed;
+  }
+  member.settled = true;
+}
+
+}  // namespace mauve::exec

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The swap: how a change takes effect on N components at one logical instant.
+///
+///   coordinator [control]                        member [rt]
+///   choose the instant tc on the common clock
+///   put the new bundle into each mailbox
+///   decide: CAS prepared -> committed,           at a boundary r >= tc: CAS prepared -> aborted;
+///     unless tc is too near: -> aborted            committed: take it; aborted: give it back
+///   wake members that sleep                      asleep and r >= tc, committed: take it now
+///
+/// Whoever changes the word first decides for all: jobs released before tc are old everywhere, at
+/// or after tc new everywhere, or nothing happened. No member ever waits for another, and the
+/// coordinator only looks now and then how far they are. A resource has no thread: see
+/// resource_flip.h.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "exec/swap/resource_update.h"
+#include "exec/update/task_update.h"
+
+namespace mauve::exec {
+
+class Runner;
+class Task;
+
+/// One component's part in a swap.
+struct Member {
+  Task* task = nullptr;
+  std::unique_ptr<TaskUpdate> next;  ///< while no task owns it
+  TaskUpdate* update = nullptr;      ///< while a task owns it; freed once the task has left it
+  std::shared_ptr<const TaskUpdate::Answer> answer;  ///< of `update`; outlives it
+  bool settled = false;   ///< its thread has answered, or the swap gave it up
+  bool in_force = false;  ///< it runs with `next` now
+  Duration pause{0};      ///< the answer of its thread
+  std::size_t bytes = 0;
+  bool failed = false;  ///< it runs with `next`, whose state was not converted
+};
+
+/// One resource's part.
+struct ResourceMember {
+  ResourceBase* resource = nullptr;
+  ResourceParts parts;
+  StatePolicy state = StatePolicy::keep;
+  std::unique_ptr<ResourceUpdate> update;  ///< of this attempt
+};
+
+struct SwapResult {
+  enum class State : std::uint8_t {
+    under_way,
+    committed,
+    missed,     ///< every attempt missed its instant: nothing happened
+    revoked,    ///< no member reached a boundary in time: taken back, nothing happened
+    partly,     ///< some member did not reach a boundary in time, others did
+    overtaken,  ///< the change before is rolled back: nothing happened
+    waiting,    ///< an order: some member did not reach a boundary yet, it will obey when it does
+  };
+  State state = State::under_way;
+  Instant instant = 0;
+  unsigned attempts = 0;
+};
+
+inline constexpr unsigned kMaxAttempts = 5;
+
+/// A swap under way. [control]
+class TwoPhaseCommit {
+ public:
+  enum class Kind : std::uint8_t {
+    transaction,  ///< all members or none; taken back when nobody came in time
+    order,        ///< decided beforehand and never taken back: to stop cannot fail
+  };
+
+  /// Publishes and decides. `bound`: how long after the instant members may take to answer.
+  /// `before`: rollbacks that can no longer be triggered once this is committed.
+  TwoPhaseCommit(std::vector<Member> members, std::vector<ResourceMember> resources, Runner& runner,
+                 Duration bound, Kind kind, std::vector<std::shared_ptr<Rollback>> before = {});
+  ~TwoPhaseCommit();
+  TwoPhaseCommit(const TwoPhaseCommit&) = delete;
+  TwoPhaseCommit& operator=(const TwoPhaseCommit&) = delete;
+
+  /// Settles the members that have answered; tries again after a missed instant; gives up when the
+  /// time is over. Never waits. True when no member is left to wait for.
+  bool advance();
+  /// Takes back what nobody has claimed yet, before the time is over.
+  void call_off() {
+    if (result_.state == SwapResult::State::under_way) give_up();
+  }
+  [[nodiscard]] const SwapResult& result() const { return result_; }
+  /// Of the newest attempt.
+  [[nodiscard]] Decision::State decision() const { return decisions_.back()->state(); }
+  [[nodiscard]] const std::vector<Member>& members() const { return members_; }
+  [[nodiscard]] const std::vector<ResourceMember>& resources() const { return resources_; }
+
+ private:
+  void attempt();
+  void publish(Member& member);
+  void arm(ResourceMember& resource);
+  void settle(Member& member);
+  void give_up();
+  void give_up(Member& member, bool committed);
+  [[nodiscard]] bool all_settled();
+  [[nodiscard]] bool is_taking() const;
+  [[nodiscard]] bool is_rolled_back() const;
+
+  std::vector<Member> members_;
+  std::vector<ResourceMember> resources_;
+  std::vector<std::unique_ptr<ResourceUpdate>> old_updates_;  // a caller may still be inside
+  Runner& runner_;
+  const Duration bound_;
+  const Kind kind_;
+  const std::vector<std::shared_ptr<Rollback>> before_;
+  bool given_up_ = false;
+  Duration lead_;
+  Instant deadline_ = 0;
+  std::vector<std::shared_ptr<Decision>> decisions_;  // the newest counts
+  SwapResult result_;
+};
+
+}  // namespace mauve::exec

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/system/books.h"
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "model/hand_over.h"
+
+#include <mauve/architecture.h>
+#include <mauve/change.h>
+#include <mauve/receipt.h>
+
+namespace mauve::exec {
+
+Error being_rolled_back(std::uint64_t generation) {
+  return refuse(Errc::conflict, "generation " + std::to_string(generation), "is being rolled back",
+                "try again when it is over: see the log");
+}
+
+void retire(const Bundle& old, const Bundle& now, Retired& retired) {
+  if (now.shell != old.shell) retired.add(old.shell);
+  if (now.core != old.core) retired.add(old.core);
+  if (now.fsm != old.fsm) retired.add(old.fsm);
+}
+
+void schedule(System& system, Deployed& deployed) {
+  const TaskAttributes& task = deployed.component->bundle()->task;
+  const bool moves = !task.cpus.empty() && task.cpus != deployed.cpus;
+  if (!moves && task.priority == deployed.priority) return;
+  if (moves) deployed.cpus = task.cpus;
+  deployed.priority = task.priority;
+  // Both were found possible when the change was prepared.
+  static_cast<void>(system.runner->reschedule(*deployed.task, system.realtime ? task.priority : 0,
+                                              deployed.cpus));
+  deployed.realtime = system.realtime && system.runner->is_fifo(*deployed.task, task.priority);
+}
+
+void say_dropped(const CoreBase& from, const CoreBase& into, StatePolicy policy,
+                 MemberReceipt& row) {
+  for (const DataType* dropped : dropped_states(from, into, policy)) {
+    row.dropped += (row.dropped.empty() ? "" : " and ") + dropped->name;
+    row.dropped_bytes += dropped->size;
+  }
+}
+
+void exchange_fallbacks(Architecture& architecture, std::vector<NewFallback>& fallbacks) {
+  for (NewFallback& other : fallbacks) {
+    ComponentBase* component = architecture.find_component(other.component);
+    if (component == nullptr) continue;
+    auto before = component->fallback();
+    component->fall_back_to(std::exchange(other.fallback, std::move(before)));
+  }
+}
+
+}  // namespace mauve::exec

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What the model, the scheduler and the receipt get when a change is in force or goes back.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "exec/system/system.h"
+
+#include <mauve/change_policy.h>
+#include <mauve/result.h>
+
+namespace mauve {
+class Architecture;
+class CoreBase;
+class Retired;
+struct Bundle;
+struct MemberReceipt;
+struct NewFallback;
+}  // namespace mauve
+
+namespace mauve::exec {
+
+[[nodiscard]] Error being_rolled_back(std::uint64_t generation);
+
+/// The elements of `old` that `now` does not use, in the order of dependency.
+void retire(const Bundle& old, const Bundle& now, Retired& retired);
+
+/// Makes what a committed bundle says of the thread true: priority and CPUs. [control]
+void schedule(System& system, Deployed& deployed);
+
+/// Of states that no core took, in the receipt of a member.
+void say_dropped(const CoreBase& from, const CoreBase& into, StatePolicy policy,
+                 MemberReceipt& row);
+
+/// Components get these fallback cores, and leave here those they had.
+void exchange_fallbacks(Architecture& architecture, std::vector<NewFallback>& fallbacks);
+
+}  // namespace mauve::exec

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/system/control_trace.h"
+
+#include <utility>
+#include <vector>
+
+#include "base/mutex.h"
+
+namespace mauve::exec {
+
+void ControlTrace::add(const TraceRecord& record) {
+  const MutexLock lock(mutex_);
+  if (records_.size() == kCapacity) {
+    records_.pop_front();
+    ++lost_;
+  }
+  records_.push_back(record);
+}
+
+std::vector<TraceRecord> ControlTrace::take() {
+  const MutexLock lock(mutex_);
+  std::vector<TraceRecord> taken;
+  if (lost_ != 0) {
+    taken.push_back(records_.front());
+    taken.back().kind = TraceKind::lost;
+    taken.back().name = 0;
+    taken.back().a = std::exchange(lost_, 0);
+    taken.back().b = 0;
+  }
+  taken.insert(taken.end(), records_.begin(), records_.end());
+  records_.clear();
+  return taken;
+}
+
+}  // namespace mauve::exec

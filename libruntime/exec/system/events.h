@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The events of the tasks as text, for the log.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string_view>
+
+#include "exec/system/system.h"
+#include "rt/event_ring.h"
+
+#include <mauve/happening.h>
+
+namespace mauve::exec {
+
+/// Its thread has ended: what it still had to say is told with the next drain_events().
+void keep_last_events(System& system, Deployed& deployed);
+
+[[nodiscard]] std::string_view name_of(rt::EventKind kind);
+
+std::size_t drain_events(System& system, const std::function<void(const Happening&)>& visit);
+
+}  // namespace mauve::exec

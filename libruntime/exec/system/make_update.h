@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What a task takes at a change is worked out beforehand, so that taking it is a few pointer
+/// stores.
+#pragma once
+
+#include <memory>
+
+#include "exec/system/prepared.h"
+#include "exec/update/task_update.h"
+
+#include <mauve/time.h>
+
+namespace mauve {
+class ComponentBase;
+struct Bundle;
+}  // namespace mauve
+
+namespace mauve::exec {
+
+/// A job that runs longer never returns.
+[[nodiscard]] Duration bound_of(const Bundle& bundle);
+
+/// What the task of a component that joins, or is deployed, begins with.
+[[nodiscard]] std::unique_ptr<TaskUpdate> first_bundle(const ComponentBase& component, Mode mode);
+
+/// What the task of this member is handed.
+[[nodiscard]] std::unique_ptr<TaskUpdate> make_update(const PreparedMember& member);
+/// Where it was.
+[[nodiscard]] Origin origin_of(const PreparedMember& member, bool was_running);
+/// What leads it back there.
+[[nodiscard]] std::unique_ptr<TaskUpdate> make_rollback(const PreparedMember& member,
+                                                        const Origin& origin);
+
+}  // namespace mauve::exec

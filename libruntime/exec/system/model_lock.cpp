@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/system/model_lock.h"
+
+#include "base/mutex.h"
+
+namespace mauve::exec {
+
+bool ModelLock::take(bool waits) {
+  MutexLock lock(mutex_);
+  const auto free = [this]() MAUVE_REQUIRES(mutex_) {
+    return !held_ || (owner_ != nullptr && owner_->left());
+  };
+  if (waits) {
+    freed_.wait(lock, free);
+  } else if (!free()) {
+    return false;
+  }
+  held_ = true;
+  owner_ = Leavable::here();
+  return true;
+}
+
+void ModelLock::give_back() {
+  {
+    const MutexLock lock(mutex_);
+    if (owner_ != Leavable::here()) return;  // it was left behind, and another one has it
+    held_ = false;
+    owner_ = nullptr;
+  }
+  freed_.notify_one();
+}
+
+}  // namespace mauve::exec

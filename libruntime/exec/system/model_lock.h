@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Who may rely on the model for the length of a preparation, user code included.
+#pragma once
+
+#include "base/mutex.h"
+#include "model/leavable.h"
+
+namespace mauve::exec {
+
+/// A mutex that a thread loses when it is left behind.
+class ModelLock {
+ public:
+  /// Holds it for a scope, and is inside (leavable.h) meanwhile.
+  class Hold {
+   public:
+    /// Waits for it. False: the calling thread was left behind.
+    explicit Hold(ModelLock& lock) : lock_(lock), held_(lock.take(true)) {}
+    /// False: somebody else has it.
+    Hold(ModelLock& lock, std::try_to_lock_t /*does not wait*/)
+        : lock_(lock), held_(lock.take(false)) {}
+    ~Hold() {
+      if (held_) lock_.give_back();
+    }
+    Hold(const Hold&) = delete;
+    Hold& operator=(const Hold&) = delete;
+    explicit operator bool() const { return held_ && inside_; }
+
+   private:
+    ModelLock& lock_;
+    const bool held_;
+    const Inside inside_;
+  };
+
+ private:
+  [[nodiscard]] bool take(bool waits);
+  void give_back();
+
+  Mutex mutex_;
+  ConditionVariable freed_;
+  bool held_ MAUVE_GUARDED_BY(mutex_) = false;
+  const Leavable* owner_ MAUVE_GUARDED_BY(mutex_) = nullptr;  // null: a thread that nobody leaves
+};
+
+}  // namespace mauve::exec

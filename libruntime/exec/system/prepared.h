@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What prepare() leaves for commit().
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "exec/system/resource_parts.h"
+
+#include <mauve/change.h>
+#include <mauve/prepared_change.h>
+#include <mauve/retired.h>
+
+namespace mauve::exec {
+
+/// How a component takes part in a change.
+enum class Part : std::uint8_t {
+  changes,
+  joins,
+  leaves,
+  follows,  ///< stays as it is, and is rolled back with the others: see inherit.h
+};
+
+/// Where a member is rolled back to.
+struct Origin {
+  std::shared_ptr<const Bundle> bundle;
+  Mode mode = Mode::keep;
+  StatePolicy state = StatePolicy::keep;
+};
+
+/// The change of one component, ready to be published.
+struct PreparedMember {
+  ComponentBase* component = nullptr;
+  std::shared_ptr<ComponentBase> owner;  ///< of one that joins; of one that left, once it did
+  Part part = Part::changes;
+  std::shared_ptr<const Bundle> base;  ///< what it was prepared against
+  std::optional<ComponentType> type;   ///< of a newer build, else as it is
+  std::shared_ptr<const Bundle> next;  ///< the same as `base` when only the mode changes
+  Mode mode = Mode::keep;
+  StatePolicy state = StatePolicy::keep;
+  bool restart = false;
+  bool count_gap = false;
+  bool resume = false;    ///< in place: it ran before it was parked
+  bool restores = false;  ///< in place: back to the core before, so a faulted component runs again
+  Retired made;           ///< its new elements, cleaned up and freed unless they get in force
+  /// What takes over should `next` fail, from its first job on; null: nothing.
+  std::shared_ptr<PreparedChange::Content> standby;
+};
+
+/// The change of one resource: another core, other connections of its own ports, or another
+/// declared hold.
+struct PreparedResource {
+  ResourceBase* resource = nullptr;
+  ResourceParts base;   ///< what it was prepared against
+  ResourceParts parts;  ///< null: stays
+  Duration base_hold{0};
+  std::optional<Duration> hold;  ///< none: stays
+  StatePolicy state = StatePolicy::keep;
+  Retired made;
+};
+
+/// What a change at a barrier needs besides.
+struct PreparedBarrier {
+  /// A resource that joins under the name of one that leaves.
+  struct Replacement {
+    ResourceBase* from = nullptr;
+    ResourceParts base;  ///< of `from`: what it was prepared against
+    Duration base_hold{0};
+    ResourceBase* into = nullptr;
+    StatePolicy state = StatePolicy::keep;
+  };
+  struct Wait {
+    std::string component;
+    std::uint64_t releases = 0;  ///< that it may lose, from what its jobs took so far
+  };
+  std::vector<Replacement> replacements;
+  std::vector<Wait> waits;  ///< of all that run and would wait
+};
+
+/// A part of a change that leaves everything as it is but for the mode.
+[[nodiscard]] PreparedMember member_of(ComponentBase& component, Mode mode);
+
+/// Other code, not just another object: another class, or the same one of another build. What was
+/// measured of the one says nothing about the other.
+[[nodiscard]] bool is_other_code(const Configurable& before, const Configurable& after);
+
+}  // namespace mauve::exec
+
+namespace mauve {
+
+/// Freed from the last member to the first: connections go before the resources they lead to.
+class PreparedChange::Content {
+ public:
+  /// The elements that it changes stay alive with it: a rollback may take them out meanwhile.
+  std::vector<std::shared_ptr<void>> alive;
+  std::vector<std::shared_ptr<ResourceBase>> new_resources;
+  std::vector<ResourceBase*> leaving_resources;
+  std::vector<std::shared_ptr<ResourceBase>> left_resources;
+  std::vector<exec::PreparedMember> members;
+  std::vector<exec::PreparedResource> resources;
+  /// Of the model that it was prepared against, see System::revision; none: it has no preparation.
+  std::optional<std::uint64_t> revision;
+  std::string what;               ///< in the words of the wire
+  std::vector<std::string> sets;  ///< addresses of properties that it sets
+  std::optional<Probation> probation;
+  bool has_companion = false;  ///< see Change
+  bool in_place = false;       ///< elements in force are cleaned up before those that come are used
+  bool step = false;           ///< of a change whose last step makes the generation
+  std::vector<NewFallback> fallbacks;
+  std::optional<exec::PreparedBarrier> barrier;  ///< none: the cut
+  std::vector<std::string> warnings;             ///< for the receipt
+};
+
+}  // namespace mauve

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <mauve/prepared_change.h>
+
+#include "exec/system/prepared.h"
+
+namespace mauve {
+
+PreparedChange::PreparedChange(std::unique_ptr<Content> content) : content_(std::move(content)) {}
+PreparedChange::PreparedChange(PreparedChange&&) noexcept = default;
+PreparedChange& PreparedChange::operator=(PreparedChange&&) noexcept = default;
+PreparedChange::~PreparedChange() = default;
+
+}  // namespace mauve

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <mauve/receipt.h>
+
+#include <string_view>
+
+namespace mauve {
+
+std::string_view to_string(ChangeState state) {
+  switch (state) {
+    case ChangeState::unchanged:
+      return "unchanged";
+    case ChangeState::applied:
+      return "applied";
+    case ChangeState::rolled_back:
+      return "rolled_back";
+    case ChangeState::safe:
+      return "safe";
+  }
+  return "unknown";
+}
+
+}  // namespace mauve

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include <mauve/retired.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "model/elements.h"
+
+namespace mauve {
+
+Status Retired::release() {
+  Status first = ok();
+  while (!elements_.empty()) {
+    Status done = elements_.back()->cleanup();
+    if (first && !done) first = std::move(done);
+    const std::string address = elements_.back()->address();
+    static_cast<void>(drop_elements(address, [this] { elements_.pop_back(); }));
+  }
+  while (!owners_.empty()) owners_.pop_back();
+  return first;
+}
+
+void Retired::keep(std::shared_ptr<void> owner) {
+  if (owner != nullptr) owners_.push_back(std::move(owner));
+}
+
+void Retired::keep_longest(std::shared_ptr<void> owner) {
+  owners_.insert(owners_.begin(), std::move(owner));
+}
+
+void Retired::merge(Retired&& other) {
+  elements_.insert(elements_.end(), other.elements_.begin(), other.elements_.end());
+  owners_.insert(owners_.end(), other.owners_.begin(), other.owners_.end());
+  other.forget();
+}
+
+}  // namespace mauve

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/system/system.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <optional>
+
+#include "base/name.h"
+#include "exec/run/threads.h"
+
+#include <mauve/architecture.h>
+
+namespace mauve::exec {
+
+std::shared_ptr<Task> new_task(const System& system, const ComponentBase& component) {
+  return std::make_shared<Task>(component.name(), system.runner->clock(), system.runner->noise());
+}
+
+Status start_thread(System& system, Deployed& deployed) {
+  const TaskAttributes& task = deployed.component->bundle()->task;
+  const int priority = system.realtime ? task.priority : 0;
+  Status started = system.runner->add(
+      *deployed.task, {deployed.component->name(), priority, deployed.cpus, task.stack});
+  if (!started) return started;
+  deployed.priority = task.priority;
+  deployed.realtime = system.realtime && system.runner->is_fifo(*deployed.task, task.priority);
+  return ok();
+}
+
+std::unique_ptr<Runner> make_runner(const DeployOptions& options) {
+  return options.simulated ? make_simulation() : make_threads(options.machine.wake);
+}
+
+System::System(Architecture& its_architecture, DeployOptions its_options)
+    : architecture(its_architecture), options(its_options), runner(make_runner(options)) {}
+System::~System() = default;
+
+Deployed* System::find(std::string_view component) {
+  for (Deployed& candidate : deployed) {
+    if (!candidate.hidden && candidate.component->name() == component) return &candidate;
+  }
+  return nullptr;
+}
+
+Deployed* System::find(const ComponentBase& component) {
+  for (Deployed& candidate : deployed) {
+    if (candidate.component == &component) return &candidate;
+  }
+  return nullptr;
+}
+
+void System::forget_departed() {
+  if (departed.use_count() > 1) return;
+  for (Deployed& one : *departed) free.keep(std::move(one.task));
+  departed->clear();
+}
+
+Result<ComponentBase*> System::component(std::string_view name) const {
+  if (ComponentBase* found = architecture.find_component(name)) return found;
+  std::vector<std::string> names;
+  for (const ComponentBase* known : architecture.components()) names.push_back(known->name());
+  const std::string nearest = nearest_name(name, names);
+  return refuse(Errc::unknown_name, std::string(name), "there is no component of this name",
+                nearest.empty() ? "" : "did you mean " + nearest + "?");
+}
+
+}  // namespace mauve::exec

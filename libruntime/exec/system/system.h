@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// System: a deployed architecture; what the deployer's operations work on.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/mutex.h"
+#include "exec/run/runner.h"
+#include "exec/system/control_trace.h"
+#include "exec/system/model_lock.h"
+#include "exec/task/task.h"
+#include "exec/update/task_update.h"
+#include "rt/crash_handler.h"
+
+#include <mauve/deploy_options.h>
+#include <mauve/happening.h>
+#include <mauve/prepared_change.h>
+#include <mauve/result.h>
+#include <mauve/retired.h>
+
+namespace mauve {
+
+class Architecture;
+class ComponentBase;
+enum class Mode : std::uint8_t;
+struct Change;
+
+namespace exec {
+
+struct PreparedMember;
+
+/// The core that takes over when one fails, see standby.h.
+struct StandbyCore {
+  std::shared_ptr<PreparedChange::Content> content;  ///< null: none
+  PreparedMember* member = nullptr;
+  std::shared_ptr<const TaskUpdate::Answer> answer;
+};
+
+/// One component and what runs it.
+struct Deployed {
+  ComponentBase* component = nullptr;  ///< null: it was let go
+  std::shared_ptr<Task> task;
+  std::vector<int> cpus;
+  int priority = 0;
+  bool realtime = false;
+  std::uint64_t lost_events = 0;  ///< reported so far
+  std::uint64_t shown = 0;        ///< the change whose bundle the model shows; 0: the first
+  bool changing = false;          ///< a change of it is under way: no other may begin
+  bool parking = false;           ///< that change is an order to park
+  bool ended = false;             ///< no thread looks at its task any more
+  bool hidden = false;            ///< joins with a change under way, or left with one on probation
+  StandbyCore standby;
+  std::vector<Instant> restarts;  ///< the recent ones
+
+  [[nodiscard]] ComponentState state() const { return task->counters().state.load(); }
+};
+
+class Commit;
+class ProbationPeriod;
+
+class System {
+ public:
+  System(Architecture& its_architecture, DeployOptions its_options);
+  ~System();
+
+  Architecture& architecture;
+  const DeployOptions options;
+  std::shared_ptr<Runner> runner;
+  /// Addresses stay. Changed by [control] under `members`, since [log] goes through it too.
+  std::list<Deployed> deployed;
+  /// Let go. Whoever may still know one holds this; emptied when nobody does. [control]
+  std::shared_ptr<std::list<Deployed>> departed = std::make_shared<std::list<Deployed>>();
+  /// Held while a change is prepared, which reads the model on [factory]: what the system did by
+  /// itself gets into the books afterwards.
+  ModelLock model;
+  Mutex members;
+  std::vector<Happening> last_events
+      MAUVE_GUARDED_BY(members);  ///< of components that left; under `members`
+  std::vector<std::string> warnings;
+  std::vector<std::shared_ptr<Commit>> under_way;
+  std::weak_ptr<const Commit> last_transaction;  ///< as long as its maker has it
+  std::weak_ptr<const Commit> newest;            ///< which made the newest generation
+  unsigned looks_at_newest = 0;                  ///< while its maker has not asked for it
+  std::vector<std::shared_ptr<ProbationPeriod>> probations;  ///< the oldest first
+  std::vector<std::shared_ptr<ProbationPeriod>> fading;      ///< over, but a thread may still look
+  Retired free;                                              ///< of changes that are over
+  std::vector<Outcome> outcomes;                             ///< not yet told
+  std::atomic<std::uint64_t> looks{0};  ///< calls of advance(); a stop can tell that none come
+  std::uint64_t generation = 0;
+  /// Rises whenever the model shows something else: a change, a rollback, a core that took over.
+  std::atomic<std::uint64_t> revision{0};
+  std::uint64_t changes = 0;  ///< numbers that changes got since deployment, see TaskUpdate::number
+  ControlTrace control_trace;
+  std::vector<TraceRecord> last_trace
+      MAUVE_GUARDED_BY(members);  ///< of components that left; under `members`
+  Instant t0 = 0;
+  bool up = false;
+  int stands_still = 0;  ///< see Deployer::stand_still()
+  bool realtime = false;
+  std::unique_ptr<rt::CrashHandler> crash_handler;  ///< while it is up
+
+  [[nodiscard]] Deployed* find(std::string_view component);
+  /// Also one that is hidden.
+  [[nodiscard]] Deployed* find(const ComponentBase& component);
+  /// What nobody knows any more goes to `free`.
+  void forget_departed();
+  /// The component of this name, or an error with the nearest one.
+  Result<ComponentBase*> component(std::string_view name) const;
+};
+
+/// What runs the tasks of such a deployment.
+[[nodiscard]] std::unique_ptr<Runner> make_runner(const DeployOptions& options);
+[[nodiscard]] std::shared_ptr<Task> new_task(const System& system, const ComponentBase& component);
+Status start_thread(System& system, Deployed& deployed);
+
+}  // namespace exec
+}  // namespace mauve

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Boundary: the one place where a running component changes, between two of its jobs. Before it
+/// everything is old, after it everything is new (paper section 5). [rt]
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "rt/rescue.h"
+
+#include <mauve/time.h>
+
+namespace mauve {
+
+struct Bundle;
+
+namespace exec {
+
+class FaultReaction;
+struct TaskUpdate;
+struct TaskContext;
+
+class Boundary {
+ public:
+  Boundary(TaskContext& task, FaultReaction& faults) : task_(task), faults_(faults) {}
+
+  /// Takes an update that need not wait for a boundary: an aborted one is given back; a decided one
+  /// is taken now when no job lies between its instant and the armed release.
+  /// False: as of meet().
+  [[nodiscard]] bool serve();
+  /// The boundary before the job that is due. False: this thread was given up meanwhile, and has no
+  /// part in the task any more.
+  [[nodiscard]] bool meet(Instant now);
+  /// With `on_overrun` skip only the newest of the releases that passed runs; the grid is kept.
+  void drop_missed(Instant now);
+  /// Answers the coordinator after the outputs of the first job with the new bundle, so that the
+  /// answer costs them nothing.
+  void acknowledge();
+  /// First on the thread that goes on for one that was lost in a converter: the update is in force.
+  void finish_taking();
+  /// A lost thread may be between two of these.
+  [[nodiscard]] std::vector<std::shared_ptr<const Bundle>> bundles() const;
+
+ private:
+  [[nodiscard]] bool is_early(const TaskUpdate& next) const;
+  [[nodiscard]] TaskUpdate* takes_over();
+  /// `begin`: when the job that the change delays would have begun. False: as of meet().
+  [[nodiscard]] bool take(TaskUpdate& next, Instant begin);
+  [[nodiscard]] bool take_early(TaskUpdate& next, Instant begin);
+  void record_taken(const TaskUpdate& next, Instant time);
+  void fetch(const TaskUpdate& next) const;
+  [[nodiscard]] bool take_state(TaskUpdate& next);
+  void take_rest(TaskUpdate& next);
+  void wait_or_go_on(TaskUpdate& step);
+  Duration skip_gap(Instant until);
+  void keep_bundle(TaskUpdate& next) const;
+  void put_in_place(TaskUpdate& next);
+  void map_state(const TaskUpdate& next);
+  void rearm(const TaskUpdate& next, bool was_running);
+  void start(const TaskUpdate& next);
+  void keep_phase(const TaskUpdate& next);
+  void give_back(TaskUpdate& next);
+  void stand_still();
+
+  TaskContext& task_;
+  FaultReaction& faults_;
+  TaskUpdate* unacknowledged_ = nullptr;  // taken, its first job not yet done
+  TaskUpdate* taking_ = nullptr;          // its converter runs
+  rt::Fault hand_over_fault_;             // of the last converter
+};
+
+}  // namespace exec
+}  // namespace mauve

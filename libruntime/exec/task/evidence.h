@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Evidence: does a core on probation take longer than it may? A machine that stands still makes
+/// any job long or late, and a host charges part of the time that it takes to the thread that
+/// happened to run. So a single job proves nothing. Neither does a job whose excess a probe
+/// explains, because the machine was held up for as long meanwhile.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <optional>
+
+#include <mauve/time.h>
+
+namespace mauve::exec {
+
+/// When one job ran.
+struct JobUse {
+  Instant released = 0;
+  Instant start = 0;
+  Instant end = 0;
+  Duration late{0};              ///< after its deadline; zero: in time
+  std::optional<Duration> used;  ///< processor time; none: it is not known
+};
+
+/// How one job of the core ended.
+struct JobTiming {
+  bool over_budget = false;  ///< it used more processor time than its budget
+  bool late = false;         ///< it ended after its deadline
+  bool too_long = false;     ///< late, and by its own doing: it ran, or slept, for too long
+};
+
+/// Owned by the thread of a task. Constant memory, some instructions a job. [rt]
+class Evidence {
+ public:
+  /// A core that exceeds its budget in every job is detected at this one.
+  static constexpr int kJobs = 16;
+  /// A job over the budget weighs as much as so many jobs within the budget.
+  static constexpr int kWeight = 2;
+  /// Of 64 jobs, 8 late ones are excused when others kept them from the processor. More than that,
+  /// and the change starves the core.
+  static constexpr unsigned kExcusedOf64 = 8;
+  /// As many late jobs are excused as the core had before the change, twice, up to this number.
+  static constexpr unsigned kMostAsBefore = 24;
+
+  enum class Verdict : std::uint8_t { none, over_budget, overruns };
+  struct Rules {
+    unsigned tolerated = 2;        ///< late jobs by the core's own doing, at least 1
+    std::uint64_t window = ~0ULL;  ///< among the last jobs: a bit for each
+  };
+
+  /// Another core or another change is judged from here on. `proven`: the core before was not on
+  /// probation, so its late jobs tell how the machine is.
+  void begin_anew(bool proven) {
+    if (proven) late_before_ = late_;
+    sum_ = 0;
+    too_long_ = late_ = 0;
+    forget_overruns();
+  }
+  /// Every job: did `limit` of the last 64 end too late? Then it counts anew. On probation as well
+  /// as off it, and whatever held the job up.
+  [[nodiscard]] bool overran(bool late, unsigned limit) {
+    overruns_ = overruns_ << 1U | (late ? 1U : 0U);
+    const bool too_often = late && std::popcount(overruns_) >= static_cast<int>(limit);
+    if (too_often) forget_overruns();
+    return too_often;
+  }
+  void forget_overruns() { overruns_ = 0; }
+  /// A job off probation.
+  void note(bool late) { late_ = late_ << 1U | (late ? 1U : 0U); }
+  /// A job on probation. Of the budget it is the cumulative sum test of E. S. Page, Continuous
+  /// inspection schemes, Biometrika 41 (1954).
+  [[nodiscard]] Verdict judge(const JobTiming& job, const Rules& rules);
+  /// There is evidence, not yet enough for a verdict.
+  [[nodiscard]] bool suspicious(const Rules& rules) const {
+    return sum_ > 0 || (too_long_ & rules.window) != 0;
+  }
+
+ private:
+  int sum_ = 0;
+  std::uint64_t too_long_ = 0;     // a bit for each of the last jobs
+  std::uint64_t overruns_ = 0;     // the same
+  std::uint64_t late_ = 0;         // the same
+  std::uint64_t late_before_ = 0;  // the same, of the jobs before the change
+};
+
+}  // namespace mauve::exec

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// FailedCore: the failure of a component's core, until another core takes over.
+#pragma once
+
+#include <atomic>
+#include <optional>
+
+#include "exec/update/fault_record.h"
+
+#include <mauve/time.h>
+
+namespace mauve::exec {
+
+class FailedCore {
+ public:
+  // --- [rt] the thread of the task --------------------------------------------------------------
+  /// The core has failed; no job runs meanwhile.
+  [[nodiscard]] explicit operator bool() const { return cause_.has_value(); }
+  [[nodiscard]] Cause cause() const { return *cause_; }
+  void fail(Cause cause, Instant at) {
+    cause_ = cause;
+    at_.store(at, std::memory_order_release);
+  }
+  void forget() {
+    if (!cause_) return;
+    cause_.reset();
+    at_.store(0, std::memory_order_release);
+  }
+
+  // --- [control] --------------------------------------------------------------------------------
+  /// When it failed; 0: it has not, or another core took over. [any]
+  [[nodiscard]] Instant at() const { return at_.load(std::memory_order_acquire); }
+  /// No core will take over from the one that failed at this instant. The instant names the
+  /// failure: a later one is not concerned.
+  void give_up(Instant at) { hopeless_.store(at, std::memory_order_release); }
+  [[nodiscard]] bool is_hopeless() const {
+    const Instant failed_at = at();
+    return failed_at != 0 && hopeless_.load(std::memory_order_acquire) == failed_at;
+  }
+
+ private:
+  std::optional<Cause> cause_;
+  std::atomic<Instant> at_{0};
+  std::atomic<Instant> hopeless_{0};
+};
+
+}  // namespace mauve::exec

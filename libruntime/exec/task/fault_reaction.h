@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// FaultReaction: what a task does about a core that fails, or that does not prove itself on
+/// probation. Safe values are written before the fault is recorded. [rt]
+#pragma once
+
+#include <cstdint>
+
+namespace mauve {
+
+namespace rt {
+struct Fault;
+}
+
+namespace exec {
+
+enum class Cause : std::uint8_t;
+struct JobUse;
+struct TaskContext;
+
+class FaultReaction {
+ public:
+  explicit FaultReaction(TaskContext& task) : task_(task) {}
+
+  /// The core has failed; the text of the record holds the details, and the safe values are
+  /// written. The task waits for another core, or parks.
+  void fail(Cause cause);
+  /// The job ran into its bound.
+  void hang();
+  /// The new core is in place, with a state that may be half written.
+  void fail_in_hand_over(const rt::Fault& fault);
+  /// A failed core runs no more; this release passes, until another core takes over.
+  void pass_release();
+  /// A job on probation is judged also where it does not fail.
+  void judge(const JobUse& job);
+  /// Sets the rollback off. The core goes on until its next release.
+  void give_up_core();
+  void overran_too_often();
+  /// No thread is left for the task.
+  void park_for_good(const char* why);
+  /// A service that does not return is ended as a job is.
+  void write_safe_values();
+
+  /// Is the task rolled back by the change on probation, or will it be?
+  [[nodiscard]] bool rolls_back() const;
+  /// A failed core waits while the rollback is under way, or while its policy promises another
+  /// core: the standby core is there already, or [control] makes it, or says that there is none.
+  [[nodiscard]] bool may_recover() const;
+
+ private:
+  [[nodiscard]] bool awaits_rollback() const;
+  void record(Cause cause);
+  void log_fault(Cause cause);
+
+  TaskContext& task_;
+};
+
+}  // namespace exec
+}  // namespace mauve

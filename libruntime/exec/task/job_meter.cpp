@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/task/job_meter.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "rt/cpu_time.h"
+#include "rt/preemption.h"
+
+#include <mauve/job.h>
+#include <mauve/task_attributes.h>
+
+namespace mauve::exec {
+namespace {
+
+/// A job that took no longer would have been in time, had it begun in time.
+Duration longest_span(const TaskAttributes& task, Duration wait) {
+  return task.deadline > Duration{0} ? std::min(wait, task.deadline) : wait;
+}
+
+}  // namespace
+
+JobMeter::JobMeter(const Clock* simulated, std::shared_ptr<const rt::Noise> noise)
+    : simulated_(simulated), noise_(std::move(noise)) {}
+
+void JobMeter::begin(rt::JobTimes& times, Instant start, Instant lateness, bool judged,
+                     bool has_budget) {
+  times_ = &times;
+  if (times.since.load(std::memory_order_relaxed) == 0) {
+    times.since.store(start, std::memory_order_relaxed);
+  }
+  times.lateness.add(lateness);
+  // A system call, so only where it counts: on probation, where the core is judged by it; without a
+  // budget, where measured times stand in for it, and the longest job may be just the one that is
+  // preempted; and after a preempted job, as the next one may be preempted as well.
+  const bool ask = judged || !has_budget || (preempted_ && rt::preemption_is_told());
+  cpu_before_ = ask && simulated_ == nullptr ? rt::cpu_time() : Duration{0};
+  waits_before_ = judged && simulated_ == nullptr ? rt::waits_so_far() : kUnknown;
+  rt::watch_for_preemption();
+}
+
+std::optional<Duration> JobMeter::end(const JobUse& job, bool preempted, bool judged,
+                                      Counters& counters) {
+  const Instant took = job.end - job.start;
+  preempted_ = preempted;
+  (preempted ? times_->preempted : times_->clean).add(took);
+  times_->response.add(job.end - job.released);
+  if (const Job::LockWaits& waits = this_job().lock_waits; waits.count != 0) {
+    times_->lock_waits.add({waits.count, waits.sum, waits.longest});
+  }
+  std::optional<Duration> used;
+  if (!preempted || simulated_ != nullptr) used = Duration{took};
+  if (simulated_ == nullptr && cpu_before_ > Duration{0} && (preempted || judged)) {
+    const Duration on_processor = rt::cpu_time() - cpu_before_;
+    used = used ? std::min(*used, on_processor) : on_processor;
+  }
+  const bool longest = used && used->count() > counters.used_max.load(std::memory_order_relaxed);
+  if (longest && held_up_since(job.released) == Duration{0}) {
+    raise(counters.used_max, used->count());
+  }
+  return used;
+}
+
+/// For how long the machine may have been held up during this job: twice as long as a probe saw,
+/// since a hold-up begins before the instant at which the probe was due. A job that was released
+/// before such a job ended had to wait behind it, and has the same excuse.
+Duration JobMeter::excuse(Instant released, Instant end) {
+  Duration held_up = 2 * held_up_since(released);
+  if (held_up == Duration{0} && released < excused_until_) held_up = excused_;
+  excused_ = held_up;
+  excused_until_ = held_up > Duration{0} ? end : 0;
+  return held_up;
+}
+
+JobTiming JobMeter::judge(const JobUse& job, const TaskAttributes& task, Duration wait) {
+  const Duration excused = excuse(job.released, job.end);
+  const Duration used = std::max(job.used.value_or(Duration{0}) - excused, Duration{0});
+  JobTiming timing;
+  timing.over_budget = task.budget > Duration{0} && used > task.budget;
+  timing.late = job.late > excused;
+  if (!timing.late) return timing;
+  const Duration span = longest_span(task, wait);
+  const bool took_long = Duration{job.end - job.start} > span;
+  const bool waited = took_long && waits_before_ != kUnknown &&
+                      rt::waits_so_far() - waits_before_ > this_job().lock_waits.count;
+  timing.too_long = used > span || waited;
+  return timing;
+}
+
+}  // namespace mauve::exec

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/task/job_runner.h"
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <string_view>
+
+#include "exec/task/fault_reaction.h"
+#include "exec/task/task_context.h"
+#include "exec/update/task_update.h"
+#include "model/guard.h"
+#include "model/traced.h"
+#include "rt/preemption.h"
+
+#include <mauve/component.h>
+#include <mauve/fsm.h>
+#include <mauve/gate.h>
+#include <mauve/job.h>
+#include <mauve/request.h>
+#include <mauve/task_attributes.h>
+
+namespace mauve::exec {
+namespace {
+
+/// Of the task whose job this thread runs, for mauve::log() and mauve::request().
+TaskReport*& this_report() {
+  [[gnu::tls_model("initial-exec")]] static thread_local TaskReport* report = nullptr;
+  return report;
+}
+
+/// Into the ring of the thread: its task may have lost it meanwhile.
+void record_state(TraceKind kind, const FsmState& state, Instant time, bool preempted = false) {
+  rt::TraceRing* const ring = ring_of(this_job(), TraceMode::jobs);
+  if (ring == nullptr) return;
+  ring->push(kind, time, state.trace_name(), preempted && !ring->simulated() ? 1 : 0, 0);
+}
+
+}  // namespace
+
+/// What user code leaves; on the stack of the job, since the task may go on without it.
+struct JobRunner::JobEnd {
+  JobRunner& runner;
+  Instant at = 0;             ///< start of the job; then when its last state ended
+  FsmState* state = nullptr;  ///< the wait it ended in; null: it did not
+  bool preempted = false;     ///< something came between
+  bool threw = false;
+  std::array<char, 128> text{};
+
+  void keep(const char* what) {
+    threw = true;
+    std::string_view(what).copy(text.data(), text.size() - 1);
+  }
+  static void run(void* self) {
+    auto& end = *static_cast<JobEnd*>(self);
+    try {
+      end.state = end.runner.run_states(end);
+    } catch (const std::exception& error) {
+      end.keep(text_of(error));
+    } catch (...) {
+      end.keep("something that is no std::exception");
+    }
+  }
+};
+
+bool JobRunner::run(Instant now) {
+  begin(now);
+  // Invariant: whatever user code does to end its job ends here. Only this component is affected;
+  // its outputs get their safe values; every resource it held was left.
+  JobEnd end{*this, now};
+  task_.watch.begin(now);
+  const rt::Fault fault = rt::rescued(&JobEnd::run, &end, task_.watch.watched());
+  const Gate* inside = fault.happened() ? Gate::poison_and_leave_all() : nullptr;
+  if (!fault.happened() && end.threw) inside = this_job().threw_in;
+  const bool ours = task_.watch.end(now);
+  if (ours) task_.failed_in = inside;
+  if (ours) conclude(now, end, fault);
+  Job& job = this_job();
+  rt::end_preemption_watch();
+  this_report() = nullptr;
+  job.trace = nullptr;
+  job.start = 0;
+  job.release = 0;
+  job.running = false;
+  return ours;
+}
+
+void JobRunner::begin(Instant now) {
+  Job& job = this_job();
+  job.start = now;
+  job.release = task_.release;
+  job.running = true;
+  job.lock_waits = {};
+  job.implausible = nullptr;
+  job.threw_in = nullptr;
+  job.lock_bound = task_.current->shortest_wait;
+  this_report() = &task_.report;
+  job.trace = &task_.report.trace().ring;
+  task_.report.record(TraceKind::release, now, task_.release - task_.t0, task_.number);
+  Counters& counters = task_.report.counters();
+  const Instant lateness = now - task_.release;
+  counters.lateness_last.store(lateness, std::memory_order_relaxed);
+  raise(counters.lateness_max, lateness);
+  add<std::uint64_t>(counters.releases, 1);
+  const Bundle& bundle = *task_.current->bundle;
+  task_.meter.begin(bundle.measured->here(), now, lateness, task_.mailbox.on_probation(),
+                    bundle.task.budget > Duration{0});
+}
+
+void JobRunner::conclude(Instant start, const JobEnd& end, const rt::Fault& fault) {
+  if (fault.happened() || end.threw) faults_.write_safe_values();  // before anything is recorded
+  if (fault.interrupted) {
+    faults_.hang();
+  } else if (fault.happened()) {
+    auto& text = task_.report.fault().text;
+    rt::describe(fault, text.data(), text.size());
+    faults_.fail(Cause::crashed);
+  } else if (end.threw) {
+    task_.report.fault().text = end.text;
+    faults_.fail(Cause::threw);
+  } else {
+    task_.state = end.state;
+    task_.report.counters().fsm_state.store(static_cast<std::uint32_t>(end.state->index()),
+                                            std::memory_order_relaxed);
+    account(start, end);
+  }
+}
+
+void JobRunner::go_on() {
+  this_job().lock_bound = task_.current->shortest_wait;
+  this_report() = &task_.report;
+  task_.lost = task_.current->bundle->core.get();
+  faults_.write_safe_values();
+  faults_.hang();
+  this_report() = nullptr;
+  task_.watch.go_on();
+}
+
+/// Execution states up to the next synchronization state, which arms the next release. The first
+/// begins with the job, each other one where the one before ended: one reading of the clock each.
+FsmState* JobRunner::run_states(JobEnd& job) {
+  CoreBase& core = *task_.current->bundle->core;
+  std::vector<rt::StateTimes>& all = task_.meter.times().states;
+  Counters& counters = task_.report.counters();
+  const Instant start = job.at;
+  FsmState* state =
+      task_.state != nullptr ? &task_.state->next(core) : task_.current->bundle->fsm->initial();
+  while (state->kind() == FsmState::Kind::execution) {
+    const std::size_t index = state->index();
+    counters.fsm_state.store(static_cast<std::uint32_t>(index), std::memory_order_relaxed);
+    const FsmState& ran = *state;
+    record_state(TraceKind::begin, ran, job.at);
+    state->run(core);
+    if (this_job().is_detached()) break;  // given up meanwhile
+    state = &state->next(core);
+    const Instant ended = task_.meter.now();
+    const bool preempted = rt::preempted();
+    if (index < all.size()) all[index].add(ended - job.at, preempted);
+    if (preempted) rt::watch_for_preemption();  // of the next state
+    job.preempted = job.preempted || preempted;
+    job.at = ended;
+    record_state(TraceKind::end, ran, ended, job.preempted);
+  }
+  if (job.at == start) {  // no state ran, only guards did
+    job.at = task_.meter.now();
+    job.preempted = job.preempted || rt::preempted();
+  }
+  return state;
+}
+
+/// Advances the component's clock by the wait, and counts a job that ended too late.
+void JobRunner::account(Instant start, const JobEnd& job) {
+  const TaskAttributes& attributes = task_.current->bundle->task;
+  Counters& counters = task_.report.counters();
+  const bool judged = task_.mailbox.on_probation();
+  JobUse use{task_.release, start, job.at, Duration{0}, {}};
+  use.used = task_.meter.end(use, job.preempted, judged, counters);
+  task_.wait = task_.state->duration();
+  task_.arm(use.released + task_.wait.count());
+  counters.execution_last.store(use.end - start, std::memory_order_relaxed);
+  raise(counters.execution_max, use.end - start);
+  task_.report.record(TraceKind::wait, use.end, task_.release - task_.t0,
+                      task_.meter.was_preempted(), task_.state->trace_name());
+  const Duration took{use.end - start};
+  if (attributes.budget > Duration{0} && took > attributes.budget) count_over_budget(use.end, took);
+  const Instant deadline = attributes.deadline > Duration{0}
+                               ? std::min(task_.release, use.released + attributes.deadline.count())
+                               : task_.release;
+  const bool late = use.end > deadline;
+  if (late) use.late = Duration{use.end - deadline};
+  if (late) count_overrun(use.late);
+  if (task_.evidence.overran(late, attributes.overrun_limit)) faults_.overran_too_often();
+  if (this_job().implausible != nullptr) add<std::uint64_t>(counters.implausible, 1);
+  if (task_.mailbox.on_probation()) {
+    faults_.judge(use);
+  } else {
+    task_.evidence.note(late);
+  }
+}
+
+void JobRunner::count_over_budget(Instant end, Duration took) {
+  add<std::uint64_t>(task_.report.counters().over_budget, 1);
+  add<std::uint64_t>(task_.meter.times().over_budget, 1);
+  const Duration budget = task_.current->bundle->task.budget;
+  task_.report.record(TraceKind::budget, end, took.count(),
+                      static_cast<std::uint64_t>(budget.count()));
+}
+
+void JobRunner::count_overrun(Duration late) {
+  Counters& counters = task_.report.counters();
+  add<std::uint64_t>(counters.overruns, 1);
+  add<std::uint64_t>(task_.meter.times().overruns, 1);
+  const std::uint64_t overruns = counters.overruns.load(std::memory_order_relaxed);
+  task_.report.record(TraceKind::overrun, task_.clock.now(), late.count(), overruns);
+  task_.report.note(rt::EventKind::overrun, LogLevel::warning, late.count(),
+                    static_cast<std::int64_t>(overruns));
+}
+
+}  // namespace mauve::exec
+
+namespace mauve {
+namespace {
+
+/// Null outside a job, and for a thread that was given up.
+exec::TaskReport* speaking() { return this_job().is_detached() ? nullptr : exec::this_report(); }
+
+}  // namespace
+
+void log_event(LogLevel level, const char* literal, LogArgument a, LogArgument b) {
+  exec::TaskReport* const report = speaking();
+  if (report == nullptr) return;
+  report->events().push({job_time(), rt::EventKind::log, level, literal, a, b, {}});
+}
+
+bool request(std::string_view transaction) {
+  exec::TaskReport* const report = speaking();
+  return report != nullptr && report->requests().push(job_time(), transaction);
+}
+
+}  // namespace mauve

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// JobRunner: runs one job of a task, which is code of its core, and accounts for the time that the
+/// job took. [rt]
+#pragma once
+
+#include <mauve/time.h>
+
+namespace mauve {
+
+class FsmState;
+
+namespace rt {
+struct Fault;
+}
+
+namespace exec {
+
+class FaultReaction;
+struct TaskContext;
+
+class JobRunner {
+ public:
+  JobRunner(TaskContext& task, FaultReaction& faults) : task_(task), faults_(faults) {}
+
+  /// Runs the job that is due. False: this thread was given up meanwhile, and has no part in the
+  /// task any more.
+  [[nodiscard]] bool run(Instant now);
+  /// First on the thread that goes on for a lost one: the fault of that one.
+  void go_on();
+
+ private:
+  struct JobEnd;
+
+  void begin(Instant now);
+  void conclude(Instant start, const JobEnd& end, const rt::Fault& fault);
+  [[nodiscard]] FsmState* run_states(JobEnd& job);
+  void account(Instant start, const JobEnd& job);
+  void count_over_budget(Instant end, Duration took);
+  void count_overrun(Duration late);
+
+  TaskContext& task_;
+  FaultReaction& faults_;
+};
+
+}  // namespace exec
+}  // namespace mauve

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/task/job_watch.h"
+
+#include <algorithm>
+
+#include "rt/cache.h"
+#include "rt/fence.h"
+
+#include <mauve/gate.h>
+
+namespace mauve::exec {
+namespace {
+
+/// In place of when a job began: no thread runs the task.
+constexpr Instant kTaken = -1;
+/// An ordinary thread shares its processor: a sound job may be kept waiting for so long.
+constexpr Duration kShortestOrdinary = 500ms;
+
+}  // namespace
+
+Duration JobWatch::bound(bool realtime) const {
+  const Duration own{bound_.load(std::memory_order_relaxed)};
+  return realtime || own == Duration{0} ? own : std::max(own, kShortestOrdinary);
+}
+
+bool JobWatch::take_from_thread(Instant since) {
+  if (watched_.keeps_thread.load()) return false;
+  return watched_.busy_since.compare_exchange_strong(since, kTaken);
+}
+
+const Gate* JobWatch::cut_off_thread() {
+  Job* const job = job_.exchange(nullptr);
+  if (job == nullptr) return nullptr;
+  job->detached.store(true);
+  rt::fence_all_threads();  // it writes alone to no exchange from here on: see LatestValue
+  return Gate::poison_and_free_all(*job);
+}
+
+void JobWatch::fence() {
+  fenced_.store(true);
+  if (Job* job = job_.load()) job->detached.store(true);
+}
+
+void JobWatch::runs_on(Job* job) {
+  job_.store(job);
+  if (job != nullptr && fenced_.load()) job->detached.store(true);
+}
+
+MAUVE_RUNS_AT_A_SWAP void JobWatch::set(Duration bound, bool has_safe_values) {
+  bound_.store(bound.count(), std::memory_order_relaxed);
+  has_safe_values_.store(has_safe_values, std::memory_order_relaxed);
+}
+
+void JobWatch::fetch() const { rt::touch(&bound_, sizeof bound_); }
+
+}  // namespace mauve::exec

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// JobWatch: what the guard sees of a task: the job under way, the time it may take, and the thread
+/// that runs it.
+#pragma once
+
+#include <atomic>
+
+#include "rt/rescue.h"
+
+#include <mauve/job.h>
+#include <mauve/time.h>
+
+namespace mauve {
+
+class Gate;
+
+namespace exec {
+
+class JobWatch {
+ public:
+  // --- [guard] ----------------------------------------------------------------------------------
+  /// How long a job may run on a real-time thread, or on an ordinary one; zero: without a bound.
+  [[nodiscard]] Duration bound(bool realtime) const;
+  /// When the job under way began, the same instant never twice; 0: none is under way.
+  [[nodiscard]] Instant busy_since() const { return watched_.busy_since.load(); }
+  /// The job that began then ends where it is, as soon as its thread gets the signal.
+  void interrupt(Instant since) { watched_.interrupt.store(since); }
+  /// Takes the component away from the thread whose job began then, since the job never returns.
+  /// False: the job has ended, or the thread is never taken. The thread must not end meanwhile.
+  [[nodiscard]] bool take_from_thread(Instant since);
+  /// The gate in whose service the job of the lost thread hangs; null: in its own code. What the
+  /// thread held is poisoned and free.
+  [[nodiscard]] const Gate* cut_off_thread();
+
+  // --- [any] ------------------------------------------------------------------------------------
+  /// All that the thread still tries to write or read is dropped from now on, also on each thread
+  /// that it gets later.
+  void fence();
+  /// The task has safe values to write when it parks.
+  [[nodiscard]] bool has_safe_values() const { return has_safe_values_.load(); }
+
+  // --- [rt] the thread of the task --------------------------------------------------------------
+  /// First and last thing on its thread: its job, or null.
+  void runs_on(Job* job);
+  void set(Duration bound, bool has_safe_values);
+  [[nodiscard]] rt::Watched& watched() { return watched_; }
+  void begin(Instant now) { watched_.busy_since.store(now, std::memory_order_release); }
+  /// False: the job that began then was taken from this thread.
+  [[nodiscard]] bool end(Instant begun) {
+    return watched_.busy_since.compare_exchange_strong(begun, 0);
+  }
+  /// On the thread that goes on for a lost one.
+  void go_on() { watched_.busy_since.store(0); }
+  /// Asks for the cache lines that a swap writes.
+  void fetch() const;
+
+ private:
+  rt::Watched watched_;
+  std::atomic<Job*> job_{nullptr};  // of its thread
+  std::atomic<bool> fenced_{false};
+  std::atomic<std::int64_t> bound_{0};
+  std::atomic<bool> has_safe_values_{false};
+};
+
+}  // namespace exec
+}  // namespace mauve

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Mailbox: the slots through which the coordinator hands updates to a task and takes them back.
+/// Each slot holds one update; the side whose compare-and-swap empties it owns the update.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "rt/cache.h"
+
+namespace mauve::exec {
+
+struct TaskUpdate;
+
+class Mailbox {
+ public:
+  Mailbox() = default;
+  ~Mailbox();
+  Mailbox(const Mailbox&) = delete;
+  Mailbox& operator=(const Mailbox&) = delete;
+
+  // --- [control] --------------------------------------------------------------------------------
+  void publish(TaskUpdate& next) { pending_.store(&next, std::memory_order_release); }
+  /// Empties the slot of the next update. False: the other side was first.
+  bool revoke(TaskUpdate& next) { return empty(pending_, next); }
+  /// The same for the rollback of a probation.
+  bool withdraw_rollback(TaskUpdate& back) { return empty(back_, back); }
+  /// The same for the core that stands by.
+  bool withdraw_standby(TaskUpdate& standby) { return empty(standby_, standby); }
+  void put_back(TaskUpdate& back) { back_.store(&back, std::memory_order_release); }
+  /// The update takes over by itself when the core fails; the task owns it. False: it has one.
+  bool stand_by(TaskUpdate& standby);
+  /// The updates that the task does not use any more, the newest first.
+  [[nodiscard]] std::vector<std::unique_ptr<TaskUpdate>> reclaim();
+  /// How often the task has looked into the mailbox. An update that was withdrawn before the last
+  /// look is not read any more.
+  [[nodiscard]] std::uint64_t looks() const { return looks_.load(std::memory_order_acquire); }
+
+  // --- [any] ------------------------------------------------------------------------------------
+  /// A thread that sleeps on this word looks into the mailbox when it changes.
+  [[nodiscard]] std::atomic<std::uint32_t>& command() { return command_; }
+  /// A stop that does without the coordinator (exec/deploy/direct_stop.h): the task parks at its
+  /// next boundary with its safe values written, and stays parked whatever update it takes.
+  void halt() { halted_.store(true, std::memory_order_release); }
+  void end_halt() { halted_.store(false, std::memory_order_release); }
+  [[nodiscard]] bool halted() const { return halted_.load(std::memory_order_acquire); }
+  [[nodiscard]] bool on_probation() const {
+    return back_.load(std::memory_order_relaxed) != nullptr;
+  }
+
+  // --- [rt] the thread of the task --------------------------------------------------------------
+  [[nodiscard]] TaskUpdate* pending() const { return pending_.load(std::memory_order_acquire); }
+  [[nodiscard]] TaskUpdate* back() const { return back_.load(std::memory_order_acquire); }
+  [[nodiscard]] TaskUpdate* standby() const { return standby_.load(std::memory_order_acquire); }
+  /// Puts the rollback of a new update in place. Returns the one before, or null.
+  [[nodiscard]] TaskUpdate* exchange_back(std::unique_ptr<TaskUpdate> back);
+  /// The same for the core that stands by.
+  [[nodiscard]] TaskUpdate* exchange_standby(std::unique_ptr<TaskUpdate> standby);
+  /// The task does not use it any more; reclaim() returns it. Only the task's thread adds.
+  void retire(TaskUpdate& unused);
+  /// The coordinator, which sees the new number, frees what was withdrawn before it.
+  void count_look() { looks_.store(looks_ + 1, std::memory_order_release); }
+  /// Asks for the cache lines that a swap writes.
+  void fetch() const { rt::ask_for(&back_, sizeof back_ + sizeof standby_); }
+
+ private:
+  static bool empty(std::atomic<TaskUpdate*>& slot, TaskUpdate& content) {
+    TaskUpdate* expected = &content;
+    return slot.compare_exchange_strong(expected, nullptr, std::memory_order_acq_rel);
+  }
+
+  alignas(rt::kCacheLine) std::atomic<TaskUpdate*> pending_{nullptr};
+  std::atomic<bool> halted_{false};  // beside the slot that the thread reads in each boundary
+  alignas(rt::kCacheLine) std::atomic<TaskUpdate*> unused_{nullptr};
+  alignas(rt::kCacheLine) std::atomic<std::uint32_t> command_{0};
+  alignas(rt::kCacheLine) std::atomic<TaskUpdate*> back_{nullptr};  // while on probation
+  std::atomic<TaskUpdate*> standby_{nullptr};  // the fallback core, or a fresh one
+  std::atomic<std::uint64_t> looks_{0};
+};
+
+}  // namespace mauve::exec

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Safe values of a component that cannot write them itself.
+#pragma once
+
+#include "exec/task/write_quietly.h"
+
+#include <mauve/component.h>
+#include <mauve/shell.h>
+
+namespace mauve::exec {
+
+/// Has it any to write?
+inline bool has_safe_values(const Bundle& bundle) {
+  for (const PortBase* port : bundle.shell->ports()) {
+    if (port->has_safe_value() && (*bundle.bindings)[port->index()] != nullptr) return true;
+  }
+  return false;
+}
+
+/// To all that it is connected to now. `by_owner`: see PortBase::write_safe.
+inline void write_safe_values(const Bundle& bundle, bool by_owner,
+                              const rt::Watched& watched = rt::kUnwatched) {
+  for (const PortBase* port : bundle.shell->ports()) {
+    const Binding* binding = (*bundle.bindings)[port->index()].get();
+    if (binding != nullptr) write_quietly(*port, *binding, by_owner, watched);
+  }
+}
+
+}  // namespace mauve::exec

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Task: a component at run time. It knows when the next job is due, runs it, and takes changes at
+/// its boundaries; who calls it (a thread, a simulation) is not its business.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "exec/task/boundary.h"
+#include "exec/task/fault_reaction.h"
+#include "exec/task/job_runner.h"
+#include "exec/task/task_context.h"
+
+#include <mauve/clock.h>
+#include <mauve/job.h>
+#include <mauve/time.h>
+
+namespace mauve {
+
+struct Bundle;
+
+namespace exec {
+
+struct TaskUpdate;
+
+class Task {
+ public:
+  /// `noise`: the noise of the machine; null: it is not known.
+  Task(std::string name, const Clock& clock, std::shared_ptr<const rt::Noise> noise = nullptr);
+
+  /// Before the first release: what to run, and the common T0. [control]
+  void begin(std::unique_ptr<TaskUpdate> first, Instant t0);
+
+  [[nodiscard]] const std::string& name() const { return context_.report.name(); }
+  [[nodiscard]] const Counters& counters() const { return context_.report.counters(); }
+  [[nodiscard]] TaskReport& report() { return context_.report; }
+  [[nodiscard]] Mailbox& mailbox() { return context_.mailbox; }
+  [[nodiscard]] JobWatch& watch() { return context_.watch; }
+  [[nodiscard]] const JobWatch& watch() const { return context_.watch; }
+  /// Waits for its rollback or its standby core. A hopeless one parks as faulted.
+  [[nodiscard]] FailedCore& failed_core() { return context_.failed; }
+  /// It runs a core whose last jobs exceeded their budget, without a verdict yet. [any]
+  [[nodiscard]] bool suspected() const;
+
+  // --- [guard] ----------------------------------------------------------------------------------
+  /// How long its job may run, on a thread of which kind, while nothing or a direct stop waits for
+  /// its end. Zero: without a bound.
+  [[nodiscard]] Duration bound(bool realtime) const;
+  /// When its next job is due (monotonic); far away: it does not run.
+  [[nodiscard]] Instant told_release() const;
+  /// The job that began then never returns: its thread has no part in the component any more, what
+  /// it holds is poisoned, and the task is the caller's until another thread goes on with it.
+  /// False: the job has ended. The thread must not end meanwhile.
+  bool lose_thread(Instant since);
+  /// What the lost thread still uses.
+  [[nodiscard]] std::vector<std::shared_ptr<const Bundle>> bundles() const;
+  /// Its thread had another priority or other CPUs than its component asked for.
+  void count_restored() { add<std::uint64_t>(context_.report.counters().restored, 1); }
+  void park_for_good(const char* why) { faults_.park_for_good(why); }  ///< no other thread is left
+  /// While a direct stop waits for its end, a job may take so long.
+  static constexpr Duration kHaltedJob = 2s;
+
+  // --- [rt] -------------------------------------------------------------------------------------
+  /// Takes a change that need not wait for a boundary. False: as of release().
+  bool serve();
+  [[nodiscard]] bool running() const { return context_.running; }
+  /// When the next job is due (monotonic); only while running.
+  [[nodiscard]] Instant next_release() const { return context_.release; }
+  /// Has the time of the next job come?
+  [[nodiscard]] bool due() const { return context_.due(); }
+  /// The boundary and the job of the armed release. False: this thread was given up meanwhile, and
+  /// has no part in the task any more.
+  bool release();
+  void go_on();  ///< first on the thread that goes on for a lost one: the fault of that one
+
+ private:
+  TaskContext context_;
+  FaultReaction faults_;
+  Boundary boundary_;
+  JobRunner jobs_;
+};
+
+}  // namespace exec
+}  // namespace mauve

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// TaskContext: the state of one task that its boundary, its jobs and its fault policy share.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "exec/task/evidence.h"
+#include "exec/task/failed_core.h"
+#include "exec/task/job_meter.h"
+#include "exec/task/job_watch.h"
+#include "exec/task/mailbox.h"
+#include "exec/task/task_report.h"
+#include "rt/noise.h"
+
+#include <mauve/clock.h>
+#include <mauve/happening.h>
+
+namespace mauve {
+
+class CoreBase;
+class FsmState;
+class Gate;
+
+namespace exec {
+
+struct TaskUpdate;
+
+struct TaskContext {
+  TaskContext(std::string name, const Clock& its_clock, std::shared_ptr<const rt::Noise> noise);
+  ~TaskContext();
+  TaskContext(const TaskContext&) = delete;
+  TaskContext& operator=(const TaskContext&) = delete;
+
+  const Clock& clock;
+  TaskReport report;
+  Mailbox mailbox;
+  JobWatch watch;
+
+  // From here on the thread of the task owns all of it.
+  FailedCore failed;
+  TaskUpdate* current = nullptr;    ///< the update in force; owned
+  const CoreBase* lost = nullptr;   ///< a thread that was given up may still be inside
+  const Gate* failed_in = nullptr;  ///< the gate in whose service its last job failed
+  FsmState* state = nullptr;        ///< the wait the task is in; null: before the initial state
+  Instant t0 = 0;
+  Instant release = 0;  ///< of the next job: t0 + offset + clock of the component
+  Duration wait{0};     ///< that ended, or ends, at `release`
+  Instant parked_at = 0;
+  std::uint64_t number = 0;  ///< of the last change that the task took
+  JobMeter meter;
+  Evidence evidence;  ///< against the core, on probation
+  bool running = false;
+  bool waiting = false;  ///< at a barrier; the task runs again after it
+
+  /// The next job is due at this instant.
+  void arm(Instant next) {
+    release = next;
+    report.counters().next_release.store(release - t0, std::memory_order_relaxed);
+  }
+  /// Has the time of the next job come?
+  [[nodiscard]] bool due() const { return running && clock.now() >= release; }
+  /// The task runs no job until it is started again.
+  void park(ComponentState as);
+  /// Releases without a job. `planned`: a change lets them pass, no thread was late.
+  void miss(std::uint64_t releases, Instant time, bool planned = false);
+  /// Asks for what a swap writes here.
+  void fetch() const;
+};
+
+}  // namespace exec
+}  // namespace mauve

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Safe values are written when something ends; nothing may come of it but the write.
+#pragma once
+
+#include "rt/rescue.h"
+
+#include <mauve/gate.h>
+#include <mauve/port_base.h>
+
+namespace mauve::exec {
+
+/// A resource that throws or crashes when it is given a safe value cannot take the machine down
+/// with it; one that crashes is poisoned. `watched`: see rt::rescued(). [any]
+inline void write_quietly(const PortBase& port, const Binding& connection, bool by_owner,
+                          const rt::Watched& watched = rt::kUnwatched) {
+  struct Write {
+    const PortBase& port;
+    const Binding& connection;
+    bool by_owner;
+
+    static void run(void* self) {
+      const auto& write = *static_cast<Write*>(self);
+      try {
+        write.port.write_safe(write.connection, write.by_owner);
+      } catch (...) {
+      }
+    }
+  };
+  Write write{port, connection, by_owner};
+  const std::size_t held = Gate::held();
+  const rt::Fault fault = rt::rescued(&Write::run, &write, watched);
+  if (fault.happened()) Gate::poison_and_leave_all(held);
+}
+
+}  // namespace mauve::exec

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "exec/update/decision.h"
+
+namespace mauve::exec {
+namespace {
+
+/// The rollback begins so much later, so that no member passes the instant unaware of it.
+constexpr Duration kLeadOfWayBack = 200us;
+constexpr int kAttempts = 6;
+
+}  // namespace
+
+bool Rollback::trigger(const Clock& clock, std::string_view reason) {
+  FaultRecord asked;
+  asked.time = clock.now();
+  copy_text(asked.text, reason);
+  return trigger(clock, asked, nullptr);
+}
+
+bool Rollback::trigger(const Clock& clock, const FaultRecord& fault, const TaskReport* member,
+                       const void* inside) {
+  if (!decision_.claim(kBeingTriggered)) return false;
+  Decision* const newer = newer_.load();
+  if (newer != nullptr && newer->decide(Decision::State::aborted) == Decision::State::committed) {
+    decision_.put_off(kClosed);
+    return false;
+  }
+  fault_ = fault;
+  member_ = member;
+  inside_ = inside;
+  decide(clock);
+  told_.store(true, std::memory_order_release);
+  return true;
+}
+
+/// Whoever does this may be preempted at any point, until the instant has passed.
+void Rollback::decide(const Clock& clock) {
+  Duration lead = kLeadOfWayBack;
+  for (int attempt = 0; attempt < kAttempts; ++attempt, lead *= 2) {
+    const Instant instant = clock.now() + lead.count();
+    decision_.attempt(instant);
+    const bool late = clock.now() >= instant - kDecisionMargin.count();
+    const auto wanted = late ? Decision::State::aborted : Decision::State::committed;
+    if (decision_.decide(wanted) == Decision::State::committed) return;
+    decision_.put_off(kBeingTriggered);
+  }
+  // It has to end. A member that passes the instant between these two goes back one job later.
+  decision_.attempt(kBeingTriggered, Decision::State::committed);
+  decision_.put_off(clock.now() + lead.count());
+}
+
+void Rollback::give_way_to(std::shared_ptr<Decision> newer) {
+  newer_.store(newer.get());
+  if (newer != nullptr) all_newer_.push_back(std::move(newer));
+}
+
+}  // namespace mauve::exec

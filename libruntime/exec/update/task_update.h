@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// TaskUpdate: a change as one task takes it.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "exec/update/decision.h"
+#include "model/hand_over.h"
+
+#include <mauve/change_policy.h>
+#include <mauve/time.h>
+
+namespace mauve {
+
+class Binding;
+class FsmState;
+class ObservableBase;
+class PortBase;
+struct Bundle;
+
+namespace exec {
+
+class PrefetchSet;
+
+/// What a task takes, as a trace tells it.
+enum class TakenAs : std::uint8_t { change, back, standby, barrier };
+
+/// What a change hands to one task: the new bundle, and everything worked out beforehand so that
+/// taking it is a few pointer stores. Immutable after publication but for the answer.
+struct TaskUpdate {
+  /// At a barrier: no job from the instant on; until the next one, which may also be a change. The
+  /// task keeps what it runs with, and is not seen to be stopped.
+  enum class Barrier : std::uint8_t { none, wait, go_on };
+
+  std::shared_ptr<const Bundle> bundle;  ///< null: of a barrier
+  Decision* decision = nullptr;
+  Barrier barrier = Barrier::none;
+  TakenAs taken_as = TakenAs::change;
+  std::uint64_t number = 0;  ///< of the change, see System::changes; 0: it is none of [control]
+  Mode mode = Mode::keep;
+  bool mode_only = false;  ///< whatever the task runs with stays: it may be back at an older bundle
+  bool restart = false;    ///< begin at the initial state, on the next instant of the grid
+  bool offset_changes = false;
+  bool other_core = false;       ///< other code: what was measured is not about it
+  bool has_safe_values = false;  ///< of the bundle, on connected ports
+  bool count_gap = false;        ///< releases that passed while parked count as missed (in place)
+  Duration grid{0};
+  Duration shortest_wait{0};
+  Duration bound{0};  ///< a job that runs longer never returns; zero: nobody looks
+  std::shared_ptr<const PrefetchSet> prefetch;  ///< of the bundle; null: not known
+  /// By index of the state of the old machine: the state of the new one; null: begin anew.
+  std::vector<FsmState*> state_map;
+  HandOver hand_over;
+  std::vector<std::pair<ObservableBase*, const ObservableBase*>> observables;
+  /// Ports that lose their service: their safe values are written first.
+  std::vector<std::pair<const PortBase*, const Binding*>> safe_writes;
+
+  /// On probation: where this one rolls back to when somebody fails. Both null: no probation.
+  std::unique_ptr<TaskUpdate> back;
+  Rollback* rollback = nullptr;
+  unsigned tolerated = 0;               ///< overruns among the jobs of `window`
+  std::uint64_t window = ~0ULL;         ///< a bit for each job that counts
+  std::unique_ptr<TaskUpdate> standby;  ///< that stands by from the first job on; or null
+  Duration back_off{0};                 ///< a standby core waits so long after the fault
+
+  enum class Progress : std::uint8_t {
+    published,
+    done,        ///< in force, and the first job with it has ended
+    given_back,  ///< missed its instant, or made useless by another: the task never used it
+  };
+  /// The answer of the task; it outlives what it is about.
+  struct Answer {
+    Duration pause{0};  ///< this and the next: valid when done
+    std::size_t bytes = 0;
+    bool failed = false;  ///< its state was not converted; also valid when done
+    FaultRecord fault;    ///< of a standby core: what it took over from; also valid when done
+    /// The last word the task writes: it touches neither this nor the transaction afterwards, but
+    /// for what it runs with.
+    std::atomic<Progress> progress{Progress::published};
+  };
+  const std::shared_ptr<Answer> answer = std::make_shared<Answer>();
+  TaskUpdate* older = nullptr;  ///< in the task's pile of what it does not use any more
+};
+
+}  // namespace exec
+}  // namespace mauve

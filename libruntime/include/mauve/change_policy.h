@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The choices of a change: what it keeps, and when its members go on.
+#pragma once
+
+#include <cstdint>
+
+namespace mauve {
+
+/// What happens to the state of a core that is replaced.
+enum class StatePolicy : std::uint8_t {
+  keep,   ///< hand it over; refused when the new core can neither take nor convert it
+  offer,  ///< the same, but a core that is `Stateless` may leave it: of reactions to a fault
+  drop,   ///< the new core starts fresh
+};
+
+/// Where the properties of a core begin that replaces one of another type. Properties that the edit
+/// sets, or of which the other core has none of that name, are not asked.
+enum class Values : std::uint8_t {
+  keep,      ///< with the values in force; refused when one has another type or unit there, or is
+             ///< out of range
+  fit,       ///< with the values in force that fit; the others with their defaults
+  defaults,  ///< all with their defaults
+};
+
+/// When the members of a change go on.
+enum class Sync : std::uint8_t {
+  /// Each at its own first release at or after the instant; nobody waits for anybody.
+  cut,
+  /// All members wait at a boundary until the last one is there; then a resource that leaves hands
+  /// its state to the one that joins under its name, and all go on at their next releases. For
+  /// changes of a contract between members.
+  barrier,
+};
+
+/// What one component is to do after the change.
+enum class Mode : std::uint8_t { keep, run, park };
+
+}  // namespace mauve

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Probation: the time after a change in which a failure leads back to before it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <mauve/time.h>
+
+namespace mauve {
+
+/// After the commit the old bundles stay ready until every member ran so many jobs with the new
+/// ones, or for so long, whichever is first. A core that fails (it throws, crashes, hangs, writes
+/// an implausible value) leads back to them at the next release. So does a core that takes too
+/// long; that needs several jobs as evidence (exec/evidence.h), and the probation goes on for some
+/// jobs while a core is under suspicion.
+///
+/// A change of other components leaves a probation as it is. A newer change of the same components
+/// joins it: the time begins anew, and a failure leads all of them back to before the first change,
+/// which is what was proven last. A change that also changes resources ends it early instead.
+struct Probation {
+  std::uint64_t activations = 3000;  ///< rule of three: fails less than once in 1000 at 95 %
+  Duration time{10s};
+  Duration confirm_within{0};  ///< zero: nobody needs to confirm
+  /// Late jobs of a member that are tolerated in `window` jobs of it. At least 1: a single late job
+  /// is no evidence.
+  unsigned misses = 2;
+  unsigned window = 64;  ///< at most 64
+};
+
+/// Changes on probation together.
+struct OpenProbation {
+  std::vector<std::uint64_t> changes;   ///< the generations they made, the oldest first
+  std::vector<std::string> components;  ///< that are led back when one of them fails
+  Duration passed{0};                   ///< since the newest of the changes
+  Probation rules;
+  bool leads_back = false;  ///< a failure, or undo(), has set it off
+};
+
+}  // namespace mauve

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Receipt: the answer to a change.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <mauve/time.h>
+
+namespace mauve {
+
+/// What a change cost one component.
+struct MemberReceipt {
+  std::string name;
+  Duration pause{0};         ///< measured on its thread: its next job begins at most so much later
+  std::uint64_t missed = 0;  ///< releases lost between the instant and its first job after it
+  std::size_t bytes = 0;     ///< size of the state handed over
+  /// The types of the states that were dropped, "a and b", and the size of their objects.
+  std::string dropped = {};
+  std::size_t dropped_bytes = 0;
+};
+
+enum class ChangeState : std::uint8_t { unchanged, applied, rolled_back, safe };
+[[nodiscard]] std::string_view to_string(ChangeState state);
+
+/// Answer to every change.
+struct Receipt {
+  std::uint64_t generation = 0;  ///< in force now
+  ChangeState state = ChangeState::unchanged;
+  Duration commit{0};     ///< logical instant of the change, since T0
+  unsigned attempts = 0;  ///< tries until the coordinator met its instant
+  std::vector<MemberReceipt> components;
+  std::vector<std::string> warnings = {};  ///< why it was not admitted, see Admission::warn
+  /// Consequences for probations that are open: which this change joins, which it ends early.
+  std::vector<std::string> notes = {};
+};
+
+}  // namespace mauve

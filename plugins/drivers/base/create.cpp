@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Core "drivers/create_oi" of component kind "drivers/create": an iRobot Create 2 on a serial
+/// device (create_oi.h). Each period it adds up the encoder counts that the base streamed, writes
+/// `odometry`, `pose` and `twist`, and sends the wheels their speeds. Times of `twist` are on the
+/// monotonic clock. Example: mauvectl watch base.core.mode
+///
+/// The base itself drives on for ever at the last speed it was told. So the driver sends zero as
+/// soon as there is no command, a stale one, one older than `command_timeout`, or one that is not a
+/// number, and when it is cleaned up. A driver that is stopped, faulted or gone cannot do that:
+/// connect its port `brake` to a resource "drivers/create_brake", which the runtime tells then.
+/// When mauved itself is killed or stands still, its guardian sends that zero (`stand`).
+///
+/// While the bumper is pressed the base is not driven forward. When a wheel drops or a cliff is
+/// there the base stops by itself and obeys no more (`mode` 1): it is armed again by `mauvectl
+/// stop` and `start`, not before. A base that is silent for `answer_timeout` is begun anew, which
+/// stops it.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+#include <mauve/job.h>
+
+#include "../parts.h"
+#include "../serial/device_line.h"
+#include "base_driver.h"
+#include "create_oi.h"
+#include "wheels.h"
+
+namespace drivers {
+
+/// What survives a change: bytes read and not used yet, the frame begun, and where the wheels are.
+struct BaseLine {
+  LineBytes bytes;
+  create::ReportReader reports;
+  WheelOdometry wheels;
+  bool begun = false;  // the base may be driving
+};
+
+}  // namespace drivers
+
+/// Opaque to tools; raise the revision when anything in it changes.
+template <>
+struct mauve::Described<drivers::BaseLine> {
+  static constexpr std::string_view name = "base_line/3";
+  static constexpr auto fields() { return std::tuple{}; }
+};
+
+namespace drivers {
+namespace {
+
+using rover::Velocity;
+
+class CreateOi final : public BaseCore {
+  using Counter = mauve::Observable<std::uint64_t>;
+
+  mauve::State<BaseLine> state{*this};
+  mauve::Guarded stand{*this, "stand"};
+  mauve::Property<std::string> device{*this,
+                                      "device",
+                                      "/dev/ttyUSB0",
+                                      "serial device, or pty:NAME of a simulated base",
+                                      {.within = "/dev/ pty:"}};
+  mauve::Property<int> baud{*this,
+                            "baud",
+                            115'200,
+                            "speed of the line; 0 leaves it alone",
+                            {.unit = "1/s", .min = 0, .max = 921'600}};
+  mauve::Property<double> wheel_diameter{
+      *this, "wheel_diameter", Wheels{}.diameter, "", {.unit = "m", .min = 0.01, .max = 1.0}};
+  mauve::Property<double> wheel_base{
+      *this, "wheel_base", Wheels{}.base, "between them", {.unit = "m", .min = 0.05, .max = 2.0}};
+  mauve::Property<double> counts{
+      *this, "counts", Wheels{}.counts, "of an encoder in a turn", {.min = 1.0, .max = 10'000.0}};
+  mauve::Property<double> speed_max{*this,
+                                    "speed_max",
+                                    Wheels{}.speed_max,
+                                    "of a wheel",
+                                    {.unit = "m/s", .min = 0.0, .max = 0.5}};
+  mauve::Property<mauve::Duration> command_timeout{
+      *this, "command_timeout", 500ms, "an older command counts as none", {.min = 1ms, .max = {}}};
+  mauve::Property<mauve::Duration> answer_timeout{
+      *this, "answer_timeout", 500ms, "silent for so long: begin anew", {.min = 1ms, .max = {}}};
+  Counter frames{*this, "frames", 0, "undamaged"};
+  Counter bad_frames{*this, "bad_frames", 0, "damaged ones, skipped"};
+  Counter jumps{*this, "jumps", 0, "of the counts, discarded: the base began anew"};
+  Counter timeouts{*this, "timeouts", 0, "times it fell silent"};
+  Counter lost_commands{*this, "lost_commands", 0, "times there was none any more"};
+  Counter bad_commands{*this, "bad_commands", 0, "not a number"};
+  Counter unsent{*this, "unsent", 0, "commands that found no room"};
+  Counter device_errors{*this, "device_errors", 0, "times it was not there or went away"};
+  Counter reopened{*this, "reopened", 0, "times it came, or came back"};
+  Counter received{*this, "received", 0, "bytes"};
+  mauve::Observable<int> mode{*this, "mode", 0, "0 off, 1 passive, 2 safe, 3 full"};
+  mauve::Observable<int> contacts{*this, "contacts", 0,
+                                  "1 right bumper, 2 left, 4 right wheel dropped, 8 left"};
+
+  mauve::Status on_configure() override {
+    wheels_ = {wheel_diameter, wheel_base, counts, speed_max};
+    const auto standing = create::drive_text(0, 0);
+    line_.guard(stand, {.bytes = {standing.data(), standing.size()}, .times = 3, .apart = 20ms});
+    return line_.open(device, baud, SerialPort::Use::both);
+  }
+  /// Who has handed its state over to a successor does not stop the base under it.
+  void on_cleanup() override {
+    if (state->begun) send_speeds({});
+    line_.close(state->bytes);
+  }
+
+  void begin() override {
+    heard_ = mauve::job_time();
+    silent_ = false;
+    state->begun = true;
+    line_.send(create::begin_text());
+  }
+
+  void work() override {
+    const mauve::Instant now = mauve::job_time();
+    if (heard_ == 0) heard_ = now;  // the first job after a change
+    if (read_reports(now)) publish(now);
+    send_speeds(wheel_speeds(wanted(), wheels_));
+    silent_ = now - heard_ >= answer_timeout.get().count();
+    if (silent_) ++timeouts;
+  }
+  bool silent() override { return silent_; }
+
+  bool lost() override { return line_.lost(); }
+  void reopen() override {
+    if (line_.reopen()) begin();
+  }
+
+  /// All that are there; false when there is none.
+  bool read_reports(mauve::Instant now) {
+    bool any = false;
+    char byte = 0;
+    while (line_.take(state->bytes, byte)) {
+      switch (state->reports.push(byte)) {
+        case create::ReportReader::Event::report:
+          any = take_report(now) || any;
+          break;
+        case create::ReportReader::Event::bad:
+          DeviceLine::count_damaged(bad_frames);
+          ++damaged_;
+          break;
+        case create::ReportReader::Event::none:
+          break;
+      }
+    }
+    return any;
+  }
+
+  /// The stream is the clock, a damaged frame is a period too; after a gap it is ours, less what a
+  /// frame may have been under way. False when there is nothing to publish.
+  bool take_report(mauve::Instant now) {
+    constexpr double kUnderWay = 0.05;
+    const create::Report& report = state->reports.report();
+    const double streamed = (damaged_ + 1) * create::kStreamPeriod;
+    const double passed = static_cast<double>(now - heard_) * 1e-9 - kUnderWay;
+    const auto step =
+        state->wheels.advance(report.left, report.right, std::max(streamed, passed), wheels_);
+    damaged_ = 0;
+    heard_ = now;
+    ++frames;
+    if (step == WheelOdometry::Step::jump) ++jumps;
+    mode = static_cast<int>(report.mode);
+    contacts = report.contacts;
+    return step == WheelOdometry::Step::moved;
+  }
+
+  void publish(mauve::Instant now) {
+    rover::Odometry odometry = state->wheels.odometry();
+    odometry.time = static_cast<double>(now) * 1e-9 - state->wheels.lag();
+    shell().odometry.write(odometry);
+    shell().pose.write({odometry.x, odometry.y, odometry.heading});
+    shell().twist.write({odometry.time, odometry.linear, odometry.angular});
+  }
+
+  /// The command, as far as it can be followed.
+  Velocity wanted() {
+    Velocity command = shell().command.read();
+    const mauve::DataStatus status = shell().command.status();
+    const bool fresh = has_value(status) && status != mauve::DataStatus::stale &&
+                       shell().command.age() <= command_timeout.get();
+    if (!fresh && followed_) ++lost_commands;
+    followed_ = fresh;
+    if (!fresh) return {};
+    if (!std::isfinite(command.linear) || !std::isfinite(command.angular)) {
+      if (rover::worth_telling(++bad_commands)) {
+        mauve::log(mauve::LogLevel::warning, "{} commands that are no numbers", bad_commands.get());
+      }
+      return {};
+    }
+    if (state->reports.report().bumped()) command.linear = std::min(command.linear, 0.0);
+    return command;
+  }
+
+  void send_speeds(const WheelSpeeds& speeds) {
+    const auto whole = [](double speed) { return static_cast<int>(std::lround(speed * 1000.0)); };
+    const auto text = create::drive_text(whole(speeds.left), whole(speeds.right));
+    if (!line_.send({text.data(), text.size()}) && !lost()) ++unsent;
+  }
+
+  DeviceLine line_{device_errors, reopened, received};
+  Wheels wheels_;
+  mauve::Instant heard_ = 0;  // begin of the job that read the last report
+  int damaged_ = 0;           // frames since that report
+  bool followed_ = false;
+  bool silent_ = false;
+};
+
+}  // namespace
+
+void declare_create(mauve::Plugin& plugin) {
+  plugin.core<CreateOi>("create_oi");
+  plugin.component<BaseShell, BaseFsm>("create", "create_oi");
+}
+
+}  // namespace drivers

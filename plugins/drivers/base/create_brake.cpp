@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Resource kind "drivers/create_brake": tells a Create 2 to stand, whatever is written to it, on a
+/// descriptor of its own. Connect port `brake` of "drivers/create" to `write`: nothing is written
+/// while the driver works; when it is stopped or faulted, and when the process ends, the runtime
+/// writes the safe value, and the base, which would drive on, stops.
+///
+/// A component that runs a job leaves the line to a thread of the brake's own. Whoever else writes
+/// is there because the component ends, hangs or the process dies, and does it itself: nothing else
+/// may be alive afterwards. The line of the driver may: what it has not written yet it never does.
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include <mauve/job.h>
+
+#include "../../types/velocity.h"
+#include "../parts.h"
+#include "../serial/line_thread.h"
+#include "../serial/serial_port.h"
+#include "create_oi.h"
+
+namespace drivers {
+namespace {
+
+constexpr std::size_t kMostBrakeOrders = 96;  // a dozen orders to stand
+
+class CreateBrake final : public mauve::Core<mauve::EmptyShell> {
+ public:
+  /// [rt], [control]
+  void stop(const rover::Velocity&) {
+    const auto text = create::drive_text(0, 0);
+    const std::string_view bytes(text.data(), text.size());
+    const bool component = mauve::this_job().running;
+    ++stops;
+    thread_.overrule(bytes);  // the last command of the driver may be under way
+    if (!(component ? thread_.send(bytes) : write_now(bytes))) count_failed();
+  }
+
+ private:
+  mauve::Stateless stateless{*this};
+  mauve::Property<std::string> device{
+      *this, "device", "/dev/ttyUSB0", "the same as the driver's", {.within = "/dev/ pty:"}};
+  mauve::Observable<std::uint64_t> stops{*this, "stops", 0, "orders to stand"};
+  mauve::Observable<std::uint64_t> failed{*this, "failed", 0, "of these, found no device"};
+
+  /// Opened when it is needed: resources are configured before the components that make "pty:NAME".
+  mauve::Status on_configure() override {
+    port_.choose(device, 0, SerialPort::Use::both);
+    own_.choose(device, 0, SerialPort::Use::both);
+    thread_.when_unsent([this] { count_failed(); });
+    return thread_.start(port_, kMostBrakeOrders, LineThread::Lost::opened_to_send);
+  }
+  void on_cleanup() override {
+    thread_.stop();
+    port_.close();
+    own_.close();
+  }
+
+  /// Any thread may.
+  void count_failed() { failed = failures_.fetch_add(1) + 1; }
+
+  /// It may have gone and come back since.
+  bool write_now(std::string_view bytes) {
+    for (int tries = 0; tries < 2; ++tries) {
+      if (!own_.is_open() && !own_.reopen()) return false;
+      const auto count = own_.write(bytes);
+      if (count >= 0) return count == static_cast<std::ptrdiff_t>(bytes.size());
+      own_.close();
+    }
+    return false;
+  }
+
+  std::atomic<std::uint64_t> failures_{0};
+  SerialPort port_;    // the thread's
+  SerialPort own_;     // of those who write themselves
+  LineThread thread_;  // ends before the port does
+};
+
+struct BrakeInterface : mauve::Interface<CreateBrake> {
+  mauve::WriteService<rover::Velocity> write{*this, "write", &CreateBrake::stop,
+                                             mauve::Writers::one};
+};
+
+}  // namespace
+
+void declare_create_brake(mauve::Plugin& plugin) {
+  plugin.resource<mauve::EmptyShell, CreateBrake, BrakeInterface>("create_brake");
+}
+
+}  // namespace drivers

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Core "drivers/gnss_serial" of component kind "drivers/gnss": NMEA 0183 and u-blox' UBX, also
+/// mixed, from a serial device. One write to port `fix` for each epoch: GGA, or NAV-PVT where the
+/// receiver sends it. Damaged frames are counted and skipped, and so are epochs that cannot be: a
+/// jump that would need more than `speed_limit`, or a time out of step. Example: mauvectl watch
+/// fix.read gnss.core.bad_frames gnss.core.implausible
+///
+/// One job reads every complete frame that is there, up to `frames_per_job` and 16 KiB. A device
+/// that is not there, or goes away, is opened as soon as it is (back) there (observables
+/// device_errors, reopened; state wait_device meanwhile).
+#include "../parts.h"
+#include "gnss_driver.h"
+#include "gnss_reader.h"
+
+namespace drivers {
+
+/// What survives a change: bytes read and not used yet, the frame begun, and what the gate knows.
+struct GnssLine {
+  GnssStream stream;
+  GnssReader reader;
+  LineBytes bytes;
+};
+
+}  // namespace drivers
+
+/// Opaque to tools; raise the revision when anything in it changes.
+template <>
+struct mauve::Described<drivers::GnssLine> {
+  static constexpr std::string_view name = "gnss_line/4";
+  static constexpr auto fields() { return std::tuple{}; }
+};
+
+namespace drivers {
+namespace {
+
+class GnssSerial final : public FrameDriver<GnssCore, GnssLine> {
+  mauve::Property<double> speed_limit{*this,
+                                      "speed_limit",
+                                      100.0,
+                                      "nothing moves faster; 0 lets every jump through",
+                                      {.unit = "m/s", .min = 0.0, .max = 10'000.0}};
+  mauve::Observable<std::uint64_t> fixes{*this, "fixes", 0, "epochs published"};
+  mauve::Observable<std::uint64_t> implausible{*this, "implausible", 0,
+                                               "epochs that cannot be, skipped"};
+  mauve::Observable<int> satellites{*this, "satellites", 0, "used in the last epoch"};
+  mauve::Observable<double> hdop{*this, "hdop", 0.0, "dilution of precision, of the last epoch"};
+  mauve::Observable<int> mode{*this, "mode", 1, "1 none, 2 two dimensions, 3 three"};
+
+  rover::Condition told_fix_{false};
+
+  void use(Found found) override {
+    const double now = static_cast<double>(mauve::job_time()) * 1e-9;
+    switch (state->reader.read(found, state->stream, now, speed_limit)) {
+      case GnssReader::Event::fix:
+        return publish(state->reader.fix());
+      case GnssReader::Event::malformed:
+        return count_bad();
+      case GnssReader::Event::implausible:
+        if (rover::worth_telling(++implausible)) {
+          mauve::log(mauve::LogLevel::warning, "{} fixes that cannot be", implausible.get());
+        }
+        return;
+      case GnssReader::Event::ignored:
+        return;
+    }
+  }
+
+  void publish(const rover::GnssFix& fix) {
+    shell().fix.write(fix);
+    ++fixes;
+    satellites = fix.satellites;
+    hdop = fix.hdop;
+    mode = fix.mode;
+    if (!told_fix_.changed(fix.mode > 1)) return;
+    if (fix.mode > 1) {
+      mauve::log(mauve::LogLevel::info, "a fix from {} satellites", fix.satellites);
+    } else {
+      mauve::log(mauve::LogLevel::warning, "no fix, {} satellites", fix.satellites);
+    }
+  }
+};
+
+}  // namespace
+
+void declare_gnss(mauve::Plugin& plugin) {
+  plugin.core<GnssSerial>("gnss_serial");
+  plugin.component<GnssShell, GnssFsm>("gnss", "gnss_serial");
+}
+
+}  // namespace drivers

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Component kind "drivers/imu": an inertial unit on a serial line, with the state machine of the
+/// satellite receiver (frame_driver.h). Core "drivers/imu_xbus": Xsens MTi, configured to send
+/// MTData2 with rate of turn, acceleration and, if its compass is of use, Euler angles, all as
+/// single-precision "ENU". One write to port `imu` for each measurement, stamped with when it was
+/// taken if the unit sends its sample time, else with when it came. Acceleration is what the unit
+/// feels: on a slope a part of gravity is in it.
+#include "../../types/imu.h"
+
+#include "../parts.h"
+#include "../serial/frame_driver.h"
+#include "xbus_frame.h"
+#include "xbus_imu.h"
+
+namespace drivers {
+
+struct ImuShell : mauve::Shell {
+  mauve::WritePort<rover::Imu> imu{*this, "imu"};
+};
+
+class ImuCore : public FrameCore<ImuShell> {
+ public:
+  using Contract = ImuCore;
+  static constexpr const char* contract = "drivers/imu/1";
+
+  static constexpr std::chrono::milliseconds kWaitFrame{2};
+  static constexpr std::chrono::milliseconds kPeriod{10};
+  static constexpr const char* kDevice = "/dev/ttyUSB0";
+  static constexpr int kBaud = 115'200;
+};
+
+/// What survives a change: bytes read and not used yet, the frame begun, and the unit's clock.
+struct ImuLine {
+  XbusStream stream;
+  ImuReader reader;
+  LineBytes bytes;
+};
+
+}  // namespace drivers
+
+/// Opaque to tools; raise the revision when anything in it changes.
+template <>
+struct mauve::Described<drivers::ImuLine> {
+  static constexpr std::string_view name = "imu_line/2";
+  static constexpr auto fields() { return std::tuple{}; }
+};
+
+namespace drivers {
+namespace {
+
+class ImuXbus final : public FrameDriver<ImuCore, ImuLine> {
+  mauve::Property<bool> compass{*this, "compass", true, "let its heading through"};
+  mauve::Observable<std::uint64_t> measurements{*this, "measurements", 0, "published"};
+  mauve::Observable<std::uint64_t> implausible{*this, "implausible", 0,
+                                               "with a value that no unit measures, skipped"};
+
+  void use(Found) override {
+    const double now = static_cast<double>(mauve::job_time()) * 1e-9;
+    switch (state->reader.read(state->stream.frame(), now)) {
+      case ImuReader::Event::imu:
+        return publish(state->reader.imu());
+      case ImuReader::Event::malformed:
+        return count_bad();
+      case ImuReader::Event::implausible:
+        ++implausible;
+        return;
+      case ImuReader::Event::ignored:
+        return;
+    }
+  }
+
+  void publish(rover::Imu imu) {
+    imu.has_heading = imu.has_heading && compass;
+    if (!imu.has_heading) imu.heading = 0.0;
+    shell().imu.write(imu);
+    ++measurements;
+  }
+};
+
+}  // namespace
+
+void declare_imu(mauve::Plugin& plugin) {
+  plugin.core<ImuXbus>("imu_xbus");
+  plugin.component<ImuShell, FrameFsm<ImuCore>>("imu", "imu_xbus");
+}
+
+}  // namespace drivers

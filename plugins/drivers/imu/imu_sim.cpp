@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Component kind "drivers/imu_sim": an inertial unit at the far end of a serial line. It writes
+/// Xbus to a pseudo-terminal, whose other end is the device named by `line`, so that the real
+/// driver runs on it.
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "../../types/imu.h"
+#include "../parts.h"
+#include "../serial/simulated_line.h"
+#include "xbus_imu.h"
+
+namespace drivers {
+namespace {
+
+struct ImuSimShell : mauve::Shell {
+  mauve::ReadPort<rover::Imu> world{*this, "world"};
+};
+
+class ImuSim final : public mauve::Core<ImuSimShell> {
+ public:
+  void update() {
+    const rover::Imu imu = shell().world.read();
+    if (!has_value(shell().world.status())) return;
+    const auto ticks = static_cast<std::uint32_t>(mauve::job_time() / 100'000);
+    const Bytes frame = writer_.compose(imu, ticks);
+    if (line_.send({reinterpret_cast<const char*>(frame.data()), frame.size()})) {
+      ++sent;
+    } else {
+      ++lost;
+    }
+  }
+
+ private:
+  mauve::Stateless stateless{*this};
+  mauve::Property<std::string> line{*this,
+                                    "line",
+                                    "pty:imu",
+                                    "serial device to make: pty:NAME, or a path of your choice",
+                                    {.within = "pty:"}};
+  mauve::Observable<std::uint64_t> sent{*this, "sent", 0, "measurements"};
+  mauve::Observable<std::uint64_t> lost{*this, "lost", 0, "not sent: nobody reads the line"};
+
+  mauve::Status on_configure() override { return line_.open(line); }
+  void on_cleanup() override { line_.close(); }
+
+  SimulatedLine line_;
+  ImuWriter writer_;
+};
+
+}  // namespace
+
+void declare_imu_sim(mauve::Plugin& plugin) {
+  plugin.component<ImuSimShell, ImuSim, mauve::PeriodicFsm<ImuSim>>("imu_sim");
+}
+
+}  // namespace drivers

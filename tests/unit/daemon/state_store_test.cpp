@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "state/state_store.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <future>
+
+#include "support/temp_dir.h"
+
+namespace mauve::daemon {
+namespace {
+
+using protocol::Json;
+using test::TempDir;
+
+Generation with_number(std::uint64_t number, Mark mark = Mark::confirmed) {
+  return {number,   "b007", "2026-01-31T12:00:00.000000Z", 1000, "param.set", "why", "",
+          "/robot", mark};
+}
+
+Value named(const std::string& name) { return Value::Object{{"name", name}}; }
+
+class StateStoreTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    log.start();
+    open();
+  }
+  void TearDown() override {
+    if (store) {
+      store->end();
+    }
+    log.stop();
+  }
+  void open() {
+    store.reset();
+    auto opened = StateStore::open((dir / "state").string(), log);
+    ASSERT_TRUE(opened);
+    store = std::move(*opened);
+  }
+  bool keep(const Generation& about, const std::string& name) {
+    std::promise<bool> saved;
+    store->keep(about, named(name), {{"method", "param.set"}},
+                [&](bool done) { saved.set_value(done); });
+    return saved.get_future().get();
+  }
+  [[nodiscard]] std::string audit() const { return TempDir::read(dir / "state" / "audit.log"); }
+  [[nodiscard]] std::size_t lines() const {
+    const auto text = audit();
+    return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+  }
+
+  TempDir dir;
+  logging::Log log{logging::Level::debug};
+  std::unique_ptr<StateStore> store;
+};
+
+TEST_F(StateStoreTest, DoesNotBelieveAMarkerThatOthersMayHaveWritten) {
+  store->begin(with_number(1), named("robot"));
+  store->end();
+  const auto marker = dir / "state/running";
+  open();
+  ASSERT_FALSE(store->crashed());
+
+  std::filesystem::permissions(marker, std::filesystem::perms(0666));
+  open();
+
+  EXPECT_TRUE(store->crashed()) << "as if there were none";
+}
+
+TEST_F(StateStoreTest, KnowsACrashByAMissingEnd) {
+  EXPECT_FALSE(store->crashed());
+  store->begin(with_number(1), named("a"));
+  store->end();
+  open();
+  EXPECT_FALSE(store->crashed());
+  store->begin(with_number(2), named("a"));
+
+  open();  // without an end
+
+  EXPECT_TRUE(store->crashed());
+  EXPECT_EQ(store->generations().newest(), 2U);
+}
+
+TEST_F(StateStoreTest, TakesALostMarkerForACrashWhenSomethingWasSaved) {
+  store->begin(with_number(1), named("a"));
+  store->end();
+  std::filesystem::remove(dir / "state" / "running");
+
+  open();
+
+  EXPECT_TRUE(store->crashed());
+  EXPECT_EQ(store->crashed_generation(), 0U) << "nobody knows what it had started";
+}
+
+TEST_F(StateStoreTest, CountsACrashOnceAndOnlySoonAfterTheStart) {
+  store->try_generation(7);
+  open();
+  EXPECT_EQ(store->crashed_generation(), 7U);
+
+  store->refused();  // a start after the crash that a hook refused
+  open();
+  EXPECT_TRUE(store->crashed()) << "what ran last is tried again";
+  EXPECT_EQ(store->crashed_generation(), 0U) << "but it has not crashed again";
+
+  store->begin(with_number(8), named("a"));
+  store->ran_long();
+  store->flush();
+  open();
+  EXPECT_TRUE(store->crashed());
+  EXPECT_EQ(store->crashed_generation(), 0U);
+}
+
+TEST_F(StateStoreTest, DropsWhatEarlierRecoveriesDidNotConfirm) {
+  for (std::uint64_t number = 1; number <= 3; ++number) {
+    auto about = with_number(number);
+    about.command = number == 1 ? "start" : kRecover;
+    about.mark = number == 1 ? Mark::confirmed : Mark::unconfirmed;
+    store->begin(about, named("a"));
+    open();
+  }
+
+  const auto all = store->generations().list();
+
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[0].number, 3U);
+  EXPECT_EQ(all[1].number, 1U);
+}
+
+TEST_F(StateStoreTest, PutsAFileAsideThatLiesWhereTheGenerationsBelong) {
+  store.reset();
+  std::filesystem::remove_all(dir / "state" / "generations");
+  std::ofstream(dir / "state" / "generations") << "damage";
+
+  open();
+
+  store->begin(with_number(1), named("a"));
+  EXPECT_EQ(store->generations().newest(), 1U);
+  EXPECT_TRUE(std::filesystem::exists(dir / "state" / "generations.damaged"));
+}
+
+TEST_F(StateStoreTest, KeepsTheListOfCoresInQuarantine) {
+  const Json cores = {{{"core", "guidance/gap"}, {"build_id", "12ab"}, {"reason", "threw"}}};
+  EXPECT_TRUE(store->quarantined().empty());
+  store->begin(with_number(1), named("a"));
+  store->quarantine(cores);
+  store->end();
+
+  open();
+
+  EXPECT_EQ(store->quarantined(), cores);
+}
+
+TEST_F(StateStoreTest, SaysThatADamagedListOfCoresInQuarantineIsLost) {
+  for (const char* text : {"", "[]", "{\"cores\":[1]}", "{\"cores\":[{"}) {
+    store.reset();
+    dir.write("state/quarantine.json", text);
+    open();
+    EXPECT_TRUE(store->quarantined().empty()) << text;
+    log.flush();
+    const auto told = log.history().tail(1, {});
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_EQ(told[0].event, logging::Event::quarantine_lost) << text;
+  }
+}
+
+TEST_F(StateStoreTest, AnswersWhenTheGenerationIsOnTheDisk) {
+  store->begin(with_number(1), named("a"));
+
+  ASSERT_TRUE(keep(with_number(2), "b"));
+
+  EXPECT_THAT(store->generations().text(2).value(), testing::HasSubstr("\"name\": \"b\""));
+  EXPECT_THAT(audit(), testing::HasSubstr("\"saved\":true"));
+  EXPECT_TRUE(store->saved());
+}
+
+TEST_F(StateStoreTest, MarksWhatWasSavedBefore) {
+  store->begin(with_number(1), named("a"));
+  ASSERT_TRUE(keep(with_number(2, Mark::unconfirmed), "b"));
+
+  store->mark(2, Mark::confirmed);
+  store->flush();
+
+  EXPECT_EQ(store->generations().list().front().mark, Mark::confirmed);
+}
+
+TEST_F(StateStoreTest, SaysThatNothingWasSavedAndGoesOn) {
+  store->begin(with_number(1), named("a"));
+  std::filesystem::rename(dir / "state", dir / "away");
+
+  EXPECT_FALSE(keep(with_number(2), "b"));
+  EXPECT_FALSE(store->saved());
+  store->audit({{"method", "param.set"}});
+  store->flush();
+  std::filesystem::rename(dir / "away", dir / "state");
+  EXPECT_TRUE(keep(with_number(3), "c"));
+
+  EXPECT_TRUE(store->saved());
+  log.flush();
+  const auto told = log.history().tail(100, {});
+  const auto count = [&](logging::Event event) {
+    return std::count_if(told.begin(), told.end(),
+                         [&](const logging::Record& one) { return one.event == event; });
+  };
+  EXPECT_EQ(count(logging::Event::generation_not_saved), 1);
+  EXPECT_EQ(count(logging::Event::audit_failed), 1) << "one complaint until it works again";
+}
+
+TEST_F(StateStoreTest, CountsAuditLinesThatTheDiskIsTooSlowFor) {
+  // Nothing is written before begin(): as on a disk that does not answer.
+  for (std::size_t i = 0; i < StateStore::kWaiting + 5; ++i) {
+    store->audit({{"method", "param.set"}, {"time", "now"}});
+  }
+
+  store->begin(with_number(1), named("a"));
+  store->flush();
+
+  EXPECT_EQ(lines(), StateStore::kWaiting + 1);
+  EXPECT_THAT(audit(), testing::HasSubstr("{\"lost\":5,\"time\":"));
+}
+
+TEST_F(StateStoreTest, WritesWhatWaitsBeforeItEnds) {
+  store->begin(with_number(1), named("a"));
+  for (int i = 0; i < 20; ++i) {
+    store->audit({{"method", "param.set"}});
+  }
+
+  store->end();
+
+  EXPECT_EQ(lines(), 20U);
+  EXPECT_EQ(test::TempDir::read(dir / "state" / "running"), "ended\n");
+}
+
+TEST_F(StateStoreTest, ConfirmsTwoGenerationsThatAreTheSameAndNoOthers) {
+  store->begin(with_number(1), named("a"));
+  for (const auto& [number, name] : {std::pair{2U, "b"}, {3U, "c"}, {4U, "b"}}) {
+    ASSERT_TRUE(keep(with_number(number, Mark::unconfirmed), name));
+  }
+  const auto mark_of = [this](std::uint64_t number) {
+    store->flush();
+    const auto all = store->generations().list();
+    const auto found = std::ranges::find(all, number, &Generation::number);
+    return found == all.end() ? std::string_view("gone") : to_string(found->mark);
+  };
+
+  store->confirm_same(2, 3);
+  store->confirm_same(2, 77);
+  EXPECT_EQ(mark_of(2), "unconfirmed");
+  EXPECT_EQ(mark_of(3), "unconfirmed");
+
+  store->confirm_same(2, 4);
+  EXPECT_EQ(mark_of(2), "confirmed");
+  EXPECT_EQ(mark_of(3), "unconfirmed");
+  EXPECT_EQ(mark_of(4), "confirmed");
+}
+
+}  // namespace
+}  // namespace mauve::daemon
