@@ -39,7 +39,7 @@ DEEP_LAYERS = {
 LARGE_CLASSES = {
     "daemon/keeper.h:Keeper": 37,
     "libruntime/exec/commit.h:Commit": 40,
-    "libruntime/exec/probation.h:OnProbation": 36,
+    "libruntime/exec/probation.h:OnProbation": 35,
     "libruntime/exec/task.h:Task": 92,
     "libruntime/exec/threads.cpp:Threads": 29,
     "libruntime/include/mauve/deployer.h:Deployer": 57,
@@ -104,10 +104,9 @@ STRAYS = {
     "daemon/log/journal.cpp": 1,
     "libruntime/base/value.cpp": 2,
     "libruntime/exec/barrier.cpp": 1,
-    "libruntime/exec/change.cpp": 7,
+    "libruntime/exec/change.cpp": 5,
     "libruntime/exec/commit.cpp": 8,
     "libruntime/exec/commit_books.cpp": 18,
-    "libruntime/exec/deployer.cpp": 2,
     "libruntime/exec/happening.cpp": 3,
     "libruntime/exec/in_place.cpp": 6,
     "libruntime/exec/prepare.cpp": 1,
@@ -123,7 +122,6 @@ STRAYS = {
     "libruntime/exec/threads.cpp": 1,
     "libruntime/exec/trace_control.cpp": 7,
     "libruntime/exec/trace_drain.cpp": 3,
-    "libruntime/model/component.cpp": 2,
     "libruntime/model/core.cpp": 9,
     "libruntime/model/elements.cpp": 2,
     "libruntime/model/port.cpp": 13,
@@ -187,13 +185,12 @@ class Tree:
         for path, functions in self.functions.items():
             for function in functions:
                 if path.endswith(".h") and not function.body and not function.defaulted:
-                    declared[layer_of(path), function.name].add(path)
-                    declared[None, function.name].add(path)
+                    declared[function.name].add(path)
         found = []
         for path, functions in self.functions.items():
             for function in functions:
                 if path.endswith(".cpp") and function.body and not function.hidden and not function.in_class:
-                    headers = declared.get((layer_of(path), function.name)) or declared.get((None, function.name))
+                    headers = declared.get(function.name)
                     if headers:
                         found.append((path, function, headers))
         return found

@@ -29,7 +29,7 @@ struct Journey {
   Status exchanged;
   std::vector<arch::Line> lines;  ///< the differences that it makes, once it is prepared
   std::vector<std::string> notes;
-  std::shared_ptr<const Bundle> before;  ///< of a swap in place
+  CoreBefore before;  ///< of a swap in place
 };
 using JourneyPtr = std::shared_ptr<Journey>;
 
@@ -261,7 +261,7 @@ void exchange_in_place(Running& running, const CallPtr& call, JourneyPtr journey
 }
 
 void park_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
-  journey->before = (**journey->prepared).content().members.front().base;
+  journey->before.bundle = (**journey->prepared).content().members.front().base;
   auto parking = running.deployer.begin_in_place_park(**journey->prepared);
   when_answered(running, std::move(parking),
                 [&running, call, journey, ticket = std::move(ticket)](Ongoing& done) mutable {
@@ -269,6 +269,8 @@ void park_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ti
                     answer(running, *call, parked.error(), state_after(parked.error()));
                     return free_in_factory(running, std::move(journey), std::move(ticket));
                   }
+                  journey->before.failed_at =
+                      failed_at(running, journey->change.edits[0].component);
                   exchange_in_place(running, call, std::move(journey), std::move(ticket));
                 });
 }

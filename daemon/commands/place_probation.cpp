@@ -24,6 +24,7 @@ struct Reason {
 struct WayBackInPlace {
   Reason reason;
   std::uint64_t stops = 0;
+  bool starts = true;  ///< false: the component was faulted before the swap, and still is
   std::optional<Result<PreparedChange>> prepared;
   Status exchanged;
   std::optional<Retired> retired{std::in_place};
@@ -50,6 +51,11 @@ Outcome outcome_of(const Running& running, const PlaceProbation& place, Outcome:
   return outcome;
 }
 
+/// The component is faulted by the core that the swap replaced.
+bool failed_before(const Running& running, const PlaceProbation& place) {
+  return place.before.failed_at && failed_at(running, place.component) == place.before.failed_at;
+}
+
 /// Elements are freed on [factory], since their destructors are user code.
 void free_in_factory(Running& running, WayBackPtr way, Ticket ticket) {
   running.control.in_factory(
@@ -70,7 +76,8 @@ void conclude(Running& running, const Reason& reason, const Status& done) {
   auto outcome = outcome_of(running, place, Outcome::Kind::rolled_back, reason.text);
   outcome.incident = reason.incident;
   outcome.component = reason.incident ? place.component : std::string();
-  if (reason.incident && exec::is_other_code(*place.before->core, *place.now->core)) {
+  const bool own_fault = reason.incident && reason.incident->resource.empty();
+  if (own_fault && exec::is_other_code(*place.before.bundle->core, *place.now->core)) {
     outcome.cores.push_back(place.now->core_type.name);
   }
   if (!done) {
@@ -101,8 +108,8 @@ void leave_behind(Running& running, const Reason& reason, const std::string& hoo
 void resume(Running& running, WayBackPtr way, Ticket ticket) {
   auto& change = **way->prepared;
   const auto& component = way->reason.place.component;
-  if (stops_of_component(running, component) != way->stops) {
-    change.content().members.front().resume = false;  // it was stopped meanwhile, and stays so
+  if (!way->starts || stops_of_component(running, component) != way->stops) {
+    change.content().members.front().resume = false;  // what was at rest, or stopped, stays so
   }
   auto resumed = running.deployer.begin_in_place_resume(change, way->exchanged);
   if (!resumed) {
@@ -131,6 +138,8 @@ void park(Running& running, WayBackPtr way, Ticket ticket) {
     const Status refused = way->prepared->error();
     return end(running, std::move(way), std::move(ticket), refused);
   }
+  const auto& place = way->reason.place;
+  way->starts = !failed_before(running, place);
   auto parking = running.deployer.begin_in_place_park(**way->prepared);
   when_answered(running, std::move(parking),
                 [&running, way, ticket = std::move(ticket)](Ongoing& done) mutable {
@@ -155,7 +164,8 @@ bool lead_back(Running& running, PlaceProbation& place, const std::string& text,
     running.control.in_factory(
         [&running, way] {
           const auto& from = way->reason.place;
-          way->prepared = running.deployer.prepare_back_in_place(from.component, from.before);
+          way->prepared =
+              running.deployer.prepare_back_in_place(from.component, from.before.bundle);
         },
         [&running, way, ticket]() mutable { park(running, std::move(way), std::move(ticket)); },
         [&running, reason = way->reason, ticket](const std::string& hook) {
@@ -178,8 +188,8 @@ Verdict judge(const Running& running, const PlaceProbation& place) {
     return {Outcome::Kind::overtaken, "a newer change", std::nullopt};
   }
   const auto status = running.deployer.status(place.component);
-  if (status.state == ComponentState::faulted || status.state == ComponentState::recovering) {
-    return {Outcome::Kind::rolled_back, status.fault, status.incident};
+  if (status.incident && !failed_before(running, place)) {
+    return {Outcome::Kind::rolled_back, to_string(*status.incident), status.incident};
   }
   const Duration passed = std::chrono::steady_clock::now() - place.since;
   if (place.rules.confirm_within > Duration{0}) {
@@ -205,8 +215,13 @@ void settle(Running& running, std::size_t index, Outcome::Kind kind, const std::
 
 }  // namespace
 
+std::optional<Instant> failed_at(const Running& running, const std::string& component) {
+  const auto incident = running.deployer.status(component).incident;
+  return incident ? std::optional(incident->time) : std::nullopt;
+}
+
 void begin_place_probation(Running& running, Call& call, const std::string& component,
-                           std::shared_ptr<const Bundle> before, const Probation& rules) {
+                           CoreBefore before, const Probation& rules) {
   call.mark = Mark::unconfirmed;
   const auto* found = running.architecture.find_component(component);
   if (found == nullptr) {
@@ -250,7 +265,7 @@ std::optional<PlaceTarget> newest_place(const Running& running, std::uint64_t th
   if (newest == running.places.end() || newest->generation < than) {
     return std::nullopt;
   }
-  return PlaceTarget{newest->generation, newest->component, newest->before};
+  return PlaceTarget{newest->generation, newest->component, newest->before.bundle};
 }
 
 Status undo_place(Running& running, const PlaceTarget& target, const std::string& reason) {

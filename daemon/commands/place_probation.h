@@ -18,6 +18,14 @@ namespace mauve::daemon {
 struct Running;
 struct Call;
 
+/// The core that a swap in place replaced.
+struct CoreBefore {
+  std::shared_ptr<const Bundle> bundle;
+  /// Its component was parked because of this failure, which is not one of the new core. A
+  /// component that is faulted stays so until it is started, whatever its core.
+  std::optional<Instant> failed_at;
+};
+
 /// A swap in place that has not proved itself. [control]
 struct PlaceProbation {
   std::uint64_t generation = 0;  ///< that it made
@@ -25,14 +33,18 @@ struct PlaceProbation {
   Probation rules;
   std::chrono::steady_clock::time_point since;
   std::uint64_t releases = 0;  ///< of the component when it began
-  std::shared_ptr<const Bundle> before;
+  CoreBefore before;
   std::shared_ptr<const Bundle> now;
   bool leads_back = false;
 };
 
+/// [control] When the core in force failed; none: its component is neither faulted nor recovering.
+[[nodiscard]] std::optional<Instant> failed_at(const Running& running,
+                                               const std::string& component);
+
 /// [control] The swap in place is in force.
 void begin_place_probation(Running& running, Call& call, const std::string& component,
-                           std::shared_ptr<const Bundle> before, const Probation& rules);
+                           CoreBefore before, const Probation& rules);
 
 /// [control] Some times a second: whether a swap in place has failed, proved itself, or was
 /// overtaken by a newer change of its component.

@@ -35,36 +35,6 @@ Result<std::pair<std::string, std::string>> split_port(std::string_view address)
 
 }  // namespace
 
-std::string_view to_string(ComponentState state) {
-  switch (state) {
-    case ComponentState::not_configured:
-      return "not_configured";
-    case ComponentState::stopped:
-      return "stopped";
-    case ComponentState::running:
-      return "running";
-    case ComponentState::faulted:
-      return "faulted";
-    case ComponentState::recovering:
-      return "recovering";
-  }
-  return "unknown";
-}
-
-std::string_view to_string(Recovery::Way way) {
-  switch (way) {
-    case Recovery::Way::none:
-      return "none";
-    case Recovery::Way::restart:
-      return "restart";
-    case Recovery::Way::fallback:
-      return "fallback";
-    case Recovery::Way::rollback:
-      return "rollback";
-  }
-  return "unknown";
-}
-
 Deployer::Deployer(Architecture& architecture, DeployOptions options)
     : system_(std::make_unique<exec::System>(architecture, options)) {}
 

@@ -7,6 +7,46 @@
 #include "base/duration.h"
 #include "exec/system.h"
 
+namespace mauve {
+
+std::string_view to_string(ComponentState state) {
+  switch (state) {
+    case ComponentState::not_configured:
+      return "not_configured";
+    case ComponentState::stopped:
+      return "stopped";
+    case ComponentState::running:
+      return "running";
+    case ComponentState::faulted:
+      return "faulted";
+    case ComponentState::recovering:
+      return "recovering";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(Recovery::Way way) {
+  switch (way) {
+    case Recovery::Way::none:
+      return "none";
+    case Recovery::Way::restart:
+      return "restart";
+    case Recovery::Way::fallback:
+      return "fallback";
+    case Recovery::Way::rollback:
+      return "rollback";
+  }
+  return "unknown";
+}
+
+std::string to_string(const Incident& incident) {
+  const std::string text = incident.text.empty() ? "" : ": " + incident.text;
+  const bool own = incident.resource.empty();
+  return incident.cause + text + (own ? "" : ", in a call of " + incident.resource);
+}
+
+}  // namespace mauve
+
 namespace mauve::exec {
 
 std::string_view name_of(rt::EventKind kind) {

@@ -299,24 +299,13 @@ void OnProbation::tell_after_all() {
 std::string OnProbation::culprit() const {
   const std::string text = way_back_->text();
   if (way_back_->cause() == Cause::asked) return text;
-  const std::string cause(to_string(way_back_->cause()));
-  const ResourceBase* const inside = failed_in();
-  const std::string where = inside == nullptr ? "" : ", in a call of " + inside->name();
-  return (text.empty() ? cause : cause + ": " + text) + where;
-}
-
-/// The resource in whose service the member failed; null: it failed in its own code.
-const ResourceBase* OnProbation::failed_in() const {
-  for (const ResourceBase* resource : system_.architecture.resources()) {
-    if (&resource->gate() == way_back_->inside()) return resource;
-  }
-  return nullptr;
+  return to_string(incident_of(system_, way_back_->fault()));
 }
 
 /// The new cores that failed. A resource that fails its caller is not the fault of the caller's
 /// core.
 void OnProbation::name_cores(Outcome& end) const {
-  if (failed_in() != nullptr) return;
+  if (end.incident && !end.incident->resource.empty()) return;
   for (const PreparedMember& member : content_->members) {
     const std::string& core = member.next->core_type.name;
     const bool is_new =
@@ -344,7 +333,7 @@ void OnProbation::tell(Outcome::Kind kind, const std::string& reason) {
       if (member.deployed->task.get() == way_back_->member())
         end.component = member.deployed->task->name();
     }
-    if (!end.component.empty()) end.incident = to_incident(way_back_->fault());
+    if (!end.component.empty()) end.incident = incident_of(system_, way_back_->fault());
     name_cores(end);
   }
   system_.outcomes.push_back(std::move(end));

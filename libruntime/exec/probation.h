@@ -93,7 +93,6 @@ class OnProbation {
   [[nodiscard]] bool all_looked_away() const;
   void tell(Outcome::Kind kind, const std::string& reason);
   [[nodiscard]] std::string culprit() const;
-  [[nodiscard]] const ResourceBase* failed_in() const;
   void name_cores(Outcome& end) const;
 
   System& system_;

@@ -201,6 +201,20 @@ Status bring_up(System& system) {
   return reliefs;
 }
 
+Incident incident_of(const System& system, const FaultRecord& record) {
+  Incident incident{record.time,
+                    std::string(to_string(record.cause)),
+                    record.text.data(),
+                    record.core.data(),
+                    record.state.data(),
+                    record.job,
+                    {}};
+  for (const ResourceBase* resource : system.architecture.resources()) {
+    if (&resource->gate() == record.inside) incident.resource = resource->name();
+  }
+  return incident;
+}
+
 ComponentStatus look_at(const System& system, const Deployed& deployed) {
   const Counters& counters = deployed.task->counters();
   const Bundle& bundle = *deployed.component->bundle();
@@ -241,7 +255,7 @@ ComponentStatus look_at(const System& system, const Deployed& deployed) {
     status.late = lateness_of(bundle, status.next_release, system.runner->now() - system.t0);
   }
   if (status.state == ComponentState::faulted || status.state == ComponentState::recovering) {
-    status.incident = to_incident(deployed.task->fault());
+    status.incident = incident_of(system, deployed.task->fault());
     status.fault = status.incident->text;
   }
   return status;

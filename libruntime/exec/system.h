@@ -135,6 +135,7 @@ Result<PreparedChange> prepare_change(System& system, const Change& change, bool
 [[nodiscard]] PreparedMember member_of(ComponentBase& component, Mode mode);
 
 [[nodiscard]] ComponentStatus look_at(const System& system, const Deployed& deployed);
+[[nodiscard]] Incident incident_of(const System& system, const FaultRecord& record);
 [[nodiscard]] std::string_view name_of(rt::EventKind kind);
 std::size_t drain_events(System& system, const std::function<void(const Happening&)>& visit);
 

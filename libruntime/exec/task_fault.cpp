@@ -91,6 +91,7 @@ void Task::record_fault(Cause cause) {
   fault_.time = clock_.now();
   fault_.cause = cause;
   fault_.job = counters_.releases.load(std::memory_order_relaxed);
+  fault_.inside = thrown_out_of_;
   copy_text(fault_.core, current_->bundle->core_type.name);
   const auto& states = current_->bundle->fsm->states();
   const std::size_t index = counters_.fsm_state.load(std::memory_order_relaxed);
@@ -101,7 +102,7 @@ void Task::record_fault(Cause cause) {
 void Task::give_up_core() {
   const Published* back = back_.load(std::memory_order_acquire);
   if (back == nullptr) return;
-  back->way_back->set_off(clock_, fault_, this, thrown_out_of_);
+  back->way_back->set_off(clock_, fault_, this);
 }
 
 /// A failed core waits while the way back is under way, or while its policy promises another core:

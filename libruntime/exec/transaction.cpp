@@ -17,8 +17,7 @@ bool WayBack::set_off(const Clock& clock, std::string_view reason) {
   return set_off(clock, asked, nullptr);
 }
 
-bool WayBack::set_off(const Clock& clock, const FaultRecord& fault, const void* member,
-                      const void* inside) {
+bool WayBack::set_off(const Clock& clock, const FaultRecord& fault, const void* member) {
   if (!transaction_.claim(kBeingSetOff)) return false;
   Transaction* const newer = newer_.load();
   if (newer != nullptr &&
@@ -28,7 +27,6 @@ bool WayBack::set_off(const Clock& clock, const FaultRecord& fault, const void* 
   }
   fault_ = fault;
   member_ = member;
-  inside_ = inside;
   decide(clock);
   told_.store(true, std::memory_order_release);
   return true;

@@ -92,10 +92,8 @@ class WayBack {
   [[nodiscard]] Transaction& transaction() { return transaction_; }
 
   /// [any] Bounded, no lock. False: it was set off before, is closed, or a newer change is
-  /// committed. `inside`: the gate of the resource in whose service the member failed; null: in its
-  /// own code.
-  bool set_off(const Clock& clock, const FaultRecord& fault, const void* member,
-               const void* inside = nullptr);
+  /// committed.
+  bool set_off(const Clock& clock, const FaultRecord& fault, const void* member);
   /// No member failed: somebody wants it.
   bool set_off(const Clock& clock, std::string_view reason);
   /// [control] Nobody can set it off any more; false when somebody has.
@@ -116,7 +114,6 @@ class WayBack {
   [[nodiscard]] Cause cause() const { return fault_.cause; }
   [[nodiscard]] const FaultRecord& fault() const { return fault_; }
   [[nodiscard]] const void* member() const { return member_; }
-  [[nodiscard]] const void* inside() const { return inside_; }
   [[nodiscard]] const char* text() const { return fault_.text.data(); }
 
  private:
@@ -137,7 +134,6 @@ class WayBack {
   std::atomic<bool> told_{false};
   FaultRecord fault_;
   const void* member_ = nullptr;
-  const void* inside_ = nullptr;
 };
 
 }  // namespace mauve::exec
