@@ -24,7 +24,7 @@ struct Reason {
 struct WayBackInPlace {
   Reason reason;
   std::uint64_t stops = 0;
-  bool starts = true;  ///< false: the component was faulted before the swap, and still is
+  bool starts = true;  ///< false: the component was at rest before the swap, and still is
   std::optional<Result<PreparedChange>> prepared;
   Status exchanged;
   std::optional<Retired> retired{std::in_place};
@@ -51,9 +51,11 @@ Outcome outcome_of(const Running& running, const PlaceProbation& place, Outcome:
   return outcome;
 }
 
-/// The component is faulted by the core that the swap replaced.
-bool failed_before(const Running& running, const PlaceProbation& place) {
-  return place.before.failed_at && failed_at(running, place.component) == place.before.failed_at;
+/// The component was at rest before the swap, and nobody has started it since.
+bool is_at_rest(const Running& running, const PlaceProbation& place) {
+  const auto status = running.deployer.status(place.component);
+  return status.state == ComponentState::faulted && !place.before.ran &&
+         status.releases == place.releases;
 }
 
 /// Elements are freed on [factory], since their destructors are user code.
@@ -139,7 +141,7 @@ void park(Running& running, WayBackPtr way, Ticket ticket) {
     return end(running, std::move(way), std::move(ticket), refused);
   }
   const auto& place = way->reason.place;
-  way->starts = !failed_before(running, place);
+  way->starts = !is_at_rest(running, place);
   auto parking = running.deployer.begin_in_place_park(**way->prepared);
   when_answered(running, std::move(parking),
                 [&running, way, ticket = std::move(ticket)](Ongoing& done) mutable {
@@ -151,14 +153,13 @@ void park(Running& running, WayBackPtr way, Ticket ticket) {
 }
 
 /// A change like any other, so that no two prepare at the same time. False: one is under way.
-bool lead_back(Running& running, PlaceProbation& place, const std::string& text,
-               std::optional<Incident> incident) {
+bool lead_back(Running& running, PlaceProbation& place, const PlaceFailure& why) {
   if (running.control.busy()) {
     return false;
   }
   auto way = std::make_shared<WayBackInPlace>();
-  way->reason = {place, text, std::move(incident)};
-  way->stops = stops_of_component(running, place.component);
+  way->reason = {place, why.reason, why.incident};
+  way->stops = why.stops;
   place.leads_back = running.control.change([&running, way](Ticket ticket) {
     running.control.works_for(std::nullopt);
     running.control.in_factory(
@@ -188,7 +189,7 @@ Verdict judge(const Running& running, const PlaceProbation& place) {
     return {Outcome::Kind::overtaken, "a newer change", std::nullopt};
   }
   const auto status = running.deployer.status(place.component);
-  if (status.incident && !failed_before(running, place)) {
+  if (status.incident && status.incident->time != place.before.failed_at) {
     return {Outcome::Kind::rolled_back, to_string(*status.incident), status.incident};
   }
   const Duration passed = std::chrono::steady_clock::now() - place.since;
@@ -204,6 +205,15 @@ Verdict judge(const Running& running, const PlaceProbation& place) {
   return passed >= place.rules.time
              ? Verdict{Outcome::Kind::passed, "its time passed without a fault", std::nullopt}
              : Verdict{};
+}
+
+/// The first failure counts: while another change is being prepared nothing leads back yet, and a
+/// stop or a start meanwhile would hide it.
+void note_failure(const Running& running, PlaceProbation& place, const Verdict& verdict) {
+  if (place.failure || verdict.kind != Outcome::Kind::rolled_back) {
+    return;
+  }
+  place.failure = {verdict.reason, verdict.incident, stops_of_component(running, place.component)};
 }
 
 void settle(Running& running, std::size_t index, Outcome::Kind kind, const std::string& reason) {
@@ -236,21 +246,29 @@ void look_at_places(Running& running) {
   for (std::size_t i = 0; i < running.places.size();) {
     auto& place = running.places[i];
     const auto verdict = place.leads_back ? Verdict{} : judge(running, place);
-    if (!verdict.kind) {
-      ++i;
-    } else if (*verdict.kind != Outcome::Kind::rolled_back) {
+    note_failure(running, place, verdict);
+    if (verdict.kind && (!place.failure || verdict.kind == Outcome::Kind::overtaken)) {
       settle(running, i, *verdict.kind, verdict.reason);
-    } else {
-      static_cast<void>(lead_back(running, place, verdict.reason, verdict.incident));
-      ++i;
+      continue;
     }
+    if (place.failure && !place.leads_back) {
+      static_cast<void>(lead_back(running, place, *place.failure));
+    }
+    ++i;
+  }
+}
+
+void note_place_failures(Running& running) {
+  for (auto& place : running.places) {
+    note_failure(running, place, place.leads_back ? Verdict{} : judge(running, place));
   }
 }
 
 bool confirm_places(Running& running) {
+  note_place_failures(running);
   bool any = false;
   for (std::size_t i = 0; i < running.places.size();) {
-    if (running.places[i].leads_back) {
+    if (running.places[i].leads_back || running.places[i].failure) {
       ++i;
       continue;
     }
@@ -271,7 +289,8 @@ std::optional<PlaceTarget> newest_place(const Running& running, std::uint64_t th
 Status undo_place(Running& running, const PlaceTarget& target, const std::string& reason) {
   const auto found =
       std::ranges::find(running.places, target.generation, &PlaceProbation::generation);
-  if (found->leads_back || lead_back(running, *found, reason, std::nullopt)) {
+  const PlaceFailure undone{reason, std::nullopt, stops_of_component(running, target.component)};
+  if (found->leads_back || lead_back(running, *found, undone)) {
     return ok();
   }
   return refuse(Errc::conflict, target.component,

@@ -140,5 +140,52 @@ TEST(PlaceProbation, UndoneLeavesAComponentFaultedThatWasFaultedBefore) {
   EXPECT_EQ(daemon.component("first")["releases"], releases) << "its core did not run again";
 }
 
+TEST(PlaceProbation, DoesNotStartAComponentThatWasStoppedAfterItsNewCoreFailed) {
+  TrialDaemon daemon;
+  auto client = daemon.client();
+  const auto fails = daemon.place() / "fails";
+  const auto configures = daemon.place() / "configures";
+  ASSERT_EQ(
+      daemon.ask("core.swap", place_swap("trial/brittle",
+                                         {{"set", {{"until_there", fails.string()}}}}))["state"],
+      "applied");
+
+  // While another change is being prepared, nothing leads back yet.
+  static_cast<void>(client.send(
+      protocol::to_line(protocol::make_request(1, "core.swap",
+                                               {{"component", "second"},
+                                                {"core", "trial/slow"},
+                                                {"set", {{"marker", configures.string()}}}})) +
+      '\n'));
+  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(configures); }));
+  std::ofstream(fails) << "now";
+  ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
+  ASSERT_TRUE(daemon.ask("component.stop", {{"components", {"first"}}}).contains("state"));
+
+  EXPECT_TRUE(eventually([&] { return daemon.component("first")["core"] == "trial/steady"; }));
+  EXPECT_NE(daemon.component("first")["state"], "running") << daemon.errors();
+  EXPECT_EQ(daemon.ask("quarantine.list")["cores"][0]["core"], "trial/brittle");
+}
+
+TEST(PlaceProbation, HoldsAlsoForAComponentThatWasStoppedDuringTheSwap) {
+  TrialDaemon daemon;
+  auto client = daemon.client();
+  const auto configures = daemon.place() / "configures";
+  static_cast<void>(client.send(
+      protocol::to_line(protocol::make_request(
+          1, "core.swap", place_swap("trial/slow", {{"set", {{"marker", configures.string()}}}}))) +
+      '\n'));
+  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(configures); }));
+  ASSERT_TRUE(daemon.ask("component.stop", {{"components", {"first"}}}).contains("state"));
+
+  EXPECT_EQ(client.json()["result"]["state"], "applied");
+  EXPECT_EQ(daemon.component("first")["core"], "trial/slow");
+  EXPECT_EQ(daemon.component("first")["state"], "stopped");
+  EXPECT_EQ(daemon.ask("status.get")["probations"].size(), 1U);
+  EXPECT_EQ(daemon.ask("change.undo")["state"], "applied");
+  EXPECT_EQ(daemon.component("first")["core"], "trial/steady");
+  EXPECT_EQ(daemon.component("first")["state"], "stopped");
+}
+
 }  // namespace
 }  // namespace mauve::test
