@@ -30,7 +30,7 @@ DEEP_LAYERS = {}
 LARGE_CLASSES = {
     "daemon/state/state_store.h:StateStore": 37,
     "libruntime/exec/commit/commit.h:Commit": 40,
-    "libruntime/exec/recovery/probation_period.h:ProbationPeriod": 36,
+    "libruntime/exec/recovery/probation_period.h:ProbationPeriod": 35,
     "libruntime/exec/run/threads.cpp:Threads": 29,
     "libruntime/include/mauve/deployer.h:Deployer": 57,
     "libruntime/include/mauve/gate.h:Gate": 33,

@@ -147,7 +147,7 @@ std::string troubles(const Json& status, Look look) {
   const Json& lost = member(status, "lost_to_quarantine");
   for (const Json& one : lost.is_array() ? lost : Json::array()) {
     add(word(one, "user") + ": does not work, because " + word(one, "core") +
-        " is in quarantine (it " + word(one, "reason") + "): mauvectl quarantine release " +
+        " is in quarantine (it failed: " + word(one, "reason") + "): mauvectl quarantine release " +
         word(one, "core"));
   }
   const Json& guardian = member(status, "guardian");

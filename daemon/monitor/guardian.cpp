@@ -85,6 +85,7 @@ void Guardian::stop_all() {
     return;
   }
   running->control.urgent([running] {
+    note_place_failures(*running);
     for (const auto* component : running->architecture.components()) {
       ++running->stops[component->name()];
     }

@@ -14,6 +14,8 @@
 #include <mauve/architecture.h>
 
 #include "exec/task/task.h"
+#include "exec/update/decision.h"
+#include "exec/update/task_update.h"
 
 namespace bench {
 namespace {

@@ -14,14 +14,15 @@
 #include <mauve/trace.h>
 
 #include "exec/task/task.h"
+#include "exec/update/task_update.h"
 #include "rt/trace_ring.h"
 
 namespace bench {
 namespace {
 
 using mauve::TraceMode;
-using mauve::exec::Published;
 using mauve::exec::Task;
+using mauve::exec::TaskUpdate;
 
 constexpr int kPriority = 50;
 constexpr Duration kWait{1'000'000'000};
@@ -45,7 +46,7 @@ class Driven {
  public:
   Driven() {
     must(architecture_.configure());
-    auto first = std::make_unique<Published>();
+    auto first = std::make_unique<TaskUpdate>();
     first->bundle = component_.bundle();
     first->mode = mauve::Mode::run;
     first->bound = std::chrono::seconds(10);

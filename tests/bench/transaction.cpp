@@ -19,6 +19,8 @@
 #include "exec/commit/under_way.h"
 #include "exec/deploy/bring_up.h"
 #include "exec/deploy/shutdown.h"
+#include "exec/prepare/prepare.h"
+#include "exec/run/threads.h"
 #include "exec/system/events.h"
 #include "exec/system/system.h"
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <random>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,6 +30,7 @@ struct ChangeableSystem {
   std::vector<std::vector<std::pair<std::string, Json>>> faults;  ///< changes that end badly
   std::vector<Json> hangs;  ///< swaps to cores that do not return; few, each costs a thread
   std::vector<std::string> excused;  ///< whose own faults cost them releases
+  std::set<std::string> sound;       ///< cores that never fail by themselves
   bool may_be_more_urgent = false;   ///< by 2, and no two of a CPU are nearer to each other
   int builds = 1;                    ///< of the plugins
 };

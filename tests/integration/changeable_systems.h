@@ -94,6 +94,7 @@ inline ChangeableSystem trial_system() {
   }
   system.hangs = {{{"component", "weak"}, {"core", "trial/hanging"}}};
   system.excused = {"weak"};
+  system.sound = {good.begin(), good.end()};
   return system;
 }
 

@@ -278,6 +278,21 @@ TEST(Show, TellsWhatHappensWhenAJobDoesNotReturnOrFaults) {
   EXPECT_EQ(show("second")["fallback_core"], nullptr);
 }
 
+TEST(PlaceProbation, DoesNotBlameTheNewCoreForAResourceThatFailsIt) {
+  TrialDaemon daemon(with_meter());
+
+  const auto swapped = daemon.ask("core.swap", {{"component", "first"},
+                                                {"core", "trial/other"},
+                                                {"set", {{"gain", 4.0}}},
+                                                {"in_place", true}});
+  ASSERT_EQ(swapped["state"], "applied") << swapped;
+
+  ASSERT_TRUE(eventually([&] { return daemon.component("first")["core"] == "trial/steady"; }));
+  EXPECT_TRUE(daemon.ask("quarantine.list")["cores"].empty()) << daemon.errors();
+  EXPECT_THAT(daemon.ask("component.why", {{"component", "first"}}).dump(),
+              HasSubstr("its job ran longer than"));
+}
+
 TEST(Poisoned, IsAResourceThatItsCallerWasThrownOutOf) {
   TrialDaemon daemon(with_meter());
   const auto show = [&] { return daemon.ask("object.get", {{"address", "meter"}})["poisoned"]; };

@@ -366,7 +366,7 @@ TEST_F(Generations, AreMadeWithoutTheCoresInQuarantineAlsoAfterARestart) {
   daemon.start();
   EXPECT_EQ(daemon.ask("quarantine.list"), list);
   EXPECT_THAT(daemon.ask("core.swap", swap)["message"].get<std::string>(),
-              HasSubstr("is in quarantine: it was rolled back because it threw"));
+              HasSubstr("is in quarantine, since it failed: threw"));
 
   daemon.install(2);
   end_and_start(daemon);

@@ -31,7 +31,9 @@ TEST(PlaceProbation, LeadsBackToTheCoreBeforeWhenTheNewOneFails) {
   EXPECT_TRUE(swapped.contains("probation")) << swapped;
   ASSERT_TRUE(has_core(daemon, "trial/steady")) << daemon.errors();
   EXPECT_EQ(daemon.ask("status.get")["generation"], 3);
-  EXPECT_EQ(daemon.ask("quarantine.list")["cores"][0]["core"], "trial/throwing_job");
+  const auto core = daemon.ask("quarantine.list")["cores"][0];
+  EXPECT_EQ(core["core"], "trial/throwing_job");
+  EXPECT_EQ(core["reason"], "threw: division by something");
   EXPECT_TRUE(daemon.ask("status.get")["probations"].empty());
   const auto why = daemon.ask("component.why", {{"component", "first"}});
   EXPECT_THAT(why.dump(), HasSubstr("rolled_back")) << why;
@@ -92,6 +94,95 @@ TEST(PlaceProbation, LeavesAComponentStoppedThatWasStoppedMeanwhile) {
 
   ASSERT_EQ(daemon.ask("change.undo")["state"], "applied");
 
+  EXPECT_EQ(daemon.component("first")["core"], "trial/steady");
+  EXPECT_EQ(daemon.component("first")["state"], "stopped");
+}
+
+// The change campaign: a sound core was in quarantine for the exception of the core before it.
+TEST(PlaceProbation, DoesNotBlameTheNewCoreForTheFailureOfTheCoreBefore) {
+  TrialDaemon daemon;
+  static_cast<void>(daemon.client());
+  ASSERT_EQ(daemon.ask("core.swap", {{"component", "first"},
+                                     {"core", "trial/throwing_job"},
+                                     {"probation", "off"}})["state"],
+            "applied");
+  ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
+
+  const Json unconfirmed = place_swap("trial/other", {{"confirm_within", "50ms"}});
+  ASSERT_EQ(daemon.ask("core.swap", unconfirmed)["state"], "applied");
+  EXPECT_TRUE(eventually([&] { return daemon.ask("status.get")["probations"].empty(); }));
+  EXPECT_TRUE(daemon.ask("quarantine.list")["cores"].empty()) << daemon.errors();
+  EXPECT_EQ(daemon.component("first")["state"], "faulted") << "nobody started it";
+
+  const Json proved = place_swap("trial/other", {{"probation", "2"}});
+  ASSERT_EQ(daemon.ask("core.swap", proved)["state"], "applied");
+  ASSERT_EQ(daemon.ask("component.start", {{"components", {"first"}}})["state"], "applied");
+  EXPECT_TRUE(eventually([&] { return daemon.ask("status.get")["probations"].empty(); }));
+  EXPECT_TRUE(has_core(daemon, "trial/other")) << daemon.errors();
+  EXPECT_TRUE(daemon.ask("quarantine.list")["cores"].empty()) << daemon.errors();
+}
+
+TEST(PlaceProbation, UndoneLeavesAComponentFaultedThatWasFaultedBefore) {
+  TrialDaemon daemon;
+  static_cast<void>(daemon.client());
+  ASSERT_EQ(daemon.ask("core.swap", {{"component", "first"},
+                                     {"core", "trial/throwing_job"},
+                                     {"probation", "off"}})["state"],
+            "applied");
+  ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
+  const auto releases = daemon.component("first")["releases"];
+  ASSERT_EQ(daemon.ask("core.swap", place_swap("trial/other"))["state"], "applied");
+
+  ASSERT_EQ(daemon.ask("change.undo")["state"], "applied");
+
+  EXPECT_EQ(daemon.component("first")["core"], "trial/throwing_job");
+  EXPECT_EQ(daemon.component("first")["state"], "faulted");
+  EXPECT_EQ(daemon.component("first")["releases"], releases) << "its core did not run again";
+}
+
+TEST(PlaceProbation, DoesNotStartAComponentThatWasStoppedAfterItsNewCoreFailed) {
+  TrialDaemon daemon;
+  auto client = daemon.client();
+  const auto fails = daemon.place() / "fails";
+  const auto configures = daemon.place() / "configures";
+  ASSERT_EQ(
+      daemon.ask("core.swap", place_swap("trial/brittle",
+                                         {{"set", {{"until_there", fails.string()}}}}))["state"],
+      "applied");
+
+  // While another change is being prepared, nothing leads back yet.
+  static_cast<void>(client.send(
+      protocol::to_line(protocol::make_request(1, "core.swap",
+                                               {{"component", "second"},
+                                                {"core", "trial/slow"},
+                                                {"set", {{"marker", configures.string()}}}})) +
+      '\n'));
+  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(configures); }));
+  std::ofstream(fails) << "now";
+  ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
+  ASSERT_TRUE(daemon.ask("component.stop", {{"components", {"first"}}}).contains("state"));
+
+  EXPECT_TRUE(eventually([&] { return daemon.component("first")["core"] == "trial/steady"; }));
+  EXPECT_NE(daemon.component("first")["state"], "running") << daemon.errors();
+  EXPECT_EQ(daemon.ask("quarantine.list")["cores"][0]["core"], "trial/brittle");
+}
+
+TEST(PlaceProbation, HoldsAlsoForAComponentThatWasStoppedDuringTheSwap) {
+  TrialDaemon daemon;
+  auto client = daemon.client();
+  const auto configures = daemon.place() / "configures";
+  static_cast<void>(client.send(
+      protocol::to_line(protocol::make_request(
+          1, "core.swap", place_swap("trial/slow", {{"set", {{"marker", configures.string()}}}}))) +
+      '\n'));
+  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(configures); }));
+  ASSERT_TRUE(daemon.ask("component.stop", {{"components", {"first"}}}).contains("state"));
+
+  EXPECT_EQ(client.json()["result"]["state"], "applied");
+  EXPECT_EQ(daemon.component("first")["core"], "trial/slow");
+  EXPECT_EQ(daemon.component("first")["state"], "stopped");
+  EXPECT_EQ(daemon.ask("status.get")["probations"].size(), 1U);
+  EXPECT_EQ(daemon.ask("change.undo")["state"], "applied");
   EXPECT_EQ(daemon.component("first")["core"], "trial/steady");
   EXPECT_EQ(daemon.component("first")["state"], "stopped");
 }

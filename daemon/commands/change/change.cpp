@@ -30,7 +30,7 @@ struct Journey {
   Status exchanged;
   std::vector<arch::Line> lines;  ///< the differences that it makes, once it is prepared
   std::vector<std::string> notes;
-  std::shared_ptr<const Bundle> before;  ///< of a swap in place
+  CoreBefore before;  ///< of a swap in place
 };
 using JourneyPtr = std::shared_ptr<Journey>;
 
@@ -209,10 +209,11 @@ void end_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Tic
                   const Result<Receipt>& receipt) {
   const auto& name = journey->change.edits[0].component;
   const auto& probation = journey->change.probation;
-  if (receipt && probation) {
+  const bool in_force = receipt || receipt.error().code == Errc::partly;
+  if (in_force && probation) {
     begin_place_probation(running, *call, name, journey->before, *probation);
-  } else if (receipt) {
-    begin_unproven(running, *call, journey->change);
+  } else if (in_force) {
+    begin_unproven(running, *call, journey->change, {{name, journey->before.failed_at}});
   }
   const bool back = !receipt && running.deployer.status(name).state == ComponentState::running;
   finish(running, *call, receipt, back ? "rolled_back" : "safe", *journey);
@@ -221,14 +222,8 @@ void end_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Tic
 
 void resume_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
   auto& change = **journey->prepared;
-  const bool stopped = stops_of(running.stops, journey->change) != journey->stops;
-  if (stopped && journey->exchanged) {
-    // The new core takes its place, but the component stays where the stop put it.
-    call->mark = Mark::unconfirmed;
-    return put_in_force(running, call, std::move(journey), std::move(ticket));
-  }
-  if (stopped) {
-    return end_in_place(running, call, journey, std::move(ticket), journey->exchanged.error());
+  if (stops_of(running.stops, journey->change) != journey->stops) {
+    change.content().members.front().resume = false;  // it stays where the stop put it
   }
   auto resumed = running.deployer.begin_in_place_resume(change, journey->exchanged);
   if (!resumed) {
@@ -261,8 +256,23 @@ void exchange_in_place(Running& running, const CallPtr& call, JourneyPtr journey
       });
 }
 
+/// The policy of the component may have given it another core before it was parked.
+void exchange_when_parked(Running& running, const CallPtr& call, JourneyPtr journey,
+                          Ticket ticket) {
+  const auto& name = journey->change.edits[0].component;
+  journey->before.failed_at = failed_at(running, name);
+  journey->before.ran = (**journey->prepared).content().members.front().resume;
+  if (running.architecture.find_component(name)->bundle() == journey->before.bundle) {
+    return exchange_in_place(running, call, std::move(journey), std::move(ticket));
+  }
+  journey->exchanged =
+      refuse(Errc::conflict, name, "its core failed, and another one took over meanwhile",
+             "mauvectl why " + name + ", then swap again");
+  resume_in_place(running, call, std::move(journey), std::move(ticket));
+}
+
 void park_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
-  journey->before = (**journey->prepared).content().members.front().base;
+  journey->before.bundle = (**journey->prepared).content().members.front().base;
   auto parking = running.deployer.begin_in_place_park(**journey->prepared);
   when_answered(running, std::move(parking),
                 [&running, call, journey, ticket = std::move(ticket)](Ongoing& done) mutable {
@@ -270,7 +280,7 @@ void park_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ti
                     answer(running, *call, parked.error(), state_after(parked.error()));
                     return free_in_factory(running, std::move(journey), std::move(ticket));
                   }
-                  exchange_in_place(running, call, std::move(journey), std::move(ticket));
+                  exchange_when_parked(running, call, std::move(journey), std::move(ticket));
                 });
 }
 

@@ -281,9 +281,14 @@ void put_reload_in_force(Running& running, const CallPtr& call, ReloadPtr reload
   if (reload->change.probation) {
     remember_lines(running, reload->lines);
   }
+  std::map<std::string, std::optional<Instant>> failed_before;
+  for (const auto& edit : reload->change.edits) {
+    failed_before[edit.component] = failed_at(running, edit.component);
+  }
   auto ongoing = running.deployer.begin(**reload->prepared);
   when_answered(running, std::move(ongoing),
-                [&running, call, reload, ticket = std::move(ticket)](Ongoing& swapped) mutable {
+                [&running, call, reload, failed_before,
+                 ticket = std::move(ticket)](Ongoing& swapped) mutable {
                   const auto receipt = swapped.result();
                   reload->retired = std::move(swapped.retired());
                   Status done = ok();
@@ -292,7 +297,7 @@ void put_reload_in_force(Running& running, const CallPtr& call, ReloadPtr reload
                     if (reload->change.probation) {
                       call->mark = Mark::unconfirmed;
                     } else {
-                      begin_unproven(running, *call, reload->change);
+                      begin_unproven(running, *call, reload->change, failed_before);
                     }
                     done = hand_names_over(running, *reload);
                   } else {

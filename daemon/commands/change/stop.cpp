@@ -140,6 +140,7 @@ void stop(Running& running, const CallPtr& call, Ticket /*none: it waits for no 
   if (flag(call->params, "dry_run")) {
     return answer(running, *call, foretold(running, lines, stopped));
   }
+  note_place_failures(running);
   for (const auto& name : *names) {
     ++running.stops[name];
     auto& came = running.stops_came[name];

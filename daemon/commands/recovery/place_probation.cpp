@@ -25,6 +25,7 @@ struct Reason {
 struct WayBackInPlace {
   Reason reason;
   std::uint64_t stops = 0;
+  bool starts = true;  ///< false: the component was at rest before the swap, and still is
   std::optional<Result<PreparedChange>> prepared;
   Status exchanged;
   std::optional<Retired> retired{std::in_place};
@@ -51,6 +52,13 @@ Outcome outcome_of(const Running& running, const PlaceProbation& place, Outcome:
   return outcome;
 }
 
+/// The component was at rest before the swap, and nobody has started it since.
+bool is_at_rest(const Running& running, const PlaceProbation& place) {
+  const auto status = running.deployer.status(place.component);
+  return status.state == ComponentState::faulted && !place.before.ran &&
+         status.releases == place.releases;
+}
+
 /// Elements are freed on [factory], since their destructors are user code.
 void free_in_factory(Running& running, WayBackPtr way, Ticket ticket) {
   running.control.in_factory(
@@ -71,7 +79,8 @@ void conclude(Running& running, const Reason& reason, const Status& done) {
   auto outcome = outcome_of(running, place, Outcome::Kind::rolled_back, reason.text);
   outcome.incident = reason.incident;
   outcome.component = reason.incident ? place.component : std::string();
-  if (reason.incident && exec::is_other_code(*place.before->core, *place.now->core)) {
+  const bool own_fault = reason.incident && reason.incident->resource.empty();
+  if (own_fault && exec::is_other_code(*place.before.bundle->core, *place.now->core)) {
     outcome.cores.push_back(place.now->core_type.name);
   }
   if (!done) {
@@ -102,8 +111,8 @@ void leave_behind(Running& running, const Reason& reason, const std::string& hoo
 void resume(Running& running, WayBackPtr way, Ticket ticket) {
   auto& change = **way->prepared;
   const auto& component = way->reason.place.component;
-  if (stops_of_component(running, component) != way->stops) {
-    change.content().members.front().resume = false;  // it was stopped meanwhile, and stays so
+  if (!way->starts || stops_of_component(running, component) != way->stops) {
+    change.content().members.front().resume = false;  // what was at rest, or stopped, stays so
   }
   auto resumed = running.deployer.begin_in_place_resume(change, way->exchanged);
   if (!resumed) {
@@ -132,6 +141,8 @@ void park(Running& running, WayBackPtr way, Ticket ticket) {
     const Status refused = way->prepared->error();
     return end(running, std::move(way), std::move(ticket), refused);
   }
+  const auto& place = way->reason.place;
+  way->starts = !is_at_rest(running, place);
   auto parking = running.deployer.begin_in_place_park(**way->prepared);
   when_answered(running, std::move(parking),
                 [&running, way, ticket = std::move(ticket)](Ongoing& done) mutable {
@@ -143,20 +154,20 @@ void park(Running& running, WayBackPtr way, Ticket ticket) {
 }
 
 /// A change like any other, so that no two prepare at the same time. False: one is under way.
-bool lead_back(Running& running, PlaceProbation& place, const std::string& text,
-               std::optional<Incident> incident) {
+bool lead_back(Running& running, PlaceProbation& place, const PlaceFailure& why) {
   if (running.control.busy()) {
     return false;
   }
   auto way = std::make_shared<WayBackInPlace>();
-  way->reason = {place, text, std::move(incident)};
-  way->stops = stops_of_component(running, place.component);
+  way->reason = {place, why.reason, why.incident};
+  way->stops = why.stops;
   place.leads_back = running.control.change([&running, way](Ticket ticket) {
     running.control.works_for(std::nullopt);
     running.control.in_factory(
         [&running, way] {
           const auto& from = way->reason.place;
-          way->prepared = running.deployer.prepare_back_in_place(from.component, from.before);
+          way->prepared =
+              running.deployer.prepare_back_in_place(from.component, from.before.bundle);
         },
         [&running, way, ticket]() mutable { park(running, std::move(way), std::move(ticket)); },
         [&running, reason = way->reason, ticket](const std::string& hook) {
@@ -179,8 +190,8 @@ Verdict judge(const Running& running, const PlaceProbation& place) {
     return {Outcome::Kind::overtaken, "a newer change", std::nullopt};
   }
   const auto status = running.deployer.status(place.component);
-  if (status.state == ComponentState::faulted || status.state == ComponentState::recovering) {
-    return {Outcome::Kind::rolled_back, status.fault, status.incident};
+  if (status.incident && status.incident->time != place.before.failed_at) {
+    return {Outcome::Kind::rolled_back, to_string(*status.incident), status.incident};
   }
   const Duration passed = std::chrono::steady_clock::now() - place.since;
   if (place.rules.confirm_within > Duration{0}) {
@@ -197,6 +208,15 @@ Verdict judge(const Running& running, const PlaceProbation& place) {
              : Verdict{};
 }
 
+/// The first failure counts: while another change is being prepared nothing leads back yet, and a
+/// stop or a start meanwhile would hide it.
+void note_failure(const Running& running, PlaceProbation& place, const Verdict& verdict) {
+  if (place.failure || verdict.kind != Outcome::Kind::rolled_back) {
+    return;
+  }
+  place.failure = {verdict.reason, verdict.incident, stops_of_component(running, place.component)};
+}
+
 void settle(Running& running, std::size_t index, Outcome::Kind kind, const std::string& reason) {
   auto place = std::move(running.places[index]);
   running.places.erase(running.places.begin() + static_cast<std::ptrdiff_t>(index));
@@ -206,8 +226,13 @@ void settle(Running& running, std::size_t index, Outcome::Kind kind, const std::
 
 }  // namespace
 
+std::optional<Instant> failed_at(const Running& running, const std::string& component) {
+  const auto incident = running.deployer.status(component).incident;
+  return incident ? std::optional(incident->time) : std::nullopt;
+}
+
 void begin_place_probation(Running& running, Call& call, const std::string& component,
-                           std::shared_ptr<const Bundle> before, const Probation& rules) {
+                           CoreBefore before, const Probation& rules) {
   call.mark = Mark::unconfirmed;
   const auto* found = running.architecture.find_component(component);
   if (found == nullptr) {
@@ -222,21 +247,29 @@ void look_at_places(Running& running) {
   for (std::size_t i = 0; i < running.places.size();) {
     auto& place = running.places[i];
     const auto verdict = place.leads_back ? Verdict{} : judge(running, place);
-    if (!verdict.kind) {
-      ++i;
-    } else if (*verdict.kind != Outcome::Kind::rolled_back) {
+    note_failure(running, place, verdict);
+    if (verdict.kind && (!place.failure || verdict.kind == Outcome::Kind::overtaken)) {
       settle(running, i, *verdict.kind, verdict.reason);
-    } else {
-      static_cast<void>(lead_back(running, place, verdict.reason, verdict.incident));
-      ++i;
+      continue;
     }
+    if (place.failure && !place.leads_back) {
+      static_cast<void>(lead_back(running, place, *place.failure));
+    }
+    ++i;
+  }
+}
+
+void note_place_failures(Running& running) {
+  for (auto& place : running.places) {
+    note_failure(running, place, place.leads_back ? Verdict{} : judge(running, place));
   }
 }
 
 bool confirm_places(Running& running) {
+  note_place_failures(running);
   bool any = false;
   for (std::size_t i = 0; i < running.places.size();) {
-    if (running.places[i].leads_back) {
+    if (running.places[i].leads_back || running.places[i].failure) {
       ++i;
       continue;
     }
@@ -251,13 +284,14 @@ std::optional<PlaceTarget> newest_place(const Running& running, std::uint64_t th
   if (newest == running.places.end() || newest->generation < than) {
     return std::nullopt;
   }
-  return PlaceTarget{newest->generation, newest->component, newest->before};
+  return PlaceTarget{newest->generation, newest->component, newest->before.bundle};
 }
 
 Status undo_place(Running& running, const PlaceTarget& target, const std::string& reason) {
   const auto found =
       std::ranges::find(running.places, target.generation, &PlaceProbation::generation);
-  if (found->leads_back || lead_back(running, *found, reason, std::nullopt)) {
+  const PlaceFailure undone{reason, std::nullopt, stops_of_component(running, target.component)};
+  if (found->leads_back || lead_back(running, *found, undone)) {
     return ok();
   }
   return refuse(Errc::conflict, target.component,

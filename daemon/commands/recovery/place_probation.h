@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "mauve/happening.h"
 #include "mauve/probation.h"
 #include "mauve/result.h"
 
@@ -24,6 +25,22 @@ namespace mauve::daemon {
 struct Running;
 struct Call;
 
+/// The core that a swap in place replaced.
+struct CoreBefore {
+  std::shared_ptr<const Bundle> bundle;
+  bool ran = false;  ///< its component, until the swap
+  /// Its component was parked because of this failure, which is not one of the new core. A
+  /// component that is faulted stays so until it is started, whatever its core.
+  std::optional<Instant> failed_at;
+};
+
+/// The new core of a swap in place failed, or nobody confirmed it.
+struct PlaceFailure {
+  std::string reason;
+  std::optional<Incident> incident;  ///< none: it did not fail
+  std::uint64_t stops = 0;           ///< of its component so far
+};
+
 /// A swap in place that has not proved itself. [control]
 struct PlaceProbation {
   std::uint64_t generation = 0;  ///< that it made
@@ -31,20 +48,28 @@ struct PlaceProbation {
   Probation rules;
   std::chrono::steady_clock::time_point since;
   std::uint64_t releases = 0;  ///< of the component when it began
-  std::shared_ptr<const Bundle> before;
+  CoreBefore before;
   std::shared_ptr<const Bundle> now;
+  std::optional<PlaceFailure> failure = {};  ///< the first one; nothing that comes later hides it
   bool leads_back = false;
 };
 
+/// [control] When the core in force failed; none: its component is neither faulted nor recovering.
+[[nodiscard]] std::optional<Instant> failed_at(const Running& running,
+                                               const std::string& component);
+
 /// [control] The swap in place is in force.
 void begin_place_probation(Running& running, Call& call, const std::string& component,
-                           std::shared_ptr<const Bundle> before, const Probation& rules);
+                           CoreBefore before, const Probation& rules);
 
 /// [control] Some times a second: whether a swap in place has failed, proved itself, or was
 /// overtaken by a newer change of its component.
 void look_at_places(Running& running);
 
-/// [control] By hand. False: there was none.
+/// [control] Before a component is stopped by request, which would hide a failure.
+void note_place_failures(Running& running);
+
+/// [control] By hand; a core that has failed is led back nevertheless. False: there was none.
 [[nodiscard]] bool confirm_places(Running& running);
 
 /// Names a swap in place, and the core that its way back leads to.

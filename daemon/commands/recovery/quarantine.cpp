@@ -104,7 +104,7 @@ Status check_quarantine(const Running& running, const std::string& component,
     return ok();
   }
   return refuse(Errc::wrong_state, component + ".core",
-                core + " is in quarantine: it was rolled back because it " + found->second,
+                core + " is in quarantine, since it failed: " + found->second,
                 "load a corrected build, or release it: mauvectl quarantine release " + core);
 }
 

@@ -10,9 +10,11 @@
 
 namespace mauve::daemon {
 
-void begin_unproven(Running& running, Call& call, const Change& change) {
+void begin_unproven(Running& running, Call& call, const Change& change,
+                    std::map<std::string, std::optional<Instant>> failed_before) {
   call.mark = Mark::unconfirmed;
   running.unproven = {running.deployer.generation(), std::chrono::steady_clock::now()};
+  running.unproven.failed_before = std::move(failed_before);
   for (const auto& edit : change.edits) {
     running.unproven.components.push_back(edit.component);
   }
@@ -21,7 +23,7 @@ void begin_unproven(Running& running, Call& call, const Change& change) {
 void begin_start(Running& running, std::uint64_t replaces, unsigned crashes) {
   const auto now = std::chrono::steady_clock::now();
   running.started = {running.generation, now, crashes};
-  running.unproven = {running.generation, now, {}, replaces};
+  running.unproven = {running.generation, now, {}, {}, replaces};
   for (const auto* component : running.architecture.components()) {
     running.unproven.components.push_back(component->name());
   }
@@ -61,8 +63,9 @@ void look_at_unproven(Running& running) {
   }
   const bool failed =
       std::any_of(unproven.components.begin(), unproven.components.end(), [&](const auto& name) {
-        const auto state = running.deployer.status(name).state;
-        return state == ComponentState::faulted || state == ComponentState::recovering;
+        const auto at = failed_at(running, name);
+        const auto before = unproven.failed_before.find(name);
+        return at && (before == unproven.failed_before.end() || at != before->second);
       });
   if (failed && unproven.since == running.started.since) {
     running.started.proves = false;

@@ -8,7 +8,9 @@
 namespace mauve::daemon {
 
 /// [control] This change is in force; the generation it made is unconfirmed from now on.
-void begin_unproven(Running& running, Call& call, const Change& change);
+/// `failed_before`: when the core before failed of a component that was faulted.
+void begin_unproven(Running& running, Call& call, const Change& change,
+                    std::map<std::string, std::optional<Instant>> failed_before);
 
 /// [main], before [control] runs: the generation that the run begins with is unconfirmed.
 /// `replaces`: a copy of it that goes when it is confirmed (0: none). `crashes`: of the runs

@@ -274,8 +274,9 @@ Error Commit::not_applied() const {
         Errc::partly, names,
         "could not convert the state of the core before: a component failed with its safe "
         "values written, a resource is poisoned; the change is in force",
-        "mend its converter, then swap again; without --probation off it would have been "
-        "taken back");
+        content_->in_place ? "mend its converter, then swap again"
+                           : "mend its converter, then swap again; without --probation off it "
+                             "would have been taken back");
   }
   std::string names;
   for (const Deployed* one : silent()) {

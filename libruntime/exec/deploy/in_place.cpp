@@ -103,9 +103,12 @@ Status Deployer::in_place_exchange(PreparedChange& change) {
 Result<std::shared_ptr<Ongoing>> Deployer::begin_in_place_resume(PreparedChange& change,
                                                                  const Status& exchanged) {
   exec::PreparedMember& member = change.content().members.front();
+  if (!member.restores && status(member.component->name()).state == ComponentState::faulted) {
+    member.resume = false;  // it failed before it was parked
+  }
   const Mode mode = member.resume ? Mode::run : Mode::keep;
   if (!exchanged) {
-    const bool old_is_usable = member.base->core->configured();
+    const bool old_is_usable = member.component->bundle()->core->configured();
     if (!old_is_usable) return exchanged.error();
     exec::PreparedMember step = exec::member_of(*member.component, mode);
     step.count_gap = member.resume;

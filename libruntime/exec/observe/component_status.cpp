@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/observe/component_status.h"
 
+#include "exec/recovery/incident.h"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -82,7 +84,7 @@ ComponentStatus look_at(const System& system, const Deployed& deployed) {
     status.late = lateness_of(bundle, status.next_release, system.runner->now() - system.t0);
   }
   if (status.state == ComponentState::faulted || status.state == ComponentState::recovering) {
-    status.incident = to_incident(deployed.task->report().fault());
+    status.incident = incident_of(system, deployed.task->report().fault());
     status.fault = status.incident->text;
   }
   return status;

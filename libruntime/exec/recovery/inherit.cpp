@@ -132,8 +132,9 @@ bool concerns(const System& system, const Content& change, const Content& before
   Resources joined;
   for (const auto& resource : before.new_resources) joined.insert(resource.get());
   Resources reached(change.leaving_resources.begin(), change.leaving_resources.end());
-  if (change.barrier)
-    reached = resources_touched(system.architecture, change);  // its users wait meanwhile
+  if (change.barrier) {  // all that reach its resources wait meanwhile
+    reached = resources_touched(system.architecture, change);
+  }
   if (any_leads_into(change, joined) || any_leads_into(before, reached)) return true;
   return clash(system.architecture, change, before);
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "exec/admission/membership.h"
+#include "exec/recovery/incident.h"
 #include "exec/recovery/inherit.h"
 #include "exec/swap/resource_update.h"
 #include "exec/system/books.h"
@@ -306,24 +307,13 @@ void ProbationPeriod::tell_after_all() {
 std::string ProbationPeriod::culprit() const {
   const std::string text = rollback_->text();
   if (rollback_->cause() == Cause::asked) return text;
-  const std::string cause(to_string(rollback_->cause()));
-  const ResourceBase* const inside = failed_in();
-  const std::string where = inside == nullptr ? "" : ", in a call of " + inside->name();
-  return (text.empty() ? cause : cause + ": " + text) + where;
-}
-
-/// The resource in whose service the member failed; null: it failed in its own code.
-const ResourceBase* ProbationPeriod::failed_in() const {
-  for (const ResourceBase* resource : system_.architecture.resources()) {
-    if (&resource->gate() == rollback_->inside()) return resource;
-  }
-  return nullptr;
+  return to_string(incident_of(system_, rollback_->fault()));
 }
 
 /// The new cores that failed. A resource that fails its caller is not the fault of the caller's
 /// core.
 void ProbationPeriod::name_cores(Outcome& end) const {
-  if (failed_in() != nullptr) return;
+  if (end.incident && !end.incident->resource.empty()) return;
   for (const PreparedMember& member : content_->members) {
     const std::string& core = member.next->core_type.name;
     const bool is_new =
@@ -352,7 +342,7 @@ void ProbationPeriod::tell(Outcome::Kind kind, const std::string& reason) {
         end.component = member.deployed->task->name();
       }
     }
-    if (!end.component.empty()) end.incident = to_incident(rollback_->fault());
+    if (!end.component.empty()) end.incident = incident_of(system_, rollback_->fault());
     name_cores(end);
   }
   system_.outcomes.push_back(std::move(end));

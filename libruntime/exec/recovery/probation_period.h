@@ -94,7 +94,6 @@ class ProbationPeriod {
   [[nodiscard]] bool all_looked_away() const;
   void tell(Outcome::Kind kind, const std::string& reason);
   [[nodiscard]] std::string culprit() const;
-  [[nodiscard]] const ResourceBase* failed_in() const;
   void name_cores(Outcome& end) const;
 
   System& system_;

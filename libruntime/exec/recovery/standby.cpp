@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/duration.h"
+#include "exec/recovery/incident.h"
 #include "exec/recovery/probations.h"
 #include "exec/system/books.h"
 #include "exec/system/make_update.h"
@@ -61,7 +62,7 @@ void take_note(System& system, Deployed& deployed) {
   outcome.generation = ++system.generation;
   outcome.component = component.name();
   outcome.reason = fault.text.data();
-  outcome.incident = to_incident(fault);
+  outcome.incident = incident_of(system, fault);
   outcome.cores = {component.bundle()->core_type.name};
   system.outcomes.push_back(std::move(outcome));
 }
@@ -72,7 +73,7 @@ void give_up(System& system, Deployed& deployed, Instant failed_at, const std::s
   outcome.kind = Outcome::Kind::gave_up;
   outcome.began = outcome.generation = system.generation;
   outcome.component = deployed.component->name();
-  outcome.incident = to_incident(deployed.task->report().fault());
+  outcome.incident = incident_of(system, deployed.task->report().fault());
   outcome.reason = outcome.incident->text += "; " + why;
   outcome.cores = {deployed.component->bundle()->core_type.name};
   system.outcomes.push_back(std::move(outcome));

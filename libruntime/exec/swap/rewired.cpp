@@ -159,8 +159,7 @@ Status check_connections(const Architecture& architecture, const Content& conten
   for (const PreparedMember& member : content.members) {
     if (member.part == Part::leaves) continue;
     const Bundle& next = *member.next;
-    static const Bindings kNone;
-    const Bindings& before = member.base == nullptr ? kNone : *member.base->bindings;
+    const Bindings before = member.base == nullptr ? Bindings() : *member.base->bindings;
     Status sound = services.check(member.component->name(), *next.shell, *next.bindings, before);
     if (!sound) return sound;
   }

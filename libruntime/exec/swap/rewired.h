@@ -17,10 +17,10 @@ namespace mauve::exec {
 [[nodiscard]] bool clash(const Architecture& architecture, const PreparedChange::Content& change,
                          const PreparedChange::Content& before);
 
-/// Is that a sound one? Names are unique, no element that stays is connected to one that leaves or
-/// is not there, no resource reaches itself, and no output has two writers. The check belongs to
-/// the preparation. The commit repeats it when the architecture changed meanwhile by itself, for
-/// example by a rollback. [control], or [factory] with the model locked
+/// Refuses a change that would leave an unsound architecture. In a sound one names are unique, no
+/// element is connected to one that is not there, no resource reaches itself, and no output has two
+/// writers. The preparation checks it; the commit checks it again when the architecture changed
+/// meanwhile, for example by a rollback. [control], or [factory] with the model locked
 Status check_fit(const Architecture& architecture, const PreparedChange::Content& change);
 
 /// The resources that the change touches, and those that write on into them. [control], or

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include <mauve/happening.h>
 
+#include <string>
 #include <string_view>
 
 namespace mauve {
@@ -19,6 +20,12 @@ std::string_view to_string(ComponentState state) {
       return "recovering";
   }
   return "unknown";
+}
+
+std::string to_string(const Incident& incident) {
+  const std::string text = incident.text.empty() ? "" : ": " + incident.text;
+  const bool own = incident.resource.empty();
+  return incident.cause + text + (own ? "" : ", in a call of " + incident.resource);
 }
 
 std::string_view to_string(Recovery::Way way) {

@@ -67,7 +67,7 @@ struct PreparedBarrier {
   /// A resource that joins under the name of one that leaves.
   struct Replacement {
     ResourceBase* from = nullptr;
-    ResourceParts base;  ///< of `from`: what it was prepared against
+    ResourceParts base;  ///< the parts of `from` when the change was prepared
     Duration base_hold{0};
     ResourceBase* into = nullptr;
     StatePolicy state = StatePolicy::keep;

@@ -60,6 +60,7 @@ void FaultReaction::record(Cause cause) {
   fault.time = task_.clock.now();
   fault.cause = cause;
   fault.job = counters.releases.load(std::memory_order_relaxed);
+  fault.inside = task_.failed_in;
   copy_text(fault.core, task_.current->bundle->core_type.name);
   const auto& states = task_.current->bundle->fsm->states();
   const std::size_t index = counters.fsm_state.load(std::memory_order_relaxed);
@@ -69,7 +70,7 @@ void FaultReaction::record(Cause cause) {
 void FaultReaction::give_up_core() {
   const TaskUpdate* const back = task_.mailbox.back();
   if (back == nullptr) return;
-  back->rollback->trigger(task_.clock, task_.report.fault(), &task_.report, task_.failed_in);
+  back->rollback->trigger(task_.clock, task_.report.fault(), &task_.report);
 }
 
 bool FaultReaction::may_recover() const {

@@ -17,8 +17,7 @@ bool Rollback::trigger(const Clock& clock, std::string_view reason) {
   return trigger(clock, asked, nullptr);
 }
 
-bool Rollback::trigger(const Clock& clock, const FaultRecord& fault, const TaskReport* member,
-                       const void* inside) {
+bool Rollback::trigger(const Clock& clock, const FaultRecord& fault, const TaskReport* member) {
   if (!decision_.claim(kBeingTriggered)) return false;
   Decision* const newer = newer_.load();
   if (newer != nullptr && newer->decide(Decision::State::aborted) == Decision::State::committed) {
@@ -27,7 +26,6 @@ bool Rollback::trigger(const Clock& clock, const FaultRecord& fault, const TaskR
   }
   fault_ = fault;
   member_ = member;
-  inside_ = inside;
   decide(clock);
   told_.store(true, std::memory_order_release);
   return true;

@@ -94,10 +94,8 @@ class Rollback {
   [[nodiscard]] Decision& decision() { return decision_; }
 
   /// [any] Bounded, no lock. False: it was triggered before, is closed, or a newer change is
-  /// committed. `inside`: the gate of the resource in whose service the member failed; null: in its
-  /// own code.
-  bool trigger(const Clock& clock, const FaultRecord& fault, const TaskReport* member,
-               const void* inside = nullptr);
+  /// committed.
+  bool trigger(const Clock& clock, const FaultRecord& fault, const TaskReport* member);
   /// No member failed: somebody wants it.
   bool trigger(const Clock& clock, std::string_view reason);
   /// [control] Nobody can set it off any more; false when somebody has.
@@ -118,7 +116,6 @@ class Rollback {
   [[nodiscard]] Cause cause() const { return fault_.cause; }
   [[nodiscard]] const FaultRecord& fault() const { return fault_; }
   [[nodiscard]] const TaskReport* member() const { return member_; }
-  [[nodiscard]] const void* inside() const { return inside_; }
   [[nodiscard]] const char* text() const { return fault_.text.data(); }
 
  private:
@@ -139,7 +136,6 @@ class Rollback {
   std::atomic<bool> told_{false};
   FaultRecord fault_;
   const TaskReport* member_ = nullptr;
-  const void* inside_ = nullptr;
 };
 
 }  // namespace mauve::exec

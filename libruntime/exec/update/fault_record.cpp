@@ -29,10 +29,4 @@ std::string_view word_of(Cause cause) {
   return kWords.at(static_cast<std::size_t>(cause));
 }
 
-Incident to_incident(const FaultRecord& record) {
-  return {record.time,         std::string(to_string(record.cause)),
-          record.text.data(),  record.core.data(),
-          record.state.data(), record.job};
-}
-
 }  // namespace mauve::exec

@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <string_view>
 
-#include <mauve/happening.h>
 #include <mauve/time.h>
 
 namespace mauve::exec {
@@ -38,8 +37,7 @@ struct FaultRecord {
   std::array<char, 128> text{};
   std::array<char, 64> core{};
   std::array<char, 64> state{};
+  const void* inside = nullptr;  ///< gate of the resource that failed it; null: it failed itself
 };
-
-[[nodiscard]] Incident to_incident(const FaultRecord& record);
 
 }  // namespace mauve::exec

@@ -44,7 +44,10 @@ struct Incident {
   std::string core;       ///< the core that failed
   std::string state;      ///< of the state machine; empty: not known
   std::uint64_t job = 0;  ///< the number of the job, counted since the component began
+  std::string resource;  ///< in whose call it failed, so that the core is not to blame; empty: none
 };
+/// "threw: sensor lost", "threw: out of range, in a call of meter".
+[[nodiscard]] std::string to_string(const Incident& incident);
 
 /// A look at one component; numbers may be some jobs apart.
 struct ComponentStatus {

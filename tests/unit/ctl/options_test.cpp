@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "options.h"
+#include "cli/options.h"
 
 #include <string>
 

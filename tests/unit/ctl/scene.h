@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "cli/options.h"
 #include "cli/session.h"
-#include "options.h"
 #include "unit/ctl/fake_server.h"
 
 namespace mauve::ctl {

@@ -99,8 +99,17 @@ class Renew : public testing::Test {
     return static_cast<const AdderShell&>(adder().shell());
   }
 
+  /// The change on probation is taken back, and the elements that it brought are freed.
+  void roll_back() {
+    ASSERT_TRUE(deployer.undo());
+    deployer.run_for(50ms);
+    ASSERT_EQ(deployer.tend(freed).size(), 1u);
+    static_cast<void>(freed.release());
+  }
+
   Adding architecture;
   Deployer deployer{architecture, {.simulated = true}};
+  Retired freed;
 };
 
 TEST_F(Renew, AShellPropertyChangesAndStateValuesAndUsersGoOn) {
@@ -206,12 +215,9 @@ TEST_F(Renew, IsRefusedWhenARollbackConnectsAnotherUserBeforeTheCommit) {
   edit.properties.emplace_back("shell.step", 3);
   auto anew = deployer.prepare({{edit}});
   ASSERT_TRUE(anew) << to_string(anew.error());
-  ASSERT_TRUE(deployer.undo());
-  deployer.run_for(50ms);
-  Retired free;
-  ASSERT_EQ(deployer.tend(free).size(), 1u);
+  roll_back();
 
-  const Result<Receipt> done = deployer.commit(*anew, free);
+  const Result<Receipt> done = deployer.commit(*anew, freed);
 
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, Errc::conflict);
@@ -237,12 +243,9 @@ TEST_F(Renew, IsRefusedWhenARollbackConnectsTheResourceItselfElsewhere) {
   edit.state = StatePolicy::drop;
   auto anew = deployer.prepare({{edit}});
   ASSERT_TRUE(anew) << to_string(anew.error());
-  ASSERT_TRUE(deployer.undo());
-  deployer.run_for(50ms);
-  Retired free;
-  ASSERT_EQ(deployer.tend(free).size(), 1u);
+  roll_back();
 
-  const Result<Receipt> done = deployer.commit(*anew, free);
+  const Result<Receipt> done = deployer.commit(*anew, freed);
 
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, Errc::conflict);
@@ -264,13 +267,9 @@ class Overtaken : public Renew {
   void expect_conflict(const Change& change, const std::string& at) {
     auto prepared = deployer.prepare(change);
     ASSERT_TRUE(prepared) << to_string(prepared.error());
-    ASSERT_TRUE(deployer.undo());
-    deployer.run_for(50ms);
-    Retired free;
-    ASSERT_EQ(deployer.tend(free).size(), 1u);
-    static_cast<void>(free.release());
+    roll_back();
 
-    const Result<Receipt> done = deployer.commit(*prepared, free);
+    const Result<Receipt> done = deployer.commit(*prepared, freed);
 
     ASSERT_FALSE(done);
     EXPECT_EQ(done.error().code, Errc::conflict);
@@ -318,12 +317,9 @@ TEST_F(Overtaken, ASoundChangeIsCommittedAllTheSame) {
   edit.disconnect = {"out"};
   auto prepared = deployer.prepare({{edit}});
   ASSERT_TRUE(prepared) << to_string(prepared.error());
-  ASSERT_TRUE(deployer.undo());
-  deployer.run_for(50ms);
-  Retired free;
-  ASSERT_EQ(deployer.tend(free).size(), 1u);
+  roll_back();
 
-  EXPECT_TRUE(deployer.commit(*prepared, free));
+  EXPECT_TRUE(deployer.commit(*prepared, freed));
 }
 
 TEST_F(Overtaken, AChangeThatWasMadeFromWhatARollbackEndedIsNotPrepared) {
@@ -332,10 +328,7 @@ TEST_F(Overtaken, AChangeThatWasMadeFromWhatARollbackEndedIsNotPrepared) {
   anew.edits.back().resource = architecture.adder.type();
   anew.made_from = deployer.generation();
   EXPECT_TRUE(deployer.prepare(anew));
-  ASSERT_TRUE(deployer.undo());
-  deployer.run_for(50ms);
-  Retired free;
-  ASSERT_EQ(deployer.tend(free).size(), 1u);
+  roll_back();
 
   const auto prepared = deployer.prepare(anew);
 
@@ -343,8 +336,8 @@ TEST_F(Overtaken, AChangeThatWasMadeFromWhatARollbackEndedIsNotPrepared) {
   EXPECT_EQ(prepared.error().code, Errc::conflict);
 }
 
-/// `far` reaches the adder through the relay only. Were it led back during the barrier, it would
-/// call the adder while that hands its state over.
+/// The component `far` reaches the adder through the relay only. A rollback that connects `far`
+/// during the barrier would let it call the adder while the adder hands its state over.
 TEST_F(Renew, EndsTheProbationOfAChangeWhoseRollbackWouldReachTheResourceThroughAnother) {
   Edit apart;
   apart.component = "far";
