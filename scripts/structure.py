@@ -33,7 +33,7 @@ LARGE_CLASSES = {
     "libruntime/exec/recovery/probation_period.h:ProbationPeriod": 35,
     "libruntime/exec/run/threads.cpp:Threads": 29,
     "libruntime/include/mauve/deployer.h:Deployer": 57,
-    "libruntime/include/mauve/gate.h:Gate": 33,
+    "libruntime/include/mauve/resource_lock.h:ResourceLock": 33,
     "libruntime/include/mauve/latest_value.h:LatestValue": 31,
     "plugins/drivers/serial/line_thread.h:LineThread": 34,
 }
@@ -82,7 +82,6 @@ STRAYS = {
     "daemon/commands/change/reload.cpp": 1,
     "daemon/commands/change/stop.cpp": 1,
     "daemon/commands/config.cpp": 1,
-    "daemon/commands/lock.cpp": 5,
     "daemon/commands/look/log.cpp": 1,
     "daemon/commands/look/log_level.cpp": 1,
     "daemon/commands/recovery/probation.cpp": 2,

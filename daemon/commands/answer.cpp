@@ -2,7 +2,7 @@
 #include "commands/answer.h"
 
 #include "commands/audit.h"
-#include "commands/gate.h"
+#include "commands/lock.h"
 #include "commands/look/notice.h"
 #include "commands/model.h"
 #include "commands/recovery/unproven.h"

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "commands/answer.h"
-#include "commands/gate.h"
+#include "commands/lock.h"
 #include "judge/judgement.h"
 #include "monitor/supervisor.h"
 #include "protocol/in_words.h"

@@ -134,8 +134,8 @@ void HealthMonitor::tell_of_factory() {
 /// A resource under the same name may be another one, which begins to count anew.
 void HealthMonitor::tell_of_holds() {
   for (const auto* resource : running_->architecture.resources()) {
-    const auto& gate = resource->gate();
-    const auto count = gate.over_hold();
+    const auto& lock = resource->lock();
+    const auto count = lock.over_hold();
     auto& told = over_hold_[resource->name()];
     if (count < told) {
       told = 0;
@@ -144,10 +144,10 @@ void HealthMonitor::tell_of_holds() {
       continue;
     }
     told = count;
-    const auto held = std::chrono::ceil<std::chrono::microseconds>(gate.longest_hold());
+    const auto held = std::chrono::ceil<std::chrono::microseconds>(lock.longest_hold());
     running_->log.write(Event::hold_exceeded, {{"resource", resource->name()},
                                                {"held", format_duration(held)},
-                                               {"hold", format_duration(gate.declared_hold())},
+                                               {"hold", format_duration(lock.declared_hold())},
                                                {"count", to_signed(count)}});
   }
 }

@@ -13,7 +13,7 @@
 #include "commands/answer.h"
 #include "commands/audit.h"
 #include "commands/change/change.h"
-#include "commands/gate.h"
+#include "commands/lock.h"
 #include "commands/look/value.h"
 #include "commands/recovery/given_up.h"
 

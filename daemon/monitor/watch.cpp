@@ -38,14 +38,14 @@ Watches::Tapped::Tapped(std::string at, ServiceBase& tapped, const Architecture&
       service(tapped.address()),
       architecture(lives_in),
       list(tapped.taps()),
-      gate(tapped.resource().gate()),
+      resource_lock(tapped.resource().lock()),
       tap(std::make_shared<Tap>(*tapped.signature().data, capacity_for(*tapped.signature().data))) {
-  attached = list->attach(tap, gate);
+  attached = list->attach(tap, resource_lock);
 }
 
 Watches::Tapped::~Tapped() {
   if (attached && is_there()) {
-    list->detach(*tap, gate);
+    list->detach(*tap, resource_lock);
   }
 }
 
@@ -195,7 +195,7 @@ void Watches::remove(const Leaves& leaves) {
     }
     return gone;
   });
-  std::list<Tapped> detached;  // without mutex_: the gate of a resource may be held for long
+  std::list<Tapped> detached;  // without mutex_: the lock of a resource may be held for long
   const MutexLock lock(mutex_);
   has_polled_ = !polled_.empty() || !lost_.empty();
   detached = clean(tapped_, reading_);

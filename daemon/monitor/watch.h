@@ -63,7 +63,7 @@ class Watches {
   struct Tapped {
     Tapped(std::string at, ServiceBase& tapped, const Architecture& lives_in);
     ~Tapped();
-    /// The resource may have left, and its gate with it, or another one has its name.
+    /// The resource may have left, and its lock with it, or another one has its name.
     [[nodiscard]] bool is_there() const;
 
     std::string address;
@@ -71,7 +71,7 @@ class Watches {
     std::string service;         ///< its own address
     const Architecture& architecture;
     TapList* list;
-    Gate& gate;
+    ResourceLock& resource_lock;
     std::shared_ptr<Tap> tap;
     Status attached;
     std::vector<Subscriber> subscribers;

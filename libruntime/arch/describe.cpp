@@ -145,7 +145,7 @@ Value describe_fault_policy(const FaultPolicy& policy) {
 }
 
 Value describe_hold(const ResourceBase& resource) {
-  return unless_zero(resource.gate().declared_hold());
+  return unless_zero(resource.lock().declared_hold());
 }
 
 Value describe_connection(const Binding* binding) {

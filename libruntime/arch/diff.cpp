@@ -155,8 +155,8 @@ class Differ {
   }
 
   void hold(const ResourceBase& now, const ResourceBase& then, Edit& edit) {
-    if (now.gate().declared_hold() == then.gate().declared_hold()) return;
-    edit.hold = then.gate().declared_hold();
+    if (now.lock().declared_hold() == then.lock().declared_hold()) return;
+    edit.hold = then.lock().declared_hold();
     say("hold", now.name() + ".hold", describe_hold(now), describe_hold(then));
   }
 

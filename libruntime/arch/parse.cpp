@@ -13,7 +13,7 @@
 #include "arch/read.h"
 #include "base/address.h"
 #include "base/duration.h"
-#include "mauve/gate.h"
+#include "mauve/resource_lock.h"
 
 namespace mauve::arch {
 namespace {

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include <mauve/exchange.h>
-#include <mauve/gate.h>
 #include <mauve/job.h>
 #include <mauve/resource.h>
+#include <mauve/resource_lock.h>
 #include <mauve/service.h>
 
 namespace mauve {
@@ -47,7 +47,7 @@ Exchange* Binding::at_hand() const {
 bool Binding::write(const void* value) const {
   const Instant stamp = job_time();
   Exchange* const exchange = at_hand();
-  // Also while somebody listens: the value is out before anybody waits for the gate.
+  // Also while somebody listens: the value is out before anybody waits for the lock.
   if (exchange != nullptr && exchange->write_alone(value, exchange->latest.size(), stamp)) {
     return told(value, stamp);
   }
@@ -56,8 +56,8 @@ bool Binding::write(const void* value) const {
 
 bool Binding::told(const void* value, Instant stamp) const {
   if (exchange_->taps.empty()) return true;
-  const Entry entry(service_.resource().gate());
-  if (entry) exchange_->taps.push(value, stamp);
+  const ScopedLock held(service_.resource().lock());
+  if (held) exchange_->taps.push(value, stamp);
   return true;
 }
 

@@ -137,7 +137,7 @@ std::vector<const DataType*> dropped_states(const CoreBase& from, const CoreBase
 }
 
 Status check_whole(const ResourceBase& from, StatePolicy policy) {
-  if (policy == StatePolicy::drop || !from.gate().poisoned() || from.core().stateless()) {
+  if (policy == StatePolicy::drop || !from.lock().poisoned() || from.core().stateless()) {
     return ok();
   }
   return refuse(Errc::wrong_state, from.name(),

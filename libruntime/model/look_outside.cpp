@@ -4,8 +4,8 @@
 #include "model/guard.h"
 #include "rt/deadline.h"
 
-#include <mauve/gate.h>
 #include <mauve/resource.h>
+#include <mauve/resource_lock.h>
 #include <mauve/service.h>
 
 namespace mauve {
@@ -15,11 +15,11 @@ namespace {
 /// Runs `body`, which runs code of the service, where a failure ends nobody else.
 template <typename Body>
 Status guarded(ServiceBase& service, const Body& body) {
-  const std::size_t held = Gate::held();
+  const std::size_t held = ResourceLock::held();
   const rt::Deadline deadline(kLookMayTake);
   Status done = call_hook(service.address(), "the code of this service", body, deadline.watched());
-  if (Gate::held() > held) {
-    Gate::poison_and_leave_all(held);
+  if (ResourceLock::held() > held) {
+    ResourceLock::poison_and_leave_all(held);
     done.error().message += "; " + service.resource().name() +
                             " is poisoned: it refuses its users until it has a new core";
     done.error().hint = "mend it and reload its plugin, or apply a file that gives it another core";

@@ -12,7 +12,7 @@ namespace mauve {
 
 ResourceBase::ResourceBase(std::string name, ResourceType type)
     : name_(std::move(name)), type_(std::move(type)) {
-  gate_.name_in_trace(trace_name_id(name_));
+  lock_.name_in_trace(trace_name_id(name_));
   auto table = std::make_shared<Bindings>();
   made_ = construct_element(name_ + ".shell", type_.shell.make, shell_);
   if (made_) made_ = construct_element(name_ + ".core", type_.core.make, core_);
@@ -51,9 +51,9 @@ Status ResourceBase::cleanup() {
 }
 
 Status ResourceBase::rebind(std::shared_ptr<const Bindings> bindings) {
-  // Accessors use the table under the gate: after the exchange nobody sees the old one.
-  Entry entry(gate_);
-  if (!entry) return refuse(Errc::timed_out, name_, "is busy");
+  // Accessors use the table under the lock: after the exchange nobody sees the old one.
+  ScopedLock held(lock_);
+  if (!held) return refuse(Errc::timed_out, name_, "is busy");
   if (configured_) shell_->use(bindings.get());
   bindings_.swap(bindings);
   return ok();
@@ -74,7 +74,7 @@ void ResourceBase::meet(const std::shared_ptr<CoreBase>& core,
                         const std::shared_ptr<const Bindings>& bindings) {
   if (core != nullptr) {
     interface_->meet(core);
-    gate_.heal();
+    lock_.heal();
   }
   if (bindings != nullptr && configured_) shell_->use(bindings.get());
 }

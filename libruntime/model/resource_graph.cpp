@@ -41,7 +41,7 @@ class ResourceGraph::Walk {
   }
 
  private:
-  /// How many gates a thread holds at most from this one on.
+  /// How many resource locks a thread holds at most from this one on.
   Status measure(const ResourceBase& resource, std::size_t& depth) {
     if (path_.size() > Job::kMaxHeld) return too_deep();
     std::size_t below = 0;

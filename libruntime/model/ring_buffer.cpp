@@ -90,8 +90,8 @@ class Take final : public ServiceBase {
     return look(Visitor(copy), cursor);
   }
   DataStatus look(Visitor visitor, Cursor& cursor) override {
-    Entry entry(gate());
-    if (!entry) return entry.refusal();
+    ScopedLock held(lock());
+    if (!held) return held.refusal();
     return ring().pop(visitor, cursor.stamp) ? DataStatus::new_data : DataStatus::no_data;
   }
 
@@ -110,8 +110,8 @@ class Put final : public ServiceBase {
   [[nodiscard]] TapList* taps() override { return &taps_; }
 
   bool write(const void* data) override {
-    Entry entry(gate());
-    if (!entry) return false;
+    ScopedLock held(lock());
+    if (!held) return false;
     const Instant stamp = job_time();
     ring().push(data, stamp);
     taps_.push(data, stamp);
@@ -148,7 +148,7 @@ ResourceType ring_buffer_type(const DataType& data, const std::shared_ptr<void>&
 RingBufferBase::RingBufferBase(std::string name, const DataType& data,
                                std::shared_ptr<void> library)
     : ResourceBase(std::move(name), ring_buffer_type(data, library)) {
-  gate().blame_caller();
+  lock().blame_caller();
 }
 
 }  // namespace mauve

@@ -14,7 +14,7 @@ ServiceBase::ServiceBase(InterfaceBase& owner, std::string_view name, Signature 
 
 ResourceBase& ServiceBase::resource() const { return owner_.resource(); }
 CoreBase& ServiceBase::core() const { return owner_.core(); }
-Gate& ServiceBase::gate() const { return owner_.resource().gate(); }
+ResourceLock& ServiceBase::lock() const { return owner_.resource().lock(); }
 std::string ServiceBase::address() const { return resource().name() + "." + std::string(name_); }
 
 }  // namespace mauve

@@ -62,8 +62,8 @@ class ReadLatest final : public ServiceBase {
   }
   DataStatus look(Visitor visitor, Cursor& cursor) override {
     if (cursor.slot != LatestValue::kNoSlot) return show(latest().seek(cursor), visitor, cursor);
-    Entry entry(gate());
-    if (!entry) return entry.refusal();
+    ScopedLock held(lock());
+    if (!held) return held.refusal();
     const LatestValue::View view = latest().acquire(LatestValue::kInTurn);
     return show(LatestValue::show(view, cursor), visitor, cursor);
   }
@@ -102,8 +102,8 @@ class WriteLatest final : public ServiceBase {
     return fill(Filler(copy));
   }
   bool fill(Filler filler) override {
-    Entry entry(gate());
-    if (!entry) return false;
+    ScopedLock held(lock());
+    if (!held) return false;
     const Instant stamp = job_time();
     Exchange& into = *exchange();
     void* const value = into.latest.begin_write();
@@ -139,8 +139,8 @@ ResourceType shared_data_type(const DataType& data, const std::shared_ptr<void>&
 SharedDataBase::SharedDataBase(std::string name, const DataType& data, const void* initial,
                                std::shared_ptr<void> library)
     : ResourceBase(std::move(name), shared_data_type(data, library)) {
-  gate().hold_shortly();
-  gate().blame_caller();
+  lock().hold_shortly();
+  lock().blame_caller();
   if (made() && initial != nullptr) write_service().write(initial);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include <mauve/gate.h>
+#include <mauve/resource_lock.h>
 #include <mauve/tap.h>
 #include <mauve/type.h>
 
@@ -41,25 +41,25 @@ bool Tap::pop(const std::function<void(const void* value, Instant stamp)>& visit
   return true;
 }
 
-Status TapList::attach(std::shared_ptr<Tap> tap, Gate& gate) {
-  Taps closed;  // freed when the gate has been left: a writer may wait for it
-  Entry entry(gate);
-  if (!entry) return refuse(Errc::timed_out, "", "its resource is busy");
+Status TapList::attach(std::shared_ptr<Tap> tap, ResourceLock& lock) {
+  Taps closed;  // freed when the lock has been released: a writer may wait for it
+  ScopedLock held(lock);
+  if (!held) return refuse(Errc::timed_out, "", "its resource is busy");
   give_up_closed(closed);
   for (std::shared_ptr<Tap>& place : taps_) {
     if (place != nullptr) continue;
     place = std::move(tap);
-    count_.fetch_add(1);  // from now on no writer passes by the gate
+    count_.fetch_add(1);  // from now on no writer passes by the lock
     return ok();
   }
   return refuse(Errc::limit, "", "is watched in too many places already");
 }
 
-void TapList::detach(Tap& tap, Gate& gate) {
+void TapList::detach(Tap& tap, ResourceLock& lock) {
   tap.close();
   Taps closed;
-  Entry entry(gate);
-  if (entry) give_up_closed(closed);
+  ScopedLock held(lock);
+  if (held) give_up_closed(closed);
 }
 
 void TapList::give_up_closed(Taps& into) {

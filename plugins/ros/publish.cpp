@@ -147,8 +147,8 @@ class PublishService final : public mauve::ServiceBase {
  private:
   template <typename F>
   bool publish(F&& fill) {
-    mauve::Entry entry(gate());
-    if (!entry) return false;
+    mauve::ScopedLock held(lock());
+    if (!held) return false;
     static_cast<PublisherCore<T>&>(core()).publish(fill);
     return true;
   }

@@ -150,8 +150,8 @@ class NewestService final : public mauve::ServiceBase {
  private:
   template <typename F>
   mauve::DataStatus show(mauve::Cursor& cursor, F&& visit) {
-    mauve::Entry entry(gate());
-    if (!entry) return entry.refusal();
+    mauve::ScopedLock held(lock());
+    if (!held) return held.refusal();
     mauve::Instant stamp = 0;
     const T* const value = static_cast<SubscriberCore<T>&>(core()).newest(stamp);
     if (value == nullptr) return mauve::DataStatus::no_data;

@@ -12,7 +12,7 @@
 #include "support/eventually.h"
 
 #include <mauve/clock.h>
-#include <mauve/gate.h>
+#include <mauve/resource_lock.h>
 
 namespace mauve {
 namespace {
@@ -42,10 +42,10 @@ TEST(Preemption, IsToldWhereTheKernelKnowsRestartableSequences) {
   EXPECT_TRUE(rt::preempted()) << "nobody watched";
 }
 
-TEST(Gate, KnowsHowLongAnUninterruptedJobHeldIt) {
+TEST(ResourceLock, KnowsHowLongAnUninterruptedJobHeldIt) {
   if (!rt::preemption_is_told()) GTEST_SKIP() << "NOT TESTED: this kernel or libc does not tell";
-  Gate gate;
-  Gate shortly;
+  ResourceLock lock;
+  ResourceLock shortly;
   shortly.hold_shortly();
   const MonotonicClock clock;
   const Instant begin = clock.now();
@@ -53,31 +53,31 @@ TEST(Gate, KnowsHowLongAnUninterruptedJobHeldIt) {
   EXPECT_TRUE(test::eventually([&] {
     rt::watch_for_preemption();
     {
-      const Entry one(gate);
-      const Entry other(shortly);
+      const ScopedLock one(lock);
+      const ScopedLock other(shortly);
       busy_for(kHeld);
     }
-    return gate.longest_hold() > Duration{0};
+    return lock.longest_hold() > Duration{0};
   }));
   rt::end_preemption_watch();
 
-  EXPECT_GE(gate.longest_hold(), kHeld);
-  EXPECT_LE(gate.longest_hold(), Duration{clock.now() - begin});
+  EXPECT_GE(lock.longest_hold(), kHeld);
+  EXPECT_LE(lock.longest_hold(), Duration{clock.now() - begin});
   EXPECT_EQ(shortly.longest_hold(), Duration{0}) << "the clock would take longer";
 }
 
-TEST(Gate, CountsWhatWasHeldLongerThanDeclared) {
+TEST(ResourceLock, CountsWhatWasHeldLongerThanDeclared) {
   if (!rt::preemption_is_told()) GTEST_SKIP() << "NOT TESTED: this kernel or libc does not tell";
-  Gate longer;
-  Gate shorter;
+  ResourceLock longer;
+  ResourceLock shorter;
   longer.declare_hold(kHeld / 2);
   shorter.declare_hold(1h);
 
   EXPECT_TRUE(test::eventually([&] {
     rt::watch_for_preemption();
     {
-      const Entry one(longer);
-      const Entry other(shorter);
+      const ScopedLock one(longer);
+      const ScopedLock other(shorter);
       busy_for(kHeld);
     }
     return longer.longest_hold() > Duration{0} && shorter.longest_hold() > Duration{0};
@@ -90,13 +90,13 @@ TEST(Gate, CountsWhatWasHeldLongerThanDeclared) {
   EXPECT_EQ(longer.declared_hold(), kHeld / 2) << "another core is held as long, by declaration";
 }
 
-TEST(Gate, DoesNotMeasureOutsideJobs) {
-  Gate gate;
+TEST(ResourceLock, DoesNotMeasureOutsideJobs) {
+  ResourceLock lock;
   {
-    const Entry entry(gate);
+    const ScopedLock entry(lock);
     busy_for(kHeld);
   }
-  EXPECT_EQ(gate.longest_hold(), Duration{0});
+  EXPECT_EQ(lock.longest_hold(), Duration{0});
 }
 
 TEST(MachineCosts, AreMeasuredOnEachCpuAtRealTimePriority) {

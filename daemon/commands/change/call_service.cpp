@@ -146,7 +146,7 @@ Status check_writer(const Running& running, const ServiceBase& service) {
 }
 
 Status not_taken(const ServiceBase& service) {
-  const bool poisoned = service.resource().gate().poisoned();
+  const bool poisoned = service.resource().lock().poisoned();
   return refuse(poisoned ? Errc::wrong_state : Errc::timed_out, service.address(),
                 poisoned ? "its resource is poisoned and takes nothing"
                          : "its resource was busy for too long and took nothing",
@@ -159,7 +159,7 @@ Status use(const Running& running, ServiceBase& service, const Rooms& rooms, voi
     arguments.push_back(room->data());
   }
   const auto taken = use_outside(service, result, arguments.data());
-  if (!taken && service.resource().gate().poisoned()) {
+  if (!taken && service.resource().lock().poisoned()) {
     running.log.write(logging::Event::read_poisoned, {{"text", to_string(taken.error())}});
   }
   if (!taken) {

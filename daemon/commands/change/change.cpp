@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "commands/answer.h"
-#include "commands/gate.h"
+#include "commands/lock.h"
 #include "commands/model.h"
 #include "commands/recovery/given_up.h"
 #include "commands/recovery/quarantine.h"

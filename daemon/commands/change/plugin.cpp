@@ -7,7 +7,7 @@
 #include "commands/answer.h"
 #include "commands/change/change.h"
 #include "commands/change/trial.h"
-#include "commands/gate.h"
+#include "commands/lock.h"
 #include "commands/recovery/given_up.h"
 
 namespace mauve::daemon {

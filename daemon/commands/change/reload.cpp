@@ -17,7 +17,7 @@
 #include "commands/change/change.h"
 #include "commands/change/policies.h"
 #include "commands/change/trial.h"
-#include "commands/gate.h"
+#include "commands/lock.h"
 #include "commands/model.h"
 #include "commands/recovery/former.h"
 #include "commands/recovery/given_up.h"

@@ -52,7 +52,7 @@ Result<Json> graph(Running& running, const Call& /*call*/) {
   for (auto* resource : running.architecture.resources()) {
     resources.push_back({{"name", resource->name()},
                          {"type", resource->type().name},
-                         {"poisoned", resource->gate().poisoned()},
+                         {"poisoned", resource->lock().poisoned()},
                          {"services", service_rows(*resource)},
                          {"ports", ports_of(running, {nullptr, resource})}});
   }

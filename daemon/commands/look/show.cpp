@@ -172,11 +172,11 @@ Json show_resource(const Running& running, ResourceBase& resource) {
                  {"type", resource.type().name},
                  {"services", service_rows(resource)},
                  {"users", users_of(running, resource)},
-                 {"hold", format_duration(resource.gate().declared_hold())},
-                 {"hold_max_ns", resource.gate().longest_hold().count()},
-                 {"over_hold", resource.gate().over_hold()},
-                 {"lock_timeouts", resource.gate().timeouts()},
-                 {"poisoned", resource.gate().poisoned()}};
+                 {"hold", format_duration(resource.lock().declared_hold())},
+                 {"hold_max_ns", resource.lock().longest_hold().count()},
+                 {"over_hold", resource.lock().over_hold()},
+                 {"lock_timeouts", resource.lock().timeouts()},
+                 {"poisoned", resource.lock().poisoned()}};
   add_parts(object, running, {nullptr, &resource});
   return object;
 }

@@ -5,7 +5,7 @@
 #include "commands/answer.h"
 #include "commands/change/change.h"
 #include "commands/command.h"
-#include "commands/gate.h"
+#include "commands/lock.h"
 #include "commands/look/log_json.h"
 #include "commands/look/parts_json.h"
 #include "commands/model.h"
@@ -25,7 +25,7 @@ namespace {
 Json poisoned(const Running& running) {
   Json names = Json::array();
   for (auto* resource : running.architecture.resources()) {
-    if (resource->gate().poisoned()) {
+    if (resource->lock().poisoned()) {
       names.push_back(resource->name());
     }
   }

@@ -61,7 +61,7 @@ Result<Json> read_service(const Running& running, const std::string& address,
   auto encode = [&](const void* data) { value = arch::to_json(type->to_value(data)); };
   const auto status = look_outside(service, Visitor(encode), slot.cursor);
   if (!status) {
-    if (service.resource().gate().poisoned()) {
+    if (service.resource().lock().poisoned()) {
       running.log.write(logging::Event::read_poisoned, {{"text", to_string(status.error())}});
     }
     return status.error();

@@ -58,7 +58,7 @@ Json failure_json(const Running& running, const Failure& failure) {
 Json poisoned_of(const ComponentBase& component) {
   Json names = Json::array();
   for (const auto& binding : *component.bundle()->bindings) {
-    if (binding == nullptr || !binding->service().resource().gate().poisoned()) {
+    if (binding == nullptr || !binding->service().resource().lock().poisoned()) {
       continue;
     }
     const Json name = binding->service().resource().name();

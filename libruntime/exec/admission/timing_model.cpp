@@ -86,8 +86,8 @@ const LockTiming& TimingModel::lock_of(const ResourceBase& resource) {
   lock.resource = resource.name();
   const auto changed = holds_.find(&resource);
   const Duration declared =
-      changed != holds_.end() ? changed->second : resource.gate().declared_hold();
-  const Duration longest = resource.gate().longest_hold();
+      changed != holds_.end() ? changed->second : resource.lock().declared_hold();
+  const Duration longest = resource.lock().longest_hold();
   if (declared > Duration{0}) {
     lock.hold = declared;
     lock.source = analysis::to_string(analysis::Source::declared);

@@ -27,8 +27,8 @@ Member member_at(Deployed& deployed, TaskUpdate::Barrier step, std::uint64_t num
 
 /// A thread that was given up may hold it for good.
 bool is_free(ResourceBase& resource) {
-  if (!resource.gate().try_enter()) return false;
-  resource.gate().leave();
+  if (!resource.lock().try_enter()) return false;
+  resource.lock().leave();
   return true;
 }
 
@@ -50,7 +50,7 @@ Status Barrier::check(const PreparedChange::Content& content) {
     const std::string& name = replacement.from->name();
     if (replacement.from->shared_core() != replacement.base.core ||
         replacement.from->shared_bindings() != replacement.base.bindings ||
-        replacement.from->gate().declared_hold() != replacement.base_hold) {
+        replacement.from->lock().declared_hold() != replacement.base_hold) {
       return refuse(Errc::conflict, name,
                     "was changed by somebody else while this change was prepared", "try again");
     }

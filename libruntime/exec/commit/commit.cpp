@@ -36,7 +36,7 @@ Status check_member(const PreparedMember& member, const Deployed& deployed) {
 
 Status check_resource(const PreparedResource& change) {
   const ResourceBase& resource = *change.resource;
-  const bool same_hold = !change.hold || resource.gate().declared_hold() == change.base_hold;
+  const bool same_hold = !change.hold || resource.lock().declared_hold() == change.base_hold;
   if (resource.shared_core() == change.base.core &&
       resource.shared_bindings() == change.base.bindings && same_hold) {
     return ok();

@@ -66,7 +66,7 @@ void Commit::enter_resources() {
     PreparedResource& change = content_->resources[i];
     ++system_.revision;
     change.resource->install(change.parts.core, change.parts.bindings);
-    if (change.hold) change.resource->gate().declare_hold(*change.hold);
+    if (change.hold) change.resource->lock().declare_hold(*change.hold);
     if (change.parts.core != nullptr) retired.add(change.base.core);
     change.made.forget();
     MemberReceipt row{change.resource->name(), update.pause(), 0, update.bytes()};

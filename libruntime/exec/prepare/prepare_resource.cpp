@@ -59,7 +59,7 @@ Status check_hold(const ResourceBase& resource, Duration hold) {
     return refuse(Errc::invalid_value, at, "must be between 0 and " + format_duration(kLongestHold),
                   "0 takes the declaration back");
   }
-  if (!resource.gate().timed()) {
+  if (!resource.lock().timed()) {
     return refuse(Errc::unsupported, at,
                   "has no meaning here: it is held for some stores only, and not counted");
   }
@@ -78,7 +78,7 @@ Result<PreparedResource> prepare_resource(const Afterwards& after, const Edit& e
   PreparedResource prepared;
   prepared.resource = &resource;
   prepared.base = {resource.shared_core(), resource.shared_bindings()};
-  prepared.base_hold = resource.gate().declared_hold();
+  prepared.base_hold = resource.lock().declared_hold();
   prepared.hold = edit.hold;
   prepared.state = edit.state;
   if (edit.hold) {

@@ -77,7 +77,7 @@ Status make_replacement(const ResourceBase& resource, const Edit& edit, Change& 
   }
   change.new_resources.push_back({replacement, connections_after(resource, edit), edit.state});
   change.remove.push_back(resource.name());
-  replacement->gate().declare_hold(edit.hold.value_or(resource.gate().declared_hold()));
+  replacement->lock().declare_hold(edit.hold.value_or(resource.lock().declared_hold()));
   return copy_all(resource, *replacement, edit);
 }
 

@@ -287,7 +287,7 @@ void ProbationPeriod::install_old() {
   for (const PreparedResource& change : content_->resources) {
     if (!in_force(change)) continue;
     change.resource->install(change.base.core, change.base.bindings);
-    if (change.hold) change.resource->gate().declare_hold(change.base_hold);
+    if (change.hold) change.resource->lock().declare_hold(change.base_hold);
     if (change.parts.core != nullptr) free_.add(change.parts.core);
   }
   exchange_fallbacks(architecture, content_->fallbacks);

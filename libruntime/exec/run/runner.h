@@ -33,7 +33,7 @@ class Runner {
   virtual void settle() {}
   /// Lets all tasks go; each knows its T0 by now.
   virtual void open() = 0;
-  /// How long it takes to open the gate for `count` tasks.
+  /// How long it takes to start `count` tasks.
   [[nodiscard]] virtual Duration lead(std::size_t count) const = 0;
   /// Makes the task look at its mailbox soon.
   virtual void wake(Task& task) = 0;

@@ -35,7 +35,7 @@ class Threads final : public Runner {
   explicit Threads(Duration assumed) : noise_(std::make_shared<rt::Noise>(assumed)) {}
   ~Threads() override {
     noise_->stop();  // tasks that are left behind keep it
-    rt::futex_bump(gate_);
+    rt::futex_bump(start_);
     guard_quits_.store(true);
     rt::futex_bump(bell_);
     guard_.join();
@@ -73,7 +73,7 @@ class Threads final : public Runner {
   }
   void open() override {
     if (!guard_.running()) start_guard();
-    rt::futex_bump(gate_);
+    rt::futex_bump(start_);
   }
 
   void wake(Task& task) override { rt::futex_bump(task.mailbox().command()); }
@@ -162,8 +162,8 @@ class Threads final : public Runner {
     const rt::FaultStack stack;
     worker.task.watch().runs_on(&this_job());
     parked_.fetch_add(1);
-    while (gate_.load(std::memory_order_acquire) == 0) {
-      rt::futex_wait_until(gate_, 0, rt::kForever);
+    while (start_.load(std::memory_order_acquire) == 0) {
+      rt::futex_wait_until(start_, 0, rt::kForever);
     }
     run_until_quit(worker);
   }
@@ -329,7 +329,7 @@ class Threads final : public Runner {
   MonotonicClock clock_;
   const std::shared_ptr<rt::Noise> noise_;
   std::atomic<std::size_t> parked_{0};
-  std::atomic<std::uint32_t> gate_{0};
+  std::atomic<std::uint32_t> start_{0};
   std::atomic<std::uint32_t> bell_{0};
   mutable rt::PiMutex mutex_;  // no thread holds it long
   std::map<const Task*, std::unique_ptr<Worker>> workers_ MAUVE_GUARDED_BY(mutex_);

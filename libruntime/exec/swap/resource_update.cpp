@@ -45,12 +45,12 @@ ResourceUpdate::ResourceUpdate(ResourceBase& resource, ResourceParts parts, Stat
       if (goes_on) observables_.emplace_back(observable, same);
     }
   }
-  resource_.gate().defer(*this);
+  resource_.lock().defer(*this);
 }
 
 ResourceUpdate::~ResourceUpdate() = default;
 
-bool ResourceUpdate::visit(Instant release) {
+bool ResourceUpdate::apply(Instant release) {
   if (state() == State::in_force || state() == State::given_up) return true;
   if (release == 0) return false;
   // The coordinator is late: whoever comes at the instant decides for all that nothing happens.
@@ -64,11 +64,11 @@ bool ResourceUpdate::visit(Instant release) {
   return true;
 }
 
-/// Under the gate.
+/// Under the lock.
 void ResourceUpdate::take() {
   const Instant begin = MonotonicClock().now();
   for (const auto& [port, before] : safe_writes_) write_quietly(*port, *before, true);
-  if (!resource_.gate().poisoned()) {  // else it may be half written: the new core begins anew
+  if (!resource_.lock().poisoned()) {  // else it may be half written: the new core begins anew
     converting_.store(true);
     const bool failed = hand_over_.run().happened();
     if (!converting_.exchange(false)) return;  // its thread was given up: see finish_for_lost()
@@ -84,14 +84,14 @@ void ResourceUpdate::take() {
 /// Half a state is not for its users: they are told, as after a caller that crashed in it.
 void ResourceUpdate::meet() {
   resource_.meet(parts_.core, parts_.bindings);
-  if (failed_) resource_.gate().poison();
-  if (parts_.core != nullptr) resource_.gate().forget_holds();
+  if (failed_) resource_.lock().poison();
+  if (parts_.core != nullptr) resource_.lock().forget_holds();
 }
 
 /// A caller never returned from the converter; the guard took its lock away and poisoned the
 /// resource.
 void ResourceUpdate::finish_for_lost() {
-  if (state() != State::taking || !resource_.gate().poisoned()) return;
+  if (state() != State::taking || !resource_.lock().poisoned()) return;
   if (!converting_.exchange(false)) return;
   failed_ = lost_ = true;
   meet();
@@ -103,10 +103,10 @@ void ResourceUpdate::help(Instant now) {
   if (state() != State::waiting) return;
   if (decision_.given_up()) return revoke();
   if (decision_.state() != Decision::State::committed || now < decision_.instant()) return;
-  if (!resource_.gate().try_enter()) return;
-  static_cast<void>(visit(now));
-  resource_.gate().forget(*this);
-  resource_.gate().leave();
+  if (!resource_.lock().try_enter()) return;
+  static_cast<void>(apply(now));
+  resource_.lock().forget(*this);
+  resource_.lock().leave();
 }
 
 void ResourceUpdate::revoke() {
@@ -116,9 +116,9 @@ void ResourceUpdate::revoke() {
 
 bool ResourceUpdate::disarm() {
   if (!armed_) return true;
-  resource_.gate().forget(*this);
-  if (!resource_.gate().try_enter()) return false;
-  resource_.gate().leave();
+  resource_.lock().forget(*this);
+  if (!resource_.lock().try_enter()) return false;
+  resource_.lock().leave();
   armed_ = false;
   return true;
 }

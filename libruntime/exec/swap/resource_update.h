@@ -15,7 +15,7 @@
 
 #include <mauve/binding.h>
 #include <mauve/change_policy.h>
-#include <mauve/gate.h>
+#include <mauve/resource_lock.h>
 
 namespace mauve {
 
@@ -26,7 +26,7 @@ class ResourceBase;
 
 namespace exec {
 
-class ResourceUpdate final : public Deferred {
+class ResourceUpdate final : public PendingUpdate {
  public:
   enum class State : std::uint8_t {
     waiting,
@@ -41,7 +41,7 @@ class ResourceUpdate final : public Deferred {
   /// Nobody visits it any more: see disarm().
   ~ResourceUpdate() override;
 
-  bool visit(Instant release) override;
+  bool apply(Instant release) override;
   /// Takes the change itself once the instant has passed, unless somebody is inside. [control]
   void help(Instant now);
   /// Takes it back if nobody took it. [control]

@@ -15,9 +15,9 @@
 
 #include <mauve/component.h>
 #include <mauve/fsm.h>
-#include <mauve/gate.h>
 #include <mauve/job.h>
 #include <mauve/request.h>
+#include <mauve/resource_lock.h>
 #include <mauve/task_attributes.h>
 
 namespace mauve::exec {
@@ -70,7 +70,7 @@ bool JobRunner::run(Instant now) {
   JobEnd end{*this, now};
   task_.watch.begin(now);
   const rt::Fault fault = rt::rescued(&JobEnd::run, &end, task_.watch.watched());
-  const Gate* inside = fault.happened() ? Gate::poison_and_leave_all() : nullptr;
+  const ResourceLock* inside = fault.happened() ? ResourceLock::poison_and_leave_all() : nullptr;
   if (!fault.happened() && end.threw) inside = this_job().threw_in;
   const bool ours = task_.watch.end(now);
   if (ours) task_.failed_in = inside;

@@ -6,7 +6,7 @@
 #include "rt/cache.h"
 #include "rt/fence.h"
 
-#include <mauve/gate.h>
+#include <mauve/resource_lock.h>
 
 namespace mauve::exec {
 namespace {
@@ -28,12 +28,12 @@ bool JobWatch::take_from_thread(Instant since) {
   return watched_.busy_since.compare_exchange_strong(since, kTaken);
 }
 
-const Gate* JobWatch::cut_off_thread() {
+const ResourceLock* JobWatch::cut_off_thread() {
   Job* const job = job_.exchange(nullptr);
   if (job == nullptr) return nullptr;
   job->detached.store(true);
   rt::fence_all_threads();  // it writes alone to no exchange from here on: see LatestValue
-  return Gate::poison_and_free_all(*job);
+  return ResourceLock::poison_and_free_all(*job);
 }
 
 void JobWatch::fence() {

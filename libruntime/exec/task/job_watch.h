@@ -12,7 +12,7 @@
 
 namespace mauve {
 
-class Gate;
+class ResourceLock;
 
 namespace exec {
 
@@ -28,9 +28,9 @@ class JobWatch {
   /// Takes the component away from the thread whose job began then, since the job never returns.
   /// False: the job has ended, or the thread is never taken. The thread must not end meanwhile.
   [[nodiscard]] bool take_from_thread(Instant since);
-  /// The gate in whose service the job of the lost thread hangs; null: in its own code. What the
-  /// thread held is poisoned and free.
-  [[nodiscard]] const Gate* cut_off_thread();
+  /// The lock of the resource in whose service the job of the lost thread hangs; null: in its own
+  /// code. What the thread held is poisoned and free.
+  [[nodiscard]] const ResourceLock* cut_off_thread();
 
   // --- [any] ------------------------------------------------------------------------------------
   /// All that the thread still tries to write or read is dropped from now on, also on each thread

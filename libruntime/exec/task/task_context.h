@@ -21,7 +21,7 @@ namespace mauve {
 
 class CoreBase;
 class FsmState;
-class Gate;
+class ResourceLock;
 
 namespace exec {
 
@@ -40,10 +40,11 @@ struct TaskContext {
 
   // From here on the thread of the task owns all of it.
   FailedCore failed;
-  TaskUpdate* current = nullptr;    ///< the update in force; owned
-  const CoreBase* lost = nullptr;   ///< a thread that was given up may still be inside
-  const Gate* failed_in = nullptr;  ///< the gate in whose service its last job failed
-  FsmState* state = nullptr;        ///< the wait the task is in; null: before the initial state
+  TaskUpdate* current = nullptr;   ///< the update in force; owned
+  const CoreBase* lost = nullptr;  ///< a thread that was given up may still be inside
+  const ResourceLock* failed_in =
+      nullptr;                ///< of the resource in whose service its last job failed
+  FsmState* state = nullptr;  ///< the wait the task is in; null: before the initial state
   Instant t0 = 0;
   Instant release = 0;  ///< of the next job: t0 + offset + clock of the component
   Duration wait{0};     ///< that ended, or ends, at `release`

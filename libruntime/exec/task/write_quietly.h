@@ -4,8 +4,8 @@
 
 #include "rt/rescue.h"
 
-#include <mauve/gate.h>
 #include <mauve/port_base.h>
+#include <mauve/resource_lock.h>
 
 namespace mauve::exec {
 
@@ -27,9 +27,9 @@ inline void write_quietly(const PortBase& port, const Binding& connection, bool 
     }
   };
   Write write{port, connection, by_owner};
-  const std::size_t held = Gate::held();
+  const std::size_t held = ResourceLock::held();
   const rt::Fault fault = rt::rescued(&Write::run, &write, watched);
-  if (fault.happened()) Gate::poison_and_leave_all(held);
+  if (fault.happened()) ResourceLock::poison_and_leave_all(held);
 }
 
 }  // namespace mauve::exec

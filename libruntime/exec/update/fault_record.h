@@ -37,7 +37,7 @@ struct FaultRecord {
   std::array<char, 128> text{};
   std::array<char, 64> core{};
   std::array<char, 64> state{};
-  const void* inside = nullptr;  ///< gate of the resource that failed it; null: it failed itself
+  const void* inside = nullptr;  ///< lock of the resource that failed it; null: it failed itself
 };
 
 }  // namespace mauve::exec

@@ -47,7 +47,7 @@ void PrefetchSet::add(const Shell& shell, const Bindings& bindings) {
     add(binding, sizeof *binding);
     add(&service, kLine);
     add(*reinterpret_cast<const void* const*>(&service), 2 * kLine);  // NOLINT: its functions
-    add(&resource.gate(), sizeof(Gate));
+    add(&resource.lock(), sizeof(ResourceLock));
     add(last_line_of(resource.interface()), kLine);  // its core and its resource
     if (binding->exchange() != nullptr) {
       add(*binding->exchange());

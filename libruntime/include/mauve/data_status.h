@@ -16,7 +16,8 @@ enum class DataStatus : std::uint8_t {
   new_data,   ///< written since the last read
   stale,      ///< older than the port's max_age; the value is delivered
   timed_out,  ///< the resource was busy beyond the caller's bound: the default was returned
-  poisoned,   ///< a caller crashed inside the resource, see Gate::poison: the default was returned
+  poisoned,   ///< a caller crashed inside the resource, see ResourceLock::poison: the default was
+              ///< returned
 };
 
 [[nodiscard]] std::string_view to_string(DataStatus status);

@@ -27,7 +27,7 @@ class InterfaceBase : public Configurable {
     resource_ = &resource;
     meet(std::move(core));
   }
-  /// Runtime only, under the gate of the resource: the next callers meet this core.
+  /// Runtime only, under the lock of the resource: the next callers meet this core.
   void meet(std::shared_ptr<CoreBase> core) {
     core_.store(core.get(), std::memory_order_release);
     kept_ = std::move(core);
@@ -40,7 +40,7 @@ class InterfaceBase : public Configurable {
 
   std::vector<ServiceBase*> services_;
   ResourceBase* resource_ = nullptr;
-  /// Atomic: a thread that was given up in a service read it under a lock that the gate has no
+  /// Atomic: a thread that was given up in a service read it under a lock that the resource has no
   /// more.
   std::atomic<CoreBase*> core_{nullptr};
   /// Shared: a connection may be the last to go, and gives its slot back to the core.

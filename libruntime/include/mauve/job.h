@@ -14,9 +14,9 @@
 
 namespace mauve {
 
-class Gate;
+class ResourceLock;
 class PortBase;
-struct GateLock;
+struct LockState;
 namespace rt {
 class TraceRing;
 }
@@ -44,10 +44,10 @@ struct Job {
   const PortBase* implausible = nullptr;  ///< the first that was given a value it does not let out
   /// The innermost resource whose service an exception left, since this job entered a resource
   /// last.
-  const Gate* threw_in = nullptr;
+  const ResourceLock* threw_in = nullptr;
   /// Locks of resources that this thread holds, innermost last; the guard may look.
   std::atomic<std::size_t> held_count{0};
-  std::array<std::atomic<GateLock*>, kMaxHeld> held{};
+  std::array<std::atomic<LockState*>, kMaxHeld> held{};
 };
 
 namespace detail {

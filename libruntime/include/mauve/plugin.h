@@ -103,7 +103,7 @@ constexpr std::uint64_t abi_fingerprint() {
         sizeof(PortBase),     sizeof(CoreBase),     sizeof(StateBase),      sizeof(SlowStateBase),
         sizeof(ConvertsBase), sizeof(FsmBase),      sizeof(FsmState),       sizeof(InterfaceBase),
         sizeof(ServiceBase),  sizeof(Binding),      sizeof(Cursor),         sizeof(Exchange),
-        sizeof(LatestValue),  sizeof(TapList),      sizeof(Gate),           sizeof(Job),
+        sizeof(LatestValue),  sizeof(TapList),      sizeof(ResourceLock),   sizeof(Job),
         sizeof(Plugin),       sizeof(DataType),     sizeof(std::string),    sizeof(void*),
         sizeof(CoreType),     sizeof(FsmType),      sizeof(ComponentType),  sizeof(ResourceType)}) {
     h = hash(static_cast<std::uint64_t>(size), h);

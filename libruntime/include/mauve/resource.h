@@ -9,8 +9,8 @@
 
 #include <mauve/binding.h>
 #include <mauve/element_type.h>
-#include <mauve/gate.h>
 #include <mauve/interface.h>
+#include <mauve/resource_lock.h>
 
 namespace mauve {
 
@@ -34,8 +34,8 @@ class ResourceBase {
   [[nodiscard]] ServiceBase* find_service(std::string_view name) const {
     return interface_->find_service(name);
   }
-  [[nodiscard]] Gate& gate() { return gate_; }
-  [[nodiscard]] const Gate& gate() const { return gate_; }
+  [[nodiscard]] ResourceLock& lock() { return lock_; }
+  [[nodiscard]] const ResourceLock& lock() const { return lock_; }
 
   /// Shell, core, interface in this order; a failure undoes what this call had configured.
   Status configure();
@@ -53,7 +53,7 @@ class ResourceBase {
   /// The connections in force. [control]
   [[nodiscard]] const Bindings& bindings() const { return *bindings_; }
 
-  /// Runtime only, under the gate: callers meet this core and these connections from now on; null:
+  /// Runtime only, under the lock: callers meet this core and these connections from now on; null:
   /// as before. The interface keeps its services. The model keeps what they met before alive until
   /// install(). [any]
   void meet(const std::shared_ptr<CoreBase>& core, const std::shared_ptr<const Bindings>& bindings);
@@ -67,7 +67,7 @@ class ResourceBase {
 
   std::string name_;
   ResourceType type_;
-  Gate gate_;
+  ResourceLock lock_;
   std::shared_ptr<Shell> shell_;
   std::shared_ptr<CoreBase> core_;
   std::shared_ptr<InterfaceBase> interface_;

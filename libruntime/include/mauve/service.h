@@ -10,9 +10,9 @@
 #include <type_traits>
 
 #include <mauve/data_status.h>
-#include <mauve/gate.h>
 #include <mauve/job.h>
 #include <mauve/method.h>
+#include <mauve/resource_lock.h>
 #include <mauve/signature.h>
 #include <mauve/visitor.h>
 
@@ -66,7 +66,7 @@ class ServiceBase {
  protected:
   [[nodiscard]] InterfaceBase& owner() const { return owner_; }
   [[nodiscard]] CoreBase& core() const;
-  [[nodiscard]] Gate& gate() const;
+  [[nodiscard]] ResourceLock& lock() const;
 
  private:
   InterfaceBase& owner_;
@@ -90,8 +90,8 @@ class ReadService final : public ServiceBase {
         maybe_(Method<std::optional<T>()>(method)) {}
 
   DataStatus read(void* into, Cursor& cursor) override {
-    Entry entry(gate());
-    if (!entry) return entry.refusal();
+    ScopedLock held(lock());
+    if (!held) return held.refusal();
     cursor.stamp = job_time();
     if (always_) {
       *static_cast<T*>(into) = (*always_)(core());
@@ -125,8 +125,8 @@ class WriteService final : public ServiceBase {
       : ServiceBase(owner, name, Signature::write<T>(), writers), method_(method) {}
 
   bool write(const void* data) override {
-    Entry entry(gate());
-    if (!entry) return false;
+    ScopedLock held(lock());
+    if (!held) return false;
     method_(core(), *static_cast<const T*>(data));
     return true;
   }
@@ -160,8 +160,8 @@ class CallService<R(P...)> final : public ServiceBase {
   template <std::size_t... I>
   bool invoke([[maybe_unused]] void* result, [[maybe_unused]] void* const* arguments,
               std::index_sequence<I...>) {
-    Entry entry(gate());
-    if (!entry) return false;
+    ScopedLock held(lock());
+    if (!held) return false;
     if constexpr (std::is_void_v<R>) {
       method_(core(), *static_cast<std::remove_cvref_t<P>*>(arguments[I])...);
     } else {
@@ -190,8 +190,8 @@ class EventService final : public ServiceBase {
  private:
   template <std::size_t... I>
   bool invoke([[maybe_unused]] void* const* arguments, std::index_sequence<I...>) {
-    Entry entry(gate());
-    if (!entry) return false;
+    ScopedLock held(lock());
+    if (!held) return false;
     method_(core(), *static_cast<std::remove_cvref_t<P>*>(arguments[I])...);
     return true;
   }

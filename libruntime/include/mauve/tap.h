@@ -15,7 +15,7 @@
 namespace mauve {
 
 struct DataType;
-class Gate;
+class ResourceLock;
 
 /// One listener. Values that find it full are counted, the writer never waits.
 class Tap {
@@ -52,15 +52,15 @@ class TapList {
  public:
   static constexpr std::size_t kMaxTaps = 8;
 
-  /// Refused when all places are taken, or the gate cannot be entered in time. [control]
-  Status attach(std::shared_ptr<Tap> tap, Gate& gate);
-  /// Closes the tap and gives it up. When the gate cannot be entered in time (a writer hangs), the
+  /// Refused when all places are taken, or the lock cannot be taken in time. [control]
+  Status attach(std::shared_ptr<Tap> tap, ResourceLock& lock);
+  /// Closes the tap and gives it up. When the lock cannot be taken in time (a writer hangs), the
   /// list keeps it until the next attach or detach, or its own end, so that the writer may still
   /// look at it. [control]
-  void detach(Tap& tap, Gate& gate);
+  void detach(Tap& tap, ResourceLock& lock);
   /// Nobody listens. [any]
   [[nodiscard]] bool empty() const { return count_.load() == 0; }
-  /// [rt], under the gate; one load each when nobody listens.
+  /// [rt], under the lock; one load each when nobody listens.
   void push(const void* value, Instant stamp) {
     if (count_.load(std::memory_order_relaxed) == 0) return;
     for (const std::shared_ptr<Tap>& tap : taps_) {
@@ -73,7 +73,7 @@ class TapList {
 
   void give_up_closed(Taps& into);
 
-  Taps taps_;  // changed under the gate only
+  Taps taps_;  // changed under the lock only
   std::atomic<std::size_t> count_{0};
 };
 

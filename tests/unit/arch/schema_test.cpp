@@ -14,7 +14,7 @@
 #include "arch/json.h"
 #include "arch/parse.h"
 #include "base/duration.h"
-#include "mauve/gate.h"
+#include "mauve/resource_lock.h"
 #include "mauve/value.h"
 
 namespace mauve::arch {

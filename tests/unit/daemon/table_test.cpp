@@ -11,7 +11,7 @@
 #include <set>
 
 #include "commands/audit.h"
-#include "commands/gate.h"
+#include "commands/lock.h"
 #include "support/eventually.h"
 #include "support/ramp.h"
 #include "support/temp_dir.h"

@@ -142,7 +142,7 @@ TEST_F(Barrier, ChangesNothingWhileSomebodyIsInsideTheResource) {
   std::atomic<bool> held{false};
   std::atomic<bool> released{false};
   std::thread caller([&] {
-    const Entry entry(architecture.resource.gate());
+    const ScopedLock scope(architecture.resource.lock());
     held = true;
     while (!released) std::this_thread::sleep_for(1ms);
   });

@@ -159,7 +159,7 @@ void expect_resource_as_it_was(Errc why) {
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, why) << to_string(result.error());
   EXPECT_EQ(result.error().at, "motor");
-  EXPECT_FALSE(architecture.motor.gate().poisoned());
+  EXPECT_FALSE(architecture.motor.lock().poisoned());
   EXPECT_TRUE(runs_on(deployer, "left"));
   EXPECT_GT(architecture.motor.core().state->metres, 0.0) << "the state that it had";
 }
@@ -199,7 +199,7 @@ TEST(SafeValues, ThatCrashTheirResourcePoisonItAndNothingElse) {
 
   ASSERT_TRUE(deployer.stop({"left"}));
 
-  EXPECT_TRUE(architecture.motor.gate().poisoned());
+  EXPECT_TRUE(architecture.motor.lock().poisoned());
   EXPECT_EQ(deployer.status("left").state, ComponentState::stopped);
   EXPECT_TRUE(runs_on(deployer, "right"));
 }
@@ -244,7 +244,7 @@ TEST(SafeValues, ThatNeverReturnDoNotHoldUpAStopOfAHungComponent) {
 
   ASSERT_FALSE(stopped) << "it is still in its job";
   EXPECT_EQ(stopped.error().code, Errc::partly);
-  EXPECT_TRUE(architecture.motor.gate().poisoned()) << "who wrote was thrown out of it";
+  EXPECT_TRUE(architecture.motor.lock().poisoned()) << "who wrote was thrown out of it";
   EXPECT_TRUE(runs_on(deployer, "right"));
   blocks.let_go();
 }

@@ -246,20 +246,20 @@ TEST_F(Crash, InAResourceIsToldToItsNextUserAndANewCoreHealsIt) {
   ASSERT_TRUE(deployer.deploy());
   ASSERT_TRUE(test::is_faulted(deployer, "left"));
 
-  EXPECT_TRUE(architecture.meter.gate().poisoned());
+  EXPECT_TRUE(architecture.meter.lock().poisoned());
   const double value = 1;
   EXPECT_FALSE(architecture.meter.interface().write.write(&value)) << "it may be half written";
   {
-    Entry entry(architecture.meter.gate());
-    EXPECT_EQ(entry.refusal(), DataStatus::poisoned);
+    ScopedLock held(architecture.meter.lock());
+    EXPECT_EQ(held.refusal(), DataStatus::poisoned);
   }
-  ASSERT_TRUE(architecture.meter.gate().try_enter()) << "the lock itself was left";
-  architecture.meter.gate().leave();
+  ASSERT_TRUE(architecture.meter.lock().try_enter()) << "the lock itself was left";
+  architecture.meter.lock().leave();
 
   const Result<Receipt> healed =
       deployer.set("meter.core.breaks_at", Value(0.0), StatePolicy::drop);
   ASSERT_TRUE(healed) << to_string(healed.error());
-  EXPECT_FALSE(architecture.meter.gate().poisoned());
+  EXPECT_FALSE(architecture.meter.lock().poisoned());
   EXPECT_TRUE(architecture.meter.interface().write.write(&value));
 }
 

@@ -278,7 +278,7 @@ TEST(Deployer, RefusesToChangeAResourceThatACallerDoesNotLeave) {
   std::atomic<bool> held{false};
   std::atomic<bool> released{false};
   std::thread caller([&] {
-    const Entry entry(architecture.amplifier.gate());
+    const ScopedLock scope(architecture.amplifier.lock());
     held = true;
     while (!released) std::this_thread::sleep_for(1ms);
   });

@@ -229,7 +229,7 @@ TEST_F(Guard, EndsASafeValueThatIsWrittenWithoutAnEnd) {
 
   EXPECT_TRUE(stopped) << to_string(stopped.error());
   EXPECT_EQ(deployer.status("left").state, ComponentState::stopped);
-  EXPECT_TRUE(architecture.sink.gate().poisoned());
+  EXPECT_TRUE(architecture.sink.lock().poisoned());
   EXPECT_TRUE(runs_on(deployer, "right"));
   EXPECT_TRUE(deployer.shutdown().empty());
 }

@@ -43,7 +43,7 @@ struct Sharing : Architecture {
   explicit Sharing(Duration hold = 0ms) {
     urgent.task() = task(30, 1ms);
     planner.task() = task(20, 12ms);
-    table.gate().declare_hold(hold);
+    table.lock().declare_hold(hold);
   }
   Status on_configure() override {
     urgent.fsm().period = 10ms;
@@ -132,7 +132,7 @@ TEST(Hold, ChangesInATransactionWithoutAnyThread) {
   EXPECT_EQ(done->generation, 2U);
   ASSERT_EQ(done->components.size(), 1U);
   EXPECT_EQ(done->components[0].name, "table");
-  EXPECT_EQ(architecture.table.gate().declared_hold(), 2ms);
+  EXPECT_EQ(architecture.table.lock().declared_hold(), 2ms);
   EXPECT_GE(of_urgent(deployer.analyze()).blocking, 2ms);
 }
 
@@ -148,7 +148,7 @@ TEST(Hold, ThatWouldMakeAJobLateIsRefusedAndChangesNothing) {
   EXPECT_EQ(longer.error().at, "urgent");
   ASSERT_FALSE(unknown);
   EXPECT_NE(unknown.error().hint.find("declare \"hold\""), std::string::npos);
-  EXPECT_EQ(architecture.table.gate().declared_hold(), 50us);
+  EXPECT_EQ(architecture.table.lock().declared_hold(), 50us);
 }
 
 TEST(Hold, ComesBackWhenTheChangeIsTakenBack) {
@@ -159,7 +159,7 @@ TEST(Hold, ComesBackWhenTheChangeIsTakenBack) {
   change.probation.emplace();
   ASSERT_TRUE(deployer.apply(change));
   deployer.run_for(20ms);
-  ASSERT_EQ(architecture.table.gate().declared_hold(), 1ms);
+  ASSERT_EQ(architecture.table.lock().declared_hold(), 1ms);
 
   const Status undone = deployer.undo();
   deployer.run_for(20ms);
@@ -167,7 +167,7 @@ TEST(Hold, ComesBackWhenTheChangeIsTakenBack) {
   static_cast<void>(deployer.tend(free));
 
   ASSERT_TRUE(undone) << to_string(undone.error());
-  EXPECT_EQ(architecture.table.gate().declared_hold(), 50us);
+  EXPECT_EQ(architecture.table.lock().declared_hold(), 50us);
 }
 
 TEST(Hold, IsRefusedWhereItHasNoMeaning) {
@@ -183,7 +183,7 @@ TEST(Hold, IsRefusedWhereItHasNoMeaning) {
     EXPECT_EQ(done.error().at, change.edits[0].component + ".hold");
     EXPECT_FALSE(done.error().message.empty());
   }
-  EXPECT_EQ(architecture.table.gate().declared_hold(), 50us);
+  EXPECT_EQ(architecture.table.lock().declared_hold(), 50us);
 }
 
 }  // namespace

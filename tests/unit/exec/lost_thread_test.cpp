@@ -87,17 +87,17 @@ class LostThread : public testing::Test {
   Block block_;
   Metering architecture_;
   Deployer deployer_{architecture_};
-  Gate& gate_ = architecture_.meter.gate();
+  ResourceLock& lock_ = architecture_.meter.lock();
 };
 
 TEST_F(LostThread, LeavesWhatItHeldPoisonedAndFree) {
   ASSERT_TRUE(is_faulted(deployer_, "left"));
 
-  EXPECT_TRUE(gate_.poisoned());
+  EXPECT_TRUE(lock_.poisoned());
   EXPECT_FALSE(serves());
   EXPECT_TRUE(runs_on(deployer_, "right"));
-  ASSERT_TRUE(gate_.try_enter()) << "although the thread is still inside";
-  gate_.leave();
+  ASSERT_TRUE(lock_.try_enter()) << "although the thread is still inside";
+  lock_.leave();
 
   exchange_core();
   block_.let_go();
@@ -112,15 +112,15 @@ TEST_F(LostThread, IsInAResourceThatGetsANewCoreAndServesAgain) {
   EXPECT_EQ(kept.error().code, Errc::wrong_state);
   exchange_core();
 
-  EXPECT_FALSE(gate_.poisoned());
+  EXPECT_FALSE(lock_.poisoned());
   EXPECT_TRUE(runs_on(deployer_, "right"));
   EXPECT_TRUE(serves());
   EXPECT_EQ(configured(), 2) << "the old core stays: a thread is in it";
-  const Entry entry(gate_);
-  ASSERT_TRUE(entry);
+  const ScopedLock held(lock_);
+  ASSERT_TRUE(held);
   block_.let_go();
   EXPECT_TRUE(becomes(1)) << "and goes with its thread";
-  std::thread([&] { EXPECT_FALSE(gate_.try_enter()) << "held by this thread alone"; }).join();
+  std::thread([&] { EXPECT_FALSE(lock_.try_enter()) << "held by this thread alone"; }).join();
 }
 
 TEST_F(LostThread, IsInAResourceThatMayLeave) {
@@ -145,7 +145,7 @@ TEST_F(LostThread, ServesWhoWaitedForItsLockWhenItComesBack) {
   {
     const std::jthread waiting([&] {
       this_job().lock_bound = 30s;
-      served = static_cast<bool>(Entry(gate_));
+      served = static_cast<bool>(ScopedLock(lock_));
     });
     EXPECT_TRUE(is_faulted(deployer_, "left"));
     exchange_core();

@@ -32,7 +32,7 @@ TEST(PrefetchSet, HasTheCoreThePortAndAllThatItLeadsTo) {
   EXPECT_TRUE(is_near(set, &control.shell().out));
   ServiceBase& service = architecture.position.write_service();
   EXPECT_TRUE(is_near(set, &service));
-  EXPECT_TRUE(is_near(set, &service.resource().gate()));
+  EXPECT_TRUE(is_near(set, &service.resource().lock()));
   EXPECT_TRUE(is_near(set, service.exchange()));
   for (const std::byte* slot : service.exchange()->latest.first_slots()) {
     EXPECT_TRUE(is_near(set, slot));

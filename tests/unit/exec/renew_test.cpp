@@ -87,7 +87,7 @@ class Renew : public testing::Test {
  protected:
   void SetUp() override {
     architecture.adder.core().factor = 10;
-    architecture.adder.gate().declare_hold(1ms);
+    architecture.adder.lock().declare_hold(1ms);
     ASSERT_TRUE(deployer.deploy());
     deployer.run_for(100ms);
   }
@@ -122,7 +122,7 @@ TEST_F(Renew, AShellPropertyChangesAndStateValuesAndUsersGoOn) {
   EXPECT_NE(&adder(), &architecture.adder);
   EXPECT_EQ(shell().step, 3);
   EXPECT_EQ(core().factor, 10);
-  EXPECT_EQ(adder().gate().declared_hold(), 1ms);
+  EXPECT_EQ(adder().lock().declared_hold(), 1ms);
   const std::int64_t before = core().calls;
   EXPECT_EQ(core().sum->value, 10 * calls + 30 * (before - calls)) << "nothing was lost";
   deployer.run_for(100ms);

@@ -7,12 +7,13 @@
 #include <thread>
 
 #include "exec/task/task.h"
+#include "exec/update/task_update.h"
 #include "rt/preemption.h"
 #include "support/eventually.h"
 #include "support/ramp.h"
 
-#include <mauve/gate.h>
 #include <mauve/plugin.h>
+#include <mauve/resource_lock.h>
 
 namespace mauve::exec {
 namespace {
@@ -168,23 +169,23 @@ TEST(Statistics, KeepApartWhatSomethingCameBetween) {
   EXPECT_EQ(seen.preempted.count, seen.lateness.count);
 }
 
-/// Its job finds the gate held for longer than it may wait.
+/// Its job finds the lock held for longer than it may wait.
 class Waiter : public Core<EmptyShell> {
  public:
   void update() {
     std::promise<void> held;
     std::promise<void> over;
     std::thread holder([&] {
-      const Entry entry(gate);
+      const ScopedLock scope(lock);
       held.set_value();
       over.get_future().wait();
     });
     held.get_future().wait();
-    EXPECT_FALSE(gate.enter());
+    EXPECT_FALSE(lock.enter());
     over.set_value();
     holder.join();
   }
-  Gate gate;
+  ResourceLock lock;
 };
 
 TEST(Statistics, KnowHowLongJobsWaitedForLocks) {

@@ -259,10 +259,10 @@ TEST_F(TraceOfAMeter, InDetailTellsOfEveryUseOfAPort) {
 TEST_F(TraceOfAMeter, TellsWhoGaveUpWaiting) {
   std::atomic<int> step{0};
   std::thread holder([&] {
-    EXPECT_TRUE(architecture.meter.gate().try_enter());
+    EXPECT_TRUE(architecture.meter.lock().try_enter());
     step = 1;
     while (step != 2) std::this_thread::yield();
-    architecture.meter.gate().leave();
+    architecture.meter.lock().leave();
   });
   while (step != 1) std::this_thread::yield();
   deployer.run_for(5ms);

@@ -25,7 +25,7 @@ TEST(SharedData, TheFirstWriterIsNotHeldUpByAnotherThatHangsInIt) {
   EXPECT_TRUE(port.write(7.0));
 
   EXPECT_EQ(value_of(data), 7.0);
-  EXPECT_EQ(data.gate().timeouts(), 0u);
+  EXPECT_EQ(data.lock().timeouts(), 0u);
   writer.let_go();
   EXPECT_EQ(value_of(data), 9.0);
 }
@@ -44,7 +44,7 @@ TEST(SharedData, TheSecondWriterTakesTheLock) {
   EXPECT_FALSE(second.write(4.0));
 
   this_job().lock_bound = 0ms;
-  EXPECT_EQ(data.gate().timeouts(), 1u);
+  EXPECT_EQ(data.lock().timeouts(), 1u);
 }
 
 TEST(SharedData, TheNextWriterNeedsNoLockOnceTheFirstIsGone) {
@@ -71,15 +71,15 @@ TEST(SharedData, TheSafeValueOfTheFirstWriterWaitsForNobody) {
   port.write_safe(true);
 
   EXPECT_EQ(value_of(data), Writer::kSafe);
-  EXPECT_EQ(data.gate().timeouts(), 0u);
+  EXPECT_EQ(data.lock().timeouts(), 0u);
 }
 
 TEST(SharedData, ASafeValueWaitsForNobodyAlsoWhileSomebodyListens) {
   SharedDataBase data("data", data_type<double>());
   const auto tap = std::make_shared<Tap>(data_type<double>(), 4);
-  ASSERT_TRUE(data.write_service().taps()->attach(tap, data.gate()));
+  ASSERT_TRUE(data.write_service().taps()->attach(tap, data.lock()));
   Writer port(data);
-  data.gate().poison();
+  data.lock().poison();
 
   port.write_safe(true);
 
@@ -199,7 +199,7 @@ TEST(Tap, IsToldAValueThatWasOnItsWayWhenItCame) {
   const double value = 7.0;
   ASSERT_TRUE(exchange.write_alone(&value, sizeof value, 1));
   const auto tap = std::make_shared<Tap>(data_type<double>(), 1);
-  ASSERT_TRUE(exchange.taps.attach(tap, data.gate()));
+  ASSERT_TRUE(exchange.taps.attach(tap, data.lock()));
 
   EXPECT_TRUE(binding.told(&value, 1));
 
@@ -213,7 +213,7 @@ TEST(SharedData, TheFirstWriterGoesOnWhileItIsPoisoned) {
   SharedDataBase data("data", data_type<double>());
   Writer port(data);
   EXPECT_TRUE(port.write(1.0));
-  data.gate().poison();
+  data.lock().poison();
   EXPECT_TRUE(port.write(2.0));
   EXPECT_EQ(value_of(data), 2.0);
 }
@@ -317,7 +317,7 @@ TEST(LookAtAQueue, KeepsNobodyFromWriting) {
 
   EXPECT_EQ(status, DataStatus::new_data);
   EXPECT_EQ(reader.in.read(), 2.0);
-  EXPECT_EQ(queue.gate().timeouts(), 0u);
+  EXPECT_EQ(queue.lock().timeouts(), 0u);
 }
 
 TEST(LookWithoutAPlace, KeepsNobodyFromWriting) {
@@ -337,7 +337,7 @@ TEST(LookWithoutAPlace, KeepsNobodyFromWriting) {
 
   EXPECT_EQ(status, DataStatus::new_data);
   EXPECT_EQ(last.read(), 2.0);
-  EXPECT_EQ(data.gate().timeouts(), 0u);
+  EXPECT_EQ(data.lock().timeouts(), 0u);
 }
 
 /// What is not yet to be read when somebody begins to listen is told to him.
@@ -359,12 +359,12 @@ TEST(Tap, MissesNothingOfAWriterThatTakesNoLock) {
   for (int i = 1; i <= kTimes; ++i) {
     const auto tap = std::make_shared<Tap>(data_type<double>(), 4);
     round = i;
-    EXPECT_TRUE(list.attach(tap, data.gate()));
+    EXPECT_TRUE(list.attach(tap, data.lock()));
     const bool was_there = value_of(data) == i;
     while (written < i) std::this_thread::yield();
     const bool told = tap->pop([](const void*, Instant) {});
     missed += was_there || told ? 0 : 1;
-    list.detach(*tap, data.gate());
+    list.detach(*tap, data.lock());
   }
   writer.join();
   EXPECT_EQ(missed, 0);

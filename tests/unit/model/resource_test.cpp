@@ -157,38 +157,38 @@ TEST(Resource, PropertyChangesWhileItIsUsed) {
   EXPECT_EQ(value_of(chain.end), 10.0);
 }
 
-TEST(Gate, IsLeftBehindAfterTheBoundOfTheCaller) {
-  Gate gate;
+TEST(ResourceLock, IsLeftBehindAfterTheBoundOfTheCaller) {
+  ResourceLock lock;
   std::atomic<bool> held{false};
   std::atomic<bool> leave{false};
   std::thread holder([&] {
-    Entry entry(gate);
+    ScopedLock scope(lock);
     held = true;
     while (!leave) std::this_thread::yield();
   });
   while (!held) std::this_thread::yield();
   this_job().lock_bound = 2ms;
 
-  EXPECT_FALSE(gate.enter());
-  EXPECT_EQ(gate.timeouts(), 1u);
+  EXPECT_FALSE(lock.enter());
+  EXPECT_EQ(lock.timeouts(), 1u);
 
   this_job().lock_bound = 0ms;
   leave = true;
   holder.join();
-  EXPECT_TRUE(gate.enter());
-  gate.leave();
+  EXPECT_TRUE(lock.enter());
+  lock.leave();
 }
 
-TEST(Gate, IsLeftWhenACoreThrows) {
-  Gate gate;
+TEST(ResourceLock, IsLeftWhenACoreThrows) {
+  ResourceLock lock;
   try {
-    Entry entry(gate);
+    ScopedLock scope(lock);
     throw 1;
   } catch (int) {
   }
   EXPECT_EQ(this_job().held_count, 0u);
-  ASSERT_TRUE(gate.enter());
-  gate.leave();
+  ASSERT_TRUE(lock.enter());
+  lock.leave();
 }
 
 TEST(Tap, SeesEveryWriteAndCountsWhatItLost) {
@@ -196,7 +196,7 @@ TEST(Tap, SeesEveryWriteAndCountsWhatItLost) {
   const auto shared = std::make_shared<Tap>(data_type<double>(), 3);
   Tap& tap = *shared;
   ServiceBase& write = data.write_service();
-  ASSERT_TRUE(write.taps()->attach(shared, data.gate()));
+  ASSERT_TRUE(write.taps()->attach(shared, data.lock()));
   for (const double value : {1.0, 2.0, 3.0, 4.0}) write.write(&value);
 
   std::vector<double> seen;
@@ -206,7 +206,7 @@ TEST(Tap, SeesEveryWriteAndCountsWhatItLost) {
   EXPECT_EQ(seen, (std::vector<double>{1.0, 2.0, 3.0}));
   EXPECT_EQ(tap.take_lost(), 1u);
   EXPECT_EQ(tap.take_lost(), 0u);
-  write.taps()->detach(tap, data.gate());
+  write.taps()->detach(tap, data.lock());
   const double last = 5.0;
   write.write(&last);
   EXPECT_FALSE(tap.pop([](const void*, Instant) {}));
@@ -216,11 +216,11 @@ TEST(Tap, IsDetachedWhileAWriterHangsAndStaysWhereTheWriterMayLook) {
   SharedDataBase data("data", data_type<double>());
   TapList& list = *data.write_service().taps();
   auto tap = std::make_shared<Tap>(data_type<double>(), 3);
-  ASSERT_TRUE(list.attach(tap, data.gate()));
+  ASSERT_TRUE(list.attach(tap, data.lock()));
   HangingWriter writer(data);
   this_job().lock_bound = 1ms;
 
-  list.detach(*tap, data.gate());
+  list.detach(*tap, data.lock());
 
   this_job().lock_bound = 0ms;
   const std::weak_ptr<Tap> left = tap;
@@ -229,9 +229,9 @@ TEST(Tap, IsDetachedWhileAWriterHangsAndStaysWhereTheWriterMayLook) {
   writer.let_go();
   EXPECT_FALSE(left.lock()->pop([](const void*, Instant) {})) << "a closed tap took a value";
   auto other = std::make_shared<Tap>(data_type<double>(), 3);
-  ASSERT_TRUE(list.attach(other, data.gate()));
+  ASSERT_TRUE(list.attach(other, data.lock()));
   EXPECT_TRUE(left.expired()) << "the next attach gives it up";
-  list.detach(*other, data.gate());
+  list.detach(*other, data.lock());
 }
 
 TEST(Tap, OfAHangingWriterTakesNoPlaceForEver) {
@@ -241,17 +241,17 @@ TEST(Tap, OfAHangingWriterTakesNoPlaceForEver) {
   std::vector<std::shared_ptr<Tap>> taps;
   for (std::size_t i = 0; i < TapList::kMaxTaps; ++i) {
     taps.push_back(make());
-    ASSERT_TRUE(list.attach(taps.back(), data.gate()));
+    ASSERT_TRUE(list.attach(taps.back(), data.lock()));
   }
-  EXPECT_EQ(list.attach(make(), data.gate()).error().code, Errc::limit);
+  EXPECT_EQ(list.attach(make(), data.lock()).error().code, Errc::limit);
   HangingWriter writer(data);
   this_job().lock_bound = 1ms;
-  for (const auto& tap : taps) list.detach(*tap, data.gate());
-  EXPECT_EQ(list.attach(make(), data.gate()).error().code, Errc::timed_out);
+  for (const auto& tap : taps) list.detach(*tap, data.lock());
+  EXPECT_EQ(list.attach(make(), data.lock()).error().code, Errc::timed_out);
   this_job().lock_bound = 0ms;
   writer.let_go();
 
-  for (auto& tap : taps) EXPECT_TRUE(list.attach(tap = make(), data.gate()));
+  for (auto& tap : taps) EXPECT_TRUE(list.attach(tap = make(), data.lock()));
 }
 
 TEST(SharedData, ServesMoreReadersThanItHasSlots) {
@@ -271,13 +271,13 @@ TEST(SharedData, TakesNoValueByItsServiceWhileItIsPoisoned) {
   SharedDataBase data("data", data_type<double>());
   const double first = 7.0;
   ASSERT_TRUE(data.write_service().write(&first));
-  data.gate().poison();
+  data.lock().poison();
   const double second = 8.0;
 
   EXPECT_FALSE(data.write_service().write(&second));
   EXPECT_EQ(value_of(data), 7.0);
 
-  data.gate().heal();
+  data.lock().heal();
   EXPECT_TRUE(data.write_service().write(&second));
   EXPECT_EQ(value_of(data), 8.0);
 }
@@ -358,23 +358,23 @@ TEST(Resource, NestNoDeeperByAConnectionOfTheLastOne) {
   EXPECT_TRUE(deployer.connect("behind.ports.out", "relay6.write")) << "eight in a row";
 }
 
-TEST(Gate, LetsNoThreadThatWasGivenUpTakeAChange) {
-  struct Waiting final : Deferred {
-    bool visit(Instant /*release*/) override { return ++visits, true; }
+TEST(ResourceLock, LetsNoThreadThatWasGivenUpTakeAChange) {
+  struct Waiting final : PendingUpdate {
+    bool apply(Instant /*release*/) override { return ++visits, true; }
     int visits = 0;
   } change;
-  Gate gate;
-  gate.defer(change);
+  ResourceLock lock;
+  lock.defer(change);
   this_job().running = true;
   {
     const Detached given_up;
-    EXPECT_FALSE(gate.enter());
+    EXPECT_FALSE(lock.enter());
   }
   this_job().running = false;
   EXPECT_EQ(change.visits, 0);
 
-  EXPECT_TRUE(gate.enter());
-  gate.leave();
+  EXPECT_TRUE(lock.enter());
+  lock.leave();
   EXPECT_EQ(change.visits, 1) << "the next caller takes it";
 }
 

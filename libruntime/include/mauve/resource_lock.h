@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Gate: one caller at a time through the services of a resource.
+/// ResourceLock: one caller at a time through the services of a resource.
 #pragma once
 
 #include <atomic>
@@ -15,12 +15,12 @@ namespace mauve {
 
 /// Runtime only: a change of a resource, taken by the first caller whose job is released at or
 /// after its instant. A resource has no thread of its own to do it.
-class Deferred {
+class PendingUpdate {
  public:
-  virtual ~Deferred() = default;
-  /// Under the gate. `release`: of the caller's job on the monotonic clock, 0 outside a job. True:
-  /// it is over, and nobody visits it again. Bounded, no heap. [any]
-  virtual bool visit(Instant release) = 0;
+  virtual ~PendingUpdate() = default;
+  /// Under the lock. `release`: of the caller's job on the monotonic clock, 0 outside a job. True:
+  /// it is over, and it is not applied again. Bounded, no heap. [any]
+  virtual bool apply(Instant release) = 0;
 };
 
 /// Callers outside of a job wait so long for a resource: none may be declared to be held longer.
@@ -28,12 +28,12 @@ inline constexpr Duration kLongestHold{1s};
 
 /// The priority-inheritance lock of a resource, with a bounded wait and a record of what the thread
 /// holds.
-class Gate {
+class ResourceLock {
  public:
-  Gate();
-  ~Gate();
-  Gate(const Gate&) = delete;
-  Gate& operator=(const Gate&) = delete;
+  ResourceLock();
+  ~ResourceLock();
+  ResourceLock(const ResourceLock&) = delete;
+  ResourceLock& operator=(const ResourceLock&) = delete;
 
   /// Waits no longer than the caller's bound, and not at all for one that is poisoned. False when
   /// that passed first, when the caller holds too many, or when the resource is poisoned; nothing
@@ -46,7 +46,7 @@ class Gate {
   /// The longest that a caller held it without being interrupted by another thread; 0: none was
   /// measured. For the analysis of response times. [any]
   [[nodiscard]] Duration longest_hold() const { return Duration{longest_.load()}; }
-  /// Under the gate: its core is another one.
+  /// Under the lock: its core is another one.
   void forget_holds();
   /// The longest that any one call keeps it, as declared; zero: nobody said. Like the budget of a
   /// task, it counts before what was measured. [control]
@@ -74,48 +74,48 @@ class Gate {
   /// the core holds may be half written. Callers are refused until it gets a new core. [any]
   void poison() { poisoned_.store(true, std::memory_order_release); }
   [[nodiscard]] bool poisoned() const { return poisoned_.load(std::memory_order_acquire); }
-  /// Under the gate: its core is new, or known to be whole.
+  /// Under the lock: its core is new, or known to be whole.
   void heal() { poisoned_.store(false, std::memory_order_release); }
 
   /// Runtime only: how many this thread holds.
   [[nodiscard]] static std::size_t held();
   /// Runtime only: of all that this thread holds but for the first `kept`, which it was thrown out
   /// of: poisoned, then left. Returns the innermost in whose own code the thread was; null: none.
-  static const Gate* poison_and_leave_all(std::size_t kept = 0);
+  static const ResourceLock* poison_and_leave_all(std::size_t kept = 0);
   /// Runtime only: of all that a thread holds that never returns: poisoned, and given a new lock in
   /// place of the one that only that thread could unlock. Takes memory; the thread must not end
   /// meanwhile. Returns the innermost, as above. [guard]
-  static const Gate* poison_and_free_all(Job& lost);
+  static const ResourceLock* poison_and_free_all(Job& lost);
 
-  /// Runtime only: what the next callers visit. [control]
-  void defer(Deferred& deferred) { deferred_.store(&deferred, std::memory_order_release); }
-  /// Runtime only: it is not visited again, but a caller may be inside it until the gate was
+  /// Runtime only: the update that the next caller applies. [control]
+  void defer(PendingUpdate& pending) { pending_.store(&pending, std::memory_order_release); }
+  /// Runtime only: it is not applied again, but a caller may be inside it until the lock was
   /// entered once more. [control]
-  void forget(Deferred& deferred) {
-    Deferred* expected = &deferred;
-    deferred_.compare_exchange_strong(expected, nullptr, std::memory_order_acq_rel);
+  void forget(PendingUpdate& pending) {
+    PendingUpdate* expected = &pending;
+    pending_.compare_exchange_strong(expected, nullptr, std::memory_order_acq_rel);
   }
 
  private:
-  [[nodiscard]] bool wait_for(GateLock& lock, Instant& waited);
-  [[nodiscard]] bool hold(GateLock& lock, Instant waited);
-  void trace_hold(GateLock& lock, Instant waited) const;
-  void trace_leave(GateLock& lock, Instant now) const;
-  void leave(GateLock& lock);
-  void leave_renewed(GateLock& lock);
+  [[nodiscard]] bool wait_for(LockState& lock, Instant& waited);
+  [[nodiscard]] bool hold(LockState& lock, Instant waited);
+  void trace_hold(LockState& lock, Instant waited) const;
+  void trace_leave(LockState& lock, Instant now) const;
+  void leave(LockState& lock);
+  void leave_renewed(LockState& lock);
   void count_hold(std::int64_t held);
   void renew_lock();
-  void visit_deferred(Instant release);
+  void apply_pending(Instant release);
   /// An exception leaves its service.
   void note_throw() const {
     Job& job = this_job();
     if (!blames_caller_ && job.threw_in == nullptr) job.threw_in = this;
   }
 
-  friend class Entry;
+  friend class ScopedLock;
 
-  std::atomic<GateLock*> lock_;
-  std::atomic<Deferred*> deferred_{nullptr};
+  std::atomic<LockState*> lock_;
+  std::atomic<PendingUpdate*> pending_{nullptr};
   std::atomic<bool> poisoned_{false};
   bool timed_ = true;
   bool blames_caller_ = false;
@@ -126,25 +126,25 @@ class Gate {
   std::atomic<std::uint64_t> over_hold_{0};
 };
 
-/// Holds a gate for a scope; false when it could not be entered.
-class Entry {
+/// Holds the lock of a resource for a scope; false when it could not be taken.
+class ScopedLock {
  public:
-  explicit Entry(Gate& gate) : gate_(gate), entered_(gate.enter()) {}
-  ~Entry() {
+  explicit ScopedLock(ResourceLock& lock) : lock_(lock), entered_(lock.enter()) {}
+  ~ScopedLock() {
     if (!entered_) return;
-    if (std::uncaught_exceptions() > 0) gate_.note_throw();
-    gate_.leave();
+    if (std::uncaught_exceptions() > 0) lock_.note_throw();
+    lock_.leave();
   }
-  Entry(const Entry&) = delete;
-  Entry& operator=(const Entry&) = delete;
+  ScopedLock(const ScopedLock&) = delete;
+  ScopedLock& operator=(const ScopedLock&) = delete;
   explicit operator bool() const { return entered_; }
   /// Why not.
   [[nodiscard]] DataStatus refusal() const {
-    return gate_.poisoned() ? DataStatus::poisoned : DataStatus::timed_out;
+    return lock_.poisoned() ? DataStatus::poisoned : DataStatus::timed_out;
   }
 
  private:
-  Gate& gate_;
+  ResourceLock& lock_;
   bool entered_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include <mauve/gate.h>
+#include <mauve/resource_lock.h>
 
 #include <algorithm>
 #include <memory>
@@ -16,10 +16,10 @@
 
 namespace mauve {
 
-/// A gate has one; a new one when a thread that never returns holds it.
-struct GateLock {
-  explicit GateLock(Gate& its_gate) : gate(its_gate) {}
-  Gate& gate;
+/// A resource lock has one; a new one when a thread that never returns holds it.
+struct LockState {
+  explicit LockState(ResourceLock& its_owner) : owner(its_owner) {}
+  ResourceLock& owner;
   rt::PiMutex mutex;
   Instant since = 0;  // held, by a job that nothing has interrupted so far; 0: not, or not timed
   Instant told = 0;   // when the trace said that it is held; 0: it did not
@@ -43,14 +43,14 @@ void count_wait(Job& job, Instant began) {
 
 }  // namespace
 
-Gate::Gate() : lock_(new GateLock(*this)) {}
-Gate::~Gate() { delete lock_.load(); }
+ResourceLock::ResourceLock() : lock_(new LockState(*this)) {}
+ResourceLock::~ResourceLock() { delete lock_.load(); }
 
 /// The lock is taken here and released in leave(), which the analysis of clang does not follow.
-bool Gate::enter() MAUVE_NOT_ANALYSED {
+bool ResourceLock::enter() MAUVE_NOT_ANALYSED {
   Job& job = this_job();
   if (job.held_count.load(std::memory_order_relaxed) == Job::kMaxHeld) return false;
-  GateLock& lock = *lock_.load(std::memory_order_acquire);
+  LockState& lock = *lock_.load(std::memory_order_acquire);
   Instant waited = 0;
   if (!lock.mutex.try_lock() && !wait_for(lock, waited)) return false;
   if (!hold(lock, waited)) return enter();
@@ -58,14 +58,13 @@ bool Gate::enter() MAUVE_NOT_ANALYSED {
   // guard that gives up makes all processors pass a barrier before it looks at what is held.
   std::atomic_signal_fence(std::memory_order_seq_cst);
   const bool given_up = job.running && job.is_detached();
-  if (!given_up && deferred_.load(std::memory_order_acquire) != nullptr)
-    visit_deferred(job.release);
+  if (!given_up && pending_.load(std::memory_order_acquire) != nullptr) apply_pending(job.release);
   if (!given_up && !poisoned()) return true;
   leave();
   return false;
 }
 
-bool Gate::wait_for(GateLock& lock, Instant& waited) MAUVE_NOT_ANALYSED {
+bool ResourceLock::wait_for(LockState& lock, Instant& waited) MAUVE_NOT_ANALYSED {
   if (poisoned()) return false;  // who holds it may never leave
   Job& job = this_job();
   const Duration bound = job.lock_bound > Duration{0} ? job.lock_bound : kLongestHold;
@@ -81,15 +80,15 @@ bool Gate::wait_for(GateLock& lock, Instant& waited) MAUVE_NOT_ANALYSED {
   return got;
 }
 
-bool Gate::try_enter() MAUVE_NOT_ANALYSED {
+bool ResourceLock::try_enter() MAUVE_NOT_ANALYSED {
   if (this_job().held_count.load(std::memory_order_relaxed) == Job::kMaxHeld) return false;
-  GateLock& lock = *lock_.load(std::memory_order_acquire);
+  LockState& lock = *lock_.load(std::memory_order_acquire);
   return lock.mutex.try_lock() && hold(lock, 0);
 }
 
-/// False when this is not the lock of the gate any more: who held it was given up, and unlocked it
+/// False when this is not the state of the lock any more: who held it was given up, and unlocked it
 /// when it came back after all. One writer of the record: a load and a store are enough.
-bool Gate::hold(GateLock& lock, Instant waited) MAUVE_NOT_ANALYSED {
+bool ResourceLock::hold(LockState& lock, Instant waited) MAUVE_NOT_ANALYSED {
   if (lock_.load(std::memory_order_acquire) != &lock) {
     lock.mutex.unlock();
     return false;
@@ -106,7 +105,7 @@ bool Gate::hold(GateLock& lock, Instant waited) MAUVE_NOT_ANALYSED {
 }
 
 /// One that is only held for some stores is told of when somebody had to wait for it.
-void Gate::trace_hold(GateLock& lock, Instant waited) const {
+void ResourceLock::trace_hold(LockState& lock, Instant waited) const {
   const bool worth = timed_ || waited > 0;
   rt::TraceRing* const ring = ring_of(this_job(), worth ? TraceMode::jobs : TraceMode::detail);
   lock.told = 0;
@@ -115,7 +114,7 @@ void Gate::trace_hold(GateLock& lock, Instant waited) const {
   ring->push(TraceKind::lock, lock.told, trace_name_, 0, waited);
 }
 
-void Gate::trace_leave(GateLock& lock, Instant now) const {
+void ResourceLock::trace_leave(LockState& lock, Instant now) const {
   if (lock.told == 0) return;
   rt::TraceRing* const ring = ring_of(this_job(), TraceMode::jobs);
   if (ring == nullptr) return;
@@ -123,12 +122,12 @@ void Gate::trace_leave(GateLock& lock, Instant now) const {
   ring->push(TraceKind::unlock, left, trace_name_, 0, std::max<Instant>(left - lock.told, 0));
 }
 
-void Gate::leave() {
+void ResourceLock::leave() {
   const Job& job = this_job();  // locks nest: the innermost is left first
   leave(*job.held[job.held_count.load(std::memory_order_relaxed) - 1]);
 }
 
-void Gate::leave(GateLock& lock) MAUVE_NOT_ANALYSED {
+void ResourceLock::leave(LockState& lock) MAUVE_NOT_ANALYSED {
   Job& job = this_job();
   job.held_count.store(job.held_count.load(std::memory_order_relaxed) - 1,
                        std::memory_order_relaxed);
@@ -142,8 +141,8 @@ void Gate::leave(GateLock& lock) MAUVE_NOT_ANALYSED {
   lock.mutex.unlock();
 }
 
-/// Under the gate: one writer at a time.
-void Gate::count_hold(std::int64_t held) {
+/// Under the lock: one writer at a time.
+void ResourceLock::count_hold(std::int64_t held) {
   if (held > longest_.load(std::memory_order_relaxed)) longest_.store(held);
   const std::int64_t declared = declared_.load(std::memory_order_relaxed);
   if (declared == 0 || held <= declared) return;
@@ -152,52 +151,52 @@ void Gate::count_hold(std::int64_t held) {
 
 /// This thread was given up meanwhile. Who still waits for its lock finds out; a lock whose owner
 /// ends without leaving it would end the process.
-void Gate::leave_renewed(GateLock& lock) MAUVE_NOT_ANALYSED {
+void ResourceLock::leave_renewed(LockState& lock) MAUVE_NOT_ANALYSED {
   while (lock_.load(std::memory_order_acquire) == &lock) std::this_thread::yield();  // in a moment
   lock.mutex.unlock();
 }
 
-std::size_t Gate::held() { return this_job().held_count.load(std::memory_order_relaxed); }
+std::size_t ResourceLock::held() { return this_job().held_count.load(std::memory_order_relaxed); }
 
-const Gate* Gate::poison_and_leave_all(std::size_t kept) {
+const ResourceLock* ResourceLock::poison_and_leave_all(std::size_t kept) {
   const Job& job = this_job();
-  const Gate* first = nullptr;
+  const ResourceLock* first = nullptr;
   for (std::size_t count = held(); count > kept; count = held()) {
-    GateLock& innermost = *job.held[count - 1].load(std::memory_order_relaxed);
+    LockState& innermost = *job.held[count - 1].load(std::memory_order_relaxed);
     const bool still_holds = innermost.holder.load(std::memory_order_relaxed) == &job;
-    if (still_holds) innermost.gate.poison();
-    if (first == nullptr && !innermost.gate.blames_caller_) first = &innermost.gate;
-    innermost.gate.leave(innermost);
+    if (still_holds) innermost.owner.poison();
+    if (first == nullptr && !innermost.owner.blames_caller_) first = &innermost.owner;
+    innermost.owner.leave(innermost);
   }
   return first;
 }
 
-const Gate* Gate::poison_and_free_all(Job& lost) {
-  const Gate* last = nullptr;
+const ResourceLock* ResourceLock::poison_and_free_all(Job& lost) {
+  const ResourceLock* last = nullptr;
   const std::size_t count = lost.held_count.load(std::memory_order_acquire);
   for (std::size_t i = 0; i < count; ++i) {
-    GateLock& lock = *lost.held[i].load(std::memory_order_relaxed);
+    LockState& lock = *lost.held[i].load(std::memory_order_relaxed);
     if (!lock.end_hold_of(lost)) continue;  // it has left this one
-    lock.gate.poison();                     // before anybody can enter
-    lock.gate.renew_lock();
-    if (!lock.gate.blames_caller_) last = &lock.gate;
+    lock.owner.poison();                    // before anybody can enter
+    lock.owner.renew_lock();
+    if (!lock.owner.blames_caller_) last = &lock.owner;
   }
   return last;
 }
 
 /// The old one is never freed: its holder may still come back to it.
-void Gate::renew_lock() {
-  auto fresh = std::make_unique<GateLock>(*this);
+void ResourceLock::renew_lock() {
+  auto fresh = std::make_unique<LockState>(*this);
   leave_behind(
-      std::shared_ptr<GateLock>(lock_.exchange(fresh.release(), std::memory_order_acq_rel)));
+      std::shared_ptr<LockState>(lock_.exchange(fresh.release(), std::memory_order_acq_rel)));
 }
 
-void Gate::visit_deferred(Instant release) {
-  Deferred* deferred = deferred_.load(std::memory_order_acquire);
-  if (deferred != nullptr && deferred->visit(release)) forget(*deferred);
+void ResourceLock::apply_pending(Instant release) {
+  PendingUpdate* pending = pending_.load(std::memory_order_acquire);
+  if (pending != nullptr && pending->apply(release)) forget(*pending);
 }
 
-void Gate::forget_holds() {
+void ResourceLock::forget_holds() {
   lock_.load()->since = 0;
   longest_.store(0);
 }
