@@ -16,8 +16,8 @@
 #include "commands/recovery/unproven.h"
 #include "mauve/architecture.h"
 #include "mauve/version.h"
-#include "monitor/happenings.h"
 #include "monitor/heartbeat.h"
+#include "monitor/runtime_events.h"
 #include "notify.h"
 #include "rt/crash_handler.h"
 #include "start_warnings.h"
@@ -189,7 +189,7 @@ Status Daemon::deploy() {
   if (auto deployed = deployer_->deploy(); !deployed) {
     return deployed;
   }
-  log_.set_source(happenings_of(*deployer_, supervisor_));
+  log_.set_source(runtime_events_of(*deployer_, supervisor_));
   if (options_.realtime == Realtime::off) {
     log_.write(Event::realtime_off);
   }
@@ -252,7 +252,7 @@ void Daemon::keep_the_first() {
   first.time = logging::utc(std::chrono::system_clock::now());
   first.uid = geteuid();
   first.command = origin_.generation == 0 ? kStart : kRecover;
-  first.mark = Mark::unconfirmed;
+  first.mark = Confirmation::unconfirmed;
   first.crashes = origin_.crashes;
   first.reason =
       origin_.generation == 0 ? origin_.file : "generation " + std::to_string(origin_.generation);

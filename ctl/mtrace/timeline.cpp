@@ -198,8 +198,8 @@ Timeline draw_timeline(const Trace& trace, const View& view) {
   const double above = 44.0 + kLabel * labels;
   const double bottom = above + pitch * rows + (control ? 30.0 : 8.0);
   Page page(trace, scene, above, bottom);
-  Happenings happenings(page, trace, scene);
-  happenings.draw_behind();
+  Happenings runtime_events(page, trace, scene);
+  runtime_events.draw_behind();
   page.draw_axis();
   double baseline = above;
   for (const Row& row : scene.rows) {
@@ -210,7 +210,7 @@ Timeline draw_timeline(const Trace& trace, const View& view) {
     page.draw_baseline(bottom, "[control]", "prepares changes");
     draw_control(page, trace, scene, bottom);
   }
-  happenings.draw_in_front();
+  runtime_events.draw_in_front();
   tell_of_reading(trace, scene);
   std::string file = page.file(title_of(trace, scene), scene.left_out);
   return {std::move(file), scene.from, scene.to, std::move(scene.left_out)};

@@ -18,7 +18,7 @@ bool is_tried(const Running& running) {
 }
 
 /// [control] Saves what runs now, then says in the audit log what was asked and what became of it.
-void keep(Running& running, const Call& call, std::optional<Mark> mark, Json line,
+void keep(Running& running, const Call& call, std::optional<Confirmation> mark, Json line,
           std::function<void(bool saved)> then) {
   const StandStill still(running);
   Generation about;
@@ -30,7 +30,7 @@ void keep(Running& running, const Call& call, std::optional<Mark> mark, Json lin
   about.reason = text_or(call.params, "reason");
   about.changes = text_or(line, "changes");
   const bool tried = is_tried(running);
-  about.mark = tried ? Mark::unconfirmed : mark.value_or(Mark::unconfirmed);
+  about.mark = tried ? Confirmation::unconfirmed : mark.value_or(Confirmation::unconfirmed);
   auto as = tried || mark ? StateStore::As::marked : StateStore::As::before;
   if (call.confirms) {
     as = StateStore::As::confirmed;
@@ -39,8 +39,8 @@ void keep(Running& running, const Call& call, std::optional<Mark> mark, Json lin
 }
 
 void remember_maker(Running& running, const Call& call, std::uint64_t generation) {
-  if (generation != running.maker.generation && generation != call.before) {
-    running.maker = {generation, call.caller.peer.uid, std::string(call.method->name)};
+  if (generation != running.author.generation && generation != call.before) {
+    running.author = {generation, call.caller.peer.uid, std::string(call.method->name)};
   }
 }
 
@@ -97,11 +97,11 @@ void answer_applied(Running& running, const Call& call, Json result) {
        });
 }
 
-std::string made_by(const Maker& maker, std::uint64_t generation) {
-  if (maker.generation != generation || maker.command.empty()) {
+std::string made_by(const Author& author, std::uint64_t generation) {
+  if (author.generation != generation || author.command.empty()) {
     return {};
   }
-  return ", made by uid " + std::to_string(maker.uid) + " with " + maker.command;
+  return ", made by uid " + std::to_string(author.uid) + " with " + author.command;
 }
 
 }  // namespace
@@ -122,7 +122,8 @@ void answer_fault(Running& running, const Call& call, Fault fault) {
     auto line = audit_refused(running, call, fault);
     if (line && running.store != nullptr && fault.state != "unchanged") {
       // Nobody shall start with a mixture of old and new.
-      const auto mark = fault.state == "partly" ? std::optional(Mark::unconfirmed) : call.mark;
+      const auto mark =
+          fault.state == "partly" ? std::optional(Confirmation::unconfirmed) : call.mark;
       keep(running, call, mark, *std::move(line), {});
     } else if (line && running.store != nullptr) {
       running.store->audit(*line);
@@ -162,7 +163,7 @@ Status check_conditions(const Running& running, const Call& call) {
   if (wanted != call.params.end() && *wanted != generation) {
     return refuse(Errc::conflict, std::string(call.method->name),
                   "generation " + wanted->dump() + " was expected, " + std::to_string(generation) +
-                      " is running" + made_by(running.maker, generation),
+                      " is running" + made_by(running.author, generation),
                   "look at what was changed meanwhile, then try again");
   }
   const auto allowed = deadline_in(call.params);

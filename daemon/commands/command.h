@@ -54,7 +54,7 @@ using protocol::Json;
 enum class Lock : std::uint8_t { none, params, topology, all };
 
 /// Who made the generation in force, where that is known.
-struct Maker {
+struct Author {
   std::uint64_t generation = 0;
   uid_t uid = 0;
   std::string command;
@@ -112,7 +112,7 @@ struct Running {
   Guardian* guardian = nullptr;
   Recorder* recorder = nullptr;
   Lock lock = Lock::none;                   ///< [control], see gate.h
-  Maker maker = {};                         ///< [control]
+  Author author = {};                       ///< [control]
   Realtime realtime = Realtime::prefer;     ///< what mauved was started with
   std::vector<std::string> path_dirs = {};  ///< what path_rule() allows besides
   std::vector<DecidingPath> deciding = {};  ///< see deciding_paths.h
@@ -145,7 +145,7 @@ struct Call {
   std::optional<std::map<std::string, std::uint64_t>> stops = std::nullopt;
   /// Of the generation that it makes; nothing: that of the one before. What only stops or starts
   /// components proves nothing about them.
-  std::optional<Mark> mark = std::nullopt;
+  std::optional<Confirmation> mark = std::nullopt;
   /// See check_conditions(). Copies share it.
   std::shared_ptr<std::atomic<Stage>> stage = std::make_shared<std::atomic<Stage>>(Stage::waiting);
   bool confirms = false;  ///< the generation that runs is confirmed before the answer

@@ -210,7 +210,7 @@ void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
   if (outcome.kind == Outcome::Kind::passed) {
     for (const auto generation : proofs_.passed(outcome)) {
       if (generation != running_->unproven.generation) {  // it holds new code without a probation
-        store.mark(generation, Mark::confirmed);
+        store.mark(generation, Confirmation::confirmed);
       }
     }
     return;
@@ -224,7 +224,7 @@ void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
   about.command = to_string(outcome.kind);
   about.reason = cause_of(outcome);
   about.changes = changes;
-  about.mark = Mark::unconfirmed;
+  about.mark = Confirmation::unconfirmed;
   Json line = {{"time", about.time},         {"method", about.command},
                {"uid", about.uid},           {"pid", getpid()},
                {"reason", about.reason},     {"before", began},
@@ -250,7 +250,7 @@ void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
     store.confirm_like(now, began - 1);  // what nobody relieved is what it was before
   }
   for (const auto generation : outcome.changes) {
-    store.mark(generation, Mark::rolled_back);
+    store.mark(generation, Confirmation::rolled_back);
   }
 }
 

@@ -14,7 +14,7 @@ constexpr std::string_view kMissed = "missed";
 constexpr std::string_view kOverrun = "overrun";
 
 /// "3 releases missed, 9 in all": one happening may tell of several releases.
-std::int64_t number_in(const Happening& happening) {
+std::int64_t number_in(const RuntimeEvent& happening) {
   std::int64_t number = 1;
   if (happening.event == kMissed) {
     const auto& text = happening.text;
@@ -25,11 +25,11 @@ std::int64_t number_in(const Happening& happening) {
 
 }  // namespace
 
-bool LateSummary::concerns(const Happening& happening) {
+bool LateSummary::concerns(const RuntimeEvent& happening) {
   return happening.event == kMissed || happening.event == kOverrun;
 }
 
-bool LateSummary::pass(const Happening& happening) {
+bool LateSummary::pass(const RuntimeEvent& happening) {
   auto found = std::find_if(all_.begin(), all_.end(), [&](const Counted& one) {
     return one.last.component == happening.component && one.last.event == happening.event;
   });
@@ -46,8 +46,8 @@ bool LateSummary::pass(const Happening& happening) {
   return false;
 }
 
-std::vector<Happening> LateSummary::due(Instant now) {
-  std::vector<Happening> lines;
+std::vector<RuntimeEvent> LateSummary::due(Instant now) {
+  std::vector<RuntimeEvent> lines;
   for (auto& one : all_) {
     if (one.more > 0 && now - one.since >= kEach.count()) {
       lines.push_back(summary(one, now));
@@ -56,8 +56,8 @@ std::vector<Happening> LateSummary::due(Instant now) {
   return lines;
 }
 
-std::vector<Happening> LateSummary::finish(const std::string& component, Instant now) {
-  std::vector<Happening> lines;
+std::vector<RuntimeEvent> LateSummary::finish(const std::string& component, Instant now) {
+  std::vector<RuntimeEvent> lines;
   for (auto& one : all_) {
     if (one.more > 0 && one.last.component == component) {
       lines.push_back(summary(one, now));
@@ -67,8 +67,8 @@ std::vector<Happening> LateSummary::finish(const std::string& component, Instant
 }
 
 /// "12 more releases missed in 10 s, 40 in all"
-Happening LateSummary::summary(Counted& counted, Instant now) {
-  Happening line = counted.last;
+RuntimeEvent LateSummary::summary(Counted& counted, Instant now) {
+  RuntimeEvent line = counted.last;
   const bool one = counted.more == 1;
   const auto* const missed = one ? " more release missed" : " more releases missed";
   const auto* const late = one ? " more job ended late" : " more jobs ended late";

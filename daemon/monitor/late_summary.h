@@ -18,21 +18,21 @@ class LateSummary {
   static constexpr Duration kEach{10s};
 
   /// Is this happening one of those that may be only counted?
-  [[nodiscard]] static bool concerns(const Happening& happening);
+  [[nodiscard]] static bool concerns(const RuntimeEvent& happening);
   /// False: it is only counted. Times of one component never go back.
-  [[nodiscard]] bool pass(const Happening& happening);
+  [[nodiscard]] bool pass(const RuntimeEvent& happening);
   /// What was counted, once its time is over.
-  [[nodiscard]] std::vector<Happening> due(Instant now);
+  [[nodiscard]] std::vector<RuntimeEvent> due(Instant now);
   /// What was counted of this component, at once: it has stopped.
-  [[nodiscard]] std::vector<Happening> finish(const std::string& component, Instant now);
+  [[nodiscard]] std::vector<RuntimeEvent> finish(const std::string& component, Instant now);
 
  private:
   struct Counted {
-    Happening last;
+    RuntimeEvent last;
     Instant since = 0;      ///< of the line before
     std::int64_t more = 0;  ///< releases, or jobs
   };
-  [[nodiscard]] static Happening summary(Counted& counted, Instant now);
+  [[nodiscard]] static RuntimeEvent summary(Counted& counted, Instant now);
 
   std::vector<Counted> all_;  ///< a few: one for each component and event
 };

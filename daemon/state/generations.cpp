@@ -63,12 +63,12 @@ std::string content_of(const Generation& about, const std::string& text) {
   return std::string(kBegin) + protocol::to_line(head) + "\n" + text;
 }
 
-std::optional<Mark> mark_named(const std::string& name) {
+std::optional<Confirmation> mark_named(const std::string& name) {
   const auto* found = std::find(kMarks.begin(), kMarks.end(), name);
   if (found == kMarks.end()) {
     return std::nullopt;
   }
-  return static_cast<Mark>(found - kMarks.begin());
+  return static_cast<Confirmation>(found - kMarks.begin());
 }
 
 struct Read {
@@ -84,7 +84,7 @@ Read read_of(const Json& head, std::string_view text) {
   read.about.uid = head["uid"].get<std::uint32_t>();
   read.about.command = head["command"].get<std::string>();
   read.about.reason = head["reason"].get<std::string>();
-  read.about.mark = mark_named(head["mark"].get<std::string>()).value_or(Mark::unconfirmed);
+  read.about.mark = mark_named(head["mark"].get<std::string>()).value_or(Confirmation::unconfirmed);
   if (const auto changes = head.find("changes"); changes != head.end() && changes->is_string()) {
     read.about.changes = changes->get<std::string>();
   }
@@ -146,7 +146,7 @@ std::optional<std::uint64_t> number_of(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::string_view to_string(Mark mark) { return kMarks.at(static_cast<std::size_t>(mark)); }
+std::string_view to_string(Confirmation mark) { return kMarks.at(static_cast<std::size_t>(mark)); }
 
 Result<std::unique_ptr<Generations>> Generations::open(const std::filesystem::path& directory) {
   if (auto made = make_directory(directory); !made) {
@@ -216,7 +216,7 @@ Status Generations::write(const Generation& about, const std::string& text) {
   return ok();
 }
 
-Status Generations::mark(std::uint64_t number, Mark mark) {
+Status Generations::mark(std::uint64_t number, Confirmation mark) {
   auto read = read_generation(file(number), number);
   if (!read) {
     return read.error();
@@ -254,11 +254,11 @@ Status Generations::confirm_like(std::uint64_t number, std::uint64_t earlier) {
     const MutexLock lock(mutex_);
     const auto found = known_.find(earlier);
     if (!known_.contains(number) || found == known_.end() || found->second.damaged ||
-        found->second.mark != Mark::confirmed) {
+        found->second.mark != Confirmation::confirmed) {
       return ok();
     }
   }
-  return mark(number, Mark::confirmed);
+  return mark(number, Confirmation::confirmed);
 }
 
 void Generations::prune() {
@@ -283,7 +283,7 @@ void Generations::prune() {
 
 std::uint64_t Generations::newest_confirmed() const {
   for (auto it = known_.rbegin(); it != known_.rend(); ++it) {
-    if (it->second.mark == Mark::confirmed && !it->second.damaged) {
+    if (it->second.mark == Confirmation::confirmed && !it->second.damaged) {
       return it->first;
     }
   }
@@ -299,7 +299,7 @@ std::vector<Generation> Generations::list() const {
   return all;
 }
 
-std::optional<Mark> Generations::mark_of(std::uint64_t number) const {
+std::optional<Confirmation> Generations::mark_of(std::uint64_t number) const {
   const MutexLock lock(mutex_);
   const auto found = known_.find(number);
   const bool whole = found != known_.end() && !found->second.damaged;

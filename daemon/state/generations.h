@@ -18,10 +18,10 @@
 namespace mauve::daemon {
 
 /// What is known of a generation. Only a confirmed one is started after a crash.
-enum class Mark : std::uint8_t { unconfirmed, confirmed, rolled_back };
+enum class Confirmation : std::uint8_t { unconfirmed, confirmed, rolled_back };
 
 /// "unconfirmed", "confirmed", "rolled_back".
-[[nodiscard]] std::string_view to_string(Mark mark);
+[[nodiscard]] std::string_view to_string(Confirmation mark);
 
 /// The commands of a generation that a start made, of the file or after a crash.
 inline constexpr const char* kStart = "start";
@@ -37,7 +37,7 @@ struct Generation {
   std::string reason;        ///< as given, may be empty
   std::string changes;       ///< from the one before, in the lines of `plan`, bounded; may be empty
   std::string folder;        ///< where its relative paths begin; empty: not known
-  Mark mark = Mark::confirmed;
+  Confirmation mark = Confirmation::confirmed;
   unsigned crashes = 0;  ///< runs in a row that ended by a crash soon after they started it
   bool damaged = false;  ///< its file cannot be read, so that nothing but the number is known
 };
@@ -58,7 +58,7 @@ class Generations {
   Status save(const Generation& about, const std::string& text);
 
   /// [disk] Refused: there is no such generation, or the disk failed.
-  Status mark(std::uint64_t number, Mark mark);
+  Status mark(std::uint64_t number, Confirmation mark);
   /// [disk] Confirms a generation if an earlier one of the same content is; the same refusals.
   Status confirm_like(std::uint64_t number, std::uint64_t earlier);
 
@@ -70,7 +70,7 @@ class Generations {
   /// [any] Newest first.
   [[nodiscard]] std::vector<Generation> list() const;
   /// [any] Nothing: not there, or damaged.
-  [[nodiscard]] std::optional<Mark> mark_of(std::uint64_t number) const;
+  [[nodiscard]] std::optional<Confirmation> mark_of(std::uint64_t number) const;
   /// [any] The highest number ever seen here, 0 for none.
   [[nodiscard]] std::uint64_t newest() const;
 

@@ -68,7 +68,7 @@ void count_crash(Generations& generations, std::uint64_t started, logging::Log& 
   }
   for (const auto& one : generations.list()) {
     const auto text = generations.text(one.number);
-    if (one.mark != Mark::confirmed || !text || *text != *ran) {
+    if (one.mark != Confirmation::confirmed || !text || *text != *ran) {
       continue;
     }
     if (auto counted = generations.set_crashes(one.number, one.crashes + 1); !counted) {
@@ -83,7 +83,7 @@ std::optional<Origin> last_confirmed(const Options& options, const Generations& 
   std::vector<std::string> passed_over;
   for (const auto& one : generations.list()) {
     const auto number = static_cast<std::int64_t>(one.number);
-    if (one.mark != Mark::confirmed && !one.damaged) {
+    if (one.mark != Confirmation::confirmed && !one.damaged) {
       continue;
     }
     Origin origin{generations.file(one.number).string(),

@@ -136,7 +136,7 @@ void StateStore::put_aside(const std::filesystem::path& folder) {
 void StateStore::begin(const Generation& first, const Value& architecture) {
   for (const auto& one : generations_->list()) {
     const bool by_itself = one.command.find('.') == std::string::npos;  // methods have one
-    if (crashed_ && by_itself && one.mark == Mark::unconfirmed) {
+    if (crashed_ && by_itself && one.mark == Confirmation::unconfirmed) {
       generations_->remove(one.number);  // else a crash loop would push out the others
     }
   }
@@ -179,7 +179,7 @@ void StateStore::keep(Generation about, Value architecture, Json line,
     }
     bool saved = save(about, architecture) && save_cores();
     if (saved && as == As::confirmed) {
-      saved = mark_now(about.number, Mark::confirmed);
+      saved = mark_now(about.number, Confirmation::confirmed);
     }
     line["saved"] = saved;
     write_lines(protocol::to_line(line));
@@ -191,12 +191,12 @@ void StateStore::keep(Generation about, Value architecture, Json line,
 
 /// [disk] The mark of the generation before this one. A generation that mauved made by itself, and
 /// that the health_monitor has not saved yet, counts as unconfirmed.
-Mark StateStore::mark_before(std::uint64_t generation) const {
+Confirmation StateStore::mark_before(std::uint64_t generation) const {
   if (generation != newest_ && generation != newest_ + 1) {
-    return Mark::unconfirmed;
+    return Confirmation::unconfirmed;
   }
   const auto mark = generations_->mark_of(newest_).value_or(newest_mark_);
-  return mark == Mark::confirmed ? mark : Mark::unconfirmed;
+  return mark == Confirmation::confirmed ? mark : Confirmation::unconfirmed;
 }
 
 void StateStore::audit(const Json& line) {
@@ -234,12 +234,12 @@ void StateStore::write_waiting() {
   write_lines(text);
 }
 
-void StateStore::mark(std::uint64_t generation, Mark mark) {
+void StateStore::mark(std::uint64_t generation, Confirmation mark) {
   disk_.post_urgent([this, generation, mark] { mark_now(generation, mark); });
 }
 
 /// [disk]
-bool StateStore::mark_now(std::uint64_t generation, Mark mark) {
+bool StateStore::mark_now(std::uint64_t generation, Confirmation mark) {
   if (generation == newest_) {
     newest_mark_ = mark;
   }
@@ -263,15 +263,15 @@ void StateStore::confirm_same(std::uint64_t generation, std::uint64_t other) {
     const auto one = generations_->text(generation);
     const auto two = generations_->text(other);
     if (one && two && *one == *two) {
-      mark_now(generation, Mark::confirmed);
-      mark_now(other, Mark::confirmed);
+      mark_now(generation, Confirmation::confirmed);
+      mark_now(other, Confirmation::confirmed);
     }
   });
 }
 
 void StateStore::confirm_start(std::uint64_t generation, std::uint64_t replaced) {
   disk_.post_urgent([this, generation, replaced] {
-    if (mark_now(generation, Mark::confirmed) && replaced != 0) {
+    if (mark_now(generation, Confirmation::confirmed) && replaced != 0) {
       generations_->remove(replaced);
     }
   });

@@ -62,7 +62,7 @@ class StateStore {
   /// are lost and counted. [any but rt]
   void audit(const Json& line);
   /// Marks a saved generation, after what waits for [disk]. [any but rt]
-  void mark(std::uint64_t generation, Mark mark);
+  void mark(std::uint64_t generation, Confirmation mark);
   /// Confirms a saved generation if an earlier one, to which it goes back, is. [any but rt]
   void confirm_like(std::uint64_t generation, std::uint64_t earlier);
   /// Its run did not end by a crash soon after its start. [any but rt]
@@ -98,8 +98,8 @@ class StateStore {
   bool save(const Generation& about, const Value& architecture);
   bool save_cores();
   void end_row_of_crashes();
-  [[nodiscard]] Mark mark_before(std::uint64_t generation) const;
-  bool mark_now(std::uint64_t generation, Mark mark);
+  [[nodiscard]] Confirmation mark_before(std::uint64_t generation) const;
+  bool mark_now(std::uint64_t generation, Confirmation mark);
   void put_aside(const std::filesystem::path& folder);
   void read_marker();
   void put_marker(std::string_view text);
@@ -120,7 +120,7 @@ class StateStore {
   std::optional<Json> unsaved_cores_;  ///< [disk] in quarantine
   std::uint64_t first_ = 0;            ///< of this run
   std::uint64_t newest_ = 0;           ///< [disk] that was to be saved, and its mark if it was not
-  Mark newest_mark_ = Mark::unconfirmed;
+  Confirmation newest_mark_ = Confirmation::unconfirmed;
   bool audit_broken_ = false;  ///< [disk] one complaint each until it works again
   Mutex mutex_;                ///< guards what follows
   std::vector<std::string> waiting_ MAUVE_GUARDED_BY(mutex_);

@@ -131,7 +131,7 @@ Rollbacks roll_back(int count, int cpu) {
     stamps().again.store(0);
     static_cast<void>(checked(deployer.apply(change)));
     await_end(deployer);
-    deployer.drain([](const mauve::Happening&) {});
+    deployer.drain([](const mauve::RuntimeEvent&) {});
     std::this_thread::sleep_for(4 * Probe::kPeriod);  // until the probe has told
     const Instant fault = stamps().fault.load();
     const Instant again = stamps().again.load();

@@ -101,7 +101,7 @@ struct Samples {
 Instant last_in_force(exec::System& system) {
   Instant last = 0;
   std::size_t told = 0;
-  exec::drain_events(system, [&](const mauve::Happening& happening) {
+  exec::drain_events(system, [&](const mauve::RuntimeEvent& happening) {
     if (happening.event != "swapped") return;
     ++told;
     last = std::max(last, happening.time);

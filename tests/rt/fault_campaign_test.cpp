@@ -92,7 +92,7 @@ class FaultCampaign : public testing::Test {
       ASSERT_TRUE(test::is_faulted(deployer, "left"));
       after();
       static_cast<void>(test::tend(deployer));
-      deployer.drain([](const Happening&) {});
+      deployer.drain([](const RuntimeEvent&) {});
       load.close_window();
     }
     const ComponentStatus right = deployer.status("right");

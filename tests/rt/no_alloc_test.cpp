@@ -78,7 +78,7 @@ struct WatchedHere final : ramp::RampCore {
 };
 
 void drain_quietly(Deployer& deployer) {
-  deployer.drain([](const Happening&) {});
+  deployer.drain([](const RuntimeEvent&) {});
 }
 
 TEST(RealTimePath, CallsNoHeapInJobsAndSwaps) {

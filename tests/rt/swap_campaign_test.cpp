@@ -39,7 +39,7 @@ void swap_to_and_fro(test::Tally& tally) {
     ASSERT_TRUE(done) << to_string(done.error());
     attempts += done->attempts;
     pauses.push_back(done->components[0].pause.count());
-    deployer.drain([](const Happening&) {});
+    deployer.drain([](const RuntimeEvent&) {});
     // The new core runs at least one job before the next swap.
     const std::uint64_t releases = deployer.status("control").releases;
     while (deployer.status("control").releases == releases) std::this_thread::sleep_for(50us);

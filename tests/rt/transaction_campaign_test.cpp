@@ -36,7 +36,7 @@ void change_all(test::Tally& tally) {
     attempts += done->attempts;
     commits.push_back(deployer.t0() + done->commit.count());
     ASSERT_TRUE(test::eventually([&] { return stampers::all_ran(version); }));
-    deployer.drain([](const Happening&) {});
+    deployer.drain([](const RuntimeEvent&) {});
     load.close_window();
   }
   static_cast<void>(deployer.shutdown());

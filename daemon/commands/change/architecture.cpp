@@ -37,7 +37,7 @@ namespace {
 using logging::Event;
 
 /// Another architecture beside the running one.
-class Application final : public Companion {
+class Application final : public ChangeHooks {
  public:
   Application(Running& running, std::string text, bool dry_run)
       : running_(running), text_(std::move(text)), catalog_(running.catalog), dry_run_(dry_run) {}
@@ -88,7 +88,7 @@ class Application final : public Companion {
     }
     difference_.change.sync =
         asked.value_or(difference_.exchanged.empty() ? Sync::cut : Sync::barrier);
-    difference_.change.has_companion = supervises_;
+    difference_.change.changes_rules = supervises_;
     return std::move(difference_.change);
   }
 

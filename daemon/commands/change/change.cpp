@@ -21,36 +21,36 @@ namespace {
 
 /// Everything one change needs on its way between the threads. It is created on [control] and goes
 /// away on [factory], since freeing elements runs user code.
-struct Journey {
+struct ChangeRequest {
   Change change;
   std::uint64_t stops = 0;  ///< of its components, when it began
   std::optional<Result<PreparedChange>> prepared;
   std::optional<Retired> retired{std::in_place};
-  std::shared_ptr<Companion> companion;  ///< may be null
+  std::shared_ptr<ChangeHooks> hooks;  ///< may be null
   Status exchanged;
   std::vector<arch::Line> lines;  ///< the differences that it makes, once it is prepared
   std::vector<std::string> notes;
   CoreBefore before;  ///< of a swap in place
 };
-using JourneyPtr = std::shared_ptr<Journey>;
+using ChangeRequestPtr = std::shared_ptr<ChangeRequest>;
 
 /// [factory]
-Status free_all(Journey& journey) {
-  auto cleaned = journey.retired->release();
-  const std::string at = journey.change.edits.empty() ? "" : journey.change.edits[0].component;
-  static_cast<void>(drop_elements(at, [&journey] {
-    journey.prepared.reset();
-    journey.change = {};
-    journey.companion.reset();
+Status free_all(ChangeRequest& request) {
+  auto cleaned = request.retired->release();
+  const std::string at = request.change.edits.empty() ? "" : request.change.edits[0].component;
+  static_cast<void>(drop_elements(at, [&request] {
+    request.prepared.reset();
+    request.change = {};
+    request.hooks.reset();
   }));
   return cleaned;
 }
 
-/// [control] Nothing of the journey is touched on this thread afterwards.
-void free_in_factory(Running& running, JourneyPtr journey, Ticket ticket) {
+/// [control] Nothing of the request is touched on this thread afterwards.
+void free_in_factory(Running& running, ChangeRequestPtr request, Ticket ticket) {
   running.control.in_factory(
-      [&running, journey = std::move(journey)] {
-        const auto cleaned = free_all(*journey);
+      [&running, request = std::move(request)] {
+        const auto cleaned = free_all(*request);
         if (!cleaned) {
           running.log.write(logging::Event::clean_up_failed,
                             {{"component", cleaned.error().at}, {"text", cleaned.error().message}});
@@ -60,34 +60,34 @@ void free_in_factory(Running& running, JourneyPtr journey, Ticket ticket) {
 }
 
 void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
-            const std::string& state, Journey& journey) {
-  Companion* const companion = journey.companion.get();
+            const std::string& state, ChangeRequest& request) {
+  ChangeHooks* const hooks = request.hooks.get();
   const bool in_force = receipt || receipt.error().code == Errc::partly;
-  if (companion != nullptr && in_force) {
-    companion->in_force(receipt ? receipt->generation : running.generation.load());
+  if (hooks != nullptr && in_force) {
+    hooks->in_force(receipt ? receipt->generation : running.generation.load());
   }
   if (!receipt) {
     return answer(running, call, receipt.error(), state);
   }
   auto result = to_json(*receipt);
-  say_sync(journey.prepared, result);
-  say_who_stands(running, journey.change, result);
-  say_kept(running, journey.change, result);
-  if (journey.change.probation) {
-    result["probation"] = to_json(*journey.change.probation);
+  say_sync(request.prepared, result);
+  say_who_stands(running, request.change, result);
+  say_kept(running, request.change, result);
+  if (request.change.probation) {
+    result["probation"] = to_json(*request.change.probation);
   }
-  if (companion != nullptr) {
-    companion->complete(result);
+  if (hooks != nullptr) {
+    hooks->complete(result);
   }
-  say_lines(journey.lines, result);
-  say_notes(journey.notes, result);
+  say_lines(request.lines, result);
+  say_notes(request.notes, result);
   answer(running, call, std::move(result));
 }
 
 /// A start or a stop brings nothing that could be tried out, and a way back from a start would only
 /// stop the component again. That holds for a start with a fresh core of the same type too.
 bool changes_modes_only(const Running& running, const Change& change) {
-  return !change.has_companion && change.new_components.empty() && change.new_resources.empty() &&
+  return !change.changes_rules && change.new_components.empty() && change.new_resources.empty() &&
          change.remove.empty() &&
          std::all_of(change.edits.begin(), change.edits.end(), [&](const Edit& one) {
            const auto* component = running.architecture.find_component(one.component);
@@ -114,32 +114,32 @@ bool starts_something(const Change& change) {
                      [](const Edit& edit) { return edit.mode == Mode::run; });
 }
 
-Error stopped_meanwhile(const Journey& journey) {
-  return refuse(Errc::conflict, journey.change.edits[0].component,
+Error stopped_meanwhile(const ChangeRequest& request) {
+  return refuse(Errc::conflict, request.change.edits[0].component,
                 "was stopped by request after this change was asked for", "start it again");
 }
 
 /// [control] False when the change was given up before anything happened.
-bool may_go_on(Running& running, const Call& call, Journey& journey) {
-  if (!*journey.prepared) {
-    answer(running, call, journey.prepared->error());
+bool may_go_on(Running& running, const Call& call, ChangeRequest& request) {
+  if (!*request.prepared) {
+    answer(running, call, request.prepared->error());
     return false;
   }
   auto met = check_conditions(running, call);
-  const bool stopped = overtaken_by_stop(running, call, journey.change) ||
-                       (starts_something(journey.change) &&
-                        stops_of(running.stops, journey.change) != journey.stops);
+  const bool stopped = overtaken_by_stop(running, call, request.change) ||
+                       (starts_something(request.change) &&
+                        stops_of(running.stops, request.change) != request.stops);
   if (met && stopped) {
-    met = stopped_meanwhile(journey);
+    met = stopped_meanwhile(request);
   }
-  if (met && journey.companion != nullptr) {
-    met = journey.companion->ready();
+  if (met && request.hooks != nullptr) {
+    met = request.hooks->ready();
   }
   if (met) {
-    const auto whole = journey.companion == nullptr ? std::nullopt : journey.companion->lines();
-    journey.lines = whole ? *whole : lines_of(running, **journey.prepared);
-    met = may_change(running, journey.lines);
-    journey.notes = place_notes(running, journey.change);
+    const auto whole = request.hooks == nullptr ? std::nullopt : request.hooks->lines();
+    request.lines = whole ? *whole : lines_of(running, **request.prepared);
+    met = may_change(running, request.lines);
+    request.notes = place_notes(running, request.change);
   }
   if (!met) {
     answer(running, call, met.error());
@@ -148,11 +148,11 @@ bool may_go_on(Running& running, const Call& call, Journey& journey) {
 }
 
 /// Nothing but values, attributes of tasks and connections, each of which is in force already.
-bool is_so_already(const Journey& journey) {
-  const auto& change = journey.change;
+bool is_so_already(const ChangeRequest& request) {
+  const auto& change = request.change;
   const bool elements = !change.new_components.empty() || !change.new_resources.empty() ||
-                        !change.remove.empty() || journey.companion != nullptr;
-  return !elements && journey.lines.empty() &&
+                        !change.remove.empty() || request.hooks != nullptr;
+  return !elements && request.lines.empty() &&
          std::ranges::all_of(change.edits, [](const Edit& edit) {
            return edit.state != StatePolicy::drop && !edit.core && !edit.fsm && !edit.type &&
                   !edit.resource && edit.mode == Mode::keep;
@@ -166,89 +166,91 @@ void answer_so_already(Running& running, const Call& call) {
 }
 
 /// [control] Commits, answers, and lets [factory] free what it replaced.
-void put_in_force(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
-  if (is_so_already(*journey)) {
+void put_in_force(Running& running, const CallPtr& call, ChangeRequestPtr request, Ticket ticket) {
+  if (is_so_already(*request)) {
     answer_so_already(running, *call);
-    return free_in_factory(running, std::move(journey), std::move(ticket));
+    return free_in_factory(running, std::move(request), std::move(ticket));
   }
-  if (journey->change.probation) {
-    remember_lines(running, journey->lines);
+  if (request->change.probation) {
+    remember_lines(running, request->lines);
   }
-  auto ongoing = running.deployer.begin(**journey->prepared);
+  auto ongoing = running.deployer.begin(**request->prepared);
   when_answered(running, std::move(ongoing),
-                [&running, call, journey, ticket = std::move(ticket)](Ongoing& done) mutable {
+                [&running, call, request, ticket = std::move(ticket)](Ongoing& done) mutable {
                   const auto receipt = done.result();
-                  journey->retired = std::move(done.retired());
+                  request->retired = std::move(done.retired());
                   finish(running, *call, receipt, receipt ? "" : state_after(receipt.error()),
-                         *journey);
-                  free_in_factory(running, std::move(journey), std::move(ticket));
+                         *request);
+                  free_in_factory(running, std::move(request), std::move(ticket));
                 });
 }
 
 /// [control] Ends a dry run: the answer tells the prepared change, and [factory] frees it.
-void tell(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
-  auto result = to_json(running.deployer.foresee(**journey->prepared));
+void tell(Running& running, const CallPtr& call, ChangeRequestPtr request, Ticket ticket) {
+  auto result = to_json(running.deployer.foresee(**request->prepared));
   result["dry_run"] = true;
-  say_sync(journey->prepared, result);
-  say_kept(running, journey->change, result);
-  if (journey->companion != nullptr) {
-    journey->companion->complete(result);
+  say_sync(request->prepared, result);
+  say_kept(running, request->change, result);
+  if (request->hooks != nullptr) {
+    request->hooks->complete(result);
   }
-  say_lines(journey->lines, result);
-  say_notes(journey->notes, result);
+  say_lines(request->lines, result);
+  say_notes(request->notes, result);
   if (!result.contains("lines")) {
     result["lines"] = Json::array();
   }
   answer(running, *call, std::move(result));
-  free_in_factory(running, std::move(journey), std::move(ticket));
+  free_in_factory(running, std::move(request), std::move(ticket));
 }
 
 // --- in place: park, exchange on [factory], resume ----------------------------------------------
 
-void end_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket,
+void end_in_place(Running& running, const CallPtr& call, ChangeRequestPtr request, Ticket ticket,
                   const Result<Receipt>& receipt) {
-  const auto& name = journey->change.edits[0].component;
-  const auto& probation = journey->change.probation;
+  const auto& name = request->change.edits[0].component;
+  const auto& probation = request->change.probation;
   const bool in_force = receipt || receipt.error().code == Errc::partly;
   if (in_force && probation) {
-    begin_place_probation(running, *call, name, journey->before, *probation);
+    begin_place_probation(running, *call, name, request->before, *probation);
   } else if (in_force) {
-    begin_unproven(running, *call, journey->change, {{name, journey->before.failed_at}});
+    begin_unproven(running, *call, request->change, {{name, request->before.failed_at}});
   }
   const bool back = !receipt && running.deployer.status(name).state == ComponentState::running;
-  finish(running, *call, receipt, back ? "rolled_back" : "safe", *journey);
-  free_in_factory(running, std::move(journey), std::move(ticket));
+  finish(running, *call, receipt, back ? "rolled_back" : "safe", *request);
+  free_in_factory(running, std::move(request), std::move(ticket));
 }
 
-void resume_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
-  auto& change = **journey->prepared;
-  if (stops_of(running.stops, journey->change) != journey->stops) {
+void resume_in_place(Running& running, const CallPtr& call, ChangeRequestPtr request,
+                     Ticket ticket) {
+  auto& change = **request->prepared;
+  if (stops_of(running.stops, request->change) != request->stops) {
     change.content().members.front().resume = false;  // it stays where the stop put it
   }
-  auto resumed = running.deployer.begin_in_place_resume(change, journey->exchanged);
+  auto resumed = running.deployer.begin_in_place_resume(change, request->exchanged);
   if (!resumed) {
-    return end_in_place(running, call, journey, std::move(ticket), resumed.error());
+    return end_in_place(running, call, request, std::move(ticket), resumed.error());
   }
   when_answered(running, *std::move(resumed),
-                [&running, call, journey, ticket = std::move(ticket)](Ongoing& done) mutable {
+                [&running, call, request, ticket = std::move(ticket)](Ongoing& done) mutable {
                   auto receipt = done.result();
-                  journey->retired = std::move(done.retired());
-                  if (!journey->exchanged) {
-                    receipt = journey->exchanged.error();
+                  request->retired = std::move(done.retired());
+                  if (!request->exchanged) {
+                    receipt = request->exchanged.error();
                   }
-                  end_in_place(running, call, journey, std::move(ticket), receipt);
+                  end_in_place(running, call, request, std::move(ticket), receipt);
                 });
 }
 
-void exchange_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
+void exchange_in_place(Running& running, const CallPtr& call, ChangeRequestPtr request,
+                       Ticket ticket) {
   running.control.in_factory(
-      [&running, journey] {
-        journey->exchanged = running.deployer.in_place_exchange(**journey->prepared);
+      [&running, request] {
+        request->exchanged = running.deployer.in_place_exchange(**request->prepared);
       },
-      [&running, call, journey, ticket = std::move(ticket)]() mutable {
-        resume_in_place(running, call, std::move(journey), std::move(ticket));
+      [&running, call, request, ticket = std::move(ticket)]() mutable {
+        resume_in_place(running, call, std::move(request), std::move(ticket));
       },
-      [&running, call, name = journey->change.edits[0].component](const std::string& hook) {
+      [&running, call, name = request->change.edits[0].component](const std::string& hook) {
         bar(running, {name}, hook, true);
         answer(running, *call,
                given_up(running, hook, name, name + " is stopped with its safe values written"),
@@ -257,34 +259,34 @@ void exchange_in_place(Running& running, const CallPtr& call, JourneyPtr journey
 }
 
 /// The policy of the component may have given it another core before it was parked.
-void exchange_when_parked(Running& running, const CallPtr& call, JourneyPtr journey,
+void exchange_when_parked(Running& running, const CallPtr& call, ChangeRequestPtr request,
                           Ticket ticket) {
-  const auto& name = journey->change.edits[0].component;
-  journey->before.failed_at = failed_at(running, name);
-  journey->before.ran = (**journey->prepared).content().members.front().resume;
-  if (running.architecture.find_component(name)->bundle() == journey->before.bundle) {
-    return exchange_in_place(running, call, std::move(journey), std::move(ticket));
+  const auto& name = request->change.edits[0].component;
+  request->before.failed_at = failed_at(running, name);
+  request->before.ran = (**request->prepared).content().members.front().resume;
+  if (running.architecture.find_component(name)->bundle() == request->before.bundle) {
+    return exchange_in_place(running, call, std::move(request), std::move(ticket));
   }
-  journey->exchanged =
+  request->exchanged =
       refuse(Errc::conflict, name, "its core failed, and another one took over meanwhile",
              "mauvectl why " + name + ", then swap again");
-  resume_in_place(running, call, std::move(journey), std::move(ticket));
+  resume_in_place(running, call, std::move(request), std::move(ticket));
 }
 
-void park_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
-  journey->before.bundle = (**journey->prepared).content().members.front().base;
-  auto parking = running.deployer.begin_in_place_park(**journey->prepared);
+void park_in_place(Running& running, const CallPtr& call, ChangeRequestPtr request, Ticket ticket) {
+  request->before.bundle = (**request->prepared).content().members.front().base;
+  auto parking = running.deployer.begin_in_place_park(**request->prepared);
   when_answered(running, std::move(parking),
-                [&running, call, journey, ticket = std::move(ticket)](Ongoing& done) mutable {
+                [&running, call, request, ticket = std::move(ticket)](Ongoing& done) mutable {
                   if (const auto parked = done.result(); !parked) {
                     answer(running, *call, parked.error(), state_after(parked.error()));
-                    return free_in_factory(running, std::move(journey), std::move(ticket));
+                    return free_in_factory(running, std::move(request), std::move(ticket));
                   }
-                  exchange_when_parked(running, call, std::move(journey), std::move(ticket));
+                  exchange_when_parked(running, call, std::move(request), std::move(ticket));
                 });
 }
 
-using JourneyStep = void (*)(Running&, const CallPtr&, JourneyPtr, Ticket);
+using ChangeStep = void (*)(Running&, const CallPtr&, ChangeRequestPtr, Ticket);
 
 std::vector<std::string> components_of(const Change& change) {
   std::vector<std::string> names;
@@ -295,17 +297,17 @@ std::vector<std::string> components_of(const Change& change) {
 }
 
 /// Prepares on [factory]; goes on with `next` unless there is a reason not to.
-void prepare_then(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket,
-                  std::function<Result<PreparedChange>()> prepare, JourneyStep next) {
+void prepare_then(Running& running, const CallPtr& call, ChangeRequestPtr request, Ticket ticket,
+                  std::function<Result<PreparedChange>()> prepare, ChangeStep next) {
   running.control.in_factory(
-      [journey, prepare = std::move(prepare)] { journey->prepared = prepare(); },
-      [&running, call, journey, next, ticket = std::move(ticket)]() mutable {
-        if (!may_go_on(running, *call, *journey)) {
-          return free_in_factory(running, std::move(journey), std::move(ticket));
+      [request, prepare = std::move(prepare)] { request->prepared = prepare(); },
+      [&running, call, request, next, ticket = std::move(ticket)]() mutable {
+        if (!may_go_on(running, *call, *request)) {
+          return free_in_factory(running, std::move(request), std::move(ticket));
         }
-        next(running, call, std::move(journey), std::move(ticket));
+        next(running, call, std::move(request), std::move(ticket));
       },
-      [&running, call, names = components_of(journey->change)](const std::string& hook) {
+      [&running, call, names = components_of(request->change)](const std::string& hook) {
         bar(running, names, hook, false);
         call->given_up = true;
         answer(running, *call, given_up(running, hook, std::string(call->method->name)));
@@ -337,7 +339,7 @@ std::string state_after(const Error& error) {
 }
 
 void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
-           std::shared_ptr<Companion> companion) {
+           std::shared_ptr<ChangeHooks> hooks) {
   auto free = check_quarantine(running, change);
   if (free) {
     free = check_barred(running, change);
@@ -351,42 +353,41 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
   }
   if (!changes_modes_only(running, change)) {
     change.probation = *probation;
-    call->mark = *probation ? Mark::unconfirmed : Mark::confirmed;
+    call->mark = *probation ? Confirmation::unconfirmed : Confirmation::confirmed;
   }
-  auto journey = std::make_shared<Journey>();
-  journey->change = std::move(change);
-  const bool dry_run =
-      flag(call->params, "dry_run") || (companion != nullptr && companion->dry_run());
-  journey->companion = std::move(companion);
-  journey->stops = stops_of(call->stops ? *call->stops : running.stops, journey->change);
-  auto& edits = journey->change;
+  auto request = std::make_shared<ChangeRequest>();
+  request->change = std::move(change);
+  const bool dry_run = flag(call->params, "dry_run") || (hooks != nullptr && hooks->dry_run());
+  request->hooks = std::move(hooks);
+  request->stops = stops_of(call->stops ? *call->stops : running.stops, request->change);
+  auto& edits = request->change;
   prepare_then(
-      running, call, std::move(journey), std::move(ticket),
+      running, call, std::move(request), std::move(ticket),
       [&running, &edits] { return running.deployer.prepare(edits); },
       dry_run ? tell : put_in_force);
 }
 
 void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit,
-                    std::shared_ptr<Companion> companion) {
+                    std::shared_ptr<ChangeHooks> hooks) {
   const auto probation = probation_of(call->params);
   if (!probation) {
     return answer(running, *call, probation.error());
   }
-  auto journey = std::make_shared<Journey>();
-  journey->companion = std::move(companion);
-  journey->change.edits.push_back(std::move(edit));
-  journey->change.probation = *probation;
-  auto free = check_quarantine(running, journey->change);
+  auto request = std::make_shared<ChangeRequest>();
+  request->hooks = std::move(hooks);
+  request->change.edits.push_back(std::move(edit));
+  request->change.probation = *probation;
+  auto free = check_quarantine(running, request->change);
   if (free) {
-    free = check_barred(running, journey->change);
+    free = check_barred(running, request->change);
   }
   if (!free) {
     return answer(running, *call, free.error());
   }
-  journey->stops = stops_of(call->stops ? *call->stops : running.stops, journey->change);
-  auto& only = journey->change.edits[0];
+  request->stops = stops_of(call->stops ? *call->stops : running.stops, request->change);
+  auto& only = request->change.edits[0];
   prepare_then(
-      running, call, std::move(journey), std::move(ticket),
+      running, call, std::move(request), std::move(ticket),
       [&running, &only] { return running.deployer.prepare_in_place(only); }, park_in_place);
 }
 

@@ -17,12 +17,12 @@
 namespace mauve::daemon {
 
 /// What else belongs to a change. Destroyed on [factory], after the elements of the change.
-class Companion {
+class ChangeHooks {
  public:
-  Companion() = default;
-  Companion(const Companion&) = delete;
-  Companion& operator=(const Companion&) = delete;
-  virtual ~Companion() = default;
+  ChangeHooks() = default;
+  ChangeHooks(const ChangeHooks&) = delete;
+  ChangeHooks& operator=(const ChangeHooks&) = delete;
+  virtual ~ChangeHooks() = default;
 
   /// [control] Everything is prepared; a refusal, and nothing happens.
   virtual Status ready() = 0;
@@ -39,11 +39,11 @@ class Companion {
 
 /// [control] Takes over the call and the ticket: answers with the receipt or the refusal.
 void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
-           std::shared_ptr<Companion> companion = nullptr);
+           std::shared_ptr<ChangeHooks> hooks = nullptr);
 
 /// [control] The same for a swap in place: the component is parked while the cores are exchanged.
 void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit,
-                    std::shared_ptr<Companion> companion);
+                    std::shared_ptr<ChangeHooks> hooks);
 
 /// [control] Runs `then` on [control] when there is an answer; others are served meanwhile.
 void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,

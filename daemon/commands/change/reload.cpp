@@ -295,7 +295,7 @@ void put_reload_in_force(Running& running, const CallPtr& call, ReloadPtr reload
                   if (receipt) {
                     reload->receipt = *receipt;
                     if (reload->change.probation) {
-                      call->mark = Mark::unconfirmed;
+                      call->mark = Confirmation::unconfirmed;
                     } else {
                       begin_unproven(running, *call, reload->change, failed_before);
                     }

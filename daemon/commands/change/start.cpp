@@ -20,7 +20,7 @@ Edit edit_to_start(const Running& running, const std::string& name, bool reset) 
 }
 
 /// What runs already is named in the answer.
-class Already final : public Companion {
+class Already final : public ChangeHooks {
  public:
   explicit Already(std::vector<std::string> names) : names_(std::move(names)) {}
   Status ready() override { return ok(); }

@@ -71,7 +71,7 @@ Result<Edit> edit_from(const Running& running, const Json& params) {
 
 /// What became of the properties of the core before: values that are others now, since the defaults
 /// of the new core were asked for, and properties that the new core does not have.
-class Properties final : public Companion {
+class Properties final : public ChangeHooks {
  public:
   Properties(const Running& running, const ComponentBase& component, const Edit& edit)
       : running_(running), component_(component.name()) {

@@ -233,7 +233,7 @@ std::optional<Instant> failed_at(const Running& running, const std::string& comp
 
 void begin_place_probation(Running& running, Call& call, const std::string& component,
                            CoreBefore before, const Probation& rules) {
-  call.mark = Mark::unconfirmed;
+  call.mark = Confirmation::unconfirmed;
   const auto* found = running.architecture.find_component(component);
   if (found == nullptr) {
     return;

@@ -12,7 +12,7 @@ namespace mauve::daemon {
 
 void begin_unproven(Running& running, Call& call, const Change& change,
                     std::map<std::string, std::optional<Instant>> failed_before) {
-  call.mark = Mark::unconfirmed;
+  call.mark = Confirmation::unconfirmed;
   running.unproven = {running.deployer.generation(), std::chrono::steady_clock::now()};
   running.unproven.failed_before = std::move(failed_before);
   for (const auto& edit : change.edits) {

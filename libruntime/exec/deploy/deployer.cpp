@@ -329,7 +329,7 @@ Result<Receipt> Deployer::disconnect(std::string_view port) {
   return apply({{edit}});
 }
 
-std::size_t Deployer::drain(const std::function<void(const Happening&)>& visit) {
+std::size_t Deployer::drain(const std::function<void(const RuntimeEvent&)>& visit) {
   return exec::drain_events(*system_, visit);
 }
 

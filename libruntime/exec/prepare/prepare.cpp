@@ -66,7 +66,7 @@ Status check_names(const System& system, const Change& change) {
 Status check_worth(const Change& change) {
   const bool empty = change.edits.empty() && change.new_resources.empty() &&
                      change.new_components.empty() && change.remove.empty();
-  if (!empty || change.has_companion) return ok();
+  if (!empty || change.changes_rules) return ok();
   return refuse(Errc::invalid_value, "change", "is empty: it says nothing that is to be different");
 }
 
@@ -83,7 +83,7 @@ class Preparation {
     content_->what = what_of(change_);
     content_->sets = set_by(change_);
     content_->probation = change_.probation;
-    content_->has_companion = change_.has_companion;
+    content_->changes_rules = change_.changes_rules;
     content_->in_place = !configure;
     if (change_.sync == Sync::barrier) content_->barrier.emplace();
     for (const auto step : {&Preparation::let_leave, &Preparation::let_resources_join,

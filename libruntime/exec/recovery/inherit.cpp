@@ -127,7 +127,7 @@ std::string in_words(const std::vector<std::uint64_t>& changes) {
 bool concerns(const System& system, const Content& change, const Content& before) {
   if (same_names(system, change, names_of(before))) return true;
   // Rules refer to everything, and the order of resources within each other is that of all.
-  if (change.has_companion || before.has_companion) return true;
+  if (change.changes_rules || before.changes_rules) return true;
   if (has_resources(change) && has_resources(before)) return true;
   Resources joined;
   for (const auto& resource : before.new_resources) joined.insert(resource.get());
@@ -140,7 +140,7 @@ bool concerns(const System& system, const Content& change, const Content& before
 }
 
 bool changes_modes_only(const Content& change) {
-  if (change.probation || change.has_companion || change.barrier || change.in_place ||
+  if (change.probation || change.changes_rules || change.barrier || change.in_place ||
       has_resources(change) || !change.fallbacks.empty()) {
     return false;
   }
@@ -150,7 +150,7 @@ bool changes_modes_only(const Content& change) {
 }
 
 bool can_join(const Content& change, const Content& before) {
-  const bool plain = !change.barrier && !change.has_companion && !change.in_place &&
+  const bool plain = !change.barrier && !change.changes_rules && !change.in_place &&
                      !has_resources(change) && (change.probation || !brings_code(change));
   if (!plain || !before.resources.empty()) return false;
   return std::all_of(change.members.begin(), change.members.end(), [](const auto& member) {
@@ -204,7 +204,7 @@ void adopt(Content& before, Content& heir, const std::vector<MemberRollback>& me
     newer.owner = std::move(older.owner);
     if (older.type) newer.type = std::move(older.type);
   }
-  heir.has_companion = heir.has_companion || before.has_companion;
+  heir.changes_rules = heir.changes_rules || before.changes_rules;
   adopt_fallbacks(before, heir);
   put_before(heir.new_resources, before.new_resources);
   put_before(heir.leaving_resources, before.leaving_resources);

@@ -104,7 +104,7 @@ std::string text_of(const rt::Event& event) {
   return {};
 }
 
-void drain_one(Deployed& deployed, std::vector<Happening>& all) {
+void drain_one(Deployed& deployed, std::vector<RuntimeEvent>& all) {
   rt::Event event;
   while (deployed.task->report().events().pop(event)) {
     all.push_back({event.time, event.level, deployed.component->name(),
@@ -129,8 +129,8 @@ void keep_last_events(System& system, Deployed& deployed) {
   drain_one(deployed, system.last_events);
 }
 
-std::size_t drain_events(System& system, const std::function<void(const Happening&)>& visit) {
-  std::vector<Happening> all;
+std::size_t drain_events(System& system, const std::function<void(const RuntimeEvent&)>& visit) {
+  std::vector<RuntimeEvent> all;
   {
     const MutexLock lock(system.members);
     all.swap(system.last_events);
@@ -139,8 +139,8 @@ std::size_t drain_events(System& system, const std::function<void(const Happenin
     }
   }
   std::stable_sort(all.begin(), all.end(),
-                   [](const Happening& a, const Happening& b) { return a.time < b.time; });
-  for (const Happening& happening : all) visit(happening);
+                   [](const RuntimeEvent& a, const RuntimeEvent& b) { return a.time < b.time; });
+  for (const RuntimeEvent& happening : all) visit(happening);
   return all.size();
 }
 

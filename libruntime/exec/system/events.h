@@ -18,6 +18,6 @@ void keep_last_events(System& system, Deployed& deployed);
 
 [[nodiscard]] std::string_view name_of(rt::EventKind kind);
 
-std::size_t drain_events(System& system, const std::function<void(const Happening&)>& visit);
+std::size_t drain_events(System& system, const std::function<void(const RuntimeEvent&)>& visit);
 
 }  // namespace mauve::exec

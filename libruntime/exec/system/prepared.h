@@ -106,7 +106,7 @@ class PreparedChange::Content {
   std::string what;               ///< in the words of the wire
   std::vector<std::string> sets;  ///< addresses of properties that it sets
   std::optional<Probation> probation;
-  bool has_companion = false;  ///< see Change
+  bool changes_rules = false;  ///< see Change
   bool in_place = false;       ///< elements in force are cleaned up before those that come are used
   bool step = false;           ///< of a change whose last step makes the generation
   std::vector<NewFallback> fallbacks;

@@ -80,7 +80,7 @@ class System {
   /// itself gets into the books afterwards.
   ModelLock model;
   Mutex members;
-  std::vector<Happening> last_events
+  std::vector<RuntimeEvent> last_events
       MAUVE_GUARDED_BY(members);  ///< of components that left; under `members`
   std::vector<std::string> warnings;
   std::vector<std::shared_ptr<Commit>> under_way;

@@ -87,7 +87,7 @@ struct Change {
   std::vector<NewFallback> fallbacks = {};
   /// Something outside of the runtime changes with it, for instance rules: a change that is empty
   /// otherwise makes a generation too, and may be on probation.
-  bool has_companion = false;
+  bool changes_rules = false;
   /// The generation that the change was made from: prepare() refuses the change when another one is
   /// in force, for example after a rollback. None: made from the change alone.
   std::optional<std::uint64_t> made_from = {};

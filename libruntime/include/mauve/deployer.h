@@ -173,7 +173,7 @@ class Deployer {
                                                std::shared_ptr<const Bundle> before);
 
   /// [log] Takes what happened since the last call. One caller.
-  std::size_t drain(const std::function<void(const Happening&)>& visit);
+  std::size_t drain(const std::function<void(const RuntimeEvent&)>& visit);
   /// [trace] What was traced since the last call, of each thread in its order; see mauve/trace.h.
   /// One caller, some times a second: rings overwrite what nobody collects, and the loss is a
   /// record.

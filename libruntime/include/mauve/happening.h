@@ -83,7 +83,7 @@ struct ComponentStatus {
 };
 
 /// Something that happened on a real-time thread, as told to the [log] thread.
-struct Happening {
+struct RuntimeEvent {
   Instant time = 0;  ///< monotonic
   LogLevel level = LogLevel::info;
   std::string component;

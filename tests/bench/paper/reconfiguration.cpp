@@ -145,7 +145,7 @@ void take_notes(int cpu, const Probe& probe, Result& into) {
 /// Until B has requested something.
 void await(mauve::Deployer& deployer) {
   for (bool requested = false; !requested; std::this_thread::sleep_for(200us)) {
-    deployer.drain([&](const mauve::Happening& one) { requested |= one.event == "requested"; });
+    deployer.drain([&](const mauve::RuntimeEvent& one) { requested |= one.event == "requested"; });
   }
 }
 

@@ -57,7 +57,7 @@ Done transactions(mauve::Deployer& deployer, const CountingMany& members, int ra
       missed += member.missed;
     }
     done.all.push_back({from, now(), missed});
-    deployer.drain([](const mauve::Happening&) {});
+    deployer.drain([](const mauve::RuntimeEvent&) {});
   }
   done.coordinator = static_cast<double>(thread_time() - busy) / 1e6;
   done.seconds = static_cast<double>(std::max(now() - begun, time.count())) / 1e9;

@@ -12,7 +12,7 @@ namespace {
 
 using test::TempDir;
 
-Generation numbered(std::uint64_t number, Mark mark = Mark::confirmed) {
+Generation numbered(std::uint64_t number, Confirmation mark = Confirmation::confirmed) {
   return {number,   "b007", "2026-01-31T12:00:00.000000Z", 1000, "param.set", "why", "",
           "/robot", mark};
 }
@@ -40,7 +40,7 @@ class GenerationsTest : public testing::Test {
 };
 
 TEST_F(GenerationsTest, AreReadBackAsTheyWereSaved) {
-  ASSERT_TRUE(kept->save(numbered(41, Mark::unconfirmed), "{ \"name\": \"a\" }\n"));
+  ASSERT_TRUE(kept->save(numbered(41, Confirmation::unconfirmed), "{ \"name\": \"a\" }\n"));
   ASSERT_TRUE(kept->save(numbered(42), "{}\n"));
 
   open();
@@ -54,7 +54,7 @@ TEST_F(GenerationsTest, AreReadBackAsTheyWereSaved) {
   EXPECT_EQ(one.uid, 1000U);
   EXPECT_EQ(one.command, "param.set");
   EXPECT_EQ(one.reason, "why");
-  EXPECT_EQ(one.mark, Mark::unconfirmed);
+  EXPECT_EQ(one.mark, Confirmation::unconfirmed);
   EXPECT_FALSE(one.damaged);
 }
 
@@ -70,27 +70,27 @@ TEST_F(GenerationsTest, SurviveAReasonThatIsNoText) {
 }
 
 TEST_F(GenerationsTest, AreMarkedWithoutLosingAnythingElse) {
-  ASSERT_TRUE(kept->save(numbered(1, Mark::unconfirmed), "{}"));
+  ASSERT_TRUE(kept->save(numbered(1, Confirmation::unconfirmed), "{}"));
 
-  ASSERT_TRUE(kept->mark(1, Mark::rolled_back));
-  EXPECT_EQ(kept->list().front().mark, Mark::rolled_back);
+  ASSERT_TRUE(kept->mark(1, Confirmation::rolled_back));
+  EXPECT_EQ(kept->list().front().mark, Confirmation::rolled_back);
   open();
 
-  EXPECT_EQ(kept->list().front().mark, Mark::rolled_back);
+  EXPECT_EQ(kept->list().front().mark, Confirmation::rolled_back);
   EXPECT_EQ(kept->list().front().reason, "why");
   EXPECT_EQ(kept->text(1).value(), "{}");
-  EXPECT_FALSE(kept->mark(2, Mark::confirmed));
+  EXPECT_FALSE(kept->mark(2, Confirmation::confirmed));
 }
 
 TEST_F(GenerationsTest, KeepTheirMakerAndMarkWhenTheirTextIsSavedAnew) {
-  ASSERT_TRUE(kept->save(numbered(1, Mark::unconfirmed), "{}"));
+  ASSERT_TRUE(kept->save(numbered(1, Confirmation::unconfirmed), "{}"));
   auto load = numbered(1);
   load.command = "plugin.load";
 
   ASSERT_TRUE(kept->save(load, "{ \"plugins\": [] }"));
 
   EXPECT_EQ(kept->list().front().command, "param.set");
-  EXPECT_EQ(kept->list().front().mark, Mark::unconfirmed);
+  EXPECT_EQ(kept->list().front().mark, Confirmation::unconfirmed);
   EXPECT_EQ(kept->text(1).value(), "{ \"plugins\": [] }");
 }
 
@@ -149,7 +149,7 @@ TEST_F(GenerationsTest, AreKeptInANumberAndTheNewestConfirmedOneBesides) {
   ASSERT_TRUE(kept->save(numbered(1), "{}"));
   ASSERT_TRUE(kept->save(numbered(2), "{}"));
   for (std::uint64_t number = 3; number <= 105; ++number) {
-    ASSERT_TRUE(kept->save(numbered(number, Mark::unconfirmed), "{}"));
+    ASSERT_TRUE(kept->save(numbered(number, Confirmation::unconfirmed), "{}"));
   }
 
   EXPECT_EQ(kept->list().size(), Generations::kKept);

@@ -8,7 +8,7 @@ namespace {
 
 constexpr Instant kSummarySecond = std::chrono::nanoseconds(1s).count();
 
-Happening missed(Instant time, int releases, int in_all, const std::string& component = "arm") {
+RuntimeEvent missed(Instant time, int releases, int in_all, const std::string& component = "arm") {
   return {time, LogLevel::warning, component, "missed",
           std::to_string(releases) + " releases missed, " + std::to_string(in_all) + " in all"};
 }
@@ -52,8 +52,8 @@ TEST(LateSummary, CountsComponentsAndEventsApart) {
   LateSummary summary;
   EXPECT_TRUE(summary.pass(missed(kSummarySecond, 1, 1)));
   EXPECT_TRUE(summary.pass(missed(kSummarySecond, 1, 1, "leg")));
-  const Happening late{kSummarySecond, LogLevel::warning, "arm", "overrun",
-                       "job ended 3.01 ms late, overrun 17"};
+  const RuntimeEvent late{kSummarySecond, LogLevel::warning, "arm", "overrun",
+                          "job ended 3.01 ms late, overrun 17"};
   EXPECT_TRUE(summary.pass(late));
   EXPECT_FALSE(summary.pass(late));
 

@@ -15,7 +15,7 @@ namespace {
 using protocol::Json;
 using test::TempDir;
 
-Generation with_number(std::uint64_t number, Mark mark = Mark::confirmed) {
+Generation with_number(std::uint64_t number, Confirmation mark = Confirmation::confirmed) {
   return {number,   "b007", "2026-01-31T12:00:00.000000Z", 1000, "param.set", "why", "",
           "/robot", mark};
 }
@@ -117,7 +117,7 @@ TEST_F(StateStoreTest, DropsWhatEarlierRecoveriesDidNotConfirm) {
   for (std::uint64_t number = 1; number <= 3; ++number) {
     auto about = with_number(number);
     about.command = number == 1 ? "start" : kRecover;
-    about.mark = number == 1 ? Mark::confirmed : Mark::unconfirmed;
+    about.mark = number == 1 ? Confirmation::confirmed : Confirmation::unconfirmed;
     store->begin(about, named("a"));
     open();
   }
@@ -178,12 +178,12 @@ TEST_F(StateStoreTest, AnswersWhenTheGenerationIsOnTheDisk) {
 
 TEST_F(StateStoreTest, MarksWhatWasSavedBefore) {
   store->begin(with_number(1), named("a"));
-  ASSERT_TRUE(keep(with_number(2, Mark::unconfirmed), "b"));
+  ASSERT_TRUE(keep(with_number(2, Confirmation::unconfirmed), "b"));
 
-  store->mark(2, Mark::confirmed);
+  store->mark(2, Confirmation::confirmed);
   store->flush();
 
-  EXPECT_EQ(store->generations().list().front().mark, Mark::confirmed);
+  EXPECT_EQ(store->generations().list().front().mark, Confirmation::confirmed);
 }
 
 TEST_F(StateStoreTest, SaysThatNothingWasSavedAndGoesOn) {
@@ -236,7 +236,7 @@ TEST_F(StateStoreTest, WritesWhatWaitsBeforeItEnds) {
 TEST_F(StateStoreTest, ConfirmsTwoGenerationsThatAreTheSameAndNoOthers) {
   store->begin(with_number(1), named("a"));
   for (const auto& [number, name] : {std::pair{2U, "b"}, {3U, "c"}, {4U, "b"}}) {
-    ASSERT_TRUE(keep(with_number(number, Mark::unconfirmed), name));
+    ASSERT_TRUE(keep(with_number(number, Confirmation::unconfirmed), name));
   }
   const auto mark_of = [this](std::uint64_t number) {
     store->flush();

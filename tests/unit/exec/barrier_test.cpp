@@ -65,11 +65,11 @@ TEST_F(Barrier, GoesOnOnTheGridsAndCountsWhatWasLost) {
 
 TEST_F(Barrier, IsNotSeenAsAStop) {
   std::vector<std::string> kinds;
-  static_cast<void>(deployer.drain([](const Happening&) {}));
+  static_cast<void>(deployer.drain([](const RuntimeEvent&) {}));
 
   ASSERT_TRUE(deployer.apply(store::change_to(store::make<store::Second>("two"))));
 
-  static_cast<void>(deployer.drain([&](const Happening& one) { kinds.push_back(one.event); }));
+  static_cast<void>(deployer.drain([&](const RuntimeEvent& one) { kinds.push_back(one.event); }));
   EXPECT_EQ(kinds, (std::vector<std::string>{"swapped", "swapped"}));
 }
 

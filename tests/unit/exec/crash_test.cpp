@@ -154,7 +154,7 @@ TEST_F(Crash, WithoutAFallbackCoreItsComponentIsParkedAndItsOutputsAreSafe) {
   EXPECT_EQ(deployer.status("left").fault, "SIGSEGV at address 0x0");
   EXPECT_EQ(ramp::read(architecture.left_position), -1.0);
   std::vector<std::string> told;
-  deployer.drain([&](const Happening& h) {
+  deployer.drain([&](const RuntimeEvent& h) {
     if (h.event == "faulted") told.push_back(h.component + ": " + h.text);
   });
   EXPECT_EQ(told,

@@ -41,7 +41,7 @@ TEST(Fault, IsToldWithItsText) {
 
   std::vector<std::string> told;
   deployer.drain(
-      [&](const Happening& h) { told.push_back(h.component + " " + h.event + " " + h.text); });
+      [&](const RuntimeEvent& h) { told.push_back(h.component + " " + h.event + " " + h.text); });
 
   EXPECT_NE(std::find(told.begin(), told.end(), "left faulted threw: sensor lost, in state update"),
             told.end());

@@ -27,9 +27,9 @@ class Requests : public testing::Test {
  protected:
   Requests() { asking_.fsm().period = 10ms; }
 
-  std::vector<Happening> drained() {
-    std::vector<Happening> all;
-    deployer_.drain([&](const Happening& happening) {
+  std::vector<RuntimeEvent> drained() {
+    std::vector<RuntimeEvent> all;
+    deployer_.drain([&](const RuntimeEvent& happening) {
       if (happening.event == "requested") all.push_back(happening);
     });
     return all;

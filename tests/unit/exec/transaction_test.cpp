@@ -187,10 +187,10 @@ TEST_F(Transactions, RefuseWhatIsEmptyOrSaidTwice) {
   EXPECT_EQ(deployer.generation(), 1u);
 }
 
-TEST_F(Transactions, OfACompanionAloneMakeAGenerationAndMayBeTakenBack) {
+TEST_F(Transactions, OfRulesAloneMakeAGenerationAndMayBeTakenBack) {
   deployer.run_for(20ms);
   Change rules_only;
-  rules_only.has_companion = true;
+  rules_only.changes_rules = true;
   rules_only.probation = Probation{.confirm_within = 50ms};
 
   const Result<Receipt> applied = apply(rules_only);

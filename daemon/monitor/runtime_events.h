@@ -9,10 +9,10 @@
 namespace mauve::daemon {
 
 /// [log] The record of one happening.
-[[nodiscard]] logging::Record record_of(const Happening& happening);
+[[nodiscard]] logging::Record record_of(const RuntimeEvent& happening);
 
 /// [any] Empties the rings of all real-time threads into the log; requests also go to the
 /// supervisor. Both outlive its use: take the source away before they go.
-[[nodiscard]] logging::Log::Source happenings_of(Deployer& deployer, Supervisor& supervisor);
+[[nodiscard]] logging::Log::Source runtime_events_of(Deployer& deployer, Supervisor& supervisor);
 
 }  // namespace mauve::daemon

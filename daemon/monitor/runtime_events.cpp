@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "monitor/happenings.h"
+#include "monitor/runtime_events.h"
 
 #include <algorithm>
 #include <array>
@@ -60,7 +60,7 @@ bool is_power_of_ten(std::uint64_t count) {
   return count == 1;
 }
 
-logging::Record ignored_request(const Happening& happening, std::uint64_t ignored) {
+logging::Record ignored_request(const RuntimeEvent& happening, std::uint64_t ignored) {
   return logging::make_record(Event::requests_ignored,
                               {{"component", happening.component},
                                {"transaction", happening.text},
@@ -68,7 +68,7 @@ logging::Record ignored_request(const Happening& happening, std::uint64_t ignore
 }
 
 /// What programs ask for, out of the sentence for people.
-logging::Fields fields_of(const Happening& happening) {
+logging::Fields fields_of(const RuntimeEvent& happening) {
   const std::string& text = happening.text;
   std::int64_t count = 0;
   std::from_chars(text.data(), text.data() + text.size(), count);
@@ -92,14 +92,14 @@ logging::Fields fields_of(const Happening& happening) {
 
 using Take = std::function<void(logging::Record)>;
 
-void take_all(const std::vector<Happening>& all, const Take& take) {
+void take_all(const std::vector<RuntimeEvent>& all, const Take& take) {
   for (const auto& happening : all) {
     take(record_of(happening));
   }
 }
 
 /// What a component was late is told before it stopped.
-void take_one(const Happening& happening, LateSummary& late, const Take& take) {
+void take_one(const RuntimeEvent& happening, LateSummary& late, const Take& take) {
   if (happening.event == "stopped" || happening.event == "faulted") {
     take_all(late.finish(happening.component, happening.time), take);
   }
@@ -110,7 +110,7 @@ void take_one(const Happening& happening, LateSummary& late, const Take& take) {
 
 }  // namespace
 
-logging::Record record_of(const Happening& happening) {
+logging::Record record_of(const RuntimeEvent& happening) {
   logging::Record record = logging::make_record(
       event_named(happening.event), {{"component", happening.component}, {"text", happening.text}});
   record.fields = fields_of(happening);
@@ -122,12 +122,12 @@ logging::Record record_of(const Happening& happening) {
   return record;
 }
 
-logging::Log::Source happenings_of(Deployer& deployer, Supervisor& supervisor) {
+logging::Log::Source runtime_events_of(Deployer& deployer, Supervisor& supervisor) {
   auto limit = std::make_shared<RequestLimit>();
   auto late = std::make_shared<LateSummary>();
   return [&, limit, late](const Take& take) {
     take_all(late->due(deployer.clock().now()), take);
-    deployer.drain([&](const Happening& happening) {
+    deployer.drain([&](const RuntimeEvent& happening) {
       if (happening.event != kRequested) {
         return take_one(happening, *late, take);
       }
