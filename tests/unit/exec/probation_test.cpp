@@ -34,7 +34,7 @@ struct Tardy : ramp::Down {
   int jobs_ = 0;
 };
 
-class OnProbation : public testing::Test {
+class UnderProbation : public testing::Test {
  protected:
   void SetUp() override {
     ASSERT_TRUE(deployer.deploy());
@@ -68,7 +68,7 @@ class OnProbation : public testing::Test {
   Deployer deployer{architecture, {.simulated = true}};
 };
 
-TEST_F(OnProbation, ARollBackMakesNoGenerationBeforeTheMakerOfTheChangeKnowsItsOwn) {
+TEST_F(UnderProbation, ARollBackMakesNoGenerationBeforeTheMakerOfTheChangeKnowsItsOwn) {
   for (const bool asks : {true, false}) {
     const std::uint64_t before = deployer.generation();
     Change change{{ramp::to_core<Bad>("Bad")}};
@@ -95,7 +95,7 @@ TEST_F(OnProbation, ARollBackMakesNoGenerationBeforeTheMakerOfTheChangeKnowsItsO
 }
 
 /// The next change does not free the cores that this change replaced: collect() hands them out.
-TEST_F(OnProbation, IsKeptByTheNextChangeWhenItPassedBeforeItsMakerAsked) {
+TEST_F(UnderProbation, IsKeptByTheNextChangeWhenItPassedBeforeItsMakerAsked) {
   const auto begin = [&](const char* name) {
     Change change{{ramp::to_core<ramp::Up>(name)}};
     change.probation = Probation{};
@@ -119,7 +119,7 @@ TEST_F(OnProbation, IsKeptByTheNextChangeWhenItPassedBeforeItsMakerAsked) {
   EXPECT_EQ(ramp::Up::configured_cores(), 1);
 }
 
-TEST_F(OnProbation, ACoreThatThrowsIsRolledBackAtTheNextRelease) {
+TEST_F(UnderProbation, ACoreThatThrowsIsRolledBackAtTheNextRelease) {
   const std::string before = core();
   ASSERT_TRUE(swap_to<Bad>());
   deployer.run_for(30ms);
@@ -139,7 +139,7 @@ TEST_F(OnProbation, ACoreThatThrowsIsRolledBackAtTheNextRelease) {
   EXPECT_FALSE(deployer.on_probation());
 }
 
-TEST_F(OnProbation, ACoreThatWasRolledBackIsFreedWithWhatIsCollectedThen) {
+TEST_F(UnderProbation, ACoreThatWasRolledBackIsFreedWithWhatIsCollectedThen) {
   ASSERT_TRUE(swap_to<Bad>());
   const std::weak_ptr<const CoreBase> bad = architecture.control.bundle()->core;
 
@@ -152,7 +152,7 @@ TEST_F(OnProbation, ACoreThatWasRolledBackIsFreedWithWhatIsCollectedThen) {
   EXPECT_TRUE(bad.expired()) << "the next change would free it, on [control]";
 }
 
-TEST_F(OnProbation, TheStateGoesBackAsItIs) {
+TEST_F(UnderProbation, TheStateGoesBackAsItIs) {
   ASSERT_TRUE(swap_to<Bad>());  // counts down: 10, 9, 8, 7, 6, thrown
   end_after(100ms);
 
@@ -162,7 +162,7 @@ TEST_F(OnProbation, TheStateGoesBackAsItIs) {
   EXPECT_LE(position, 14.0);
 }
 
-TEST_F(OnProbation, ItEndsAfterSoManyJobsWithoutAFault) {
+TEST_F(UnderProbation, ItEndsAfterSoManyJobsWithoutAFault) {
   ASSERT_TRUE(swap_to<ramp::Down>({.activations = 20}));
 
   deployer.run_for(150ms);
@@ -175,13 +175,13 @@ TEST_F(OnProbation, ItEndsAfterSoManyJobsWithoutAFault) {
   EXPECT_EQ(deployer.generation(), 2u);
 }
 
-TEST_F(OnProbation, ItEndsWithItsTime) {
+TEST_F(UnderProbation, ItEndsWithItsTime) {
   ASSERT_TRUE(swap_to<ramp::Down>({.time = 200ms}));
 
   EXPECT_EQ(end_after(250ms).kind, Outcome::Kind::passed);
 }
 
-TEST_F(OnProbation, AfterItAFaultIsTheComponentsOwn) {
+TEST_F(UnderProbation, AfterItAFaultIsTheComponentsOwn) {
   ASSERT_TRUE(swap_to<Bad>({.activations = 2}));
   end_after(30ms);
 
@@ -191,7 +191,7 @@ TEST_F(OnProbation, AfterItAFaultIsTheComponentsOwn) {
   EXPECT_EQ(deployer.status("control").state, ComponentState::faulted);
 }
 
-TEST_F(OnProbation, MoreLateJobsThanToleratedLeadBack) {
+TEST_F(UnderProbation, MoreLateJobsThanToleratedLeadBack) {
   Tardy::clock() = const_cast<ManualClock*>(dynamic_cast<const ManualClock*>(&deployer.clock()));
   const std::string before = core();
 
@@ -209,11 +209,11 @@ struct Costly : ramp::Down {
   }
 };
 
-class WithABudget : public OnProbation {
+class WithABudget : public UnderProbation {
  protected:
   void SetUp() override {
     architecture.control.task().budget = 300us;
-    OnProbation::SetUp();
+    UnderProbation::SetUp();
     Tardy::clock() = const_cast<ManualClock*>(dynamic_cast<const ManualClock*>(&deployer.clock()));
   }
 };
@@ -239,7 +239,7 @@ TEST_F(WithABudget, ItDoesNotEndBeforeACoreUnderSuspicionIsJudged) {
   EXPECT_EQ(core(), before);
 }
 
-TEST_F(OnProbation, AsManyLateJobsAsToleratedDoNot) {
+TEST_F(UnderProbation, AsManyLateJobsAsToleratedDoNot) {
   Tardy::clock() = const_cast<ManualClock*>(dynamic_cast<const ManualClock*>(&deployer.clock()));
 
   ASSERT_TRUE(swap_to<Tardy>({.activations = 20, .misses = 1, .window = 2}));
@@ -249,11 +249,11 @@ TEST_F(OnProbation, AsManyLateJobsAsToleratedDoNot) {
 }
 
 /// Half of each period is late.
-class WithADeadline : public OnProbation {
+class WithADeadline : public UnderProbation {
  protected:
   void SetUp() override {
     architecture.control.task().deadline = 5ms;
-    OnProbation::SetUp();
+    UnderProbation::SetUp();
     deployer.run_for(5ms);
   }
   /// The host stands still: one of six jobs begins 7 ms after its release.
@@ -286,7 +286,7 @@ TEST_F(WithADeadline, AMemberThatIsStarvedLeadsBack) {
   rolled_back_after(40ms, before, "overran too often");
 }
 
-TEST_F(OnProbation, UndoLeadsBack) {
+TEST_F(UnderProbation, UndoLeadsBack) {
   const std::string before = core();
   ASSERT_TRUE(swap_to<ramp::Down>());
   deployer.run_for(20ms);
@@ -298,7 +298,7 @@ TEST_F(OnProbation, UndoLeadsBack) {
   EXPECT_FALSE(deployer.undo()) << "once";
 }
 
-TEST_F(OnProbation, WhatNobodyConfirmsIsRolledBack) {
+TEST_F(UnderProbation, WhatNobodyConfirmsIsRolledBack) {
   const std::string before = core();
   ASSERT_TRUE(swap_to<ramp::Down>({.confirm_within = 50ms}));
   deployer.run_for(60ms);
@@ -307,7 +307,7 @@ TEST_F(OnProbation, WhatNobodyConfirmsIsRolledBack) {
   rolled_back_after(20ms, before, "not confirmed within its time");
 }
 
-TEST_F(OnProbation, WhatIsConfirmedStays) {
+TEST_F(UnderProbation, WhatIsConfirmedStays) {
   ASSERT_TRUE(swap_to<ramp::Down>({.confirm_within = 50ms}));
   const Result<Receipt> meanwhile = deployer.swap_core<ramp::Up>("control");
 
@@ -321,7 +321,7 @@ TEST_F(OnProbation, WhatIsConfirmedStays) {
   EXPECT_EQ(deployer.generation(), 2u);
 }
 
-TEST_F(OnProbation, AStopDuringItParksAndTheWayBackStays) {
+TEST_F(UnderProbation, AStopDuringItParksAndTheWayBackStays) {
   ASSERT_TRUE(swap_to<ramp::Down>());
   deployer.run_for(20ms);
 
@@ -333,7 +333,7 @@ TEST_F(OnProbation, AStopDuringItParksAndTheWayBackStays) {
   EXPECT_NE(core().find("Up"), std::string::npos);
 }
 
-TEST_F(OnProbation, AStopThatKnowsNothingOfARollBackParksTheOldCore) {
+TEST_F(UnderProbation, AStopThatKnowsNothingOfARollBackParksTheOldCore) {
   const std::string before = core();
   ASSERT_TRUE(swap_to<Bad>());
   deployer.run_for(100ms);  // it threw and went back; nobody has looked yet
@@ -347,7 +347,7 @@ TEST_F(OnProbation, AStopThatKnowsNothingOfARollBackParksTheOldCore) {
   EXPECT_GT(ramp::read(architecture.position), 6.0) << "it counts up again";
 }
 
-TEST_F(OnProbation, AfterAStopOfEverythingWhatComesBackStaysParked) {
+TEST_F(UnderProbation, AfterAStopOfEverythingWhatComesBackStaysParked) {
   Change change;
   change.remove = {"control"};
   change.probation = Probation{};
@@ -367,7 +367,7 @@ TEST_F(OnProbation, AfterAStopOfEverythingWhatComesBackStaysParked) {
   EXPECT_NE(ramp::read(architecture.position), position);
 }
 
-TEST_F(OnProbation, WhatJoinedLeavesAgainAndWhatLeftComesBack) {
+TEST_F(UnderProbation, WhatJoinedLeavesAgainAndWhatLeftComesBack) {
   struct Other : ramp::Shell {};
   auto joining = std::make_shared<ComponentBase>(
       "second",

@@ -48,7 +48,7 @@ Rover rover_of_the_example() {
 /// One of the three cores; `progress` is the share of the way that is done.
 using Choice = std::function<int(double progress)>;
 
-struct Journey {
+struct Drive {
   double seconds = 0.0;
   double clearance = 1e9;
 };
@@ -62,17 +62,17 @@ Velocity steer(int core, const Pose2D& pose, const LaserScan& scan, Guidance& st
   return guidance::follow_gap({}, pose, scan, state);
 }
 
-Journey drive(const Rover& rover, std::uint64_t seed, const Choice& choose) {
+Drive drive(const Rover& rover, std::uint64_t seed, const Choice& choose) {
   world::Robot robot(seed);
   world::Random random(seed + 1);
   Guidance state;
   state.goal = rover.goal;
   state.dwell = 10.0;
   LaserScan scan;
-  Journey journey;
+  Drive driven;
   safety::Zone zone = safety::Zone::clear;
   const double whole = rover::distance({}, rover.goal);
-  for (int step = 0; journey.seconds < 120.0; ++step, journey.seconds += 0.01) {
+  for (int step = 0; driven.seconds < 120.0; ++step, driven.seconds += 0.01) {
     const auto& odometry = robot.odometry();
     const Pose2D pose{odometry.x, odometry.y, odometry.heading};
     if (rover::distance(pose, rover.goal) < 0.15) break;
@@ -81,20 +81,20 @@ Journey drive(const Rover& rover, std::uint64_t seed, const Choice& choose) {
     state.command = guidance::slewed(state.command, steer(core, pose, scan, state), {}, 0.01);
     zone = safety::next_zone(zone, safety::free_way(scan, rover.limits.half_width), rover.limits);
     robot.drive(safety::limited(state.command, zone), {0.05, 0.25}, 0.01);
-    journey.clearance =
-        std::min(journey.clearance, rover.map.clearance({robot.pose().x, robot.pose().y}));
+    driven.clearance =
+        std::min(driven.clearance, rover.map.clearance({robot.pose().x, robot.pose().y}));
   }
-  return journey;
+  return driven;
 }
 
 void expect_arrives(const Choice& choose, const char* name) {
   const Rover rover = rover_of_the_example();
   double slowest = 0.0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const Journey journey = drive(rover, seed, choose);
-    EXPECT_LT(journey.seconds, 45.0) << name << ", seed " << seed;
-    EXPECT_GT(journey.clearance, 0.35) << name << ", seed " << seed;
-    slowest = std::max(slowest, journey.seconds);
+    const Drive driven = drive(rover, seed, choose);
+    EXPECT_LT(driven.seconds, 45.0) << name << ", seed " << seed;
+    EXPECT_GT(driven.clearance, 0.35) << name << ", seed " << seed;
+    slowest = std::max(slowest, driven.seconds);
   }
   testing::Test::RecordProperty("slowest_seconds", std::to_string(slowest));
 }

@@ -40,7 +40,7 @@ void prepare_standby_cores(Deployer& deployer) {
   }
 }
 
-TEST(Relief, TheFallbackCoreTakesOverAtTheNextRelease) {
+TEST(StandbyCore, TheFallbackCoreTakesOverAtTheNextRelease) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
@@ -71,7 +71,7 @@ TEST(Relief, TheFallbackCoreTakesOverAtTheNextRelease) {
   EXPECT_TRUE(deployer.wanted_standby_cores().empty()) << "nothing falls back from the fallback";
 }
 
-TEST(Relief, TheCoreThatFailedIsFreedWithWhatIsCollectedThen) {
+TEST(StandbyCore, TheCoreThatFailedIsFreedWithWhatIsCollectedThen) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
@@ -83,7 +83,7 @@ TEST(Relief, TheCoreThatFailedIsFreedWithWhatIsCollectedThen) {
   EXPECT_TRUE(failed.expired()) << "the next change would free it, on [control]";
 }
 
-TEST(Relief, AFreshCoreTakesOverWithinItsBudgetOfRestarts) {
+TEST(StandbyCore, AFreshCoreTakesOverWithinItsBudgetOfRestarts) {
   UnsteadyArchitecture architecture(
       {.action = FaultPolicy::Action::restart, .restarts = 2, .per = 1s, .back_off = 15ms});
   Deployer deployer(architecture, {.simulated = true});
@@ -122,7 +122,7 @@ struct Watched : ramp::Down {
   }
 };
 
-TEST(Relief, IsNotLostWhenSomebodyLooksDuringItsFirstJob) {
+TEST(StandbyCore, IsNotLostWhenSomebodyLooksDuringItsFirstJob) {
   UnsteadyArchitecture architecture({.action = FaultPolicy::Action::fallback});
   architecture.control.fall_back_to(ComponentBase::Fallback{CoreType::of<Watched>("watched"), {}});
   Deployer deployer(architecture, {.simulated = true});
@@ -140,7 +140,7 @@ struct Broken : ramp::Up {
   void update() override { throw std::runtime_error("wrong from the start"); }
 };
 
-TEST(Relief, ComesWithTheChangeAndTakesOverFromItsFirstJob) {
+TEST(StandbyCore, ComesWithTheChangeAndTakesOverFromItsFirstJob) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
@@ -158,7 +158,7 @@ TEST(Relief, ComesWithTheChangeAndTakesOverFromItsFirstJob) {
   EXPECT_EQ(deployer.status("control").missed, 0u) << "at the next release";
 }
 
-TEST(Relief, AFreshCoreComesWithTheChangeAsWell) {
+TEST(StandbyCore, AFreshCoreComesWithTheChangeAsWell) {
   UnsteadyArchitecture architecture(
       {.action = FaultPolicy::Action::restart, .restarts = 1, .per = 10s, .back_off = 0ms});
   Deployer deployer(architecture, {.simulated = true});
@@ -183,7 +183,7 @@ Change to_broken_with_another_fallback() {
   return change;
 }
 
-TEST(Relief, IsTheFallbackCoreThatTheChangeNames) {
+TEST(StandbyCore, IsTheFallbackCoreThatTheChangeNames) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
@@ -196,7 +196,7 @@ TEST(Relief, IsTheFallbackCoreThatTheChangeNames) {
   EXPECT_EQ(architecture.control.fallback()->core.name, "ramp/up");
 }
 
-TEST(Relief, IsTheOneFromBeforeAfterARollBack) {
+TEST(StandbyCore, IsTheOneFromBeforeAfterARollBack) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
@@ -211,7 +211,7 @@ TEST(Relief, IsTheOneFromBeforeAfterARollBack) {
   EXPECT_EQ(architecture.control.fallback()->core.name, "ramp/down");
 }
 
-TEST(Relief, OfTheNewCoreGoesWithItsWayBack) {
+TEST(StandbyCore, OfTheNewCoreGoesWithItsWayBack) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
@@ -227,7 +227,7 @@ TEST(Relief, OfTheNewCoreGoesWithItsWayBack) {
   EXPECT_EQ(deployer.wanted_standby_cores().size(), 1u) << "of the old one";
 }
 
-TEST(Relief, StandsByOnceAFaultedComponentIsStartedAgain) {
+TEST(StandbyCore, StandsByOnceAFaultedComponentIsStartedAgain) {
   UnsteadyArchitecture architecture({.action = FaultPolicy::Action::fallback});
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
@@ -248,7 +248,7 @@ TEST(Relief, StandsByOnceAFaultedComponentIsStartedAgain) {
   EXPECT_EQ(deployer.status("control").core, "ramp/down");
 }
 
-TEST(Relief, AChangeMakesItAnew) {
+TEST(StandbyCore, AChangeMakesItAnew) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
@@ -287,7 +287,7 @@ struct FallingBackOnProbation : FallingBack {
   Deployer deployer{*this, {.simulated = true}};
 };
 
-TEST(Relief, OfAChangeThatWasLedBackMeanwhileDoesNotStandBy) {
+TEST(StandbyCore, OfAChangeThatWasLedBackMeanwhileDoesNotStandBy) {
   FallingBackOnProbation system;
   const std::vector<Change> wanted = system.deployer.wanted_standby_cores();
   ASSERT_EQ(wanted.size(), 1u);
@@ -307,7 +307,7 @@ TEST(Relief, OfAChangeThatWasLedBackMeanwhileDoesNotStandBy) {
   EXPECT_EQ(system.deployer.status("control").core, "reluctant");
 }
 
-TEST(Relief, IsNotWantedWhileAChangeIsLedBack) {
+TEST(StandbyCore, IsNotWantedWhileAChangeIsLedBack) {
   FallingBackOnProbation system;
   system.deployer.run_for(10900us);
   ASSERT_TRUE(system.deployer.undo());  // one more job comes before its instant
@@ -317,7 +317,7 @@ TEST(Relief, IsNotWantedWhileAChangeIsLedBack) {
   EXPECT_EQ(system.deployer.wanted_standby_cores().size(), 1u);
 }
 
-TEST(Relief, DeploymentIsRefusedWhenTheFallbackCoreCannotBeConfigured) {
+TEST(StandbyCore, DeploymentIsRefusedWhenTheFallbackCoreCannotBeConfigured) {
   UnsteadyArchitecture architecture({.action = FaultPolicy::Action::fallback});
   architecture.control.fall_back_to(
       ComponentBase::Fallback{CoreType::of<ramp::ThrowingOnConfigure>("ramp/throwing"), {}});
@@ -342,7 +342,7 @@ struct Late : ramp::Up {
   }
 };
 
-TEST(Relief, TheFallbackTakesOverAfterTooManyOverruns) {
+TEST(StandbyCore, TheFallbackTakesOverAfterTooManyOverruns) {
   ramp::One<Late> architecture;
   architecture.control.task().on_overrun = OnOverrun::fallback;
   architecture.control.task().overrun_limit = 3;
@@ -361,7 +361,7 @@ TEST(Relief, TheFallbackTakesOverAfterTooManyOverruns) {
   EXPECT_EQ(deployer.status("control").overruns, 3u);
 }
 
-TEST(Relief, AComponentThatOverranTooOftenHasItsWholeLimitAgainAfterAStart) {
+TEST(StandbyCore, AComponentThatOverranTooOftenHasItsWholeLimitAgainAfterAStart) {
   ramp::One<Late> architecture;
   architecture.control.task().on_overrun = OnOverrun::stop;
   architecture.control.task().overrun_limit = 3;
@@ -379,7 +379,7 @@ TEST(Relief, AComponentThatOverranTooOftenHasItsWholeLimitAgainAfterAStart) {
   EXPECT_EQ(deployer.status("control").state, ComponentState::stopped);
 }
 
-TEST(Relief, StaysInForceWhenATransactionComesThatDoesNotKnowOfIt) {
+TEST(StandbyCore, StaysInForceWhenATransactionComesThatDoesNotKnowOfIt) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());

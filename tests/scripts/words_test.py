@@ -1,0 +1,59 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The check of retired words on made-up trees."""
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SCRIPT = pathlib.Path(__file__).resolve().parent.parent.parent / "scripts" / "words.py"
+GLOSSARY = """# Glossary
+
+| word | meaning | retired |
+|---|---|---|
+| standby core | takes over | `Relief` `relief_of` |
+
+| key | other table |
+|---|---|
+| `kept` | `Kept` |
+"""
+
+
+class Words(unittest.TestCase):
+    def check(self, files):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            for name, text in {"docs/glossary.md": GLOSSARY, **files}.items():
+                (root / name).parent.mkdir(parents=True, exist_ok=True)
+                (root / name).write_text(text, "utf-8")
+            done = subprocess.run([sys.executable, SCRIPT, root], capture_output=True, text=True, check=False)
+            return done.returncode, done.stdout + done.stderr
+
+    def test_accepts_words_that_are_not_retired(self):
+        self.assertEqual(self.check({"ctl/a.cpp": "int kept, relief, Reliefs, my_Relief;\n"}),
+                         (0, "words: no retired word is in use\n"))
+
+    def test_refuses_an_identifier(self):
+        code, output = self.check({"daemon/a.h": "\nclass Relief;\n"})
+        self.assertEqual(code, 1)
+        self.assertIn("daemon/a.h:2: Relief is retired; write 'standby core'", output)
+
+    def test_refuses_a_key_of_json_a_message_and_a_document(self):
+        for name, text in (("etc/a.json", '{"Relief": 1}'), ("ctl/a.cpp", 'f("no Relief here");'),
+                           ("README.md", "`relief_of` is"), ("scripts/a.py", "# Relief")):
+            with self.subTest(name):
+                self.assertEqual(self.check({name: text})[0], 1)
+
+    def test_leaves_the_past_as_it_was(self):
+        past = {"CHANGELOG.md": "Relief", "docs/decisions/0001-a.md": "Relief"}
+        self.assertEqual(self.check(past)[0], 0)
+
+    def test_refuses_a_glossary_that_retires_nothing(self):
+        code, output = self.check({"docs/glossary.md": "# Glossary\n"})
+        self.assertEqual(code, 1)
+        self.assertIn("no table has a column", output)
+
+
+if __name__ == "__main__":
+    unittest.main()
