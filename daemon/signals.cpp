@@ -2,13 +2,13 @@
 #include "signals.h"
 
 #include <signal.h>
-#include <sys/prctl.h>
 #include <unistd.h>
 
 #include <cstring>
 #include <ctime>
 
 #include "base/mutex.h"
+#include "base/thread_role.h"
 
 namespace mauve::daemon {
 
@@ -96,7 +96,7 @@ Reaper::Reaper(const Signals& signals, std::chrono::milliseconds patience,
                std::function<void(const std::string& cause)> crash_handler)
     : signals_(signals), patience_(patience), crash_handler_(std::move(crash_handler)) {
   thread_ = std::thread([this] {
-    prctl(PR_SET_NAME, "mauve-reaper");
+    begin_thread(ThreadRole::reaper);
     run();
   });
 }

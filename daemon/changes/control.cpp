@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "changes/control.h"
 
-#include <sys/prctl.h>
-
 #include <algorithm>
 #include <utility>
 
 #include "base/mutex.h"
+#include "base/thread_role.h"
 #include "mauve/change.h"
 #include "mauve/job.h"
 #include "rt/rescue.h"
@@ -24,7 +23,7 @@ WorkerThread::~WorkerThread() { stop(); }
 
 void WorkerThread::start() {
   thread_ = std::thread([this] {
-    prctl(PR_SET_NAME, name_);
+    begin_thread(role_);
     const rt::FaultStack stack;  // code of a plugin that computes a value may fill its own
     run();
   });

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/mutex.h"
+#include "base/thread_role.h"
 #include "changes/factory.h"
 #include "changes/fair_queue.h"
 
@@ -23,7 +24,7 @@ class WorkerThread {
  public:
   using Job = std::function<void()>;
 
-  explicit WorkerThread(const char* name) : name_(name) {}
+  explicit WorkerThread(ThreadRole role) : role_(role) {}
   ~WorkerThread();
   WorkerThread(const WorkerThread&) = delete;
   WorkerThread& operator=(const WorkerThread&) = delete;
@@ -52,7 +53,7 @@ class WorkerThread {
   bool take(Job& job);
   void look_at_awaited();
 
-  const char* name_;
+  const ThreadRole role_;
   Mutex mutex_;
   ConditionVariable wake_;
   std::deque<Job> urgent_ MAUVE_GUARDED_BY(mutex_);
@@ -133,8 +134,8 @@ class Control {
   bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
   std::map<uid_t, std::size_t> long_answers_
       MAUVE_GUARDED_BY(mutex_);  ///< that are not written out yet
-  WorkerThread control_{"mauve-control"};
-  WorkerThread answer_{"mauve-answer"};
+  WorkerThread control_{ThreadRole::control};
+  WorkerThread answer_{ThreadRole::answer};
   Factory factory_{[this](Job then) { control_.post(std::move(then)); }};
   const std::chrono::nanoseconds prepare_within_;
 };

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "changes/factory.h"
 
-#include <sys/prctl.h>
-
 #include <algorithm>
 
 #include "base/mutex.h"
+#include "base/thread_role.h"
 #include "mauve/job.h"
 #include "model/leavable.h"
 #include "rt/rescue.h"
@@ -57,7 +56,7 @@ void Factory::begin() {
     shared_->serving = fresh;
   }
   thread_ = std::thread([shared = shared_, fresh] {
-    prctl(PR_SET_NAME, "mauve-factory");
+    begin_thread(ThreadRole::factory);
     const rt::FaultStack stack;  // a hook may fill its own
     fresh->leavable.begin_here();
     run(shared, fresh);

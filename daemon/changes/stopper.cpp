@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "changes/stopper.h"
 
-#include <sys/prctl.h>
-
 #include <algorithm>
 #include <iterator>
 
 #include "base/mutex.h"
+#include "base/thread_role.h"
 #include "mauve/deployer.h"
 
 namespace mauve::daemon {
@@ -45,7 +44,7 @@ std::vector<std::string> StopOrder::stopped_directly() const {
 void Stopper::start(Deployer& deployer) {
   deployer_ = &deployer;
   thread_ = std::thread([this] {
-    prctl(PR_SET_NAME, "mauve-stop");
+    begin_thread(ThreadRole::stop);
     run();
   });
 }

@@ -55,7 +55,7 @@ class Judge {
   rt::ChildRunner runner_;
   Mutex mutex_;
   std::map<uid_t, std::size_t> waiting_ MAUVE_GUARDED_BY(mutex_);  // under mutex_
-  WorkerThread thread_{"mauve-judge"};
+  WorkerThread thread_{ThreadRole::judge};
 };
 
 /// This program again, with the options that a file is judged with. [any]

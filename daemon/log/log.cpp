@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "log/log.h"
 
-#include <sys/prctl.h>
-
 #include <algorithm>
 #include <utility>
 
 #include "base/mutex.h"
+#include "base/thread_role.h"
 
 namespace mauve::logging {
 
@@ -21,7 +20,7 @@ void Log::add_sink(std::unique_ptr<Sink> sink) {
 
 void Log::start() {
   thread_ = std::thread([this] {
-    prctl(PR_SET_NAME, "mauve-log");
+    begin_thread(ThreadRole::log);
     run();
   });
 }

@@ -10,6 +10,7 @@
 
 #include "base/duration.h"
 #include "base/mutex.h"
+#include "base/thread_role.h"
 #include "commands/audit.h"
 #include "commands/change/change.h"
 #include "commands/look/notice.h"
@@ -62,7 +63,10 @@ void HealthMonitor::start(Running& running) {
   running.tell_outcomes = [this] { tell_outcomes(); };
   running.settle = [this](const Outcome& outcome) { settle(outcome); };
   running.control.read([&running] { remember_cores(running); });
-  thread_ = std::thread([this] { run(); });
+  thread_ = std::thread([this] {
+    begin_thread(ThreadRole::care);
+    run();
+  });
 }
 
 void HealthMonitor::stop() {

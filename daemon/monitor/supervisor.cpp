@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "monitor/supervisor.h"
 
-#include <sys/prctl.h>
-
 #include <algorithm>
 
 #include "arch/transaction.h"
@@ -10,6 +8,7 @@
 #include "base/duration.h"
 #include "base/mutex.h"
 #include "base/name.h"
+#include "base/thread_role.h"
 #include "commands/answer.h"
 #include "commands/audit.h"
 #include "commands/change/change.h"
@@ -99,7 +98,7 @@ void Supervisor::begin_to_look() {
     return;
   }
   thread_ = std::thread([this] {
-    prctl(PR_SET_NAME, "mauve-rules");
+    begin_thread(ThreadRole::rules);
     run();
   });
 }

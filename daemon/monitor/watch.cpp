@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "monitor/watch.h"
 
-#include <sys/prctl.h>
-
 #include <algorithm>
 
 #include "arch/value_json.h"
 #include "base/mutex.h"
+#include "base/thread_role.h"
 #include "commands/look/value.h"
 #include "mauve/architecture.h"
 
@@ -57,7 +56,7 @@ bool Watches::Tapped::is_there() const {
 void Watches::start(Running& running) {
   running_ = &running;
   thread_ = std::thread([this] {
-    prctl(PR_SET_NAME, "mauve-watch");
+    begin_thread(ThreadRole::watch);
     run();
   });
 }

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "server/server.h"
 
-#include <sys/prctl.h>
-
 #include <algorithm>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/post.hpp>
 #include <future>
 
 #include "base/mutex.h"
+#include "base/thread_role.h"
 
 namespace mauve::server {
 
@@ -59,7 +58,7 @@ Status Server::open(Endpoint endpoint) {
 void Server::start() {
   accept();
   thread_ = std::thread([this] {
-    prctl(PR_SET_NAME, "mauve-io");
+    begin_thread(ThreadRole::io);
     io_.run();
   });
 }

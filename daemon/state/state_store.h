@@ -125,7 +125,7 @@ class StateStore {
   Mutex mutex_;                ///< guards what follows
   std::vector<std::string> waiting_ MAUVE_GUARDED_BY(mutex_);
   std::uint64_t lost_ MAUVE_GUARDED_BY(mutex_) = 0;
-  WorkerThread disk_{"mauve-disk"};
+  WorkerThread disk_{ThreadRole::disk};
 };
 
 }  // namespace mauve::daemon

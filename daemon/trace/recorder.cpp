@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "trace/recorder.h"
 
-#include <sys/prctl.h>
-
 #include <algorithm>
 #include <functional>
 #include <set>
 
 #include "base/mutex.h"
+#include "base/thread_role.h"
 #include "state/state_store.h"
 
 namespace mauve::daemon {
@@ -38,7 +37,7 @@ void Recorder::start(Running& running) {
   }
   set_trace_mode(mode());
   thread_ = std::thread([this] {
-    prctl(PR_SET_NAME, "mauve-trace");
+    begin_thread(ThreadRole::trace);
     run();
   });
 }

@@ -28,8 +28,11 @@ target_compile_options(mauve_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Werror
   $<$<CXX_COMPILER_ID:Clang>:-Wthread-safety>)  # base/mutex.h
 
+# Functions that belong to one thread check it, see base/thread_role.h.
+add_compile_definitions($<$<CONFIG:Debug>:MAUVE_CHECK_THREADS>)
 set(MAUVE_SANITIZE "" CACHE STRING "Sanitizers for all targets: address,undefined or thread")
 if(MAUVE_SANITIZE)
+  add_compile_definitions(MAUVE_CHECK_THREADS)
   add_compile_options(-fsanitize=${MAUVE_SANITIZE} -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${MAUVE_SANITIZE})
   if(MAUVE_SANITIZE MATCHES "thread" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")

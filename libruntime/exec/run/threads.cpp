@@ -6,6 +6,8 @@
 #include <thread>
 
 #include "exec/run/threads.h"
+
+#include "base/thread_role.h"
 #include "exec/task/task.h"
 #include "model/left_behind.h"
 #include "rt/fence.h"
@@ -159,6 +161,7 @@ class Threads final : public Runner {
   }
 
   void run(Worker& worker) {
+    take_thread_role(ThreadRole::realtime);
     const rt::FaultStack stack;
     worker.task.watch().runs_on(&this_job());
     parked_.fetch_add(1);
