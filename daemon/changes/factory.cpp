@@ -121,6 +121,7 @@ void Factory::run(const std::shared_ptr<Shared>& shared, const std::shared_ptr<T
 }
 
 std::vector<LeftBehind> Factory::look(std::chrono::nanoseconds bound) {
+  MAUVE_ON_THREAD(control);
   Job then;
   GivenUp given_up;
   LeftBehind left;

@@ -23,12 +23,14 @@ std::string listed(const std::vector<std::string>& names) {
 }  // namespace
 
 bool StopOrder::begin() {
+  MAUVE_ON_THREAD(control);
   const MutexLock lock(mutex_);
   begun_ = true;
   return direct_ != nullptr;
 }
 
 void StopOrder::end(Deployer& deployer) {
+  MAUVE_ON_THREAD(control);
   const MutexLock lock(mutex_);
   over_ = true;
   if (direct_ != nullptr) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/answer.h"
 
+#include "base/thread_role.h"
+
 #include "commands/audit.h"
 #include "commands/lock.h"
 #include "commands/look/notice.h"
@@ -20,6 +22,7 @@ bool is_tried(const Running& running) {
 /// [control] Saves what runs now, then says in the audit log what was asked and what became of it.
 void keep(Running& running, const Call& call, std::optional<Confirmation> mark, Json line,
           std::function<void(bool saved)> then) {
+  MAUVE_ON_THREAD(control);
   const StandStill still(running);
   Generation about;
   about.number = running.deployer.generation();
@@ -67,6 +70,7 @@ void remember_change(Running& running, const Call& call, const Json& result,
 /// [control] The answer tells whether the change was also saved, so it waits for the disk; that of
 /// a stop does not.
 void answer_applied(Running& running, const Call& call, Json result) {
+  MAUVE_ON_THREAD(control);
   const auto generation = running.deployer.generation();
   // That one may be a roll-back of this change already.
   const auto made = result.find("generation");
@@ -144,6 +148,7 @@ void refuse_text(Running& running, const Call& call, const std::string& subject,
 }
 
 Status check_long_answers(const Running& running, const Call& call) {
+  MAUVE_ON_THREAD(control);
   const auto uid = call.caller.peer.uid;
   if (running.control.long_answers(uid) < Control::kLongAnswers) {
     return ok();
@@ -155,6 +160,7 @@ Status check_long_answers(const Running& running, const Call& call) {
 }
 
 Status check_conditions(const Running& running, const Call& call) {
+  MAUVE_ON_THREAD(control);
   if (auto free = may_change(running, kind_of(call)); !free) {
     return free;
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/audit.h"
 
+#include "base/thread_role.h"
+
 #include <chrono>
 #include <utility>
 
@@ -102,6 +104,7 @@ std::string changes_of(const Json& result) {
 }
 
 Json audit_applied(Running& running, const Call& call, const Json& result) {
+  MAUVE_ON_THREAD(control);
   auto line = begin(call);
   line.add("generation", number(running.deployer.generation()));
   line.add("state", text_or(result, "state", "applied"));
@@ -139,6 +142,7 @@ std::optional<Json> audit_refused(Running& running, const Call& call, const Faul
 }
 
 void tell_counted_refusals(Running& running, std::chrono::steady_clock::time_point now) {
+  MAUVE_ON_THREAD(control);
   for (const auto& [uid, count] : running.refusals.take_counted(now)) {
     running.log.write(Event::refusals_counted, {{"uid", number(uid)}, {"count", number(count)}});
     if (running.store != nullptr) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/deadlines.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -56,6 +58,7 @@ bool advance_to(Stage next, std::atomic<Stage>& stage) {
 }
 
 void Deadlines::watch(const std::shared_ptr<Call>& call) {
+  MAUVE_ON_THREAD(io);
   const auto allowed = deadline_in(call->params);
   if (!allowed) {
     return;
@@ -71,6 +74,7 @@ void Deadlines::watch(const std::shared_ptr<Call>& call) {
 }
 
 void Deadlines::look(const Running& running, Time now) {
+  MAUVE_ON_THREAD(care);
   std::vector<std::shared_ptr<Call>> late;
   {
     const MutexLock lock(mutex_);

@@ -5,6 +5,8 @@
 #include <array>
 
 #include "commands/answer.h"
+
+#include "base/thread_role.h"
 #include "commands/lock.h"
 #include "judge/judgement.h"
 #include "monitor/supervisor.h"
@@ -36,6 +38,7 @@ Kind kind_of(const Call& call) {
 }
 
 Status may_change(const Running& running, Kind kind) {
+  MAUVE_ON_THREAD(control);
   if (kind != Kind::other || running.lock != Lock::all) {
     return ok();
   }
@@ -44,6 +47,7 @@ Status may_change(const Running& running, Kind kind) {
 }
 
 Status may_change(const Running& running, const std::vector<arch::Line>& lines) {
+  MAUVE_ON_THREAD(control);
   const bool params = running.lock == Lock::params;
   if (!params && running.lock != Lock::topology) {
     return ok();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/path_rule.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <filesystem>
 #include <sstream>
@@ -59,6 +61,7 @@ std::string listed(const std::vector<std::string>& places) {
 
 Status lies_within(const PropertyBase& property, const Value& value,
                    const std::vector<std::string>& more) {
+  MAUVE_ON_THREAD(factory);
   const auto* text = value.get_if<std::string>();
   if (property.within().empty() || text == nullptr || text->empty()) {
     return ok();

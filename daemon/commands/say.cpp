@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/say.h"
 
+#include "base/thread_role.h"
+
 #include "exec/system/prepared.h"
 #include "judge/judgement.h"
 
@@ -17,6 +19,7 @@ void say_lines(const std::vector<arch::Line>& lines, Json& result) {
 }
 
 void remember_lines(Running& running, const std::vector<arch::Line>& lines) {
+  MAUVE_ON_THREAD(control);
   Json foreseen;
   say_lines(lines, foreseen);
   running.way_back.remember(running.deployer.generation() + 1, foreseen["lines"]);
@@ -35,6 +38,7 @@ void say_sync(std::optional<Result<PreparedChange>>& prepared, Json& result) {
 }
 
 void say_who_stands(Running& running, const Change& change, Json& result) {
+  MAUVE_ON_THREAD(control);
   auto standing = Json::array();
   for (const auto& edit : change.edits) {
     const auto now = running.deployer.status(edit.component);

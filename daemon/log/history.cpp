@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "log/history.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 
 #include "base/mutex.h"
@@ -32,6 +34,7 @@ bool Filter::accepts(const Record& record) const {
 }
 
 void History::add(const Record& record) {
+  MAUVE_ON_THREAD(log);
   Entries told;
   {
     const MutexLock lock(mutex_);

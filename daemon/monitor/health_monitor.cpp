@@ -91,6 +91,7 @@ void HealthMonitor::run() {
 
 /// [control]
 void HealthMonitor::look() {
+  MAUVE_ON_THREAD(control);
   tell_of_factory();
   tell_of_holds();
   tell_outcomes();

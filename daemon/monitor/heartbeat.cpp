@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "monitor/heartbeat.h"
 
+#include "base/thread_role.h"
+
 #include <utility>
 
 #include "base/mutex.h"
@@ -14,6 +16,7 @@ constexpr Duration kBeyondTheBound = 1s;
 }  // namespace
 
 std::string overdue(const Running& running) {
+  MAUVE_ON_THREAD(control);
   const Duration now{running.deployer.clock().now() - running.deployer.t0()};
   std::string names;
   for (const auto& one : running.deployer.status()) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "monitor/runtime_events.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -111,6 +113,7 @@ void take_one(const RuntimeEvent& happening, LateSummary& late, const Take& take
 }  // namespace
 
 logging::Record record_of(const RuntimeEvent& happening) {
+  MAUVE_ON_THREAD(log);
   logging::Record record = logging::make_record(
       event_named(happening.event), {{"component", happening.component}, {"text", happening.text}});
   record.fields = fields_of(happening);

@@ -82,6 +82,7 @@ void Supervisor::adopt(rules::Supervision supervision, std::uint64_t generation)
 
 /// At most one change on probation brings rules: another one ends the probation of the first.
 void Supervisor::take_back(const std::vector<std::uint64_t>& generations) {
+  MAUVE_ON_THREAD(control);
   if (adopted_in_ != 0 && std::ranges::find(generations, adopted_in_) != generations.end()) {
     adopt(std::move(before_));
   }
@@ -126,6 +127,7 @@ void Supervisor::run() {
 
 /// [control]
 void Supervisor::look() {
+  MAUVE_ON_THREAD(control);
   look_pending_ = false;
   const auto held = [this](const rules::Rule& rule) {
     return held_by(running_->lock, steps_of(rule));
@@ -148,6 +150,7 @@ void Supervisor::report_sight(const rules::SightChange& change) {
 }
 
 Json Supervisor::lost_values() const {
+  MAUVE_ON_THREAD(control);
   Json rows = Json::array();
   for (const auto& one : engine_.lost()) {
     rows.push_back({{"address", one.address},
@@ -163,6 +166,7 @@ const rules::Steps& Supervisor::steps_of(const rules::Rule& rule) const {
 }
 
 std::size_t Supervisor::held() const {
+  MAUVE_ON_THREAD(control);
   if (running_ == nullptr) {
     return 0;
   }
@@ -201,6 +205,7 @@ void Supervisor::fire(std::size_t index) {
 }
 
 void Supervisor::request(std::string component, std::string transaction) {
+  MAUVE_ON_THREAD(log);
   control_.read([this, component = std::move(component), transaction = std::move(transaction)] {
     serve(component, transaction);
   });
@@ -208,6 +213,7 @@ void Supervisor::request(std::string component, std::string transaction) {
 
 /// [control] The component is real-time code of a plugin: it may do what the file permits.
 void Supervisor::serve(const std::string& component, const std::string& transaction) {
+  MAUVE_ON_THREAD(control);
   Order order{transaction, "requested by " + component, component, {}, {}, {}};
   const auto* steps = supervision_.find(transaction);
   if (!supervision_.permits(component, transaction)) {
@@ -239,6 +245,7 @@ void Supervisor::refuse_request(const Order& order, const Error& error) {
 
 /// [control] Queued behind the changes that wait already.
 void Supervisor::carry_out(Order order) {
+  MAUVE_ON_THREAD(control);
   auto call = std::make_shared<Call>();
   call->method = &kMethod;
   call->params = {{"transaction", order.transaction}, {"reason", order.by}};
@@ -313,6 +320,7 @@ void Supervisor::conclude(const Order& order, const server::Outcome& outcome, bo
 }
 
 Result<Json> Supervisor::list(const std::string& rule) const {
+  MAUVE_ON_THREAD(control);
   const auto now = running_->deployer.clock().now();
   Json rows = Json::array();
   std::vector<std::string> names;

@@ -75,6 +75,7 @@ void Watches::stop() {
 
 Result<std::uint64_t> Watches::subscribe(const Running& running, const server::Caller& caller,
                                          const std::vector<std::string>& addresses) {
+  MAUVE_ON_THREAD(control);
   if (addresses.empty() || addresses.size() > kMaxAddresses) {
     return refuse(Errc::limit, "addresses",
                   "one subscription takes 1 to " + std::to_string(kMaxAddresses) + " addresses",
@@ -141,6 +142,7 @@ Status Watches::tap(const std::string& address, ServiceBase& service, const Subs
 Result<Watches::FollowedLog> Watches::follow_log(
     const server::Caller& caller, const logging::Filter& filter, std::size_t count,
     std::function<Json(const logging::Record&)> encode) {
+  MAUVE_ON_THREAD(control);
   const auto sub = caller.outbox->open();
   if (!sub) {
     return refuse(Errc::limit, "subscriptions", "this connection has too many", "end some of them");
@@ -160,6 +162,7 @@ Result<Watches::FollowedLog> Watches::follow_log(
 }
 
 bool Watches::unsubscribe(const server::Caller& caller, std::uint64_t sub) {
+  MAUVE_ON_THREAD(control);
   remove([&](std::uint64_t client, std::uint64_t number) {
     return client == caller.client && number == sub;
   });
@@ -167,6 +170,7 @@ bool Watches::unsubscribe(const server::Caller& caller, std::uint64_t sub) {
 }
 
 void Watches::forget(std::uint64_t client) {
+  MAUVE_ON_THREAD(io);
   running_->control.read([this, client] {
     remove([client](std::uint64_t other, std::uint64_t) { return other == client; });
   });
@@ -218,6 +222,7 @@ void Watches::run() {
 
 /// Each round begins where the one before ended, so that no tap waits for ever. [watch]
 void Watches::bring_round(MutexLock& lock) {
+  MAUVE_ON_THREAD(watch);
   Round round;
   const auto goes_on = [&]() MAUVE_REQUIRES(mutex_) {
     return round.goes_on() && !stopping_ && !tapped_.empty();

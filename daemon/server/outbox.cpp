@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "server/outbox.h"
 
+#include "base/thread_role.h"
+
 #include "base/mutex.h"
 #include "protocol/message.h"
 
@@ -105,6 +107,7 @@ void Outbox::announce(std::map<Source, std::uint64_t>::iterator lost) {
 }
 
 std::optional<std::string> Outbox::take() {
+  MAUVE_ON_THREAD(io);
   const MutexLock lock(mutex_);
   if (items_.empty() && !lost_.empty()) {
     announce(lost_.begin());

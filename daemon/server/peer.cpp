@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "server/peer.h"
 
+#include "base/thread_role.h"
+
 #include <grp.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -46,6 +48,7 @@ std::string_view to_string(Role role) {
 }
 
 Result<Peer> peer_of(int socket) {
+  MAUVE_ON_THREAD(io);
   ucred who{};
   socklen_t size = sizeof who;
   if (getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &who, &size) != 0) {

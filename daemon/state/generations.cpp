@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "state/generations.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -182,6 +184,7 @@ void Generations::look() {
 }
 
 Status Generations::save(const Generation& about, const std::string& text) {
+  MAUVE_ON_THREAD(disk);
   Generation whole = about;
   {
     const MutexLock lock(mutex_);
@@ -217,6 +220,7 @@ Status Generations::write(const Generation& about, const std::string& text) {
 }
 
 Status Generations::mark(std::uint64_t number, Confirmation mark) {
+  MAUVE_ON_THREAD(disk);
   auto read = read_generation(file(number), number);
   if (!read) {
     return read.error();
@@ -250,6 +254,7 @@ void Generations::remove(std::uint64_t number) {
 }
 
 Status Generations::confirm_like(std::uint64_t number, std::uint64_t earlier) {
+  MAUVE_ON_THREAD(disk);
   {
     const MutexLock lock(mutex_);
     const auto found = known_.find(earlier);

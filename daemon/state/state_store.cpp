@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "state/state_store.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -192,6 +194,7 @@ void StateStore::keep(Generation about, Value architecture, Json line,
 /// [disk] The mark of the generation before this one. A generation that mauved made by itself, and
 /// that the health_monitor has not saved yet, counts as unconfirmed.
 Confirmation StateStore::mark_before(std::uint64_t generation) const {
+  MAUVE_ON_THREAD(disk);
   if (generation != newest_ && generation != newest_ + 1) {
     return Confirmation::unconfirmed;
   }
@@ -240,6 +243,7 @@ void StateStore::mark(std::uint64_t generation, Confirmation mark) {
 
 /// [disk]
 bool StateStore::mark_now(std::uint64_t generation, Confirmation mark) {
+  MAUVE_ON_THREAD(disk);
   if (generation == newest_) {
     newest_mark_ = mark;
   }
@@ -307,6 +311,7 @@ void StateStore::quarantine(Json cores) {
 /// [disk] The list of quarantined cores. A list that the disk did not take is written again with
 /// the next change.
 bool StateStore::save_cores() {
+  MAUVE_ON_THREAD(disk);
   if (!unsaved_cores_) {
     return true;
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "trace/flights.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -96,6 +98,7 @@ Flights::Flights(std::string directory, logging::Log& log)
 
 void Flights::write(const Recording& recording, const std::string& word,
                     const std::string& component, const std::string& boot) {
+  MAUVE_ON_THREAD(disk);
   const Json header = header_of(recording, boot);
   Flight flight;
   {

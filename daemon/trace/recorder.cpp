@@ -204,6 +204,7 @@ Recording Recorder::cut(Instant from) const {
 }
 
 Status Recorder::begin(bool detail, std::chrono::seconds kept) {
+  MAUVE_ON_THREAD(control);
   if (kept < std::chrono::seconds(1) || kept > kMostKept) {
     return refuse(Errc::invalid_value, "seconds",
                   "must be from 1 to " + std::to_string(kMostKept.count()));
@@ -225,6 +226,7 @@ Status Recorder::begin(bool detail, std::chrono::seconds kept) {
 }
 
 Status Recorder::end() {
+  MAUVE_ON_THREAD(control);
   collect();
   auto about = running_->deployer.traced();
   const MutexLock lock(mutex_);
@@ -243,6 +245,7 @@ Status Recorder::end() {
 }
 
 Result<std::pair<std::string, RecordingPtr>> Recorder::snapshot(bool now) {
+  MAUVE_ON_THREAD(control);
   auto about = running_->deployer.traced();
   collect();
   const MutexLock lock(mutex_);
@@ -261,6 +264,7 @@ Result<std::pair<std::string, RecordingPtr>> Recorder::snapshot(bool now) {
 }
 
 RecordingPtr Recorder::find_snapshot(const std::string& name) const {
+  MAUVE_ON_THREAD(control);
   const MutexLock lock(mutex_);
   const auto found = std::find_if(snapshots_.begin(), snapshots_.end(),
                                   [&](const auto& one) { return one.first == name; });

@@ -12,7 +12,7 @@ GLOSSARY = """# Glossary
 
 | word | meaning | retired |
 |---|---|---|
-| standby core | takes over | `Relief` `relief_of` |
+| standby core | takes over | `Oldword` `oldword_of` |
 
 | key | other table |
 |---|---|
@@ -31,22 +31,22 @@ class Words(unittest.TestCase):
             return done.returncode, done.stdout + done.stderr
 
     def test_accepts_words_that_are_not_retired(self):
-        self.assertEqual(self.check({"ctl/a.cpp": "int kept, relief, Reliefs, my_Relief;\n"}),
+        self.assertEqual(self.check({"ctl/a.cpp": "int kept, oldword, Oldwords, my_Oldword;\n"}),
                          (0, "words: no retired word is in use\n"))
 
     def test_refuses_an_identifier(self):
-        code, output = self.check({"daemon/a.h": "\nclass Relief;\n"})
+        code, output = self.check({"daemon/a.h": "\nclass Oldword;\n"})
         self.assertEqual(code, 1)
-        self.assertIn("daemon/a.h:2: Relief is retired; write 'standby core'", output)
+        self.assertIn("daemon/a.h:2: Oldword is retired; write 'standby core'", output)
 
     def test_refuses_a_key_of_json_a_message_and_a_document(self):
-        for name, text in (("etc/a.json", '{"Relief": 1}'), ("ctl/a.cpp", 'f("no Relief here");'),
-                           ("README.md", "`relief_of` is"), ("scripts/a.py", "# Relief")):
+        for name, text in (("etc/a.json", '{"Oldword": 1}'), ("ctl/a.cpp", 'f("no Oldword here");'),
+                           ("README.md", "`oldword_of` is"), ("scripts/a.py", "# Oldword")):
             with self.subTest(name):
                 self.assertEqual(self.check({name: text})[0], 1)
 
     def test_leaves_the_past_as_it_was(self):
-        past = {"CHANGELOG.md": "Relief", "docs/decisions/0001-a.md": "Relief"}
+        past = {"CHANGELOG.md": "Oldword", "docs/decisions/0001-a.md": "Oldword"}
         self.assertEqual(self.check(past)[0], 0)
 
     def test_refuses_a_glossary_that_retires_nothing(self):

@@ -10,6 +10,8 @@
 ///   [factory] free the rest
 #include "commands/change/architecture.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <functional>
 #include <iterator>
@@ -56,6 +58,7 @@ class Application final : public ChangeHooks {
 
   /// [control] Once the file turned out to be good.
   void compare() {
+    MAUVE_ON_THREAD(control);
     difference_ = arch::compare(running_.architecture, *wanted_, parked_now(running_));
     elements_ = !difference_.lines.empty();
     compare_supervision();
@@ -169,6 +172,7 @@ using ApplicationPtr = std::shared_ptr<Application>;
 
 /// [control] Nothing of the application is touched on this thread afterwards.
 void free_in_factory(Running& running, ApplicationPtr application, Ticket ticket) {
+  MAUVE_ON_THREAD(control);
   running.control.in_factory(
       [application = std::move(application)]() mutable { application.reset(); },
       [ticket = std::move(ticket)] {});
@@ -202,6 +206,7 @@ Status check_nothing_to_prove(const Json& params) {
 
 /// [control] Plugins are all that the file adds: no component takes part, no new generation.
 void load_only(Running& running, const Call& call, Application& application) {
+  MAUVE_ON_THREAD(control);
   auto good = check_nothing_to_prove(call.params);
   if (good) {
     good = check_conditions(running, call);
@@ -226,6 +231,7 @@ void load_only(Running& running, const Call& call, Application& application) {
 
 /// [control] The file is good, and compared.
 void go_on(Running& running, const CallPtr& call, ApplicationPtr application, Ticket ticket) {
+  MAUVE_ON_THREAD(control);
   const auto state = state_policy(call->params);
   const auto sync = sync_of(call->params);
   const auto named = application->named_alike();
@@ -265,6 +271,7 @@ void load_then_go_on(Running& running, const CallPtr& call, ApplicationPtr appli
 
 void apply_architecture(Running& running, const CallPtr& call, Ticket ticket, std::string text,
                         const std::string& reason) {
+  MAUVE_ON_THREAD(control);
   if (!reason.empty() && text_or(call->params, "reason").empty()) {
     call->params["reason"] = reason;
   }
@@ -311,6 +318,7 @@ Question question_of(const Running& running, const Call& call) {
 
 /// All at once: a look while the architecture is walked through could change it.
 arch::Parked parked_now(const Running& running) {
+  MAUVE_ON_THREAD(control);
   std::set<std::string, std::less<>> parked;
   for (const auto& one : running.deployer.status()) {
     if (one.state == ComponentState::stopped) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "arch/value_json.h"
+
+#include "base/thread_role.h"
 #include "commands/change/change.h"
 #include "commands/model.h"
 #include "mauve/property.h"
@@ -22,6 +24,7 @@ void add_kept(const std::string& address, const Value& given, const Value& now, 
 }
 
 void say_kept(const Running& running, const Change& change, Json& result) {
+  MAUVE_ON_THREAD(control);
   auto kept = Json::array();
   for (const auto& edit : change.edits) {
     for (const auto& [path, given] : edit.properties) {

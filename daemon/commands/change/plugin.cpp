@@ -5,6 +5,8 @@
 #include <optional>
 
 #include "commands/answer.h"
+
+#include "base/thread_role.h"
 #include "commands/change/change.h"
 #include "commands/change/trial.h"
 #include "commands/lock.h"
@@ -100,6 +102,7 @@ Error why_in_use(const Running& running, const std::string& plugin, Error error)
 /// [control] It did no harm elsewhere.
 void load_in_factory(Running& running, const CallPtr& call, const std::shared_ptr<Load>& load,
                      Ticket ticket) {
+  MAUVE_ON_THREAD(control);
   running.control.in_factory(
       [&running, load] { load->loaded = running.catalog.prepare_load(load->name); },
       [&running, call, load, ticket = std::move(ticket)] {

@@ -5,6 +5,8 @@
 #include <atomic>
 
 #include "commands/answer.h"
+
+#include "base/thread_role.h"
 #include "commands/change/change.h"
 #include "commands/look/named.h"
 
@@ -90,6 +92,7 @@ Json foretold(const Running& running, const std::vector<arch::Line>& lines,
 }  // namespace
 
 bool overtaken_by_stop(const Running& running, const Call& call, const Change& change) {
+  MAUVE_ON_THREAD(control);
   return std::any_of(change.edits.begin(), change.edits.end(), [&](const Edit& edit) {
     const auto came = running.stops_came.find(edit.component);
     return edit.mode == Mode::run && came != running.stops_came.end() &&

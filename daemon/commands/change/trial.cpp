@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/change/trial.h"
 
+#include "base/thread_role.h"
+
 #include <utility>
 
 #include "arch/spec.h"
@@ -10,6 +12,7 @@ namespace mauve::daemon {
 
 void try_out(Running& running, const CallPtr& call, const Question& question, const std::string& at,
              std::function<void()> go_on) {
+  MAUVE_ON_THREAD(control);
   running.try_out(question, [&running, call, at, go_on = std::move(go_on)](Result<Json> tried) {
     if (tried) {
       return go_on();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/look/notice.h"
 
+#include "base/thread_role.h"
+
 #include <chrono>
 #include <set>
 #include <utility>
@@ -45,6 +47,7 @@ Failure failure_of(const Running& running, const std::string& component, const I
 }  // namespace
 
 void remember_cores(Running& running) {
+  MAUVE_ON_THREAD(control);
   std::set<std::string> names;
   for (const auto* component : running.architecture.components()) {
     names.insert(component->name());
@@ -55,6 +58,7 @@ void remember_cores(Running& running) {
 }
 
 void notice(Running& running, const Outcome& outcome) {
+  MAUVE_ON_THREAD(control);
   if (!outcome.component.empty() && outcome.incident) {
     auto failure = failure_of(running, outcome.component, *outcome.incident);
     failure.reaction = reaction_of(outcome.kind);
@@ -70,6 +74,7 @@ void notice(Running& running, const Outcome& outcome) {
 }
 
 void notice_parked(Running& running) {
+  MAUVE_ON_THREAD(control);
   for (const auto& one : running.deployer.status()) {
     const bool parked = one.state == ComponentState::faulted && one.incident;
     if (!parked || is_place(running, one.name) ||

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/look/parts_json.h"
 
+#include "base/thread_role.h"
+
 #include "arch/built_in.h"
 #include "mauve/port_base.h"
 #include "mauve/resource.h"
@@ -63,6 +65,7 @@ Json machine_json(const FsmBase& fsm) {
 }
 
 Json wiring_notes(const Running& running) {
+  MAUVE_ON_THREAD(control);
   Json rows = Json::array();
   for (const auto& note : Wiring(running.architecture).notes()) {
     rows.push_back({{"address", note.address}, {"text", note.text}});

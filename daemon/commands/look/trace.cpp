@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "commands/answer.h"
+
+#include "base/thread_role.h"
 #include "commands/recovery/given_up.h"
 #include "protocol/trace.h"
 #include "trace/file.h"
@@ -19,6 +21,7 @@ using Snapshot = std::pair<std::string, RecordingPtr>;
 
 /// [control] A new snapshot of the trace when `name` is empty, else the snapshot of this name.
 Result<Snapshot> snapshot_of(Running& running, const std::string& name, bool now) {
+  MAUVE_ON_THREAD(control);
   if (name.empty()) {
     return running.recorder->snapshot(now);
   }

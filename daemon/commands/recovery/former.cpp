@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/recovery/former.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -40,6 +42,7 @@ Former::Leaving give_back(Running& running, plugin::LoadedPlugin former) {
 }  // namespace
 
 Status check_former(const Running& running, const std::string& plugin) {
+  MAUVE_ON_THREAD(control);
   const auto found = running.former.kept.find(plugin);
   if (found == running.former.kept.end()) {
     return ok();
@@ -52,12 +55,14 @@ Status check_former(const Running& running, const std::string& plugin) {
 }
 
 void keep_former(Running& running, plugin::LoadedPlugin former) {
+  MAUVE_ON_THREAD(control);
   const std::string name = former.info().name;
   running.former.kept.insert_or_assign(
       name, Former::Kept{running.deployer.generation(), std::move(former)});
 }
 
 void let_former_go(Running& running, const Outcome& outcome) {
+  MAUVE_ON_THREAD(control);
   if (!ends_a_probation(outcome)) {
     return;
   }

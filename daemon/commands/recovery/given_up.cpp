@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/recovery/given_up.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <cstddef>
 
@@ -29,6 +31,7 @@ Status check_name(const Running& running, const std::string& name) {
 
 Error given_up(const Running& running, const std::string& hook, const std::string& at,
                const std::string& now) {
+  MAUVE_ON_THREAD(control);
   const auto space = hook.find(' ');
   const bool placed = space != std::string::npos;
   return refuse(Errc::timed_out, placed ? hook.substr(0, space) : at,
@@ -43,6 +46,7 @@ Error given_up(const Running& running, const std::string& hook, const std::strin
 
 void bar(Running& running, const std::vector<std::string>& components, const std::string& hook,
          bool all) {
+  MAUVE_ON_THREAD(control);
   for (const auto& name : components) {
     const auto* component = running.architecture.find_component(name);
     const bool whole = component != nullptr && component->shell().configured() &&
@@ -54,6 +58,7 @@ void bar(Running& running, const std::vector<std::string>& components, const std
 }
 
 Status check_barred(const Running& running, const Change& change) {
+  MAUVE_ON_THREAD(control);
   for (const auto& edit : change.edits) {
     if (auto free = check_name(running, edit.component); !free) {
       return free;
@@ -88,6 +93,7 @@ Status may_prepare(const std::vector<LeftBehind>& left, std::optional<uid_t> use
 }
 
 Json left_behind(const Running& running) {
+  MAUVE_ON_THREAD(control);
   Json rows = Json::array();
   for (const auto& one : running.control.left_behind()) {
     rows.push_back({{"hook", one.hook}, {"since", logging::utc(one.since)}});

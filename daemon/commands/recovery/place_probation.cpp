@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/recovery/place_probation.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -227,12 +229,14 @@ void settle(Running& running, std::size_t index, Outcome::Kind kind, const std::
 }  // namespace
 
 std::optional<Instant> failed_at(const Running& running, const std::string& component) {
+  MAUVE_ON_THREAD(control);
   const auto incident = running.deployer.status(component).incident;
   return incident ? std::optional(incident->time) : std::nullopt;
 }
 
 void begin_place_probation(Running& running, Call& call, const std::string& component,
                            CoreBefore before, const Probation& rules) {
+  MAUVE_ON_THREAD(control);
   call.mark = Confirmation::unconfirmed;
   const auto* found = running.architecture.find_component(component);
   if (found == nullptr) {
@@ -244,6 +248,7 @@ void begin_place_probation(Running& running, Call& call, const std::string& comp
 }
 
 void look_at_places(Running& running) {
+  MAUVE_ON_THREAD(control);
   for (std::size_t i = 0; i < running.places.size();) {
     auto& place = running.places[i];
     const auto verdict = place.leads_back ? Verdict{} : judge(running, place);
@@ -260,12 +265,14 @@ void look_at_places(Running& running) {
 }
 
 void note_place_failures(Running& running) {
+  MAUVE_ON_THREAD(control);
   for (auto& place : running.places) {
     note_failure(running, place, place.leads_back ? Verdict{} : judge(running, place));
   }
 }
 
 bool confirm_places(Running& running) {
+  MAUVE_ON_THREAD(control);
   note_place_failures(running);
   bool any = false;
   for (std::size_t i = 0; i < running.places.size();) {
@@ -280,6 +287,7 @@ bool confirm_places(Running& running) {
 }
 
 std::optional<PlaceTarget> newest_place(const Running& running, std::uint64_t than) {
+  MAUVE_ON_THREAD(control);
   const auto newest = std::ranges::max_element(running.places, {}, &PlaceProbation::generation);
   if (newest == running.places.end() || newest->generation < than) {
     return std::nullopt;
@@ -288,6 +296,7 @@ std::optional<PlaceTarget> newest_place(const Running& running, std::uint64_t th
 }
 
 Status undo_place(Running& running, const PlaceTarget& target, const std::string& reason) {
+  MAUVE_ON_THREAD(control);
   const auto found =
       std::ranges::find(running.places, target.generation, &PlaceProbation::generation);
   const PlaceFailure undone{reason, std::nullopt, stops_of_component(running, target.component)};
@@ -300,6 +309,7 @@ Status undo_place(Running& running, const PlaceTarget& target, const std::string
 }
 
 Status is_back(const Running& running, const PlaceTarget& target) {
+  MAUVE_ON_THREAD(control);
   const auto* component = running.architecture.find_component(target.component);
   const auto now = component == nullptr ? nullptr : component->bundle();
   if (now != nullptr && !target.before.owner_before(now) && !now.owner_before(target.before)) {
@@ -313,15 +323,18 @@ Status is_back(const Running& running, const PlaceTarget& target) {
 }
 
 bool places_lead_back(const Running& running) {
+  MAUVE_ON_THREAD(control);
   return std::ranges::any_of(running.places, &PlaceProbation::leads_back);
 }
 
 bool is_place(const Running& running, const std::string& component) {
+  MAUVE_ON_THREAD(control);
   return std::ranges::any_of(running.places,
                              [&](const auto& one) { return one.component == component; });
 }
 
 std::uint64_t oldest_place(const Running& running) {
+  MAUVE_ON_THREAD(control);
   std::uint64_t oldest = 0;
   for (const auto& place : running.places) {
     oldest = oldest == 0 ? place.generation : std::min(oldest, place.generation);
@@ -330,6 +343,7 @@ std::uint64_t oldest_place(const Running& running) {
 }
 
 std::vector<std::string> place_notes(const Running& running, const Change& change) {
+  MAUVE_ON_THREAD(control);
   std::vector<std::string> notes;
   for (const auto& place : running.places) {
     const bool changed = std::ranges::any_of(

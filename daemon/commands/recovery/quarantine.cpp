@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/recovery/quarantine.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -74,11 +76,13 @@ Status check_core(const Running& running, const std::string& component, const st
 }  // namespace
 
 std::string build_of(const Running& running, const std::string& core) {
+  MAUVE_ON_THREAD(control);
   const auto* loaded = running.catalog.find(plugin_of(core));
   return loaded == nullptr ? std::string() : loaded->info().build_id;
 }
 
 bool quarantine(Running& running, const std::string& core, const std::string& reason) {
+  MAUVE_ON_THREAD(control);
   const auto version = version_of(core, build_of(running, core));
   const bool fresh = running.quarantined.emplace(version, reason).second;
   if (fresh) {
@@ -99,6 +103,7 @@ void restore_quarantine(Running& running) {
 
 Status check_quarantine(const Running& running, const std::string& component,
                         const std::string& core, const std::string& build_id) {
+  MAUVE_ON_THREAD(control);
   const auto found = running.quarantined.find(version_of(core, build_id));
   if (found == running.quarantined.end()) {
     return ok();
@@ -109,6 +114,7 @@ Status check_quarantine(const Running& running, const std::string& component,
 }
 
 Status check_quarantine(const Running& running, const Change& change) {
+  MAUVE_ON_THREAD(control);
   for (const auto& edit : change.edits) {
     if (!edit.core) {
       continue;
@@ -128,6 +134,7 @@ Status check_quarantine(const Running& running, const Change& change) {
 }
 
 Json lost_to_quarantine(const Running& running) {
+  MAUVE_ON_THREAD(control);
   if (running.quarantined.empty()) {
     return Json::array();
   }

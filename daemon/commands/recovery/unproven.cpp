@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/recovery/unproven.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -12,6 +14,7 @@ namespace mauve::daemon {
 
 void begin_unproven(Running& running, Call& call, const Change& change,
                     std::map<std::string, std::optional<Instant>> failed_before) {
+  MAUVE_ON_THREAD(control);
   call.mark = Confirmation::unconfirmed;
   running.unproven = {running.deployer.generation(), std::chrono::steady_clock::now()};
   running.unproven.failed_before = std::move(failed_before);
@@ -56,6 +59,7 @@ void look_at_start(Running& running) {
 }  // namespace
 
 void look_at_unproven(Running& running) {
+  MAUVE_ON_THREAD(control);
   look_at_start(running);
   const auto& unproven = running.unproven;
   if (unproven.generation == 0) {
@@ -79,6 +83,7 @@ void look_at_unproven(Running& running) {
 }
 
 void carry_unproven(Running& running, std::uint64_t generation) {
+  MAUVE_ON_THREAD(control);
   if (running.unproven.generation != 0 && running.unproven.generation + 1 == generation) {
     running.unproven.generation = generation;
     running.unproven.replaces = 0;  // the copy is of another architecture
@@ -86,6 +91,7 @@ void carry_unproven(Running& running, std::uint64_t generation) {
 }
 
 bool confirm_unproven(Running& running) {
+  MAUVE_ON_THREAD(control);
   const auto unproven = std::exchange(running.unproven, {});
   if (unproven.generation == 0 || unproven.generation != running.generation) {
     return false;

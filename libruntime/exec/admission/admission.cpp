@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/admission/admission.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 
 #include "analysis/admission.h"
@@ -187,6 +189,7 @@ Error with_assumption(Error error, const System& system, analysis::TaskSet set,
 }  // namespace
 
 Status admit_deployment(System& system) {
+  MAUVE_ON_THREAD(control);
   if (system.options.admission == Admission::off) return ok();
   const TimingModel model = model_of(system);
   const auto problems = problems_of(model.set());
@@ -235,6 +238,7 @@ bool admit_standby(System& system, const PreparedChange::Content& change,
 }
 
 std::map<std::string, Duration> responses(System& system) {
+  MAUVE_ON_THREAD(control);
   const TimingModel model = model_of(system);
   std::map<std::string, Duration> known;
   for (const analysis::TaskReport& task : analysis::analyze(model.set()).tasks) {

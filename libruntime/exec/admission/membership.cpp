@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/admission/membership.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -22,6 +24,7 @@ constexpr Duration kEndOfThread = 500ms;
 }  // namespace
 
 Result<Deployed*> let_in(System& system, ComponentBase& component) {
+  MAUVE_ON_THREAD(control);
   if (Status sound = check_cpus(component.bundle()->task, component.name()); !sound) {
     return sound.error();
   }
@@ -38,6 +41,7 @@ Result<Deployed*> let_in(System& system, ComponentBase& component) {
 }
 
 bool let_go(System& system, Deployed& deployed) {
+  MAUVE_ON_THREAD(control);
   const bool ended =
       system.runner->end(*deployed.task, system.runner->now() + kEndOfThread.count()) &&
       !system.runner->has_lost(deployed.task.get());

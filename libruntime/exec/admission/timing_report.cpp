@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/admission/timing_report.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -87,6 +89,7 @@ std::string assumption_of(const MachineCosts& machine) {
 }
 
 Timing report_of(const System& system, const TimingModel& model) {
+  MAUVE_ON_THREAD(control);
   const analysis::Report report = analysis::analyze(model.set());
   const std::vector<Problem> problems = analysis::problems(report);
   Timing timing;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/commit/barrier.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -176,6 +178,7 @@ bool Barrier::hand_over(const std::vector<PreparedResource>& changed) {
 /// All, or nothing: what was moved before one fails is moved back. A converter that does not return
 /// fails too: members wait for it, and so does whoever needs [control].
 bool Barrier::hand_over() {
+  MAUVE_ON_THREAD(control);
   const rt::Deadline deadline(kLongestWait);
   for (std::size_t i = 0; i < replacements_.size(); ++i) {
     const auto bytes = replacements_[i].plan.run(replacements_[i].into->name(), deadline.watched());
@@ -198,6 +201,7 @@ bool Barrier::hand_over() {
 
 /// A converter held [control] up, so that a stop was carried out without it; or none was.
 const Deployed* Barrier::halted() const {
+  MAUVE_ON_THREAD(control);
   const auto found = std::find_if(gathered_.begin(), gathered_.end(), [](const Deployed* one) {
     return one->task->mailbox().halted();
   });

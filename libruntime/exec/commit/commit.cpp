@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/commit/commit.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -48,6 +50,7 @@ Status check_resource(const PreparedResource& change) {
 /// The maker of the newest generation is going to look at it: for some looks `next` makes no
 /// other one. The parts of a stop do not wait for each other. [control]
 bool leaves_newest_in_place(System& system, const Commit& next) {
+  MAUVE_ON_THREAD(control);
   constexpr unsigned kLooks = 8;
   const auto made = system.newest.lock();
   if (made == nullptr || !made->untold() || (made->is_order() && next.is_order())) return false;

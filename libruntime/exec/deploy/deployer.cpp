@@ -2,6 +2,8 @@
 #include <mauve/deployer.h>
 
 #include "exec/admission/admission.h"
+
+#include "base/thread_role.h"
 #include "exec/commit/commit.h"
 #include "exec/commit/under_way.h"
 #include "exec/deploy/bring_up.h"
@@ -330,10 +332,12 @@ Result<Receipt> Deployer::disconnect(std::string_view port) {
 }
 
 std::size_t Deployer::drain(const std::function<void(const RuntimeEvent&)>& visit) {
+  MAUVE_ON_THREAD(log);
   return exec::drain_events(*system_, visit);
 }
 
 std::size_t Deployer::drain_trace(const std::function<void(const TraceRecord&)>& visit) {
+  MAUVE_ON_THREAD(trace);
   return exec::drain_trace(*system_, visit);
 }
 

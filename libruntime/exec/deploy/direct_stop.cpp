@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/deploy/direct_stop.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -126,6 +128,7 @@ std::unique_ptr<DirectStop> begin_direct_stop(System& system, std::vector<std::s
 }
 
 void end_direct_stop(System& system, const std::vector<std::string>& components) {
+  MAUVE_ON_THREAD(control);
   for (Deployed& deployed : system.deployed) {
     if (is_one_of(components, deployed)) deployed.task->mailbox().end_halt();
   }

@@ -3,6 +3,8 @@
 #include <array>
 
 #include "exec/commit/commit.h"
+
+#include "base/thread_role.h"
 #include "exec/commit/under_way.h"
 #include "exec/prepare/prepare.h"
 #include "exec/recovery/inherit.h"
@@ -40,11 +42,13 @@ std::shared_ptr<Ongoing> begin_mode(exec::System& system, exec::PreparedMember m
 }  // namespace
 
 Result<PreparedChange> Deployer::prepare_in_place(const Edit& edit) {
+  MAUVE_ON_THREAD(factory);
   return exec::prepare_change(*system_, {{edit}}, false);
 }
 
 Result<PreparedChange> Deployer::prepare_back_in_place(std::string_view component,
                                                        std::shared_ptr<const Bundle> before) {
+  MAUVE_ON_THREAD(factory);
   const exec::ModelLock::Hold hold(system_->model);
   if (!hold) return refuse(Errc::timed_out, "deployer", "the change was given up before it began");
   const Result<ComponentBase*> found = system_->component(component);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/observe/statistics.h"
 
+#include "base/thread_role.h"
+
 #include "rt/measured.h"
 
 #include <mauve/component.h>
@@ -23,6 +25,7 @@ std::vector<StateStatistics> states_of(const FsmBase& fsm, const rt::JobTimes& t
 }  // namespace
 
 ComponentStatistics statistics_of(const System& system, const Deployed& deployed) {
+  MAUVE_ON_THREAD(control);
   const Bundle& bundle = *deployed.component->bundle();
   const rt::JobTimes& times = bundle.measured->shown();
   ComponentStatistics all;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/observe/traced.h"
 
+#include "base/thread_role.h"
+
 #include <string>
 
 #include "exec/admission/admission.h"
@@ -39,6 +41,7 @@ TracedComponent look_at_component(const Deployed& deployed) {
 }  // namespace
 
 TracedSystem traced(System& system) {
+  MAUVE_ON_THREAD(control);
   TracedSystem traced;
   traced.architecture = system.architecture.name();
   traced.t0 = system.t0;

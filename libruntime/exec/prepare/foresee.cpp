@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/prepare/foresee.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 
 #include "exec/commit/commit.h"
@@ -41,6 +43,7 @@ void add_waits(const PreparedBarrier& barrier, Receipt& receipt) {
 }  // namespace
 
 Receipt foresee(const System& system, const PreparedChange::Content& content) {
+  MAUVE_ON_THREAD(control);
   Receipt receipt;
   receipt.generation = system.generation;
   for (const auto& member : content.members) {

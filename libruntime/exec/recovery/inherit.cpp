@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/recovery/inherit.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <set>
 #include <string_view>
@@ -125,6 +127,7 @@ std::string in_words(const std::vector<std::uint64_t>& changes) {
 }  // namespace
 
 bool concerns(const System& system, const Content& change, const Content& before) {
+  MAUVE_ON_THREAD(control);
   if (same_names(system, change, names_of(before))) return true;
   // Rules refer to everything, and the order of resources within each other is that of all.
   if (change.changes_rules || before.changes_rules) return true;
@@ -212,6 +215,7 @@ void adopt(Content& before, Content& heir, const std::vector<MemberRollback>& me
 }
 
 std::vector<std::string> notes_of(const System& system, const Content& change) {
+  MAUVE_ON_THREAD(control);
   std::vector<std::string> notes;
   if (changes_modes_only(change)) return notes;
   for (const auto& one : system.probations) {

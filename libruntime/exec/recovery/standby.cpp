@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/recovery/standby.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <optional>
 
@@ -142,6 +144,7 @@ bool stand_by(const System& system, Task& task, std::unique_ptr<TaskUpdate> stan
 }  // namespace
 
 std::vector<Change> wanted_standby_cores(System& system) {
+  MAUVE_ON_THREAD(control);
   if (is_rolled_back(system)) return {};
   std::vector<Change> wanted;
   for (const Deployed& deployed : system.deployed) {
@@ -181,6 +184,7 @@ std::unique_ptr<TaskUpdate> make_standby(PreparedMember& standby, std::size_t re
 }
 
 void put_in_readiness(System& system, PreparedChange& prepared) {
+  MAUVE_ON_THREAD(control);
   if (is_rolled_back(system)) return;
   const std::shared_ptr<PreparedChange::Content> content = prepared.share();
   for (PreparedMember& member : content->members) {
@@ -196,6 +200,7 @@ void put_in_readiness(System& system, PreparedChange& prepared) {
 }
 
 void look_after_standby_cores(System& system) {
+  MAUVE_ON_THREAD(control);
   for (Deployed& deployed : system.deployed) {
     StandbyCore& standby = deployed.standby;
     if (standby.content == nullptr) continue;
@@ -217,6 +222,7 @@ void look_after_standby_cores(System& system) {
 }
 
 bool holds_stale_standby(const System& system) {
+  MAUVE_ON_THREAD(control);
   return std::any_of(system.deployed.begin(), system.deployed.end(), [](const Deployed& deployed) {
     return deployed.standby.content != nullptr && deployed.component != nullptr &&
            deployed.standby.member->base != deployed.component->bundle();
@@ -224,6 +230,7 @@ bool holds_stale_standby(const System& system) {
 }
 
 void refuse_standby(System& system, std::string_view component, const std::string& why) {
+  MAUVE_ON_THREAD(control);
   Deployed* deployed = system.find(component);
   if (deployed == nullptr) return;
   const Instant failed_at = deployed->task->failed_core().at();
@@ -231,6 +238,7 @@ void refuse_standby(System& system, std::string_view component, const std::strin
 }
 
 Recovery recovery_of(const System& system, const Deployed& deployed, Instant failed_at) {
+  MAUVE_ON_THREAD(control);
   const ComponentBase& component = *deployed.component;
   const FaultPolicy& policy = component.bundle()->task.on_fault;
   Recovery recovery;

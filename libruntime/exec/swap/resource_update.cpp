@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/swap/resource_update.h"
 
+#include "base/thread_role.h"
+
 #include "exec/task/write_quietly.h"
 
 #include <mauve/clock.h>
@@ -99,6 +101,7 @@ void ResourceUpdate::finish_for_lost() {
 }
 
 void ResourceUpdate::help(Instant now) {
+  MAUVE_ON_THREAD(control);
   finish_for_lost();
   if (state() != State::waiting) return;
   if (decision_.given_up()) return revoke();
@@ -110,11 +113,13 @@ void ResourceUpdate::help(Instant now) {
 }
 
 void ResourceUpdate::revoke() {
+  MAUVE_ON_THREAD(control);
   State expected = State::waiting;
   state_.compare_exchange_strong(expected, State::given_up, std::memory_order_acq_rel);
 }
 
 bool ResourceUpdate::disarm() {
+  MAUVE_ON_THREAD(control);
   if (!armed_) return true;
   resource_.lock().forget(*this);
   if (!resource_.lock().try_enter()) return false;

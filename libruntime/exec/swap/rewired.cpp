@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/swap/rewired.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <set>
 
@@ -196,6 +198,7 @@ Wiring rewired(const Architecture& architecture, const Content& change) {
 }
 
 bool clash(const Architecture& architecture, const Content& change, const Content& before) {
+  MAUVE_ON_THREAD(control);
   Wiring wiring(architecture);
   go_back(wiring, before);
   go_forth(wiring, change);

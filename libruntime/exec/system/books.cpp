@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/system/books.h"
 
+#include "base/thread_role.h"
+
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -25,6 +27,7 @@ void retire(const Bundle& old, const Bundle& now, Retired& retired) {
 }
 
 void schedule(System& system, Deployed& deployed) {
+  MAUVE_ON_THREAD(control);
   const TaskAttributes& task = deployed.component->bundle()->task;
   const bool moves = !task.cpus.empty() && task.cpus != deployed.cpus;
   if (!moves && task.priority == deployed.priority) return;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/system/trace_records.h"
 
+#include "base/thread_role.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -67,6 +69,7 @@ void drain_ring(TaskReport::Trace& trace, std::uint32_t thread, Instant t0,
 }  // namespace
 
 void keep_last_trace(System& system, Deployed& deployed) {
+  MAUVE_ON_THREAD(control);
   constexpr std::size_t kMost = 16'384;  // when nobody collects
   const MutexLock lock(system.members);
   if (system.last_trace.size() >= kMost) return;
@@ -75,6 +78,7 @@ void keep_last_trace(System& system, Deployed& deployed) {
 }
 
 std::size_t drain_trace(System& system, const std::function<void(const TraceRecord&)>& visit) {
+  MAUVE_ON_THREAD(trace);
   rt::tie_ticks();
   std::vector<TraceRecord> all = system.control_trace.take();
   {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/task/task.h"
 
+#include "base/thread_role.h"
+
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -23,6 +25,7 @@ Task::Task(std::string name, const Clock& clock, std::shared_ptr<const rt::Noise
 }
 
 void Task::begin(std::unique_ptr<TaskUpdate> first, Instant t0) {
+  MAUVE_ON_THREAD(control);
   context_.t0 = t0;
   context_.current = first.release();
   const TaskUpdate& current = *context_.current;

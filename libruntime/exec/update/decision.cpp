@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "exec/update/decision.h"
 
+#include "base/thread_role.h"
+
 namespace mauve::exec {
 namespace {
 
@@ -48,6 +50,7 @@ void Rollback::decide(const Clock& clock) {
 }
 
 void Rollback::give_way_to(std::shared_ptr<Decision> newer) {
+  MAUVE_ON_THREAD(control);
   newer_.store(newer.get());
   if (newer != nullptr) all_newer_.push_back(std::move(newer));
 }

@@ -40,7 +40,7 @@ void prepare_standby_cores(Deployer& deployer) {
   }
 }
 
-TEST(StandbyCore, TheFallbackCoreTakesOverAtTheNextRelease) {
+TEST(Standby, TheFallbackCoreTakesOverAtTheNextRelease) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
@@ -71,7 +71,7 @@ TEST(StandbyCore, TheFallbackCoreTakesOverAtTheNextRelease) {
   EXPECT_TRUE(deployer.wanted_standby_cores().empty()) << "nothing falls back from the fallback";
 }
 
-TEST(StandbyCore, TheCoreThatFailedIsFreedWithWhatIsCollectedThen) {
+TEST(Standby, TheCoreThatFailedIsFreedWithWhatIsCollectedThen) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
@@ -83,7 +83,7 @@ TEST(StandbyCore, TheCoreThatFailedIsFreedWithWhatIsCollectedThen) {
   EXPECT_TRUE(failed.expired()) << "the next change would free it, on [control]";
 }
 
-TEST(StandbyCore, AFreshCoreTakesOverWithinItsBudgetOfRestarts) {
+TEST(Standby, AFreshCoreTakesOverWithinItsBudgetOfRestarts) {
   UnsteadyArchitecture architecture(
       {.action = FaultPolicy::Action::restart, .restarts = 2, .per = 1s, .back_off = 15ms});
   Deployer deployer(architecture, {.simulated = true});
@@ -122,7 +122,7 @@ struct Watched : ramp::Down {
   }
 };
 
-TEST(StandbyCore, IsNotLostWhenSomebodyLooksDuringItsFirstJob) {
+TEST(Standby, IsNotLostWhenSomebodyLooksDuringItsFirstJob) {
   UnsteadyArchitecture architecture({.action = FaultPolicy::Action::fallback});
   architecture.control.fall_back_to(ComponentBase::Fallback{CoreType::of<Watched>("watched"), {}});
   Deployer deployer(architecture, {.simulated = true});
@@ -140,7 +140,7 @@ struct Broken : ramp::Up {
   void update() override { throw std::runtime_error("wrong from the start"); }
 };
 
-TEST(StandbyCore, ComesWithTheChangeAndTakesOverFromItsFirstJob) {
+TEST(Standby, ComesWithTheChangeAndTakesOverFromItsFirstJob) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
@@ -158,7 +158,7 @@ TEST(StandbyCore, ComesWithTheChangeAndTakesOverFromItsFirstJob) {
   EXPECT_EQ(deployer.status("control").missed, 0u) << "at the next release";
 }
 
-TEST(StandbyCore, AFreshCoreComesWithTheChangeAsWell) {
+TEST(Standby, AFreshCoreComesWithTheChangeAsWell) {
   UnsteadyArchitecture architecture(
       {.action = FaultPolicy::Action::restart, .restarts = 1, .per = 10s, .back_off = 0ms});
   Deployer deployer(architecture, {.simulated = true});
@@ -183,7 +183,7 @@ Change to_broken_with_another_fallback() {
   return change;
 }
 
-TEST(StandbyCore, IsTheFallbackCoreThatTheChangeNames) {
+TEST(Standby, IsTheFallbackCoreThatTheChangeNames) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
@@ -196,7 +196,7 @@ TEST(StandbyCore, IsTheFallbackCoreThatTheChangeNames) {
   EXPECT_EQ(architecture.control.fallback()->core.name, "ramp/up");
 }
 
-TEST(StandbyCore, IsTheOneFromBeforeAfterARollBack) {
+TEST(Standby, IsTheOneFromBeforeAfterARollBack) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
@@ -211,7 +211,7 @@ TEST(StandbyCore, IsTheOneFromBeforeAfterARollBack) {
   EXPECT_EQ(architecture.control.fallback()->core.name, "ramp/down");
 }
 
-TEST(StandbyCore, OfTheNewCoreGoesWithItsWayBack) {
+TEST(Standby, OfTheNewCoreGoesWithItsWayBack) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
@@ -227,7 +227,7 @@ TEST(StandbyCore, OfTheNewCoreGoesWithItsWayBack) {
   EXPECT_EQ(deployer.wanted_standby_cores().size(), 1u) << "of the old one";
 }
 
-TEST(StandbyCore, StandsByOnceAFaultedComponentIsStartedAgain) {
+TEST(Standby, StandsByOnceAFaultedComponentIsStartedAgain) {
   UnsteadyArchitecture architecture({.action = FaultPolicy::Action::fallback});
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
@@ -248,7 +248,7 @@ TEST(StandbyCore, StandsByOnceAFaultedComponentIsStartedAgain) {
   EXPECT_EQ(deployer.status("control").core, "ramp/down");
 }
 
-TEST(StandbyCore, AChangeMakesItAnew) {
+TEST(Standby, AChangeMakesItAnew) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
@@ -287,7 +287,7 @@ struct FallingBackOnProbation : FallingBack {
   Deployer deployer{*this, {.simulated = true}};
 };
 
-TEST(StandbyCore, OfAChangeThatWasLedBackMeanwhileDoesNotStandBy) {
+TEST(Standby, OfAChangeThatWasLedBackMeanwhileDoesNotStandBy) {
   FallingBackOnProbation system;
   const std::vector<Change> wanted = system.deployer.wanted_standby_cores();
   ASSERT_EQ(wanted.size(), 1u);
@@ -307,7 +307,7 @@ TEST(StandbyCore, OfAChangeThatWasLedBackMeanwhileDoesNotStandBy) {
   EXPECT_EQ(system.deployer.status("control").core, "reluctant");
 }
 
-TEST(StandbyCore, IsNotWantedWhileAChangeIsLedBack) {
+TEST(Standby, IsNotWantedWhileAChangeIsLedBack) {
   FallingBackOnProbation system;
   system.deployer.run_for(10900us);
   ASSERT_TRUE(system.deployer.undo());  // one more job comes before its instant
@@ -317,7 +317,7 @@ TEST(StandbyCore, IsNotWantedWhileAChangeIsLedBack) {
   EXPECT_EQ(system.deployer.wanted_standby_cores().size(), 1u);
 }
 
-TEST(StandbyCore, DeploymentIsRefusedWhenTheFallbackCoreCannotBeConfigured) {
+TEST(Standby, DeploymentIsRefusedWhenTheFallbackCoreCannotBeConfigured) {
   UnsteadyArchitecture architecture({.action = FaultPolicy::Action::fallback});
   architecture.control.fall_back_to(
       ComponentBase::Fallback{CoreType::of<ramp::ThrowingOnConfigure>("ramp/throwing"), {}});
@@ -342,7 +342,7 @@ struct Late : ramp::Up {
   }
 };
 
-TEST(StandbyCore, TheFallbackTakesOverAfterTooManyOverruns) {
+TEST(Standby, TheFallbackTakesOverAfterTooManyOverruns) {
   ramp::One<Late> architecture;
   architecture.control.task().on_overrun = OnOverrun::fallback;
   architecture.control.task().overrun_limit = 3;
@@ -361,7 +361,7 @@ TEST(StandbyCore, TheFallbackTakesOverAfterTooManyOverruns) {
   EXPECT_EQ(deployer.status("control").overruns, 3u);
 }
 
-TEST(StandbyCore, AComponentThatOverranTooOftenHasItsWholeLimitAgainAfterAStart) {
+TEST(Standby, AComponentThatOverranTooOftenHasItsWholeLimitAgainAfterAStart) {
   ramp::One<Late> architecture;
   architecture.control.task().on_overrun = OnOverrun::stop;
   architecture.control.task().overrun_limit = 3;
@@ -379,12 +379,11 @@ TEST(StandbyCore, AComponentThatOverranTooOftenHasItsWholeLimitAgainAfterAStart)
   EXPECT_EQ(deployer.status("control").state, ComponentState::stopped);
 }
 
-TEST(StandbyCore, StaysInForceWhenATransactionComesThatDoesNotKnowOfIt) {
+TEST(Standby, StaysInForceWhenATransactionComesThatDoesNotKnowOfIt) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
-  deployer.run_for(
-      30900us);  // the standby core is taken 100 us later, before the instant of the change
+  deployer.run_for(30900us);  // the standby core comes 100 us later, before the change
   Change change{{}};
   change.edits.emplace_back().component = "control";
   change.edits.back().mode = Mode::run;
