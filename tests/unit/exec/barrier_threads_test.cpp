@@ -103,7 +103,7 @@ TEST_F(BarrierOfThreads, EndsWithTheSystem) {
   EXPECT_FALSE(ongoing->advance());
   store::counts().hold = false;
 
-  EXPECT_TRUE(deployer.shutdown().empty());
+  EXPECT_TRUE(deployer.shutdown(test::kPatience).empty());
 }
 
 TEST_F(BarrierOfThreads, LosesNoWriteInManyExchanges) {

@@ -19,7 +19,7 @@ TEST(Deployer, RunsComponentsOnThreads) {
 
   EXPECT_TRUE(eventually([&] { return deployer.status("control").releases > 20; }));
   EXPECT_EQ(deployer.status("control").state, ComponentState::running);
-  EXPECT_TRUE(deployer.shutdown().empty());
+  EXPECT_TRUE(deployer.shutdown(test::kPatience).empty());
   EXPECT_EQ(ramp::read(architecture.position), -1.0) << "safe value at shutdown";
 }
 

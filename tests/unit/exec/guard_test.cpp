@@ -215,7 +215,8 @@ TEST_F(Guard, EndsAnEndlessLoopAndTheFallbackCoreTakesOver) {
   EXPECT_EQ(outcomes[0].reason, "its job ran longer than 500 ms");
   EXPECT_TRUE(runs_on(deployer, "left"));
   EXPECT_TRUE(runs_on(deployer, "right"));
-  EXPECT_TRUE(deployer.shutdown().empty()) << "the same thread goes on: nobody is left behind";
+  EXPECT_TRUE(deployer.shutdown(test::kPatience).empty())
+      << "the same thread goes on: nobody is left behind";
 }
 
 TEST_F(Guard, EndsASafeValueThatIsWrittenWithoutAnEnd) {
@@ -231,7 +232,7 @@ TEST_F(Guard, EndsASafeValueThatIsWrittenWithoutAnEnd) {
   EXPECT_EQ(deployer.status("left").state, ComponentState::stopped);
   EXPECT_TRUE(architecture.sink.lock().poisoned());
   EXPECT_TRUE(runs_on(deployer, "right"));
-  EXPECT_TRUE(deployer.shutdown().empty());
+  EXPECT_TRUE(deployer.shutdown(test::kPatience).empty());
 }
 
 TEST_F(Guard, GivesUpAThreadThatIsInTheSystemAndAFreshOneGoesOn) {
@@ -258,7 +259,7 @@ TEST_F(Guard, GivesUpAThreadThatIsInTheSystemAndAFreshOneGoesOn) {
     return ramp::Up::configured_cores() == 0;
   })) << "its thread was joined, its core cleaned up";
   EXPECT_TRUE(runs_on(deployer, "left"));
-  EXPECT_TRUE(deployer.shutdown().empty());
+  EXPECT_TRUE(deployer.shutdown(test::kPatience).empty());
 }
 
 TEST_F(Guard, ParksAComponentWithoutAFallbackCoreAndItStartsAgain) {
@@ -352,7 +353,7 @@ TEST_F(Guard, SleepsWhileAThreadWritesASafeValueAndMustNotBeGivenUp) {
   EXPECT_LT(processor_time() - before, 150ms) << "of 600 ms";
   block_.let_go();
   EXPECT_TRUE(deployer.wait(**stopping));
-  EXPECT_TRUE(deployer.shutdown().empty());
+  EXPECT_TRUE(deployer.shutdown(test::kPatience).empty());
 }
 
 }  // namespace
