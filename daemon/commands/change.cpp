@@ -222,7 +222,7 @@ void end_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Tic
 void resume_in_place(Running& running, const CallPtr& call, JourneyPtr journey, Ticket ticket) {
   auto& change = **journey->prepared;
   if (stops_of(running.stops, journey->change) != journey->stops) {
-    change.content().members.front().resume = false;  // it stays where the stop put it
+    change.content().members.front().resume = false;  // the component stays stopped
   }
   auto resumed = running.deployer.begin_in_place_resume(change, journey->exchanged);
   if (!resumed) {
