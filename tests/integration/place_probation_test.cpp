@@ -21,6 +21,14 @@ Json place_swap(const std::string& core, const Json& more = Json::object()) {
   });
 }
 
+/// Without a probation, so nothing replaces the core that failed.
+void make_first_faulted(TrialDaemon& daemon) {
+  static_cast<void>(daemon.client());
+  const Json swap = {{"component", "first"}, {"core", "trial/throwing_job"}, {"probation", "off"}};
+  ASSERT_EQ(daemon.ask("core.swap", swap)["state"], "applied");
+  ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
+}
+
 TEST(PlaceProbation, LeadsBackToTheCoreBeforeWhenTheNewOneFails) {
   TrialDaemon daemon;
   static_cast<void>(daemon.client());
@@ -101,12 +109,7 @@ TEST(PlaceProbation, LeavesAComponentStoppedThatWasStoppedMeanwhile) {
 // The change campaign: a sound core was in quarantine for the exception of the core before it.
 TEST(PlaceProbation, DoesNotBlameTheNewCoreForTheFailureOfTheCoreBefore) {
   TrialDaemon daemon;
-  static_cast<void>(daemon.client());
-  ASSERT_EQ(daemon.ask("core.swap", {{"component", "first"},
-                                     {"core", "trial/throwing_job"},
-                                     {"probation", "off"}})["state"],
-            "applied");
-  ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
+  ASSERT_NO_FATAL_FAILURE(make_first_faulted(daemon));
 
   const Json unconfirmed = place_swap("trial/other", {{"confirm_within", "50ms"}});
   ASSERT_EQ(daemon.ask("core.swap", unconfirmed)["state"], "applied");
@@ -124,12 +127,7 @@ TEST(PlaceProbation, DoesNotBlameTheNewCoreForTheFailureOfTheCoreBefore) {
 
 TEST(PlaceProbation, UndoneLeavesAComponentFaultedThatWasFaultedBefore) {
   TrialDaemon daemon;
-  static_cast<void>(daemon.client());
-  ASSERT_EQ(daemon.ask("core.swap", {{"component", "first"},
-                                     {"core", "trial/throwing_job"},
-                                     {"probation", "off"}})["state"],
-            "applied");
-  ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
+  ASSERT_NO_FATAL_FAILURE(make_first_faulted(daemon));
   const auto releases = daemon.component("first")["releases"];
   ASSERT_EQ(daemon.ask("core.swap", place_swap("trial/other"))["state"], "applied");
 

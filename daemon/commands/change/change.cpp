@@ -224,7 +224,7 @@ void resume_in_place(Running& running, const CallPtr& call, ChangeRequestPtr req
                      Ticket ticket) {
   auto& change = **request->prepared;
   if (stops_of(running.stops, request->change) != request->stops) {
-    change.content().members.front().resume = false;  // it stays where the stop put it
+    change.content().members.front().resume = false;  // the component stays stopped
   }
   auto resumed = running.deployer.begin_in_place_resume(change, request->exchanged);
   if (!resumed) {

@@ -27,7 +27,7 @@ struct Reason {
 struct WayBackInPlace {
   Reason reason;
   std::uint64_t stops = 0;
-  bool starts = true;  ///< false: the component was at rest before the swap, and still is
+  bool starts = true;  ///< false: the component did not run before the swap, nor since
   std::optional<Result<PreparedChange>> prepared;
   Status exchanged;
   std::optional<Retired> retired{std::in_place};
@@ -54,7 +54,7 @@ Outcome outcome_of(const Running& running, const PlaceProbation& place, Outcome:
   return outcome;
 }
 
-/// The component was at rest before the swap, and nobody has started it since.
+/// The component did not run before the swap, it is faulted, and nobody has started it since.
 bool is_at_rest(const Running& running, const PlaceProbation& place) {
   const auto status = running.deployer.status(place.component);
   return status.state == ComponentState::faulted && !place.before.ran &&
@@ -114,7 +114,7 @@ void resume(Running& running, WayBackPtr way, Ticket ticket) {
   auto& change = **way->prepared;
   const auto& component = way->reason.place.component;
   if (!way->starts || stops_of_component(running, component) != way->stops) {
-    change.content().members.front().resume = false;  // what was at rest, or stopped, stays so
+    change.content().members.front().resume = false;  // the rollback starts no component at rest
   }
   auto resumed = running.deployer.begin_in_place_resume(change, way->exchanged);
   if (!resumed) {
@@ -210,8 +210,8 @@ Verdict judge(const Running& running, const PlaceProbation& place) {
              : Verdict{};
 }
 
-/// The first failure counts: while another change is being prepared nothing leads back yet, and a
-/// stop or a start meanwhile would hide it.
+/// The first failure counts. The rollback waits while another change is being prepared, and a stop
+/// or a start in that time would hide the failure.
 void note_failure(const Running& running, PlaceProbation& place, const Verdict& verdict) {
   if (place.failure || verdict.kind != Outcome::Kind::rolled_back) {
     return;

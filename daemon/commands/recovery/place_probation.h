@@ -28,7 +28,7 @@ struct Call;
 /// The core that a swap in place replaced.
 struct CoreBefore {
   std::shared_ptr<const Bundle> bundle;
-  bool ran = false;  ///< its component, until the swap
+  bool ran = false;  ///< the component ran until the swap
   /// Its component was parked because of this failure, which is not one of the new core. A
   /// component that is faulted stays so until it is started, whatever its core.
   std::optional<Instant> failed_at;
@@ -66,10 +66,11 @@ void begin_place_probation(Running& running, Call& call, const std::string& comp
 /// overtaken by a newer change of its component.
 void look_at_places(Running& running);
 
-/// [control] Before a component is stopped by request, which would hide a failure.
+/// [control] Looks for failures that a stop would hide. Call it before a component is stopped.
 void note_place_failures(Running& running);
 
-/// [control] By hand; a core that has failed is led back nevertheless. False: there was none.
+/// [control] A user confirms the swaps in place. A swap whose core has failed is not confirmed: its
+/// rollback goes on. False: no swap in place was open.
 [[nodiscard]] bool confirm_places(Running& running);
 
 /// Names a swap in place, and the core that its way back leads to.
