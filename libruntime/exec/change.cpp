@@ -38,9 +38,9 @@ std::string_view to_string(Outcome::Kind kind) {
   return "unknown";
 }
 
-PreparedChange::PreparedChange(std::unique_ptr<Content> content) : content_(std::move(content)) {}
+PreparedChange::PreparedChange(std::unique_ptr<Content> content, Retired elements)
+    : elements_(std::move(elements)), content_(std::move(content)) {}
 PreparedChange::PreparedChange(PreparedChange&&) noexcept = default;
-PreparedChange& PreparedChange::operator=(PreparedChange&&) noexcept = default;
 PreparedChange::~PreparedChange() = default;
 
 Status Retired::release() {

@@ -92,8 +92,7 @@ class Preparation {
     content_->fallbacks = change_.fallbacks;
     if (Status done = make_reliefs(configure); !done) return done.error();
     if (content_->barrier) content_->barrier->waits = waits_of(system_, *content_);
-    keep_alive();
-    return PreparedChange(std::move(content_));
+    return make_prepared(system_.architecture, std::move(content_));
   }
 
  private:
@@ -165,20 +164,6 @@ class Preparation {
     return ok();
   }
 
-  void keep_alive() {
-    const Architecture& architecture = system_.architecture;
-    for (const PreparedMember& member : content_->members) {
-      if (member.part == Part::joins) continue;
-      content_->alive.push_back(architecture.owner_of(*member.component));
-    }
-    for (const PreparedResource& one : content_->resources) {
-      content_->alive.push_back(architecture.owner_of(*one.resource));
-    }
-    for (const ResourceBase* leaving : content_->leaving_resources) {
-      content_->alive.push_back(architecture.owner_of(*leaving));
-    }
-  }
-
   void warn_of_new(const std::vector<Wiring::Note>& notes) {
     const std::vector<Wiring::Note> known = Wiring(system_.architecture).notes();
     for (const Wiring::Note& note : notes) {
@@ -230,6 +215,23 @@ bool Afterwards::leaves(std::string_view name) const { return contains(change_.r
 
 Status Afterwards::may_run_at(int priority) const {
   return system_.realtime ? rt::may_use_fifo(priority) : ok();
+}
+
+PreparedChange make_prepared(const Architecture& architecture,
+                             std::unique_ptr<PreparedChange::Content> content) {
+  for (const PreparedMember& member : content->members) {
+    if (member.part == Part::joins) continue;
+    content->alive.push_back(architecture.owner_of(*member.component));
+  }
+  for (const PreparedResource& one : content->resources) {
+    content->alive.push_back(architecture.owner_of(*one.resource));
+  }
+  for (const ResourceBase* leaving : content->leaving_resources) {
+    content->alive.push_back(architecture.owner_of(*leaving));
+  }
+  Retired elements;
+  for (auto& owner : architecture.owners()) elements.keep(std::move(owner));
+  return PreparedChange(std::move(content), std::move(elements));
 }
 
 Result<PreparedChange> prepare_change(System& system, const Change& change, bool configure) {

@@ -39,4 +39,8 @@ Status prepare_joining(const Afterwards& after, const NewResource& joining);
 Result<PreparedResource> prepare_resource(const Afterwards& after, const Edit& edit,
                                           ResourceBase& resource);
 
+/// Keeps alive all that the content refers to.
+PreparedChange make_prepared(const Architecture& architecture,
+                             std::unique_ptr<PreparedChange::Content> content);
+
 }  // namespace mauve::exec

@@ -89,7 +89,8 @@ namespace mauve {
 /// Freed from the last member to the first: connections go before the resources they lead to.
 class PreparedChange::Content {
  public:
-  /// The elements that it changes stay alive with it: a rollback may take them out meanwhile.
+  /// The elements that it changes stay alive with it: a rollback may take them out meanwhile. Those
+  /// that its connections lead to stay alive with the prepared change only.
   std::vector<std::shared_ptr<void>> alive;
   std::vector<std::shared_ptr<ResourceBase>> new_resources;
   std::vector<ResourceBase*> leaving_resources;
