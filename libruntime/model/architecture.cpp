@@ -104,6 +104,12 @@ std::shared_ptr<void> Architecture::owner_of(const ResourceBase& resource) const
   return owner_in(owned_resources_, resource);
 }
 
+std::vector<std::shared_ptr<void>> Architecture::owners() const {
+  std::vector<std::shared_ptr<void>> owners(owned_resources_.begin(), owned_resources_.end());
+  owners.insert(owners.end(), owned_components_.begin(), owned_components_.end());
+  return owners;
+}
+
 Status Architecture::configure() {
   if (configured_) return ok();
   std::set<std::string> names;

@@ -69,7 +69,7 @@ Result<PreparedChange> Deployer::prepare_back_in_place(std::string_view componen
   content->members.push_back(std::move(member));
   content->in_place = true;
   content->what = exec::what_of("core.swap", {std::string(component)});
-  return PreparedChange(std::move(content));
+  return exec::make_prepared(system_->architecture, std::move(content));
 }
 
 std::shared_ptr<Ongoing> Deployer::begin_in_place_park(PreparedChange& change) {

@@ -101,8 +101,7 @@ class Preparation {
     content_->fallbacks = change_.fallbacks;
     if (Status done = make_standby_cores(configure); !done) return done.error();
     if (content_->barrier) content_->barrier->waits = waits_of(system_, *content_);
-    keep_alive();
-    return PreparedChange(std::move(content_));
+    return make_prepared(system_.architecture, std::move(content_));
   }
 
  private:
@@ -172,20 +171,6 @@ class Preparation {
       member.standby = std::move(content);
     }
     return ok();
-  }
-
-  void keep_alive() {
-    const Architecture& architecture = system_.architecture;
-    for (const PreparedMember& member : content_->members) {
-      if (member.part == Part::joins) continue;
-      content_->alive.push_back(architecture.owner_of(*member.component));
-    }
-    for (const PreparedResource& one : content_->resources) {
-      content_->alive.push_back(architecture.owner_of(*one.resource));
-    }
-    for (const ResourceBase* leaving : content_->leaving_resources) {
-      content_->alive.push_back(architecture.owner_of(*leaving));
-    }
   }
 
   void warn_of_new(const std::vector<Wiring::Note>& notes) {

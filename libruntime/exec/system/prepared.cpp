@@ -2,7 +2,9 @@
 #include "exec/system/prepared.h"
 
 #include <typeinfo>
+#include <utility>
 
+#include <mauve/architecture.h>
 #include <mauve/component.h>
 
 namespace mauve::exec {
@@ -19,6 +21,23 @@ PreparedMember member_of(ComponentBase& component, Mode mode) {
   member.next = component.bundle();
   member.mode = mode;
   return member;
+}
+
+PreparedChange make_prepared(const Architecture& architecture,
+                             std::unique_ptr<PreparedChange::Content> content) {
+  for (const PreparedMember& member : content->members) {
+    if (member.part == Part::joins) continue;
+    content->alive.push_back(architecture.owner_of(*member.component));
+  }
+  for (const PreparedResource& one : content->resources) {
+    content->alive.push_back(architecture.owner_of(*one.resource));
+  }
+  for (const ResourceBase* leaving : content->leaving_resources) {
+    content->alive.push_back(architecture.owner_of(*leaving));
+  }
+  Retired elements;
+  for (auto& owner : architecture.owners()) elements.keep(std::move(owner));
+  return PreparedChange(std::move(content), std::move(elements));
 }
 
 }  // namespace mauve::exec

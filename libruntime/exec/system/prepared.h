@@ -14,6 +14,10 @@
 #include <mauve/prepared_change.h>
 #include <mauve/retired.h>
 
+namespace mauve {
+class Architecture;
+}
+
 namespace mauve::exec {
 
 /// How a component takes part in a change.
@@ -87,6 +91,10 @@ struct PreparedBarrier {
 /// measured of the one says nothing about the other.
 [[nodiscard]] bool is_other_code(const Configurable& before, const Configurable& after);
 
+/// Keeps alive all that the content refers to.
+[[nodiscard]] PreparedChange make_prepared(const Architecture& architecture,
+                                           std::unique_ptr<PreparedChange::Content> content);
+
 }  // namespace mauve::exec
 
 namespace mauve {
@@ -94,7 +102,8 @@ namespace mauve {
 /// Freed from the last member to the first: connections go before the resources they lead to.
 class PreparedChange::Content {
  public:
-  /// The elements that it changes stay alive with it: a rollback may take them out meanwhile.
+  /// The elements that it changes stay alive with it: a rollback may take them out meanwhile. Those
+  /// that its connections lead to stay alive with the prepared change only.
   std::vector<std::shared_ptr<void>> alive;
   std::vector<std::shared_ptr<ResourceBase>> new_resources;
   std::vector<ResourceBase*> leaving_resources;

@@ -5,9 +5,9 @@
 
 namespace mauve {
 
-PreparedChange::PreparedChange(std::unique_ptr<Content> content) : content_(std::move(content)) {}
+PreparedChange::PreparedChange(std::unique_ptr<Content> content, Retired elements)
+    : elements_(std::move(elements)), content_(std::move(content)) {}
 PreparedChange::PreparedChange(PreparedChange&&) noexcept = default;
-PreparedChange& PreparedChange::operator=(PreparedChange&&) noexcept = default;
 PreparedChange::~PreparedChange() = default;
 
 }  // namespace mauve

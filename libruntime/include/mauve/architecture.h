@@ -54,6 +54,8 @@ class Architecture {
   /// a derived architecture, which outlives it.
   [[nodiscard]] std::shared_ptr<void> owner_of(const ComponentBase& component) const;
   [[nodiscard]] std::shared_ptr<void> owner_of(const ResourceBase& resource) const;
+  /// Runtime only: the same of all elements. To be freed from the last one to the first.
+  [[nodiscard]] std::vector<std::shared_ptr<void>> owners() const;
 
   /// Runs on_configure(), checks the wiring, then configures resources and components in their
   /// order; a failure undoes all and says where.

@@ -3,6 +3,9 @@
 #pragma once
 
 #include <memory>
+#include <utility>
+
+#include <mauve/retired.h>
 
 namespace mauve {
 
@@ -11,15 +14,22 @@ namespace mauve {
 class PreparedChange {
  public:
   class Content;
-  explicit PreparedChange(std::unique_ptr<Content> content);
+  /// `elements`: all of the architecture that it was prepared against. Its connections lead to some
+  /// of them, so they stay alive with it, although a rollback may take them out meanwhile.
+  explicit PreparedChange(std::unique_ptr<Content> content, Retired elements = {});
   PreparedChange(PreparedChange&&) noexcept;
-  PreparedChange& operator=(PreparedChange&&) noexcept;
+  PreparedChange& operator=(PreparedChange&& other) noexcept {
+    content_ = std::move(other.content_);  // connections go before the resources they lead to
+    elements_ = std::move(other.elements_);
+    return *this;
+  }
   ~PreparedChange();
   [[nodiscard]] Content& content() { return *content_; }
   /// Runtime only.
   [[nodiscard]] std::shared_ptr<Content> share() const { return content_; }
 
  private:
+  Retired elements_;
   std::shared_ptr<Content> content_;
 };
 

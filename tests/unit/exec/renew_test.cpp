@@ -296,6 +296,25 @@ TEST_F(Overtaken, AConnectionIsRefusedWhoseServiceARollbackTookAway) {
   expect_conflict({{edit}}, "near.ports.out");
 }
 
+/// Its maker describes the change, for example to a user, before anything refuses it.
+TEST_F(Overtaken, AServiceThatARollbackTookAwayStaysAliveWithThePreparedChangeThatConnectsIt) {
+  Edit edit;
+  edit.component = "near";
+  edit.disconnect = {"out"};
+  edit.connect = {{"out", "extra.add"}};
+  std::optional<Result<PreparedChange>> prepared = deployer.prepare({{edit}});
+  ASSERT_TRUE(*prepared) << to_string(prepared->error());
+  const std::weak_ptr<void> extra = architecture.owner_of(*architecture.find_resource("extra"));
+
+  roll_back();
+
+  EXPECT_FALSE(extra.expired());
+  const Bundle& next = *(**prepared).content().members.front().next;
+  EXPECT_EQ(next.bindings->front()->service().address(), "extra.add");
+  prepared.reset();
+  EXPECT_TRUE(extra.expired());
+}
+
 TEST_F(Overtaken, AResourceIsNotChangedThatARollbackTookAway) {
   expect_conflict({{set_extra("core.factor")}}, "extra");
 }
