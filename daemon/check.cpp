@@ -72,8 +72,8 @@ void print(const Timing& timing) {
                 in_words(one.slack)});
   }
   for (const auto& lock : timing.locks) {
-    if (lock.hold) {
-      std::cout << lock.resource << " is held for at most " << in_words(lock.hold) << " ("
+    if (lock.lock_budget) {
+      std::cout << lock.resource << " is held for at most " << in_words(lock.lock_budget) << " ("
                 << lock.source << ")\n";
     }
   }

@@ -316,12 +316,12 @@ int Daemon::shut_down(const std::string& cause) {
   const Reaper reaper(signals_, kWholeEndMayTake,
                       [this](const std::string& why) { leave_by_force(why); });
   health_monitor_.stop();
-  const auto left_behind = stop_components();
+  const auto abandoned = stop_components();
   stopper_.stop();
-  for (const auto& name : left_behind) {
+  for (const auto& name : abandoned) {
     log_.write(Event::component_stuck, {{"component", name}});
   }
-  all_stopped_ = left_behind.empty();
+  all_stopped_ = abandoned.empty();
   if (all_stopped_) {
     guardian_.stop(true);  // else it sends its orders when this process is gone
   }
@@ -332,19 +332,19 @@ int Daemon::shut_down(const std::string& cause) {
   supervisor_.stop();
   control_.stop();
   watches_.stop();
-  tell_counted_refusals(*running_, std::chrono::steady_clock::time_point::max());
+  report_counted_refusals(*running_, std::chrono::steady_clock::time_point::max());
   if (store_) {
     store_->end();
   }
   log_.flush();
   log_.set_source({});
-  const auto hooks = control_.left_behind();
+  const auto hooks = control_.abandoned_threads();
   for (const auto& left : hooks) {
-    log_.write(Event::hook_left_behind, {{"hook", left.hook}});
+    log_.write(Event::hook_abandoned, {{"hook", left.hook}});
   }
   log_.write(Event::daemon_stopped);
   log_.stop();
-  if (!left_behind.empty() || !hooks.empty()) {
+  if (!abandoned.empty() || !hooks.empty()) {
     // A thread still runs in code that a tidy end would unmap under its feet.
     _exit(1);
   }

@@ -37,7 +37,7 @@ class Daemon {
   Daemon& operator=(const Daemon&) = delete;
 
   /// Runs until a signal ends it. The exit code: 0 after an orderly end, 1 when it could not start,
-  /// or when a core hung and had to be left behind. [main], before any other thread.
+  /// or when a core hung and its thread had to be abandoned. [main], before any other thread.
   [[nodiscard]] int run();
 
  private:

@@ -82,7 +82,7 @@ int listen_at(const char* path) {
 }
 
 /// The service manager is told that mauved may connect, where there is one (sd_notify(3)).
-void tell_ready() {
+void report_ready() {
   const char* const place = std::getenv("NOTIFY_SOCKET");
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -140,7 +140,7 @@ int main(int count, char** words) {
   const int listener = listen_at(words[2]);
   if (listener < 0) return 1;
   mauve::guardian::become_urgent();
-  tell_ready();
+  report_ready();
   mauve::guardian::confine_calls();
   serve_all(listener);
 }

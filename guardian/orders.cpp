@@ -84,7 +84,7 @@ Sent Orders::send() {
     if (held.times == held.order.times) {
       ++sent.whole;
     } else {
-      tell_failure(held);
+      report_failure(held);
       tcflush(held.descriptor, TCOFLUSH);  // else its close may wait for the device
     }
   }
@@ -121,7 +121,7 @@ bool Orders::advance(Held& held, std::int64_t now) {
   return held.times == held.order.times;
 }
 
-void Orders::tell_failure(const Held& held) {
+void Orders::report_failure(const Held& held) {
   say("%s did not take its order (sent %u of %u times): %s. Its output may be live.",
       held.order.name.data(), held.times, held.order.times,
       held.error == 0 ? "it takes too long" : std::strerror(held.error));

@@ -32,7 +32,7 @@ class Orders {
   void drop_all();
   [[nodiscard]] std::uint32_t count() const;
   /// Sends each order as often and as far apart as it says, without waiting for any device; what
-  /// has not gone out after kMostTimeMs is given up. Tells each one that did not on standard error.
+  /// has not gone out after kMostTimeMs is dropped. Each one that did not is named on standard error.
   Sent send();
 
  private:
@@ -46,7 +46,7 @@ class Orders {
   };
   static void begin(Held& held, std::int64_t now);
   [[nodiscard]] static bool advance(Held& held, std::int64_t now);
-  static void tell_failure(const Held& held);
+  static void report_failure(const Held& held);
 
   std::array<Held, wire::kMostOutputs> held_;
 };

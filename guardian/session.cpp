@@ -209,22 +209,22 @@ void Session::watch_beats() {
   looked_ = time;
   const std::uint64_t beats = page_->beats.load(std::memory_order_relaxed);
   if (beats != beats_ || beats == 0) {
-    if (told_silent_) say("mauved (process %d) is heard again.", peer_.process());
-    told_silent_ = false;
+    if (reported_silent_) say("mauved (process %d) is heard again.", peer_.process());
+    reported_silent_ = false;
     silent_ = 0;
     beats_ = beats;
     return;
   }
   silent_ += passed;
-  if (limit_ == 0 || silent_ < limit_ || told_silent_) return;
-  told_silent_ = true;
+  if (limit_ == 0 || silent_ < limit_ || reported_silent_) return;
+  reported_silent_ = true;
   const Sent sent = orders_.send();
   say("mauved (process %d) was silent for %lld ms: %u of %u outputs were put into their safe state.",
       peer_.process(), static_cast<long long>(silent_ / kMillisecond), sent.whole, sent.total);
-  tell_silence(sent);
+  report_silence(sent);
 }
 
-void Session::tell_silence(const Sent& sent) const {
+void Session::report_silence(const Sent& sent) const {
   wire::Answer answer;
   answer.kind = wire::Kind::silence;
   answer.done = sent.whole;

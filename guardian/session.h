@@ -33,7 +33,7 @@ class Session {
   void answer(const wire::Request& request, const char* refused) const;
   void watch_beats();
   void send_after_it_is_gone();
-  void tell_silence(const Sent& sent) const;
+  void report_silence(const Sent& sent) const;
 
   const int socket_;
   Peer peer_;
@@ -46,7 +46,7 @@ class Session {
   std::int64_t looked_ = 0;           // when
   std::int64_t began_ = 0;
   std::int64_t silent_ = 0;           // for so long, as far as this process itself was on time
-  bool told_silent_ = false;
+  bool reported_silent_ = false;
   const char* cause_ = "";
 };
 

@@ -51,9 +51,9 @@ ROOMS = {
     **{f"{room}/": "plugins/ros/" for room in
        ("ros", "geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs")},
     "dlfcn.h": "libruntime/plugin/ libruntime/rt/ends libruntime/rt/user_threads",
-    "link.h": "libruntime/plugin/ libruntime/rt/rescue libruntime/rt/user_threads",
-    "csetjmp": "libruntime/rt/rescue",
-    "setjmp.h": "libruntime/rt/rescue",
+    "link.h": "libruntime/plugin/ libruntime/rt/run_guarded libruntime/rt/user_threads",
+    "csetjmp": "libruntime/rt/run_guarded",
+    "setjmp.h": "libruntime/rt/run_guarded",
     "elf.h": "libruntime/plugin/ libruntime/include/mauve/plugin.h",
     "libelf.h": "libruntime/plugin/",
     "gelf.h": "libruntime/plugin/",

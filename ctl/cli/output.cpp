@@ -7,8 +7,8 @@
 
 namespace mauve::ctl {
 
-void tell_output(Session& session, const std::string& told, Json facts,
-                 const std::string& remarks) {
+void report_output(Session& session, const std::string& told, Json facts,
+                   const std::string& remarks) {
   const std::string file = session.arguments.one("-o,--output");
   if (file.empty()) {
     if (!told.empty()) session.screen.err << told << "\n" << remarks << std::flush;
@@ -26,7 +26,7 @@ int write_output(Session& session, const std::string& text, const std::string& t
   } else if (const Status done = write_file(file, [&](std::ostream& out) { out << text; }); !done) {
     return session.fail(bad_file(done.error()));
   }
-  tell_output(session, told, std::move(facts), remarks);
+  report_output(session, told, std::move(facts), remarks);
   return 0;
 }
 

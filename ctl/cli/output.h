@@ -13,7 +13,7 @@ int write_output(Session& session, const std::string& text, const std::string& t
                  Json facts = Json::object(), const std::string& remarks = {});
 /// "drew 12 values to drive.svg", or with --json the facts and the file; remarks are lines below.
 /// Where standard output is the picture, to standard error.
-void tell_output(Session& session, const std::string& told, Json facts,
-                 const std::string& remarks = {});
+void report_output(Session& session, const std::string& told, Json facts,
+                   const std::string& remarks = {});
 
 }  // namespace mauve::ctl

@@ -69,7 +69,7 @@ std::optional<Fault> unknown_name(const Graph& graph, const std::vector<std::str
 }
 
 /// Told where the picture goes into a file.
-std::string told_of(const Session& session, const std::string& drawn) {
+std::string reported_for(const Session& session, const std::string& drawn) {
   return session.arguments.has("-o,--output") ? "drew " + drawn : std::string();
 }
 
@@ -106,7 +106,7 @@ int draw_machine(Session& session, Form form) {
     return 0;
   }
   return write_output(session, drawn(machine, form),
-                      told_of(session, "the state machine of " + name));
+                      reported_for(session, "the state machine of " + name));
 }
 
 }  // namespace
@@ -131,7 +131,7 @@ int run_graph(Session& session) {
     return 0;
   }
   const int code = write_output(session, drawn(graph, std::get<Form>(form)),
-                                told_of(session, counted(graph.nodes.size(), "element")));
+                                reported_for(session, counted(graph.nodes.size(), "element")));
   for (const Json& note : names.empty() ? list_in(result, "notes") : Json::array()) {
     session.screen.err << "note: " << harmless(word(note, "address") + " " + word(note, "text"))
                        << "\n";

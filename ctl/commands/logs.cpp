@@ -43,7 +43,7 @@ struct Dropped {
   std::uint64_t gone = 0;  ///< told once, not kept
   std::uint64_t slow = 0;  ///< by this reader
 
-  void tell(Session& session) const {
+  void report(Session& session) const {
     if (lost + gone + slow == 0) return;
     if (session.screen.json) {
       session.print({{"event", "dropped"}, {"lost", lost}, {"gone", gone}, {"slow", slow}}, {});
@@ -125,7 +125,7 @@ int run_logs(Session& session) {
   if (session.arguments.has("-f,--follow")) {
     fault = go_on(session, result.is_object() ? result.value("sub", Json()) : Json(), dropped);
   }
-  dropped.tell(session);
+  dropped.report(session);
   return fault ? session.fail(*fault) : 0;
 }
 

@@ -69,8 +69,8 @@ int run_record(Session& session) {
     return session.fail(protocol::fault_of(protocol::kUsage, "the file is not complete", file));
   }
   const std::string missing = gaps > 0 ? ", and a gap at " + counted(gaps, "empty row") : "";
-  tell_output(session, "recorded " + counted(rows, "value") + missing,
-              {{"values", rows}, {"gaps", gaps}});
+  report_output(session, "recorded " + counted(rows, "value") + missing,
+                {{"values", rows}, {"gaps", gaps}});
   return 0;
 }
 

@@ -84,7 +84,8 @@ Finding check_guard(const Facts& facts) {
     return bad(found + ": a looping component keeps it from the processor", kRequire);
   }
   if (facts.components().empty()) return good("no component, no guard");
-  return bad("mauved has no thread mauve-guard: no job is given up", "restart mauved");
+  return bad("mauved has no thread mauve-guard: a job that hangs is not interrupted",
+             "restart mauved");
 }
 
 Finding check_locked(const Facts& facts) {

@@ -59,7 +59,7 @@ Windows disturbed_windows(const Trace& trace) {
   return windows;
 }
 
-void tell_of_reading(Findings& findings) {
+void report_reading(Findings& findings) {
   const Reading& reading = findings.trace().reading;
   if (!reading.complete) findings.left_out("the file was cut off: its last line is missing");
   if (reading.broken > 0) {
@@ -268,7 +268,7 @@ void check_responses(Findings& findings, const std::vector<SeenThread>& threads,
 
 Verdict check(const Trace& trace) {
   Findings findings(trace);
-  tell_of_reading(findings);
+  report_reading(findings);
   const auto threads = by_thread(trace);
   const auto barriers = barriers_of(trace);
   std::vector<SeenThread> seen;

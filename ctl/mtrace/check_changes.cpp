@@ -83,7 +83,7 @@ class ChangesCheck {
         for (const auto& [takes, index] : open) (*takes)[index].after = record;
         open.clear();
         last = record;
-      } else if (record->event == Event::taken && trace_.text(record->name) != "relief") {
+      } else if (record->event == Event::taken && trace_.text(record->name) != "standby") {
         auto& takes = takes_of(changes_[record->b], trace_.text(record->name));
         takes.push_back({thread, record, last});
         open.emplace_back(&takes, takes.size() - 1);

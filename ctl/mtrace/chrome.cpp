@@ -88,7 +88,7 @@ class Chrome {
     }
     for (const Span& wait : lane.waits) {
       slice("lock", "wait for " + trace_.text(wait.name), wait.from, wait.to,
-            {{"given_up", wait.flagged}});
+            {{"timed_out", wait.flagged}});
     }
     for (const Span& hold : lane.holds) {
       slice("lock", "hold " + trace_.text(hold.name), hold.from, hold.to, Json::object());

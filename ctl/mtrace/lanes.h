@@ -13,7 +13,7 @@ struct Span {
   std::int64_t from = 0;
   std::int64_t to = 0;
   Word name = 0;
-  bool flagged = false;  ///< a state that was preempted; a wait that was given up
+  bool flagged = false;  ///< a state that was preempted; a wait that timed out
 };
 
 struct Job {

@@ -175,7 +175,7 @@ std::string title_of(const Trace& trace, const Scene& scene) {
   return title;
 }
 
-void tell_of_reading(const Trace& trace, Scene& scene) {
+void report_reading(const Trace& trace, Scene& scene) {
   if (scene.without_arrows > 0) {
     scene.left_out.push_back("the releases of " + counted(scene.without_arrows, "component") +
                              ", whose arrows would touch");
@@ -211,7 +211,7 @@ Timeline draw_timeline(const Trace& trace, const View& view) {
     draw_control(page, trace, scene, bottom);
   }
   runtime_events.draw_in_front();
-  tell_of_reading(trace, scene);
+  report_reading(trace, scene);
   std::string file = page.file(title_of(trace, scene), scene.left_out);
   return {std::move(file), scene.from, scene.to, std::move(scene.left_out)};
 }

@@ -111,7 +111,7 @@ constexpr SignWords kSignWords[] = {
     {Sign::prepare, R"(<rect class="prepare" width="22" height="12"/>)", "change is prepared"},
     {Sign::commit, R"(<path class="commit" d="M11 0V12"/>)", "instant of a change"},
     {Sign::rollback, R"(<path class="rollback" d="M11 0V12"/>)", "rollback"},
-    {Sign::aborted, R"(<path class="aborted" d="M11 0V12"/>)", "change given up"},
+    {Sign::aborted, R"(<path class="aborted" d="M11 0V12"/>)", "change aborted"},
     {Sign::disturbed, R"(<rect class="disturbed" width="22" height="12"/>)",
      "disturbed from outside"},
 };

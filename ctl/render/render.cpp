@@ -139,10 +139,11 @@ std::string troubles(const Json& status, Look look) {
         ": is poisoned: a core was thrown out of it, and it refuses its users until it has a new "
         "core");
   }
-  const Json& left = member(status, "left_behind");
+  const Json& left = member(status, "abandoned_threads");
   for (const Json& one : left.is_array() ? left : Json::array()) {
     const std::string hook = word(one, "hook");
-    add("left behind: " + (hook.empty() ? "user code" : hook) + " since " + word(one, "since"));
+    add("abandoned thread: " + (hook.empty() ? "user code" : hook) + " since " +
+        word(one, "since"));
   }
   const Json& lost = member(status, "lost_to_quarantine");
   for (const Json& one : lost.is_array() ? lost : Json::array()) {

@@ -52,7 +52,7 @@ std::string locks_of(const Json& locks, Look look) {
   for (const Json& lock : locks) {
     const bool unknown = word(lock, "source") == "unknown";
     table.add({{word(lock, "resource")},
-               {time_of(lock, "hold_ns")},
+               {time_of(lock, "lock_budget_ns")},
                {word(lock, "source"), unknown ? Paint::yellow : Paint::plain}});
   }
   return table.text(look.width, look.colour);

@@ -19,7 +19,7 @@ constexpr std::array<std::string_view, 47> kOrder{
     "transactions",  "rules",     "when",         "for",           "until",       "do",
     "disconnect",    "connect",   "swap",         "set",           "to",          "type",
     "data",          "interface", "core",         "fallback_core", "fsm",         "start",
-    "properties",    "ports",     "hold",         "task",          "may_request", "priority",
+    "properties",    "ports",     "lock_budget",  "task",          "may_request", "priority",
     "cpus",          "offset",    "deadline",     "budget",        "stack",       "on_overrun",
     "overrun_limit", "on_fault",  "watchdog",     "restart",       "per",         "back_off",
     "max_age",       "state",     "when_unknown", "cool_down",     "per_hour"};

@@ -13,7 +13,7 @@ namespace mauve::ctl {
 namespace {
 
 constexpr std::array<std::string_view, 3> kInstants{"next_release_ns", "t_ns", "fired_ns"};
-constexpr std::array<std::string_view, 5> kLimits{"deadline", "budget", "watchdog", "hold",
+constexpr std::array<std::string_view, 5> kLimits{"deadline", "budget", "watchdog", "lock_budget",
                                                   "max_age"};
 
 bool is_one_of(const auto& names, std::string_view key) {

@@ -13,14 +13,14 @@ std::string sentence_of(const Json& one) {
   const std::string which = changes_in_words(one);
   const std::string left = seconds_in_words(number(one, "left_ns") * 1e-9);
   const std::string state = word(one, "state");
-  if (state == "leads_back") return which + ": a failure or undo leads back now";
+  if (state == "rolls_back") return which + ": a failure or undo has begun its rollback";
   if (state == "awaits_confirmation") {
     return which + ": goes back in " + left + " unless somebody confirms it: mauvectl confirm";
   }
   // A number of jobs that somebody gave decides alone.
   const bool jobs_alone = number(one, "left_ns") > 3600e9;
   return which + ": on probation for " + (jobs_alone ? "" : left + " still, or ") +
-         word(one, "jobs") + " jobs: a failure, or mauvectl undo, leads back";
+         word(one, "jobs") + " jobs: a failure, or mauvectl undo, rolls back";
 }
 
 }  // namespace

@@ -18,8 +18,8 @@ int run_convert_trace(Session& session) {
     return session.fail(bad_file(done.error()));
   }
   const std::uint64_t records = trace.records.size();
-  tell_output(session, "wrote " + counted(records, "record"),
-              {{"records", records}, {"complete", trace.reading.complete}});
+  report_output(session, "wrote " + counted(records, "record"),
+                {{"records", records}, {"complete", trace.reading.complete}});
   return 0;
 }
 

@@ -35,7 +35,7 @@ std::string in_words(const Json& status) {
   return text;
 }
 
-int tell_status(Session& session, std::string_view method, const Json& params) {
+int print_status(Session& session, std::string_view method, const Json& params) {
   const auto answer = session.call(method, params);
   if (const auto* fault = std::get_if<Fault>(&answer)) return session.fail(*fault);
   const Json& status = std::get<Json>(answer);
@@ -55,7 +55,7 @@ int start(Session& session) {
     }
     params["seconds"] = *kept / kOne;
   }
-  return tell_status(session, "trace.start", params);
+  return print_status(session, "trace.start", params);
 }
 
 int list(Session& session) {
@@ -99,8 +99,8 @@ int dump(Session& session) {
 int run_trace(Session& session) {
   const std::string action = session.arguments.one("ACTION");
   if (action == "start") return start(session);
-  if (action == "stop") return tell_status(session, "trace.stop", Json::object());
-  if (action == "status") return tell_status(session, "trace.status", Json::object());
+  if (action == "stop") return print_status(session, "trace.stop", Json::object());
+  if (action == "status") return print_status(session, "trace.status", Json::object());
   if (action == "list") return list(session);
   return dump(session);
 }

@@ -8,7 +8,7 @@
 #include "base/thread_role.h"
 #include "mauve/change.h"
 #include "mauve/job.h"
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 
 namespace mauve::daemon {
 
@@ -194,8 +194,9 @@ void Control::ended() {
   begin_next();
 }
 
-void Control::in_factory(Job work, Job then, Factory::GivenUp given_up, const Asker& asker) {
-  factory_.post(std::move(work), std::move(then), std::move(given_up), asker);
+void Control::in_factory(Job work, Job then, Factory::OnAbandoned on_abandoned,
+                         const Asker& asker) {
+  factory_.post(std::move(work), std::move(then), std::move(on_abandoned), asker);
 }
 
 void Control::write_out(Job job, const Asker& asker) {
@@ -218,7 +219,9 @@ std::size_t Control::long_answers(uid_t uid) const {
   return user == long_answers_.end() ? 0 : user->second;
 }
 
-std::vector<LeftBehind> Control::look_after_factory() { return factory_.look(prepare_within_); }
+std::vector<AbandonedThread> Control::look_after_factory() {
+  return factory_.look(prepare_within_);
+}
 
 bool Control::busy() const {
   const MutexLock lock(mutex_);

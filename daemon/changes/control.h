@@ -78,7 +78,7 @@ class Control {
   using Ticket = std::shared_ptr<void>;
   using Change = std::function<void(Ticket)>;
 
-  /// What [factory] may take for one piece of work before that is given up.
+  /// How long [factory] may take for one piece of work, until its thread is abandoned.
   explicit Control(std::chrono::nanoseconds prepare_within = std::chrono::seconds(10));
   ~Control();
 
@@ -97,9 +97,10 @@ class Control {
   /// [any] Runs on [control] when no other change is under way. False: too many wait already.
   [[nodiscard]] bool change(Change change, const Asker& asker = {});
 
-  /// [any] Runs `work` on [factory], then `then` on [control]; when the work is given up only
-  /// `given_up`, also on [control]. That must not share anything with the work.
-  void in_factory(Job work, Job then, Factory::GivenUp given_up = {}, const Asker& asker = {});
+  /// [any] Runs `work` on [factory], then `then` on [control]; when its thread is abandoned, only
+  /// `on_abandoned`, also on [control]. That must not share anything with the work.
+  void in_factory(Job work, Job then, Factory::OnAbandoned on_abandoned = {},
+                  const Asker& asker = {});
   /// [any] Runs on [answer], when it is the turn of its user: a long answer is written out, for
   /// which nothing of the model is needed.
   void write_out(Job job, const Asker& asker);
@@ -107,10 +108,12 @@ class Control {
   [[nodiscard]] std::size_t long_answers(uid_t uid) const;
   /// [control] The change that begins now is of this user; none: of the system itself.
   void works_for(std::optional<uid_t> user) { factory_.works_for(user); }
-  /// [control] Call it some times a second: who was given up now.
-  std::vector<LeftBehind> look_after_factory();
-  /// [any] Work that was given up and has not returned.
-  [[nodiscard]] std::vector<LeftBehind> left_behind() const { return factory_.left_behind(); }
+  /// [control] Call it some times a second. The threads that it abandoned now.
+  std::vector<AbandonedThread> look_after_factory();
+  /// [any] Abandoned threads that have not returned.
+  [[nodiscard]] std::vector<AbandonedThread> abandoned_threads() const {
+    return factory_.abandoned_threads();
+  }
   [[nodiscard]] std::chrono::nanoseconds prepare_within() const { return prepare_within_; }
   /// [control] Runs `then` when `over` says yes; meanwhile [control] serves others.
   void await(std::function<bool()> over, Job then) {

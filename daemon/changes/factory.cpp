@@ -6,30 +6,30 @@
 #include "base/mutex.h"
 #include "base/thread_role.h"
 #include "mauve/job.h"
-#include "model/leavable.h"
-#include "rt/rescue.h"
+#include "model/abandonable_thread.h"
+#include "rt/run_guarded.h"
 
 namespace mauve::daemon {
 
 using SteadyClock = std::chrono::steady_clock;
 
-/// What one thread is at, under Shared::mutex but for `leavable`.
+/// The work of one thread, under Shared::mutex but for `state`.
 struct Factory::Thread {
-  Leavable leavable;
+  AbandonableThread state;
   bool busy = false;
-  bool left = false;
+  bool abandoned = false;
   bool returned = false;
   SteadyClock::time_point since;
   Job then;
-  GivenUp given_up;
+  OnAbandoned on_abandoned;
 };
 
-/// Outlives the factory while anybody is left behind.
+/// Outlives the factory while a thread is abandoned.
 struct Factory::Shared {
   struct Piece {
     Job work;
     Job then;
-    GivenUp given_up;
+    OnAbandoned on_abandoned;
   };
 
   explicit Shared(std::function<void(Job)> its_go_on) : go_on(std::move(its_go_on)) {}
@@ -58,7 +58,7 @@ void Factory::begin() {
   thread_ = std::thread([shared = shared_, fresh] {
     begin_thread(ThreadRole::factory);
     const rt::FaultStack stack;  // a hook may fill its own
-    fresh->leavable.begin_here();
+    fresh->state.begin_here();
     run(shared, fresh);
   });
 }
@@ -74,12 +74,12 @@ void Factory::stop() {
   }
 }
 
-void Factory::post(Job work, Job then, GivenUp given_up, const Asker& asker) {
+void Factory::post(Job work, Job then, OnAbandoned on_abandoned, const Asker& asker) {
   const MutexLock lock(shared_->mutex);
   if (shared_->stopping) {
     return;
   }
-  shared_->queue.push(asker, {std::move(work), std::move(then), std::move(given_up)});
+  shared_->queue.push(asker, {std::move(work), std::move(then), std::move(on_abandoned)});
   shared_->wake.notify_one();
 }
 
@@ -97,34 +97,34 @@ void Factory::run(const std::shared_ptr<Shared>& shared, const std::shared_ptr<T
       auto next = shared->queue.pop();
       work = std::move(next.work);
       self->then = std::move(next.then);
-      self->given_up = std::move(next.given_up);
+      self->on_abandoned = std::move(next.on_abandoned);
       self->busy = true;
       self->since = SteadyClock::now();
     }
     work();
     work = nullptr;  // what it holds is destroyed here, before [control] goes on
     Job then;
-    GivenUp unused;
+    OnAbandoned unused;
     {
       const MutexLock lock(shared->mutex);
-      if (self->left) {
+      if (self->abandoned) {
         self->returned = true;
         return;
       }
       self->busy = false;
       then = std::move(self->then);
-      unused = std::move(self->given_up);
+      unused = std::move(self->on_abandoned);
     }
     unused = nullptr;
     shared->go_on(std::move(then));
   }
 }
 
-std::vector<LeftBehind> Factory::look(std::chrono::nanoseconds bound) {
+std::vector<AbandonedThread> Factory::look(std::chrono::nanoseconds bound) {
   MAUVE_ON_THREAD(control);
   Job then;
-  GivenUp given_up;
-  LeftBehind left;
+  OnAbandoned on_abandoned;
+  AbandonedThread left;
   {
     const MutexLock lock(shared_->mutex);
     const auto thread = shared_->serving;
@@ -132,13 +132,13 @@ std::vector<LeftBehind> Factory::look(std::chrono::nanoseconds bound) {
     if (!thread->busy || taken < bound) {
       return {};
     }
-    left.hook = thread->leavable.hook();
-    if (!thread->leavable.leave()) {
+    left.hook = thread->state.hook();
+    if (!thread->state.abandon()) {
       return {};
     }
-    thread->left = true;
+    thread->abandoned = true;
     then = std::move(thread->then);
-    given_up = std::move(thread->given_up);
+    on_abandoned = std::move(thread->on_abandoned);
     left.since = std::chrono::system_clock::now() -
                  std::chrono::duration_cast<std::chrono::system_clock::duration>(taken);
     left.user = user_;
@@ -149,14 +149,14 @@ std::vector<LeftBehind> Factory::look(std::chrono::nanoseconds bound) {
   // It may hold the last reference to elements, so it goes where these are freed; with it goes the
   // ticket of the change.
   post([then = std::move(then)]() mutable { then = nullptr; }, [] {}, {});
-  if (given_up) {
-    given_up(left.hook);
+  if (on_abandoned) {
+    on_abandoned(left.hook);
   }
   return {left};
 }
 
-std::vector<LeftBehind> Factory::left_behind() const {
-  std::vector<LeftBehind> all;
+std::vector<AbandonedThread> Factory::abandoned_threads() const {
+  std::vector<AbandonedThread> all;
   const MutexLock lock(shared_->mutex);
   for (const auto& [left, thread] : left_) {
     if (!thread->returned) {

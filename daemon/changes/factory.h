@@ -17,21 +17,21 @@
 
 namespace mauve::daemon {
 
-/// What [factory] was left behind in.
-struct LeftBehind {
+/// A thread of [factory] whose work did not return.
+struct AbandonedThread {
   std::string hook;  ///< "first.core on_configure"; empty: not known
   std::chrono::system_clock::time_point since;
   std::optional<uid_t> user = {};  ///< whose change it belongs to; none: of the system itself
 };
 
-/// Runs work one after another, that of changes first. Work that does not return is given up: its
-/// thread is left behind with all that it may still touch, and a fresh one goes on. Should the work
-/// return after all, the old thread frees what it holds, and ends.
+/// Runs work one after another, that of changes first. When work does not return, its thread is
+/// abandoned with all that it may still touch, and a fresh thread goes on. Should the work return
+/// after all, the abandoned thread frees what it holds, and ends.
 class Factory {
  public:
   using Job = std::function<void()>;
   /// Instead of what follows the work; it is told the hook.
-  using GivenUp = std::function<void(const std::string& hook)>;
+  using OnAbandoned = std::function<void(const std::string& hook)>;
 
   /// `go_on` takes what follows a piece of work to [control].
   explicit Factory(std::function<void(Job)> go_on);
@@ -40,18 +40,18 @@ class Factory {
   Factory& operator=(const Factory&) = delete;
 
   void start();
-  /// Runs what is queued, then ends. Later work is dropped. Does not wait for who is left behind.
+  /// Runs what is queued, then ends. Later work is dropped. Waits for no abandoned thread.
   void stop();
   /// [any] Runs `work` when it is the turn of the user that asks, then `then` on [control].
-  void post(Job work, Job then, GivenUp given_up, const Asker& asker = {});
+  void post(Job work, Job then, OnAbandoned on_abandoned, const Asker& asker = {});
 
-  /// [control] Work that is given up from now on belongs to a change of this user.
+  /// [control] A thread that is abandoned from now on worked for a change of this user.
   void works_for(std::optional<uid_t> user) { user_ = user; }
-  /// [control] Gives work up that has been under way for `bound`, unless its thread uses the model
-  /// just now: so look again. What was given up now; nothing: empty.
-  std::vector<LeftBehind> look(std::chrono::nanoseconds bound);
-  /// [any] Who has not returned.
-  [[nodiscard]] std::vector<LeftBehind> left_behind() const;
+  /// [control] Abandons the thread when its work has been under way for `bound`, unless the thread
+  /// uses the model just now: then call it again. The threads that this call abandoned.
+  std::vector<AbandonedThread> look(std::chrono::nanoseconds bound);
+  /// [any] Those that have not returned.
+  [[nodiscard]] std::vector<AbandonedThread> abandoned_threads() const;
 
  private:
   struct Thread;
@@ -63,7 +63,7 @@ class Factory {
   const std::shared_ptr<Shared> shared_;
   std::thread thread_;
   std::optional<uid_t> user_;
-  std::vector<std::pair<LeftBehind, std::shared_ptr<const Thread>>> left_;
+  std::vector<std::pair<AbandonedThread, std::shared_ptr<const Thread>>> left_;
 };
 
 }  // namespace mauve::daemon

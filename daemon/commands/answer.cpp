@@ -190,7 +190,7 @@ std::optional<std::chrono::milliseconds> deadline_in(const Json& params) {
 
 Error deadline_passed(const Call& call) {
   return refuse(Errc::timed_out, std::string(call.method->name),
-                "the deadline passed before the change could begin, so it was given up",
+                "the deadline passed before the change could begin, so the change was dropped",
                 "another change was under way; try again");
 }
 

@@ -141,7 +141,7 @@ std::optional<Json> audit_refused(Running& running, const Call& call, const Faul
   return std::move(line.json);
 }
 
-void tell_counted_refusals(Running& running, std::chrono::steady_clock::time_point now) {
+void report_counted_refusals(Running& running, std::chrono::steady_clock::time_point now) {
   MAUVE_ON_THREAD(control);
   for (const auto& [uid, count] : running.refusals.take_counted(now)) {
     running.log.write(Event::refusals_counted, {{"uid", number(uid)}, {"count", number(count)}});

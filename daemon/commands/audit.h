@@ -27,6 +27,6 @@ inline constexpr std::string_view kSupervision = "supervision";
                                                 const Fault& fault);
 
 /// [control] Writes down how many were only counted, in seconds that are over.
-void tell_counted_refusals(Running& running, std::chrono::steady_clock::time_point now);
+void report_counted_refusals(Running& running, std::chrono::steady_clock::time_point now);
 
 }  // namespace mauve::daemon

@@ -100,8 +100,8 @@ struct Running {
   std::map<std::string, std::chrono::steady_clock::time_point> stops_came = {};
   /// [control] Cores that were rolled back, by version, and why: see quarantine.h.
   std::map<std::string, std::string> quarantined = {};
-  /// [control] Components that a thread which was left behind may still be in, and its hook.
-  std::map<std::string, std::string> barred = {};
+  /// [control] Components that an abandoned thread may still be in, and its hook.
+  std::map<std::string, std::string> abandoned_in = {};
   Unproven unproven = {};                   ///< [control] see unproven.h
   Former former = {};                       ///< [control]
   std::vector<PlaceProbation> places = {};  ///< [control]
@@ -128,7 +128,7 @@ struct Running {
   Stopper* stopper = nullptr;  ///< [any]; null: stops are served by [control] only
   /// [control] Tells and saves what the system did by itself since the last look, rollbacks above
   /// all: before a change that came later is saved.
-  std::function<void()> tell_outcomes = [] {};
+  std::function<void()> report_outcomes = [] {};
   /// [control] Tells and saves one more outcome, which the deployer does not know of.
   std::function<void(const Outcome&)> settle = [](const Outcome&) {};
 };
@@ -150,7 +150,7 @@ struct Call {
   std::shared_ptr<std::atomic<Stage>> stage = std::make_shared<std::atomic<Stage>>(Stage::waiting);
   bool confirms = false;  ///< the generation that runs is confirmed before the answer
   std::shared_ptr<StopOrder> order = nullptr;  ///< of component.stop, where it is watched
-  bool given_up = false;                       ///< a hook did not return, and keeps a thread
+  bool keeps_a_thread = false;                 ///< a hook did not return, and keeps a thread
 };
 using CallPtr = std::shared_ptr<Call>;
 

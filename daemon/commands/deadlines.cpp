@@ -19,9 +19,9 @@ std::string deadline_of(const Call& call) {
 }
 
 /// Nothing of it will take effect once this has been told.
-bool give_up(Call& call) {
+bool expire(Call& call) {
   for (auto stage = call.stage->load(); stage == Stage::waiting || stage == Stage::preparing;) {
-    if (call.stage->compare_exchange_weak(stage, Stage::given_up)) {
+    if (call.stage->compare_exchange_weak(stage, Stage::expired)) {
       return true;
     }
   }
@@ -31,10 +31,11 @@ bool give_up(Call& call) {
 void answer_late(const Running& running, Call& call) {
   const std::string method(call.method->name);
   const auto generation = running.generation.load();
-  if (give_up(call)) {
+  if (expire(call)) {
     return call.reply(protocol::fault_of(
         refuse(Errc::timed_out, method,
-               deadline_of(call) + " passed before the change could take effect, so it is given up",
+               deadline_of(call) +
+                   " passed before the change could take effect, so the change is dropped",
                "the machine is busy, or a hook takes long: mauvectl status; then try again"),
         "unchanged", generation));
   }
@@ -49,7 +50,7 @@ void answer_late(const Running& running, Call& call) {
 }  // namespace
 
 bool advance_to(Stage next, std::atomic<Stage>& stage) {
-  for (auto now = stage.load(); now != Stage::given_up;) {
+  for (auto now = stage.load(); now != Stage::expired;) {
     if (stage.compare_exchange_weak(now, next)) {
       return true;
     }

@@ -19,9 +19,9 @@ struct Running;
 /// effect.
 enum class Stage : std::uint8_t {
   waiting,    ///< it has not begun
-  preparing,  ///< beside the running system: it can be given up
+  preparing,  ///< beside the running system: it can be dropped
   under_way,  ///< it may take effect at any time
-  given_up,   ///< its deadline passed before
+  expired,    ///< its deadline passed before
 };
 
 class Deadlines {
@@ -43,7 +43,7 @@ class Deadlines {
   std::vector<Watched> watched_ MAUVE_GUARDED_BY(mutex_);
 };
 
-/// [control] The change goes on to this stage; false: it was given up.
+/// [control] The change goes on to this stage; false: it was dropped.
 [[nodiscard]] bool advance_to(Stage next, std::atomic<Stage>& stage);
 
 }  // namespace mauve::daemon

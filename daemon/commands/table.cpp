@@ -8,7 +8,7 @@
 #include "commands/answer.h"
 #include "commands/audit.h"
 #include "commands/model.h"
-#include "commands/recovery/given_up.h"
+#include "commands/recovery/abandoned.h"
 #include "mauve/version.h"
 #include "monitor/watch.h"
 #include "state/state_store.h"
@@ -194,7 +194,7 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
       met = deadline_passed(*call);
     }
     if (met) {
-      met = may_prepare(running_.control.left_behind(), call->caller.peer.uid);
+      met = may_prepare(running_.control.abandoned_threads(), call->caller.peer.uid);
     }
     if (!met) {
       return answer(running_, *call, met.error());
@@ -211,7 +211,7 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
 }
 
 void CommandTable::run_in_factory(const Command& command, const CallPtr& call) {
-  if (auto free = may_prepare(running_.control.left_behind(), call->caller.peer.uid); !free) {
+  if (auto free = may_prepare(running_.control.abandoned_threads(), call->caller.peer.uid); !free) {
     return answer(running_, *call, free.error());
   }
   auto result = std::make_shared<std::optional<Result<Json>>>();
@@ -219,7 +219,7 @@ void CommandTable::run_in_factory(const Command& command, const CallPtr& call) {
       [this, &command, call, result] { *result = command.read(running_, *call); },
       [this, call, result] { answer(running_, *call, std::move(**result)); },
       [this, call](const std::string& hook) {
-        answer(running_, *call, given_up(running_, hook, std::string(call->method->name)));
+        answer(running_, *call, thread_abandoned(running_, hook, std::string(call->method->name)));
       },
       asker_of(*call));
 }

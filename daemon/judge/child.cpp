@@ -15,7 +15,7 @@
 #include <string>
 
 #include "judge/judgement.h"
-#include "model/leavable.h"
+#include "model/abandonable_thread.h"
 #include "plugin/plugin_file.h"
 #include "rt/child.h"
 
@@ -33,7 +33,7 @@ int its_errors = -1;
 /// Async-signal-safe enough for a process that is lost: should it hang, the alarm ends it.
 void say_the_hook() {
   alarm(kHandlerMayTake);
-  const auto* here = Leavable::here();
+  const auto* here = AbandonableThread::here();
   const auto hook = here == nullptr ? std::string() : here->hook();
   static_cast<void>(!write(its_errors, hook.data(), hook.size()));
 }
@@ -125,7 +125,7 @@ int judge_as_child(const Options& options) {
   rt::confine({rt::quarter_of_memory(), plugin::kLargestPlugin, options.prepare_within});
   const int answer = keep_streams();
   catch_ends();
-  Leavable here;
+  AbandonableThread here;
   here.begin_here();
   const std::string text{std::istreambuf_iterator<char>(std::cin), {}};
   end_after(options.prepare_within);

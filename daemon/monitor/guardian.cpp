@@ -51,11 +51,11 @@ Status Guardian::start(const Options& options) {
   plan.use = options.guardian;
   plan.socket = options.socket + ".guardian";
   plan.command = {program(), "--connected"};
-  return link_.start(std::move(plan), [this](const rt::GuardianNews& news) { tell(news); });
+  return link_.start(std::move(plan), [this](const rt::GuardianNews& news) { report(news); });
 }
 
 /// On the thread of the link.
-void Guardian::tell(const rt::GuardianNews& news) {
+void Guardian::report(const rt::GuardianNews& news) {
   const auto outputs = listed(rt::GuardedOutputs::of_process().names());
   switch (news.what) {
     case What::found:

@@ -23,7 +23,7 @@ class Guardian {
   [[nodiscard]] Json json() const;
 
  private:
-  void tell(const rt::GuardianNews& news);
+  void report(const rt::GuardianNews& news);
   void stop_all();
 
   logging::Log& log_;

@@ -15,7 +15,7 @@
 #include "commands/change/change.h"
 #include "commands/look/notice.h"
 #include "commands/model.h"
-#include "commands/recovery/given_up.h"
+#include "commands/recovery/abandoned.h"
 #include "commands/recovery/quarantine.h"
 #include "commands/recovery/unproven.h"
 #include "mauve/architecture.h"
@@ -43,8 +43,8 @@ Event event_of(const Outcome& outcome) {
                                                                               : Event::rolled_back;
     case Outcome::Kind::fell_back:
       return Event::fell_back;
-    case Outcome::Kind::gave_up:
-      return Event::recovery_given_up;
+    case Outcome::Kind::stays_failed:
+      return Event::recovery_abandoned;
     case Outcome::Kind::restarted:
       break;
   }
@@ -60,7 +60,7 @@ std::string cause_of(const Outcome& outcome) {
 
 void HealthMonitor::start(Running& running) {
   running_ = &running;
-  running.tell_outcomes = [this] { tell_outcomes(); };
+  running.report_outcomes = [this] { report_outcomes(); };
   running.settle = [this](const Outcome& outcome) { settle(outcome); };
   running.control.read([&running] { remember_cores(running); });
   thread_ = std::thread([this] {
@@ -92,22 +92,22 @@ void HealthMonitor::run() {
 /// [control]
 void HealthMonitor::look() {
   MAUVE_ON_THREAD(control);
-  tell_of_factory();
-  tell_of_holds();
-  tell_outcomes();
+  report_factory();
+  report_lock_budgets();
+  report_outcomes();
   if (++looks_ % kLooksANotice == 0) {
     notice_parked(*running_);
-    tell_of_scheduling();
+    report_scheduling();
   }
   look_at_places(*running_);
   look_at_unproven(*running_);
   free_former(*running_);
-  tell_counted_refusals(*running_, std::chrono::steady_clock::now());
+  report_counted_refusals(*running_, std::chrono::steady_clock::now());
   make_standby_cores();
   looking_ = false;
 }
 
-void HealthMonitor::tell_outcomes() {
+void HealthMonitor::report_outcomes() {
   auto free = std::make_shared<Retired>();
   const auto outcomes = running_->deployer.tend(*free);
   running_->generation = running_->deployer.generation();
@@ -125,23 +125,23 @@ void HealthMonitor::tell_outcomes() {
 
 void HealthMonitor::settle(const Outcome& outcome) {
   running_->generation = running_->deployer.generation();
-  tell(outcome);
+  report(outcome);
   notice(*running_, outcome);
 }
 
-void HealthMonitor::tell_of_factory() {
+void HealthMonitor::report_factory() {
   for (const auto& left : running_->control.look_after_factory()) {
-    running_->log.write(Event::hook_left_behind,
+    running_->log.write(Event::hook_abandoned,
                         {{"hook", left.hook.empty() ? std::string("user code") : left.hook}});
   }
 }
 
 /// A resource under the same name may be another one, which begins to count anew.
-void HealthMonitor::tell_of_holds() {
+void HealthMonitor::report_lock_budgets() {
   for (const auto* resource : running_->architecture.resources()) {
     const auto& lock = resource->lock();
-    const auto count = lock.over_hold();
-    auto& told = over_hold_[resource->name()];
+    const auto count = lock.over_budget();
+    auto& told = over_budget_[resource->name()];
     if (count < told) {
       told = 0;
     }
@@ -149,15 +149,16 @@ void HealthMonitor::tell_of_holds() {
       continue;
     }
     told = count;
-    const auto held = std::chrono::ceil<std::chrono::microseconds>(lock.longest_hold());
-    running_->log.write(Event::hold_exceeded, {{"resource", resource->name()},
-                                               {"held", format_duration(held)},
-                                               {"hold", format_duration(lock.declared_hold())},
-                                               {"count", to_signed(count)}});
+    const auto held = std::chrono::ceil<std::chrono::microseconds>(lock.longest_held());
+    running_->log.write(Event::lock_budget_exceeded,
+                        {{"resource", resource->name()},
+                         {"held", format_duration(held)},
+                         {"lock_budget", format_duration(lock.budget())},
+                         {"count", to_signed(count)}});
   }
 }
 
-void HealthMonitor::tell_of_scheduling() {
+void HealthMonitor::report_scheduling() {
   for (const auto& one : running_->deployer.status()) {
     auto& told = restored_[one.name];
     if (one.restored < told) {
@@ -172,7 +173,7 @@ void HealthMonitor::tell_of_scheduling() {
   }
 }
 
-void HealthMonitor::tell(const Outcome& outcome) {
+void HealthMonitor::report(const Outcome& outcome) {
   running_->counts.note(outcome);
   if (outcome.kind == Outcome::Kind::rolled_back) {
     running_->supervisor.take_back(outcome.changes);  // before the generation is saved
@@ -209,7 +210,7 @@ std::string HealthMonitor::changes_back(const Outcome& outcome) const {
 void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
   auto& store = *running_->store;
   const auto began = outcome.began;
-  if (outcome.kind == Outcome::Kind::overtaken || outcome.kind == Outcome::Kind::gave_up) {
+  if (outcome.kind == Outcome::Kind::overtaken || outcome.kind == Outcome::Kind::stays_failed) {
     return;  // the one proved nothing, the newer one will; the other made no generation
   }
   if (outcome.kind == Outcome::Kind::passed) {
@@ -262,7 +263,7 @@ void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
 /// A component that waits for a standby core that cannot be made stops waiting.
 bool HealthMonitor::refused_before(const Change& standby) {
   const auto& component = standby.edits[0].component;
-  if (const auto free = check_barred(*running_, standby); !free) {
+  if (const auto free = check_abandoned_in(*running_, standby); !free) {
     running_->deployer.refuse_standby(component, to_string(free.error()));
     return true;
   }
@@ -279,7 +280,7 @@ void HealthMonitor::refuse_standby(const Change& standby, const Error& error, bo
   const auto& component = standby.edits[0].component;
   refused_[component] = {for_ever ? kAll : running_->generation.load(),
                          "no core stands by for it: " + to_string(error)};
-  running_->log.write(Event::relief_refused,
+  running_->log.write(Event::standby_refused,
                       {{"component", component}, {"text", to_string(error)}});
 }
 
@@ -289,7 +290,7 @@ void HealthMonitor::make_standby_cores() {
     return;
   }
   auto wanted = running_->deployer.wanted_standby_cores();
-  const auto may = may_prepare(running_->control.left_behind(), std::nullopt);
+  const auto may = may_prepare(running_->control.abandoned_threads(), std::nullopt);
   if (!may) {
     for (const auto& standby : wanted) {
       running_->deployer.refuse_standby(standby.edits[0].component, to_string(may.error()));
@@ -327,7 +328,8 @@ void HealthMonitor::make_standby_cores() {
         },
         [this, wanted](const std::string& hook) {
           for (const auto& standby : wanted) {
-            refuse_standby(standby, given_up(*running_, hook, standby.edits[0].component), true);
+            refuse_standby(standby, thread_abandoned(*running_, hook, standby.edits[0].component),
+                           true);
           }
           making_ = false;
         });

@@ -29,14 +29,14 @@ class HealthMonitor {
  private:
   void run();
   void look();
-  void tell_outcomes();
+  void report_outcomes();
   void settle(const Outcome& outcome);
-  void tell(const Outcome& outcome);
+  void report(const Outcome& outcome);
   void save(const Outcome& outcome, const std::string& changes);
   [[nodiscard]] std::string changes_back(const Outcome& outcome) const;
-  void tell_of_factory();
-  void tell_of_holds();
-  void tell_of_scheduling();
+  void report_factory();
+  void report_lock_budgets();
+  void report_scheduling();
   void make_standby_cores();
   [[nodiscard]] bool refused_before(const Change& standby);
   void refuse_standby(const Change& standby, const Error& error, bool for_ever);
@@ -57,7 +57,7 @@ class HealthMonitor {
   };
   std::map<std::string, RefusedStandby> refused_;  ///< [control] by component
   /// [control] By resource: how many calls of it were longer than declared when it was told last.
-  std::map<std::string, std::uint64_t> over_hold_;
+  std::map<std::string, std::uint64_t> over_budget_;
   /// [control] By component: the count of put-back schedulings that the log told last.
   std::map<std::string, std::uint64_t> restored_;
   unsigned looks_ = 0;  ///< [control]

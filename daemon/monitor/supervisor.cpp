@@ -14,7 +14,7 @@
 #include "commands/change/change.h"
 #include "commands/lock.h"
 #include "commands/look/value.h"
-#include "commands/recovery/given_up.h"
+#include "commands/recovery/abandoned.h"
 
 namespace mauve::daemon {
 
@@ -257,14 +257,15 @@ void Supervisor::carry_out(Order order) {
   call->reply = [this, order = std::move(order),
                  asked = std::weak_ptr(call)](const server::Outcome& outcome) {
     const auto there = asked.lock();  // an answer that waited for the disk outlives it
-    const bool given_up = there != nullptr && there->given_up;
+    const bool keeps_a_thread = there != nullptr && there->keeps_a_thread;
     // Whoever answers: the books are kept on [control].
-    control_.read([this, order, outcome, given_up] { conclude(order, outcome, given_up); });
+    control_.read(
+        [this, order, outcome, keeps_a_thread] { conclude(order, outcome, keeps_a_thread); });
   };
   const bool queued = control_.change([this, call, steps = std::move(steps)](Ticket ticket) {
     auto met = check_conditions(*running_, *call);
     if (met) {
-      met = may_prepare(control_.left_behind(), std::nullopt);
+      met = may_prepare(control_.abandoned_threads(), std::nullopt);
     }
     if (!met) {
       return answer(*running_, *call, met.error());
@@ -285,7 +286,7 @@ void Supervisor::carry_out(Order order) {
   }
 }
 
-void Supervisor::conclude(const Order& order, const server::Outcome& outcome, bool given_up) {
+void Supervisor::conclude(const Order& order, const server::Outcome& outcome, bool keeps_a_thread) {
   const std::string cause = order.values.empty() ? "" : " (" + order.values + ")";
   logging::Fields fields = {{"transaction", order.transaction}, {"by", order.by + cause}};
   if (!order.component.empty()) {
@@ -301,7 +302,7 @@ void Supervisor::conclude(const Order& order, const server::Outcome& outcome, bo
                         std::move(fields));
     answer = (unsafe ? "unsafe: " : "refused: ") + said(*fault);
     // A hook that hangs would keep one more thread at each try.
-    again = !unsafe && !given_up && is_a_matter_of_time(*fault);
+    again = !unsafe && !keeps_a_thread && is_a_matter_of_time(*fault);
   } else {
     const auto& receipt = std::get<Json>(outcome);
     answer = text_or(receipt, "state") + ", generation " + receipt["generation"].dump();

@@ -70,7 +70,7 @@ class Supervisor {
   void serve(const std::string& component, const std::string& transaction);
   void refuse_request(const Order& order, const Error& error);
   void carry_out(Order order);
-  void conclude(const Order& order, const server::Outcome& outcome, bool given_up = false);
+  void conclude(const Order& order, const server::Outcome& outcome, bool keeps_a_thread = false);
   [[nodiscard]] rules::Read reader() const;
   [[nodiscard]] const rules::Steps& steps_of(const rules::Rule& rule) const;
   [[nodiscard]] Json row(std::size_t rule, Instant now) const;

@@ -198,10 +198,10 @@ void Watches::remove(const Leaves& leaves) {
     }
     return gone;
   });
-  std::list<Tapped> detached;  // without mutex_: the lock of a resource may be held for long
+  std::list<Tapped> no_ports;  // without mutex_: the lock of a resource may be held for long
   const MutexLock lock(mutex_);
   has_polled_ = !polled_.empty() || !lost_.empty();
-  detached = clean(tapped_, reading_);
+  no_ports = clean(tapped_, reading_);
 }
 
 void Watches::run() {
@@ -262,11 +262,11 @@ void Watches::bring_some(const Tapped& one, const std::vector<Subscriber>& subsc
   };
   while (one.tap->pop(bring) && wanted && round.goes_on()) {
   }
-  tell_lost(one, subscribers, one.tap->take_lost());
+  report_lost(one, subscribers, one.tap->take_lost());
 }
 
-void Watches::tell_lost(const Tapped& one, const std::vector<Subscriber>& subscribers,
-                        std::uint64_t lost) {
+void Watches::report_lost(const Tapped& one, const std::vector<Subscriber>& subscribers,
+                          std::uint64_t lost) {
   if (lost == 0) {
     return;
   }
@@ -308,7 +308,7 @@ void Watches::leave_replaced() {
     while (one.tap->pop([](const void*, Instant) {})) {
       ++rest;
     }
-    tell_lost(one, one.subscribers, rest);
+    report_lost(one, one.subscribers, rest);
     lost_.push_back({one.address, std::move(one.subscribers)});
   }
 }

@@ -119,8 +119,8 @@ class Watches {
   };
   void bring_some(const Tapped& one, const std::vector<Subscriber>& subscribers,
                   Round& round) const;
-  static void tell_lost(const Tapped& one, const std::vector<Subscriber>& subscribers,
-                        std::uint64_t lost);
+  static void report_lost(const Tapped& one, const std::vector<Subscriber>& subscribers,
+                          std::uint64_t lost);
   void remove(const Leaves& leaves);
 
   logging::Log& log_;

@@ -279,7 +279,7 @@ void Server::turn_away(Protocol::socket socket, const Peer& peer, const Error& w
   socket.send(asio::buffer(line), 0, ignored);
 }
 
-void Server::tell_counted_refusals() {
+void Server::report_counted_refusals() {
   for (const auto& [uid, count] : refusals_.take_counted(std::chrono::steady_clock::now())) {
     log_.write(Event::clients_refused, {{"uid", number(uid)}, {"count", number(count)}});
   }
@@ -313,7 +313,7 @@ void Server::sweep() {
     for (const auto& [id, session] : sessions) {
       session->check_patience(now);
     }
-    tell_counted_refusals();
+    report_counted_refusals();
     if (paused_) {
       accept();
     }

@@ -90,7 +90,7 @@ class Server {
   [[nodiscard]] std::uint64_t oldest_below(Role role) const;
   void displace(std::uint64_t client, Role by);
   void turn_away(Protocol::socket socket, const Peer& peer, const Error& why);
-  void tell_counted_refusals();
+  void report_counted_refusals();
   void on_end(std::uint64_t client, const std::string& reason);
   void sweep();
 

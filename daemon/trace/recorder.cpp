@@ -142,7 +142,7 @@ void Recorder::wait_for_rest(Reason& reason, const TraceRecord& record) {
                  now + kAfterwards, std::make_shared<std::optional<TracedSystem>>()};
   if (!reason.allowance.take(now)) {
     if (&reason == &failures_) {
-      tell_skipped(reason.allowance, flight);
+      report_skipped(reason.allowance, flight);
     }
     return;
   }
@@ -150,7 +150,7 @@ void Recorder::wait_for_rest(Reason& reason, const TraceRecord& record) {
   ask_what_it_is_about(*reason.pending);
 }
 
-void Recorder::tell_skipped(const FlightAllowance& allowance, const Pending& flight) {
+void Recorder::report_skipped(const FlightAllowance& allowance, const Pending& flight) {
   const auto about = flight.word + (flight.component.empty() ? "" : " of " + flight.component);
   running_->log.write(Event::flight_skipped,
                       {{"component", flight.component},

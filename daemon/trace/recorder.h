@@ -72,7 +72,7 @@ class Recorder {
   void look(const TraceRecord& record) MAUVE_REQUIRES(mutex_);
   void ask_what_it_is_about(const Pending& pending);
   void wait_for_rest(Reason& reason, const TraceRecord& record);
-  void tell_skipped(const FlightAllowance& allowance, const Pending& flight);
+  void report_skipped(const FlightAllowance& allowance, const Pending& flight);
   void write_when_due(bool now);
   void write_when_due(Reason& reason, bool now) MAUVE_REQUIRES(mutex_);
   void start_probes() MAUVE_REQUIRES(mutex_);

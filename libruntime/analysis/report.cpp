@@ -35,7 +35,7 @@ std::string joined(const std::vector<std::string>& names) {
 /// Empty: it is known how long all resources are held.
 std::string what_to_declare(const std::vector<std::string>& resources) {
   if (resources.empty()) return "";
-  return "; whole jobs count as blocking, declare \"hold\" for " +
+  return "; whole jobs count as blocking, declare \"lock_budget\" for " +
          (resources.size() == 1 ? "resource " : std::string("resources ")) + joined(resources);
 }
 

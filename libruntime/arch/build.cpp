@@ -71,7 +71,7 @@ class Builder {
                                 : make_built_in(spec.type.value, spec.name, std::move(parts->data));
     if (!resource->made()) return problems_.add(spec.type.where, resource->made().error());
     set_properties(spec.name, spec.properties, parts_of(*resource));
-    if (spec.hold) resource->lock().declare_hold(spec.hold->value);
+    if (spec.lock_budget) resource->lock().set_budget(spec.lock_budget->value);
     resources_.emplace_back(&spec, &architecture_->own(std::move(resource)));
   }
 

@@ -74,7 +74,8 @@ class ChangeLines {
     }
     ports(resource.name(), {before->shell(), before->bindings()},
           {resource.shell(), resource.bindings()});
-    say("hold", resource.name() + ".hold", describe_hold(*before), describe_hold(resource));
+    say("lock_budget", resource.name() + ".lock_budget", describe_lock_budget(*before),
+        describe_lock_budget(resource));
   }
 
   void joins(const ComponentBase& component) {
@@ -103,11 +104,12 @@ class ChangeLines {
       const Shell& shell = changed.resource->shell();
       ports(name, {shell, *changed.base.bindings}, {shell, *changed.parts.bindings});
     }
-    if (changed.hold && *changed.hold != changed.base_hold) {
+    if (changed.lock_budget && *changed.lock_budget != changed.base_lock_budget) {
       const auto said = [](Duration hold) {
         return hold == Duration{0} ? Value() : Value(format_duration(hold));
       };
-      say("hold", name + ".hold", said(changed.base_hold), said(*changed.hold));
+      say("lock_budget", name + ".lock_budget", said(changed.base_lock_budget),
+          said(*changed.lock_budget));
     }
   }
 

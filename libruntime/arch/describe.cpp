@@ -83,8 +83,8 @@ Value describe(const ResourceBase& resource) {
   Value::Object ports = connections(resource.shell(), resource.bindings());
   add_unless_empty(object, "properties", std::move(properties));
   add_unless_empty(object, "ports", std::move(ports));
-  Value hold = describe_hold(resource);
-  add_if(object, !hold.is_null(), "hold", std::move(hold));
+  Value hold = describe_lock_budget(resource);
+  add_if(object, !hold.is_null(), "lock_budget", std::move(hold));
   return object;
 }
 
@@ -144,8 +144,8 @@ Value describe_fault_policy(const FaultPolicy& policy) {
                        {"back_off", format_duration(policy.back_off)}};
 }
 
-Value describe_hold(const ResourceBase& resource) {
-  return unless_zero(resource.lock().declared_hold());
+Value describe_lock_budget(const ResourceBase& resource) {
+  return unless_zero(resource.lock().budget());
 }
 
 Value describe_connection(const Binding* binding) {

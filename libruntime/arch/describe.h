@@ -33,7 +33,7 @@ using Parked = std::function<bool(const ComponentBase&)>;
 /// A fault policy, a declared hold, a connection and a fallback core as in the file; null: there is
 /// none. [control]
 [[nodiscard]] Value describe_fault_policy(const FaultPolicy& policy);
-[[nodiscard]] Value describe_hold(const ResourceBase& resource);
+[[nodiscard]] Value describe_lock_budget(const ResourceBase& resource);
 [[nodiscard]] Value describe_connection(const Binding* binding);
 [[nodiscard]] Value describe_fallback(const std::optional<ComponentBase::Fallback>& fallback);
 

@@ -66,7 +66,7 @@ Edit edit_of(const std::string& name) {
 }
 
 bool says_nothing(const Edit& edit) {
-  return !edit.core && !edit.fsm && !edit.task && !edit.hold && edit.properties.empty() &&
+  return !edit.core && !edit.fsm && !edit.task && !edit.lock_budget && edit.properties.empty() &&
          edit.connect.empty() && edit.disconnect.empty() && edit.mode == Mode::keep;
 }
 
@@ -155,9 +155,10 @@ class Differ {
   }
 
   void hold(const ResourceBase& now, const ResourceBase& then, Edit& edit) {
-    if (now.lock().declared_hold() == then.lock().declared_hold()) return;
-    edit.hold = then.lock().declared_hold();
-    say("hold", now.name() + ".hold", describe_hold(now), describe_hold(then));
+    if (now.lock().budget() == then.lock().budget()) return;
+    edit.lock_budget = then.lock().budget();
+    say("lock_budget", now.name() + ".lock_budget", describe_lock_budget(now),
+        describe_lock_budget(then));
   }
 
   void change(const ComponentBase& now, const ComponentBase& then) {

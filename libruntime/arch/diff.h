@@ -26,7 +26,7 @@ struct Line {
   enum class Op : std::uint8_t { add, remove, change };
   Op op = Op::change;
   /// "architecture", "plugin", "resource", "component", "core", "fsm", "fallback_core",
-  /// "property", "port", "hold", "task" or "start".
+  /// "property", "port", "lock_budget", "task" or "start".
   std::string kind;
   std::string address;  ///< "control.core.gain", "control.ports.scan", "control.task.priority"
   Value before;         ///< as in the file; of a component or resource its type; null: nothing

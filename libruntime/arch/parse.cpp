@@ -21,20 +21,20 @@ namespace {
 // "velocity/1" of a plugin, or "double" and the like.
 bool is_data_name(std::string_view text) { return is_revised_name(text) || is_name(text); }
 
-std::optional<Duration> read_hold(const Source& source) {
+std::optional<Duration> read_lock_budget(const Source& source) {
   const auto hold = read_positive(source);
-  if (!hold || *hold <= kLongestHold) return hold;
+  if (!hold || *hold <= kLongestBudget) return hold;
   source.refuse(
       "is longer than callers wait for a resource",
-      "declare the longest time that one call takes, at most " + format_duration(kLongestHold));
+      "declare the longest time that one call takes, at most " + format_duration(kLongestBudget));
   return std::nullopt;
 }
 
-void refuse_meaningless_hold(const Source& source, const ResourceSpec& resource) {
-  if (!resource.hold || resource.type.value != kSharedData) return;
-  source.problems.add(resource.hold->where, Errc::invalid_value, resource.name + ".hold",
-                      "has no meaning here: shared_data is held for some stores only",
-                      "remove this key");
+void refuse_meaningless_lock_budget(const Source& source, const ResourceSpec& resource) {
+  if (!resource.lock_budget || resource.type.value != kSharedData) return;
+  source.problems.add(
+      resource.lock_budget->where, Errc::invalid_value, resource.name + ".lock_budget",
+      "has no meaning here: shared_data is held for some stores only", "remove this key");
 }
 
 void read_resource(const Source& source, ResourceSpec& resource) {
@@ -49,12 +49,12 @@ void read_resource(const Source& source, ResourceSpec& resource) {
        {"data", placed(resource.data, data)},
        properties_field(resource, {"shell", "core", "interface"}),
        ports_field(resource),
-       {"hold", placed(resource.hold, read_hold)},
+       {"lock_budget", placed(resource.lock_budget, read_lock_budget)},
        {"cross_core",
         [&](const Source& value) { resource.cross_core = read_flag(value).value_or(false); }},
        unsupported_field("on_fault")});
   require_type(source, resource);
-  refuse_meaningless_hold(source, resource);
+  refuse_meaningless_lock_budget(source, resource);
 }
 
 // A policy that leads to the fallback core needs one.

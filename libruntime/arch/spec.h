@@ -63,7 +63,7 @@ struct ElementSpec {
 
 struct ResourceSpec : ElementSpec {
   std::optional<PlacedText> data;  ///< "laser_scan/1", for resources made for any data type
-  std::optional<Placed<Duration>> hold;
+  std::optional<Placed<Duration>> lock_budget;
   bool cross_core = false;  ///< reserved: read, and used by nobody yet
 };
 

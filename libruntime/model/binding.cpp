@@ -29,7 +29,7 @@ Binding::Binding(ServiceBase& service, std::shared_ptr<void> keep_alive, Duratio
       slot_(service.attach()),
       max_age_(max_age),
       exchange_(service.exchange()) {
-  static_cast<void>(at_hand());
+  static_cast<void>(is_direct());
 }
 
 Binding::~Binding() {
@@ -37,7 +37,7 @@ Binding::~Binding() {
   if (exchange_ != nullptr) exchange_->latest.leave_place(id_);
 }
 
-Exchange* Binding::at_hand() const {
+Exchange* Binding::is_direct() const {
   if (exchange_ == nullptr) return nullptr;
   const bool writes = service_.signature().kind == PortKind::write;
   const bool own = writes ? exchange_->latest.take_place(id_) : slot_ != LatestValue::kNoSlot;
@@ -46,12 +46,12 @@ Exchange* Binding::at_hand() const {
 
 bool Binding::write(const void* value) const {
   const Instant stamp = job_time();
-  Exchange* const exchange = at_hand();
+  Exchange* const exchange = is_direct();
   // Also while somebody listens: the value is out before anybody waits for the lock.
   if (exchange != nullptr && exchange->write_alone(value, exchange->latest.size(), stamp)) {
     return told(value, stamp);
   }
-  return !this_job().is_detached() && service_.write(value);
+  return !this_job().has_no_ports() && service_.write(value);
 }
 
 bool Binding::told(const void* value, Instant stamp) const {

@@ -5,7 +5,7 @@
 
 #include "model/connection.h"
 #include "model/elements.h"
-#include "model/left_behind.h"
+#include "model/keep_for_abandoned.h"
 #include "rt/measured.h"
 
 namespace mauve {
@@ -61,7 +61,7 @@ Status ComponentBase::cleanup() {
 }
 
 void ComponentBase::abandon() {
-  if (configured_) leave_behind(bundle_);
+  if (configured_) keep_for_abandoned(bundle_);
   configured_ = false;
 }
 

@@ -54,7 +54,7 @@ Status Configurable::cleanup() {
 
 void Configurable::adopt(std::string address) {
   address_ = std::move(address);
-  if (told_address_) told_address_(address_);
+  if (given_address_) given_address_(address_);
 }
 
 PropertyBase* Configurable::find_property(std::string_view name) const {

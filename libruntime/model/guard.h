@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "model/leavable.h"
-#include "rt/rescue.h"
+#include "model/abandonable_thread.h"
+#include "rt/run_guarded.h"
 
 #include <mauve/result.h>
 
@@ -53,17 +53,18 @@ struct HookRun {
 
 /// Runs `body` (returning Status). Whatever it throws becomes an Error that names the hook, and so
 /// does a crash in its own code, or a call that would end the process. A return to a thread that
-/// was left behind in it is an Error too: its caller must not touch the model. `watched`: see
-/// rt::rescued().
+/// was abandoned in it is an Error too: its caller must not touch the model. `watched`: see
+/// rt::run_guarded().
 template <typename Body>
 Status call_hook(const std::string& at, const char* hook, Body&& body,
                  const rt::Watched& watched = rt::kUnwatched) {
   InHook in_hook(at, hook);
   detail::HookRun<Body> run{at, hook, body};
-  const rt::Fault fault = rt::rescued(&detail::HookRun<Body>::run, &run, watched);
+  const rt::Fault fault = rt::run_guarded(&detail::HookRun<Body>::run, &run, watched);
   Status done = fault.happened() ? Status(detail::crashed(at, hook, fault)) : std::move(run.done);
   if (in_hook.back()) return done;
-  return refuse(Errc::timed_out, at, std::string(hook) + " returned when it had been given up");
+  return refuse(Errc::timed_out, at,
+                std::string(hook) + " returned after mauved had abandoned its thread");
 }
 
 }  // namespace mauve

@@ -43,7 +43,7 @@ Error lost(const CoreBase& into, const Capsule& from, const Capsule* found, cons
                 drop + "a mauve::Converts in the new core");
 }
 
-Error left_behind(const CoreBase& into, const Capsule& from) {
+Error state_would_vanish(const CoreBase& into, const Capsule& from) {
   return refuse(Errc::type_mismatch, into.address(),
                 "takes no state, so " + shown(from.type()) + " of the core in force would be lost",
                 "say --state drop when that is meant");
@@ -74,7 +74,7 @@ Status hand_over_slow(const CoreBase& from, const CoreBase& into, StatePolicy po
   SlowStateBase* const place = into.slow_state();
   if (takes(place, old)) return share(old, *place, into.address());
   if (place == nullptr && may_leave(into, policy)) return ok();
-  if (place == nullptr && into.stateless()) return left_behind(into, old);
+  if (place == nullptr && into.stateless()) return state_would_vanish(into, old);
   return lost(into, old, place, "mauve::SlowState");
 }
 
@@ -87,7 +87,7 @@ MAUVE_RUNS_AT_A_SWAP rt::Fault HandOver::run(const rt::Watched& watched) const {
     return {};
   }
   HandOver copy = *this;  // a thread that never returns from the converter outlives the original
-  return rt::rescued(&HandOver::run_converter, &copy, watched);
+  return rt::run_guarded(&HandOver::run_converter, &copy, watched);
 }
 
 void HandOver::run_converter(void* self) {
@@ -110,7 +110,7 @@ Result<HandOver> plan_hand_over(const CoreBase& from, const CoreBase& into, Stat
   StateBase* const place = into.state();
   if (&from == &into || policy == StatePolicy::drop || old == nullptr) return HandOver{};
   if (place == nullptr && may_leave(into, policy)) return HandOver{};
-  if (place == nullptr && into.stateless()) return left_behind(into, *old);
+  if (place == nullptr && into.stateless()) return state_would_vanish(into, *old);
   if (!takes(place, *old)) return lost(into, *old, place, "mauve::State");
   const ConvertsBase* const convert =
       place->fits(*old) ? nullptr : place->converter_from(old->type());

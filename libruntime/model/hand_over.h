@@ -13,7 +13,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 
 #include <mauve/change_policy.h>
 #include <mauve/result.h>
@@ -34,7 +34,7 @@ struct HandOver {
   std::size_t bytes = 0;                  ///< size of the state handed over
 
   /// At the boundary. [rt], no heap; two pointer stores, or the converter: a fault of that is
-  /// returned, and `into` may be half written then. `watched`: see rt::rescued().
+  /// returned, and `into` may be half written then. `watched`: see rt::run_guarded().
   [[nodiscard]] rt::Fault run(const rt::Watched& watched = rt::kUnwatched) const;
   /// Brings near what run() will touch. [rt]
   void fetch() const;

@@ -53,11 +53,11 @@ bool PortBase::connected() const {
 }
 
 const Binding* PortBase::binding() {
-  if (this_job().is_detached()) return nullptr;
+  if (this_job().has_no_ports()) return nullptr;
   const Bindings* table = shell_.bindings();
   const Binding* binding = table != nullptr ? (*table)[index_].get() : nullptr;
-  const bool as_before = version_at_hand_ == version_;
-  version_at_hand_ = 0;  // who is thrown out of here begins anew
+  const bool as_before = direct_version_ == version_;
+  direct_version_ = 0;  // who is thrown out of here begins anew
   std::atomic_signal_fence(std::memory_order_seq_cst);
   // With the same connections too: what the cursor stood at may have been given back.
   if (!as_before) cursor_.word = Cursor::kNone;
@@ -66,9 +66,9 @@ const Binding* PortBase::binding() {
     seen_ = binding->id();
   }
   max_age_ = binding != nullptr ? binding->max_age() : Duration{0};
-  exchange_ = binding != nullptr && !calls_ ? binding->at_hand() : nullptr;
+  exchange_ = binding != nullptr && !calls_ ? binding->is_direct() : nullptr;
   std::atomic_signal_fence(std::memory_order_seq_cst);
-  version_at_hand_ = exchange_ != nullptr ? version_ : 0;
+  direct_version_ = exchange_ != nullptr ? version_ : 0;
   return binding;
 }
 

@@ -74,7 +74,7 @@ void ResourceBase::meet(const std::shared_ptr<CoreBase>& core,
                         const std::shared_ptr<const Bindings>& bindings) {
   if (core != nullptr) {
     interface_->meet(core);
-    lock_.heal();
+    lock_.clear_poison();
   }
   if (bindings != nullptr && configured_) shell_->use(bindings.get());
 }

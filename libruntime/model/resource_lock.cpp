@@ -6,7 +6,7 @@
 #include <thread>
 #include <utility>
 
-#include "model/left_behind.h"
+#include "model/keep_for_abandoned.h"
 #include "model/traced.h"
 #include "rt/pi_mutex.h"
 #include "rt/preemption.h"
@@ -54,12 +54,13 @@ bool ResourceLock::enter() MAUVE_NOT_ANALYSED {
   Instant waited = 0;
   if (!lock.mutex.try_lock() && !wait_for(lock, waited)) return false;
   if (!hold(lock, waited)) return enter();
-  // Who was given up while it waited changes nothing any more: a safe value may stand there. The
-  // guard that gives up makes all processors pass a barrier before it looks at what is held.
+  // A thread that was abandoned while it waited changes nothing: a safe value may stand there. The
+  // guard that abandons a thread makes all processors pass a barrier before it looks at what is
+  // held.
   std::atomic_signal_fence(std::memory_order_seq_cst);
-  const bool given_up = job.running && job.is_detached();
-  if (!given_up && pending_.load(std::memory_order_acquire) != nullptr) apply_pending(job.release);
-  if (!given_up && !poisoned()) return true;
+  const bool abandoned = job.running && job.has_no_ports();
+  if (!abandoned && pending_.load(std::memory_order_acquire) != nullptr) apply_pending(job.release);
+  if (!abandoned && !poisoned()) return true;
   leave();
   return false;
 }
@@ -67,7 +68,7 @@ bool ResourceLock::enter() MAUVE_NOT_ANALYSED {
 bool ResourceLock::wait_for(LockState& lock, Instant& waited) MAUVE_NOT_ANALYSED {
   if (poisoned()) return false;  // who holds it may never leave
   Job& job = this_job();
-  const Duration bound = job.lock_bound > Duration{0} ? job.lock_bound : kLongestHold;
+  const Duration bound = job.lock_bound > Duration{0} ? job.lock_bound : kLongestBudget;
   const Instant begin = MonotonicClock().now();
   const bool got = lock.mutex.lock_until(begin + bound.count());
   count_wait(job, begin);
@@ -86,7 +87,7 @@ bool ResourceLock::try_enter() MAUVE_NOT_ANALYSED {
   return lock.mutex.try_lock() && hold(lock, 0);
 }
 
-/// False when this is not the state of the lock any more: who held it was given up, and unlocked it
+/// False when this is not the state of the lock any more: its holder was abandoned, and unlocked it
 /// when it came back after all. One writer of the record: a load and a store are enough.
 bool ResourceLock::hold(LockState& lock, Instant waited) MAUVE_NOT_ANALYSED {
   if (lock_.load(std::memory_order_acquire) != &lock) {
@@ -146,11 +147,11 @@ void ResourceLock::count_hold(std::int64_t held) {
   if (held > longest_.load(std::memory_order_relaxed)) longest_.store(held);
   const std::int64_t declared = declared_.load(std::memory_order_relaxed);
   if (declared == 0 || held <= declared) return;
-  over_hold_.store(over_hold_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  over_budget_.store(over_budget_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
 }
 
-/// This thread was given up meanwhile. Who still waits for its lock finds out; a lock whose owner
-/// ends without leaving it would end the process.
+/// This thread was abandoned meanwhile. A thread that waits for its lock finds out; a lock whose
+/// owner ends without leaving it would end the process.
 void ResourceLock::leave_renewed(LockState& lock) MAUVE_NOT_ANALYSED {
   while (lock_.load(std::memory_order_acquire) == &lock) std::this_thread::yield();  // in a moment
   lock.mutex.unlock();
@@ -187,7 +188,7 @@ const ResourceLock* ResourceLock::poison_and_free_all(Job& lost) {
 /// The old one is never freed: its holder may still come back to it.
 void ResourceLock::renew_lock() {
   auto fresh = std::make_unique<LockState>(*this);
-  leave_behind(
+  keep_for_abandoned(
       std::shared_ptr<LockState>(lock_.exchange(fresh.release(), std::memory_order_acq_rel)));
 }
 
@@ -196,7 +197,7 @@ void ResourceLock::apply_pending(Instant release) {
   if (pending != nullptr && pending->apply(release)) forget(*pending);
 }
 
-void ResourceLock::forget_holds() {
+void ResourceLock::forget_times() {
   lock_.load()->since = 0;
   longest_.store(0);
 }

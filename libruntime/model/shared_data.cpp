@@ -79,8 +79,9 @@ class ReadLatest final : public ServiceBase {
       cursor.seen = 0;
     }
     visitor(data);
-    // The visitor may have read on, and who was given up in it has a successor that does.
-    const bool still = cursor.seen == 0 && !this_job().is_detached();
+    // The visitor may have read on, and a thread that was abandoned in it has a successor that
+    // does.
+    const bool still = cursor.seen == 0 && !this_job().has_no_ports();
     if (fresh && still) cursor.seen = seen;
     return status;
   }
@@ -108,9 +109,9 @@ class WriteLatest final : public ServiceBase {
     Exchange& into = *exchange();
     void* const value = into.latest.begin_write();
     filler(value);
-    // Who was given up in there does not overtake its safe value.
+    // A thread that was abandoned in there does not overtake its safe value.
     const Job& job = this_job();
-    if (job.running && job.is_detached()) return false;
+    if (job.running && job.has_no_ports()) return false;
     into.latest.end_write(stamp);
     into.taps.push(value, stamp);
     return true;

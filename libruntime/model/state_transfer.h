@@ -42,7 +42,7 @@ struct StateTransfer {
   ValueStore* into = nullptr;
 
   /// Nobody uses either resource. Bytes that were handed over; an error, of `at`, when a converter
-  /// fails. `watched`: see rt::rescued(). [control]
+  /// fails. `watched`: see rt::run_guarded(). [control]
   [[nodiscard]] Result<std::size_t> run(const std::string& at,
                                         const rt::Watched& watched = rt::kUnwatched) const;
   /// After run(): the old resource has again what was moved.

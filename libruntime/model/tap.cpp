@@ -45,7 +45,7 @@ Status TapList::attach(std::shared_ptr<Tap> tap, ResourceLock& lock) {
   Taps closed;  // freed when the lock has been released: a writer may wait for it
   ScopedLock held(lock);
   if (!held) return refuse(Errc::timed_out, "", "its resource is busy");
-  give_up_closed(closed);
+  release_closed(closed);
   for (std::shared_ptr<Tap>& place : taps_) {
     if (place != nullptr) continue;
     place = std::move(tap);
@@ -59,10 +59,10 @@ void TapList::detach(Tap& tap, ResourceLock& lock) {
   tap.close();
   Taps closed;
   ScopedLock held(lock);
-  if (held) give_up_closed(closed);
+  if (held) release_closed(closed);
 }
 
-void TapList::give_up_closed(Taps& into) {
+void TapList::release_closed(Taps& into) {
   for (std::size_t i = 0; i < kMaxTaps; ++i) {
     if (taps_[i] == nullptr || !taps_[i]->closed()) continue;
     into[i] = std::exchange(taps_[i], nullptr);

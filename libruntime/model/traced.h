@@ -10,9 +10,9 @@
 namespace mauve {
 
 /// The ring of this job while so much is traced; null: nobody wants to know, or the thread was
-/// given up and has no part in its component any more. [rt]
+/// abandoned and has no part in its component any more. [rt]
 [[nodiscard]] inline rt::TraceRing* ring_of(const Job& job, TraceMode needed) {
-  if (!detail::traces(needed) || job.is_detached()) return nullptr;
+  if (!detail::traces(needed) || job.has_no_ports()) return nullptr;
   return job.trace;
 }
 

@@ -15,7 +15,7 @@ constexpr int kCrashPriority = 96;  // above every component and the guard
 
 std::atomic<std::uint32_t> bell{0};  // rung when the process dies, and when a speaker shall end
 std::atomic<bool> dying{false};
-std::atomic<bool> death_told{false};  // `death` can be read
+std::atomic<bool> death_reported{false};  // `death` can be read
 std::atomic<std::uint32_t> speakers{0};
 std::atomic<std::uint32_t> silent{0};  // have spoken
 Death death;
@@ -43,17 +43,17 @@ Status CrashHandler::start(std::function<void(const Death&)> speak) {
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
   if (!started) return started;
   speakers.fetch_add(1);
-  if constexpr (kCanRescue) faults_.emplace();
+  if constexpr (kGuardsFaults) faults_.emplace();
   ends_.emplace();
   return started;
 }
 
 void CrashHandler::wait() {
   const FaultStack stack;
-  while (!death_told.load()) {
+  while (!death_reported.load()) {
     const std::uint32_t seen = bell.load();
     if (quit_.load()) return;
-    if (!death_told.load()) futex_wait_until(bell, seen, kForever);
+    if (!death_reported.load()) futex_wait_until(bell, seen, kForever);
   }
   i_speak() = true;
   const Boost urgent(kCrashPriority);
@@ -67,7 +67,7 @@ bool speak_last_words(const Fault& fault) {
   if (!dying.exchange(true)) {
     death.fault = fault;
     prctl(PR_GET_NAME, death.thread.data());
-    death_told.store(true);
+    death_reported.store(true);
     futex_bump(bell);
   }
   while (MonotonicClock().now() < until) {

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "rt/ends.h"
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 #include "rt/thread.h"
 
 namespace mauve::rt {

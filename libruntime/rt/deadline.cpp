@@ -14,12 +14,12 @@ namespace {
 
 constexpr long kSecond = 1'000'000'000;
 /// It may be in code that must not be interrupted: then it is told again.
-constexpr long kTellAgain = 1'000'000;
+constexpr long kReportAgain = 1'000'000;
 
 }  // namespace
 
 Deadline::Deadline(Duration most) {
-  if constexpr (!kCanRescue) return;
+  if constexpr (!kGuardsFaults) return;
   // The signal comes when the time is over, so what it looks for may stand there from now on.
   watched_.busy_since.store(1);
   watched_.interrupt.store(1);
@@ -31,7 +31,7 @@ Deadline::Deadline(Duration most) {
   armed_ = true;
   itimerspec times{};
   times.it_value = {most.count() / kSecond, most.count() % kSecond};
-  times.it_interval = {0, kTellAgain};
+  times.it_interval = {0, kReportAgain};
   timer_settime(timer_, 0, &times, nullptr);
 }
 

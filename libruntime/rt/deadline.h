@@ -4,13 +4,13 @@
 
 #include <ctime>
 
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 
 namespace mauve::rt {
 
 /// While one lives, a body that its thread runs with watched() is ended as by the guard when the
 /// time is over, and so is each later one. Code of the system, a sleep for instance, is not
-/// interrupted, and nothing is where faults are not rescued. Ordinary threads only.
+/// interrupted, and nothing is where faults are not handled. Ordinary threads only.
 class Deadline {
  public:
   explicit Deadline(Duration most);

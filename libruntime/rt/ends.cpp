@@ -13,12 +13,13 @@
 
 #include "base/mutex.h"
 #include "rt/crash_handler.h"
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 
 namespace mauve::rt {
 namespace {
 
-/// Does it end a process by default? Not those of rescue.cpp, nor the two that nobody can handle.
+/// Does it end a process by default? Not those of run_guarded.cpp, nor the two that nobody can
+/// handle.
 bool is_end(int signal) {
   constexpr std::array<int, 17> kEnds{SIGHUP,    SIGINT,    SIGQUIT, SIGTRAP, SIGUSR1, SIGUSR2,
                                       SIGPIPE,   SIGALRM,   SIGTERM, SIGXCPU, SIGXFSZ, SIGSYS,

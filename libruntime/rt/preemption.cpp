@@ -52,23 +52,23 @@ bool finds_out() {
 
 }  // namespace
 
-bool preemption_is_told() {
+bool preemption_is_reported() {
   static const bool told = finds_out();
   return told;
 }
 
 void watch_for_preemption() {
-  if (preemption_is_told()) set(nowhere());
+  if (preemption_is_reported()) set(nowhere());
 }
 
 bool preempted() {
-  if (!preemption_is_told()) return true;
+  if (!preemption_is_reported()) return true;
   std::atomic_signal_fence(std::memory_order_seq_cst);
   return current_sequence().load(std::memory_order_relaxed) != nowhere();
 }
 
 void end_preemption_watch() {
-  if (preemption_is_told()) set(0);
+  if (preemption_is_reported()) set(0);
 }
 
 }  // namespace mauve::rt

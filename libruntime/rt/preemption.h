@@ -19,6 +19,6 @@ void end_preemption_watch();
 
 /// Does this machine tell? Without, preempted() is always true. The first call of the process
 /// sleeps for a moment to find that out, so it has to come before a job does. [any]
-[[nodiscard]] bool preemption_is_told();
+[[nodiscard]] bool preemption_is_reported();
 
 }  // namespace mauve::rt

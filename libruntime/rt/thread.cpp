@@ -16,7 +16,7 @@
 #include <unistd.h>
 
 #include "rt/fifo.h"
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 
 namespace mauve::rt {
 namespace {

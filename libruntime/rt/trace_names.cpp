@@ -21,7 +21,7 @@ struct Names {
       {by_number.front(), 0}};
 };
 
-/// Never destroyed: threads that were left behind outlive everything.
+/// Never destroyed: abandoned threads outlive everything.
 Names& names() {
   static Names* const all = new Names;
   return *all;

@@ -41,8 +41,8 @@ class TraceRing {
     return simulated_ == nullptr ? fast_now() : simulated_->now();
   }
   /// A reading of the machine's clock that is at hand, unless the time here is another; 0: none is.
-  [[nodiscard]] Instant now(Instant at_hand) const {
-    return simulated_ == nullptr && at_hand != 0 ? at_hand : now();
+  [[nodiscard]] Instant now(Instant is_direct) const {
+    return simulated_ == nullptr && is_direct != 0 ? is_direct : now();
   }
 
   [[nodiscard]] bool simulated() const { return simulated_ != nullptr; }

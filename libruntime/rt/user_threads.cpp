@@ -11,7 +11,7 @@
 #include <pthread.h>
 
 #include "base/mutex.h"
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 
 namespace mauve::rt {
 namespace {

@@ -44,7 +44,7 @@ void EkfCore::show_counts(double time) {
   outliers = estimate.outliers;
   late = memory_->late;
   too_late = memory_->too_late;
-  if (memory_->refused != refused && rover::worth_telling(memory_->refused)) {
+  if (memory_->refused != refused && rover::worth_reporting(memory_->refused)) {
     mauve::log(mauve::LogLevel::warning, "{} measurements that are no numbers", memory_->refused);
   }
   refused = memory_->refused;

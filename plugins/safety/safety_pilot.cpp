@@ -52,7 +52,7 @@ class Pilot final : public mauve::Core<PilotShell> {
       free_way = safety::free_way(scan, half_width);
     });
     if (has_value(seen) && !sees) ++blind_scans;
-    tell(has_value(seen) && !sees);
+    report(has_value(seen) && !sees);
     const bool fresh = has_value(seen) && seen != mauve::DataStatus::stale &&
                        (scan_timeout.get() == 0ms || shell().scan.age() <= scan_timeout.get());
     if (!fresh || !sees) free_way = 0.0;
@@ -106,8 +106,8 @@ class Pilot final : public mauve::Core<PilotShell> {
     return mauve::ok();
   }
 
-  void tell(bool blind) {
-    if (!told_blind_.changed(blind)) return;
+  void report(bool blind) {
+    if (!reported_blind_.changed(blind)) return;
     if (blind) {
       mauve::log(mauve::LogLevel::warning, "the scan says nothing: no way ahead is safe");
     } else {
@@ -120,7 +120,7 @@ class Pilot final : public mauve::Core<PilotShell> {
     const mauve::DataStatus status = shell().command.status();
     const bool usable = has_value(status) && status != mauve::DataStatus::stale;
     if (usable && !(std::isfinite(wanted.linear) && std::isfinite(wanted.angular))) {
-      if (rover::worth_telling(++bad_commands)) {
+      if (rover::worth_reporting(++bad_commands)) {
         mauve::log(mauve::LogLevel::warning, "{} commands that are no numbers", bad_commands.get());
       }
     }
@@ -128,7 +128,7 @@ class Pilot final : public mauve::Core<PilotShell> {
   }
 
   Limits limits_;
-  rover::Condition told_blind_{false};
+  rover::Condition reported_blind_{false};
 };
 
 /// Each zone is a state, so that `mauvectl status` and traces show it.

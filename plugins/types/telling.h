@@ -10,7 +10,7 @@
 namespace rover {
 
 /// For the 1st, 10th, 100th, ... time. [any]
-[[nodiscard]] constexpr bool worth_telling(std::uint64_t count) {
+[[nodiscard]] constexpr bool worth_reporting(std::uint64_t count) {
   while (count >= 10 && count % 10 == 0) count /= 10;
   return count == 1;
 }

@@ -66,7 +66,7 @@ LONG_PROBATION = ("--probation", "9000")  # jobs: 90 s of driving
 
 
 def throwing_core(robot):
-    # Else the next swap joins the probation of the last ones, and leads back to before all of them.
+    # Else the next swap joins the probation of the last ones, and rolls back to before all of them.
     print("\n$ mauvectl confirm      # the core for clutter does well", flush=True)
     robot.run("confirm")
     load(robot, "guidance_faulty")

@@ -122,7 +122,7 @@ class Driven {
     task_.mailbox().publish(*forth.release());
     task_.release();
     must_hold(task_.mailbox().stand_by(*bundle(mauve::Mode::keep).release()),
-              "no relief stands by");
+              "there is no standby core");
   }
 
   mauve::exec::Decision decided_{0, mauve::exec::Decision::State::committed};
@@ -171,7 +171,7 @@ void run(const Options& options) {
                 "state is an execution state, its transition and its statistics; a job is a "
                 "release, one state, a "
                 "wait that is armed but not slept, and all clock readings and counters. With all "
-                "care: a change on probation, a bound for the guard, and a relief that stands by. "
+                "care: a change on probation, a bound for the guard, and a standby core. "
                 "Without a budget each job asks the system what it used. Traced as always: four "
                 "records a job, two a state.",
                 options);

@@ -101,7 +101,7 @@ double each(int turns, Body&& body) {
   return static_cast<double>(now() - start) / turns;
 }
 
-void events(Figure& on, Figure& off, Figure& at_hand) {
+void events(Figure& on, Figure& off, Figure& is_direct) {
   constexpr int kTurns = 20'000;
   static mauve::rt::TraceRing ring;
   static Working core;
@@ -115,7 +115,7 @@ void events(Figure& on, Figure& off, Figure& at_hand) {
   const double loop = each(kTurns, nothing);
   mauve::set_trace_mode(TraceMode::jobs);
   on.add(each(kTurns, event) - loop);
-  at_hand.add(each(kTurns, [](int i) { ring.push(mauve::TraceKind::wait, i, 1, 0, i); }));
+  is_direct.add(each(kTurns, [](int i) { ring.push(mauve::TraceKind::wait, i, 1, 0, i); }));
   mauve::set_trace_mode(TraceMode::off);
   off.add(each(kTurns, event) - loop);
   mauve::this_job().trace = nullptr;
@@ -128,7 +128,7 @@ void run(const Options& options) {
                 "records, against the same job while tracing is off (raw).",
                 options);
   Figure& on = report.figure("an event of a core", "ns", at_most(15));
-  Figure& at_hand = report.figure("an event whose time is at hand", "ns", at_most(15));
+  Figure& is_direct = report.figure("an event whose time is at hand", "ns", at_most(15));
   Figure& off = report.figure("an event while tracing is off", "ns", at_most(1));
   Figure& empty = report.figure("a job that does nothing, traced", "ns", above_raw(60));
   Figure& some = report.figure("a job of some 5 us, traced", "ns", times_raw(1.02));
@@ -141,7 +141,7 @@ void run(const Options& options) {
   };
   for (int i = 0; i < options.rounds; ++i) {
     tie_ticks();
-    events(on, off, at_hand);
+    events(on, off, is_direct);
     add(empty, 0, 2000);
     add(some, 1000, 100);
     add(more, 10'000, 20);

@@ -56,8 +56,8 @@ class Observing final : public exec::Runner {
   bool await(const std::function<bool()>& condition, Instant deadline) override {
     return threads_->await(condition, deadline);
   }
-  [[nodiscard]] std::shared_ptr<void> hurry() override {
-    std::shared_ptr<void> urgency = threads_->hurry();
+  [[nodiscard]] std::shared_ptr<void> raise_priority() override {
+    std::shared_ptr<void> urgency = threads_->raise_priority();
     decided_ = 0;
     begun_ = now();
     return urgency;
@@ -70,8 +70,8 @@ class Observing final : public exec::Runner {
   }
   bool end(exec::Task& task, Instant deadline) override { return threads_->end(task, deadline); }
   void look_again() override { threads_->look_again(); }
-  [[nodiscard]] bool has_lost(const exec::Task* task) const override {
-    return threads_->has_lost(task);
+  [[nodiscard]] bool has_abandoned(const exec::Task* task) const override {
+    return threads_->has_abandoned(task);
   }
 
   /// Of the last attempt: from the first store until the decision, and from there until the last

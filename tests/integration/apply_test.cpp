@@ -128,22 +128,22 @@ std::string with_meter(const std::string& hold) {
 }
 
 TEST_F(Apply, ChangesHowLongAResourceIsHeld) {
-  ASSERT_EQ(ctl("apply", with_meter(R"(, "hold": "50us")")).exit, 0) << client_errors();
-  ASSERT_EQ(daemon_.ask("object.get", {{"address", "meter"}})["hold"], "50us");
+  ASSERT_EQ(ctl("apply", with_meter(R"(, "lock_budget": "50us")")).exit, 0) << client_errors();
+  ASSERT_EQ(daemon_.ask("object.get", {{"address", "meter"}})["lock_budget"], "50us");
 
-  const auto diff = ctl("diff", with_meter(R"(, "hold": "1.5ms")"));
-  const auto applied = ctl("apply", with_meter(R"(, "hold": "1.5ms")"), {"--json"});
+  const auto diff = ctl("diff", with_meter(R"(, "lock_budget": "1.5ms")"));
+  const auto applied = ctl("apply", with_meter(R"(, "lock_budget": "1.5ms")"), {"--json"});
 
   EXPECT_EQ(diff.exit, 1);
-  EXPECT_THAT(diff.out, HasSubstr("~ meter.hold: 50us -> 1.5ms\n"));
+  EXPECT_THAT(diff.out, HasSubstr("~ meter.lock_budget: 50us -> 1.5ms\n"));
   ASSERT_EQ(applied.exit, 0) << applied.out << client_errors();
   const auto receipt = Json::parse(applied.out);
   ASSERT_EQ(receipt["components"].size(), 1U) << "no thread takes part: " << receipt;
   EXPECT_EQ(receipt["components"][0]["name"], "meter");
-  EXPECT_EQ(daemon_.ask("object.get", {{"address", "meter"}})["hold"], "1.5ms");
-  EXPECT_EQ(ctl("diff", with_meter(R"(, "hold": "1.5ms")")).exit, 0) << "what runs says so";
+  EXPECT_EQ(daemon_.ask("object.get", {{"address", "meter"}})["lock_budget"], "1.5ms");
+  EXPECT_EQ(ctl("diff", with_meter(R"(, "lock_budget": "1.5ms")")).exit, 0) << "what runs says so";
   ASSERT_EQ(ctl("apply", with_meter("")).exit, 0);
-  EXPECT_EQ(daemon_.ask("object.get", {{"address", "meter"}})["hold"], "0s");
+  EXPECT_EQ(daemon_.ask("object.get", {{"address", "meter"}})["lock_budget"], "0s");
 }
 
 TEST_F(Apply, DoesNoPartOfItWhenAnotherCannotBePrepared) {

@@ -170,7 +170,7 @@ class Witness {
     look();
     EXPECT_EQ(releases_.gaps(), 0) << "slices that do not meet";
   }
-  void tell() const {
+  void report() const {
     std::printf(
         "%lu releases; lost %ld while the machine stood still, %ld beside other real-time"
         " programs, %ld by faults of %zu components that have some\n",
@@ -277,7 +277,7 @@ class ChangeCampaign : public testing::Test {
     Witness witness(daemon, log, place_, system.excused);
     change(daemon, system, log);
     witness.finish();
-    witness.tell();
+    witness.report();
     for (const auto& [outcome, count] : log.outcomes()) {
       std::printf("%6d %s\n", count, outcome.c_str());
     }

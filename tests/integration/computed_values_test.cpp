@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // A client asks for a value that a plugin computes, and that code fails: on a thread of mauved.
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 #include "trial_daemon.h"
 
 namespace mauve::test {
@@ -32,7 +32,7 @@ TEST(ComputedValue, ThatThrowsIsRefusedAndHurtsNobody) {
 }
 
 TEST(ComputedValue, ThatFailsOtherwiseIsRefusedAndItsResourcePoisonedUntilItHasANewCore) {
-  if (!rt::kCanRescue) GTEST_SKIP() << "NOT TESTED: sanitizers handle faults themselves";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "NOT TESTED: sanitizers handle faults themselves";
   const std::map<std::string, std::string> all{{"crashes", "crashed: SIGSEGV"},
                                                {"exits", "called exit(3)"},
                                                {"loops", "did not return, so it was ended"}};
@@ -53,7 +53,7 @@ TEST(ComputedValue, ThatFailsOtherwiseIsRefusedAndItsResourcePoisonedUntilItHasA
 }
 
 TEST(ComputedValue, ThatIsWatchedWhileItFailsIsNoValueAndTheDaemonServesOn) {
-  if (!rt::kCanRescue) GTEST_SKIP() << "NOT TESTED: sanitizers handle faults themselves";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "NOT TESTED: sanitizers handle faults themselves";
   TrialDaemon daemon(with_broken("answers"));
   auto watching = daemon.client();
   ASSERT_TRUE(watching.ask("watch.subscribe", {{"addresses", {"broken.read"}}}).contains("result"));

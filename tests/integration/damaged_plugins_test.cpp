@@ -10,7 +10,7 @@
 #include <span>
 
 #include "plugin/checksum.h"
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 #include "trial_daemon.h"
 
 namespace mauve::test {
@@ -126,7 +126,7 @@ TEST_F(DamagedPlugins, AreRefusedBeforeTheDynamicLinkerReadsThem) {
 /// As if a user ran mauve-stamp over the damage. The damage spares code: an author vouches for code
 /// that is stamped, and such code may behave in mauved as it did not in the trial.
 TEST_F(DamagedPlugins, WhoseTablesAreStampedAgainAreRefusedOrTriedElsewhereFirst) {
-  if (!rt::kCanRescue) GTEST_SKIP() << "a sanitizer looks into a damaged plugin by itself";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "a sanitizer looks into a damaged plugin by itself";
   auto damaged = damage(Damage::Where::tables);
   Rounds rounds;
   while (rounds.go_on()) {

@@ -17,7 +17,7 @@
 #include <string_view>
 #include <vector>
 
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 #include "rt/thread.h"
 #include "support/daemon_process.h"
 #include "support/disturbance.h"
@@ -138,7 +138,7 @@ std::optional<double> end_one(const End& end, const MemoryGroup& group) {
 
 TEST(NoEnd, LeavesAnOutputLive) {
   if (!rt::may_use_fifo(98)) GTEST_SKIP() << "NOT TESTED: silence is watched in real time only";
-  if (!rt::kCanRescue) GTEST_SKIP() << "NOT TESTED: a sanitizer handles faults in its own way";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "NOT TESTED: a sanitizer handles faults in its own way";
   std::optional<Load> load;
   if (std::getenv("MAUVE_ENDS_LOAD") != nullptr) load.emplace();
   const MemoryGroup group;

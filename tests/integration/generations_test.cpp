@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "kept_daemon.h"
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 
 namespace mauve::test {
 namespace {
@@ -97,7 +97,7 @@ TEST_F(Generations, ThatCannotBeMadeAnyMoreArePassedOverAtOnce) {
 }
 
 TEST_F(Generations, OfAFileWhoseCodeCrashesWhenItIsMadeAreNone) {
-  if (!rt::kCanRescue) GTEST_SKIP() << "a sanitizer tells of a crash in its own way";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "a sanitizer tells of a crash in its own way";
   std::string file(kTrial);
   const std::string type = R"("trial/unit",)";
   file.replace(file.find(type), type.size(), type + R"( "core": "trial/crashing_constructor",)");

@@ -6,7 +6,7 @@
 
 #include <filesystem>
 
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 #include "rt/thread.h"
 #include "support/daemon_process.h"
 #include "support/guarded.h"
@@ -57,7 +57,7 @@ class GuardedBase : public testing::Test {
 
 TEST_F(GuardedBase, StandsWhateverSignalEndsMauved) {
   std::vector<int> signals = {SIGKILL, SIGQUIT, SIGXCPU};
-  if (rt::kCanRescue) signals.insert(signals.end(), {SIGSEGV, SIGABRT, SIGTRAP});
+  if (rt::kGuardsFaults) signals.insert(signals.end(), {SIGSEGV, SIGABRT, SIGTRAP});
   for (const int signal : signals) {
     start();
     ASSERT_TRUE(drives()) << daemon_->errors();

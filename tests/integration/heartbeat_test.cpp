@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "kept_daemon.h"
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 #include "support/notify_socket.h"
 
 namespace mauve::test {
@@ -75,7 +75,7 @@ TEST_F(Heartbeats, AreToldWhileAllIsWellAndNotWhileControlHangs) {
 
 /// What systemd does when the time is over.
 TEST_F(Heartbeats, ThatStayAwayAreFollowedByTheLastConfirmedGeneration) {
-  if (!rt::kCanRescue) GTEST_SKIP() << "a sanitizer handles SIGABRT in its own way";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "a sanitizer handles SIGABRT in its own way";
   ASSERT_EQ(daemon_->ask("param.set", gain(4.0))["state"], "applied");
   const auto unconfirmed =
       daemon_->ask("param.set", {{"values", {{"first.core.gain", 5.0}}}, {"confirm_within", "1h"}});

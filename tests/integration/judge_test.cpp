@@ -3,7 +3,7 @@
 #include <csignal>
 #include <sstream>
 
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 #include "trial_daemon.h"
 
 namespace mauve::test {
@@ -44,7 +44,7 @@ class Judging : public testing::Test {
       EXPECT_EQ(error["data"]["state"], "unchanged");
       EXPECT_THAT(error["message"].get<std::string>(), HasSubstr(said));
     }
-    EXPECT_EQ(daemon_->ask("status.get")["left_behind"], Json::array());
+    EXPECT_EQ(daemon_->ask("status.get")["abandoned_threads"], Json::array());
     EXPECT_EQ(daemon_->component("first")["core"], "trial/steady");
     EXPECT_EQ(daemon_->component("first")["state"], "running");
   }
@@ -60,7 +60,7 @@ TEST_F(Judging, OutlivesAConstructorThatDoesNotReturn) {
 
 /// In mauved itself, where they are no part of a file.
 TEST_F(Judging, HooksThatCrashOrLeaveAreRefusedAndTheDaemonRunsOn) {
-  if (!rt::kCanRescue) GTEST_SKIP() << "a sanitizer tells of a crash in its own way";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "a sanitizer tells of a crash in its own way";
   const std::vector<std::pair<std::string, std::string>> hooks = {
       {"trial/crashing_hook", "on_configure crashed: SIGSEGV at address 0x0"},
       {"trial/leaving_hook", "on_configure called exit()"},
@@ -81,12 +81,12 @@ TEST_F(Judging, OutlivesAConstructorThatEndsTheProcess) {
 }
 
 TEST_F(Judging, OutlivesAConstructorThatCrashes) {
-  if (!rt::kCanRescue) GTEST_SKIP() << "a sanitizer tells of a crash in its own way";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "a sanitizer tells of a crash in its own way";
   expect_refused("trial/crashing_constructor", "plugin_refused", "SIGSEGV");
 }
 
 TEST_F(Judging, HasABoundOnMemory) {
-  if (!rt::kCanRescue) GTEST_SKIP() << "a sanitizer reserves terabytes";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "a sanitizer reserves terabytes";
   std::ostringstream text;
   text << R"({"schema": "mauve/architecture/1", "name": "trial", "plugins": ["trial"],
              "components": {)";
@@ -145,14 +145,14 @@ TEST_F(Judging, DoesNotHoldUpTheEnd) {
 /// What an apply would make is tried first.
 TEST_F(Judging, TriesTheElementsOfAnApplyBeforeTheyAreMadeInTheDaemon) {
   auto cores = std::vector<std::string>{"trial/exiting_constructor", "trial/stuck_constructor"};
-  if (rt::kCanRescue) cores.emplace_back("trial/crashing_constructor");
+  if (rt::kGuardsFaults) cores.emplace_back("trial/crashing_constructor");
   for (const auto& core : cores) {
     const auto error = ask("architecture.apply", with_core(core));
     EXPECT_EQ(error["data"]["where"], "first.core") << error;
     EXPECT_EQ(error["data"]["state"], "unchanged");
     EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("process in which it was tried"));
   }
-  EXPECT_EQ(daemon_->ask("status.get")["left_behind"], Json::array());
+  EXPECT_EQ(daemon_->ask("status.get")["abandoned_threads"], Json::array());
   EXPECT_EQ(ask("architecture.apply", with_core("trial/other"))["state"], "applied");
 }
 

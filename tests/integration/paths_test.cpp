@@ -88,7 +88,7 @@ TEST_F(Paths, NamingAFifoKeepNoHookWaiting) {
   }
 
   const auto status = daemon_->ask({"status"});
-  EXPECT_TRUE(status.value("left_behind", json::array()).empty()) << status;
+  EXPECT_TRUE(status.value("abandoned_threads", json::array()).empty()) << status;
   EXPECT_EQ(set("map_server.core.file", "other.yaml"), "");
 }
 

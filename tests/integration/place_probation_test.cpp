@@ -29,7 +29,7 @@ void make_first_faulted(TrialDaemon& daemon) {
   ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
 }
 
-TEST(PlaceProbation, LeadsBackToTheCoreBeforeWhenTheNewOneFails) {
+TEST(PlaceProbation, RollsBackToTheCoreBeforeWhenTheNewOneFails) {
   TrialDaemon daemon;
   static_cast<void>(daemon.client());
 
@@ -148,7 +148,7 @@ TEST(PlaceProbation, DoesNotStartAComponentThatWasStoppedAfterItsNewCoreFailed) 
                                          {{"set", {{"until_there", fails.string()}}}}))["state"],
       "applied");
 
-  // While another change is being prepared, nothing leads back yet.
+  // While another change is being prepared, nothing rolls back yet.
   static_cast<void>(client.send(
       protocol::to_line(protocol::make_request(1, "core.swap",
                                                {{"component", "second"},

@@ -108,7 +108,7 @@ TEST(ReloadOnProbation, LeadsResourcesBackToo) {
   std::string text(kTrial);
   const std::string resources = R"("resources": {)";
   text.insert(text.find(resources) + resources.size(),
-              R"( "tally": { "type": "trial/tally", "hold": "1ms" },)");
+              R"( "tally": { "type": "trial/tally", "lock_budget": "1ms" },)");
   const std::string output = R"("output": "signal.write")";
   TrialDaemon daemon(text.replace(text.find(output), output.size(), R"("output": "tally.note")"));
   ASSERT_TRUE(eventually([&] { return daemon.value("tally.core.count") > 50; })) << daemon.errors();

@@ -161,7 +161,8 @@ std::string with_tally() {
   std::string text(kTrial);
   const std::string resources = R"("resources": {)";
   text.insert(text.find(resources) + resources.size(), R"(
-    "tally": { "type": "trial/tally", "hold": "1ms", "properties": { "core.gain": 3.5 } },)");
+    "tally": { "type": "trial/tally", "lock_budget": "1ms",
+               "properties": { "core.gain": 3.5 } },)");
   const std::string output = R"("output": "signal.write")";
   return text.replace(text.find(output), output.size(), R"("output": "tally.note")");
 }
@@ -189,7 +190,7 @@ TEST_F(ReloadOfResources, RunsTheNewCodeWithTheOldStateAndUnmapsTheOldCode) {
   EXPECT_TRUE(daemon.becomes("first.core.number", 2));
   EXPECT_GT(daemon.value("tally.core.count"), 50);
   EXPECT_EQ(daemon.value("tally.core.gain"), 3.5);
-  EXPECT_EQ(daemon.ask("object.get", {{"address", "tally"}})["hold"], "1ms");
+  EXPECT_EQ(daemon.ask("object.get", {{"address", "tally"}})["lock_budget"], "1ms");
   EXPECT_EQ(daemon.ask("status.get")["generation"], 2);
 }
 
@@ -356,15 +357,15 @@ TEST(Unload, NamesTheUsersOfAPluginInUse) {
 }
 
 /// Its calls are few, so that they do not come to ten times those of the one before.
-TEST(HoldOfAResource, IsCountedAnewForOneThatTakesTheNameOfAnother) {
+TEST(LockBudgetOfAResource, IsCountedAnewForOneThatTakesTheNameOfAnother) {
   auto held = Json::parse(with_tally());
-  held["resources"]["tally"]["hold"] = "1ns";
+  held["resources"]["tally"]["lock_budget"] = "1ns";
   TrialDaemon daemon(held.dump());
   const auto counts = [&] {
     std::vector<std::int64_t> all;
     const auto tail = daemon.ask("log.tail", {{"n", 1000}});
     for (const auto& record : tail["records"]) {
-      if (record["event"] == "hold_exceeded") all.push_back(record["fields"]["count"]);
+      if (record["event"] == "lock_budget_exceeded") all.push_back(record["fields"]["count"]);
     }
     return all;
   };

@@ -93,7 +93,7 @@ TEST(Service, EndsInBoundedTimeWhileAChangeIsPrepared) {
 
   daemon.process().signal(SIGTERM);
 
-  EXPECT_EQ(daemon.process().wait(), 1) << "the hook was left behind";
+  EXPECT_EQ(daemon.process().wait(), 1) << "a thread was abandoned";
   EXPECT_LT(Clock::now() - begin, std::chrono::seconds(20));
 }
 

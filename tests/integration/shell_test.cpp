@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // The model is operated from a shell: tasks, connections, several steps at once, services.
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 #include "trial_daemon.h"
 
 namespace mauve::test {
@@ -200,7 +200,7 @@ TEST(WriteFromTheShell, ReachesStoredDataAndNamesTheOtherWriters) {
 }
 
 TEST(WriteFromTheShell, RunsCodeOfAResourceThatHangsForABoundedTimeOnly) {
-  if (!rt::kCanRescue) GTEST_SKIP() << "NOT TESTED: sanitizers handle faults themselves";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "NOT TESTED: sanitizers handle faults themselves";
   Operated daemon(wide());
 
   const auto error = daemon.ask("service.call", {{"service", "meter.write"}, {"arguments", {4.0}}});

@@ -8,7 +8,7 @@
 
 #include <unistd.h>
 
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 #include "support/campaign.h"
 #include "support/outcomes.h"
 #include "support/ramp.h"
@@ -64,7 +64,7 @@ struct Pair : ramp::Two<ramp::Up> {
 class FaultCampaign : public testing::Test {
  protected:
   void SetUp() override {
-    if (!rt::kCanRescue) GTEST_SKIP() << "the sanitizer handles faults itself";
+    if (!rt::kGuardsFaults) GTEST_SKIP() << "the sanitizer handles faults itself";
     if (!rt::may_use_fifo(99)) GTEST_SKIP() << "needs SCHED_FIFO: run as root";
     ASSERT_EQ(pipe(Blocking::ends().data()), 0);
   }
@@ -110,8 +110,8 @@ TEST_F(FaultCampaign, OthersLoseNoReleaseInEndlessLoops) {
   run<Looping>(200, "an endless loop", [] {});
 }
 
-TEST_F(FaultCampaign, OthersLoseNoReleaseWhenThreadsAreGivenUp) {
-  run<Blocking>(100, "a thread given up", [] { ASSERT_EQ(write(Blocking::ends()[1], "", 1), 1); });
+TEST_F(FaultCampaign, OthersLoseNoReleaseWhenThreadsAreAbandoned) {
+  run<Blocking>(100, "a thread abandoned", [] { ASSERT_EQ(write(Blocking::ends()[1], "", 1), 1); });
 }
 
 }  // namespace

@@ -27,7 +27,8 @@ void busy_for(Duration time) {
 }
 
 TEST(Preemption, IsToldWhereTheKernelKnowsRestartableSequences) {
-  if (!rt::preemption_is_told()) GTEST_SKIP() << "NOT TESTED: this kernel or libc does not tell";
+  if (!rt::preemption_is_reported())
+    GTEST_SKIP() << "NOT TESTED: this kernel or libc does not tell";
   rt::watch_for_preemption();
   std::this_thread::sleep_for(100us);
   EXPECT_TRUE(rt::preempted()) << "a thread that sleeps is preempted";
@@ -43,7 +44,8 @@ TEST(Preemption, IsToldWhereTheKernelKnowsRestartableSequences) {
 }
 
 TEST(ResourceLock, KnowsHowLongAnUninterruptedJobHeldIt) {
-  if (!rt::preemption_is_told()) GTEST_SKIP() << "NOT TESTED: this kernel or libc does not tell";
+  if (!rt::preemption_is_reported())
+    GTEST_SKIP() << "NOT TESTED: this kernel or libc does not tell";
   ResourceLock lock;
   ResourceLock shortly;
   shortly.hold_shortly();
@@ -57,21 +59,22 @@ TEST(ResourceLock, KnowsHowLongAnUninterruptedJobHeldIt) {
       const ScopedLock other(shortly);
       busy_for(kHeld);
     }
-    return lock.longest_hold() > Duration{0};
+    return lock.longest_held() > Duration{0};
   }));
   rt::end_preemption_watch();
 
-  EXPECT_GE(lock.longest_hold(), kHeld);
-  EXPECT_LE(lock.longest_hold(), Duration{clock.now() - begin});
-  EXPECT_EQ(shortly.longest_hold(), Duration{0}) << "the clock would take longer";
+  EXPECT_GE(lock.longest_held(), kHeld);
+  EXPECT_LE(lock.longest_held(), Duration{clock.now() - begin});
+  EXPECT_EQ(shortly.longest_held(), Duration{0}) << "the clock would take longer";
 }
 
 TEST(ResourceLock, CountsWhatWasHeldLongerThanDeclared) {
-  if (!rt::preemption_is_told()) GTEST_SKIP() << "NOT TESTED: this kernel or libc does not tell";
+  if (!rt::preemption_is_reported())
+    GTEST_SKIP() << "NOT TESTED: this kernel or libc does not tell";
   ResourceLock longer;
   ResourceLock shorter;
-  longer.declare_hold(kHeld / 2);
-  shorter.declare_hold(1h);
+  longer.set_budget(kHeld / 2);
+  shorter.set_budget(1h);
 
   EXPECT_TRUE(test::eventually([&] {
     rt::watch_for_preemption();
@@ -80,14 +83,14 @@ TEST(ResourceLock, CountsWhatWasHeldLongerThanDeclared) {
       const ScopedLock other(shorter);
       busy_for(kHeld);
     }
-    return longer.longest_hold() > Duration{0} && shorter.longest_hold() > Duration{0};
+    return longer.longest_held() > Duration{0} && shorter.longest_held() > Duration{0};
   }));
   rt::end_preemption_watch();
 
-  EXPECT_GE(longer.over_hold(), 1U);
-  EXPECT_EQ(shorter.over_hold(), 0U);
-  longer.forget_holds();
-  EXPECT_EQ(longer.declared_hold(), kHeld / 2) << "another core is held as long, by declaration";
+  EXPECT_GE(longer.over_budget(), 1U);
+  EXPECT_EQ(shorter.over_budget(), 0U);
+  longer.forget_times();
+  EXPECT_EQ(longer.budget(), kHeld / 2) << "another core is held as long, by declaration";
 }
 
 TEST(ResourceLock, DoesNotMeasureOutsideJobs) {
@@ -96,7 +99,7 @@ TEST(ResourceLock, DoesNotMeasureOutsideJobs) {
     const ScopedLock entry(lock);
     busy_for(kHeld);
   }
-  EXPECT_EQ(lock.longest_hold(), Duration{0});
+  EXPECT_EQ(lock.longest_held(), Duration{0});
 }
 
 TEST(MachineCosts, AreMeasuredOnEachCpuAtRealTimePriority) {

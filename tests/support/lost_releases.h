@@ -29,7 +29,7 @@ class LossWitness {
   /// belongs to the next one.
   std::vector<LostReleases> look(const ctl::mtrace::Trace& slice) {
     using ctl::mtrace::Event;
-    const std::int64_t end = slice.last_time() - kUntold;
+    const std::int64_t end = slice.last_time() - kUnreported;
     gaps_ += until_ != kNever && slice.header.from > until_ ? 1 : 0;
     const ctl::mtrace::Windows disturbed = disturbed_windows(slice);
     std::vector<LostReleases> found;
@@ -54,7 +54,7 @@ class LossWitness {
 
  private:
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
-  static constexpr std::int64_t kUntold = 500'000'000;
+  static constexpr std::int64_t kUnreported = 500'000'000;
   static constexpr std::int64_t kAround = 1'000'000;
 
   static ctl::mtrace::Windows disturbed_windows(const ctl::mtrace::Trace& slice) {

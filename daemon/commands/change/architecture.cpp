@@ -28,7 +28,7 @@
 #include "commands/change/trial.h"
 #include "commands/lock.h"
 #include "commands/model.h"
-#include "commands/recovery/given_up.h"
+#include "commands/recovery/abandoned.h"
 #include "mauve/architecture.h"
 #include "monitor/supervisor.h"
 
@@ -263,7 +263,7 @@ void load_then_go_on(Running& running, const CallPtr& call, ApplicationPtr appli
   };
   running.control.in_factory(std::move(work), std::move(then),
                              [&running, call](const std::string& hook) {
-                               answer(running, *call, given_up(running, hook, "file"));
+                               answer(running, *call, thread_abandoned(running, hook, "file"));
                              });
 }
 

@@ -7,7 +7,7 @@
 #include "commands/answer.h"
 #include "commands/lock.h"
 #include "commands/model.h"
-#include "commands/recovery/given_up.h"
+#include "commands/recovery/abandoned.h"
 #include "commands/recovery/quarantine.h"
 #include "commands/recovery/unproven.h"
 #include "exec/system/prepared.h"
@@ -119,7 +119,7 @@ Error stopped_meanwhile(const ChangeRequest& request) {
                 "was stopped by request after this change was asked for", "start it again");
 }
 
-/// [control] False when the change was given up before anything happened.
+/// [control] False when the change was dropped before anything happened.
 bool may_go_on(Running& running, const Call& call, ChangeRequest& request) {
   if (!*request.prepared) {
     answer(running, call, request.prepared->error());
@@ -196,9 +196,7 @@ void tell(Running& running, const CallPtr& call, ChangeRequestPtr request, Ticke
   }
   say_lines(request->lines, result);
   say_notes(request->notes, result);
-  if (!result.contains("lines")) {
-    result["lines"] = Json::array();
-  }
+  result.emplace("lines", Json::array());
   answer(running, *call, std::move(result));
   free_in_factory(running, std::move(request), std::move(ticket));
 }
@@ -251,9 +249,10 @@ void exchange_in_place(Running& running, const CallPtr& call, ChangeRequestPtr r
         resume_in_place(running, call, std::move(request), std::move(ticket));
       },
       [&running, call, name = request->change.edits[0].component](const std::string& hook) {
-        bar(running, {name}, hook, true);
+        note_abandoned_in(running, {name}, hook, true);
         answer(running, *call,
-               given_up(running, hook, name, name + " is stopped with its safe values written"),
+               thread_abandoned(running, hook, name,
+                                name + " is stopped with its safe values written"),
                "safe");
       });
 }
@@ -308,9 +307,9 @@ void prepare_then(Running& running, const CallPtr& call, ChangeRequestPtr reques
         next(running, call, std::move(request), std::move(ticket));
       },
       [&running, call, names = components_of(request->change)](const std::string& hook) {
-        bar(running, names, hook, false);
-        call->given_up = true;
-        answer(running, *call, given_up(running, hook, std::string(call->method->name)));
+        note_abandoned_in(running, names, hook, false);
+        call->keeps_a_thread = true;
+        answer(running, *call, thread_abandoned(running, hook, std::string(call->method->name)));
       });
 }
 
@@ -320,7 +319,7 @@ void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
                    std::function<void(Ongoing&)> then) {
   running.control.await([ongoing] { return ongoing->advance(); },
                         [&running, ongoing, then = std::move(then)] {
-                          running.tell_outcomes();
+                          running.report_outcomes();
                           const StandStill still(running);
                           running.generation = running.deployer.generation();
                           then(*ongoing);
@@ -342,7 +341,7 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
            std::shared_ptr<ChangeHooks> hooks) {
   auto free = check_quarantine(running, change);
   if (free) {
-    free = check_barred(running, change);
+    free = check_abandoned_in(running, change);
   }
   if (!free) {
     return answer(running, *call, free.error());
@@ -379,7 +378,7 @@ void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit e
   request->change.probation = *probation;
   auto free = check_quarantine(running, request->change);
   if (free) {
-    free = check_barred(running, request->change);
+    free = check_abandoned_in(running, request->change);
   }
   if (!free) {
     return answer(running, *call, free.error());

@@ -10,7 +10,7 @@
 #include "commands/change/change.h"
 #include "commands/change/trial.h"
 #include "commands/lock.h"
-#include "commands/recovery/given_up.h"
+#include "commands/recovery/abandoned.h"
 
 namespace mauve::daemon {
 
@@ -87,7 +87,7 @@ void finish_unload(Running& running, const Call& call, const std::string& name,
   answer(running, call, std::move(result));
 }
 
-/// The users that are named may be what a probation leads back to, and nothing that runs.
+/// The users that are named may be what a probation rolls back to, and nothing that runs.
 Error why_in_use(const Running& running, const std::string& plugin, Error error) {
   const bool in_force = !members_of(running, plugin, StatePolicy::keep).edits.empty();
   if (error.code != Errc::wrong_state || !running.deployer.on_probation() || in_force) {
@@ -111,7 +111,7 @@ void load_in_factory(Running& running, const CallPtr& call, const std::shared_pt
         running.control.in_factory([load] { load->loaded.reset(); }, [ticket] {});
       },
       [&running, call, name = load->name](const std::string& hook) {
-        answer(running, *call, given_up(running, hook, name));
+        answer(running, *call, thread_abandoned(running, hook, name));
       });
 }
 
@@ -134,7 +134,7 @@ void load_plugin(Running& running, const CallPtr& call, Ticket ticket) {
 
 namespace {
 
-/// [control] Nothing that changes before this one left behind holds the library any more.
+/// [control] No remains of the changes before this one hold the library any more.
 void unload_settled(Running& running, const CallPtr& call, const std::string& name, Ticket ticket) {
   if (auto free = may_change(running, {line_of_unloading(name)}); !free) {
     return answer(running, *call, free.error());
@@ -153,7 +153,7 @@ void unload_settled(Running& running, const CallPtr& call, const std::string& na
         finish_unload(running, *call, name, *unmapped);
       },
       [&running, call, name](const std::string& /*none*/) {
-        finish_unload(running, *call, name, {false, "a thread was left behind in it"});
+        finish_unload(running, *call, name, {false, "an abandoned thread is still in it"});
       });
 }
 
@@ -175,7 +175,8 @@ void unload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
               unload_settled(running, call, text_or(call->params, "plugin"), std::move(ticket));
             },
             [&running, call](const std::string& hook) {
-              answer(running, *call, given_up(running, hook, text_or(call->params, "plugin")));
+              answer(running, *call,
+                     thread_abandoned(running, hook, text_or(call->params, "plugin")));
             });
       });
 }

@@ -19,8 +19,8 @@
 #include "commands/change/trial.h"
 #include "commands/lock.h"
 #include "commands/model.h"
+#include "commands/recovery/abandoned.h"
 #include "commands/recovery/former.h"
-#include "commands/recovery/given_up.h"
 #include "commands/recovery/quarantine.h"
 #include "commands/recovery/unproven.h"
 #include "mauve/architecture.h"
@@ -227,7 +227,7 @@ void end(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket,
       [&running, call, in_force, result](const std::string& hook) {
         if (in_force) {
           finish(running, *call, result,
-                 {false, "a thread was left behind in it" + (hook.empty() ? "" : ": " + hook)});
+                 {false, "an abandoned thread is still in it" + (hook.empty() ? "" : ": " + hook)});
         }
       });
 }
@@ -248,7 +248,7 @@ void end_when_settled(Running& running, const CallPtr& call, ReloadPtr reload, T
 }
 
 /// [control] Ends a dry run: the answer tells the prepared reload, and [factory] frees it.
-void tell_reload(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket) {
+void answer_dry_reload(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket) {
   Receipt nothing;
   nothing.generation = running.deployer.generation();
   auto result = to_json(reload->prepared ? running.deployer.foresee(**reload->prepared) : nothing);
@@ -272,7 +272,7 @@ void put_reload_in_force(Running& running, const CallPtr& call, ReloadPtr reload
     return end(running, call, std::move(reload), std::move(ticket), good);
   }
   if (flag(call->params, "dry_run")) {
-    return tell_reload(running, call, std::move(reload), std::move(ticket));
+    return answer_dry_reload(running, call, std::move(reload), std::move(ticket));
   }
   if (reload->change.edits.empty()) {
     const auto done = hand_names_over(running, *reload);
@@ -318,7 +318,7 @@ void reload_in_factory(Running& running, const CallPtr& call, ReloadPtr reload, 
                                                    std::move(ticket));
                              },
                              [&running, call, name = reload->name](const std::string& hook) {
-                               answer(running, *call, given_up(running, hook, name));
+                               answer(running, *call, thread_abandoned(running, hook, name));
                              });
 }
 
@@ -376,7 +376,7 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
   if (!probation) {
     return answer(running, *call, probation.error());
   }
-  running.tell_outcomes();  // a probation that has ended keeps nothing
+  running.report_outcomes();  // a probation that has ended keeps nothing
   if (auto free = check_former(running, reload->name); !free) {
     return answer(running, *call, free.error());
   }
@@ -390,7 +390,7 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
             if (!reload->change.edits.empty()) {
               reload->change.probation = probation;
             }
-            if (auto free = check_barred(running, reload->change); !free) {
+            if (auto free = check_abandoned_in(running, reload->change); !free) {
               return answer(running, *call, free.error());
             }
             reload_in_factory(running, call, reload, ticket);

@@ -7,7 +7,7 @@
 
 #include "commands/answer.h"
 #include "commands/change/architecture.h"
-#include "commands/recovery/given_up.h"
+#include "commands/recovery/abandoned.h"
 #include "judge/judge.h"
 #include "state/compare_texts.h"
 #include "state/state_store.h"
@@ -56,7 +56,7 @@ void answer_by_text(Running& running, const CallPtr& call, const std::shared_ptr
         answer(running, *call, std::move(result));
       },
       [&running, call](const std::string& hook) {
-        answer(running, *call, given_up(running, hook, "config.compare"));
+        answer(running, *call, thread_abandoned(running, hook, "config.compare"));
       });
 }
 
@@ -129,7 +129,7 @@ void compare_generations(Running& running, const CallPtr& call, Ticket /*none*/)
         });
       },
       [&running, call](const std::string& hook) {
-        answer(running, *call, given_up(running, hook, "config.compare"));
+        answer(running, *call, thread_abandoned(running, hook, "config.compare"));
       });
 }
 
@@ -149,7 +149,7 @@ void rollback(Running& running, const CallPtr& call, Ticket ticket) {
                            "rollback to generation " + std::to_string(number));
       },
       [&running, call](const std::string& hook) {
-        answer(running, *call, given_up(running, hook, "config.rollback"));
+        answer(running, *call, thread_abandoned(running, hook, "config.rollback"));
       });
 }
 

@@ -18,7 +18,7 @@ Reaction reaction_of(Outcome::Kind kind) {
   if (kind == Outcome::Kind::rolled_back) {
     return Reaction::rolled_back;
   }
-  if (kind == Outcome::Kind::gave_up) {
+  if (kind == Outcome::Kind::stays_failed) {
     return Reaction::parked;
   }
   return kind == Outcome::Kind::fell_back ? Reaction::fell_back : Reaction::restarted;

@@ -106,7 +106,7 @@ Json counters_of(const ComponentStatus& status) {
   return {{"releases", status.releases},
           {"missed", status.missed},
           {"overruns", status.overruns},
-          {"over_budget", status.over_budget},
+          {"over_lock_budget", status.over_budget},
           {"late_ns", status.late.count()},
           {"lateness_last_ns", status.lateness_last.count()},
           {"lateness_max_ns", status.lateness_max.count()},
@@ -172,9 +172,9 @@ Json show_resource(const Running& running, ResourceBase& resource) {
                  {"type", resource.type().name},
                  {"services", service_rows(resource)},
                  {"users", users_of(running, resource)},
-                 {"hold", format_duration(resource.lock().declared_hold())},
-                 {"hold_max_ns", resource.lock().longest_hold().count()},
-                 {"over_hold", resource.lock().over_hold()},
+                 {"lock_budget", format_duration(resource.lock().budget())},
+                 {"held_max_ns", resource.lock().longest_held().count()},
+                 {"over_lock_budget", resource.lock().over_budget()},
                  {"lock_timeouts", resource.lock().timeouts()},
                  {"poisoned", resource.lock().poisoned()}};
   add_parts(object, running, {nullptr, &resource});

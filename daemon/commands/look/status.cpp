@@ -9,7 +9,7 @@
 #include "commands/look/log_json.h"
 #include "commands/look/parts_json.h"
 #include "commands/model.h"
-#include "commands/recovery/given_up.h"
+#include "commands/recovery/abandoned.h"
 #include "commands/recovery/quarantine.h"
 #include "mauve/architecture.h"
 #include "mauve/version.h"
@@ -39,7 +39,7 @@ Json row_of(const PlaceProbation& place) {
   const auto left = (confirms ? place.rules.confirm_within : place.rules.time) - passed;
   return {{"generations", {place.generation}},
           {"components", {place.component}},
-          {"state", place.leads_back ? "leads_back"
+          {"state", place.rolls_back ? "rolls_back"
                     : confirms       ? "awaits_confirmation"
                                      : "watching"},
           {"left_ns", std::max(left, Duration{0}).count()},
@@ -55,7 +55,7 @@ Json probations(const Running& running) {
     const auto left = (confirms ? rules.confirm_within : rules.time) - one.passed;
     rows.push_back({{"generations", one.changes},
                     {"components", one.components},
-                    {"state", one.leads_back ? "leads_back"
+                    {"state", one.rolls_back ? "rolls_back"
                               : confirms     ? "awaits_confirmation"
                                              : "watching"},
                     {"left_ns", std::max(left, Duration{0}).count()},
@@ -134,7 +134,7 @@ Result<Json> status(Running& running, const Call& /*call*/) {
                  {"log_levels", log_levels_json(running)},
                  {"components", std::move(rows)},
                  {"poisoned", poisoned(running)},
-                 {"left_behind", left_behind(running)},
+                 {"abandoned_threads", abandoned_threads(running)},
                  {"lost_to_quarantine", lost_to_quarantine(running)},
                  {"probations", probations(running)},
                  {"notes", wiring_notes(running)},

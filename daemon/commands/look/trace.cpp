@@ -8,7 +8,7 @@
 #include "commands/answer.h"
 
 #include "base/thread_role.h"
-#include "commands/recovery/given_up.h"
+#include "commands/recovery/abandoned.h"
 #include "protocol/trace.h"
 #include "trace/file.h"
 #include "trace/recorder.h"
@@ -55,7 +55,7 @@ void read_flight(Running& running, const CallPtr& call, const std::string& name,
         answer(running, *call, std::move(**page));
       },
       [&running, call](const std::string& hook) {
-        answer(running, *call, given_up(running, hook, "trace.read"));
+        answer(running, *call, thread_abandoned(running, hook, "trace.read"));
       },
       asker_of(*call));
 }

@@ -61,8 +61,9 @@ Result<Json> analyze(Running& running, const Call& /*call*/) {
   }
   Json locks = Json::array();
   for (const auto& one : timing.locks) {
-    locks.push_back(
-        {{"resource", one.resource}, {"hold_ns", optional_ns(one.hold)}, {"source", one.source}});
+    locks.push_back({{"resource", one.resource},
+                     {"lock_budget_ns", optional_ns(one.lock_budget)},
+                     {"source", one.source}});
   }
   return Json{
       {"components", std::move(rows)}, {"locks", std::move(locks)},

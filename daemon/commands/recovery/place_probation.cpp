@@ -8,7 +8,7 @@
 
 #include "commands/change/change.h"
 #include "commands/model.h"
-#include "commands/recovery/given_up.h"
+#include "commands/recovery/abandoned.h"
 #include "exec/system/prepared.h"
 #include "mauve/architecture.h"
 
@@ -86,7 +86,7 @@ void conclude(Running& running, const Reason& reason, const Status& done) {
     outcome.cores.push_back(place.now->core_type.name);
   }
   if (!done) {
-    outcome.kind = Outcome::Kind::gave_up;
+    outcome.kind = Outcome::Kind::stays_failed;
     outcome.component = place.component;
     outcome.reason =
         reason.text + "; the core before could not take over again: " + to_string(done.error());
@@ -102,11 +102,12 @@ void end(Running& running, WayBackPtr way, Ticket ticket, const Status& done) {
 }
 
 /// A hook did not return. Its thread goes on with the way back, which is its own from now on.
-void leave_behind(Running& running, const Reason& reason, const std::string& hook) {
+void abandon(Running& running, const Reason& reason, const std::string& hook) {
   const auto& name = reason.place.component;
-  bar(running, {name}, hook, true);
-  conclude(running, reason,
-           given_up(running, hook, name, name + " is stopped with its safe values written"));
+  note_abandoned_in(running, {name}, hook, true);
+  conclude(
+      running, reason,
+      thread_abandoned(running, hook, name, name + " is stopped with its safe values written"));
   free_bundles(running, reason.place);
 }
 
@@ -134,7 +135,7 @@ void exchange(Running& running, WayBackPtr way, Ticket ticket) {
       [&running, way] { way->exchanged = running.deployer.in_place_exchange(**way->prepared); },
       [&running, way, ticket]() mutable { resume(running, std::move(way), std::move(ticket)); },
       [&running, reason = way->reason, ticket](const std::string& hook) {
-        leave_behind(running, reason, hook);
+        abandon(running, reason, hook);
       });
 }
 
@@ -156,14 +157,14 @@ void park(Running& running, WayBackPtr way, Ticket ticket) {
 }
 
 /// A change like any other, so that no two prepare at the same time. False: one is under way.
-bool lead_back(Running& running, PlaceProbation& place, const PlaceFailure& why) {
+bool roll_back(Running& running, PlaceProbation& place, const PlaceFailure& why) {
   if (running.control.busy()) {
     return false;
   }
   auto way = std::make_shared<WayBackInPlace>();
   way->reason = {place, why.reason, why.incident};
   way->stops = why.stops;
-  place.leads_back = running.control.change([&running, way](Ticket ticket) {
+  place.rolls_back = running.control.change([&running, way](Ticket ticket) {
     running.control.works_for(std::nullopt);
     running.control.in_factory(
         [&running, way] {
@@ -173,10 +174,10 @@ bool lead_back(Running& running, PlaceProbation& place, const PlaceFailure& why)
         },
         [&running, way, ticket]() mutable { park(running, std::move(way), std::move(ticket)); },
         [&running, reason = way->reason, ticket](const std::string& hook) {
-          leave_behind(running, reason, hook);
+          abandon(running, reason, hook);
         });
   });
-  return place.leads_back;
+  return place.rolls_back;
 }
 
 /// The result of a look: a failure, its end, or neither yet.
@@ -251,14 +252,14 @@ void look_at_places(Running& running) {
   MAUVE_ON_THREAD(control);
   for (std::size_t i = 0; i < running.places.size();) {
     auto& place = running.places[i];
-    const auto verdict = place.leads_back ? Verdict{} : judge(running, place);
+    const auto verdict = place.rolls_back ? Verdict{} : judge(running, place);
     note_failure(running, place, verdict);
     if (verdict.kind && (!place.failure || verdict.kind == Outcome::Kind::overtaken)) {
       settle(running, i, *verdict.kind, verdict.reason);
       continue;
     }
-    if (place.failure && !place.leads_back) {
-      static_cast<void>(lead_back(running, place, *place.failure));
+    if (place.failure && !place.rolls_back) {
+      static_cast<void>(roll_back(running, place, *place.failure));
     }
     ++i;
   }
@@ -267,7 +268,7 @@ void look_at_places(Running& running) {
 void note_place_failures(Running& running) {
   MAUVE_ON_THREAD(control);
   for (auto& place : running.places) {
-    note_failure(running, place, place.leads_back ? Verdict{} : judge(running, place));
+    note_failure(running, place, place.rolls_back ? Verdict{} : judge(running, place));
   }
 }
 
@@ -276,7 +277,7 @@ bool confirm_places(Running& running) {
   note_place_failures(running);
   bool any = false;
   for (std::size_t i = 0; i < running.places.size();) {
-    if (running.places[i].leads_back || running.places[i].failure) {
+    if (running.places[i].rolls_back || running.places[i].failure) {
       ++i;
       continue;
     }
@@ -300,7 +301,7 @@ Status undo_place(Running& running, const PlaceTarget& target, const std::string
   const auto found =
       std::ranges::find(running.places, target.generation, &PlaceProbation::generation);
   const PlaceFailure undone{reason, std::nullopt, stops_of_component(running, target.component)};
-  if (found->leads_back || lead_back(running, *found, undone)) {
+  if (found->rolls_back || roll_back(running, *found, undone)) {
     return ok();
   }
   return refuse(Errc::conflict, target.component,
@@ -322,9 +323,9 @@ Status is_back(const Running& running, const PlaceTarget& target) {
                 "mauvectl why " + target.component);
 }
 
-bool places_lead_back(const Running& running) {
+bool places_roll_back(const Running& running) {
   MAUVE_ON_THREAD(control);
-  return std::ranges::any_of(running.places, &PlaceProbation::leads_back);
+  return std::ranges::any_of(running.places, &PlaceProbation::rolls_back);
 }
 
 bool is_place(const Running& running, const std::string& component) {
@@ -348,10 +349,10 @@ std::vector<std::string> place_notes(const Running& running, const Change& chang
   for (const auto& place : running.places) {
     const bool changed = std::ranges::any_of(
         change.edits, [&](const Edit& edit) { return edit.component == place.component; });
-    if (changed && !place.leads_back) {
+    if (changed && !place.rolls_back) {
       notes.push_back("the probation of generation " + std::to_string(place.generation) + " (" +
                       place.component +
-                      ", swapped in place) ends early: nothing leads back to the core before it");
+                      ", swapped in place) ends early: nothing rolls back to the core before it");
     }
   }
   return notes;

@@ -51,7 +51,7 @@ struct PlaceProbation {
   CoreBefore before;
   std::shared_ptr<const Bundle> now;
   std::optional<PlaceFailure> failure = {};  ///< the first one; nothing that comes later hides it
-  bool leads_back = false;
+  bool rolls_back = false;
 };
 
 /// [control] When the core in force failed; none: its component is neither faulted nor recovering.
@@ -92,8 +92,8 @@ struct PlaceTarget {
 /// [control] After the way back: whether the core before has taken over.
 [[nodiscard]] Status is_back(const Running& running, const PlaceTarget& target);
 
-/// [control] Some swap in place is being led back.
-[[nodiscard]] bool places_lead_back(const Running& running);
+/// [control] Some swap in place is being rolled back.
+[[nodiscard]] bool places_roll_back(const Running& running);
 
 /// [control] This component was swapped in place, and its core before takes over if it fails: no
 /// other core stands by for it.

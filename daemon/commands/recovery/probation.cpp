@@ -84,12 +84,12 @@ Json tried_json(const Tried& change) {
 Json on_probation(const Running& running) {
   Json all = Json::array();
   for (const auto& open : running.deployer.probations()) {
-    if (!open.leads_back) {
+    if (!open.rolls_back) {
       all.push_back(tried_json(Tried{open.changes, open.components, std::nullopt}));
     }
   }
   for (const auto& place : running.places) {
-    if (!place.leads_back) {
+    if (!place.rolls_back) {
       all.push_back(tried_json(Tried{{place.generation}, {place.component}, std::nullopt}));
     }
   }
@@ -100,7 +100,7 @@ Json on_probation(const Running& running) {
 Tried newest_of(const Running& running) {
   Tried newest;
   for (const auto& open : running.deployer.probations()) {
-    if (!open.leads_back) {
+    if (!open.rolls_back) {
       newest = {open.changes, open.components, std::nullopt};
     }
   }
@@ -139,7 +139,7 @@ void undo_in_place(Running& running, const CallPtr& call, const PlaceTarget& tar
   if (auto begun = undo_place(running, target, reason); !begun) {
     return answer(running, *call, begun.error());
   }
-  running.control.await([&running] { return !places_lead_back(running); },
+  running.control.await([&running] { return !places_roll_back(running); },
                         [&running, call, target, result = std::move(result)]() mutable {
                           if (auto back = is_back(running, target); !back) {
                             return answer(running, *call, back.error());
@@ -238,7 +238,7 @@ void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
         return running.generation != before || !running.deployer.going_back();
       },
       [&running, call, result = std::move(result)]() mutable {
-        running.tell_outcomes();  // that saves it, with the mark of the one that it goes back to
+        running.report_outcomes();  // that saves it, with the mark of the one that it goes back to
         answer_undone(running, *call, std::move(result));
       });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// New code without a probation, from a start or a reload without one: nothing leads back, but
+/// New code without a probation, from a start or a reload without one: nothing rolls back, but
 /// its generation is started after a crash only when it ran for a while, or somebody confirmed it.
 #pragma once
 

@@ -15,12 +15,12 @@ bool is_of_same(const Json& a, const Json& b) {
 
 /// Only the value at the end counts. Of a change to which no way back belongs (a start or a stop)
 /// only addresses count that an earlier one changed.
-void add_later(const Json& line, bool leads_back, Json& all) {
+void add_later(const Json& line, bool rolls_back, Json& all) {
   const auto earlier =
       std::ranges::find_if(all, [&](const Json& one) { return is_of_same(one, line); });
   if (earlier != all.end()) {
     (*earlier)["new"] = line["new"];
-  } else if (leads_back) {
+  } else if (rolls_back) {
     all.push_back(line);
   }
 }
@@ -46,9 +46,9 @@ void WayBackLines::remember(std::uint64_t generation, const Json& lines) {
 Json WayBackLines::back_from(const std::vector<std::uint64_t>& changes) const {
   Json made = Json::array();
   for (const auto& [generation, lines] : lines_) {
-    const bool leads_back = std::ranges::find(changes, generation) != changes.end();
+    const bool rolls_back = std::ranges::find(changes, generation) != changes.end();
     for (const auto& line : lines) {
-      add_later(line, leads_back, made);
+      add_later(line, rolls_back, made);
     }
   }
   Json back = Json::array();

@@ -21,7 +21,7 @@ class WayBackLines {
   void remember(std::uint64_t generation, const Json& lines);
   /// The differences that going back to before these changes makes now, each address once.
   [[nodiscard]] Json back_from(const std::vector<std::uint64_t>& changes) const;
-  /// Nothing leads back to before these changes any more.
+  /// Nothing rolls back to before these changes any more.
   void forget(const std::vector<std::uint64_t>& changes);
 
   static constexpr std::size_t kMost = 256;

@@ -85,7 +85,7 @@ bool runs_after(const PreparedMember& member, bool ran) {
 Holds holds_after(const PreparedChange::Content& change) {
   Holds holds;
   for (const PreparedResource& resource : change.resources) {
-    if (resource.hold) holds.emplace(resource.resource, *resource.hold);
+    if (resource.lock_budget) holds.emplace(resource.resource, *resource.lock_budget);
   }
   return holds;
 }

@@ -11,7 +11,7 @@
 #include "exec/system/events.h"
 #include "exec/system/make_update.h"
 #include "exec/system/trace_records.h"
-#include "model/left_behind.h"
+#include "model/keep_for_abandoned.h"
 
 #include <mauve/component.h>
 
@@ -44,12 +44,12 @@ bool let_go(System& system, Deployed& deployed) {
   MAUVE_ON_THREAD(control);
   const bool ended =
       system.runner->end(*deployed.task, system.runner->now() + kEndOfThread.count()) &&
-      !system.runner->has_lost(deployed.task.get());
+      !system.runner->has_abandoned(deployed.task.get());
   deployed.ended = ended;
   if (!ended) {
     deployed.component->abandon();
-    leave_behind(deployed.task);  // its thread still runs in it
-    leave_behind(system.runner);
+    keep_for_abandoned(deployed.task);  // its thread still runs in it
+    keep_for_abandoned(system.runner);
   }
   keep_last_events(system, deployed);
   keep_last_trace(system, deployed);

@@ -10,7 +10,7 @@ namespace mauve::exec {
 Result<Deployed*> let_in(System& system, ComponentBase& component);
 
 /// Ends its thread, which is parked and has no change under way. It has no component from then on.
-/// False: the thread does not end, and is left behind. [control]
+/// False: the thread does not end, and is abandoned. [control]
 bool let_go(System& system, Deployed& deployed);
 
 }  // namespace mauve::exec

@@ -72,8 +72,8 @@ std::vector<analysis::Section> TimingModel::sections_of(const TimedComponent& co
   std::vector<analysis::Section> sections;
   for (ResourceBase* resource : locks_of(*component.bundle->bindings)) {
     const LockTiming& lock = lock_of(*resource);
-    sections.push_back({resource->name(), std::min(lock.hold.value_or(job), job),
-                        lock.hold ? analysis::Source::declared : analysis::Source::unknown});
+    sections.push_back({resource->name(), std::min(lock.lock_budget.value_or(job), job),
+                        lock.lock_budget ? analysis::Source::declared : analysis::Source::unknown});
   }
   return sections;
 }
@@ -85,14 +85,13 @@ const LockTiming& TimingModel::lock_of(const ResourceBase& resource) {
   if (!is_new) return lock;
   lock.resource = resource.name();
   const auto changed = holds_.find(&resource);
-  const Duration declared =
-      changed != holds_.end() ? changed->second : resource.lock().declared_hold();
-  const Duration longest = resource.lock().longest_hold();
+  const Duration declared = changed != holds_.end() ? changed->second : resource.lock().budget();
+  const Duration longest = resource.lock().longest_held();
   if (declared > Duration{0}) {
-    lock.hold = declared;
+    lock.lock_budget = declared;
     lock.source = analysis::to_string(analysis::Source::declared);
   } else if (longest > Duration{0}) {
-    lock.hold = with_margin(longest);
+    lock.lock_budget = with_margin(longest);
     lock.source = analysis::to_string(analysis::Source::measured);
   } else {
     lock.source = analysis::to_string(analysis::Source::unknown);
@@ -115,11 +114,12 @@ std::vector<std::string> TimingModel::notes() const {
   std::vector<std::string> notes = notes_;
   std::string names;
   for (const auto& [name, lock] : locks_) {
-    if (!lock.hold) names += (names.empty() ? "" : ", ") + name;
+    if (!lock.lock_budget) names += (names.empty() ? "" : ", ") + name;
   }
   if (!names.empty()) {
     notes.push_back(
-        "how long a job holds a resource is neither declared (\"hold\") nor measured yet, so it "
+        "how long a job holds a resource is neither declared (\"lock_budget\") nor measured yet, "
+        "so it "
         "counts as long as the whole job: " +
         names);
   }

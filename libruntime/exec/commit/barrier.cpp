@@ -27,7 +27,7 @@ Member member_at(Deployed& deployed, TaskUpdate::Barrier step, std::uint64_t num
   return member;
 }
 
-/// A thread that was given up may hold it for good.
+/// An abandoned thread may hold it for good.
 bool is_free(ResourceBase& resource) {
   if (!resource.lock().try_enter()) return false;
   resource.lock().leave();
@@ -52,7 +52,7 @@ Status Barrier::check(const PreparedChange::Content& content) {
     const std::string& name = replacement.from->name();
     if (replacement.from->shared_core() != replacement.base.core ||
         replacement.from->shared_bindings() != replacement.base.bindings ||
-        replacement.from->lock().declared_hold() != replacement.base_hold) {
+        replacement.from->lock().budget() != replacement.base_lock_budget) {
       return refuse(Errc::conflict, name,
                     "was changed by somebody else while this change was prepared", "try again");
     }
@@ -220,7 +220,7 @@ void Barrier::end() {
   for (const Bystander& one : bystanders_) one.deployed->changing = false;
 }
 
-void Barrier::tell(Receipt& receipt) const {
+void Barrier::report(Receipt& receipt) const {
   receipt.attempts = gathering_->result().attempts;
   for (const Bystander& one : bystanders_) {
     const std::uint64_t missed = one.deployed->task->counters().missed.load();

@@ -58,7 +58,7 @@ class Barrier {
   /// Why it was called off.
   [[nodiscard]] const Error& refusal() const { return refusal_; }
   /// What it cost bystanders, what was handed over, and the attempts.
-  void tell(Receipt& receipt) const;
+  void report(Receipt& receipt) const;
 
  private:
   enum class Phase : std::uint8_t { gathering, waiting, parting, over };

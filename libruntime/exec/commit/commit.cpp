@@ -13,7 +13,7 @@
 #include "exec/swap/rewired.h"
 #include "exec/system/books.h"
 #include "exec/system/make_update.h"
-#include "exec/system/tell_control.h"
+#include "exec/system/report_control.h"
 
 #include <mauve/architecture.h>
 #include <mauve/job.h>
@@ -38,9 +38,10 @@ Status check_member(const PreparedMember& member, const Deployed& deployed) {
 
 Status check_resource(const PreparedResource& change) {
   const ResourceBase& resource = *change.resource;
-  const bool same_hold = !change.hold || resource.lock().declared_hold() == change.base_hold;
+  const bool same_lock_budget =
+      !change.lock_budget || resource.lock().budget() == change.base_lock_budget;
   if (resource.shared_core() == change.base.core &&
-      resource.shared_bindings() == change.base.bindings && same_hold) {
+      resource.shared_bindings() == change.base.bindings && same_lock_budget) {
     return ok();
   }
   return refuse(Errc::conflict, resource.name(),
@@ -53,7 +54,8 @@ bool leaves_newest_in_place(System& system, const Commit& next) {
   MAUVE_ON_THREAD(control);
   constexpr unsigned kLooks = 8;
   const auto made = system.newest.lock();
-  if (made == nullptr || !made->untold() || (made->is_order() && next.is_order())) return false;
+  if (made == nullptr || !made->is_unreported() || (made->is_order() && next.is_order()))
+    return false;
   return ++system.looks_at_newest <= kLooks;
 }
 
@@ -166,7 +168,7 @@ Status Commit::check_probations(TwoPhaseCommit::Kind kind) {
   if (kind == TwoPhaseCommit::Kind::order) return ok();
   receipt_.notes = notes_of(system_, *content_);
   for (const auto& one : system_.probations) {
-    if (one->told() || !concerns(system_, *content_, one->content())) continue;
+    if (one->reported() || !concerns(system_, *content_, one->content())) continue;
     if (one->awaits_confirmation()) {
       return refuse(Errc::conflict, "generation " + std::to_string(one->changes().back()),
                     "waits to be confirmed, so nothing of it is changed meanwhile",
@@ -294,7 +296,7 @@ void Commit::publish(TwoPhaseCommit::Kind kind, Duration longest_job) {
   }
   swap_ = std::make_unique<TwoPhaseCommit>(std::move(members), resource_members(), *system_.runner,
                                            longest_job, kind, before_);
-  tell_attempt();
+  report_attempt();
 }
 
 bool Commit::advance() {
@@ -309,7 +311,7 @@ bool Commit::advance() {
 /// its generation: when the model is saved meanwhile, the saved one is no mixture.
 bool Commit::all_changed() {
   const bool settled = swap_->advance();
-  tell_attempt();
+  report_attempt();
   if (!answered() && leaves_newest_in_place(system_, *this)) return false;
   // Behind a barrier nobody is in a job.
   const bool late = barrier_ == nullptr && swap_->result().state == SwapResult::State::waiting;
@@ -322,7 +324,7 @@ bool Commit::all_changed() {
 }
 
 Result<Receipt> Commit::result() const {
-  told_ = answered();
+  reported_ = answered();
   if (result_) return *result_;
   return refuse(Errc::wrong_state, "commit", "is still under way",
                 "call advance() until it is not");

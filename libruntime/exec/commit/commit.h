@@ -36,7 +36,7 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   /// A part of a stop.
   [[nodiscard]] bool is_order() const { return kind_ == TwoPhaseCommit::Kind::order; }
   /// The commit made a generation, and its maker has not asked for the result yet.
-  [[nodiscard]] bool untold() const { return receipt_.generation != 0 && !told_; }
+  [[nodiscard]] bool is_unreported() const { return receipt_.generation != 0 && !reported_; }
   /// A stop of this component was asked for: it does not wait for others at a barrier.
   void give_way(const Deployed& stopped) {
     if (barrier_ != nullptr && swap_ == nullptr) barrier_->give_way(stopped);
@@ -62,8 +62,8 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   void lead_late_members_back();
   [[nodiscard]] bool pass_barrier();
   void publish(TwoPhaseCommit::Kind kind, Duration longest_job);
-  void tell_attempt();
-  void tell_end();
+  void report_attempt();
+  void report_end();
   void add_standby(std::size_t index, const Deployed& deployed, TaskUpdate& next);
   [[nodiscard]] Member forth(std::size_t index, Deployed& deployed);
   [[nodiscard]] std::vector<ResourceMember> resource_members() const;
@@ -96,13 +96,13 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   std::vector<MemberRollback> rollbacks_;
   std::uint64_t number_ = 0;       // of the change, in a trace
   std::uint64_t back_number_ = 0;  // of the rollback; 0: no probation
-  unsigned attempts_told_ = 0;
+  unsigned attempts_reported_ = 0;
   Instant back_by_ = 0;  // some member hangs, the others are rolled back; zero: nobody is
   Receipt receipt_;
   Retired retired_;
   std::optional<Result<Receipt>> result_;
   bool over_ = false;
-  mutable bool told_ = false;  // result() was asked for the answer
+  mutable bool reported_ = false;  // result() was asked for the answer
 };
 
 }  // namespace mauve::exec

@@ -8,7 +8,7 @@
 #include "exec/recovery/probations.h"
 #include "exec/system/books.h"
 #include "exec/system/make_update.h"
-#include "exec/system/tell_control.h"
+#include "exec/system/report_control.h"
 
 #include <mauve/architecture.h>
 #include <mauve/receipt.h>
@@ -40,7 +40,7 @@ void Commit::enter(std::size_t index) {
   schedule(system_, *deployed_[index]);
   system_.runner->look_again();
   // Where a lost thread is inside, it is freed when that has ended: see collect().
-  const bool lost = system_.runner->has_lost(deployed_[index]->task.get());
+  const bool lost = system_.runner->has_abandoned(deployed_[index]->task.get());
   // What the rollback may need is looked at when the change joins the one before: see adopt().
   if (heritage_.origin_of(*member.component) == nullptr) {
     retire(*member.base, *member.next, lost ? system_.free : retired_);
@@ -59,14 +59,14 @@ void Commit::enter(std::size_t index) {
 }
 
 void Commit::enter_resources() {
-  Retired& retired = system_.runner->has_lost() ? system_.free : retired_;
+  Retired& retired = system_.runner->has_abandoned() ? system_.free : retired_;
   for (std::size_t i = 0; i < swap_->resources().size(); ++i) {
     const ResourceUpdate& update = *swap_->resources()[i].update;
     if (update.state() != ResourceUpdate::State::in_force) continue;
     PreparedResource& change = content_->resources[i];
     ++system_.revision;
     change.resource->install(change.parts.core, change.parts.bindings);
-    if (change.hold) change.resource->lock().declare_hold(*change.hold);
+    if (change.lock_budget) change.resource->lock().set_budget(*change.lock_budget);
     if (change.parts.core != nullptr) retired.add(change.base.core);
     change.made.forget();
     MemberReceipt row{change.resource->name(), update.pause(), 0, update.bytes()};
@@ -78,28 +78,28 @@ void Commit::enter_resources() {
 }
 
 /// Each attempt, once it is decided.
-void Commit::tell_attempt() {
+void Commit::report_attempt() {
   const SwapResult& swapped = swap_->result();
-  if (swapped.attempts == attempts_told_) return;
-  attempts_told_ = swapped.attempts;
+  if (swapped.attempts == attempts_reported_) return;
+  attempts_reported_ = swapped.attempts;
   const bool committed = swap_->decision() == Decision::State::committed;
-  tell_control(system_, committed ? TraceKind::commit : TraceKind::abort, content_->what,
-               swapped.instant, number_);
+  report_control(system_, committed ? TraceKind::commit : TraceKind::abort, content_->what,
+                 swapped.instant, number_);
   if (!committed) return;
-  tell_members(system_, *content_, number_);
+  report_members(system_, *content_, number_);
   for (const std::string& address : content_->sets) {
-    tell_control(system_, TraceKind::set, address, 0, number_);
+    report_control(system_, TraceKind::set, address, 0, number_);
   }
 }
 
 /// One that was committed is taken back: nobody came in time.
-void Commit::tell_end() {
+void Commit::report_end() {
   if (swap_->result().state != SwapResult::State::revoked) return;
-  tell_control(system_, TraceKind::abort, content_->what, swap_->result().instant, number_);
+  report_control(system_, TraceKind::abort, content_->what, swap_->result().instant, number_);
 }
 
 void Commit::conclude() {
-  tell_end();
+  report_end();
   const SwapResult& swapped = swap_->result();
   const bool nothing_happened = swapped.state == SwapResult::State::missed ||
                                 swapped.state == SwapResult::State::revoked ||
@@ -112,7 +112,8 @@ void Commit::conclude() {
   }
   if (heritage_.changes().empty()) overtake_before();
   enter_resources();
-  if (system_.runner->has_lost()) system_.free.keep(content_);  // it may be inside of what leaves
+  if (system_.runner->has_abandoned())
+    system_.free.keep(content_);  // it may be inside of what leaves
   receipt_.state = ChangeState::applied;
   receipt_.commit = Duration{swapped.instant - system_.t0};
   receipt_.attempts = swapped.attempts;
@@ -120,7 +121,7 @@ void Commit::conclude() {
   const bool whole = swapped.state == SwapResult::State::committed && failed().empty();
   exchange_fallbacks(system_.architecture, content_->fallbacks);  // the rollback does so again
   if (barrier_ != nullptr) {
-    barrier_->tell(receipt_);
+    barrier_->report(receipt_);
     barrier_->end();
   }
   if (!whole && rollback_ != nullptr) return take_back();
@@ -175,7 +176,7 @@ bool Commit::all_went_back() {
   ProbationPeriod* const one = probation_of(system_, *rollback_);
   const bool under_way = one != nullptr;
   if (under_way && system_.runner->now() < back_by_) return false;
-  if (under_way) one->tell_after_all();
+  if (under_way) one->report_after_all();
   result_ = not_applied();
   if (!under_way && !failed().empty()) {
     result_ = refuse(Errc::hook_threw, failed(),

@@ -23,9 +23,9 @@ void advance(System& system) {
 }
 
 /// A maker that has let it go never asks.
-bool is_untold(const System& system) {
+bool is_unreported(const System& system) {
   const auto last = system.last_transaction.lock();
-  if (last == nullptr || !last->untold()) return false;
+  if (last == nullptr || !last->is_unreported()) return false;
   const bool kept_here =
       std::find(system.under_way.begin(), system.under_way.end(), last) != system.under_way.end();
   return last.use_count() > (kept_here ? 2 : 1);
@@ -42,7 +42,7 @@ std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change,
 }
 
 void look_after_itself(System& system) {
-  if (is_untold(system)) return;
+  if (is_unreported(system)) return;
   for (const auto& one : system.probations) static_cast<void>(one->advance());
   let_fade(system);
   std::erase_if(system.fading, [&](const std::shared_ptr<ProbationPeriod>& one) {

@@ -18,7 +18,7 @@ std::shared_ptr<Commit> begin_commit(System& system, PreparedChange& change,
 /// Takes every change under way as far as it can go now.
 void advance(System& system);
 /// The maker of the last transaction has not asked for its result yet.
-[[nodiscard]] bool is_untold(const System& system);
+[[nodiscard]] bool is_unreported(const System& system);
 /// Probations and standby cores: may change the model.
 void look_after_itself(System& system);
 

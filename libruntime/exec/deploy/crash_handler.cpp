@@ -76,7 +76,7 @@ void let_others_act(const System& system, Instant until) {
 }
 
 /// What nobody has read yet, as it lies there.
-void tell_events(System& system) {
+void report_events(System& system) {
   rt::Event event;
   for (Deployed& deployed : system.deployed) {
     while (deployed.task->report().events().pop(event)) {
@@ -104,7 +104,7 @@ void speak(System& system, const rt::Death& death) MAUVE_NOT_ANALYSED {
       what.data(), death.thread.data(), safe);
   let_others_act(system, until);
   if (held) {
-    tell_events(system);
+    report_events(system);
     system.members.unlock();
   }
 }

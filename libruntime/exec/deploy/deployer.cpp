@@ -17,7 +17,7 @@
 #include "exec/prepare/prepare.h"
 #include "exec/recovery/standby.h"
 #include "exec/system/events.h"
-#include "exec/system/tell_control.h"
+#include "exec/system/report_control.h"
 #include "exec/system/trace_records.h"
 #include "rt/measured.h"
 
@@ -122,7 +122,7 @@ Timing Deployer::analyze() const {
 Result<PreparedChange> Deployer::prepare(const Change& change) {
   Result<PreparedChange> prepared = exec::prepare_change(*system_, change);
   if (prepared) {
-    exec::tell_control(*system_, TraceKind::prepare, prepared->content().what, 0, 0);
+    exec::report_control(*system_, TraceKind::prepare, prepared->content().what, 0, 0);
   }
   return prepared;
 }
@@ -171,7 +171,7 @@ std::vector<OpenProbation> Deployer::probations() const {
   exec::advance(*system_);
   std::vector<OpenProbation> all;
   for (const auto& one : system_->probations) {
-    if (!one->told()) all.push_back(one->look());
+    if (!one->reported()) all.push_back(one->look());
   }
   return all;
 }
@@ -207,8 +207,8 @@ std::vector<Outcome> Deployer::tend(Retired& retired) {
 
 Retired Deployer::collect() {
   exec::advance(*system_);
-  // A thread that was given up may still be inside.
-  if (system_->runner->has_lost()) return {};
+  // An abandoned thread may still be inside.
+  if (system_->runner->has_abandoned()) return {};
   return std::exchange(system_->free, {});
 }
 

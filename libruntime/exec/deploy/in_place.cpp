@@ -8,10 +8,10 @@
 #include "exec/commit/under_way.h"
 #include "exec/prepare/prepare.h"
 #include "exec/recovery/inherit.h"
-#include "exec/system/tell_control.h"
+#include "exec/system/report_control.h"
+#include "model/abandonable_thread.h"
 #include "model/elements.h"
 #include "model/hand_over.h"
-#include "model/leavable.h"
 
 #include <mauve/deployer.h>
 #include <mauve/fsm.h>
@@ -21,7 +21,7 @@ namespace mauve {
 namespace {
 
 Status configure_pair(const Bundle& bundle) {
-  const Detached detached;
+  const NoPorts no_ports;
   const std::array<Configurable*, 2> order{bundle.core.get(), bundle.fsm.get()};
   return configure_in_order(order);
 }
@@ -50,7 +50,9 @@ Result<PreparedChange> Deployer::prepare_back_in_place(std::string_view componen
                                                        std::shared_ptr<const Bundle> before) {
   MAUVE_ON_THREAD(factory);
   const exec::ModelLock::Hold hold(system_->model);
-  if (!hold) return refuse(Errc::timed_out, "deployer", "the change was given up before it began");
+  if (!hold)
+    return refuse(Errc::timed_out, "deployer",
+                  "the change was dropped before it began, since its thread was abandoned");
   const Result<ComponentBase*> found = system_->component(component);
   if (!found) return found.error();
   exec::PreparedMember member = exec::member_of(**found, Mode::keep);
@@ -91,11 +93,13 @@ Status Deployer::in_place_exchange(PreparedChange& change) {
   const exec::PreparedMember& member = change.content().members.front();
   const std::array<Configurable*, 2> old{member.base->core.get(), member.base->fsm.get()};
   const Inside inside;
-  if (!inside) return refuse(Errc::timed_out, member.component->name(), "was given up before");
+  if (!inside)
+    return refuse(Errc::timed_out, member.component->name(),
+                  "was dropped before: its thread was abandoned");
   Status configured = cleanup_in_reverse(old);
-  if (!left_here()) configured = configure_pair(*member.next);
-  // Of one that was left behind the component is parked: nobody gives it the old core back.
-  if (configured || left_here() || member.restores) return configured;
+  if (!abandoned_here()) configured = configure_pair(*member.next);
+  // When the thread was abandoned, the component stays parked, without its old core.
+  if (configured || abandoned_here() || member.restores) return configured;
   if (Status back = configure_pair(*member.base); !back) {
     configured.error().message +=
         "; and the old core could not be configured again: " + back.error().message;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "exec/deploy/stop.h"
-#include "model/left_behind.h"
+#include "model/keep_for_abandoned.h"
 
 namespace mauve::exec {
 namespace {
@@ -18,8 +18,8 @@ constexpr Duration kShortestPatience = 100ms;
 }  // namespace
 
 std::vector<std::string> bring_down(System& system, Duration bound) {
-  std::vector<std::string> left_behind;
-  if (!system.up) return left_behind;
+  std::vector<std::string> abandoned;
+  if (!system.up) return abandoned;
   system.up = false;
   const Instant deadline = system.runner->now() + bound.count();
   Stop stop(system, in_order_of_safe_values(system), patience_within(bound));
@@ -30,18 +30,18 @@ std::vector<std::string> bring_down(System& system, Duration bound) {
     const Instant now = system.runner->now();
     const Instant until = stuck ? now : std::max(deadline, now + kShortestPatience.count());
     const bool ended = system.runner->end(*deployed.task, until);
-    deployed.ended = ended && !system.runner->has_lost(deployed.task.get());
+    deployed.ended = ended && !system.runner->has_abandoned(deployed.task.get());
     if (deployed.ended) continue;
-    left_behind.push_back(deployed.component->name());
+    abandoned.push_back(deployed.component->name());
     deployed.component->abandon();
-    leave_behind(deployed.task);  // its thread still runs in it
-    leave_behind(system.runner);
+    keep_for_abandoned(deployed.task);  // its thread still runs in it
+    keep_for_abandoned(system.runner);
   }
-  if (system.runner->has_lost()) {
-    leave_behind(std::make_shared<Retired>(std::exchange(system.free, {})));
+  if (system.runner->has_abandoned()) {
+    keep_for_abandoned(std::make_shared<Retired>(std::exchange(system.free, {})));
   }
   system.crash_handler.reset();
-  return left_behind;
+  return abandoned;
 }
 
 Duration patience_within(Duration bound) { return std::max(bound / 4, kShortestPatience); }

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "exec/commit/under_way.h"
-#include "exec/system/tell_control.h"
+#include "exec/system/report_control.h"
 #include "exec/task/safe_values.h"
 #include "rt/deadline.h"
 
@@ -111,7 +111,7 @@ void Stop::begin_stage() {
     return;
   }
   phase_ = Phase::parking;
-  // What a component still waits for when all others are stopped is given up in this time.
+  // A component stops to wait for the others within this time.
   patient_until_ = system_.runner->now() + (last_call ? kLongestJob : patience_).count();
   if (!last_call) {
     waiting_.insert(waiting_.end(), stages_[stage_].begin(), stages_[stage_].end());
@@ -120,7 +120,7 @@ void Stop::begin_stage() {
 }
 
 /// All that can be ordered to park now, at one instant. A change under way ends first: it is over
-/// soon, or given up.
+/// soon, or is abandoned.
 void Stop::park_free() {
   auto content = std::make_unique<PreparedChange::Content>();
   std::vector<std::string> names;
@@ -144,7 +144,7 @@ void Stop::park_free() {
   commits_.push_back(begin_commit(system_, change, TwoPhaseCommit::Kind::order, patience_));
 }
 
-/// Has everybody parked, or been given up? Later stages do not wait for who hangs.
+/// Is every component parked or abandoned? Later stages do not wait for a thread that hangs.
 bool Stop::parked() {
   std::erase_if(commits_, [&](const std::shared_ptr<Commit>& commit) {
     if (!commit->answered()) return false;
@@ -154,7 +154,7 @@ bool Stop::parked() {
   if (!commits_.empty()) return false;
   if (waiting_.empty()) return true;
   if (system_.runner->now() < patient_until_) return false;
-  for (Deployed* deployed : waiting_) give_up(*deployed);
+  for (Deployed* deployed : waiting_) stop_waiting_for(*deployed);
   std::erase_if(waiting_, [](const Deployed* deployed) { return deployed->parking; });
   return true;
 }
@@ -167,10 +167,10 @@ void Stop::take_answer(const Commit& commit) {
   receipt_.attempts = std::max(receipt_.attempts, part.attempts);
   receipt_.components.insert(receipt_.components.end(), part.components.begin(),
                              part.components.end());
-  for (Deployed* silent : commit.silent()) give_up(*silent);
+  for (Deployed* silent : commit.silent()) stop_waiting_for(*silent);
 }
 
-void Stop::give_up(Deployed& deployed) {
+void Stop::stop_waiting_for(Deployed& deployed) {
   if (deployed.component == nullptr || !hung_.insert(&deployed).second) return;
   // Its thread is stuck in user code: the outputs get their safe values from here.
   const rt::Deadline deadline(kWritingMayTake);
@@ -206,10 +206,11 @@ Result<Receipt> Stop::result() const {
   for (const Deployed* one : hung_) {
     names += (names.empty() ? "" : ", ") + one->task->name();
   }
-  return refuse(Errc::partly, names,
-                "did not end its job in time: its safe values are written, and it stops as soon as "
-                "the job ends; all others are stopped",
-                "a core that never returns can only be left behind: restart the daemon");
+  return refuse(
+      Errc::partly, names,
+      "did not end its job in time: its safe values are written, and it stops as soon as "
+      "the job ends; all others are stopped",
+      "mauved can only abandon the thread of a core that never returns: restart the daemon");
 }
 
 }  // namespace mauve::exec

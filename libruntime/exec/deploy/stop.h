@@ -40,7 +40,7 @@ class Stop final : public Ongoing {
   void park_free();
   [[nodiscard]] bool parked();
   void take_answer(const Commit& commit);
-  void give_up(Deployed& deployed);
+  void stop_waiting_for(Deployed& deployed);
   void begin_reading();
   [[nodiscard]] bool readers_have_read() const;
 

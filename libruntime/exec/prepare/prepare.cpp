@@ -4,7 +4,7 @@
 #include "exec/prepare/prepare_barrier.h"
 #include "exec/prepare/prepare_member.h"
 #include "exec/prepare/prepare_resource.h"
-#include "exec/system/tell_control.h"
+#include "exec/system/report_control.h"
 
 #include <algorithm>
 #include <array>
@@ -15,8 +15,8 @@
 #include "exec/recovery/standby.h"
 #include "exec/swap/bystanders.h"
 #include "exec/swap/rewired.h"
+#include "model/abandonable_thread.h"
 #include "model/elements.h"
-#include "model/leavable.h"
 
 #include <mauve/architecture.h>
 #include <mauve/job.h>
@@ -164,7 +164,7 @@ class Preparation {
       const std::optional<Edit> edit = standby_of(system_, *content_, member);
       if (!edit) continue;
       auto standby = prepare_standby(after_, *edit, member);
-      if (!standby && left_here()) return standby.error();
+      if (!standby && abandoned_here()) return standby.error();
       if (!standby || !admit_standby(system_, *content_, *standby)) continue;
       auto content = std::make_shared<PreparedChange::Content>();
       content->members.push_back(*std::move(standby));
@@ -190,7 +190,9 @@ class Preparation {
 Result<PreparedChange> prepare_locked(System& system, const Change& change, Change& whole,
                                       Preparation& preparation, bool configure) {
   const ModelLock::Hold hold(system.model);
-  if (!hold) return refuse(Errc::timed_out, "deployer", "the change was given up before it began");
+  if (!hold)
+    return refuse(Errc::timed_out, "deployer",
+                  "the change was dropped before it began, since its thread was abandoned");
   if (change.made_from && *change.made_from != system.generation) {
     return refuse(Errc::conflict, system.architecture.name(),
                   "changed, for example by a rollback, after this change was made from what was in "

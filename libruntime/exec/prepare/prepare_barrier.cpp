@@ -22,7 +22,7 @@ Status prepare_replacement(System& system, const NewResource& joining,
   if (Status slow = prepare_hand_over(from->core(), into.core(), joining.state); !slow) return slow;
   content.barrier->replacements.push_back({from,
                                            {from->shared_core(), from->shared_bindings()},
-                                           from->lock().declared_hold(),
+                                           from->lock().budget(),
                                            &into,
                                            joining.state});
   return ok();

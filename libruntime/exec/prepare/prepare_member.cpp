@@ -66,7 +66,7 @@ class MemberBuilder {
 
  private:
   Status check() {
-    if (edit_.hold) {
+    if (edit_.lock_budget) {
       return refuse(Errc::unsupported, component_.name() + ".hold",
                     "is a component: only a resource is held", "a job of it has a budget");
     }
@@ -170,7 +170,7 @@ class MemberBuilder {
     if (remake_core_) made_.add(next_->core);
     if (remake_fsm_) made_.add(next_->fsm);
     if (!configure_) return remake_fsm_ ? check_machine(*next_->fsm) : ok();
-    const Detached detached;
+    const NoPorts no_ports;
     const std::array<Configurable*, 3> order{next_->shell.get(), next_->core.get(),
                                              next_->fsm.get()};
     Status done = configure_in_order(order);
@@ -184,7 +184,7 @@ class MemberBuilder {
   const Edit& edit_;
   ComponentBase& component_;
   const ComponentType& old_type_;
-  const std::shared_ptr<const Bundle> kept_;  // also if its thread is left behind
+  const std::shared_ptr<const Bundle> kept_;  // also if its thread is abandoned
   const Bundle& base_;
   std::shared_ptr<Bundle> next_;
   Retired made_;
@@ -232,7 +232,7 @@ Result<PreparedMember> prepare_joining(const Afterwards& after, const NewCompone
   const TaskAttributes task = component.bundle()->task;  // configure() makes another bundle
   Status ready = check_cpus(task, component.name());
   if (ready) ready = after.may_run_at(task.priority);
-  const Detached detached;
+  const NoPorts no_ports;
   if (ready) ready = component.configure();
   if (!ready) return ready.error();
   PreparedMember member = member_of(component, task.start ? Mode::run : Mode::keep);

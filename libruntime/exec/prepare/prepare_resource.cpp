@@ -47,16 +47,17 @@ Status make_core(const Edit& edit, ResourceBase& resource, PreparedResource& pre
   if (!done) return done;
   core->bind(resource.shell());
   prepared.made.add(core);
-  const Detached detached;
+  const NoPorts no_ports;
   return core->configure();
 }
 
 }  // namespace
 
-Status check_hold(const ResourceBase& resource, Duration hold) {
+Status check_lock_budget(const ResourceBase& resource, Duration budget) {
   const std::string at = resource.name() + ".hold";
-  if (hold < Duration{0} || hold > kLongestHold) {
-    return refuse(Errc::invalid_value, at, "must be between 0 and " + format_duration(kLongestHold),
+  if (budget < Duration{0} || budget > kLongestBudget) {
+    return refuse(Errc::invalid_value, at,
+                  "must be between 0 and " + format_duration(kLongestBudget),
                   "0 takes the declaration back");
   }
   if (!resource.lock().timed()) {
@@ -78,11 +79,11 @@ Result<PreparedResource> prepare_resource(const Afterwards& after, const Edit& e
   PreparedResource prepared;
   prepared.resource = &resource;
   prepared.base = {resource.shared_core(), resource.shared_bindings()};
-  prepared.base_hold = resource.lock().declared_hold();
-  prepared.hold = edit.hold;
+  prepared.base_lock_budget = resource.lock().budget();
+  prepared.lock_budget = edit.lock_budget;
   prepared.state = edit.state;
-  if (edit.hold) {
-    if (Status sound = check_hold(resource, *edit.hold); !sound) return sound.error();
+  if (edit.lock_budget) {
+    if (Status sound = check_lock_budget(resource, *edit.lock_budget); !sound) return sound.error();
   }
   if (!edit.connect.empty() || !edit.disconnect.empty()) {
     auto bindings = new_bindings(after, edit, resource);
@@ -99,7 +100,7 @@ Result<PreparedResource> prepare_resource(const Afterwards& after, const Edit& e
 
 Status prepare_joining(const Afterwards& after, const NewResource& joining) {
   ResourceBase& resource = *joining.resource;
-  const Detached detached;
+  const NoPorts no_ports;
   if (Status configured = resource.configure(); !configured) return configured;
   for (const NewConnection& wanted : joining.connect) {
     const Result<ServiceBase*> service = after.find_service(wanted.service);

@@ -11,7 +11,7 @@ namespace mauve::exec {
 class Afterwards;
 
 /// Can this be the longest time that the resource is held?
-Status check_hold(const ResourceBase& resource, Duration hold);
+Status check_lock_budget(const ResourceBase& resource, Duration budget);
 
 Status prepare_joining(const Afterwards& after, const NewResource& joining);
 

@@ -72,12 +72,12 @@ Status make_replacement(const ResourceBase& resource, const Edit& edit, Change& 
   auto replacement = std::make_shared<ResourceBase>(
       resource.name(), edit.resource ? *edit.resource : resource.type());
   if (!replacement->made()) return replacement->made();
-  if (edit.hold) {
-    if (Status sound = check_hold(*replacement, *edit.hold); !sound) return sound;
+  if (edit.lock_budget) {
+    if (Status sound = check_lock_budget(*replacement, *edit.lock_budget); !sound) return sound;
   }
   change.new_resources.push_back({replacement, connections_after(resource, edit), edit.state});
   change.remove.push_back(resource.name());
-  replacement->lock().declare_hold(edit.hold.value_or(resource.lock().declared_hold()));
+  replacement->lock().set_budget(edit.lock_budget.value_or(resource.lock().budget()));
   return copy_all(resource, *replacement, edit);
 }
 

@@ -219,7 +219,7 @@ std::vector<std::string> notes_of(const System& system, const Content& change) {
   std::vector<std::string> notes;
   if (changes_modes_only(change)) return notes;
   for (const auto& one : system.probations) {
-    if (one->told() || !concerns(system, change, one->content())) continue;
+    if (one->reported() || !concerns(system, change, one->content())) continue;
     const OpenProbation open = one->look();
     const std::string names = in_words(open.components);
     const std::string first = std::to_string(open.changes.front() - 1);

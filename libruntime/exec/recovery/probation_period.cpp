@@ -9,8 +9,8 @@
 #include "exec/recovery/inherit.h"
 #include "exec/swap/resource_update.h"
 #include "exec/system/books.h"
-#include "exec/system/tell_control.h"
-#include "model/left_behind.h"
+#include "exec/system/report_control.h"
+#include "model/keep_for_abandoned.h"
 
 #include <mauve/architecture.h>
 
@@ -58,14 +58,14 @@ ProbationPeriod::ProbationPeriod(System& system, std::shared_ptr<Content> conten
 }
 
 ProbationPeriod::~ProbationPeriod() {
-  if (phase_ == Phase::over || (phase_ == Phase::withdrawing && all_looked_away())) return;
+  if (phase_ == Phase::over || (phase_ == Phase::withdrawing && all_quiescent())) return;
   // The system goes down: whose thread ended looks at nothing any more.
   const auto ended = [](const MemberRollback& member) { return member.deployed->ended; };
   if (std::all_of(members_.begin(), members_.end(), ended)) return;
   for (MemberRollback& member : members_) {
-    leave_behind(std::shared_ptr<TaskUpdate>(std::move(member.withdrawn)));
+    keep_for_abandoned(std::shared_ptr<TaskUpdate>(std::move(member.withdrawn)));
   }
-  leave_behind(rollback_);
+  keep_for_abandoned(rollback_);
 }
 
 bool ProbationPeriod::awaits_confirmation() const {
@@ -75,7 +75,7 @@ bool ProbationPeriod::awaits_confirmation() const {
 bool ProbationPeriod::advance() {
   if (phase_ == Phase::watching) watch();
   if (phase_ == Phase::going_back) go_back();
-  if (phase_ == Phase::withdrawing && all_looked_away()) {
+  if (phase_ == Phase::withdrawing && all_quiescent()) {
     for (auto& update : updates_) {
       if (!update->disarm()) return true;
     }
@@ -86,11 +86,11 @@ bool ProbationPeriod::advance() {
 }
 
 void ProbationPeriod::watch() {
-  if (rollback_->told()) {
+  if (rollback_->reported()) {
     phase_ = Phase::going_back;
-    tell_control(system_, TraceKind::rollback, content_->what, rollback_->decision().instant(),
-                 number_);
-    tell_members(system_, *content_, number_);
+    report_control(system_, TraceKind::rollback, content_->what, rollback_->decision().instant(),
+                   number_);
+    report_members(system_, *content_, number_);
     for (const MemberRollback& member : members_) system_.runner->wake(*member.deployed->task);
     return;
   }
@@ -154,7 +154,7 @@ void ProbationPeriod::end(Outcome::Kind kind, const std::string& reason) {
     if (member.part != Part::leaves) continue;
     if (member.owner != nullptr) free_.keep(member.owner);
   }
-  tell(kind, reason);
+  report(kind, reason);
   free_.merge(std::move(replaced_));
   withdraw();
   let_go_left();
@@ -207,7 +207,7 @@ void ProbationPeriod::withdraw() {
   for (MemberRollback& member : members_) {
     Task& task = *member.deployed->task;
     if (task.mailbox().withdraw_rollback(*member.back)) member.withdrawn.reset(member.back);
-    member.looks_after = task.mailbox().looks();
+    member.quiescent_after = task.mailbox().quiescent_count();
     system_.runner->wake(task);
   }
   free_.keep(content_);
@@ -220,24 +220,24 @@ void ProbationPeriod::let_go_left() {
   }
 }
 
-bool ProbationPeriod::all_looked_away() const {
+bool ProbationPeriod::all_quiescent() const {
   return std::all_of(members_.begin(), members_.end(), [&](const MemberRollback& member) {
     return !member.in_force || member.deployed->ended ||
-           member.deployed->task->mailbox().looks() > member.looks_after;
+           member.deployed->task->mailbox().quiescent_count() > member.quiescent_after;
   });
 }
 
 void ProbationPeriod::go_back() {
   const Instant now = system_.runner->now();
   for (auto& update : updates_) update->help(now);
-  if (!rollback_->told() || !all_are_back() || !may_let_go()) return;
-  tell(Outcome::Kind::rolled_back, culprit());
+  if (!rollback_->reported() || !all_are_back() || !may_let_go()) return;
+  report(Outcome::Kind::rolled_back, culprit());
   install_old();
   if (!quiet_) system_.outcomes.back().generation = ++system_.generation;
   replaced_.forget();
   free_.keep(content_);
   for (MemberRollback& member : members_) {
-    member.looks_after = member.deployed->task->mailbox().looks();
+    member.quiescent_after = member.deployed->task->mailbox().quiescent_count();
     system_.runner->wake(*member.deployed->task);
   }
   phase_ = Phase::withdrawing;
@@ -287,7 +287,7 @@ void ProbationPeriod::install_old() {
   for (const PreparedResource& change : content_->resources) {
     if (!in_force(change)) continue;
     change.resource->install(change.base.core, change.base.bindings);
-    if (change.hold) change.resource->lock().declare_hold(change.base_hold);
+    if (change.lock_budget) change.resource->lock().set_budget(change.base_lock_budget);
     if (change.parts.core != nullptr) free_.add(change.parts.core);
   }
   exchange_fallbacks(architecture, content_->fallbacks);
@@ -299,7 +299,7 @@ void ProbationPeriod::install_old() {
   }
 }
 
-void ProbationPeriod::tell_after_all() {
+void ProbationPeriod::report_after_all() {
   if (!std::exchange(quiet_, false)) return;
   changes_.back() = ++system_.generation;
 }
@@ -322,14 +322,14 @@ void ProbationPeriod::name_cores(Outcome& end) const {
   }
 }
 
-void ProbationPeriod::tell(Outcome::Kind kind, const std::string& reason) {
+void ProbationPeriod::report(Outcome::Kind kind, const std::string& reason) {
   if (quiet_) return;
   Outcome end;
   end.began = changes_.front();
   end.changes = changes_;
   end.generation = system_.generation;
   for (const auto& one : system_.probations) {
-    if (one.get() == this || one->told()) continue;
+    if (one.get() == this || one->reported()) continue;
     const std::uint64_t first = one->changes_.front();
     end.oldest_open = end.oldest_open == 0 ? first : std::min(end.oldest_open, first);
   }

@@ -24,7 +24,7 @@ struct MemberRollback {
   TaskUpdate* back = nullptr;  ///< owned by the way forth, then by the task
   std::shared_ptr<const TaskUpdate::Answer> answer;
   std::uint64_t releases_before = 0;
-  std::uint64_t looks_after = 0;  ///< when it was withdrawn
+  std::uint64_t quiescent_after = 0;  ///< when it was withdrawn
   std::unique_ptr<TaskUpdate> withdrawn;
   bool in_force = true;            ///< the change is
   std::uint64_t last_release = 0;  ///< until which it may be judged; 0: its time has not passed
@@ -66,14 +66,16 @@ class ProbationPeriod {
   /// Of a change that is not even in force everywhere: it never made a generation.
   void go_quietly() { quiet_ = true; }
   /// Unless going back takes too long.
-  void tell_after_all();
+  void report_after_all();
   [[nodiscard]] bool leads(const Rollback& back) const {
     return rollback_.get() == &back && !told();
   }
   [[nodiscard]] bool open() const { return phase_ == Phase::watching && rollback_->open(); }
   [[nodiscard]] bool awaits_confirmation() const;
   /// Its end is in System::outcomes; all that remains is to wait until no thread looks at it.
-  [[nodiscard]] bool told() const { return phase_ == Phase::withdrawing || phase_ == Phase::over; }
+  [[nodiscard]] bool reported() const {
+    return phase_ == Phase::withdrawing || phase_ == Phase::over;
+  }
   /// Is freed after all that becomes free with it.
   void keep_longest(std::shared_ptr<void> owner) { free_.keep_longest(std::move(owner)); }
   /// What became free.
@@ -91,8 +93,8 @@ class ProbationPeriod {
   void install_old();
   void withdraw();
   void let_go_left();
-  [[nodiscard]] bool all_looked_away() const;
-  void tell(Outcome::Kind kind, const std::string& reason);
+  [[nodiscard]] bool all_quiescent() const;
+  void report(Outcome::Kind kind, const std::string& reason);
   [[nodiscard]] std::string culprit() const;
   void name_cores(Outcome& end) const;
 

@@ -21,7 +21,7 @@ bool is_rolled_back(const System& system) {
 
 void let_fade(System& system) {
   std::erase_if(system.probations, [&](std::shared_ptr<ProbationPeriod>& one) {
-    if (!one->told()) return false;
+    if (!one->reported()) return false;
     system.fading.push_back(std::move(one));
     return true;
   });

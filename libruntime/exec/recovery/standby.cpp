@@ -12,7 +12,7 @@
 #include "exec/system/books.h"
 #include "exec/system/make_update.h"
 #include "exec/system/prepared.h"
-#include "model/left_behind.h"
+#include "model/keep_for_abandoned.h"
 
 namespace mauve::exec {
 namespace {
@@ -70,16 +70,16 @@ void take_note(System& system, Deployed& deployed) {
 }
 
 /// The component stays failed.
-void give_up(System& system, Deployed& deployed, Instant failed_at, const std::string& why) {
+void leave_failed(System& system, Deployed& deployed, Instant failed_at, const std::string& why) {
   Outcome outcome;
-  outcome.kind = Outcome::Kind::gave_up;
+  outcome.kind = Outcome::Kind::stays_failed;
   outcome.began = outcome.generation = system.generation;
   outcome.component = deployed.component->name();
   outcome.incident = incident_of(system, deployed.task->report().fault());
   outcome.reason = outcome.incident->text += "; " + why;
   outcome.cores = {deployed.component->bundle()->core_type.name};
   system.outcomes.push_back(std::move(outcome));
-  deployed.task->failed_core().give_up(failed_at);
+  deployed.task->failed_core().declare_hopeless(failed_at);
   system.runner->wake(*deployed.task);
 }
 
@@ -119,7 +119,7 @@ std::optional<Edit> standby_of(const System& system, const std::string& componen
 /// Empty: a standby core is wanted.
 std::string why_no_standby(const System& system, const Deployed& deployed) {
   const ComponentBase& component = *deployed.component;
-  if (system.runner->has_lost(deployed.task.get())) {
+  if (system.runner->has_abandoned(deployed.task.get())) {
     return "a thread that does not return is still inside this component";
   }
   const Bundle& bundle = *component.bundle();
@@ -137,7 +137,7 @@ bool stand_by(const System& system, Task& task, std::unique_ptr<TaskUpdate> stan
   if (!task.mailbox().stand_by(*standby)) return false;
   TaskUpdate* const standing = standby.release();
   if (!is_rolled_back(system) || !task.mailbox().withdraw_standby(*standing)) return true;
-  leave_behind(std::shared_ptr<TaskUpdate>(standing));  // its thread may be about to look
+  keep_for_abandoned(std::shared_ptr<TaskUpdate>(standing));  // its thread may be about to look
   return false;
 }
 
@@ -150,7 +150,7 @@ std::vector<Change> wanted_standby_cores(System& system) {
   for (const Deployed& deployed : system.deployed) {
     const bool ready = deployed.standby.content != nullptr || deployed.hidden || deployed.changing;
     // One that is faulted has it when it is started again.
-    if (ready || system.runner->has_lost(deployed.task.get())) continue;
+    if (ready || system.runner->has_abandoned(deployed.task.get())) continue;
     const ComponentBase& component = *deployed.component;
     auto edit =
         standby_of(system, component.name(), *component.bundle(), component.fallback(), &deployed);
@@ -217,7 +217,7 @@ void look_after_standby_cores(System& system) {
     const Instant failed_at = deployed.task->failed_core().at();
     if (!waits_for_standby(system, deployed)) continue;
     const std::string why = why_no_standby(system, deployed);
-    if (!why.empty()) give_up(system, deployed, failed_at, why);
+    if (!why.empty()) leave_failed(system, deployed, failed_at, why);
   }
 }
 
@@ -234,7 +234,7 @@ void refuse_standby(System& system, std::string_view component, const std::strin
   Deployed* deployed = system.find(component);
   if (deployed == nullptr) return;
   const Instant failed_at = deployed->task->failed_core().at();
-  if (waits_for_standby(system, *deployed)) give_up(system, *deployed, failed_at, why);
+  if (waits_for_standby(system, *deployed)) leave_failed(system, *deployed, failed_at, why);
 }
 
 Recovery recovery_of(const System& system, const Deployed& deployed, Instant failed_at) {

@@ -34,7 +34,7 @@ class Simulation final : public Runner {
     return true;
   }
 
-  [[nodiscard]] std::shared_ptr<void> hurry() override { return nullptr; }
+  [[nodiscard]] std::shared_ptr<void> raise_priority() override { return nullptr; }
   [[nodiscard]] bool is_fifo(const Task& /*task*/, int /*priority*/) const override {
     return false;
   }

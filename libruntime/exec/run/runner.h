@@ -40,17 +40,17 @@ class Runner {
   /// Waits until the condition holds; false when `deadline` passed first.
   virtual bool await(const std::function<bool()>& condition, Instant deadline) = 0;
   /// While the answer lives, the caller is scheduled before ordinary threads.
-  [[nodiscard]] virtual std::shared_ptr<void> hurry() = 0;
+  [[nodiscard]] virtual std::shared_ptr<void> raise_priority() = 0;
   /// Does this task run with SCHED_FIFO at this priority?
   [[nodiscard]] virtual bool is_fifo(const Task& task, int priority) const = 0;
   /// Gives its thread another priority (0: not real-time) and other CPUs.
   virtual Status reschedule(Task& task, int priority, const std::vector<int>& cpus) = 0;
-  /// Ends the task's thread; false when it does not end by `deadline` and was left behind.
+  /// Ends the task's thread; false when it does not end by `deadline` and was abandoned.
   virtual bool end(Task& task, Instant deadline) = 0;
   /// What a job may take has changed.
   virtual void look_again() {}
-  /// Threads that were given up and may still be in elements of this task, or of any.
-  [[nodiscard]] virtual bool has_lost(const Task* /*task*/ = nullptr) const { return false; }
+  /// Abandoned threads and may still be in elements of this task, or of any.
+  [[nodiscard]] virtual bool has_abandoned(const Task* /*task*/ = nullptr) const { return false; }
   /// Simulations: runs all jobs due by then.
   virtual void run_until(Instant /*instant*/) {}
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// One thread a task, all waiting in the same primitive; and the guard above them, which ends jobs
-/// that do not return, or gives up their threads.
+/// that do not return, or abandons their threads.
 #include <algorithm>
 #include <map>
 #include <thread>
@@ -9,12 +9,12 @@
 
 #include "base/thread_role.h"
 #include "exec/task/task.h"
-#include "model/left_behind.h"
+#include "model/keep_for_abandoned.h"
 #include "rt/fence.h"
 #include "rt/futex.h"
 #include "rt/guardian_page.h"
 #include "rt/pi_mutex.h"
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 
 #include <mauve/component.h>
 #include <mauve/job.h>
@@ -25,7 +25,7 @@ namespace {
 constexpr int kGuardPriority = 95;  // above every component
 /// A job that ran into its bound is told to end, so often and at such distances: it may be in code
 /// that must not be interrupted.
-constexpr unsigned kCalls = rt::kCanRescue ? 10 : 0;
+constexpr unsigned kCalls = rt::kGuardsFaults ? 10 : 0;
 constexpr Duration kBetweenCalls{100us};
 /// The last tenth of its bound tells whether a job runs on and on, or others keep it from running.
 constexpr Instant kShareToJudge = 10;
@@ -36,7 +36,7 @@ class Threads final : public Runner {
  public:
   explicit Threads(Duration assumed) : noise_(std::make_shared<rt::Noise>(assumed)) {}
   ~Threads() override {
-    noise_->stop();  // tasks that are left behind keep it
+    noise_->stop();  // abandoned tasks keep it
     rt::futex_bump(start_);
     guard_quits_.store(true);
     rt::futex_bump(bell_);
@@ -89,7 +89,9 @@ class Threads final : public Runner {
     return true;
   }
 
-  [[nodiscard]] std::shared_ptr<void> hurry() override { return std::make_shared<rt::Boost>(1); }
+  [[nodiscard]] std::shared_ptr<void> raise_priority() override {
+    return std::make_shared<rt::Boost>(1);
+  }
 
   [[nodiscard]] bool is_fifo(const Task& task, int priority) const override {
     const rt::PiMutexLock lock(mutex_);
@@ -120,7 +122,7 @@ class Threads final : public Runner {
       worker->thread.join();
     } else {
       worker->thread.abandon();
-      leave_behind(std::shared_ptr<Worker>(std::move(found->second)));
+      keep_for_abandoned(std::shared_ptr<Worker>(std::move(found->second)));
     }
     workers_.erase(found);
     return ended;
@@ -128,7 +130,7 @@ class Threads final : public Runner {
 
   void look_again() override { rt::futex_bump(bell_); }
 
-  [[nodiscard]] bool has_lost(const Task* task) const override {
+  [[nodiscard]] bool has_abandoned(const Task* task) const override {
     const rt::PiMutexLock lock(mutex_);
     return std::any_of(lost_.begin(), lost_.end(), [task](const auto& worker) {
       return task == nullptr || &worker->task == task;
@@ -171,7 +173,7 @@ class Threads final : public Runner {
     run_until_quit(worker);
   }
 
-  /// A thread that was given up ends as soon as its job does.
+  /// An abandoned thread ends as soon as its job does.
   void run_until_quit(Worker& worker) {
     bool ours = true;
     while (ours && !worker.quit.load(std::memory_order_relaxed)) ours = step(worker.task);
@@ -210,7 +212,7 @@ class Threads final : public Runner {
     beats_ = realtime;
     if (guard_.start(attributes, body)) return;
     beats_ = false;                                   // it may be late by itself
-    static_cast<void>(guard_.start(ordinary, body));  // without it no job is ever given up
+    static_cast<void>(guard_.start(ordinary, body));  // without it no thread is ever abandoned
   }
 
   /// Sleeps until the earliest moment at which any job may run into its bound, or the guardian of
@@ -241,7 +243,7 @@ class Threads final : public Runner {
   [[nodiscard]] bool is_served(const Worker& worker) const {
     const Instant bound = worker.task.bound(worker.attributes.priority > 0).count();
     return bound <= 0 || worker.quit.load() ||
-           now() < worker.task.told_release() + bound + kBeyondBound.count();
+           now() < worker.task.known_release() + bound + kBeyondBound.count();
   }
 
   /// Past its bound: because its job goes on and on, or sleeps? Not one that more urgent threads,

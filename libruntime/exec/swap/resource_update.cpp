@@ -53,14 +53,14 @@ ResourceUpdate::ResourceUpdate(ResourceBase& resource, ResourceParts parts, Stat
 ResourceUpdate::~ResourceUpdate() = default;
 
 bool ResourceUpdate::apply(Instant release) {
-  if (state() == State::in_force || state() == State::given_up) return true;
+  if (state() == State::in_force || state() == State::dropped) return true;
   if (release == 0) return false;
   // The coordinator is late: whoever comes at the instant decides for all that nothing happens.
   const Decision::Verdict verdict = decision_.meet(release);
   if (verdict == Decision::Verdict::go_on) return false;
   const bool aborted = verdict == Decision::Verdict::give_back;
   State expected = State::waiting;
-  const State wanted = aborted ? State::given_up : State::taking;
+  const State wanted = aborted ? State::dropped : State::taking;
   if (!state_.compare_exchange_strong(expected, wanted, std::memory_order_acq_rel)) return true;
   if (!aborted) take();
   return true;
@@ -73,7 +73,8 @@ void ResourceUpdate::take() {
   if (!resource_.lock().poisoned()) {  // else it may be half written: the new core begins anew
     converting_.store(true);
     const bool failed = hand_over_.run().happened();
-    if (!converting_.exchange(false)) return;  // its thread was given up: see finish_for_lost()
+    if (!converting_.exchange(false))
+      return;  // its thread was abandoned: see finish_for_abandoned()
     failed_ = failed;
     bytes_ = failed ? 0 : hand_over_.bytes;
   }
@@ -87,12 +88,12 @@ void ResourceUpdate::take() {
 void ResourceUpdate::meet() {
   resource_.meet(parts_.core, parts_.bindings);
   if (failed_) resource_.lock().poison();
-  if (parts_.core != nullptr) resource_.lock().forget_holds();
+  if (parts_.core != nullptr) resource_.lock().forget_times();
 }
 
 /// A caller never returned from the converter; the guard took its lock away and poisoned the
 /// resource.
-void ResourceUpdate::finish_for_lost() {
+void ResourceUpdate::finish_for_abandoned() {
   if (state() != State::taking || !resource_.lock().poisoned()) return;
   if (!converting_.exchange(false)) return;
   failed_ = lost_ = true;
@@ -102,9 +103,9 @@ void ResourceUpdate::finish_for_lost() {
 
 void ResourceUpdate::help(Instant now) {
   MAUVE_ON_THREAD(control);
-  finish_for_lost();
+  finish_for_abandoned();
   if (state() != State::waiting) return;
-  if (decision_.given_up()) return revoke();
+  if (decision_.is_final_abort()) return revoke();
   if (decision_.state() != Decision::State::committed || now < decision_.instant()) return;
   if (!resource_.lock().try_enter()) return;
   static_cast<void>(apply(now));
@@ -115,7 +116,7 @@ void ResourceUpdate::help(Instant now) {
 void ResourceUpdate::revoke() {
   MAUVE_ON_THREAD(control);
   State expected = State::waiting;
-  state_.compare_exchange_strong(expected, State::given_up, std::memory_order_acq_rel);
+  state_.compare_exchange_strong(expected, State::dropped, std::memory_order_acq_rel);
 }
 
 bool ResourceUpdate::disarm() {

@@ -32,7 +32,7 @@ class ResourceUpdate final : public PendingUpdate {
     waiting,
     taking,
     in_force,
-    given_up,  ///< aborted, revoked or never taken: the resource is untouched
+    dropped,  ///< aborted, revoked or never taken: the resource is untouched
   };
 
   /// Arms it. The transaction outlives it.
@@ -50,7 +50,7 @@ class ResourceUpdate final : public PendingUpdate {
   [[nodiscard]] bool disarm();
 
   [[nodiscard]] bool settled() const {
-    return state() == State::in_force || state() == State::given_up;
+    return state() == State::in_force || state() == State::dropped;
   }
   [[nodiscard]] State state() const { return state_.load(std::memory_order_acquire); }
   [[nodiscard]] ResourceBase& resource() const { return resource_; }
@@ -67,7 +67,7 @@ class ResourceUpdate final : public PendingUpdate {
  private:
   void take();
   void meet();
-  void finish_for_lost();
+  void finish_for_abandoned();
 
   ResourceBase& resource_;
   ResourceParts parts_;
@@ -79,7 +79,7 @@ class ResourceUpdate final : public PendingUpdate {
   std::vector<std::pair<const PortBase*, const Binding*>> safe_writes_;
   std::atomic<State> state_{State::waiting};
   bool armed_ = true;
-  std::atomic<bool> converting_{false};  // by a caller, which may be given up in it
+  std::atomic<bool> converting_{false};  // by a caller, which may be abandoned in it
   bool failed_ = false;
   bool lost_ = false;
   std::size_t bytes_ = 0;

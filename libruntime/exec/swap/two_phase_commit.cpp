@@ -6,7 +6,7 @@
 #include "base/fail_point.h"
 #include "exec/run/runner.h"
 #include "exec/task/task.h"
-#include "model/left_behind.h"
+#include "model/keep_for_abandoned.h"
 
 namespace mauve::exec {
 namespace {
@@ -42,24 +42,25 @@ TwoPhaseCommit::TwoPhaseCommit(std::vector<Member> members, std::vector<Resource
 }
 
 TwoPhaseCommit::~TwoPhaseCommit() {
-  bool in_use = given_up_;
+  bool in_use = stopped_waiting_;
   for (ResourceMember& member : resources_) old_updates_.push_back(std::move(member.update));
   for (auto& update : old_updates_) {
     if (!update->lost() && update->disarm()) continue;
-    leave_behind(std::shared_ptr<ResourceUpdate>(std::move(update)));
+    keep_for_abandoned(std::shared_ptr<ResourceUpdate>(std::move(update)));
     in_use = true;
   }
-  // When a change was given up, or the system goes down over it: a thread may be about to look.
+  // When the wait for a change ended, or the system goes down over it, a thread may be about to
+  // look.
   for (const Member& member : members_) in_use = in_use || member.update != nullptr;
   if (!in_use) return;
-  for (auto& decision : decisions_) leave_behind(std::move(decision));
+  for (auto& decision : decisions_) keep_for_abandoned(std::move(decision));
 }
 
 /// Publishes and decides. The whole of it is a few stores, so it runs just above ordinary threads
 /// (and below every component): a loaded machine does not make it miss its instant.
 void TwoPhaseCommit::attempt() {
   ++result_.attempts;
-  const auto urgency = runner_.hurry();
+  const auto urgency = runner_.raise_priority();
   result_.instant = runner_.now() + lead_.count();
   const auto order = kind_ == Kind::order ? std::make_shared<Order>() : nullptr;
   const bool decided = members_.empty() && before_.empty();
@@ -119,7 +120,7 @@ bool TwoPhaseCommit::advance() {
   if (!all_settled()) {
     if (result_.state != SwapResult::State::under_way || runner_.now() < deadline_) return false;
     if (is_taking()) return false;
-    give_up();
+    stop_waiting();
     return result_.state != SwapResult::State::waiting;
   }
   const bool open =
@@ -176,7 +177,7 @@ void TwoPhaseCommit::settle(Member& member) {
 
 /// Some member does not come to a boundary, or does not end its first job after it: takes back
 /// what nobody has claimed.
-void TwoPhaseCommit::give_up() {
+void TwoPhaseCommit::stop_waiting() {
   if (kind_ == Kind::order) {
     result_.state = SwapResult::State::waiting;
     return;
@@ -184,12 +185,12 @@ void TwoPhaseCommit::give_up() {
   const bool committed = decisions_.back()->state() == Decision::State::committed;
   std::size_t in_force = 0;
   for (Member& member : members_) {
-    if (!member.settled) give_up(member, committed);
+    if (!member.settled) stop_waiting(member, committed);
     in_force += member.in_force ? 1 : 0;
   }
   for (ResourceMember& resource : resources_) {
     resource.update->revoke();
-    in_force += resource.update->state() == ResourceUpdate::State::given_up ? 0 : 1;
+    in_force += resource.update->state() == ResourceUpdate::State::dropped ? 0 : 1;
   }
   result_.state = in_force == 0                                     ? SwapResult::State::revoked
                   : in_force == members_.size() + resources_.size() ? SwapResult::State::committed
@@ -197,13 +198,13 @@ void TwoPhaseCommit::give_up() {
 }
 
 /// What its thread has claimed it runs with, or is about to, or it gave it back and lets it lie.
-void TwoPhaseCommit::give_up(Member& member, bool committed) {
-  given_up_ = true;
+void TwoPhaseCommit::stop_waiting(Member& member, bool committed) {
+  stopped_waiting_ = true;
   if (member.task->mailbox().revoke(*member.update)) {
-    // What a thread may be about to look at is left behind; the elements are not.
+    // An update that a thread may be about to read is kept for ever; the elements are not.
     member.update->bundle.reset();
     member.update->back.reset();
-    leave_behind(std::shared_ptr<TaskUpdate>(std::exchange(member.update, nullptr)));
+    keep_for_abandoned(std::shared_ptr<TaskUpdate>(std::exchange(member.update, nullptr)));
   } else {
     member.in_force = committed;
   }

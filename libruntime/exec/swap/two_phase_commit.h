@@ -81,12 +81,12 @@ class TwoPhaseCommit {
   TwoPhaseCommit(const TwoPhaseCommit&) = delete;
   TwoPhaseCommit& operator=(const TwoPhaseCommit&) = delete;
 
-  /// Settles the members that have answered; tries again after a missed instant; gives up when the
-  /// time is over. Never waits. True when no member is left to wait for.
+  /// Settles the members that have answered; tries again after a missed instant; stops waiting when
+  /// the time is over. Never waits. True when no member is left to wait for.
   bool advance();
   /// Takes back what nobody has claimed yet, before the time is over.
   void call_off() {
-    if (result_.state == SwapResult::State::under_way) give_up();
+    if (result_.state == SwapResult::State::under_way) stop_waiting();
   }
   [[nodiscard]] const SwapResult& result() const { return result_; }
   /// Of the newest attempt.
@@ -99,8 +99,8 @@ class TwoPhaseCommit {
   void publish(Member& member);
   void arm(ResourceMember& resource);
   void settle(Member& member);
-  void give_up();
-  void give_up(Member& member, bool committed);
+  void stop_waiting();
+  void stop_waiting(Member& member, bool committed);
   [[nodiscard]] bool all_settled();
   [[nodiscard]] bool is_taking() const;
   [[nodiscard]] bool is_rolled_back() const;
@@ -112,7 +112,7 @@ class TwoPhaseCommit {
   const Duration bound_;
   const Kind kind_;
   const std::vector<std::shared_ptr<Rollback>> before_;
-  bool given_up_ = false;
+  bool stopped_waiting_ = false;
   Duration lead_;
   Instant deadline_ = 0;
   std::vector<std::shared_ptr<Decision>> decisions_;  // the newest counts

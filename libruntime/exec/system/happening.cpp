@@ -54,8 +54,8 @@ std::string_view to_string(Outcome::Kind kind) {
       return "fell_back";
     case Outcome::Kind::restarted:
       return "restarted";
-    case Outcome::Kind::gave_up:
-      return "gave_up";
+    case Outcome::Kind::stays_failed:
+      return "stays_failed";
   }
   return "unknown";
 }

@@ -16,14 +16,14 @@ bool ModelLock::take(bool waits) {
     return false;
   }
   held_ = true;
-  owner_ = Leavable::here();
+  owner_ = AbandonableThread::here();
   return true;
 }
 
 void ModelLock::give_back() {
   {
     const MutexLock lock(mutex_);
-    if (owner_ != Leavable::here()) return;  // it was left behind, and another one has it
+    if (owner_ != AbandonableThread::here()) return;  // it was abandoned, and another one has it
     held_ = false;
     owner_ = nullptr;
   }

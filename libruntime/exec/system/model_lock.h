@@ -3,17 +3,17 @@
 #pragma once
 
 #include "base/mutex.h"
-#include "model/leavable.h"
+#include "model/abandonable_thread.h"
 
 namespace mauve::exec {
 
-/// A mutex that a thread loses when it is left behind.
+/// A mutex that a thread loses when it is abandoned.
 class ModelLock {
  public:
-  /// Holds it for a scope, and is inside (leavable.h) meanwhile.
+  /// Holds it for a scope, and is inside (abandonable_thread.h) meanwhile.
   class Hold {
    public:
-    /// Waits for it. False: the calling thread was left behind.
+    /// Waits for it. False: the calling thread was abandoned.
     explicit Hold(ModelLock& lock) : lock_(lock), held_(lock.take(true)) {}
     /// False: somebody else has it.
     Hold(ModelLock& lock, std::try_to_lock_t /*does not wait*/)
@@ -38,7 +38,8 @@ class ModelLock {
   Mutex mutex_;
   ConditionVariable freed_;
   bool held_ MAUVE_GUARDED_BY(mutex_) = false;
-  const Leavable* owner_ MAUVE_GUARDED_BY(mutex_) = nullptr;  // null: a thread that nobody leaves
+  const AbandonableThread* owner_ MAUVE_GUARDED_BY(mutex_) =
+      nullptr;  // null: a thread that nobody leaves
 };
 
 }  // namespace mauve::exec

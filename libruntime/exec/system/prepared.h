@@ -60,8 +60,8 @@ struct PreparedResource {
   ResourceBase* resource = nullptr;
   ResourceParts base;   ///< what it was prepared against
   ResourceParts parts;  ///< null: stays
-  Duration base_hold{0};
-  std::optional<Duration> hold;  ///< none: stays
+  Duration base_lock_budget{0};
+  std::optional<Duration> lock_budget;  ///< none: stays
   StatePolicy state = StatePolicy::keep;
   Retired made;
 };
@@ -72,7 +72,7 @@ struct PreparedBarrier {
   struct Replacement {
     ResourceBase* from = nullptr;
     ResourceParts base;  ///< the parts of `from` when the change was prepared
-    Duration base_hold{0};
+    Duration base_lock_budget{0};
     ResourceBase* into = nullptr;
     StatePolicy state = StatePolicy::keep;
   };

@@ -21,7 +21,7 @@ namespace mauve::exec {
 namespace {
 
 std::uint32_t name_of(TakenAs as) {
-  constexpr std::array<std::string_view, 4> kWords{"change", "back", "relief", "barrier"};
+  constexpr std::array<std::string_view, 4> kWords{"change", "back", "standby", "barrier"};
   return trace_name_id(kWords.at(static_cast<std::size_t>(as)));
 }
 

@@ -172,7 +172,7 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::record_taken(const TaskUpdate& next, Instant
 }
 
 /// A converter is code of the new core, so the guard watches it as it watches a job. False: it did
-/// not return, and this thread was given up in it.
+/// not return, and this thread was abandoned in it.
 MAUVE_RUNS_AT_A_SWAP bool Boundary::take_state(TaskUpdate& next) {
   const bool converts = next.hand_over.convert != nullptr;
   const Instant begun = task_.meter.now();
@@ -269,7 +269,7 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::put_in_place(TaskUpdate& next) {
   if (TaskUpdate* const before = mailbox.exchange_back(std::move(next.back))) {
     mailbox.retire(*before);
   }
-  if (task_.failed && next.mode_only) faults_.give_up_core();
+  if (task_.failed && next.mode_only) faults_.end_core();
   if (same_bundle && next.standby == nullptr) return;  // what stands by is of use still
   if (TaskUpdate* const standby = mailbox.exchange_standby(std::move(next.standby))) {
     standby->answer->progress.store(TaskUpdate::Progress::given_back, std::memory_order_release);

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 
 #include <mauve/time.h>
 
@@ -28,8 +28,8 @@ class Boundary {
   /// is taken now when no job lies between its instant and the armed release.
   /// False: as of meet().
   [[nodiscard]] bool serve();
-  /// The boundary before the job that is due. False: this thread was given up meanwhile, and has no
-  /// part in the task any more.
+  /// The boundary before the job that is due. False: this thread was abandoned meanwhile, and has
+  /// no part in the task any more.
   [[nodiscard]] bool meet(Instant now);
   /// With `on_overrun` skip only the newest of the releases that passed runs; the grid is kept.
   void drop_missed(Instant now);

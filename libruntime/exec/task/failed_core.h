@@ -32,7 +32,7 @@ class FailedCore {
   [[nodiscard]] Instant at() const { return at_.load(std::memory_order_acquire); }
   /// No core will take over from the one that failed at this instant. The instant names the
   /// failure: a later one is not concerned.
-  void give_up(Instant at) { hopeless_.store(at, std::memory_order_release); }
+  void declare_hopeless(Instant at) { hopeless_.store(at, std::memory_order_release); }
   [[nodiscard]] bool is_hopeless() const {
     const Instant failed_at = at();
     return failed_at != 0 && hopeless_.load(std::memory_order_acquire) == failed_at;

@@ -33,7 +33,7 @@ void FaultReaction::judge(const JobUse& job) {
   FaultRecord& fault = task_.report.fault();
   if (const PortBase* port = this_job().implausible) {
     copy_text(fault.text, port->name());
-    return record(Cause::implausible), give_up_core();
+    return record(Cause::implausible), end_core();
   }
   const TaskUpdate& current = *task_.current;
   const Evidence::Rules rules{current.tolerated, current.window};
@@ -50,7 +50,7 @@ void FaultReaction::judge(const JobUse& job) {
                   static_cast<long long>(current.bundle->task.budget / 1us));
   }
   record(verdict == Evidence::Verdict::overruns ? Cause::overruns : Cause::over_budget);
-  give_up_core();
+  end_core();
 }
 
 /// The record holds the text already.
@@ -67,7 +67,7 @@ void FaultReaction::record(Cause cause) {
   copy_text(fault.state, index < states.size() ? states[index]->name() : std::string_view());
 }
 
-void FaultReaction::give_up_core() {
+void FaultReaction::end_core() {
   const TaskUpdate* const back = task_.mailbox.back();
   if (back == nullptr) return;
   back->rollback->trigger(task_.clock, task_.report.fault(), &task_.report);
@@ -92,7 +92,7 @@ void FaultReaction::fail(Cause cause) {
   task_.report.record(TraceKind::fault, task_.report.fault().time, 0, 0,
                       static_cast<std::uint32_t>(cause));
   log_fault(cause);
-  give_up_core();
+  end_core();
   task_.failed.fail(cause, task_.clock.now());
   if (!may_recover()) return task_.park(ComponentState::faulted);
   task_.wait = task_.current->grid;

@@ -33,7 +33,7 @@ class FaultReaction {
   /// A job on probation is judged also where it does not fail.
   void judge(const JobUse& job);
   /// Sets the rollback off. The core goes on until its next release.
-  void give_up_core();
+  void end_core();
   void overran_too_often();
   /// No thread is left for the task.
   void park_for_good(const char* why);

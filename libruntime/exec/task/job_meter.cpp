@@ -33,7 +33,7 @@ void JobMeter::begin(rt::JobTimes& times, Instant start, Instant lateness, bool 
   // A system call, so only where it counts: on probation, where the core is judged by it; without a
   // budget, where measured times stand in for it, and the longest job may be just the one that is
   // preempted; and after a preempted job, as the next one may be preempted as well.
-  const bool ask = judged || !has_budget || (preempted_ && rt::preemption_is_told());
+  const bool ask = judged || !has_budget || (preempted_ && rt::preemption_is_reported());
   cpu_before_ = ask && simulated_ == nullptr ? rt::cpu_time() : Duration{0};
   waits_before_ = judged && simulated_ == nullptr ? rt::waits_so_far() : kUnknown;
   rt::watch_for_preemption();

@@ -69,7 +69,7 @@ bool JobRunner::run(Instant now) {
   // its outputs get their safe values; every resource it held was left.
   JobEnd end{*this, now};
   task_.watch.begin(now);
-  const rt::Fault fault = rt::rescued(&JobEnd::run, &end, task_.watch.watched());
+  const rt::Fault fault = rt::run_guarded(&JobEnd::run, &end, task_.watch.watched());
   const ResourceLock* inside = fault.happened() ? ResourceLock::poison_and_leave_all() : nullptr;
   if (!fault.happened() && end.threw) inside = this_job().threw_in;
   const bool ours = task_.watch.end(now);
@@ -151,7 +151,7 @@ FsmState* JobRunner::run_states(JobEnd& job) {
     const FsmState& ran = *state;
     record_state(TraceKind::begin, ran, job.at);
     state->run(core);
-    if (this_job().is_detached()) break;  // given up meanwhile
+    if (this_job().has_no_ports()) break;  // abandoned meanwhile
     state = &state->next(core);
     const Instant ended = task_.meter.now();
     const bool preempted = rt::preempted();
@@ -221,8 +221,8 @@ void JobRunner::count_overrun(Duration late) {
 namespace mauve {
 namespace {
 
-/// Null outside a job, and for a thread that was given up.
-exec::TaskReport* speaking() { return this_job().is_detached() ? nullptr : exec::this_report(); }
+/// Null outside a job, and for an abandoned thread.
+exec::TaskReport* speaking() { return this_job().has_no_ports() ? nullptr : exec::this_report(); }
 
 }  // namespace
 

@@ -22,7 +22,7 @@ class JobRunner {
  public:
   JobRunner(TaskContext& task, FaultReaction& faults) : task_(task), faults_(faults) {}
 
-  /// Runs the job that is due. False: this thread was given up meanwhile, and has no part in the
+  /// Runs the job that is due. False: this thread was abandoned meanwhile, and has no part in the
   /// task any more.
   [[nodiscard]] bool run(Instant now);
   /// First on the thread that goes on for a lost one: the fault of that one.

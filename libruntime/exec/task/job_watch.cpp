@@ -31,19 +31,19 @@ bool JobWatch::take_from_thread(Instant since) {
 const ResourceLock* JobWatch::cut_off_thread() {
   Job* const job = job_.exchange(nullptr);
   if (job == nullptr) return nullptr;
-  job->detached.store(true);
+  job->no_ports.store(true);
   rt::fence_all_threads();  // it writes alone to no exchange from here on: see LatestValue
   return ResourceLock::poison_and_free_all(*job);
 }
 
 void JobWatch::fence() {
   fenced_.store(true);
-  if (Job* job = job_.load()) job->detached.store(true);
+  if (Job* job = job_.load()) job->no_ports.store(true);
 }
 
 void JobWatch::runs_on(Job* job) {
   job_.store(job);
-  if (job != nullptr && fenced_.load()) job->detached.store(true);
+  if (job != nullptr && fenced_.load()) job->no_ports.store(true);
 }
 
 MAUVE_RUNS_AT_A_SWAP void JobWatch::set(Duration bound, bool has_safe_values) {

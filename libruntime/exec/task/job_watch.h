@@ -5,7 +5,7 @@
 
 #include <atomic>
 
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 
 #include <mauve/job.h>
 #include <mauve/time.h>

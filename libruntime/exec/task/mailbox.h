@@ -36,7 +36,9 @@ class Mailbox {
   [[nodiscard]] std::vector<std::unique_ptr<TaskUpdate>> reclaim();
   /// How often the task has looked into the mailbox. An update that was withdrawn before the last
   /// look is not read any more.
-  [[nodiscard]] std::uint64_t looks() const { return looks_.load(std::memory_order_acquire); }
+  [[nodiscard]] std::uint64_t quiescent_count() const {
+    return quiescent_count_.load(std::memory_order_acquire);
+  }
 
   // --- [any] ------------------------------------------------------------------------------------
   /// A thread that sleeps on this word looks into the mailbox when it changes.
@@ -61,7 +63,7 @@ class Mailbox {
   /// The task does not use it any more; reclaim() returns it. Only the task's thread adds.
   void retire(TaskUpdate& unused);
   /// The coordinator, which sees the new number, frees what was withdrawn before it.
-  void count_look() { looks_.store(looks_ + 1, std::memory_order_release); }
+  void count_look() { quiescent_count_.store(quiescent_count_ + 1, std::memory_order_release); }
   /// Asks for the cache lines that a swap writes.
   void fetch() const { rt::ask_for(&back_, sizeof back_ + sizeof standby_); }
 
@@ -77,7 +79,7 @@ class Mailbox {
   alignas(rt::kCacheLine) std::atomic<std::uint32_t> command_{0};
   alignas(rt::kCacheLine) std::atomic<TaskUpdate*> back_{nullptr};  // while on probation
   std::atomic<TaskUpdate*> standby_{nullptr};  // the fallback core, or a fresh one
-  std::atomic<std::uint64_t> looks_{0};
+  std::atomic<std::uint64_t> quiescent_count_{0};
 };
 
 }  // namespace mauve::exec

@@ -21,7 +21,8 @@ Task::Task(std::string name, const Clock& clock, std::shared_ptr<const rt::Noise
       faults_(context_),
       boundary_(context_, faults_),
       jobs_(context_, faults_) {
-  static_cast<void>(rt::preemption_is_told());  // It finds that out in its first call, and sleeps.
+  static_cast<void>(
+      rt::preemption_is_reported());  // It finds that out in its first call, and sleeps.
 }
 
 void Task::begin(std::unique_ptr<TaskUpdate> first, Instant t0) {
@@ -51,7 +52,7 @@ Duration Task::bound(bool realtime) const {
   return bound == Duration{0} ? kHaltedJob : std::min(bound, kHaltedJob);
 }
 
-Instant Task::told_release() const {
+Instant Task::known_release() const {
   const bool runs = counters().state.load() == ComponentState::running;
   return runs ? context_.t0 + counters().next_release.load()
               : std::numeric_limits<Instant>::max() / 2;

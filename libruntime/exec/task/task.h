@@ -48,7 +48,7 @@ class Task {
   /// its end. Zero: without a bound.
   [[nodiscard]] Duration bound(bool realtime) const;
   /// When its next job is due (monotonic); far away: it does not run.
-  [[nodiscard]] Instant told_release() const;
+  [[nodiscard]] Instant known_release() const;
   /// The job that began then never returns: its thread has no part in the component any more, what
   /// it holds is poisoned, and the task is the caller's until another thread goes on with it.
   /// False: the job has ended. The thread must not end meanwhile.
@@ -69,7 +69,7 @@ class Task {
   [[nodiscard]] Instant next_release() const { return context_.release; }
   /// Has the time of the next job come?
   [[nodiscard]] bool due() const { return context_.due(); }
-  /// The boundary and the job of the armed release. False: this thread was given up meanwhile, and
+  /// The boundary and the job of the armed release. False: this thread was abandoned meanwhile, and
   /// has no part in the task any more.
   bool release();
   void go_on();  ///< first on the thread that goes on for a lost one: the fault of that one

@@ -41,7 +41,7 @@ struct TaskContext {
   // From here on the thread of the task owns all of it.
   FailedCore failed;
   TaskUpdate* current = nullptr;   ///< the update in force; owned
-  const CoreBase* lost = nullptr;  ///< a thread that was given up may still be inside
+  const CoreBase* lost = nullptr;  ///< an abandoned thread may still be inside
   const ResourceLock* failed_in =
       nullptr;                ///< of the resource in whose service its last job failed
   FsmState* state = nullptr;  ///< the wait the task is in; null: before the initial state

@@ -2,7 +2,7 @@
 /// Safe values are written when something ends; nothing may come of it but the write.
 #pragma once
 
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 
 #include <mauve/port_base.h>
 #include <mauve/resource_lock.h>
@@ -10,7 +10,7 @@
 namespace mauve::exec {
 
 /// A resource that throws or crashes when it is given a safe value cannot take the machine down
-/// with it; one that crashes is poisoned. `watched`: see rt::rescued(). [any]
+/// with it; one that crashes is poisoned. `watched`: see rt::run_guarded(). [any]
 inline void write_quietly(const PortBase& port, const Binding& connection, bool by_owner,
                           const rt::Watched& watched = rt::kUnwatched) {
   struct Write {
@@ -28,7 +28,7 @@ inline void write_quietly(const PortBase& port, const Binding& connection, bool 
   };
   Write write{port, connection, by_owner};
   const std::size_t held = ResourceLock::held();
-  const rt::Fault fault = rt::rescued(&Write::run, &write, watched);
+  const rt::Fault fault = rt::run_guarded(&Write::run, &write, watched);
   if (fault.happened()) ResourceLock::poison_and_leave_all(held);
 }
 

@@ -29,7 +29,7 @@ bool Rollback::trigger(const Clock& clock, const FaultRecord& fault, const TaskR
   fault_ = fault;
   member_ = member;
   decide(clock);
-  told_.store(true, std::memory_order_release);
+  reported_.store(true, std::memory_order_release);
   return true;
 }
 

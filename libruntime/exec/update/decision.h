@@ -55,7 +55,7 @@ class Decision {
     return release < instant() ? Verdict::go_on : Verdict::take;  // that was another attempt's
   }
   /// Nothing will come of it.
-  [[nodiscard]] bool given_up() const { return !tries_again_ && state() == State::aborted; }
+  [[nodiscard]] bool is_final_abort() const { return !tries_again_ && state() == State::aborted; }
 
  protected:
   struct TriesAgain {};
@@ -112,7 +112,7 @@ class Rollback {
     return instant != kNever && instant != kClosed;
   }
   /// Set off and decided, and the story of it can be read.
-  [[nodiscard]] bool told() const { return told_.load(std::memory_order_acquire); }
+  [[nodiscard]] bool reported() const { return reported_.load(std::memory_order_acquire); }
   [[nodiscard]] Cause cause() const { return fault_.cause; }
   [[nodiscard]] const FaultRecord& fault() const { return fault_; }
   [[nodiscard]] const TaskReport* member() const { return member_; }
@@ -133,7 +133,7 @@ class Rollback {
   Attempts decision_;
   std::atomic<Decision*> newer_{nullptr};
   std::vector<std::shared_ptr<Decision>> all_newer_;  // a member may still be looking at one
-  std::atomic<bool> told_{false};
+  std::atomic<bool> reported_{false};
   FaultRecord fault_;
   const TaskReport* member_ = nullptr;
 };

@@ -32,7 +32,7 @@ class Binding {
   [[nodiscard]] const Exchange* exchange() const { return exchange_; }
   /// The same, when the port has a place of its own there: a write port tries to take
   /// it. [rt]
-  [[nodiscard]] Exchange* at_hand() const;
+  [[nodiscard]] Exchange* is_direct() const;
   /// A value of a write port, by the thread of its component or one that has taken its place:
   /// there, or by a call of the service. False: nobody got it. [rt]
   bool write(const void* value) const;

@@ -48,7 +48,7 @@ struct Edit {
   std::vector<std::string> disconnect;  ///< names of ports
   std::optional<TaskAttributes> task;   ///< all of them; `start` is not looked at, see `mode`
   /// Of a resource: the longest that one call keeps its lock; zero takes the declaration back.
-  std::optional<Duration> hold = {};
+  std::optional<Duration> lock_budget = {};
   Mode mode = Mode::keep;
   StatePolicy state = StatePolicy::keep;
   Values values = Values::keep;

@@ -44,7 +44,7 @@ class Configurable {
   /// Runtime only: `told` is called with each address that the element is given; set before the
   /// first.
   void when_adopted(std::function<void(const std::string& address)> told) {
-    told_address_ = std::move(told);
+    given_address_ = std::move(told);
   }
 
  protected:
@@ -63,7 +63,7 @@ class Configurable {
   friend class Connected;
 
   std::string address_;
-  std::function<void(const std::string& address)> told_address_;
+  std::function<void(const std::string& address)> given_address_;
   std::atomic<bool> configured_{false};
   std::optional<Error> deferred_;  // a refused value or connection, reported by configure()
   std::vector<PropertyBase*> properties_;

@@ -50,7 +50,7 @@ class Deployer {
   /// Configures the architecture if it is not, creates all threads, releases them at T0.
   Status deploy();
   /// Stops writers before readers so that safe values still reach the hardware, then ends all
-  /// threads. Never longer than `bound`: a core that hangs is left behind, its safe values written
+  /// threads. Never longer than `bound`: a core that hangs is abandoned, its safe values written
   /// on its behalf; the names of such components are returned.
   std::vector<std::string> shutdown(Duration bound = 2s);
 
@@ -96,7 +96,7 @@ class Deployer {
   [[nodiscard]] bool on_probation() const;
   /// Set off, but some member is not back yet.
   [[nodiscard]] bool going_back() const;
-  /// Those that are open or lead back, the oldest first.
+  /// Those that are open or roll back, the oldest first.
   [[nodiscard]] std::vector<OpenProbation> probations() const;
   /// Looks after what goes on by itself: probations, rollbacks, cores that took over. Call it some
   /// times a second; what became free goes to `retired`.

@@ -30,13 +30,13 @@ struct Exchange {
   /// value. False: nothing is written, ask the service. True: who listens wants to be told. [rt],
   /// wait-free.
   bool write_alone(const void* data, std::size_t size, Instant stamp) {
-    return latest.write_alone(data, size, stamp, not_given_up);
+    return latest.write_alone(data, size, stamp, may_write);
   }
   /// False: nothing is written, write_alone().
   [[gnu::always_inline]] bool write_as_expected(const void* data, std::size_t size, Instant stamp) {
-    return latest.write_as_expected(data, size, stamp, not_given_up);
+    return latest.write_as_expected(data, size, stamp, may_write);
   }
-  static constexpr auto not_given_up = [] { return !this_job().is_detached(); };
+  static constexpr auto may_write = [] { return !this_job().has_no_ports(); };
   LatestValue latest;
   TapList taps;
 };

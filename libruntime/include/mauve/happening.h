@@ -70,7 +70,7 @@ struct ComponentStatus {
   Duration execution_last{0};
   Duration next_release{0};  ///< since T0
   Duration period{0};        ///< the grid that its releases lie on
-  Duration watchdog{0};      ///< a job that runs longer is given up
+  Duration watchdog{0};      ///< a job that runs longer is interrupted, or its thread is abandoned
   bool changing = false;     ///< a change, or an order to stop, waits for the end of its job
   /// How long ago the job under way should have ended, once that is more than its longest wait;
   /// else zero. A core that hangs is running and late.
@@ -95,12 +95,12 @@ struct RuntimeEvent {
 /// failed.
 struct Outcome {
   enum class Kind : std::uint8_t {
-    passed,       ///< the change on probation stays
-    overtaken,    ///< so it does: a newer change ended its probation early
-    rolled_back,  ///< all its members are as they were before
-    fell_back,    ///< the fallback core took over
-    restarted,    ///< a fresh core took over
-    gave_up,      ///< no other core takes over from one that failed: its component is faulted
+    passed,        ///< the change on probation stays
+    overtaken,     ///< so it does: a newer change ended its probation early
+    rolled_back,   ///< all its members are as they were before
+    fell_back,     ///< the fallback core took over
+    restarted,     ///< a fresh core took over
+    stays_failed,  ///< no other core takes over from one that failed: its component is faulted
   };
   Kind kind = Kind::passed;
   std::uint64_t began = 0;       ///< generation it happened to; of a probation: its first change

@@ -40,7 +40,7 @@ class InterfaceBase : public Configurable {
 
   std::vector<ServiceBase*> services_;
   ResourceBase* resource_ = nullptr;
-  /// Atomic: a thread that was given up in a service read it under a lock that the resource has no
+  /// Atomic: an abandoned thread in a service read it under a lock that the resource has no
   /// more.
   std::atomic<CoreBase*> core_{nullptr};
   /// Shared: a connection may be the last to go, and gives its slot back to the core.

@@ -29,10 +29,10 @@ struct Job {
   Instant release = 0;     ///< logical release of this job, monotonic; 0 outside a job
   Duration lock_bound{0};  ///< how long an access may wait for a resource; 0: one second
   bool running = false;    ///< between release and wait: no deployer call, no configure, no cleanup
-  /// Every port behaves as if it were not connected: while preparing, and for a thread that was
-  /// given up because its job did not return.
-  std::atomic<bool> detached{false};
-  [[nodiscard]] bool is_detached() const { return detached.load(std::memory_order_relaxed); }
+  /// Every port behaves as if it were not connected: while a core is prepared, and on a thread that
+  /// is abandoned because its job did not return.
+  std::atomic<bool> no_ports{false};
+  [[nodiscard]] bool has_no_ports() const { return no_ports.load(std::memory_order_relaxed); }
   rt::TraceRing* trace = nullptr;  ///< where this thread tells what it does; null: nowhere
   /// What this job waited for resources that others held.
   struct LockWaits {
@@ -72,12 +72,12 @@ namespace detail {
 
 /// While it lives, ports used by this thread are not connected. [factory]: a core that is being
 /// prepared can move nothing.
-class Detached {
+class NoPorts {
  public:
-  Detached() : before_(this_job().detached.exchange(true)) {}
-  ~Detached() { this_job().detached = before_; }
-  Detached(const Detached&) = delete;
-  Detached& operator=(const Detached&) = delete;
+  NoPorts() : before_(this_job().no_ports.exchange(true)) {}
+  ~NoPorts() { this_job().no_ports = before_; }
+  NoPorts(const NoPorts&) = delete;
+  NoPorts& operator=(const NoPorts&) = delete;
 
  private:
   bool before_;

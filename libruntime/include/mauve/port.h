@@ -39,7 +39,7 @@ class ReadPort final : public PortBase {
   }
   /// `into` gets the value, or the default when there is none.
   DataStatus read(T& into) {
-    if (!at_hand()) [[unlikely]]
+    if (!is_direct()) [[unlikely]]
       return read_by_call(into);
     const DataStatus status = aged(exchange().latest.seek(cursor_));
     status_ = status;
@@ -140,7 +140,7 @@ class WritePort final : public PortBase {
   /// False: nobody got the value.
   bool write(const T& value) {
     const Instant stamp = this_job().start;
-    if (!at_hand() || stamp == 0) [[unlikely]]
+    if (!is_direct() || stamp == 0) [[unlikely]]
       return write_otherwise(value);
     Exchange& into = exchange();
     if (!into.write_as_expected(&value, into.bytes_of<T>(), stamp)) [[unlikely]]
@@ -165,7 +165,7 @@ class WritePort final : public PortBase {
  private:
   [[gnu::noinline]] bool write_otherwise(const T& value) {
     const Instant stamp = this_job().start;
-    if (!at_hand() || stamp == 0) return write_by_call(value);
+    if (!is_direct() || stamp == 0) return write_by_call(value);
     Exchange& into = exchange();
     if (!into.write_alone(&value, into.bytes_of<T>(), stamp)) return write_by_call(value);
     return into.taps.empty() || told(&value);
@@ -184,7 +184,7 @@ class WritePort final : public PortBase {
     if (!plausible_) return true;
     const bool accepted = (*plausible_)(value, last_ ? *last_ : value);
     Job& job = this_job();
-    if (job.is_detached()) return false;  // given up in there
+    if (job.has_no_ports()) return false;  // abandoned in there
     if (!accepted) {
       if (job.implausible == nullptr) job.implausible = this;
       return false;

@@ -87,11 +87,11 @@ class PortBase {
   /// Whether the value can be read or written in exchange() without a call: connected as at the
   /// last use, to a SharedData in which this port has a place of its own, and nothing to trace.
   /// [rt]
-  [[nodiscard, gnu::always_inline]] bool at_hand() const {
-    // Who was given up does not even look: its successor uses this port.
-    if (this_job().is_detached()) [[unlikely]]
+  [[nodiscard, gnu::always_inline]] bool is_direct() const {
+    // An abandoned thread must not touch the port: its replacement owns it.
+    if (this_job().has_no_ports()) [[unlikely]]
       return false;
-    return !detail::traces(TraceMode::detail) && version_ == version_at_hand_;
+    return !detail::traces(TraceMode::detail) && version_ == direct_version_;
   }
   [[nodiscard]] Exchange& exchange() const { return *exchange_; }
   /// Who began to listen while a value was written at hand gets it; true. [rt]
@@ -105,11 +105,11 @@ class PortBase {
   Cursor cursor_;
 
  private:
-  const std::uint64_t& version_;       // of the connections of the shell
-  std::uint64_t version_at_hand_ = 0;  // at the last use; 0: exchange() is not at hand
-  Exchange* exchange_ = nullptr;       // of the connection then
-  Duration max_age_{0};                // too
-  std::uint64_t seen_ = 0;             // id of the connection that the cursor belongs to
+  const std::uint64_t& version_;      // of the connections of the shell
+  std::uint64_t direct_version_ = 0;  // at the last use; 0: exchange() is not at hand
+  Exchange* exchange_ = nullptr;      // of the connection then
+  Duration max_age_{0};               // too
+  std::uint64_t seen_ = 0;            // id of the connection that the cursor belongs to
   bool calls_ = false;
   Need need_;
   Writers writers_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Probation: the time after a change in which a failure leads back to before it.
+/// Probation: the time after a change in which a failure rolls back to before it.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace mauve {
 
 /// After the commit the old bundles stay ready until every member ran so many jobs with the new
 /// ones, or for so long, whichever is first. A core that fails (it throws, crashes, hangs, writes
-/// an implausible value) leads back to them at the next release. So does a core that takes too
+/// an implausible value) rolls back to them at the next release. So does a core that takes too
 /// long; that needs several jobs as evidence (exec/evidence.h), and the probation goes on for some
 /// jobs while a core is under suspicion.
 ///
@@ -32,10 +32,10 @@ struct Probation {
 /// Changes on probation together.
 struct OpenProbation {
   std::vector<std::uint64_t> changes;   ///< the generations they made, the oldest first
-  std::vector<std::string> components;  ///< that are led back when one of them fails
+  std::vector<std::string> components;  ///< that are rolled back when one of them fails
   Duration passed{0};                   ///< since the newest of the changes
   Probation rules;
-  bool leads_back = false;  ///< a failure, or undo(), has set it off
+  bool rolls_back = false;  ///< a failure, or undo(), has set it off
 };
 
 }  // namespace mauve

@@ -24,7 +24,7 @@ class PendingUpdate {
 };
 
 /// Callers outside of a job wait so long for a resource: none may be declared to be held longer.
-inline constexpr Duration kLongestHold{1s};
+inline constexpr Duration kLongestBudget{1s};
 
 /// The priority-inheritance lock of a resource, with a bounded wait and a record of what the thread
 /// holds.
@@ -45,20 +45,18 @@ class ResourceLock {
   [[nodiscard]] std::uint64_t timeouts() const { return timeouts_.load(std::memory_order_relaxed); }
   /// The longest that a caller held it without being interrupted by another thread; 0: none was
   /// measured. For the analysis of response times. [any]
-  [[nodiscard]] Duration longest_hold() const { return Duration{longest_.load()}; }
+  [[nodiscard]] Duration longest_held() const { return Duration{longest_.load()}; }
   /// Under the lock: its core is another one.
-  void forget_holds();
+  void forget_times();
   /// The longest that any one call keeps it, as declared; zero: nobody said. Like the budget of a
   /// task, it counts before what was measured. [control]
-  void declare_hold(Duration longest) {
-    declared_.store(longest.count(), std::memory_order_relaxed);
-  }
-  [[nodiscard]] Duration declared_hold() const {
+  void set_budget(Duration longest) { declared_.store(longest.count(), std::memory_order_relaxed); }
+  [[nodiscard]] Duration budget() const {
     return Duration{declared_.load(std::memory_order_relaxed)};
   }
   /// Calls that were measured longer than declared. [any]
-  [[nodiscard]] std::uint64_t over_hold() const {
-    return over_hold_.load(std::memory_order_relaxed);
+  [[nodiscard]] std::uint64_t over_budget() const {
+    return over_budget_.load(std::memory_order_relaxed);
   }
   /// It is only ever held for some loads and stores: the clock would take longer. Before its first
   /// caller.
@@ -75,7 +73,7 @@ class ResourceLock {
   void poison() { poisoned_.store(true, std::memory_order_release); }
   [[nodiscard]] bool poisoned() const { return poisoned_.load(std::memory_order_acquire); }
   /// Under the lock: its core is new, or known to be whole.
-  void heal() { poisoned_.store(false, std::memory_order_release); }
+  void clear_poison() { poisoned_.store(false, std::memory_order_release); }
 
   /// Runtime only: how many this thread holds.
   [[nodiscard]] static std::size_t held();
@@ -123,7 +121,7 @@ class ResourceLock {
   std::atomic<std::uint64_t> timeouts_{0};
   std::atomic<std::int64_t> longest_{0};
   std::atomic<std::int64_t> declared_{0};
-  std::atomic<std::uint64_t> over_hold_{0};
+  std::atomic<std::uint64_t> over_budget_{0};
 };
 
 /// Holds the lock of a resource for a scope; false when it could not be taken.

@@ -71,7 +71,7 @@ class TapList {
  private:
   using Taps = std::array<std::shared_ptr<Tap>, kMaxTaps>;
 
-  void give_up_closed(Taps& into);
+  void release_closed(Taps& into);
 
   Taps taps_;  // changed under the lock only
   std::atomic<std::size_t> count_{0};

@@ -28,8 +28,8 @@ struct ComponentTiming {
 /// How long one call keeps the lock of a resource.
 struct LockTiming {
   std::string resource;
-  std::optional<Duration> hold;  ///< none: not known, so the whole job of a user counts
-  std::string source;            ///< "declared", "measured" or "unknown"
+  std::optional<Duration> lock_budget;  ///< none: not known, so the whole job of a user counts
+  std::string source;                   ///< "declared", "measured" or "unknown"
 };
 
 struct CpuTiming {

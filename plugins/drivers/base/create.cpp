@@ -185,7 +185,7 @@ class CreateOi final : public BaseCore {
     followed_ = fresh;
     if (!fresh) return {};
     if (!std::isfinite(command.linear) || !std::isfinite(command.angular)) {
-      if (rover::worth_telling(++bad_commands)) {
+      if (rover::worth_reporting(++bad_commands)) {
         mauve::log(mauve::LogLevel::warning, "{} commands that are no numbers", bad_commands.get());
       }
       return {};

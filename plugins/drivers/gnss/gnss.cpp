@@ -46,7 +46,7 @@ class GnssSerial final : public FrameDriver<GnssCore, GnssLine> {
   mauve::Observable<double> hdop{*this, "hdop", 0.0, "dilution of precision, of the last epoch"};
   mauve::Observable<int> mode{*this, "mode", 1, "1 none, 2 two dimensions, 3 three"};
 
-  rover::Condition told_fix_{false};
+  rover::Condition reported_fix_{false};
 
   void use(Found found) override {
     const double now = static_cast<double>(mauve::job_time()) * 1e-9;
@@ -56,7 +56,7 @@ class GnssSerial final : public FrameDriver<GnssCore, GnssLine> {
       case GnssReader::Event::malformed:
         return count_bad();
       case GnssReader::Event::implausible:
-        if (rover::worth_telling(++implausible)) {
+        if (rover::worth_reporting(++implausible)) {
           mauve::log(mauve::LogLevel::warning, "{} fixes that cannot be", implausible.get());
         }
         return;
@@ -71,7 +71,7 @@ class GnssSerial final : public FrameDriver<GnssCore, GnssLine> {
     satellites = fix.satellites;
     hdop = fix.hdop;
     mode = fix.mode;
-    if (!told_fix_.changed(fix.mode > 1)) return;
+    if (!reported_fix_.changed(fix.mode > 1)) return;
     if (fix.mode > 1) {
       mauve::log(mauve::LogLevel::info, "a fix from {} satellites", fix.satellites);
     } else {

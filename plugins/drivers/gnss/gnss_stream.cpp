@@ -31,16 +31,16 @@ GnssStream::Event GnssStream::find() {
         if (event != Event::none) return event;
         break;
       case UbxFrames::Event::none:
-        if (!given_up_) return Event::none;
-        given_up_ = false;
-        return told(sentences_.give_up());
+        if (!dropped_) return Event::none;
+        dropped_ = false;
+        return told(sentences_.drop_begun());
     }
   }
 }
 
-void GnssStream::give_up() {
-  messages_.give_up();
-  given_up_ = true;
+void GnssStream::drop_begun() {
+  messages_.drop_begun();
+  dropped_ = true;
 }
 
 }  // namespace drivers

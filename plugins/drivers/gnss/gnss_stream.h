@@ -36,7 +36,7 @@ class GnssStream {
   /// Something has begun and is not complete yet.
   [[nodiscard]] bool in_frame() const { return messages_.in_frame() || sentences_.in_frame(); }
   /// The rest of it will not come.
-  void give_up();
+  void drop_begun();
 
  private:
   Event find();
@@ -44,7 +44,7 @@ class GnssStream {
   UbxFrames messages_;
   FrameReader sentences_;
   std::uint32_t bad_ = 0;
-  bool given_up_ = false;
+  bool dropped_ = false;
 };
 
 }  // namespace drivers

@@ -25,7 +25,7 @@ class FrameReader {
 
   Event push(char byte);
   /// The rest of the sentence that has begun will not come: it is damaged.
-  Event give_up() { return in_frame() ? refuse() : Event::none; }
+  Event drop_begun() { return in_frame() ? refuse() : Event::none; }
 
   /// Text between `$` and `*` of the last complete sentence, until the next push().
   [[nodiscard]] std::string_view frame() const { return {text_.data(), size_}; }

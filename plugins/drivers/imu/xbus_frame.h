@@ -36,7 +36,7 @@ class XbusStream {
   /// Something has begun and is not complete yet.
   [[nodiscard]] bool in_frame() const { return frames_.in_frame(); }
   /// The rest of it will not come.
-  void give_up() { frames_.give_up(); }
+  void drop_begun() { frames_.drop_begun(); }
 
  private:
   BinaryFrames<XbusFormat> frames_;

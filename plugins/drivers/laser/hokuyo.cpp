@@ -111,7 +111,7 @@ class HokuyoScip final : public LaserCore {
     while (!answered_ && !failed_ && next() != Event::none) {
       if (event_ == Event::reply && is_answer()) take_answer();
     }
-    give_up_when_silent();
+    close_when_silent();
   }
   bool answered() override { return answered_; }
   bool measuring() override { return state->asked > kScans; }
@@ -119,7 +119,7 @@ class HokuyoScip final : public LaserCore {
   void read_scan() override {
     answered_ = false;
     has_scan_ = pull_scan();
-    if (!has_scan_) give_up_when_silent();
+    if (!has_scan_) close_when_silent();
   }
   bool has_scan() override { return has_scan_; }
 
@@ -189,7 +189,7 @@ class HokuyoScip final : public LaserCore {
     const scip::ReplyReader& replies = state->replies;
     empty = scip::blind(state->limits, replies.values());
     if (empty) ++empty_scans;
-    if (told_empty_.changed(empty)) {
+    if (reported_empty_.changed(empty)) {
       if (empty) {
         mauve::log(mauve::LogLevel::warning, "its scanner sees nothing but error codes");
       } else {
@@ -203,7 +203,7 @@ class HokuyoScip final : public LaserCore {
     ++scans;
   }
 
-  void give_up_when_silent() {
+  void close_when_silent() {
     const mauve::Instant now = mauve::job_time();
     if (waiting_since_ == 0) waiting_since_ = now;  // the first job after a change
     if (answered_ || failed_ || !silent(now)) return;
@@ -217,7 +217,7 @@ class HokuyoScip final : public LaserCore {
   }
 
   DeviceLine line_{device_errors, reopened, received};
-  rover::Condition told_empty_{false};
+  rover::Condition reported_empty_{false};
   Event event_ = Event::none;
   mauve::Instant waiting_since_ = 0;
   bool answered_ = false;

@@ -46,11 +46,11 @@ class BinaryFrames {
     const Bytes begun(bytes_.data() + begin_, end_ - begin_);
     if (begun.empty()) {
       begin_ = end_ = 0;
-      given_up_ = false;
+      dropped_ = false;
       return Event::none;
     }
     const std::size_t size = Format::size(begun);
-    if (size != 0 && size <= Format::kLongest && size > begun.size() && !given_up_) {
+    if (size != 0 && size <= Format::kLongest && size > begun.size() && !dropped_) {
       return Event::none;
     }
     const bool whole = size != 0 && size <= begun.size() && size <= Format::kLongest;
@@ -69,14 +69,14 @@ class BinaryFrames {
   /// A frame has begun and is not complete yet.
   [[nodiscard]] bool in_frame() const { return end_ - begin_ > used_; }
   /// The rest of it will not come: next() looks what else its bytes are.
-  void give_up() { given_up_ = in_frame(); }
+  void drop_begun() { dropped_ = in_frame(); }
 
  private:
   std::array<std::uint8_t, Format::kLongest> bytes_{};
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
   std::size_t used_ = 0;  // of what next() told about last
-  bool given_up_ = false;
+  bool dropped_ = false;
 };
 
 }  // namespace drivers

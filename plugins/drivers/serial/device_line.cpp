@@ -30,7 +30,7 @@ void DeviceLine::close(LineBytes& line) {
 bool DeviceLine::reopen() {
   heard_ = mauve::job_time();
   lost_ = !thread_.reopen();
-  tell();
+  report();
   if (lost_) return false;
   ++reopened_;
   return true;
@@ -44,7 +44,7 @@ bool DeviceLine::take(LineBytes& line, char& byte) {
   if (there.empty()) {
     lost_ = !open;
     if (lost_) ++errors_;
-    tell();
+    report();
     return false;
   }
   byte = there.front();
@@ -54,8 +54,8 @@ bool DeviceLine::take(LineBytes& line, char& byte) {
   return true;
 }
 
-void DeviceLine::tell() {
-  if (!told_lost_.changed(lost_)) return;
+void DeviceLine::report() {
+  if (!reported_lost_.changed(lost_)) return;
   if (lost_) {
     mauve::log(mauve::LogLevel::warning, "its device is not there (time {})", errors_.get());
   } else {
@@ -64,7 +64,7 @@ void DeviceLine::tell() {
 }
 
 void DeviceLine::count_damaged(Counter& bad_frames) {
-  if (rover::worth_telling(++bad_frames)) {
+  if (rover::worth_reporting(++bad_frames)) {
     mauve::log(mauve::LogLevel::warning, "{} damaged frames so far", bad_frames.get());
   }
 }

@@ -57,7 +57,7 @@ class DeviceLine {
 
  private:
   void begin_job(LineBytes& line);
-  void tell();
+  void report();
 
   SerialPort port_;
   LineThread thread_;  // ends before the port does
@@ -68,7 +68,7 @@ class DeviceLine {
   mauve::Instant heard_ = 0;  // when the last bytes came
   std::size_t bytes_left_ = 0;
   bool lost_ = true;
-  rover::Condition told_lost_{false};
+  rover::Condition reported_lost_{false};
 };
 
 }  // namespace drivers

@@ -114,7 +114,7 @@ class FrameDriver : public CoreT {
 
   void read_frame() override {
     if (pull_frame() || line_.silence() < half_frame.get()) return;
-    state->stream.give_up();
+    state->stream.drop_begun();
     look();
   }
   bool has_frame() override { return complete_; }
@@ -131,7 +131,7 @@ class FrameDriver : public CoreT {
 
   bool lost() override { return line_.lost(); }
   void reopen() override {
-    if (line_.reopen()) state->stream.give_up();
+    if (line_.reopen()) state->stream.drop_begun();
   }
 
   /// Reads on to the end of the next undamaged frame; false when it is not there yet.

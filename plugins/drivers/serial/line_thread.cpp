@@ -162,7 +162,7 @@ void LineThread::follow_the_component() {
 }
 
 /// Then the line comes before ordinary work, and after every component.
-void LineThread::hurry() {
+void LineThread::raise_priority() {
   const sched_param lowest{sched_get_priority_min(SCHED_FIFO)};
   static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &lowest));
 }
@@ -181,7 +181,7 @@ void* LineThread::enter(void* self) {
 
 void LineThread::run() {
   while (!stopping_.load(std::memory_order_acquire)) {
-    if (hurried_.exchange(false)) hurry();
+    if (hurried_.exchange(false)) raise_priority();
     filler_.choose();
     if (asked_.exchange(false)) open_again();
     write_out();
@@ -221,7 +221,7 @@ void LineThread::read_in() {
     if (count == 0) return;
     idle_ = false;
     filler_.bytes()->ring.filled(static_cast<std::size_t>(count));
-    if (tell_received_) tell_received_(static_cast<std::size_t>(count));
+    if (report_received_) report_received_(static_cast<std::size_t>(count));
   }
 }
 
@@ -319,7 +319,7 @@ void LineThread::drop_waiting() {
   waiting_.drop(waiting_.size());
   request_size_ = 0;
   repeats_ = false;
-  if (tell_unsent_) tell_unsent_();
+  if (report_unsent_) report_unsent_();
 }
 
 void LineThread::wait() {

@@ -43,8 +43,8 @@ class LineThread {
   mauve::Status start(LineEnd& end, std::size_t most_waiting, Lost lost = Lost::waits);
   /// Called on the thread when what send() took found no device, and with how many bytes came.
   /// Before start(). [factory]
-  void when_unsent(std::function<void()> tell) { tell_unsent_ = std::move(tell); }
-  void when_received(std::function<void(std::size_t)> tell) { tell_received_ = std::move(tell); }
+  void when_unsent(std::function<void()> tell) { report_unsent_ = std::move(tell); }
+  void when_received(std::function<void(std::size_t)> tell) { report_received_ = std::move(tell); }
   /// Sends what waits, for 200 ms at most, and joins the thread. [factory]
   void stop();
   /// Until no line fills it any more, so that it can go. After stop(). [factory]
@@ -76,7 +76,7 @@ class LineThread {
   [[nodiscard]] bool reads() const;
   void tune();
   void follow_the_component();
-  void hurry();
+  void raise_priority();
   void open_again();
   void read_in();
   std::ptrdiff_t read_some(std::span<char> room);
@@ -97,8 +97,8 @@ class LineThread {
   std::shared_ptr<Device> device_;
   std::size_t most_waiting_ = 0;
   Lost lost_ = Lost::waits;
-  std::function<void()> tell_unsent_;
-  std::function<void(std::size_t)> tell_received_;
+  std::function<void()> report_unsent_;
+  std::function<void(std::size_t)> report_received_;
   Descriptor bell_;
   pthread_t thread_{};
   bool running_ = false;

@@ -17,7 +17,7 @@ inline constexpr std::string_view kArchitecture = R"({
     "pose":  { "type": "shared_data", "data": "pose/1" },
     "scan":  { "type": "ring_buffer", "data": "scan/1", "properties": { "core.capacity": 16 } },
     "relay": { "type": "sample/relay", "properties": { "interface.strict": true },
-               "ports": { "next": "pose.write" }, "hold": "50us" }
+               "ports": { "next": "pose.write" }, "lock_budget": "50us" }
   },
   "components": {
     "left":  { "type": "sample/control",

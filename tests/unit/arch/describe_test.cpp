@@ -47,7 +47,7 @@ TEST_F(Describe, WritesTheFormOfTheFileAndLeavesDefaultsOut) {
   EXPECT_EQ(*value.find("schema"), Value("mauve/architecture/1"));
   EXPECT_EQ(*value.find("resources")->find("pose"),
             Value(Value::Object{{"type", "shared_data"}, {"data", "pose/1"}}));
-  EXPECT_EQ(*value.find("resources")->find("relay")->find("hold"), Value("50us"));
+  EXPECT_EQ(*value.find("resources")->find("relay")->find("lock_budget"), Value("50us"));
   EXPECT_EQ(*value.find("components")->find("right"),
             Value(Value::Object{{"type", "sample/bare"},
                                 {"core", "sample/repel"},
@@ -136,7 +136,7 @@ Value random_architecture(std::mt19937& random) {
     Value::Object relay{{"type", "sample/relay"}};
     if (chance()) relay.emplace_back("ports", Value::Object{{"next", "pose" + n + ".write"}});
     if (chance()) relay.emplace_back("properties", Value::Object{{"interface.strict", chance()}});
-    if (chance()) relay.emplace_back("hold", std::to_string(random() % 900 + 1) + "us");
+    if (chance()) relay.emplace_back("lock_budget", std::to_string(random() % 900 + 1) + "us");
     resources.emplace_back("relay" + n, std::move(relay));
     Value::Object ports;
     if (chance()) {

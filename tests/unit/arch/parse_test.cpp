@@ -72,10 +72,10 @@ TEST(Parse, ReadsAWholeArchitecture) {
 
 TEST(Parse, ReadsHowLongAResourceIsHeld) {
   const Spec spec = spec_of(R"({"schema": "mauve/architecture/1", "name": "held",
-    "resources": {"pose": {"type": "a/b", "hold": "50us"}, "log": {"type": "a/b"}}})");
+    "resources": {"pose": {"type": "a/b", "lock_budget": "50us"}, "log": {"type": "a/b"}}})");
 
-  EXPECT_EQ(spec.resources.at(0).hold->value, 50us);
-  EXPECT_FALSE(spec.resources.at(1).hold);
+  EXPECT_EQ(spec.resources.at(0).lock_budget->value, 50us);
+  EXPECT_FALSE(spec.resources.at(1).lock_budget);
 }
 
 TEST(Parse, ReadsAllOfAComponent) {
@@ -234,18 +234,21 @@ const WrongText kWrongTexts[] = {
     {"\"data\": \"laser_scan/1\" }", "\"data\": \"laser scan\" }", "scan.data",
      "\"laser scan\" is not a valid name here", "write name and revision, such as \"velocity/1\"",
      7},
-    {"\"cross_core\": true", "\"hold\": \"0us\"", "log.hold", "must be over 0", "", 8},
-    {"\"cross_core\": true", "\"hold\": \"-1us\"", "log.hold", "\"-1us\" is negative",
+    {"\"cross_core\": true", "\"lock_budget\": \"0us\"", "log.lock_budget", "must be over 0", "",
+     8},
+    {"\"cross_core\": true", "\"lock_budget\": \"-1us\"", "log.lock_budget", "\"-1us\" is negative",
      "write a number and a unit, such as \"10ms\" (ns, us, ms, s, min, h)", 8},
-    {"\"cross_core\": true", "\"hold\": \"50\"", "log.hold", "\"50\" has no unit",
+    {"\"cross_core\": true", "\"lock_budget\": \"50\"", "log.lock_budget", "\"50\" has no unit",
      "write a number and a unit, such as \"10ms\" (ns, us, ms, s, min, h)", 8},
-    {"\"cross_core\": true", "\"hold\": 50", "log.hold", "expected a duration, got an integer",
-     "write a number and a unit as text, such as \"10ms\"", 8},
-    {"\"cross_core\": true", "\"hold\": \"1001ms\"", "log.hold",
+    {"\"cross_core\": true", "\"lock_budget\": 50", "log.lock_budget",
+     "expected a duration, got an integer", "write a number and a unit as text, such as \"10ms\"",
+     8},
+    {"\"cross_core\": true", "\"lock_budget\": \"1001ms\"", "log.lock_budget",
      "is longer than callers wait for a resource",
      "declare the longest time that one call takes, at most 1s", 8},
-    {"\"data\": \"laser_scan/1\" }", "\"data\": \"laser_scan/1\", \"hold\": \"1us\" }", "scan.hold",
-     "has no meaning here: shared_data is held for some stores only", "remove this key", 7}};
+    {"\"data\": \"laser_scan/1\" }", "\"data\": \"laser_scan/1\", \"lock_budget\": \"1us\" }",
+     "scan.lock_budget", "has no meaning here: shared_data is held for some stores only",
+     "remove this key", 7}};
 
 TEST(Parse, RefusesEachMistakeWithItsPlaceAddressAndHint) {
   for (const WrongText& wrong : kWrongTexts) {

@@ -165,8 +165,8 @@ TEST(Schema, ExplainsEveryKey) {
 }
 
 TEST(Schema, SaysHowLongAResourceMayBeDeclaredToBeHeld) {
-  const Value& key = part(schema(), {"definitions", "resource", "properties", "hold"});
-  const std::string limit = "at most " + format_duration(kLongestHold);
+  const Value& key = part(schema(), {"definitions", "resource", "properties", "lock_budget"});
+  const std::string limit = "at most " + format_duration(kLongestBudget);
   EXPECT_NE(part(key, {"description"}).get_if<std::string>()->find(limit), std::string::npos);
 }
 

@@ -83,8 +83,8 @@ class MadeTrace {
   const Component& component(const Task& task) const {
     return trace_.header.components[task.component];
   }
-  void tell(std::int64_t time, const std::string& thread, Event event, const std::string& name = {},
-            std::int64_t a = 0, std::int64_t b = 0) {
+  void report(std::int64_t time, const std::string& thread, Event event,
+              const std::string& name = {}, std::int64_t a = 0, std::int64_t b = 0) {
     append_record(trace_, time, thread, event, name, a, b);
   }
 
@@ -115,11 +115,11 @@ class MadeTrace {
       if (i == 0 || any(0, 2) == 0) change.members.push_back(i);
     }
     const std::int64_t decided = change.instant - 200 * kUs;
-    tell(decided - 500 * kUs, "[control]", Event::prepare, "swap", change.instant, change.number);
-    tell(decided, "[control]", Event::commit, "swap", change.instant, change.number);
+    report(decided - 500 * kUs, "[control]", Event::prepare, "swap", change.instant, change.number);
+    report(decided, "[control]", Event::commit, "swap", change.instant, change.number);
     for (const std::size_t member : change.members) {
-      tell(decided, "[control]", Event::member, trace_.header.components[member].name, 0,
-           change.number);
+      report(decided, "[control]", Event::member, trace_.header.components[member].name, 0,
+             change.number);
     }
     changes_.push_back(std::move(change));
   }
@@ -132,7 +132,7 @@ class MadeTrace {
       Task task;
       task.component = i;
       task.next = trace_.header.components[i].offset;
-      tell(-100 * kUs, trace_.header.components[i].name, Event::started, {}, task.next);
+      report(-100 * kUs, trace_.header.components[i].name, Event::started, {}, task.next);
       tasks.push_back(task);
     }
     for (std::int64_t now = 0; now < length_ && !tasks.empty();) {
@@ -154,8 +154,8 @@ class MadeTrace {
     auto& [state, length] = task.left.front();
     const Component& its = component(task);
     if (!task.in_state) {
-      tell(now, its.name, Event::begin, its.states[state].name);
-      if (state == 2) tell(now, its.name, Event::lock, "world");
+      report(now, its.name, Event::begin, its.states[state].name);
+      if (state == 2) report(now, its.name, Event::lock, "world");
     }
     task.in_state = true;
     std::int64_t until = now + length;
@@ -168,8 +168,8 @@ class MadeTrace {
       task.preempted = true;
       return until + kWake;
     }
-    if (state == 2) tell(until, its.name, Event::unlock, "world");
-    tell(until, its.name, Event::end, its.states[state].name, task.preempted ? 1 : 0);
+    if (state == 2) report(until, its.name, Event::unlock, "world");
+    report(until, its.name, Event::end, its.states[state].name, task.preempted ? 1 : 0);
     task.in_state = false;
     task.left.erase(task.left.begin());
     if (task.left.empty()) end(task, until);
@@ -182,17 +182,17 @@ class MadeTrace {
       const std::int64_t dropped = (now - task.next) / task.wait;
       task.next += dropped * task.wait;
       task.missed += dropped;
-      tell(now, name, Event::missed, {}, dropped, task.missed);
+      report(now, name, Event::missed, {}, dropped, task.missed);
     }
     for (const Change& change : changes_) {
       const bool member = std::find(change.members.begin(), change.members.end(), task.component) !=
                           change.members.end();
       if (!member || change.number <= task.change || task.next < change.instant) continue;
       task.change = change.number;
-      tell(now, name, Event::taken, "change", change.instant, change.number);
+      report(now, name, Event::taken, "change", change.instant, change.number);
     }
     task.released = task.next;
-    tell(now, name, Event::release, {}, task.released, task.change);
+    report(now, name, Event::release, {}, task.released, task.change);
     const std::int64_t cost = cost_[task.component];
     for (std::size_t state = 0; state < 3; ++state) {
       task.left.emplace_back(state, any(cost / 2, cost));
@@ -208,9 +208,9 @@ class MadeTrace {
     task.wait = wait.wait;
     task.next = task.released + wait.wait;
     if (now > task.next) {
-      tell(now, its.name, Event::overrun, {}, now - task.next, ++task.overruns);
+      report(now, its.name, Event::overrun, {}, now - task.next, ++task.overruns);
     }
-    tell(now, its.name, Event::wait, wait.name, task.next, task.preempted ? 1 : 0);
+    report(now, its.name, Event::wait, wait.name, task.next, task.preempted ? 1 : 0);
     task.in_job = false;
   }
 

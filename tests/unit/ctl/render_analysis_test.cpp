@@ -14,8 +14,8 @@ Json analysis() {
      "blocking_ns": 0, "deadline_ns": 10000000, "response_ns": 773800, "slack_ns": 9226200},
     {"name": "laser", "cpu": 0, "priority": 60, "execution_ns": 0, "source": "unknown",
      "blocking_ns": 0, "deadline_ns": 25000000, "response_ns": null, "slack_ns": null}],
-    "locks": [{"resource": "pose", "hold_ns": 50000, "source": "declared"},
-              {"resource": "world", "hold_ns": null, "source": "unknown"}],
+    "locks": [{"resource": "pose", "lock_budget_ns": 50000, "source": "declared"},
+              {"resource": "world", "lock_budget_ns": null, "source": "unknown"}],
     "cpus": [{"cpu": 0, "load": 0.134, "overloaded": false}], "factor": 3.456,
     "problems": [], "notes": ["the machine takes 60us"]})");
 }

@@ -31,7 +31,7 @@ TEST(RenderPending, IsEmptyWhenAllIsSettled) {
 TEST(RenderPending, TellsHowLongAChangeIsOnProbationAndWhatLeadsBack) {
   EXPECT_EQ(render_pending(with("probations", probation("watching", 6e9)), {}),
             "generations 3 to 4 (control, base): on probation for 6 s still, or 3000 jobs: a "
-            "failure, or mauvectl undo, leads back\n");
+            "failure, or mauvectl undo, rolls back\n");
   EXPECT_THAT(render_status(with("probations", probation("watching", 6e9)), {}),
               HasSubstr("generation 4, on probation\n"));
 }

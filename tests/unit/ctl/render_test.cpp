@@ -91,19 +91,19 @@ TEST(RenderStatus, SaysWhichJobDoesNotEnd) {
   EXPECT_EQ(text.find("laser:"), std::string::npos);
 }
 
-TEST(RenderStatus, SaysWhatIsPoisonedAndWhoWasLeftBehind) {
+TEST(RenderStatus, SaysWhatIsPoisonedAndWhichThreadsAreAbandoned) {
   const Json status = Json::parse(R"({"generation":1,"architecture":"a","components":[],
     "poisoned":["meter"],
-    "left_behind":[{"hook":"first.core on_configure","since":"2026-01-01T00:00:00Z"},
+    "abandoned_threads":[{"hook":"first.core on_configure","since":"2026-01-01T00:00:00Z"},
                    {"hook":"","since":"2026-01-01T00:00:01Z"}]})");
 
   const std::string text = render_status(status, {});
 
   EXPECT_NE(text.find("\nmeter: is poisoned: "), std::string::npos) << text;
-  EXPECT_NE(text.find("\nleft behind: first.core on_configure since 2026-01-01T00:00:00Z\n"),
+  EXPECT_NE(text.find("\nabandoned thread: first.core on_configure since 2026-01-01T00:00:00Z\n"),
             std::string::npos);
-  EXPECT_NE(text.find("\nleft behind: user code since "), std::string::npos);
-  EXPECT_EQ(render_status(kStatus, {}).find("left behind"), std::string::npos);
+  EXPECT_NE(text.find("\nabandoned thread: user code since "), std::string::npos);
+  EXPECT_EQ(render_status(kStatus, {}).find("abandoned"), std::string::npos);
 }
 
 TEST(RenderStatus, SurvivesAnAnswerWithoutAnything) {

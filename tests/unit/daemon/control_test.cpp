@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "commands/recovery/given_up.h"
-#include "model/leavable.h"
+#include "commands/recovery/abandoned.h"
+#include "model/abandonable_thread.h"
 #include "support/eventually.h"
 
 namespace mauve::daemon {
@@ -212,7 +212,7 @@ class FactoryTest : public ControlTest {
   void SetUp() override { hasty.start(); }
   void TearDown() override {
     released = true;
-    EXPECT_TRUE(test::eventually([&] { return hasty.left_behind().empty(); }));
+    EXPECT_TRUE(test::eventually([&] { return hasty.abandoned_threads().empty(); }));
   }
 
   void wait_for_release() const {
@@ -228,9 +228,9 @@ class FactoryTest : public ControlTest {
       returned_whole = hook.back();
     };
   }
-  /// Looks until work was given up, or `times` times.
-  std::vector<LeftBehind> look(int times = 20'000) {
-    std::vector<LeftBehind> left;
+  /// Looks until a thread was abandoned, or `times` times.
+  std::vector<AbandonedThread> look(int times = 20'000) {
+    std::vector<AbandonedThread> left;
     for (int i = 0; left.empty() && i < times; ++i) {
       std::promise<void> done;
       hasty.read([&] {
@@ -254,7 +254,7 @@ TEST_F(FactoryTest, GivesWorkUpAndGoesOnWithTheNextChange) {
   ASSERT_TRUE(hasty.change([&, elements = std::move(elements)](Control::Ticket ticket) mutable {
     hasty.in_factory(
         hanging(elements), [&, elements, ticket] { note("prepared"); },
-        [&](const std::string& hook) { note("given up in " + hook); });
+        [&](const std::string& hook) { note("abandoned in " + hook); });
     elements.reset();
   }));
   ASSERT_TRUE(hasty.change([&](const Control::Ticket& ticket) {
@@ -266,9 +266,9 @@ TEST_F(FactoryTest, GivesWorkUpAndGoesOnWithTheNextChange) {
   ASSERT_EQ(left.size(), 1U);
   EXPECT_EQ(left[0].hook, "first.core on_configure");
   ASSERT_TRUE(test::eventually([&] { return noted().size() == 2; }));
-  EXPECT_THAT(noted(), testing::ElementsAre("given up in first.core on_configure", "second"));
-  EXPECT_EQ(hasty.left_behind().size(), 1U);
-  EXPECT_FALSE(alive.expired()) << "the thread that was left behind may still touch it";
+  EXPECT_THAT(noted(), testing::ElementsAre("abandoned in first.core on_configure", "second"));
+  EXPECT_EQ(hasty.abandoned_threads().size(), 1U);
+  EXPECT_FALSE(alive.expired()) << "the abandoned thread may still touch it";
 
   released = true;
   EXPECT_TRUE(test::eventually([&] { return alive.expired(); }));
@@ -276,13 +276,13 @@ TEST_F(FactoryTest, GivesWorkUpAndGoesOnWithTheNextChange) {
   EXPECT_THAT(noted(), testing::Not(testing::Contains("prepared")));
 }
 
-TEST_F(FactoryTest, EndsWhileAThreadIsLeftBehind) {
+TEST_F(FactoryTest, EndsWhileAThreadIsAbandoned) {
   hasty.in_factory(hanging(), [] {});
   ASSERT_EQ(look().size(), 1U);
 
   hasty.stop();
 
-  EXPECT_EQ(hasty.left_behind().size(), 1U);
+  EXPECT_EQ(hasty.abandoned_threads().size(), 1U);
 }
 
 TEST_F(FactoryTest, GivesNothingUpThatUsesTheModel) {
@@ -294,7 +294,7 @@ TEST_F(FactoryTest, GivesNothingUpThatUsesTheModel) {
       [] {});
 
   EXPECT_TRUE(look(50).empty());
-  EXPECT_TRUE(hasty.left_behind().empty());
+  EXPECT_TRUE(hasty.abandoned_threads().empty());
 }
 
 TEST_F(FactoryTest, GivesNothingUpThatIsQueuedOnly) {
@@ -322,8 +322,8 @@ TEST_F(ControlTest, DropsWaitingChangesWhenItStops) {
   EXPECT_FALSE(control.change([&](const Control::Ticket&) { note("third"); }));
 }
 
-TEST(ThreadsLeftBehind, AreAtMostTwoOfOneUserAndEightInAll) {
-  std::vector<LeftBehind> left;
+TEST(AbandonedThreads, AreAtMostTwoOfOneUserAndEightInAll) {
+  std::vector<AbandonedThread> left;
   const auto leave = [&](std::optional<uid_t> user) { left.push_back({"a hook", {}, user}); };
   leave(1000);
   EXPECT_TRUE(may_prepare(left, 1000));

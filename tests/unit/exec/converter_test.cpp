@@ -4,7 +4,7 @@
 
 #include <cstdlib>
 
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 #include "support/block.h"
 #include "support/outcomes.h"
 #include "support/positions.h"
@@ -54,7 +54,7 @@ struct Converting : ramp::Two<OldRevision> {
 class Converters : public testing::Test {
  protected:
   void SetUp() override {
-    if (!rt::kCanRescue) GTEST_SKIP() << "the sanitizer handles faults itself";
+    if (!rt::kGuardsFaults) GTEST_SKIP() << "the sanitizer handles faults itself";
     block() = &blocks;
     ASSERT_TRUE(deployer.deploy());
     ASSERT_TRUE(runs_on(deployer, "left"));
@@ -142,7 +142,7 @@ struct WithMotor : Architecture {
 /// It is exchanged at a barrier, so nothing of it came into force.
 template <Converter Convert>
 void expect_resource_as_it_was(Errc why) {
-  if (!rt::kCanRescue) GTEST_SKIP() << "the sanitizer handles faults itself";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "the sanitizer handles faults itself";
   WithMotor architecture;
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
@@ -191,7 +191,7 @@ struct WithFragileMotor : Architecture {
 };
 
 TEST(SafeValues, ThatCrashTheirResourcePoisonItAndNothingElse) {
-  if (!rt::kCanRescue) GTEST_SKIP() << "the sanitizer handles faults itself";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "the sanitizer handles faults itself";
   WithFragileMotor architecture;
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
@@ -232,7 +232,7 @@ struct WithEndlessMotor : Architecture {
 };
 
 TEST(SafeValues, ThatNeverReturnDoNotHoldUpAStopOfAHungComponent) {
-  if (!rt::kCanRescue) GTEST_SKIP() << "the sanitizer handles faults itself";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "the sanitizer handles faults itself";
   Block blocks;
   block() = &blocks;
   WithEndlessMotor architecture;

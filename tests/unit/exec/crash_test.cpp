@@ -11,7 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 #include "support/outcomes.h"
 #include "support/ramp.h"
 
@@ -99,7 +99,7 @@ struct Forking final : Wrong {
 class Crash : public testing::Test {
  protected:
   void SetUp() override {
-    if (!rt::kCanRescue) GTEST_SKIP() << "the sanitizer handles faults itself";
+    if (!rt::kGuardsFaults) GTEST_SKIP() << "the sanitizer handles faults itself";
   }
 
   template <typename Core>

@@ -356,9 +356,9 @@ TEST(Deployer, ShutsDownInBoundedTimeAndWritesSafeValuesForACoreThatHangs) {
   ASSERT_TRUE(deployer->deploy());
   ASSERT_TRUE(eventually([&] { return deployer->status("control").releases == 1; }));
 
-  const std::vector<std::string> left_behind = deployer->shutdown(1ms);
+  const std::vector<std::string> abandoned_threads = deployer->shutdown(1ms);
 
-  EXPECT_EQ(left_behind, std::vector<std::string>{"control"}) << "the other one is well";
+  EXPECT_EQ(abandoned_threads, std::vector<std::string>{"control"}) << "the other one is well";
   EXPECT_EQ(ramp::read(architecture->position), -1.0);
 }
 

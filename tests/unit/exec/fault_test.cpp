@@ -8,7 +8,7 @@
 
 #include <unistd.h>
 
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 #include "support/outcomes.h"
 #include "support/ramp.h"
 
@@ -197,7 +197,7 @@ void end_while_it_drives() {
 }
 
 TEST(EndOfAProcessDeathTest, LetsDriversActOnSafeValuesBefore) {
-  if (!rt::kCanRescue) GTEST_SKIP() << "the sanitizer handles signals itself";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "the sanitizer handles signals itself";
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT((std::signal(SIGTERM, SIG_DFL), end_while_it_drives()),
               testing::KilledBySignal(SIGTERM),

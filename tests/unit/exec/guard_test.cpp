@@ -12,7 +12,7 @@
 
 #include "exec/system/make_update.h"
 #include "exec/system/system.h"
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 #include "rt/thread.h"
 #include "support/block.h"
 #include "support/outcomes.h"
@@ -203,7 +203,7 @@ TEST_F(Guard, DoesNotBlameAJobThatAMoreUrgentThreadKeepsFromItsProcessor) {
 }
 
 TEST_F(Guard, EndsAnEndlessLoopAndTheFallbackCoreTakesOver) {
-  if (!rt::kCanRescue) GTEST_SKIP() << "under a sanitizer a loop cannot be ended";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "under a sanitizer a loop cannot be ended";
   TwoWatched<Endless> architecture;
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
@@ -216,11 +216,11 @@ TEST_F(Guard, EndsAnEndlessLoopAndTheFallbackCoreTakesOver) {
   EXPECT_TRUE(runs_on(deployer, "left"));
   EXPECT_TRUE(runs_on(deployer, "right"));
   EXPECT_TRUE(deployer.shutdown(test::kPatience).empty())
-      << "the same thread goes on: nobody is left behind";
+      << "the same thread goes on: no thread is abandoned";
 }
 
 TEST_F(Guard, EndsASafeValueThatIsWrittenWithoutAnEnd) {
-  if (!rt::kCanRescue) GTEST_SKIP() << "the sanitizer handles signals itself";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "the sanitizer handles signals itself";
   WithASink<EndlessSink> architecture;
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
@@ -332,7 +332,7 @@ Duration processor_time() {
   return std::chrono::seconds(used.tv_sec) + Duration{used.tv_nsec};
 }
 
-TEST_F(Guard, SleepsWhileAThreadWritesASafeValueAndMustNotBeGivenUp) {
+TEST_F(Guard, SleepsWhileAThreadWritesASafeValueAndMustNotBeAbandoned) {
   WithASink<BlockedSink> architecture;
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());

@@ -43,7 +43,7 @@ TEST_F(InPlace, MakesOneGeneration) {
   EXPECT_EQ(deployer.generation(), before + 1) << "nothing is different";
 }
 
-TEST_F(InPlace, LeadsBackInPlaceToTheCoreBefore) {
+TEST_F(InPlace, RollsBackInPlaceToTheCoreBefore) {
   const auto before = architecture.control.bundle();
   deployer.run_for(100ms);
   ASSERT_TRUE(deployer.swap_core_in_place(ramp::to_core<ramp::Down>("ramp/down")));

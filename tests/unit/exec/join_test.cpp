@@ -61,7 +61,7 @@ class Joining : public testing::Test {
     change.probation = probation;
     apply(change);
   }
-  std::vector<Outcome> tell_after(Duration time) {
+  std::vector<Outcome> report_after(Duration time) {
     deployer.run_for(time);
     return test::tend(deployer);
   }
@@ -85,7 +85,7 @@ TEST_F(Joining, ANameIsRefusedThatARollbackGaveBackBeforeTheCommit) {
   auto prepared = deployer.prepare(joins);
   ASSERT_TRUE(prepared) << to_string(prepared.error());
   ASSERT_TRUE(deployer.undo());
-  ASSERT_EQ(tell_after(50ms).size(), 1u);
+  ASSERT_EQ(report_after(50ms).size(), 1u);
 
   Retired free;
   const Result<Receipt> done = deployer.commit(*prepared, free);
@@ -101,7 +101,7 @@ TEST_F(Joining, ASwapInPlaceParksNothingWhenARollbackCameBetween) {
   auto next = deployer.prepare_in_place(to<ramp::Up>("left"));
   ASSERT_TRUE(next) << to_string(next.error());
   ASSERT_TRUE(deployer.undo());
-  ASSERT_EQ(tell_after(50ms).size(), 1u);
+  ASSERT_EQ(report_after(50ms).size(), 1u);
 
   const Result<Receipt> parked = deployer.wait(*deployer.begin_in_place_park(*next));
 
@@ -116,7 +116,7 @@ TEST_F(Joining, AChangeOfAnotherComponentLeavesAProbationAsItIs) {
   EXPECT_THAT(elsewhere.notes, IsEmpty());
   EXPECT_EQ(deployer.probations().size(), 2u);
 
-  const std::vector<Outcome> ends = tell_after(300ms);
+  const std::vector<Outcome> ends = report_after(300ms);
 
   ASSERT_EQ(ends.size(), 1u);
   EXPECT_EQ(ends[0].kind, Outcome::Kind::rolled_back);
@@ -136,7 +136,7 @@ TEST_F(Joining, ANewerChangeOfTheSameComponentLeadsBackToWhatWasProvenLast) {
   ASSERT_EQ(joined.notes.size(), 1u);
   EXPECT_THAT(joined.notes[0], HasSubstr("as in generation 1"));
 
-  const std::vector<Outcome> ends = tell_after(300ms);
+  const std::vector<Outcome> ends = report_after(300ms);
 
   ASSERT_EQ(ends.size(), 1u);
   EXPECT_EQ(ends[0].kind, Outcome::Kind::rolled_back);
@@ -152,7 +152,7 @@ TEST_F(Joining, ASetOnABadCoreKeepsTheWayBackToTheGoodOne) {
   apply({step("left", 2)}, std::nullopt);  // also without a probation of its own
   EXPECT_TRUE(deployer.on_probation());
 
-  const std::vector<Outcome> ends = tell_after(400ms);
+  const std::vector<Outcome> ends = report_after(400ms);
 
   ASSERT_EQ(ends.size(), 1u);
   EXPECT_EQ(ends[0].kind, Outcome::Kind::rolled_back);
@@ -165,7 +165,7 @@ TEST_F(Joining, WhatTheNewerChangeLeavesAsItIsFollowsItBack) {
   const Receipt joined = apply({to<ramp::Down>("left")});
   ASSERT_EQ(joined.components.size(), 1u) << "it cost the other one nothing";
 
-  const std::vector<Outcome> ends = tell_after(300ms);
+  const std::vector<Outcome> ends = report_after(300ms);
 
   ASSERT_EQ(ends.size(), 1u);
   EXPECT_EQ(ends[0].component, "right");
@@ -181,7 +181,7 @@ TEST_F(Joining, AChangeMayJoinSeveral) {
   EXPECT_EQ(joined.notes.size(), 2u);
   EXPECT_EQ(deployer.probations().size(), 1u);
 
-  const std::vector<Outcome> ends = tell_after(300ms);
+  const std::vector<Outcome> ends = report_after(300ms);
 
   ASSERT_EQ(ends.size(), 1u);
   EXPECT_THAT(ends[0].changes, ElementsAre(2, 3, 4));
@@ -197,7 +197,7 @@ TEST_F(Joining, ARowOfChangesIsOneProbationAndKeepsTwoCores) {
   EXPECT_EQ(ramp::Up::configured_cores(), 3);
   EXPECT_EQ(deployer.probations().size(), 1u);
 
-  const std::vector<Outcome> ends = tell_after(40s);
+  const std::vector<Outcome> ends = report_after(40s);
 
   ASSERT_EQ(ends.size(), 1u);
   EXPECT_EQ(ends[0].kind, Outcome::Kind::passed);
@@ -211,7 +211,7 @@ TEST_F(Joining, ConfirmAndUndoAreAboutAllThatJoined) {
     apply({to<ramp::Down>("left")});
     apply({to<ramp::Up>("left")});
     ASSERT_TRUE(confirms ? deployer.confirm() : deployer.undo());
-    EXPECT_EQ(tell_after(50ms).size(), 1u);
+    EXPECT_EQ(report_after(50ms).size(), 1u);
     EXPECT_FALSE(deployer.on_probation());
     EXPECT_THAT(core("left"), HasSubstr("Up"));
   }
@@ -224,11 +224,11 @@ TEST_F(Joining, UndoTakesTheNewestProbationFirst) {
   apply({to<ramp::Down>("right")});
 
   ASSERT_TRUE(deployer.undo());
-  EXPECT_EQ(tell_after(50ms).size(), 1u);
+  EXPECT_EQ(report_after(50ms).size(), 1u);
   EXPECT_THAT(core("left"), HasSubstr("Down"));
   EXPECT_EQ(core("right"), before);
   ASSERT_TRUE(deployer.undo());
-  EXPECT_EQ(tell_after(50ms).size(), 1u);
+  EXPECT_EQ(report_after(50ms).size(), 1u);
   EXPECT_EQ(core("left"), before);
 }
 
@@ -238,7 +238,7 @@ TEST_F(Joining, AStartOrStopOfItsComponentLeavesAProbationAsItIs) {
   ASSERT_TRUE(deployer.start({"left"}));
   EXPECT_TRUE(deployer.on_probation());
 
-  const std::vector<Outcome> ends = tell_after(400ms);
+  const std::vector<Outcome> ends = report_after(400ms);
 
   ASSERT_EQ(ends.size(), 1u);
   EXPECT_EQ(ends[0].kind, Outcome::Kind::rolled_back);
@@ -255,7 +255,7 @@ TEST_F(Joining, AStopThatAWayBackFollowsAtOnceIsSettled) {
   while (!(*stop)->advance()) deployer.run_for(1ms);
 
   EXPECT_TRUE((*stop)->result());
-  tell_after(50ms);
+  report_after(50ms);
   EXPECT_EQ(core("right"), before);
   EXPECT_EQ(deployer.status("right").state, ComponentState::stopped);
 }
@@ -266,7 +266,7 @@ TEST_F(Joining, AStopBetweenTwoChangesIsNotTakenBackWithThem) {
   apply({to<ramp::Up>("left")});
 
   ASSERT_TRUE(deployer.undo());
-  tell_after(50ms);
+  report_after(50ms);
 
   EXPECT_EQ(deployer.status("left").state, ComponentState::stopped);
 }
@@ -281,8 +281,8 @@ TEST_F(Joining, WhatAwaitsConfirmationIsNotChangedAndTheOthersAre) {
   EXPECT_EQ(same.error().code, Errc::conflict);
   apply({to<ramp::Down>("right")});
 
-  EXPECT_THAT(tell_after(2s), IsEmpty()) << "now it is rolled back";
-  const std::vector<Outcome> ends = tell_after(50ms);
+  EXPECT_THAT(report_after(2s), IsEmpty()) << "now it is rolled back";
+  const std::vector<Outcome> ends = report_after(50ms);
   ASSERT_EQ(ends.size(), 1u);
   EXPECT_EQ(ends[0].reason, "not confirmed within its time");
   EXPECT_EQ(core("left"), before);
@@ -293,7 +293,7 @@ TEST_F(Joining, AComponentThatJoinedOnProbationLeavesAlsoAfterItWasChanged) {
   let_join("second", Probation{});
   apply({to<Failing>("second")});
 
-  EXPECT_EQ(tell_after(400ms).size(), 1u);
+  EXPECT_EQ(report_after(400ms).size(), 1u);
 
   EXPECT_EQ(architecture.find_component("second"), nullptr);
   EXPECT_EQ(deployer.status().size(), 2u);
@@ -307,7 +307,7 @@ TEST_F(Joining, AComponentThatLeftOnProbationComesBackWithTheOthers) {
   apply({to<Failing>("left")});
   EXPECT_EQ(architecture.find_component("right"), nullptr);
 
-  EXPECT_EQ(tell_after(400ms).size(), 1u);
+  EXPECT_EQ(report_after(400ms).size(), 1u);
 
   EXPECT_NE(architecture.find_component("right"), nullptr);
   EXPECT_EQ(deployer.status("right").state, ComponentState::running);
@@ -323,7 +323,7 @@ TEST_F(Joining, AComponentThatLeftIsFreedWhenTheyPass) {
   apply(change);
   apply({to<ramp::Up>("left")});
 
-  tell_after(40s);
+  report_after(40s);
   static_cast<void>(deployer.collect().release());
 
   EXPECT_EQ(ramp::Up::configured_cores(), 2);
@@ -350,7 +350,7 @@ TEST_F(Joining, AChangeThatCannotJoinEndsAProbationEarlyAndSaysSoBefore) {
   ASSERT_TRUE(receipt);
   EXPECT_EQ(receipt->notes, foreseen.notes);
 
-  const std::vector<Outcome> ends = tell_after(20ms);
+  const std::vector<Outcome> ends = report_after(20ms);
   ASSERT_EQ(ends.size(), 1u);
   EXPECT_EQ(ends[0].kind, Outcome::Kind::overtaken);
   EXPECT_THAT(ends[0].changes, ElementsAre(2));

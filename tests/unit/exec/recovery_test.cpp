@@ -62,7 +62,7 @@ TEST(Recovery, AFreshCoreThatFailsInItsFirstJobIsRestartedAsOftenAsThePolicyAllo
   EXPECT_EQ(restarted[1] - restarted[0], std::chrono::nanoseconds(40ms).count()) << "twice 20 ms";
   EXPECT_EQ(restarted[2] - restarted[1], std::chrono::nanoseconds(80ms).count()) << "twice that";
   ASSERT_EQ(outcomes.size(), 4u);
-  EXPECT_EQ(outcomes[3].kind, Outcome::Kind::gave_up);
+  EXPECT_EQ(outcomes[3].kind, Outcome::Kind::stays_failed);
   EXPECT_EQ(deployer.status("control").state, ComponentState::faulted);
   EXPECT_EQ(deployer.status("control").releases, 4u);
   EXPECT_EQ(deployer.status("control").missed, 1u + 3u + 7u) << "the releases of the back-off";
@@ -97,7 +97,7 @@ TEST(Recovery, AComponentWhoseStandbyCoreIsRefusedIsFaultedAndSaysWhy) {
   EXPECT_EQ(deployer.status("control").state, ComponentState::faulted);
   const auto outcomes = tend(deployer);
   ASSERT_EQ(outcomes.size(), 1u);
-  EXPECT_EQ(outcomes[0].kind, Outcome::Kind::gave_up);
+  EXPECT_EQ(outcomes[0].kind, Outcome::Kind::stays_failed);
   EXPECT_EQ(outcomes[0].component, "control");
   EXPECT_EQ(outcomes[0].reason, "wrong from the start; no device");
   make_standby_cores(deployer);
@@ -185,7 +185,8 @@ TEST(Recovery, AChangeThatKeepsTheFailedCoreDoesNotRunItAgain) {
   ASSERT_TRUE(deployer.disconnect("control.ports.out"));
 
   EXPECT_EQ(deployer.status("control").state, ComponentState::recovering);
-  EXPECT_EQ(deployer.status("control").releases, 2u) << "the relief that came with it is next";
+  EXPECT_EQ(deployer.status("control").releases, 2u)
+      << "the standby core that came with it is next";
   deployer.run_for(15ms);
   ASSERT_EQ(tend(deployer).size(), 1u);
   EXPECT_EQ(deployer.status("control").releases, 3u);

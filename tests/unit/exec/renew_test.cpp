@@ -87,7 +87,7 @@ class Renew : public testing::Test {
  protected:
   void SetUp() override {
     architecture.adder.core().factor = 10;
-    architecture.adder.lock().declare_hold(1ms);
+    architecture.adder.lock().set_budget(1ms);
     ASSERT_TRUE(deployer.deploy());
     deployer.run_for(100ms);
   }
@@ -122,7 +122,7 @@ TEST_F(Renew, AShellPropertyChangesAndStateValuesAndUsersGoOn) {
   EXPECT_NE(&adder(), &architecture.adder);
   EXPECT_EQ(shell().step, 3);
   EXPECT_EQ(core().factor, 10);
-  EXPECT_EQ(adder().lock().declared_hold(), 1ms);
+  EXPECT_EQ(adder().lock().budget(), 1ms);
   const std::int64_t before = core().calls;
   EXPECT_EQ(core().sum->value, 10 * calls + 30 * (before - calls)) << "nothing was lost";
   deployer.run_for(100ms);
@@ -148,16 +148,16 @@ TEST_F(Renew, TheTypeOfANewerBuildTakesOver) {
   EXPECT_GT(core().calls, calls);
 }
 
-TEST_F(Renew, RefusesAHoldThatCannotBe) {
+TEST_F(Renew, RefusesALockBudgetThatCannotBe) {
   Edit edit;
   edit.component = "adder";
   edit.properties.emplace_back("shell.step", 3);
-  edit.hold = -1us;
+  edit.lock_budget = -1us;
 
   const Result<Receipt> done = deployer.apply({{edit}});
 
   ASSERT_FALSE(done);
-  EXPECT_EQ(done.error().at, "adder.hold");
+  EXPECT_EQ(done.error().at, "adder.lock_budget");
   EXPECT_EQ(&adder(), &architecture.adder);
 }
 
@@ -372,7 +372,7 @@ TEST_F(Renew, EndsTheProbationOfAChangeWhoseRollbackWouldReachTheResourceThrough
   EXPECT_NE(done->notes[0].find("ends early"), std::string::npos) << done->notes[0];
   Retired free;
   static_cast<void>(deployer.tend(free));
-  EXPECT_FALSE(deployer.undo()) << "nothing leads back";
+  EXPECT_FALSE(deployer.undo()) << "nothing rolls back";
 }
 
 TEST_F(Renew, IsRefusedWhereAStateWouldVanishOrNoPropertyIs) {

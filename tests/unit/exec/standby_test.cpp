@@ -98,7 +98,7 @@ TEST(Standby, AFreshCoreTakesOverWithinItsBudgetOfRestarts) {
 
   ASSERT_EQ(outcomes.size(), 3u);
   EXPECT_EQ(outcomes[0].kind, Outcome::Kind::restarted);
-  EXPECT_EQ(outcomes[2].kind, Outcome::Kind::gave_up);
+  EXPECT_EQ(outcomes[2].kind, Outcome::Kind::stays_failed);
   EXPECT_EQ(outcomes[2].reason, "sensor lost; all 2 restarts within 1s are used up");
   EXPECT_EQ(deployer.status("control").state, ComponentState::faulted);
   EXPECT_EQ(deployer.status("control").fault, "sensor lost");
@@ -170,7 +170,7 @@ TEST(Standby, AFreshCoreComesWithTheChangeAsWell) {
   const auto outcomes = tend(deployer);
   ASSERT_EQ(outcomes.size(), 2u);
   EXPECT_EQ(outcomes[0].kind, Outcome::Kind::restarted);
-  EXPECT_EQ(outcomes[1].kind, Outcome::Kind::gave_up);
+  EXPECT_EQ(outcomes[1].kind, Outcome::Kind::stays_failed);
   EXPECT_EQ(deployer.status("control").fault, "wrong from the start");
   EXPECT_EQ(deployer.status("control").state, ComponentState::faulted) << "the fresh one failed";
 }
@@ -233,9 +233,9 @@ TEST(Standby, StandsByOnceAFaultedComponentIsStartedAgain) {
   ASSERT_TRUE(deployer.deploy());
   deployer.run_for(25ms);
   ASSERT_EQ(deployer.status("control").state, ComponentState::faulted) << "it has no fallback core";
-  const auto gave_up = tend(deployer);
-  ASSERT_EQ(gave_up.size(), 1u);
-  EXPECT_EQ(gave_up[0].reason, "sensor lost; there is no fallback core");
+  const auto stays_failed = tend(deployer);
+  ASSERT_EQ(stays_failed.size(), 1u);
+  EXPECT_EQ(stays_failed[0].reason, "sensor lost; there is no fallback core");
   architecture.control.fall_back_to(
       ComponentBase::Fallback{CoreType::of<ramp::Down>("ramp/down"), {}});
 

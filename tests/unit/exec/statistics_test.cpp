@@ -151,7 +151,8 @@ struct Sleeping : Fsm<Sleeper> {
 };
 
 TEST(Statistics, KeepApartWhatSomethingCameBetween) {
-  if (!rt::preemption_is_told()) GTEST_SKIP() << "NOT TESTED: this kernel or libc does not tell";
+  if (!rt::preemption_is_reported())
+    GTEST_SKIP() << "NOT TESTED: this kernel or libc does not tell";
   Architecture architecture;
   Component<EmptyShell, Sleeper, Sleeping> component(architecture, "sleeper");
   Deployer deployer(architecture, {.simulated = true});

@@ -336,7 +336,7 @@ TEST(TraceOfALostThread, HasNothingOfItAfterItsComponentWentOnWithoutIt) {
   const auto faults = test::of_kind(all, TraceKind::fault);
   ASSERT_EQ(faults.size(), 1u);
   EXPECT_EQ(trace_name(faults[0].name), "hung");
-  EXPECT_EQ(trace_name(test::of_kind(all, TraceKind::taken)[0].name), "relief");
+  EXPECT_EQ(trace_name(test::of_kind(all, TraceKind::taken)[0].name), "standby");
 }
 
 }  // namespace

@@ -86,7 +86,7 @@ TEST(SharedData, ASafeValueWaitsForNobodyAlsoWhileSomebodyListens) {
   EXPECT_EQ(value_of(data), Writer::kSafe);
 }
 
-TEST(SharedData, WhoIsGivenUpWhileHeWaitsForTheLockWritesNothing) {
+TEST(SharedData, AThreadThatIsAbandonedWhileItWaitsForTheLockWritesNothing) {
   SharedDataBase data("data", data_type<double>());
   HangingWriter hanging(data);
   std::atomic<Job*> job{nullptr};
@@ -97,20 +97,20 @@ TEST(SharedData, WhoIsGivenUpWhileHeWaitsForTheLockWritesNothing) {
     EXPECT_FALSE(data.write_service().write(&late));
   });
   while (job == nullptr) std::this_thread::yield();
-  job.load()->detached = true;
+  job.load()->no_ports = true;
   hanging.let_go();
   waiting.join();
   EXPECT_EQ(value_of(data), 9.0);
 }
 
-TEST(SharedData, WhoWasGivenUpWritesNothingMoreAndLeavesThePlaceToItsSuccessor) {
+TEST(SharedData, AnAbandonedThreadWritesNothingMoreAndLeavesItsSlotToItsSuccessor) {
   SharedDataBase data("data", data_type<double>());
   Writer port(data);
   EXPECT_TRUE(port.write(1.0));
-  this_job().detached = true;
+  this_job().no_ports = true;
   EXPECT_FALSE(port.write(2.0));
   EXPECT_EQ(value_of(data), 1.0);
-  this_job().detached = false;
+  this_job().no_ports = false;
   HangingWriter hanging(data);
 
   EXPECT_TRUE(port.write(3.0)) << "needs no lock";
@@ -118,17 +118,17 @@ TEST(SharedData, WhoWasGivenUpWritesNothingMoreAndLeavesThePlaceToItsSuccessor) 
   EXPECT_EQ(value_of(data), 3.0);
 }
 
-TEST(SharedData, WhoIsGivenUpWhileHeFillsAValueIsNotSeen) {
+TEST(SharedData, AThreadThatIsAbandonedWhileItFillsAValueIsNotSeen) {
   SharedDataBase data("data", data_type<double>());
   this_job().running = true;
   auto filler = [](void* value) {
     *static_cast<double*>(value) = 9.0;
-    this_job().detached = true;
+    this_job().no_ports = true;
   };
 
   EXPECT_FALSE(data.write_service().fill(Filler(filler)));
 
-  this_job().detached = false;
+  this_job().no_ports = false;
   this_job().running = false;
   EXPECT_EQ(value_of(data), -1.0);
 }
@@ -267,8 +267,8 @@ TEST_F(Look, MayReadOnWhileItShows) {
   EXPECT_EQ(in_.read(), 3.0);
 }
 
-/// The other thread is the successor of one that was given up in its visitor.
-TEST_F(Look, ChangesNothingOnceItsThreadWasGivenUp) {
+/// The other thread is the successor of one that was abandoned in its visitor.
+TEST_F(Look, ChangesNothingOnceItsThreadIsAbandoned) {
   EXPECT_TRUE(writer_.write(1.0));
   in_.look([this](double) {
     std::thread([this] {
@@ -277,9 +277,9 @@ TEST_F(Look, ChangesNothingOnceItsThreadWasGivenUp) {
       EXPECT_TRUE(writer_.write(3.0));
       EXPECT_EQ(in_.read(), 3.0);
     }).join();
-    this_job().detached = true;
+    this_job().no_ports = true;
   });
-  this_job().detached = false;
+  this_job().no_ports = false;
 
   EXPECT_EQ(in_.look([](double value) { EXPECT_EQ(value, 3.0); }), DataStatus::old_data);
 }

@@ -122,22 +122,22 @@ TEST(LatestValue, NeverShowsAValueThatAnotherWriterOvertook) {
   EXPECT_EQ(number_of(exchange.acquire(slot).data), 3u);
 }
 
-TEST(LatestValue, WhoIsGivenUpWhileItPublishesOvertakesNobody) {
+TEST(LatestValue, AThreadThatIsAbandonedWhileItPublishesOvertakesNobody) {
   LatestValue exchange(sizeof(Numbered), 2);
   const unsigned slot = exchange.attach();
   const Numbered lost = numbered(1);
   int asked = 0;
-  const auto given_up = [&] {
+  const auto abandoned = [&] {
     if (++asked == 2) write_in_turn(exchange, numbered(2));
     return asked <= 2;
   };
 
-  EXPECT_FALSE(exchange.write_alone(&lost, sizeof lost, 0, given_up));
+  EXPECT_FALSE(exchange.write_alone(&lost, sizeof lost, 0, abandoned));
 
   EXPECT_EQ(number_of(exchange.acquire(slot).data), 2u);
 }
 
-/// A reader that was given up and its successor have the same place.
+/// A reader that was abandoned and its successor have the same slot.
 TEST(LatestValue, IsHeldStillAlsoWhenTwoThreadsTakeItForTheSameReader) {
   constexpr int kRounds = 20'000;
   LatestValue exchange(sizeof(Numbered), 1);

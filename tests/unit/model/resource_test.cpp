@@ -157,7 +157,7 @@ TEST(Resource, PropertyChangesWhileItIsUsed) {
   EXPECT_EQ(value_of(chain.end), 10.0);
 }
 
-TEST(ResourceLock, IsLeftBehindAfterTheBoundOfTheCaller) {
+TEST(ResourceLock, IsAbandonedAfterTheBoundOfTheCaller) {
   ResourceLock lock;
   std::atomic<bool> held{false};
   std::atomic<bool> leave{false};
@@ -277,7 +277,7 @@ TEST(SharedData, TakesNoValueByItsServiceWhileItIsPoisoned) {
   EXPECT_FALSE(data.write_service().write(&second));
   EXPECT_EQ(value_of(data), 7.0);
 
-  data.lock().heal();
+  data.lock().clear_poison();
   EXPECT_TRUE(data.write_service().write(&second));
   EXPECT_EQ(value_of(data), 8.0);
 }
@@ -358,7 +358,7 @@ TEST(Resource, NestNoDeeperByAConnectionOfTheLastOne) {
   EXPECT_TRUE(deployer.connect("behind.ports.out", "relay6.write")) << "eight in a row";
 }
 
-TEST(ResourceLock, LetsNoThreadThatWasGivenUpTakeAChange) {
+TEST(ResourceLock, LetsNoAbandonedThreadApplyAChange) {
   struct Waiting final : PendingUpdate {
     bool apply(Instant /*release*/) override { return ++visits, true; }
     int visits = 0;
@@ -367,7 +367,7 @@ TEST(ResourceLock, LetsNoThreadThatWasGivenUpTakeAChange) {
   lock.defer(change);
   this_job().running = true;
   {
-    const Detached given_up;
+    const NoPorts no_ports;
     EXPECT_FALSE(lock.enter());
   }
   this_job().running = false;

@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "model/guard.h"
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 #include "unit/plugin/zoo.h"
 
 namespace mauve::plugin::test {
@@ -67,7 +67,7 @@ TEST_F(Reload, StartsWithFreshStaticDataEveryTime) {
 
 /// Code whose thread runs on must not be unmapped under it.
 TEST_F(Reload, KeepsTheCodeOfAThreadThatWasLeftRunning) {
-  if (!rt::kCanRescue) GTEST_SKIP() << "a sanitizer has a pthread_create() of its own";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "a sanitizer has a pthread_create() of its own";
   const mauve::test::TempDir files;
   const auto file = files.write("lingers", "");
   setenv("ZOO_LINGERS", file.c_str(), 1);

@@ -11,12 +11,12 @@ namespace {
 
 TEST(Telling, IsSeldomWhenSomethingHappensAgainAndAgain) {
   int told = 0;
-  for (std::uint64_t count = 1; count <= 100'000; ++count) told += worth_telling(count) ? 1 : 0;
+  for (std::uint64_t count = 1; count <= 100'000; ++count) told += worth_reporting(count) ? 1 : 0;
 
   EXPECT_EQ(told, 6) << "the 1st, 10th, 100th, 1,000th, 10,000th and 100,000th";
-  EXPECT_FALSE(worth_telling(0));
-  EXPECT_FALSE(worth_telling(20));
-  EXPECT_FALSE(worth_telling(std::numeric_limits<std::uint64_t>::max()));
+  EXPECT_FALSE(worth_reporting(0));
+  EXPECT_FALSE(worth_reporting(20));
+  EXPECT_FALSE(worth_reporting(std::numeric_limits<std::uint64_t>::max()));
 }
 
 TEST(Telling, IsForChanges) {

@@ -132,7 +132,7 @@ TEST(UbxFrame, GivesUpAHalfFrameAndFindsWhatItHadSwallowed) {
   EXPECT_TRUE(line.stream.in_frame());
   EXPECT_EQ(line.sentences, 0);
 
-  line.stream.give_up();
+  line.stream.drop_begun();
   line.look();
 
   EXPECT_FALSE(line.stream.in_frame());

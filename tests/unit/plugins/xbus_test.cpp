@@ -141,7 +141,7 @@ TEST(XbusFrame, GivesUpAHalfFrame) {
   line.send(hex("FA FF 36 40 10"));
   EXPECT_TRUE(line.stream.in_frame());
 
-  line.stream.give_up();
+  line.stream.drop_begun();
   line.look();
 
   EXPECT_FALSE(line.stream.in_frame());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "rt/rescue.h"
+#include "rt/run_guarded.h"
 
 #include <algorithm>
 #include <atomic>
@@ -111,7 +111,7 @@ sigset_t all_of_ours() {
 }
 
 /// Back to where the body was called.
-[[noreturn]] void throw_out(Frame& frame, const Fault& fault) {
+[[noreturn]] void abort_job(Frame& frame, const Fault& fault) {
   frame.fault = fault;
   this_frame() = frame.outer;
   const sigset_t set = all_of_ours();
@@ -125,7 +125,7 @@ void on_fault(int signal, siginfo_t* info, void* context) {
   Frame* const frame = this_frame();
   const bool contained = frame != nullptr && getpid() == owner.load() && !fault.sent &&
                          !code.system.contain(instruction_of(context));
-  if (contained) throw_out(*frame, fault);
+  if (contained) abort_job(*frame, fault);
   speak_last_words(fault);
   std::signal(signal, SIG_DFL);
   if (fault.sent) raise(signal);
@@ -140,7 +140,7 @@ void on_interrupt(int signal, siginfo_t* /*info*/, void* context) {
   for (const Frame* frame = this_frame(); frame != nullptr; frame = frame->outer) {
     const Instant wanted = frame->watched->interrupt.load();
     const bool meant = wanted != 0 && wanted == frame->watched->busy_since.load();
-    if (meant) throw_out(*this_frame(), {signal, at, true, false});
+    if (meant) abort_job(*this_frame(), {signal, at, true, false});
   }
 }
 
@@ -188,8 +188,8 @@ void describe(const Fault& fault, char* text, std::size_t room) {
   }
 }
 
-Fault rescued(void (*body)(void*), void* argument, const Watched& watched) {
-  if constexpr (!kCanRescue) {
+Fault run_guarded(void (*body)(void*), void* argument, const Watched& watched) {
+  if constexpr (!kGuardsFaults) {
     body(argument);
     return {};
   }
@@ -206,18 +206,18 @@ Fault rescued(void (*body)(void*), void* argument, const Watched& watched) {
 bool in_body() { return this_frame() != nullptr; }
 
 void end_body(const Fault& fault) {
-  if (Frame* const frame = this_frame()) throw_out(*frame, fault);
+  if (Frame* const frame = this_frame()) abort_job(*frame, fault);
 }
 
 FaultHandlers::FaultHandlers() {
-  if constexpr (!kCanRescue) return;
+  if constexpr (!kGuardsFaults) return;
   Installed& all = installed();
   const MutexLock lock(all.mutex);
   if (all.users++ == 0) install(all);
 }
 
 FaultHandlers::~FaultHandlers() {
-  if constexpr (!kCanRescue) return;
+  if constexpr (!kGuardsFaults) return;
   Installed& all = installed();
   const MutexLock lock(all.mutex);
   if (--all.users > 0) return;
@@ -226,7 +226,7 @@ FaultHandlers::~FaultHandlers() {
 }
 
 FaultStack::FaultStack() {
-  if constexpr (!kCanRescue) return;
+  if constexpr (!kGuardsFaults) return;
   const long smallest = sysconf(_SC_MINSIGSTKSZ);
   const std::size_t size = 16 * 1024 + static_cast<std::size_t>(std::max(smallest, 0L));
   memory_ = std::make_unique<std::byte[]>(size);  // touched

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "exec/system/tell_control.h"
+#include "exec/system/report_control.h"
 
 #include <algorithm>
 #include <utility>
@@ -27,8 +27,8 @@ std::string_view verb_of(const Edit& edit) {
 
 }  // namespace
 
-void tell_control(System& system, TraceKind kind, std::string_view name, Instant instant,
-                  std::uint64_t number) {
+void report_control(System& system, TraceKind kind, std::string_view name, Instant instant,
+                    std::uint64_t number) {
   if (!detail::traces(TraceMode::jobs)) return;
   TraceRecord record;
   record.time = system.runner->now() - system.t0;
@@ -41,9 +41,9 @@ void tell_control(System& system, TraceKind kind, std::string_view name, Instant
   system.control_trace.add(record);
 }
 
-void tell_members(System& system, const PreparedChange::Content& content, std::uint64_t number) {
+void report_members(System& system, const PreparedChange::Content& content, std::uint64_t number) {
   for (const PreparedMember& member : content.members) {
-    tell_control(system, TraceKind::member, member.component->name(), 0, number);
+    report_control(system, TraceKind::member, member.component->name(), 0, number);
   }
 }
 

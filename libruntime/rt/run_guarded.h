@@ -2,7 +2,8 @@
 /// Rescue: a fault of user code (SIGSEGV, SIGBUS, SIGFPE, SIGILL) ends the body it happened in, not
 /// the process; and a guard may end a body that does not return. No destructor of what was on the
 /// stack runs. Not where the fault lies in code of the system, which may hold locks of its own, and
-/// not when the code itself gave up (SIGABRT): there the process speaks its last words and dies.
+/// not when the code itself aborts (SIGABRT): there the crash handler writes the safe values and
+/// the process dies.
 #pragma once
 
 #include <array>
@@ -18,11 +19,11 @@ namespace mauve::rt {
 
 /// Sanitizers have handlers of their own.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-inline constexpr bool kCanRescue = false;
+inline constexpr bool kGuardsFaults = false;
 #elif defined(__x86_64__) || defined(__aarch64__)
-inline constexpr bool kCanRescue = true;
+inline constexpr bool kGuardsFaults = true;
 #else
-inline constexpr bool kCanRescue = false;
+inline constexpr bool kGuardsFaults = false;
 #endif
 
 /// The signal that makes a thread look whether its body shall end. Ignored unless handled, and of
@@ -59,7 +60,7 @@ inline const Watched kUnwatched;
 /// so does a call of abort(), exit(), quick_exit(), _exit() or pthread_exit(), a failed assertion
 /// or std::terminate(). A fault inside the C library does not: that may hold locks of its own.
 /// About 2 ns. [rt]
-[[nodiscard]] Fault rescued(void (*body)(void*), void* argument, const Watched& watched);
+[[nodiscard]] Fault run_guarded(void (*body)(void*), void* argument, const Watched& watched);
 
 /// Does the calling thread run a body?
 [[nodiscard]] bool in_body();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Hooks that do not return while a change is prepared: the thread that runs them is left behind,
+/// Hooks that do not return while a change is prepared: the thread that runs them is abandoned,
 /// and another one goes on.
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <optional>
 #include <thread>
 
-#include "model/leavable.h"
+#include "model/abandonable_thread.h"
 #include "support/eventually.h"
 #include "support/ramp.h"
 
@@ -41,7 +41,7 @@ struct Refusing : ramp::Up {
   Status on_configure() override { return invalid(step, "is not to its liking"); }
 };
 
-class GivenUp : public testing::Test {
+class Abandoned : public testing::Test {
  protected:
   void SetUp() override {
     closed() = true;
@@ -57,19 +57,19 @@ class GivenUp : public testing::Test {
     edit.core = CoreType::of<T>("test/core");
     return edit;
   }
-  /// Prepares on a thread that can be left behind.
+  /// Prepares on a thread that can be abandoned.
   template <typename T>
   void prepare() {
     thread_ = std::thread([this] {
-      leavable.begin_here();
+      abandonable_thread.begin_here();
       prepared.emplace(deployer.prepare({{edit<T>()}}));
     });
   }
   bool is_in(const std::string& hook) {
-    return eventually([&] { return leavable.hook() == hook; });
+    return eventually([&] { return abandonable_thread.hook() == hook; });
   }
   bool leave() {
-    return eventually([&] { return leavable.leave(); });
+    return eventually([&] { return abandonable_thread.leave(); });
   }
   void open() {
     closed() = false;
@@ -78,13 +78,13 @@ class GivenUp : public testing::Test {
 
   ramp::Architecture architecture;
   Deployer deployer{architecture, {.simulated = true}};
-  Leavable leavable;
+  AbandonableThread abandonable_thread;
   std::optional<Result<PreparedChange>> prepared;
   int configured_ = 0;
   std::thread thread_;
 };
 
-TEST_F(GivenUp, AnotherThreadPreparesTheNextChangeAndTheLateOneIsCleanedUp) {
+TEST_F(Abandoned, AnotherThreadPreparesTheNextChangeAndTheLateOneIsCleanedUp) {
   prepare<StuckHook>();
   ASSERT_TRUE(is_in("control.core on_configure"));
   ASSERT_TRUE(leave());
@@ -104,7 +104,7 @@ TEST_F(GivenUp, AnotherThreadPreparesTheNextChangeAndTheLateOneIsCleanedUp) {
   EXPECT_EQ(deployer.generation(), 2u);
 }
 
-TEST_F(GivenUp, AConstructorIsDropped) {
+TEST_F(Abandoned, AConstructorIsDropped) {
   prepare<StuckConstructor>();
   ASSERT_TRUE(is_in("control.core constructor"));
   ASSERT_TRUE(leave());
@@ -116,7 +116,7 @@ TEST_F(GivenUp, AConstructorIsDropped) {
   EXPECT_EQ(deployer.generation(), 2u);
 }
 
-TEST_F(GivenUp, ADestructorOfWhatWasRefusedHoldsNobodyUp) {
+TEST_F(Abandoned, ADestructorOfWhatWasRefusedHoldsNobodyUp) {
   prepare<Refusing>();
   ASSERT_TRUE(is_in("control destructor"));
   ASSERT_TRUE(leave());
@@ -124,7 +124,7 @@ TEST_F(GivenUp, ADestructorOfWhatWasRefusedHoldsNobodyUp) {
   EXPECT_TRUE(deployer.swap_core<ramp::Up>("control"));
 }
 
-TEST_F(GivenUp, ARollbackGetsIntoTheBooks) {
+TEST_F(Abandoned, ARollbackGetsIntoTheBooks) {
   Change change{{edit<ramp::Down>()}};
   change.probation.emplace();
   ASSERT_TRUE(deployer.apply(change));
@@ -141,7 +141,7 @@ TEST_F(GivenUp, ARollbackGetsIntoTheBooks) {
   EXPECT_EQ(deployer.generation(), 3u);
 }
 
-TEST_F(GivenUp, WhoIsNotLeftIsWaitedFor) {
+TEST_F(Abandoned, WhoIsNotLeftIsWaitedFor) {
   prepare<StuckHook>();
   ASSERT_TRUE(is_in("control.core on_configure"));
   auto other = std::async(std::launch::async,
@@ -151,7 +151,7 @@ TEST_F(GivenUp, WhoIsNotLeftIsWaitedFor) {
 
   EXPECT_TRUE(prepared->has_value());
   EXPECT_TRUE(other.get());
-  EXPECT_FALSE(leavable.left());
+  EXPECT_FALSE(abandonable_thread.left());
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// Hooks that do not return: the change is given up, its thread left behind, and the next one works.
+// Hooks that do not return: the change is dropped, its thread is abandoned, and the next one works.
 #include <cstdlib>
 
 #include "trial_daemon.h"
@@ -11,7 +11,7 @@ using testing::HasSubstr;
 using Json = protocol::Json;
 
 /// Gives up after a second. While the file `gate` is there, the stuck cores of "trial" are stuck.
-class GivenUp : public testing::Test {
+class Abandoned : public testing::Test {
  protected:
   void begin(const std::string& within = "1s", const std::string& architecture = kTrial) {
     setenv("MAUVE_TRIAL_WAITS", gate_.c_str(), 1);
@@ -37,7 +37,7 @@ class GivenUp : public testing::Test {
     params.update(more);
     return swap("trial/stuck", params);
   }
-  Json left_behind() { return ask("status.get")["left_behind"]; }
+  Json abandoned_threads() { return ask("status.get")["abandoned_threads"]; }
   /// The next change, of another component, goes through.
   void expect_next_change_works(double gain) {
     const auto next = ask("param.set", {{"values", {{"second.core.gain", gain}}}});
@@ -50,7 +50,7 @@ class GivenUp : public testing::Test {
   std::unique_ptr<TrialDaemon> daemon_;
 };
 
-TEST_F(GivenUp, TheOldCoreRunsOnAndTheNextChangeGoesThrough) {
+TEST_F(Abandoned, TheOldCoreRunsOnAndTheNextChangeGoesThrough) {
   begin();
   const auto before = daemon_->component("first");
 
@@ -61,7 +61,7 @@ TEST_F(GivenUp, TheOldCoreRunsOnAndTheNextChangeGoesThrough) {
   EXPECT_EQ(error["data"]["state"], "unchanged");
   EXPECT_EQ(error["data"]["generation"], 1);
   EXPECT_THAT(error["message"].get<std::string>(), HasSubstr("on_configure did not return"));
-  EXPECT_THAT(error["data"]["hint"].get<std::string>(), HasSubstr("left behind"));
+  EXPECT_THAT(error["data"]["hint"].get<std::string>(), HasSubstr("abandoned"));
   const auto after = daemon_->component("first");
   EXPECT_EQ(after["core"], "trial/steady");
   EXPECT_EQ(after["state"], "running");
@@ -73,41 +73,41 @@ TEST_F(GivenUp, TheOldCoreRunsOnAndTheNextChangeGoesThrough) {
   EXPECT_EQ(ask("status.get")["generation"], 2);
 }
 
-TEST_F(GivenUp, WhatReturnsLateIsCleanedUpAndNeverInForce) {
+TEST_F(Abandoned, WhatReturnsLateIsCleanedUpAndNeverInForce) {
   begin();
   ASSERT_EQ(swap_to_stuck()["data"]["name"], "timed_out");
-  ASSERT_EQ(left_behind().size(), 1U);
+  ASSERT_EQ(abandoned_threads().size(), 1U);
   EXPECT_FALSE(std::filesystem::exists(cleaned_));
 
   open();
 
-  EXPECT_TRUE(eventually([&] { return left_behind().empty(); }));
+  EXPECT_TRUE(eventually([&] { return abandoned_threads().empty(); }));
   EXPECT_TRUE(std::filesystem::exists(cleaned_));
   EXPECT_EQ(daemon_->component("first")["core"], "trial/steady");
   EXPECT_EQ(ask("status.get")["generation"], 1);
   EXPECT_EQ(swap_to_stuck()["state"], "applied") << "it does not hang any more";
   daemon_->process().signal(SIGTERM);
-  EXPECT_EQ(daemon_->process().wait(), 0) << "nothing is left behind";
+  EXPECT_EQ(daemon_->process().wait(), 0) << "no thread is abandoned";
 }
 
-TEST_F(GivenUp, IsToldInStatusAndLog) {
+TEST_F(Abandoned, IsToldInStatusAndLog) {
   begin();
   ASSERT_EQ(swap_to_stuck()["data"]["name"], "timed_out");
 
-  EXPECT_EQ(left_behind()[0]["hook"], "first.core on_configure");
-  EXPECT_THAT(left_behind()[0]["since"].get<std::string>(), HasSubstr("T"));
+  EXPECT_EQ(abandoned_threads()[0]["hook"], "first.core on_configure");
+  EXPECT_THAT(abandoned_threads()[0]["since"].get<std::string>(), HasSubstr("T"));
   EXPECT_THAT(daemon_->ctl({"status"}).out,
-              HasSubstr("left behind: first.core on_configure since "));
+              HasSubstr("abandoned thread: first.core on_configure since "));
   EXPECT_TRUE(eventually([&] {
     const auto records = ask("log.tail", {{"level", "error"}})["records"];
-    return !records.empty() && records[0]["event"] == "hook_left_behind";
+    return !records.empty() && records[0]["event"] == "hook_abandoned";
   }));
   const auto unload = ask("plugin.unload", {{"plugin", "trial"}});
   EXPECT_THAT(unload["message"].get<std::string>(), HasSubstr("trial/stuck"));
 }
 
 /// Each try would leave one more thread behind, until nobody could change anything.
-TEST_F(GivenUp, ARuleDoesNotTryAgain) {
+TEST_F(Abandoned, ARuleDoesNotTryAgain) {
   std::string supervised(kTrial);
   const std::string resources = "\"resources\"";
   supervised.insert(supervised.find(resources), R"("rules": [{ "name": "alone",
@@ -123,24 +123,24 @@ TEST_F(GivenUp, ARuleDoesNotTryAgain) {
     return rule()["answer"].get<std::string>().find("did not return") != std::string::npos;
   })) << rule();
   EXPECT_EQ(rule()["state"], "fired") << rule();
-  EXPECT_EQ(left_behind().size(), 1U);
+  EXPECT_EQ(abandoned_threads().size(), 1U);
   EXPECT_EQ(ask("param.set", {{"values", {{"second.core.gain", 2.0}}}})["state"], "applied");
 }
 
-TEST_F(GivenUp, EndsInBoundedTimeWithAThreadLeftBehind) {
+TEST_F(Abandoned, EndsInBoundedTimeWithAnAbandonedThread) {
   begin();
   ASSERT_EQ(swap_to_stuck()["data"]["name"], "timed_out");
   const auto start = std::chrono::steady_clock::now();
 
   daemon_->process().signal(SIGTERM);
 
-  EXPECT_EQ(daemon_->process().wait(), 1) << "a thread was left behind";
+  EXPECT_EQ(daemon_->process().wait(), 1) << "a thread was abandoned";
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(8)) << "without force";
   EXPECT_THAT(daemon_->errors(), HasSubstr("first.core on_configure did not return in time"));
   EXPECT_THAT(daemon_->errors(), HasSubstr("info    stopped"));
 }
 
-TEST_F(GivenUp, IsAConstructorThatDoesNotReturn) {
+TEST_F(Abandoned, IsAConstructorThatDoesNotReturn) {
   begin();
 
   const auto error = swap("trial/stuck_constructor");
@@ -150,17 +150,17 @@ TEST_F(GivenUp, IsAConstructorThatDoesNotReturn) {
   expect_next_change_works(2.0);
 }
 
-TEST_F(GivenUp, IsADestructorThatDoesNotReturnAfterTheAnswer) {
+TEST_F(Abandoned, IsADestructorThatDoesNotReturnAfterTheAnswer) {
   begin();
   ASSERT_EQ(swap("trial/stuck_destructor", {{"probation", "off"}})["state"], "applied");
 
   ASSERT_EQ(swap("trial/steady", {{"probation", "off"}})["state"], "applied");
 
   expect_next_change_works(2.0);
-  EXPECT_EQ(left_behind()[0]["hook"], "first destructor");
+  EXPECT_EQ(abandoned_threads()[0]["hook"], "first destructor");
 }
 
-TEST_F(GivenUp, InPlaceLeavesTheComponentSafeAndBarred) {
+TEST_F(Abandoned, InPlaceLeavesTheComponentSafeAndClosedToChanges) {
   begin();
   ASSERT_TRUE(daemon_->becomes("signal.read", 1.0));
 
@@ -172,16 +172,16 @@ TEST_F(GivenUp, InPlaceLeavesTheComponentSafeAndBarred) {
   EXPECT_TRUE(daemon_->becomes("signal.read", -1.0)) << "its safe value";
   const auto refused = ask("component.start", {{"components", {"first"}}});
   EXPECT_EQ(refused["data"]["name"], "wrong_state") << refused;
-  EXPECT_THAT(refused["message"].get<std::string>(), HasSubstr("left behind"));
+  EXPECT_THAT(refused["message"].get<std::string>(), HasSubstr("abandoned"));
   EXPECT_EQ(ask("plugin.reload", {{"plugin", "trial"}, {"probation", "off"}})["data"]["name"],
             "wrong_state");
   expect_next_change_works(2.0);
   open();
-  EXPECT_TRUE(eventually([&] { return left_behind().empty(); }));
+  EXPECT_TRUE(eventually([&] { return abandoned_threads().empty(); }));
   EXPECT_EQ(daemon_->component("first")["state"], "stopped");
 }
 
-TEST_F(GivenUp, IsAFileWhoseElementsAreNotMadeInTime) {
+TEST_F(Abandoned, IsAFileWhoseElementsAreNotMadeInTime) {
   begin();
   std::string text(kTrial);
   const std::string name = "\"trial/unit\",";
@@ -191,11 +191,11 @@ TEST_F(GivenUp, IsAFileWhoseElementsAreNotMadeInTime) {
 
   EXPECT_EQ(error["data"]["name"], "timed_out") << error;
   EXPECT_EQ(error["data"]["where"], "first.core");
-  EXPECT_EQ(left_behind(), Json::array()) << "it was another process that hung";
+  EXPECT_EQ(abandoned_threads(), Json::array()) << "it was another process that hung";
   expect_next_change_works(2.0);
 }
 
-TEST_F(GivenUp, IsAReloadWhoseNewCoresAreNotReady) {
+TEST_F(Abandoned, IsAReloadWhoseNewCoresAreNotReady) {
   begin();
   open();
   ASSERT_EQ(swap_to_stuck()["state"], "applied");
@@ -207,13 +207,13 @@ TEST_F(GivenUp, IsAReloadWhoseNewCoresAreNotReady) {
   EXPECT_EQ(error["data"]["name"], "timed_out") << error;
   EXPECT_TRUE(daemon_->becomes("first.core.number", 1)) << "the old code runs on";
   open();
-  ASSERT_TRUE(eventually([&] { return left_behind().empty(); }));
+  ASSERT_TRUE(eventually([&] { return abandoned_threads().empty(); }));
   const auto reloaded = ask("plugin.reload", {{"plugin", "trial"}, {"probation", "off"}});
   EXPECT_EQ(reloaded["unmapped"], true) << reloaded;
   EXPECT_TRUE(daemon_->becomes("first.core.number", 2));
 }
 
-TEST_F(GivenUp, IsAChangeWhoseReliefIsNotReady) {
+TEST_F(Abandoned, IsAChangeWhoseReliefIsNotReady) {
   std::string text(kTrial);
   const std::string first = R"("first":  { "type": "trial/unit",)";
   open();
@@ -226,13 +226,13 @@ TEST_F(GivenUp, IsAChangeWhoseReliefIsNotReady) {
 
   EXPECT_EQ(error["data"]["name"], "timed_out") << "it comes with the change: " << error;
   EXPECT_EQ(error["data"]["state"], "unchanged");
-  EXPECT_EQ(left_behind()[0]["hook"], "first.core on_configure");
+  EXPECT_EQ(abandoned_threads()[0]["hook"], "first.core on_configure");
   expect_next_change_works(2.0);
   expect_next_change_works(3.0);
-  EXPECT_EQ(left_behind().size(), 1U) << "it is not tried again";
+  EXPECT_EQ(abandoned_threads().size(), 1U) << "it is not tried again";
 }
 
-TEST_F(GivenUp, TooOftenRefusesWhatIsNewButNeverAStop) {
+TEST_F(Abandoned, TooOftenRefusesWhatIsNewButNeverAStop) {
   begin("100ms");
   for (int i = 0; i < 2; ++i) {
     ASSERT_EQ(swap_to_stuck()["data"]["name"], "timed_out");
@@ -246,7 +246,7 @@ TEST_F(GivenUp, TooOftenRefusesWhatIsNewButNeverAStop) {
   EXPECT_EQ(daemon_->component("first")["state"], "running");
   EXPECT_EQ(ask("component.stop", {{"all", true}})["state"], "applied");
   open();
-  ASSERT_TRUE(eventually([&] { return left_behind().empty(); }));
+  ASSERT_TRUE(eventually([&] { return abandoned_threads().empty(); }));
   EXPECT_TRUE(eventually([&] { return swap("trial/other")["state"] == "applied"; }));
 }
 

@@ -43,7 +43,7 @@ struct Sharing : Architecture {
   explicit Sharing(Duration hold = 0ms) {
     urgent.task() = task(30, 1ms);
     planner.task() = task(20, 12ms);
-    table.lock().declare_hold(hold);
+    table.lock().set_budget(hold);
   }
   Status on_configure() override {
     urgent.fsm().period = 10ms;
@@ -57,10 +57,10 @@ constexpr DeployOptions hold_options(Admission admission) {
   return {.realtime = Realtime::off, .simulated = true, .admission = admission};
 }
 
-Change with_hold(const std::string& resource, Duration hold) {
+Change with_lock_budget(const std::string& resource, Duration hold) {
   Edit edit;
   edit.component = resource;
-  edit.hold = hold;
+  edit.lock_budget = hold;
   return {{edit}};
 }
 
@@ -84,7 +84,7 @@ TEST(Hold, CountsAsBlockingInsteadOfTheWholeJob) {
   EXPECT_LT(of_urgent(timing).blocking, 100us) << "the hold and two switches";
   ASSERT_EQ(timing.locks.size(), 1U) << "shared data has none to speak of";
   EXPECT_EQ(timing.locks[0].resource, "table");
-  EXPECT_EQ(timing.locks[0].hold, 50us);
+  EXPECT_EQ(timing.locks[0].lock_budget, 50us);
   EXPECT_EQ(timing.locks[0].source, "declared");
 }
 
@@ -96,7 +96,8 @@ TEST(Hold, ThatNobodyKnowsCountsAsAWholeJobAndTheRefusalSaysWhatToDeclare) {
 
   ASSERT_FALSE(deployed);
   EXPECT_EQ(deployed.error().at, "urgent");
-  EXPECT_NE(deployed.error().hint.find("declare \"hold\" for resource table"), std::string::npos)
+  EXPECT_NE(deployed.error().hint.find("declare \"lock_budget\" for resource table"),
+            std::string::npos)
       << deployed.error().hint;
 
   Sharing other;
@@ -105,7 +106,7 @@ TEST(Hold, ThatNobodyKnowsCountsAsAWholeJobAndTheRefusalSaysWhatToDeclare) {
   const Timing timing = warning.analyze();
   EXPECT_GE(of_urgent(timing).blocking, 12ms);
   ASSERT_EQ(timing.locks.size(), 1U);
-  EXPECT_FALSE(timing.locks[0].hold);
+  EXPECT_FALSE(timing.locks[0].lock_budget);
   EXPECT_EQ(timing.locks[0].source, "unknown");
 }
 
@@ -117,7 +118,7 @@ TEST(Hold, IsNotBlamedForAJobThatIsLateWithoutIt) {
   const Status deployed = deployer.deploy();
 
   ASSERT_FALSE(deployed);
-  EXPECT_EQ(deployed.error().hint.find("hold"), std::string::npos) << deployed.error().hint;
+  EXPECT_EQ(deployed.error().hint.find("lock_budget"), std::string::npos) << deployed.error().hint;
 }
 
 TEST(Hold, ChangesInATransactionWithoutAnyThread) {
@@ -126,13 +127,13 @@ TEST(Hold, ChangesInATransactionWithoutAnyThread) {
   ASSERT_TRUE(deployer.deploy());
   deployer.run_for(20ms);
 
-  const Result<Receipt> done = deployer.apply(with_hold("table", 2ms));
+  const Result<Receipt> done = deployer.apply(with_lock_budget("table", 2ms));
 
   ASSERT_TRUE(done) << to_string(done.error());
   EXPECT_EQ(done->generation, 2U);
   ASSERT_EQ(done->components.size(), 1U);
   EXPECT_EQ(done->components[0].name, "table");
-  EXPECT_EQ(architecture.table.lock().declared_hold(), 2ms);
+  EXPECT_EQ(architecture.table.lock().budget(), 2ms);
   EXPECT_GE(of_urgent(deployer.analyze()).blocking, 2ms);
 }
 
@@ -141,25 +142,25 @@ TEST(Hold, ThatWouldMakeAJobLateIsRefusedAndChangesNothing) {
   Deployer deployer(architecture, hold_options(Admission::strict));
   ASSERT_TRUE(deployer.deploy());
 
-  const Result<Receipt> longer = deployer.apply(with_hold("table", 11ms));
-  const Result<Receipt> unknown = deployer.apply(with_hold("table", 0ms));
+  const Result<Receipt> longer = deployer.apply(with_lock_budget("table", 11ms));
+  const Result<Receipt> unknown = deployer.apply(with_lock_budget("table", 0ms));
 
   ASSERT_FALSE(longer);
   EXPECT_EQ(longer.error().at, "urgent");
   ASSERT_FALSE(unknown);
-  EXPECT_NE(unknown.error().hint.find("declare \"hold\""), std::string::npos);
-  EXPECT_EQ(architecture.table.lock().declared_hold(), 50us);
+  EXPECT_NE(unknown.error().hint.find("declare \"lock_budget\""), std::string::npos);
+  EXPECT_EQ(architecture.table.lock().budget(), 50us);
 }
 
 TEST(Hold, ComesBackWhenTheChangeIsTakenBack) {
   Sharing architecture(50us);
   Deployer deployer(architecture, hold_options(Admission::strict));
   ASSERT_TRUE(deployer.deploy());
-  Change change = with_hold("table", 1ms);
+  Change change = with_lock_budget("table", 1ms);
   change.probation.emplace();
   ASSERT_TRUE(deployer.apply(change));
   deployer.run_for(20ms);
-  ASSERT_EQ(architecture.table.lock().declared_hold(), 1ms);
+  ASSERT_EQ(architecture.table.lock().budget(), 1ms);
 
   const Status undone = deployer.undo();
   deployer.run_for(20ms);
@@ -167,7 +168,7 @@ TEST(Hold, ComesBackWhenTheChangeIsTakenBack) {
   static_cast<void>(deployer.tend(free));
 
   ASSERT_TRUE(undone) << to_string(undone.error());
-  EXPECT_EQ(architecture.table.lock().declared_hold(), 50us);
+  EXPECT_EQ(architecture.table.lock().budget(), 50us);
 }
 
 TEST(Hold, IsRefusedWhereItHasNoMeaning) {
@@ -175,15 +176,16 @@ TEST(Hold, IsRefusedWhereItHasNoMeaning) {
   Deployer deployer(architecture, hold_options(Admission::warn));
   ASSERT_TRUE(deployer.deploy());
 
-  for (const Change& change : {with_hold("table", -1us), with_hold("table", 1001ms),
-                               with_hold("shared", 50us), with_hold("urgent", 50us)}) {
+  for (const Change& change :
+       {with_lock_budget("table", -1us), with_lock_budget("table", 1001ms),
+        with_lock_budget("shared", 50us), with_lock_budget("urgent", 50us)}) {
     const Result<Receipt> done = deployer.apply(change);
 
     ASSERT_FALSE(done) << change.edits[0].component;
-    EXPECT_EQ(done.error().at, change.edits[0].component + ".hold");
+    EXPECT_EQ(done.error().at, change.edits[0].component + ".lock_budget");
     EXPECT_FALSE(done.error().message.empty());
   }
-  EXPECT_EQ(architecture.table.lock().declared_hold(), 50us);
+  EXPECT_EQ(architecture.table.lock().budget(), 50us);
 }
 
 }  // namespace

@@ -20,8 +20,8 @@ namespace mauve::exec {
 class System;
 
 /// One record of [control]. `instant` on the clock, 0: none. [any but rt]
-void tell_control(System& system, TraceKind kind, std::string_view name, Instant instant,
-                  std::uint64_t number);
+void report_control(System& system, TraceKind kind, std::string_view name, Instant instant,
+                    std::uint64_t number);
 
 /// A change in the words of the wire: "core.swap control", "component.stop a, b".
 [[nodiscard]] std::string what_of(const Change& change);
@@ -30,6 +30,6 @@ void tell_control(System& system, TraceKind kind, std::string_view name, Instant
 [[nodiscard]] std::vector<std::string> set_by(const Change& change);
 
 /// The components that take part, in a trace.
-void tell_members(System& system, const PreparedChange::Content& content, std::uint64_t number);
+void report_members(System& system, const PreparedChange::Content& content, std::uint64_t number);
 
 }  // namespace mauve::exec

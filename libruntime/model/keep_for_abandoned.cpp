@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "model/left_behind.h"
+#include "model/keep_for_abandoned.h"
 
 #include <vector>
 
@@ -7,7 +7,7 @@
 
 namespace mauve {
 
-void leave_behind(std::shared_ptr<const void> object) {
+void keep_for_abandoned(std::shared_ptr<const void> object) {
   static Mutex mutex;
   // Never destroyed: threads may run into their objects while the process ends.
   static auto* const objects = new std::vector<std::shared_ptr<const void>>;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A thread that runs user code for others. When that never returns it is left behind: from then on
-/// it may put away what it made itself, and nothing else.
+/// A thread that runs user code for others. When that code does not return, the thread is
+/// abandoned: from then on it may free the objects that it made itself, and nothing else.
 #pragma once
 
 #include <atomic>
@@ -11,27 +11,29 @@
 
 namespace mauve {
 
-/// How it stands to the model, which others use too:
-///   outside  in user code, or with things of its own: it can be left behind
-///   inside   uses the model, for a bounded time: who wants to leave it asks again
-///   left     for ever
-class Leavable {
+/// Where the thread is, seen from the model, which other threads use too:
+///   outside    in user code, or at objects of its own: it can be abandoned
+///   inside     it uses the model, for a bounded time: a caller of abandon() tries again
+///   abandoned  for ever
+class AbandonableThread {
  public:
   /// False: it is inside just now. [control]
-  [[nodiscard]] bool leave();
-  [[nodiscard]] bool left() const { return place_.load(std::memory_order_acquire) == Place::left; }
+  [[nodiscard]] bool abandon();
+  [[nodiscard]] bool abandoned() const {
+    return place_.load(std::memory_order_acquire) == Place::abandoned;
+  }
   /// The hook it is in, "first.core on_configure"; empty: none. [any]
   [[nodiscard]] std::string hook() const;
 
-  /// The calling thread's; null: nobody ever leaves that thread.
-  [[nodiscard]] static Leavable* here();
+  /// Of the calling thread; null: that thread is never abandoned.
+  [[nodiscard]] static AbandonableThread* here();
   /// The calling thread is this one until it ends. It outlives the thread.
   void begin_here();
 
  private:
   friend class Inside;
   friend class InHook;
-  enum class Place : std::uint8_t { outside, inside, left };
+  enum class Place : std::uint8_t { outside, inside, abandoned };
 
   bool move(Place from, Place to);
 
@@ -40,7 +42,7 @@ class Leavable {
   std::string hook_ MAUVE_GUARDED_BY(mutex_);
 };
 
-/// While it lives, the calling thread may use the model. False: it was left behind.
+/// While it lives, the calling thread may use the model. False: the thread is abandoned.
 class Inside {
  public:
   Inside();
@@ -50,7 +52,7 @@ class Inside {
   explicit operator bool() const { return inside_; }
 
  private:
-  Leavable* const here_;
+  AbandonableThread* const here_;
   bool inside_;
 };
 
@@ -60,16 +62,16 @@ class InHook {
   InHook(const std::string& at, const char* hook);
   InHook(const InHook&) = delete;
   InHook& operator=(const InHook&) = delete;
-  /// Once. False: it was left behind meanwhile.
+  /// Once. False: the thread was abandoned meanwhile.
   [[nodiscard]] bool back();
 
  private:
-  Leavable* const here_;
+  AbandonableThread* const here_;
   std::string before_;
   bool was_inside_ = false;
 };
 
-/// Was the calling thread left behind?
-[[nodiscard]] bool left_here();
+/// Is the calling thread abandoned?
+[[nodiscard]] bool abandoned_here();
 
 }  // namespace mauve
