@@ -7,13 +7,13 @@
 #include <iostream>
 #include <iterator>
 
-#include "arch/check_rules.h"
-#include "arch/load.h"
+#include "arch/build/check_rules.h"
+#include "arch/build/load.h"
 #include "daemon.h"
 #include "exec/admission/admission.h"
 #include "log/json_text.h"
-#include "mauve/architecture.h"
-#include "model/wiring.h"
+#include "mauve/host/architecture.h"
+#include "model/component/wiring.h"
 
 namespace mauve::daemon {
 namespace {

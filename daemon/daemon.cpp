@@ -9,17 +9,17 @@
 #include <iostream>
 #include <random>
 
-#include "arch/load.h"
+#include "arch/build/load.h"
 #include "commands/audit.h"
 #include "commands/model.h"
 #include "commands/recovery/quarantine.h"
 #include "commands/recovery/unproven.h"
-#include "mauve/architecture.h"
-#include "mauve/version.h"
+#include "mauve/host/architecture.h"
+#include "mauve/host/version.h"
 #include "monitor/heartbeat.h"
 #include "monitor/runtime_events.h"
 #include "notify.h"
-#include "rt/crash_handler.h"
+#include "rt/thread/crash_handler.h"
 #include "start_warnings.h"
 
 namespace mauve::daemon {

@@ -10,7 +10,7 @@
 #include <sstream>
 
 #include "base/duration.h"
-#include "mauve/version.h"
+#include "mauve/host/version.h"
 #include "protocol/socket_path.h"
 
 namespace mauve::daemon {

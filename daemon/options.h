@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "log/event.h"
-#include "mauve/deploy_options.h"
+#include "mauve/host/deploy_options.h"
 #include "mauve/time.h"
-#include "rt/guarded_outputs.h"
+#include "rt/guardian/guarded_outputs.h"
 
 namespace mauve::daemon {
 

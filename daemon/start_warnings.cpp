@@ -5,9 +5,9 @@
 #include <iterator>
 #include <string>
 
-#include "arch/check_rules.h"
-#include "mauve/architecture.h"
-#include "model/wiring.h"
+#include "arch/build/check_rules.h"
+#include "mauve/host/architecture.h"
+#include "model/component/wiring.h"
 
 namespace mauve::daemon {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 
-#include "rt/guardian_wire.h"
+#include "rt/guardian/guardian_wire.h"
 
 namespace mauve::guardian {
 

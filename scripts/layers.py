@@ -35,7 +35,11 @@ FOLDERS = {"libruntime/include": "public", "daemon/protocol": "protocol", "daemo
            "daemon": "daemon", "guardian": "guardian", "ctl": "ctl", "man": "man", "plugins": "plugins", "tests": "tests", "scripts": "tests",
            **{f"libruntime/{name}": name for name in RUNTIME.split()[1:]}}
 # A layer in rooms: its folders from the lowest to the highest. A room includes those before it, and no other.
-STAIRS = {"libruntime/exec": "update task run system swap admission recovery commit prepare observe deploy"}
+STAIRS = {"libruntime/rt": "process thread time machine ring guardian",
+          "libruntime/model": "job element port resource component",
+          "libruntime/plugin": "elf load stamp",
+          "libruntime/arch": "text parse compare build",
+          "libruntime/exec": "update task run system swap admission recovery commit prepare observe deploy"}
 # Third-party or system header (a prefix of what is included): the rooms it may be in. tests/ may use all.
 ROOMS = {
     "nlohmann/": "libruntime/arch/ daemon/protocol/ ctl/render/",
@@ -50,10 +54,10 @@ ROOMS = {
     "yaml-cpp/": "plugins/",
     **{f"{room}/": "plugins/ros/" for room in
        ("ros", "geometry_msgs", "nav_msgs", "sensor_msgs", "std_msgs")},
-    "dlfcn.h": "libruntime/plugin/ libruntime/rt/ends libruntime/rt/user_threads",
-    "link.h": "libruntime/plugin/ libruntime/rt/run_guarded libruntime/rt/user_threads",
-    "csetjmp": "libruntime/rt/run_guarded",
-    "setjmp.h": "libruntime/rt/run_guarded",
+    "dlfcn.h": "libruntime/plugin/ libruntime/rt/thread/ends libruntime/rt/thread/user_threads",
+    "link.h": "libruntime/plugin/ libruntime/rt/thread/run_guarded libruntime/rt/thread/user_threads",
+    "csetjmp": "libruntime/rt/thread/run_guarded",
+    "setjmp.h": "libruntime/rt/thread/run_guarded",
     "elf.h": "libruntime/plugin/ libruntime/include/mauve/plugin.h",
     "libelf.h": "libruntime/plugin/",
     "gelf.h": "libruntime/plugin/",

@@ -32,9 +32,9 @@ LARGE_CLASSES = {
     "libruntime/exec/commit/commit.h:Commit": 40,
     "libruntime/exec/recovery/probation_period.h:ProbationPeriod": 35,
     "libruntime/exec/run/threads.cpp:Threads": 29,
-    "libruntime/include/mauve/deployer.h:Deployer": 57,
-    "libruntime/include/mauve/resource_lock.h:ResourceLock": 33,
-    "libruntime/include/mauve/latest_value.h:LatestValue": 31,
+    "libruntime/include/mauve/host/deployer.h:Deployer": 57,
+    "libruntime/include/mauve/detail/resource_lock.h:ResourceLock": 33,
+    "libruntime/include/mauve/detail/latest_value.h:LatestValue": 31,
     "plugins/drivers/serial/line_thread.h:LineThread": 34,
 }
 # Function: its parameters today.
@@ -42,13 +42,7 @@ MANY_PARAMETERS = {
     "ProbationPeriod::ProbationPeriod": 7,
 }
 # Folder: its files today.
-CROWDED_FOLDERS = {
-    "libruntime/arch": 53,
-    "libruntime/include/mauve": 65,
-    "libruntime/model": 51,
-    "libruntime/plugin": 29,
-    "libruntime/rt": 58,
-}
+CROWDED_FOLDERS = {}
 # Headers that are a list: they declare one function of each of many sources, so that one table can name them all.
 LISTS = {
     "ctl/commands/actions.h",
@@ -90,9 +84,9 @@ STRAYS = {
     "libruntime/exec/commit/commit_books.cpp": 13,
     "libruntime/exec/deploy/in_place.cpp": 6,
     "libruntime/exec/task/job_runner.cpp": 2,
-    "libruntime/model/elements.cpp": 2,
-    "libruntime/rt/measured.cpp": 2,
-    "libruntime/rt/trace_names.cpp": 5,
+    "libruntime/model/element/elements.cpp": 2,
+    "libruntime/rt/time/measured.cpp": 2,
+    "libruntime/rt/ring/trace_names.cpp": 5,
     "libruntime/rules/parse_condition.cpp": 1,
     "plugins/navigation/pgm.cpp": 1,
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "doctor/checks.h"
-#include "mauve/version.h"
+#include "mauve/host/version.h"
 #include "render/words.h"
 
 namespace mauve::ctl::doctor {

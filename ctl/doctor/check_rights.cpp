@@ -5,7 +5,7 @@
 
 #include "doctor/checks.h"
 #include "render/words.h"
-#include "rt/process.h"
+#include "rt/process/process.h"
 
 namespace mauve::ctl::doctor {
 namespace {

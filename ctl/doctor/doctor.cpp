@@ -13,8 +13,8 @@
 #include "doctor/wake.h"
 #include "render/table.h"
 #include "render/words.h"
-#include "rt/machine_costs.h"
-#include "rt/thread.h"
+#include "rt/machine/machine_costs.h"
+#include "rt/thread/thread.h"
 
 namespace mauve::ctl {
 namespace {

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "render/words.h"
-#include "rt/process.h"
+#include "rt/process/process.h"
 
 namespace mauve::ctl::doctor {
 namespace {

@@ -7,11 +7,11 @@
 #include <limits>
 #include <memory>
 
-#include "mauve/clock.h"
+#include "mauve/detail/clock.h"
 #include "render/table.h"
 #include "render/words.h"
-#include "rt/futex.h"
-#include "rt/thread.h"
+#include "rt/thread/futex.h"
+#include "rt/thread/thread.h"
 
 namespace mauve::ctl::doctor {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "base/mutex.h"
 #include "base/thread_role.h"
-#include "mauve/change.h"
-#include "mauve/job.h"
-#include "rt/run_guarded.h"
+#include "mauve/detail/job.h"
+#include "mauve/host/change.h"
+#include "rt/thread/run_guarded.h"
 
 namespace mauve::daemon {
 

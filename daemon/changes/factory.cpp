@@ -5,9 +5,9 @@
 
 #include "base/mutex.h"
 #include "base/thread_role.h"
-#include "mauve/job.h"
-#include "model/abandonable_thread.h"
-#include "rt/run_guarded.h"
+#include "mauve/detail/job.h"
+#include "model/job/abandonable_thread.h"
+#include "rt/thread/run_guarded.h"
 
 namespace mauve::daemon {
 

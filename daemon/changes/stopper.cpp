@@ -6,7 +6,7 @@
 
 #include "base/mutex.h"
 #include "base/thread_role.h"
-#include "mauve/deployer.h"
+#include "mauve/host/deployer.h"
 
 namespace mauve::daemon {
 

@@ -13,7 +13,7 @@
 
 #include "base/mutex.h"
 #include "log/log.h"
-#include "mauve/ongoing.h"
+#include "mauve/host/ongoing.h"
 
 namespace mauve {
 class Deployer;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// config.get: the running system as a file. config.check: everything wrong with another one.
-#include "arch/describe.h"
-#include "arch/value_json.h"
+#include "arch/compare/describe.h"
+#include "arch/text/value_json.h"
 #include "commands/answer.h"
 #include "commands/change/architecture.h"
 #include "commands/model.h"

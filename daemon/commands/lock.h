@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "arch/change_lines.h"
+#include "arch/compare/change_lines.h"
 
 #include "commands/command.h"
 #include "rules/supervision.h"

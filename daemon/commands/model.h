@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "arch/target.h"
+#include "arch/parse/target.h"
 #include "commands/command.h"
 
 namespace mauve::daemon {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "arch/diff.h"
+#include "arch/compare/diff.h"
 #include "commands/command.h"
 
 namespace mauve::daemon {

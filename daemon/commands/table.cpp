@@ -9,7 +9,7 @@
 #include "commands/audit.h"
 #include "commands/model.h"
 #include "commands/recovery/abandoned.h"
-#include "mauve/version.h"
+#include "mauve/host/version.h"
 #include "monitor/watch.h"
 #include "state/state_store.h"
 

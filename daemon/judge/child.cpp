@@ -15,9 +15,9 @@
 #include <string>
 
 #include "judge/judgement.h"
-#include "model/abandonable_thread.h"
-#include "plugin/plugin_file.h"
-#include "rt/child.h"
+#include "model/job/abandonable_thread.h"
+#include "plugin/load/plugin_file.h"
+#include "rt/process/child.h"
 
 namespace mauve::daemon {
 

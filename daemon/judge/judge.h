@@ -15,7 +15,7 @@
 #include "judge/judgement.h"
 #include "mauve/time.h"
 #include "options.h"
-#include "rt/child.h"
+#include "rt/process/child.h"
 
 namespace mauve::daemon {
 

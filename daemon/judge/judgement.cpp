@@ -5,12 +5,12 @@
 #include <memory>
 #include <utility>
 
-#include "arch/build.h"
-#include "arch/diff_rules.h"
-#include "arch/load.h"
-#include "arch/parse.h"
-#include "arch/value_json.h"
-#include "mauve/architecture.h"
+#include "arch/build/build.h"
+#include "arch/build/load.h"
+#include "arch/compare/diff_rules.h"
+#include "arch/parse/parse.h"
+#include "arch/text/value_json.h"
+#include "mauve/host/architecture.h"
 
 namespace mauve::daemon {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "arch/problem.h"
-#include "plugin/catalog.h"
+#include "arch/text/problem.h"
+#include "plugin/load/catalog.h"
 #include "protocol/framing.h"
 
 namespace mauve::arch {

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "log/json_text.h"
-#include "mauve/value.h"
+#include "mauve/host/value.h"
 
 namespace mauve::logging {
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/mutex.h"
-#include "mauve/happening.h"
+#include "mauve/host/happening.h"
 
 namespace mauve::daemon {
 

@@ -7,7 +7,7 @@
 #include "base/duration.h"
 #include "commands/change/change.h"
 #include "commands/model.h"
-#include "mauve/architecture.h"
+#include "mauve/host/architecture.h"
 
 namespace mauve::daemon {
 

@@ -5,7 +5,7 @@
 
 #include "commands/command.h"
 #include "options.h"
-#include "rt/guardian_link.h"
+#include "rt/guardian/guardian_link.h"
 
 namespace mauve::daemon {
 

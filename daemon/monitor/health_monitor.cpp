@@ -18,7 +18,7 @@
 #include "commands/recovery/abandoned.h"
 #include "commands/recovery/quarantine.h"
 #include "commands/recovery/unproven.h"
-#include "mauve/architecture.h"
+#include "mauve/host/architecture.h"
 #include "monitor/supervisor.h"
 #include "state/state_store.h"
 

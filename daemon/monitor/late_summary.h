@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "mauve/happening.h"
+#include "mauve/host/happening.h"
 #include "mauve/time.h"
 
 namespace mauve::daemon {

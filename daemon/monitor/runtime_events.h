@@ -3,7 +3,7 @@
 #pragma once
 
 #include "log/log.h"
-#include "mauve/deployer.h"
+#include "mauve/host/deployer.h"
 #include "monitor/supervisor.h"
 
 namespace mauve::daemon {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "arch/transaction.h"
-#include "arch/value_json.h"
+#include "arch/parse/transaction.h"
+#include "arch/text/value_json.h"
 #include "base/duration.h"
 #include "base/mutex.h"
 #include "base/name.h"

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-#include "arch/value_json.h"
+#include "arch/text/value_json.h"
 #include "base/mutex.h"
 #include "base/thread_role.h"
 #include "commands/look/value.h"
-#include "mauve/architecture.h"
+#include "mauve/host/architecture.h"
 
 namespace mauve::daemon {
 

@@ -15,7 +15,7 @@
 
 #include "base/mutex.h"
 #include "commands/command.h"
-#include "mauve/tap.h"
+#include "mauve/detail/tap.h"
 
 namespace mauve::daemon {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "plugin/trust.h"
+#include "plugin/load/trust.h"
 
 namespace mauve::daemon {
 

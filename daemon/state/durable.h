@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "mauve/result.h"
-#include "rt/descriptor.h"
+#include "rt/process/descriptor.h"
 
 namespace mauve::daemon {
 

@@ -10,10 +10,10 @@
 #include <system_error>
 #include <utility>
 
-#include "arch/json.h"
-#include "arch/load.h"
+#include "arch/build/load.h"
+#include "arch/text/json.h"
 #include "base/mutex.h"
-#include "plugin/trust.h"
+#include "plugin/load/trust.h"
 #include "protocol/framing.h"
 #include "state/durable.h"
 

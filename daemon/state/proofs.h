@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <mauve/happening.h>
+#include <mauve/host/happening.h>
 
 namespace mauve::daemon {
 

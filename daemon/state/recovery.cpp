@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "arch/load.h"
+#include "arch/build/load.h"
 #include "judge/judge.h"
 
 namespace mauve::daemon {

@@ -12,11 +12,11 @@
 #include <random>
 #include <utility>
 
-#include "arch/load.h"
-#include "arch/value_json.h"
+#include "arch/build/load.h"
+#include "arch/text/value_json.h"
 #include "base/mutex.h"
-#include "plugin/trust.h"
-#include "rt/process.h"
+#include "plugin/load/trust.h"
+#include "rt/process/process.h"
 #include "state/durable.h"
 
 namespace mauve::daemon {

@@ -16,9 +16,9 @@
 #include "base/mutex.h"
 #include "changes/control.h"
 #include "log/log.h"
-#include "mauve/value.h"
+#include "mauve/host/value.h"
 #include "protocol/framing.h"
-#include "rt/descriptor.h"
+#include "rt/process/descriptor.h"
 #include "state/generations.h"
 
 namespace mauve::daemon {

@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "log/event.h"
-#include "mauve/version.h"
+#include "mauve/host/version.h"
 #include "protocol/trace.h"
-#include "rt/descriptor.h"
+#include "rt/process/descriptor.h"
 
 namespace mauve::daemon {
 

@@ -5,8 +5,8 @@
 
 #include "mauve/result.h"
 #include "mauve/trace.h"
-#include "rt/probe.h"
-#include "rt/trace_ring.h"
+#include "rt/machine/probe.h"
+#include "rt/ring/trace_ring.h"
 
 namespace mauve::daemon {
 

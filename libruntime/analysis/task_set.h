@@ -11,7 +11,7 @@
 
 namespace mauve::analysis {
 
-/// The costs of the machine, as the analysis takes them; mauve/machine.h has the values that a
+/// The costs of the machine, as the analysis takes them; mauve/host/machine.h has the values that a
 /// deployer assumes.
 struct Overheads {
   Duration wake{60us};       ///< lambda: from a timer's instant until the thread could run

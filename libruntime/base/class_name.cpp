@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include <mauve/class_name.h>
+#include <mauve/detail/class_name.h>
 
 #include <cstdlib>
 #include <memory>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include <mauve/value.h>
+#include <mauve/host/value.h>
 
 #include <charconv>
 #include <cmath>
 #include <limits>
 
-#include <mauve/codec.h>
+#include <mauve/detail/codec.h>
 
 namespace mauve {
 namespace {

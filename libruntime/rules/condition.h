@@ -11,9 +11,9 @@
 #include <variant>
 #include <vector>
 
+#include "mauve/host/value.h"
 #include "mauve/result.h"
 #include "mauve/time.h"
-#include "mauve/value.h"
 
 namespace mauve::rules {
 

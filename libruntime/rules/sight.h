@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "mauve/host/value.h"
 #include "mauve/result.h"
 #include "mauve/time.h"
-#include "mauve/value.h"
 
 namespace mauve::rules {
 

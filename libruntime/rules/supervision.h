@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "mauve/host/value.h"
 #include "mauve/time.h"
-#include "mauve/value.h"
 #include "rules/condition.h"
 #include "rules/trigger.h"
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <utility>
 
-#include <mauve/clock.h>
-#include <mauve/job.h>
+#include <mauve/detail/clock.h>
+#include <mauve/detail/job.h>
 
 #include "conversions.h"
 #include "hub.h"

@@ -13,7 +13,7 @@
 #include <string>
 #include <utility>
 
-#include <mauve/clock.h>
+#include <mauve/detail/clock.h>
 
 #include "conversions.h"
 #include "hub.h"

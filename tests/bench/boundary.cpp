@@ -11,7 +11,7 @@
 #include "bench/support/report.h"
 #include "bench/support/stepped_clock.h"
 
-#include <mauve/architecture.h>
+#include <mauve/host/architecture.h>
 
 #include "exec/task/task.h"
 #include "exec/update/decision.h"

@@ -14,10 +14,10 @@
 #include "bench/support/many.h"
 #include "bench/support/raw.h"
 #include "bench/support/report.h"
-#include "rt/futex.h"
-#include "rt/memory.h"
+#include "rt/process/memory.h"
+#include "rt/thread/futex.h"
 
-#include <mauve/deployer.h>
+#include <mauve/host/deployer.h>
 
 namespace bench {
 namespace {

@@ -14,9 +14,9 @@
 #include "bench/support/raw.h"
 #include "bench/support/report.h"
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
-#include <mauve/job.h>
+#include <mauve/detail/job.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 
 namespace bench {
 namespace {

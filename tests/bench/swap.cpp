@@ -14,8 +14,8 @@
 #include "exec/swap/two_phase_commit.h"
 #include "exec/task/task.h"
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 
 namespace bench {
 namespace {

@@ -9,13 +9,13 @@
 #include "bench/support/report.h"
 #include "bench/support/stepped_clock.h"
 
-#include <mauve/architecture.h>
-#include <mauve/job.h>
+#include <mauve/detail/job.h>
+#include <mauve/host/architecture.h>
 #include <mauve/trace.h>
 
 #include "exec/task/task.h"
 #include "exec/update/task_update.h"
-#include "rt/trace_ring.h"
+#include "rt/ring/trace_ring.h"
 
 namespace bench {
 namespace {

@@ -24,8 +24,8 @@
 #include "exec/system/events.h"
 #include "exec/system/system.h"
 
-#include <mauve/architecture.h>
-#include <mauve/receipt.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/receipt.h>
 
 namespace bench {
 namespace {

@@ -6,9 +6,9 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "arch/json.h"
-#include "arch/parse.h"
-#include "arch/value_json.h"
+#include "arch/parse/parse.h"
+#include "arch/text/json.h"
+#include "arch/text/value_json.h"
 
 namespace {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// What a daemon says about response times, and what it refuses because of them.
-#include "rt/thread.h"
+#include "rt/thread/thread.h"
 #include "trial_daemon.h"
 
 namespace mauve::test {

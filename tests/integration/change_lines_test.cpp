@@ -3,7 +3,7 @@
 // The same lines decide what a lock holds.
 #include <filesystem>
 
-#include "mauve/receipt.h"
+#include "mauve/host/receipt.h"
 #include "trial_daemon.h"
 
 namespace mauve::test {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // A client asks for a value that a plugin computes, and that code fails: on a thread of mauved.
-#include "rt/run_guarded.h"
+#include "rt/thread/run_guarded.h"
 #include "trial_daemon.h"
 
 namespace mauve::test {

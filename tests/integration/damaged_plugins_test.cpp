@@ -9,8 +9,8 @@
 #include <random>
 #include <span>
 
-#include "plugin/checksum.h"
-#include "rt/run_guarded.h"
+#include "plugin/elf/checksum.h"
+#include "rt/thread/run_guarded.h"
 #include "trial_daemon.h"
 
 namespace mauve::test {

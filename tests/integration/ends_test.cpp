@@ -17,14 +17,14 @@
 #include <string_view>
 #include <vector>
 
-#include "rt/run_guarded.h"
-#include "rt/thread.h"
+#include "rt/thread/run_guarded.h"
+#include "rt/thread/thread.h"
 #include "support/daemon_process.h"
 #include "support/disturbance.h"
 #include "support/guarded.h"
 #include "support/memory_group.h"
 
-#include <mauve/clock.h>
+#include <mauve/detail/clock.h>
 
 namespace mauve::test {
 namespace {

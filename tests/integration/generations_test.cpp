@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "kept_daemon.h"
-#include "rt/run_guarded.h"
+#include "rt/thread/run_guarded.h"
 
 namespace mauve::test {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <filesystem>
 
-#include "rt/run_guarded.h"
-#include "rt/thread.h"
+#include "rt/thread/run_guarded.h"
+#include "rt/thread/thread.h"
 #include "support/daemon_process.h"
 #include "support/guarded.h"
 

@@ -11,7 +11,7 @@
 
 #include <optional>
 
-#include "rt/guardian_link.h"
+#include "rt/guardian/guardian_link.h"
 #include "support/outlet.h"
 #include "support/process.h"
 #include "support/temp_dir.h"

@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "kept_daemon.h"
-#include "rt/run_guarded.h"
+#include "rt/thread/run_guarded.h"
 #include "support/notify_socket.h"
 
 namespace mauve::test {

@@ -3,7 +3,7 @@
 #include <csignal>
 #include <sstream>
 
-#include "rt/run_guarded.h"
+#include "rt/thread/run_guarded.h"
 #include "trial_daemon.h"
 
 namespace mauve::test {

@@ -14,7 +14,7 @@
 #include "changeable_systems.h"
 #include "mtrace/file.h"
 #include "request_mutator.h"
-#include "rt/thread.h"
+#include "rt/thread/thread.h"
 #include "support/crowd.h"
 #include "support/foreign_realtime.h"
 #include "support/lost_releases.h"

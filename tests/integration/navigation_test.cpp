@@ -9,11 +9,11 @@
 #include <memory>
 #include <string>
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 
-#include "arch/load.h"
-#include "plugin/catalog.h"
+#include "arch/build/load.h"
+#include "plugin/load/catalog.h"
 #include "support/proved_deployer.h"
 
 namespace {

@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "rt/thread.h"
+#include "rt/thread/thread.h"
 #include "support/daemon_process.h"
 #include "support/neighbours.h"
 #include "trial_daemon.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // Changes on probation: rolled back by themselves, undone, confirmed.
-#include "mauve/probation.h"
+#include "mauve/host/probation.h"
 #include "trial_daemon.h"
 
 namespace mauve::test {

@@ -12,7 +12,7 @@
 #include <string>
 #include <thread>
 
-#include "rt/thread.h"
+#include "rt/thread/thread.h"
 #include "support/daemon_process.h"
 #include "support/foreign_realtime.h"
 

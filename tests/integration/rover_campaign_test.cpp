@@ -14,7 +14,7 @@
 #include <thread>
 
 #include "mtrace/file.h"
-#include "rt/thread.h"
+#include "rt/thread/thread.h"
 #include "support/daemon_process.h"
 #include "support/disturbance.h"
 #include "support/foreign_realtime.h"

@@ -2,7 +2,7 @@
 // The life of mauved as a process: start, refusal, readiness, end.
 #include <chrono>
 
-#include "mauve/deploy_options.h"
+#include "mauve/host/deploy_options.h"
 #include "support/notify_socket.h"
 #include "trial_daemon.h"
 

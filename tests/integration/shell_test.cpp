@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // The model is operated from a shell: tasks, connections, several steps at once, services.
-#include "rt/run_guarded.h"
+#include "rt/thread/run_guarded.h"
 #include "trial_daemon.h"
 
 namespace mauve::test {

@@ -2,7 +2,7 @@
 // Changes of a running daemon, over its socket.
 #include <algorithm>
 
-#include "mauve/change.h"
+#include "mauve/host/change.h"
 #include "trial_daemon.h"
 
 namespace mauve::test {

@@ -10,13 +10,13 @@
 #include <memory>
 #include <string>
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 
 #include "../../plugins/drivers/serial/serial_port.h"
 #include "../../plugins/types/velocity.h"
-#include "arch/load.h"
-#include "plugin/catalog.h"
+#include "arch/build/load.h"
+#include "plugin/load/catalog.h"
 #include "support/eventually.h"
 #include "support/input_events.h"
 #include "support/proved_deployer.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // What the answer to a change tells besides: who does not run, what has another value now.
 #include "base/duration.h"
-#include "mauve/value.h"
+#include "mauve/host/value.h"
 #include "trial_daemon.h"
 
 namespace mauve::test {

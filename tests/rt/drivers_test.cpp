@@ -8,12 +8,12 @@
 #include <string>
 #include <thread>
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 
 #include "../../plugins/drivers/serial/serial_port.h"
-#include "arch/load.h"
-#include "plugin/catalog.h"
+#include "arch/build/load.h"
+#include "plugin/load/catalog.h"
 #include "rt/heap_probe.h"
 #include "rt/tty_probe.h"
 #include "support/eventually.h"

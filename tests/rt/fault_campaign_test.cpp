@@ -8,7 +8,7 @@
 
 #include <unistd.h>
 
-#include "rt/run_guarded.h"
+#include "rt/thread/run_guarded.h"
 #include "support/campaign.h"
 #include "support/outcomes.h"
 #include "support/ramp.h"

@@ -8,7 +8,7 @@
 #include "../../plugins/localization/gnss_to_utm.h"
 #include "rt/heap_probe.h"
 
-#include <mauve/architecture.h>
+#include <mauve/host/architecture.h>
 
 namespace localization {
 namespace {

@@ -6,13 +6,13 @@
 #include <chrono>
 #include <thread>
 
-#include "rt/machine_costs.h"
-#include "rt/preemption.h"
-#include "rt/thread.h"
+#include "rt/machine/machine_costs.h"
+#include "rt/thread/preemption.h"
+#include "rt/thread/thread.h"
 #include "support/eventually.h"
 
-#include <mauve/clock.h>
-#include <mauve/resource_lock.h>
+#include <mauve/detail/clock.h>
+#include <mauve/detail/resource_lock.h>
 
 namespace mauve {
 namespace {

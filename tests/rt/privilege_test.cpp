@@ -11,8 +11,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "rt/fifo.h"
-#include "rt/thread.h"
+#include "rt/process/fifo.h"
+#include "rt/thread/thread.h"
 #include "support/eventually.h"
 #include "support/ramp.h"
 

@@ -38,8 +38,8 @@ class Layers(unittest.TestCase):
 
     def test_refuses_a_lower_layer_that_knows_a_higher_one(self):
         self.refused({"libruntime/exec/task.h": "#pragma once\n",
-                      "libruntime/model/fsm.cpp": '\n#include "exec/task.h"\n'},
-                     "libruntime/model/fsm.cpp:2: layer model may use")
+                      "libruntime/model/element/fsm.cpp": '\n#include "exec/task.h"\n'},
+                     "libruntime/model/element/fsm.cpp:2: layer model may use")
 
     def test_refuses_neighbours_that_must_not_know_each_other(self):
         self.refused({"libruntime/exec/task.h": "", "libruntime/plugin/a.cpp": '#include "exec/task.h"\n'},
@@ -64,7 +64,7 @@ class Layers(unittest.TestCase):
 
     def test_sees_a_relative_include(self):
         self.refused({"libruntime/exec/task.h": "",
-                      "libruntime/rt/clock.cpp": '#include "../exec/task.h"\n'}, "not exec")
+                      "libruntime/rt/time/clock.cpp": '#include "../exec/task.h"\n'}, "not exec")
 
     def test_refuses_a_library_outside_its_room(self):
         self.refused({"libruntime/model/a.cpp": "#include <nlohmann/json.hpp>\n"},
@@ -72,7 +72,7 @@ class Layers(unittest.TestCase):
         self.refused({"libruntime/exec/a.cpp": "#include <dlfcn.h>\n"}, "belongs in libruntime/plugin/")
 
     def test_accepts_a_library_in_its_room(self):
-        self.accepted({"libruntime/arch/parse.cpp": "#include <nlohmann/json.hpp>\n",
+        self.accepted({"libruntime/arch/parse/parse.cpp": "#include <nlohmann/json.hpp>\n",
                        "tests/unit/a_test.cpp": "#include <gtest/gtest.h>\n"})
 
     def test_refuses_a_file_in_no_layer(self):

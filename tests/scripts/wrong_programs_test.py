@@ -44,7 +44,7 @@ MAUVE_PLUGIN(plugin) { %s }
 """
 
 LISTING = """
-#include <mauve/architecture.h>
+#include <mauve/host/architecture.h>
 #include <mauve/plugin.h>
 struct Scan { double range = 0; };
 struct ScannerShell : mauve::Shell {

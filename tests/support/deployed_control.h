@@ -12,14 +12,14 @@
 #include <string_view>
 #include <utility>
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 
 #include "../../plugins/types/pose.h"
 #include "../../plugins/types/scan.h"
 #include "../../plugins/types/velocity.h"
-#include "arch/load.h"
-#include "plugin/catalog.h"
+#include "arch/build/load.h"
+#include "plugin/load/catalog.h"
 #include "support/drive.h"
 
 namespace support {

@@ -8,10 +8,10 @@
 #include <thread>
 #include <vector>
 
-#include "rt/futex.h"
-#include "rt/thread.h"
+#include "rt/thread/futex.h"
+#include "rt/thread/thread.h"
 
-#include <mauve/clock.h>
+#include <mauve/detail/clock.h>
 
 namespace mauve::test {
 

@@ -12,12 +12,12 @@
 #include <thread>
 #include <vector>
 
-#include "rt/futex.h"
-#include "rt/thread.h"
+#include "rt/thread/futex.h"
+#include "rt/thread/thread.h"
 #include "support/process.h"
 #include "support/temp_dir.h"
 
-#include <mauve/clock.h>
+#include <mauve/detail/clock.h>
 
 namespace mauve::test {
 

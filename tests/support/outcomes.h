@@ -6,7 +6,7 @@
 
 #include "support/eventually.h"
 
-#include <mauve/deployer.h>
+#include <mauve/host/deployer.h>
 
 namespace mauve::test {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-#include <mauve/deployer.h>
+#include <mauve/host/deployer.h>
 #include <mauve/trace.h>
 
 #include "mtrace/check.h"

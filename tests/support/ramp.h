@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 #include <mauve/plugin.h>
 
 namespace ramp {

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
-#include <mauve/job.h>
+#include <mauve/detail/job.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 #include <mauve/plugin.h>
 
 namespace stampers {

@@ -9,8 +9,8 @@
 #include <thread>
 #include <utility>
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 
 namespace store {
 

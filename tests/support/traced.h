@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <mauve/deployer.h>
+#include <mauve/host/deployer.h>
 #include <mauve/trace.h>
 
 namespace mauve::test {

@@ -19,9 +19,9 @@
 #include <string>
 #include <utility>
 
-#include "arch/diff_rules.h"
-#include "arch/load.h"
-#include "arch/value_json.h"
+#include "arch/build/load.h"
+#include "arch/compare/diff_rules.h"
+#include "arch/text/value_json.h"
 #include "commands/answer.h"
 #include "commands/change/change.h"
 #include "commands/change/policies.h"
@@ -29,7 +29,7 @@
 #include "commands/lock.h"
 #include "commands/model.h"
 #include "commands/recovery/abandoned.h"
-#include "mauve/architecture.h"
+#include "mauve/host/architecture.h"
 #include "monitor/supervisor.h"
 
 namespace mauve::daemon {

@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "arch/describe.h"
-#include "arch/problem.h"
+#include "arch/compare/describe.h"
+#include "arch/text/problem.h"
 #include "commands/command.h"
 
 namespace mauve::daemon {

@@ -4,17 +4,17 @@
 #include <memory>
 #include <new>
 
-#include "arch/value_json.h"
+#include "arch/text/value_json.h"
 #include "commands/answer.h"
 #include "commands/change/change.h"
 #include "commands/look/value.h"
 #include "commands/model.h"
-#include "mauve/architecture.h"
-#include "mauve/port_base.h"
+#include "mauve/detail/port_base.h"
+#include "mauve/host/architecture.h"
 #include "mauve/resource.h"
 #include "mauve/service.h"
-#include "model/look_outside.h"
-#include "model/wiring.h"
+#include "model/component/wiring.h"
+#include "model/job/look_outside.h"
 
 namespace mauve::daemon {
 

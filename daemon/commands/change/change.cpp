@@ -12,8 +12,8 @@
 #include "commands/recovery/unproven.h"
 #include "exec/system/prepared.h"
 #include "judge/judgement.h"
-#include "mauve/architecture.h"
-#include "model/elements.h"
+#include "mauve/host/architecture.h"
+#include "model/element/elements.h"
 
 namespace mauve::daemon {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// change.apply: steps as those of a transaction in an architecture file, all at one instant.
-#include "arch/check_steps.h"
-#include "arch/json.h"
-#include "arch/parse_rules.h"
-#include "arch/transaction.h"
+#include "arch/build/check_steps.h"
+#include "arch/parse/parse_rules.h"
+#include "arch/parse/transaction.h"
+#include "arch/text/json.h"
 #include "commands/answer.h"
 #include "commands/change/change.h"
 #include "commands/change/policies.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "arch/value_json.h"
+#include "arch/text/value_json.h"
 
 #include "base/thread_role.h"
 #include "commands/change/change.h"

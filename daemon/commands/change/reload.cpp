@@ -12,7 +12,7 @@
 #include <iterator>
 #include <optional>
 
-#include "arch/value_json.h"
+#include "arch/text/value_json.h"
 #include "commands/answer.h"
 #include "commands/change/change.h"
 #include "commands/change/policies.h"
@@ -23,7 +23,7 @@
 #include "commands/recovery/former.h"
 #include "commands/recovery/quarantine.h"
 #include "commands/recovery/unproven.h"
-#include "mauve/architecture.h"
+#include "mauve/host/architecture.h"
 
 namespace mauve::daemon {
 

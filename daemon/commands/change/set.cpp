@@ -3,8 +3,8 @@
 /// change.
 #include <algorithm>
 
-#include "arch/task_attributes.h"
-#include "arch/value_json.h"
+#include "arch/compare/task_attributes.h"
+#include "arch/text/value_json.h"
 #include "commands/answer.h"
 #include "commands/change/change.h"
 #include "commands/change/policies.h"

@@ -3,7 +3,7 @@
 #include "commands/answer.h"
 #include "commands/change/change.h"
 #include "commands/look/named.h"
-#include "mauve/architecture.h"
+#include "mauve/host/architecture.h"
 
 namespace mauve::daemon {
 

@@ -2,15 +2,15 @@
 /// core.swap: another core behind the same contract, at a boundary, state handed over.
 #include <algorithm>
 
-#include "arch/diff.h"
-#include "arch/value_json.h"
+#include "arch/compare/diff.h"
+#include "arch/text/value_json.h"
 #include "base/duration.h"
 #include "commands/answer.h"
 #include "commands/change/change.h"
 #include "commands/change/policies.h"
 #include "commands/model.h"
 #include "commands/path_rule.h"
-#include "mauve/architecture.h"
+#include "mauve/host/architecture.h"
 
 namespace mauve::daemon {
 

@@ -5,7 +5,7 @@
 
 #include <utility>
 
-#include "arch/spec.h"
+#include "arch/parse/spec.h"
 #include "commands/answer.h"
 
 namespace mauve::daemon {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// condition.get: what a condition, as of a rule, says now.
 #include "rules/condition.h"
-#include "arch/quantity.h"
-#include "arch/value_json.h"
+#include "arch/parse/quantity.h"
+#include "arch/text/value_json.h"
 #include "commands/answer.h"
 #include "commands/look/value.h"
 

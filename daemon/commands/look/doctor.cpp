@@ -10,8 +10,8 @@
 
 #include "commands/command.h"
 #include "options.h"
-#include "plugin/trust.h"
-#include "rt/process.h"
+#include "plugin/load/trust.h"
+#include "rt/process/process.h"
 #include "state/state_store.h"
 
 namespace mauve::daemon {

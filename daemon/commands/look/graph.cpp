@@ -2,8 +2,8 @@
 /// architecture.graph: all elements and connections in one look, for pictures.
 #include "commands/look/parts_json.h"
 #include "commands/look/value.h"
-#include "mauve/architecture.h"
-#include "mauve/port_base.h"
+#include "mauve/detail/port_base.h"
+#include "mauve/host/architecture.h"
 
 namespace mauve::daemon {
 

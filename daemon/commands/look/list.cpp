@@ -6,8 +6,8 @@
 #include "commands/answer.h"
 #include "commands/model.h"
 #include "log/event.h"
-#include "mauve/architecture.h"
-#include "mauve/port_base.h"
+#include "mauve/detail/port_base.h"
+#include "mauve/host/architecture.h"
 #include "mauve/service.h"
 
 namespace mauve::daemon {

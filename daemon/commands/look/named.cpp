@@ -5,7 +5,7 @@
 
 #include "commands/answer.h"
 #include "commands/model.h"
-#include "mauve/architecture.h"
+#include "mauve/host/architecture.h"
 
 namespace mauve::daemon {
 

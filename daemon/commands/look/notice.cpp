@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "commands/recovery/quarantine.h"
-#include "mauve/architecture.h"
+#include "mauve/host/architecture.h"
 
 namespace mauve::daemon {
 

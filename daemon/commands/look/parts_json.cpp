@@ -3,11 +3,11 @@
 
 #include "base/thread_role.h"
 
-#include "arch/built_in.h"
-#include "mauve/port_base.h"
+#include "arch/parse/built_in.h"
+#include "mauve/detail/port_base.h"
 #include "mauve/resource.h"
 #include "mauve/service.h"
-#include "model/wiring.h"
+#include "model/component/wiring.h"
 
 namespace mauve::daemon {
 

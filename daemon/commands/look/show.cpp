@@ -2,16 +2,16 @@
 /// object.get and param.get: everything about one thing, and the value of one thing.
 #include <initializer_list>
 
-#include "arch/describe.h"
-#include "arch/value_json.h"
+#include "arch/compare/describe.h"
+#include "arch/text/value_json.h"
 #include "base/duration.h"
 #include "commands/answer.h"
 #include "commands/look/parts_json.h"
 #include "commands/look/value.h"
 #include "commands/model.h"
-#include "mauve/architecture.h"
+#include "mauve/detail/port_base.h"
+#include "mauve/host/architecture.h"
 #include "mauve/observable.h"
-#include "mauve/port_base.h"
 #include "mauve/resource.h"
 #include "mauve/service.h"
 

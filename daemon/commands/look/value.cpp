@@ -3,15 +3,15 @@
 
 #include <optional>
 
-#include "arch/built_in.h"
-#include "arch/task_attributes.h"
-#include "arch/value_json.h"
+#include "arch/compare/task_attributes.h"
+#include "arch/parse/built_in.h"
+#include "arch/text/value_json.h"
 #include "base/duration.h"
 #include "mauve/observable.h"
 #include "mauve/property.h"
 #include "mauve/resource.h"
 #include "mauve/service.h"
-#include "model/look_outside.h"
+#include "model/job/look_outside.h"
 
 namespace mauve::daemon {
 

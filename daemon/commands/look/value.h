@@ -2,7 +2,7 @@
 /// The value behind an address, as JSON. [control]
 #pragma once
 
-#include "arch/quantity.h"
+#include "arch/parse/quantity.h"
 #include "commands/model.h"
 
 namespace mauve::daemon {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "protocol/message.h"
-#include "rt/process.h"
+#include "rt/process/process.h"
 
 namespace mauve::daemon {
 

@@ -5,8 +5,8 @@
 #include <initializer_list>
 
 #include "commands/command.h"
-#include "mauve/architecture.h"
-#include "mauve/version.h"
+#include "mauve/host/architecture.h"
+#include "mauve/host/version.h"
 
 namespace mauve::daemon {
 

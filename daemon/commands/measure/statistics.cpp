@@ -6,8 +6,8 @@
 #include "commands/answer.h"
 #include "commands/measure/kernel_counts.h"
 #include "commands/model.h"
-#include "mauve/architecture.h"
-#include "rt/process.h"
+#include "mauve/host/architecture.h"
+#include "rt/process/process.h"
 
 namespace mauve::daemon {
 

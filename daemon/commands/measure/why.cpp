@@ -7,7 +7,7 @@
 #include "commands/look/log_json.h"
 #include "commands/measure/kernel_counts.h"
 #include "commands/model.h"
-#include "mauve/architecture.h"
+#include "mauve/host/architecture.h"
 #include "mauve/service.h"
 #include "state/state_store.h"
 

@@ -7,7 +7,7 @@
 #include <cstddef>
 
 #include "base/duration.h"
-#include "mauve/architecture.h"
+#include "mauve/host/architecture.h"
 
 namespace mauve::daemon {
 

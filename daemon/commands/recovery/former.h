@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "mauve/result.h"
-#include "plugin/catalog.h"
+#include "plugin/load/catalog.h"
 
 namespace mauve {
 struct Outcome;

@@ -10,7 +10,7 @@
 #include "commands/model.h"
 #include "commands/recovery/abandoned.h"
 #include "exec/system/prepared.h"
-#include "mauve/architecture.h"
+#include "mauve/host/architecture.h"
 
 namespace mauve::daemon {
 

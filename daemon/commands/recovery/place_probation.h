@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "mauve/happening.h"
-#include "mauve/probation.h"
+#include "mauve/host/happening.h"
+#include "mauve/host/probation.h"
 #include "mauve/result.h"
 
 namespace mauve {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "mauve/architecture.h"
+#include "mauve/host/architecture.h"
 #include "state/recovery.h"
 #include "state/state_store.h"
 

@@ -14,7 +14,7 @@
 #include "exec/admission/timing_report.h"
 #include "exec/system/prepared.h"
 
-#include <mauve/architecture.h>
+#include <mauve/host/architecture.h>
 
 namespace mauve::exec {
 namespace {

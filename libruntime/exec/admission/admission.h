@@ -8,7 +8,7 @@
 
 #include "exec/system/system.h"
 
-#include <mauve/timing.h>
+#include <mauve/host/timing.h>
 
 namespace mauve::exec {
 

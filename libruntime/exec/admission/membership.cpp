@@ -11,7 +11,7 @@
 #include "exec/system/events.h"
 #include "exec/system/make_update.h"
 #include "exec/system/trace_records.h"
-#include "model/keep_for_abandoned.h"
+#include "model/job/keep_for_abandoned.h"
 
 #include <mauve/component.h>
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <map>
 
-#include "rt/thread.h"
+#include "rt/thread/thread.h"
 
 #include <mauve/component.h>
 #include <mauve/service.h>

@@ -8,7 +8,7 @@
 
 #include "exec/system/system.h"
 
-#include <mauve/binding.h>
+#include <mauve/detail/binding.h>
 
 namespace mauve::exec {
 

@@ -10,8 +10,8 @@
 #include "analysis/task_set.h"
 
 #include <mauve/component.h>
+#include <mauve/host/timing.h>
 #include <mauve/resource.h>
-#include <mauve/timing.h>
 
 namespace mauve::exec {
 

@@ -10,7 +10,7 @@
 #include "exec/admission/timing_model.h"
 #include "exec/system/system.h"
 
-#include <mauve/timing.h>
+#include <mauve/host/timing.h>
 
 namespace mauve::exec {
 

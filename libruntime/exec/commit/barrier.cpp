@@ -9,10 +9,10 @@
 #include "base/fail_point.h"
 #include "exec/commit/commit.h"
 #include "exec/swap/bystanders.h"
-#include "rt/deadline.h"
+#include "rt/thread/deadline.h"
 
+#include <mauve/host/receipt.h>
 #include <mauve/observable.h>
-#include <mauve/receipt.h>
 #include <mauve/resource.h>
 
 namespace mauve::exec {

@@ -21,9 +21,9 @@
 #include "exec/swap/two_phase_commit.h"
 #include "exec/system/prepared.h"
 #include "exec/system/system.h"
-#include "model/state_transfer.h"
+#include "model/element/state_transfer.h"
 
-#include <mauve/receipt.h>
+#include <mauve/host/receipt.h>
 
 namespace mauve::exec {
 

@@ -15,9 +15,9 @@
 #include "exec/system/make_update.h"
 #include "exec/system/report_control.h"
 
-#include <mauve/architecture.h>
-#include <mauve/job.h>
-#include <mauve/receipt.h>
+#include <mauve/detail/job.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/receipt.h>
 #include <mauve/resource.h>
 
 namespace mauve::exec {

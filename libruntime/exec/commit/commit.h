@@ -13,8 +13,8 @@
 #include "exec/system/prepared.h"
 #include "exec/system/system.h"
 
-#include <mauve/ongoing.h>
-#include <mauve/receipt.h>
+#include <mauve/host/ongoing.h>
+#include <mauve/host/receipt.h>
 
 namespace mauve::exec {
 

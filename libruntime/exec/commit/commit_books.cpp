@@ -10,8 +10,8 @@
 #include "exec/system/make_update.h"
 #include "exec/system/report_control.h"
 
-#include <mauve/architecture.h>
-#include <mauve/receipt.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/receipt.h>
 
 namespace mauve::exec {
 

@@ -16,11 +16,11 @@
 #include "exec/recovery/standby.h"
 #include "exec/system/make_update.h"
 #include "exec/system/system.h"
-#include "rt/measured.h"
-#include "rt/memory.h"
-#include "rt/process.h"
+#include "rt/process/memory.h"
+#include "rt/process/process.h"
+#include "rt/time/measured.h"
 
-#include <mauve/architecture.h>
+#include <mauve/host/architecture.h>
 
 namespace mauve::exec {
 namespace {

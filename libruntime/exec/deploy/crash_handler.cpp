@@ -12,9 +12,9 @@
 #include "base/mutex.h"
 #include "exec/system/events.h"
 #include "exec/task/safe_values.h"
-#include "rt/fence.h"
+#include "rt/thread/fence.h"
 
-#include <mauve/job.h>
+#include <mauve/detail/job.h>
 
 namespace mauve::exec {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include <mauve/deployer.h>
+#include <mauve/host/deployer.h>
 
 #include "exec/admission/admission.h"
 
@@ -19,10 +19,10 @@
 #include "exec/system/events.h"
 #include "exec/system/report_control.h"
 #include "exec/system/trace_records.h"
-#include "rt/measured.h"
+#include "rt/time/measured.h"
 
-#include <mauve/architecture.h>
-#include <mauve/job.h>
+#include <mauve/detail/job.h>
+#include <mauve/host/architecture.h>
 
 namespace mauve {
 namespace {

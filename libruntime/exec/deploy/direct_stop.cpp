@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-#include <mauve/ongoing.h>
+#include <mauve/host/ongoing.h>
 
 #include "base/mutex.h"
 

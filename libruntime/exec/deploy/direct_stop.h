@@ -11,7 +11,7 @@
 
 #include "exec/system/system.h"
 
-#include <mauve/ongoing.h>
+#include <mauve/host/ongoing.h>
 
 namespace mauve::exec {
 

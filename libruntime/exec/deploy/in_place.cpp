@@ -9,13 +9,13 @@
 #include "exec/prepare/prepare.h"
 #include "exec/recovery/inherit.h"
 #include "exec/system/report_control.h"
-#include "model/abandonable_thread.h"
-#include "model/elements.h"
-#include "model/hand_over.h"
+#include "model/element/elements.h"
+#include "model/element/hand_over.h"
+#include "model/job/abandonable_thread.h"
 
-#include <mauve/deployer.h>
+#include <mauve/detail/job.h>
 #include <mauve/fsm.h>
-#include <mauve/job.h>
+#include <mauve/host/deployer.h>
 
 namespace mauve {
 namespace {

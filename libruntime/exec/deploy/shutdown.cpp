@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "exec/deploy/stop.h"
-#include "model/keep_for_abandoned.h"
+#include "model/job/keep_for_abandoned.h"
 
 namespace mauve::exec {
 namespace {

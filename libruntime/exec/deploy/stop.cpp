@@ -8,9 +8,9 @@
 #include "exec/commit/under_way.h"
 #include "exec/system/report_control.h"
 #include "exec/task/safe_values.h"
-#include "rt/deadline.h"
+#include "rt/thread/deadline.h"
 
-#include <mauve/receipt.h>
+#include <mauve/host/receipt.h>
 #include <mauve/resource.h>
 #include <mauve/service.h>
 

@@ -9,8 +9,8 @@
 
 #include "exec/commit/commit.h"
 
-#include <mauve/ongoing.h>
-#include <mauve/receipt.h>
+#include <mauve/host/ongoing.h>
+#include <mauve/host/receipt.h>
 
 namespace mauve::exec {
 

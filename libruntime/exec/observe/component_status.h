@@ -4,7 +4,7 @@
 
 #include "exec/system/system.h"
 
-#include <mauve/happening.h>
+#include <mauve/host/happening.h>
 
 namespace mauve::exec {
 

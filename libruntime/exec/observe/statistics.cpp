@@ -3,7 +3,7 @@
 
 #include "base/thread_role.h"
 
-#include "rt/measured.h"
+#include "rt/time/measured.h"
 
 #include <mauve/component.h>
 #include <mauve/fsm.h>

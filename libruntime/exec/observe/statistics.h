@@ -4,7 +4,7 @@
 
 #include "exec/system/system.h"
 
-#include <mauve/statistics.h>
+#include <mauve/host/statistics.h>
 
 namespace mauve::exec {
 

@@ -8,9 +8,9 @@
 #include "exec/admission/admission.h"
 #include "exec/system/system.h"
 
-#include <mauve/architecture.h>
 #include <mauve/component.h>
 #include <mauve/fsm.h>
+#include <mauve/host/architecture.h>
 #include <mauve/resource.h>
 
 namespace mauve::exec {

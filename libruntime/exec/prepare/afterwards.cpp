@@ -5,11 +5,11 @@
 #include <string>
 #include <string_view>
 
-#include <mauve/architecture.h>
-#include <mauve/change.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/change.h>
 #include <mauve/service.h>
 
-#include "rt/thread.h"
+#include "rt/thread/thread.h"
 
 namespace mauve::exec {
 

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include <mauve/change.h>
 #include <mauve/core.h>
+#include <mauve/host/change.h>
 
 namespace mauve::exec {
 

@@ -8,9 +8,9 @@
 #include "exec/commit/commit.h"
 #include "exec/recovery/inherit.h"
 #include "exec/system/books.h"
-#include "model/hand_over.h"
+#include "model/element/hand_over.h"
 
-#include <mauve/receipt.h>
+#include <mauve/host/receipt.h>
 #include <mauve/resource.h>
 
 namespace mauve::exec {

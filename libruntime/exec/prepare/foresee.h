@@ -5,7 +5,7 @@
 #include "exec/system/prepared.h"
 #include "exec/system/system.h"
 
-#include <mauve/receipt.h>
+#include <mauve/host/receipt.h>
 
 namespace mauve::exec {
 

@@ -15,12 +15,12 @@
 #include "exec/recovery/standby.h"
 #include "exec/swap/bystanders.h"
 #include "exec/swap/rewired.h"
-#include "model/abandonable_thread.h"
-#include "model/elements.h"
+#include "model/element/elements.h"
+#include "model/job/abandonable_thread.h"
 
-#include <mauve/architecture.h>
-#include <mauve/job.h>
-#include <mauve/port_base.h>
+#include <mauve/detail/job.h>
+#include <mauve/detail/port_base.h>
+#include <mauve/host/architecture.h>
 #include <mauve/resource.h>
 #include <mauve/service.h>
 

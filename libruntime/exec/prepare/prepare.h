@@ -2,7 +2,7 @@
 /// Step 1 of a change: everything slow, and everything that can fail, beside the running system.
 #pragma once
 
-#include <mauve/prepared_change.h>
+#include <mauve/host/prepared_change.h>
 #include <mauve/result.h>
 
 namespace mauve {

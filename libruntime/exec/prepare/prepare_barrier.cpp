@@ -2,11 +2,11 @@
 #include "exec/prepare/prepare_barrier.h"
 
 #include "exec/system/system.h"
-#include "model/state_transfer.h"
+#include "model/element/state_transfer.h"
 
-#include <mauve/architecture.h>
+#include <mauve/detail/port_base.h>
 #include <mauve/fsm.h>
-#include <mauve/port_base.h>
+#include <mauve/host/architecture.h>
 #include <mauve/resource.h>
 
 namespace mauve::exec {

@@ -6,14 +6,14 @@
 #include "exec/prepare/afterwards.h"
 #include "exec/prepare/edit_properties.h"
 #include "exec/prepare/prepare_member.h"
-#include "model/connection.h"
-#include "model/elements.h"
-#include "model/hand_over.h"
-#include "rt/measured.h"
+#include "model/element/elements.h"
+#include "model/element/hand_over.h"
+#include "model/port/connection.h"
+#include "rt/time/measured.h"
 
+#include <mauve/detail/job.h>
+#include <mauve/detail/port_base.h>
 #include <mauve/fsm.h>
-#include <mauve/job.h>
-#include <mauve/port_base.h>
 #include <mauve/resource.h>
 #include <mauve/service.h>
 

@@ -4,11 +4,11 @@
 #include "base/duration.h"
 #include "exec/prepare/afterwards.h"
 #include "exec/prepare/edit_properties.h"
-#include "model/connection.h"
-#include "model/elements.h"
-#include "model/hand_over.h"
+#include "model/element/elements.h"
+#include "model/element/hand_over.h"
+#include "model/port/connection.h"
 
-#include <mauve/job.h>
+#include <mauve/detail/job.h>
 #include <mauve/resource.h>
 #include <mauve/service.h>
 

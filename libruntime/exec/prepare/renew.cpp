@@ -10,7 +10,7 @@
 #include "exec/prepare/prepare_resource.h"
 #include "exec/system/prepared.h"
 
-#include <mauve/architecture.h>
+#include <mauve/host/architecture.h>
 
 namespace mauve::exec {
 namespace {

@@ -6,7 +6,7 @@
 #include "exec/system/system.h"
 #include "exec/update/fault_record.h"
 
-#include <mauve/architecture.h>
+#include <mauve/host/architecture.h>
 
 namespace mauve::exec {
 

@@ -10,9 +10,9 @@
 #include "exec/swap/resource_update.h"
 #include "exec/system/books.h"
 #include "exec/system/report_control.h"
-#include "model/keep_for_abandoned.h"
+#include "model/job/keep_for_abandoned.h"
 
-#include <mauve/architecture.h>
+#include <mauve/host/architecture.h>
 
 namespace mauve::exec {
 namespace {

@@ -13,7 +13,7 @@
 #include "exec/system/prepared.h"
 #include "exec/system/system.h"
 
-#include <mauve/probation.h>
+#include <mauve/host/probation.h>
 
 namespace mauve::exec {
 

@@ -12,7 +12,7 @@
 #include "exec/system/books.h"
 #include "exec/system/make_update.h"
 #include "exec/system/prepared.h"
-#include "model/keep_for_abandoned.h"
+#include "model/job/keep_for_abandoned.h"
 
 namespace mauve::exec {
 namespace {

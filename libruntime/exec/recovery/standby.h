@@ -12,7 +12,7 @@
 
 #include "exec/system/system.h"
 
-#include <mauve/change.h>
+#include <mauve/host/change.h>
 
 namespace mauve::exec {
 

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "rt/noise.h"
-#include "rt/thread.h"
+#include "rt/machine/noise.h"
+#include "rt/thread/thread.h"
 
-#include <mauve/clock.h>
-#include <mauve/machine.h>
+#include <mauve/detail/clock.h>
+#include <mauve/host/machine.h>
 #include <mauve/result.h>
 
 namespace mauve::exec {

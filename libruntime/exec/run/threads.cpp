@@ -9,15 +9,15 @@
 
 #include "base/thread_role.h"
 #include "exec/task/task.h"
-#include "model/keep_for_abandoned.h"
-#include "rt/fence.h"
-#include "rt/futex.h"
-#include "rt/guardian_page.h"
-#include "rt/pi_mutex.h"
-#include "rt/run_guarded.h"
+#include "model/job/keep_for_abandoned.h"
+#include "rt/guardian/guardian_page.h"
+#include "rt/thread/fence.h"
+#include "rt/thread/futex.h"
+#include "rt/thread/pi_mutex.h"
+#include "rt/thread/run_guarded.h"
 
 #include <mauve/component.h>
-#include <mauve/job.h>
+#include <mauve/detail/job.h>
 
 namespace mauve::exec {
 namespace {

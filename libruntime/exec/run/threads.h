@@ -6,7 +6,7 @@
 
 #include "exec/run/runner.h"
 
-#include <mauve/machine.h>
+#include <mauve/host/machine.h>
 #include <mauve/time.h>
 
 namespace mauve::exec {

@@ -11,10 +11,10 @@
 #include "exec/swap/rewired.h"
 #include "exec/system/system.h"
 
-#include <mauve/architecture.h>
 #include <mauve/component.h>
+#include <mauve/detail/port_base.h>
 #include <mauve/fsm.h>
-#include <mauve/port_base.h>
+#include <mauve/host/architecture.h>
 #include <mauve/resource.h>
 #include <mauve/service.h>
 #include <mauve/shell.h>

@@ -5,7 +5,7 @@
 
 #include "exec/task/write_quietly.h"
 
-#include <mauve/clock.h>
+#include <mauve/detail/clock.h>
 #include <mauve/observable.h>
 #include <mauve/resource.h>
 

@@ -11,11 +11,11 @@
 
 #include "exec/system/resource_parts.h"
 #include "exec/update/decision.h"
-#include "model/hand_over.h"
+#include "model/element/hand_over.h"
 
-#include <mauve/binding.h>
-#include <mauve/change_policy.h>
-#include <mauve/resource_lock.h>
+#include <mauve/detail/binding.h>
+#include <mauve/detail/resource_lock.h>
+#include <mauve/host/change_policy.h>
 
 namespace mauve {
 

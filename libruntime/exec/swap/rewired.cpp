@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <set>
 
-#include "model/resource_graph.h"
+#include "model/resource/resource_graph.h"
 
-#include <mauve/architecture.h>
-#include <mauve/binding.h>
 #include <mauve/component.h>
+#include <mauve/detail/binding.h>
+#include <mauve/detail/port_base.h>
+#include <mauve/host/architecture.h>
 #include <mauve/interface.h>
-#include <mauve/port_base.h>
 #include <mauve/resource.h>
 #include <mauve/service.h>
 #include <mauve/shell.h>

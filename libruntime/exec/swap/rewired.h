@@ -5,7 +5,7 @@
 #include <set>
 
 #include "exec/system/prepared.h"
-#include "model/wiring.h"
+#include "model/component/wiring.h"
 
 namespace mauve::exec {
 

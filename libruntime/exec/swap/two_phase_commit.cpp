@@ -6,7 +6,7 @@
 #include "base/fail_point.h"
 #include "exec/run/runner.h"
 #include "exec/task/task.h"
-#include "model/keep_for_abandoned.h"
+#include "model/job/keep_for_abandoned.h"
 
 namespace mauve::exec {
 namespace {

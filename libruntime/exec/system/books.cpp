@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "model/hand_over.h"
+#include "model/element/hand_over.h"
 
-#include <mauve/architecture.h>
-#include <mauve/change.h>
-#include <mauve/receipt.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/change.h>
+#include <mauve/host/receipt.h>
 
 namespace mauve::exec {
 

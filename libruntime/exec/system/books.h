@@ -7,7 +7,7 @@
 
 #include "exec/system/system.h"
 
-#include <mauve/change_policy.h>
+#include <mauve/host/change_policy.h>
 #include <mauve/result.h>
 
 namespace mauve {

@@ -9,7 +9,7 @@
 #include "exec/system/events.h"
 
 #include <mauve/component.h>
-#include <mauve/value.h>
+#include <mauve/host/value.h>
 
 namespace mauve::exec {
 

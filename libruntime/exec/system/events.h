@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include "exec/system/system.h"
-#include "rt/event_ring.h"
+#include "rt/ring/event_ring.h"
 
-#include <mauve/happening.h>
+#include <mauve/host/happening.h>
 
 namespace mauve::exec {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include <mauve/happening.h>
+#include <mauve/host/happening.h>
 
 #include <string>
 #include <string_view>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "base/mutex.h"
-#include "model/abandonable_thread.h"
+#include "model/job/abandonable_thread.h"
 
 namespace mauve::exec {
 

@@ -4,8 +4,8 @@
 #include <typeinfo>
 #include <utility>
 
-#include <mauve/architecture.h>
 #include <mauve/component.h>
+#include <mauve/host/architecture.h>
 
 namespace mauve::exec {
 

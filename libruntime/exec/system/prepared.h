@@ -10,9 +10,9 @@
 
 #include "exec/system/resource_parts.h"
 
-#include <mauve/change.h>
-#include <mauve/prepared_change.h>
-#include <mauve/retired.h>
+#include <mauve/host/change.h>
+#include <mauve/host/prepared_change.h>
+#include <mauve/host/retired.h>
 
 namespace mauve {
 class Architecture;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include <mauve/prepared_change.h>
+#include <mauve/host/prepared_change.h>
 
 #include "exec/system/prepared.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include <mauve/receipt.h>
+#include <mauve/host/receipt.h>
 
 #include <string_view>
 

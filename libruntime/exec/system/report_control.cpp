@@ -7,7 +7,7 @@
 #include "exec/system/prepared.h"
 #include "exec/system/system.h"
 
-#include <mauve/change.h>
+#include <mauve/host/change.h>
 #include <mauve/resource.h>
 
 namespace mauve::exec {

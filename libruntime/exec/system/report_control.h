@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include <mauve/prepared_change.h>
+#include <mauve/host/prepared_change.h>
 #include <mauve/time.h>
 #include <mauve/trace.h>
 

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include <mauve/binding.h>
+#include <mauve/detail/binding.h>
 
 namespace mauve {
 class CoreBase;

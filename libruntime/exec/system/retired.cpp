@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include <mauve/retired.h>
+#include <mauve/host/retired.h>
 
 #include <memory>
 #include <string>
 #include <utility>
 
-#include "model/elements.h"
+#include "model/element/elements.h"
 
 namespace mauve {
 

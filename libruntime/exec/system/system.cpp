@@ -9,7 +9,7 @@
 #include "base/name.h"
 #include "exec/run/threads.h"
 
-#include <mauve/architecture.h>
+#include <mauve/host/architecture.h>
 
 namespace mauve::exec {
 

@@ -16,13 +16,13 @@
 #include "exec/system/model_lock.h"
 #include "exec/task/task.h"
 #include "exec/update/task_update.h"
-#include "rt/crash_handler.h"
+#include "rt/thread/crash_handler.h"
 
-#include <mauve/deploy_options.h>
-#include <mauve/happening.h>
-#include <mauve/prepared_change.h>
+#include <mauve/host/deploy_options.h>
+#include <mauve/host/happening.h>
+#include <mauve/host/prepared_change.h>
+#include <mauve/host/retired.h>
 #include <mauve/result.h>
-#include <mauve/retired.h>
 
 namespace mauve {
 

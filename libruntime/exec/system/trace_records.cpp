@@ -13,7 +13,7 @@
 
 #include "base/mutex.h"
 #include "exec/system/system.h"
-#include "rt/ticks.h"
+#include "rt/time/ticks.h"
 
 #include <mauve/component.h>
 

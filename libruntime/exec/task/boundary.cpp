@@ -8,14 +8,14 @@
 #include "exec/task/task_context.h"
 #include "exec/task/write_quietly.h"
 #include "exec/update/task_update.h"
-#include "rt/cache.h"
+#include "rt/process/cache.h"
 
 #include <mauve/component.h>
 #include <mauve/fsm.h>
+#include <mauve/host/task_attributes.h>
 #include <mauve/observable.h>
 #include <mauve/shell.h>
 #include <mauve/state.h>
-#include <mauve/task_attributes.h>
 
 namespace mauve::exec {
 namespace {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "rt/run_guarded.h"
+#include "rt/thread/run_guarded.h"
 
 #include <mauve/time.h>
 

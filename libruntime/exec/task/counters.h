@@ -5,7 +5,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include <mauve/happening.h>
+#include <mauve/host/happening.h>
 
 namespace mauve::exec {
 

@@ -10,10 +10,10 @@
 #include "exec/update/task_update.h"
 
 #include <mauve/component.h>
+#include <mauve/detail/job.h>
 #include <mauve/fsm.h>
-#include <mauve/job.h>
+#include <mauve/host/task_attributes.h>
 #include <mauve/shell.h>
-#include <mauve/task_attributes.h>
 
 namespace mauve::exec {
 

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <utility>
 
-#include "rt/cpu_time.h"
-#include "rt/preemption.h"
+#include "rt/thread/preemption.h"
+#include "rt/time/cpu_time.h"
 
-#include <mauve/job.h>
-#include <mauve/task_attributes.h>
+#include <mauve/detail/job.h>
+#include <mauve/host/task_attributes.h>
 
 namespace mauve::exec {
 namespace {

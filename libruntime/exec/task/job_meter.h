@@ -8,11 +8,11 @@
 
 #include "exec/task/counters.h"
 #include "exec/task/evidence.h"
-#include "rt/measured.h"
-#include "rt/noise.h"
-#include "rt/ticks.h"
+#include "rt/machine/noise.h"
+#include "rt/time/measured.h"
+#include "rt/time/ticks.h"
 
-#include <mauve/clock.h>
+#include <mauve/detail/clock.h>
 #include <mauve/time.h>
 
 namespace mauve {

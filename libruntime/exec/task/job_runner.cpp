@@ -9,16 +9,16 @@
 #include "exec/task/fault_reaction.h"
 #include "exec/task/task_context.h"
 #include "exec/update/task_update.h"
-#include "model/guard.h"
-#include "model/traced.h"
-#include "rt/preemption.h"
+#include "model/job/guard.h"
+#include "model/job/traced.h"
+#include "rt/thread/preemption.h"
 
 #include <mauve/component.h>
+#include <mauve/detail/job.h>
+#include <mauve/detail/request.h>
+#include <mauve/detail/resource_lock.h>
 #include <mauve/fsm.h>
-#include <mauve/job.h>
-#include <mauve/request.h>
-#include <mauve/resource_lock.h>
-#include <mauve/task_attributes.h>
+#include <mauve/host/task_attributes.h>
 
 namespace mauve::exec {
 namespace {

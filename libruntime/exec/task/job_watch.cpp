@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-#include "rt/cache.h"
-#include "rt/fence.h"
+#include "rt/process/cache.h"
+#include "rt/thread/fence.h"
 
-#include <mauve/resource_lock.h>
+#include <mauve/detail/resource_lock.h>
 
 namespace mauve::exec {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <atomic>
 
-#include "rt/run_guarded.h"
+#include "rt/thread/run_guarded.h"
 
-#include <mauve/job.h>
+#include <mauve/detail/job.h>
 #include <mauve/time.h>
 
 namespace mauve {

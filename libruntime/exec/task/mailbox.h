@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "rt/cache.h"
+#include "rt/process/cache.h"
 
 namespace mauve::exec {
 

@@ -9,10 +9,10 @@
 
 #include "exec/update/prefetch_set.h"
 #include "exec/update/task_update.h"
-#include "rt/preemption.h"
+#include "rt/thread/preemption.h"
 
 #include <mauve/component.h>
-#include <mauve/task_attributes.h>
+#include <mauve/host/task_attributes.h>
 
 namespace mauve::exec {
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "exec/update/task_update.h"
-#include "rt/cache.h"
+#include "rt/process/cache.h"
 
 #include <mauve/component.h>
 #include <mauve/fsm.h>

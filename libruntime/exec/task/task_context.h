@@ -12,10 +12,10 @@
 #include "exec/task/job_watch.h"
 #include "exec/task/mailbox.h"
 #include "exec/task/task_report.h"
-#include "rt/noise.h"
+#include "rt/machine/noise.h"
 
-#include <mauve/clock.h>
-#include <mauve/happening.h>
+#include <mauve/detail/clock.h>
+#include <mauve/host/happening.h>
 
 namespace mauve {
 

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "rt/cache.h"
+#include "rt/process/cache.h"
 
 #include <mauve/component.h>
 

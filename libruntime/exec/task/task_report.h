@@ -10,11 +10,11 @@
 
 #include "exec/task/counters.h"
 #include "exec/update/fault_record.h"
-#include "rt/event_ring.h"
-#include "rt/request_ring.h"
-#include "rt/trace_ring.h"
+#include "rt/ring/event_ring.h"
+#include "rt/ring/request_ring.h"
+#include "rt/ring/trace_ring.h"
 
-#include <mauve/clock.h>
+#include <mauve/detail/clock.h>
 #include <mauve/log.h>
 #include <mauve/trace.h>
 

@@ -2,10 +2,10 @@
 /// Safe values are written when something ends; nothing may come of it but the write.
 #pragma once
 
-#include "rt/run_guarded.h"
+#include "rt/thread/run_guarded.h"
 
-#include <mauve/port_base.h>
-#include <mauve/resource_lock.h>
+#include <mauve/detail/port_base.h>
+#include <mauve/detail/resource_lock.h>
 
 namespace mauve::exec {
 

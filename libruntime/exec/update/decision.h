@@ -11,7 +11,7 @@
 
 #include "exec/update/fault_record.h"
 
-#include <mauve/clock.h>
+#include <mauve/detail/clock.h>
 
 namespace mauve::exec {
 

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include <mauve/exchange.h>
-#include <mauve/port_base.h>
+#include <mauve/detail/exchange.h>
+#include <mauve/detail/port_base.h>
 #include <mauve/resource.h>
 #include <mauve/service.h>
 #include <mauve/shell.h>

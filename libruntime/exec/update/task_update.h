@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "exec/update/decision.h"
-#include "model/hand_over.h"
+#include "model/element/hand_over.h"
 
-#include <mauve/change_policy.h>
+#include <mauve/host/change_policy.h>
 #include <mauve/time.h>
 
 namespace mauve {

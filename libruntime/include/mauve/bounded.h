@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include <mauve/version.h>
+#include <mauve/host/version.h>
 
 namespace mauve {
 

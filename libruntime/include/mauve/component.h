@@ -10,12 +10,12 @@
 #include <utility>
 #include <vector>
 
-#include <mauve/binding.h>
-#include <mauve/element_type.h>
+#include <mauve/detail/binding.h>
+#include <mauve/detail/element_type.h>
+#include <mauve/host/task_attributes.h>
+#include <mauve/host/value.h>
 #include <mauve/result.h>
-#include <mauve/task_attributes.h>
 #include <mauve/time.h>
-#include <mauve/value.h>
 
 namespace mauve {
 

@@ -2,7 +2,7 @@
 /// Core: the algorithm and its inner data (paper 3.3.3). Sees the shell.
 #pragma once
 
-#include <mauve/configurable.h>
+#include <mauve/detail/configurable.h>
 
 namespace mauve {
 

@@ -2,8 +2,8 @@
 /// All that shells, cores, state machines and interfaces are made of, in one include.
 #pragma once
 
-#include <mauve/converts.h>
 #include <mauve/core.h>
+#include <mauve/detail/converts.h>
 #include <mauve/fsm.h>
 #include <mauve/interface.h>
 #include <mauve/log.h>

@@ -17,9 +17,9 @@
 #include <type_traits>
 #include <vector>
 
-#include <mauve/configurable.h>
 #include <mauve/core.h>
-#include <mauve/method.h>
+#include <mauve/detail/configurable.h>
+#include <mauve/detail/method.h>
 #include <mauve/property.h>
 #include <mauve/time.h>
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include <mauve/configurable.h>
+#include <mauve/detail/configurable.h>
 #include <mauve/result.h>
 #include <mauve/time.h>
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include <mauve/configurable.h>
 #include <mauve/core.h>
+#include <mauve/detail/configurable.h>
 
 namespace mauve {
 

@@ -20,7 +20,7 @@
 #include <optional>
 #include <utility>
 
-#include <mauve/job.h>
+#include <mauve/detail/job.h>
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define MAUVE_COUNTS_HEAP 0  // sanitizers bring their own malloc

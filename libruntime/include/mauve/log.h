@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <mauve/version.h>
+#include <mauve/host/version.h>
 
 namespace mauve {
 

@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include <mauve/detail/element_type.h>
+#include <mauve/detail/plugin_entry.h>
 #include <mauve/element.h>
-#include <mauve/element_type.h>
-#include <mauve/plugin_entry.h>
-#include <mauve/version.h>
+#include <mauve/host/version.h>
 
 #if defined(__GNUC__)
 #define MAUVE_EXPORT __attribute__((visibility("default")))

@@ -9,9 +9,9 @@
 #include <type_traits>
 #include <utility>
 
-#include <mauve/exchange.h>
-#include <mauve/plausible.h>
-#include <mauve/port_base.h>
+#include <mauve/detail/exchange.h>
+#include <mauve/detail/plausible.h>
+#include <mauve/detail/port_base.h>
 #include <mauve/service.h>
 
 namespace mauve {

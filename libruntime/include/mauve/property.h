@@ -7,7 +7,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include <mauve/configurable.h>
+#include <mauve/detail/configurable.h>
 #include <mauve/type.h>
 
 namespace mauve {

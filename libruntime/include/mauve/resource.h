@@ -7,10 +7,10 @@
 #include <string>
 #include <string_view>
 
-#include <mauve/binding.h>
-#include <mauve/element_type.h>
+#include <mauve/detail/binding.h>
+#include <mauve/detail/element_type.h>
+#include <mauve/detail/resource_lock.h>
 #include <mauve/interface.h>
-#include <mauve/resource_lock.h>
 
 namespace mauve {
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <variant>
 
-#include <mauve/version.h>
+#include <mauve/host/version.h>
 
 namespace mauve {
 

@@ -9,12 +9,12 @@
 #include <string_view>
 #include <type_traits>
 
-#include <mauve/data_status.h>
-#include <mauve/job.h>
-#include <mauve/method.h>
-#include <mauve/resource_lock.h>
-#include <mauve/signature.h>
-#include <mauve/visitor.h>
+#include <mauve/detail/data_status.h>
+#include <mauve/detail/job.h>
+#include <mauve/detail/method.h>
+#include <mauve/detail/resource_lock.h>
+#include <mauve/detail/signature.h>
+#include <mauve/detail/visitor.h>
 
 namespace mauve {
 

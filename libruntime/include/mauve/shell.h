@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include <mauve/binding.h>
-#include <mauve/configurable.h>
+#include <mauve/detail/binding.h>
+#include <mauve/detail/configurable.h>
 
 namespace mauve {
 

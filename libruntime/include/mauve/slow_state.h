@@ -16,7 +16,7 @@
 #include <memory>
 #include <utility>
 
-#include <mauve/capsule.h>
+#include <mauve/detail/capsule.h>
 #include <mauve/result.h>
 
 namespace mauve {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string_view>
 
-#include <mauve/capsule.h>
+#include <mauve/detail/capsule.h>
 
 namespace mauve {
 

@@ -18,9 +18,9 @@
 #include <utility>
 #include <vector>
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
-#include <mauve/job.h>
+#include <mauve/detail/job.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 #include <mauve/job_cost.h>
 
 namespace mauve {

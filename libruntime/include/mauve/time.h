@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cstdint>
 
-#include <mauve/version.h>
+#include <mauve/host/version.h>
 
 namespace mauve {
 

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include <mauve/data_status.h>
+#include <mauve/detail/data_status.h>
 #include <mauve/time.h>
 
 namespace mauve {

@@ -29,9 +29,9 @@
 #include <type_traits>
 #include <typeinfo>
 
-#include <mauve/codec.h>
+#include <mauve/detail/codec.h>
+#include <mauve/host/value.h>
 #include <mauve/result.h>
-#include <mauve/value.h>
 
 namespace mauve {
 

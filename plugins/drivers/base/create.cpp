@@ -19,7 +19,7 @@
 #include <cstdint>
 #include <string>
 
-#include <mauve/job.h>
+#include <mauve/detail/job.h>
 
 #include "../parts.h"
 #include "../serial/device_line.h"

@@ -13,7 +13,7 @@
 #include <string>
 #include <string_view>
 
-#include <mauve/job.h>
+#include <mauve/detail/job.h>
 
 #include "../../types/velocity.h"
 #include "../parts.h"

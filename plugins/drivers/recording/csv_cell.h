@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include <mauve/value.h>
+#include <mauve/host/value.h>
 
 namespace drivers {
 

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
+#include <mauve/host/value.h>
 #include <mauve/result.h>
 #include <mauve/type.h>
-#include <mauve/value.h>
 
 namespace drivers {
 

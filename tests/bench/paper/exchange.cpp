@@ -16,7 +16,7 @@
 #include "bench/paper/experiments.h"
 #include "bench/paper/tasks.h"
 
-#include <mauve/deployer.h>
+#include <mauve/host/deployer.h>
 
 namespace bench::paper {
 namespace {

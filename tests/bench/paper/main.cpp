@@ -10,7 +10,7 @@
 #include "bench/paper/experiments.h"
 #include "bench/support/machine.h"
 #include "bench/support/parts.h"
-#include "rt/thread.h"
+#include "rt/thread/thread.h"
 
 namespace bench::paper {
 namespace {

@@ -13,10 +13,10 @@
 #include "bench/support/checked.h"
 #include "bench/support/raw.h"
 
-#include <mauve/architecture.h>
-#include <mauve/class_name.h>
-#include <mauve/deployer.h>
-#include <mauve/request.h>
+#include <mauve/detail/class_name.h>
+#include <mauve/detail/request.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 
 namespace bench::paper {
 namespace {

@@ -14,10 +14,10 @@
 #include <unistd.h>
 
 #include "bench/support/checked.h"
-#include "rt/futex.h"
+#include "rt/thread/futex.h"
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 
 namespace bench::paper {
 namespace {

@@ -10,7 +10,7 @@
 #include "bench/support/many.h"
 #include "bench/support/sweep.h"
 
-#include <mauve/deployer.h>
+#include <mauve/host/deployer.h>
 
 namespace bench::scale {
 namespace {

@@ -9,8 +9,8 @@
 #include "bench/support/machine.h"
 #include "bench/support/sweep.h"
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 
 namespace bench::scale {
 namespace {

@@ -13,7 +13,7 @@
 #include "bench/support/machine.h"
 #include "bench/support/sweep.h"
 
-#include <mauve/deployer.h>
+#include <mauve/host/deployer.h>
 
 namespace bench::scale {
 namespace {

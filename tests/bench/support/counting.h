@@ -8,8 +8,8 @@
 
 #include "bench/support/machine.h"
 
-#include <mauve/architecture.h>
-#include <mauve/change.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/change.h>
 
 namespace bench {
 

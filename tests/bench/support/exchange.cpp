@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "bench/support/report.h"
-#include "rt/thread.h"
+#include "rt/thread/thread.h"
 
 namespace bench {
 namespace {

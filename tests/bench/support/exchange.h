@@ -13,8 +13,8 @@
 #include "bench/support/machine.h"
 #include "bench/support/raw.h"
 
-#include <mauve/architecture.h>
-#include <mauve/job.h>
+#include <mauve/detail/job.h>
+#include <mauve/host/architecture.h>
 
 namespace bench {
 

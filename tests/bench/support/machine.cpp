@@ -13,8 +13,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "rt/futex.h"
-#include "rt/ticks.h"
+#include "rt/thread/futex.h"
+#include "rt/time/ticks.h"
 
 namespace bench {
 namespace {

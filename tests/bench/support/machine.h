@@ -8,7 +8,7 @@
 #include <deque>
 #include <string>
 
-#include "rt/thread.h"
+#include "rt/thread/thread.h"
 
 #include <mauve/time.h>
 

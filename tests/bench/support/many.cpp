@@ -6,9 +6,9 @@
 #include <thread>
 
 #include "bench/support/checked.h"
-#include "rt/memory.h"
+#include "rt/process/memory.h"
 
-#include <mauve/deployer.h>
+#include <mauve/host/deployer.h>
 
 namespace bench {
 

@@ -10,7 +10,7 @@
 #include "bench/support/machine.h"
 #include "bench/support/raw.h"
 
-#include <mauve/architecture.h>
+#include <mauve/host/architecture.h>
 
 namespace bench {
 

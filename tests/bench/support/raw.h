@@ -11,7 +11,7 @@
 
 #include <pthread.h>
 
-#include "rt/thread.h"
+#include "rt/thread/thread.h"
 
 #include <mauve/time.h>
 

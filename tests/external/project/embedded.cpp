@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <string>
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 
 #include "blink.h"
 

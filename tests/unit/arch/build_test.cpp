@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "arch/build.h"
+#include "arch/build/build.h"
 
 #include <algorithm>
 #include <iterator>
@@ -10,10 +10,10 @@
 
 #include <gtest/gtest.h>
 
-#include "arch/load.h"
-#include "arch/parts.h"
-#include "mauve/architecture.h"
-#include "plugin/catalog.h"
+#include "arch/build/load.h"
+#include "arch/parse/parts.h"
+#include "mauve/host/architecture.h"
+#include "plugin/load/catalog.h"
 #include "unit/arch/architecture_text.h"
 #include "unit/arch/sample_plugin.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "arch/describe.h"
+#include "arch/compare/describe.h"
 
 #include <array>
 #include <cmath>
@@ -10,10 +10,10 @@
 
 #include <gtest/gtest.h>
 
-#include "arch/load.h"
-#include "arch/value_json.h"
-#include "mauve/architecture.h"
-#include "plugin/catalog.h"
+#include "arch/build/load.h"
+#include "arch/text/value_json.h"
+#include "mauve/host/architecture.h"
+#include "plugin/load/catalog.h"
 #include "unit/arch/architecture_text.h"
 #include "unit/arch/diff_fixture.h"
 #include "unit/arch/sample_plugin.h"

@@ -10,9 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "arch/diff.h"
-#include "arch/load.h"
-#include "plugin/catalog.h"
+#include "arch/build/load.h"
+#include "arch/compare/diff.h"
+#include "plugin/load/catalog.h"
 #include "unit/arch/architecture_text.h"
 #include "unit/arch/sample_plugin.h"
 

@@ -6,9 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "arch/describe.h"
-#include "arch/diff.h"
-#include "arch/value_json.h"
+#include "arch/compare/describe.h"
+#include "arch/compare/diff.h"
+#include "arch/text/value_json.h"
 #include "mauve/resource.h"
 #include "unit/arch/diff_fixture.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // What stays and becomes different: properties, cores, connections, attributes.
-#include "arch/diff.h"
+#include "arch/compare/diff.h"
 
 #include <limits>
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "arch/json.h"
+#include "arch/text/json.h"
 
 #include <random>
 #include <string>

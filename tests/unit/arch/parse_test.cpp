@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "arch/parse.h"
+#include "arch/parse/parse.h"
 
 #include <random>
 #include <string>

@@ -7,14 +7,14 @@
 
 #include <gtest/gtest.h>
 
-#include "arch/describe.h"
-#include "arch/load.h"
-#include "arch/quantity.h"
-#include "arch/transaction.h"
-#include "arch/value_json.h"
-#include "mauve/architecture.h"
-#include "mauve/deployer.h"
-#include "plugin/catalog.h"
+#include "arch/build/load.h"
+#include "arch/compare/describe.h"
+#include "arch/parse/quantity.h"
+#include "arch/parse/transaction.h"
+#include "arch/text/value_json.h"
+#include "mauve/host/architecture.h"
+#include "mauve/host/deployer.h"
+#include "plugin/load/catalog.h"
 #include "unit/arch/architecture_text.h"
 #include "unit/arch/sample_plugin.h"
 

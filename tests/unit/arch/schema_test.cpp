@@ -11,11 +11,11 @@
 
 #include <gtest/gtest.h>
 
-#include "arch/json.h"
-#include "arch/parse.h"
+#include "arch/parse/parse.h"
+#include "arch/text/json.h"
 #include "base/duration.h"
-#include "mauve/resource_lock.h"
-#include "mauve/value.h"
+#include "mauve/detail/resource_lock.h"
+#include "mauve/host/value.h"
 
 namespace mauve::arch {
 namespace {

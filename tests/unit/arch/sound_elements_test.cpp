@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "arch/load.h"
-#include "plugin/catalog.h"
+#include "arch/build/load.h"
+#include "plugin/load/catalog.h"
 #include "unit/arch/sample_plugin.h"
 
 namespace mauve::arch {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "arch/value_json.h"
+#include "arch/text/value_json.h"
 
 #include <cmath>
 #include <limits>
@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "arch/json.h"
-#include "mauve/codec_scalar.h"
+#include "arch/text/json.h"
+#include "mauve/detail/codec_scalar.h"
 
 namespace mauve::arch {
 namespace {

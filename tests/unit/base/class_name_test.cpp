@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <mauve/class_name.h>
+#include <mauve/detail/class_name.h>
 
 namespace guidance {
 namespace {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "commands/recovery/abandoned.h"
-#include "model/abandonable_thread.h"
+#include "model/job/abandonable_thread.h"
 #include "support/eventually.h"
 
 namespace mauve::daemon {

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "commands/table.h"
-#include "rt/measured.h"
+#include "rt/time/measured.h"
 #include "support/ramp.h"
 #include "unit/daemon/front.h"
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <thread>
 
-#include "model/abandonable_thread.h"
+#include "model/job/abandonable_thread.h"
 #include "support/eventually.h"
 #include "support/ramp.h"
 

@@ -9,7 +9,7 @@
 #include "support/outcomes.h"
 #include "support/ramp.h"
 
-#include <mauve/job.h>
+#include <mauve/detail/job.h>
 
 namespace mauve {
 namespace {

@@ -2,8 +2,8 @@
 /// What built-in resources keep when a change at a barrier gives them another type.
 #include <gtest/gtest.h>
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 
 namespace mauve {
 namespace {

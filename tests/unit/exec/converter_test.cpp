@@ -4,7 +4,7 @@
 
 #include <cstdlib>
 
-#include "rt/run_guarded.h"
+#include "rt/thread/run_guarded.h"
 #include "support/block.h"
 #include "support/outcomes.h"
 #include "support/positions.h"

@@ -11,7 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "rt/run_guarded.h"
+#include "rt/thread/run_guarded.h"
 #include "support/outcomes.h"
 #include "support/ramp.h"
 

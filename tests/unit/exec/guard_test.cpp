@@ -12,8 +12,8 @@
 
 #include "exec/system/make_update.h"
 #include "exec/system/system.h"
-#include "rt/run_guarded.h"
-#include "rt/thread.h"
+#include "rt/thread/run_guarded.h"
+#include "rt/thread/thread.h"
 #include "support/block.h"
 #include "support/outcomes.h"
 #include "support/ramp.h"

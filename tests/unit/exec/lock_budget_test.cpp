@@ -2,8 +2,8 @@
 /// How long a resource is held, as declared: what it means for admission, and how it changes.
 #include <gtest/gtest.h>
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 
 namespace mauve {
 namespace {

@@ -2,10 +2,10 @@
 /// Where components run whose tasks name no CPU: admission must think the same as deployment.
 #include <gtest/gtest.h>
 
-#include "rt/thread.h"
+#include "rt/thread/thread.h"
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 
 namespace mauve {
 namespace {

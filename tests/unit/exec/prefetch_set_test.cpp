@@ -10,8 +10,8 @@
 
 #include "support/ramp.h"
 
-#include <mauve/deployer.h>
-#include <mauve/exchange.h>
+#include <mauve/detail/exchange.h>
+#include <mauve/host/deployer.h>
 
 namespace mauve::exec {
 namespace {

@@ -2,8 +2,8 @@
 /// Resources that are made anew under their names, while others use them.
 #include <gtest/gtest.h>
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 
 namespace mauve {
 namespace {

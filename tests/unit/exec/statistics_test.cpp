@@ -8,12 +8,12 @@
 
 #include "exec/task/task.h"
 #include "exec/update/task_update.h"
-#include "rt/preemption.h"
+#include "rt/thread/preemption.h"
 #include "support/eventually.h"
 #include "support/ramp.h"
 
+#include <mauve/detail/resource_lock.h>
 #include <mauve/plugin.h>
-#include <mauve/resource_lock.h>
 
 namespace mauve::exec {
 namespace {

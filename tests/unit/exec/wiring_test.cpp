@@ -3,12 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "arch/check_rules.h"
-#include "model/wiring.h"
+#include "arch/build/check_rules.h"
+#include "model/component/wiring.h"
 #include "support/outcomes.h"
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 #include <mauve/plugin.h>
 
 namespace mauve {

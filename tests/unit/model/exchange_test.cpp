@@ -10,8 +10,8 @@
 
 #include "unit/model/shared_data_users.h"
 
-#include <mauve/exchange.h>
-#include <mauve/tap.h>
+#include <mauve/detail/exchange.h>
+#include <mauve/detail/tap.h>
 
 namespace mauve {
 namespace {

@@ -5,7 +5,7 @@
 #include "exec/task/task.h"
 #include "exec/update/task_update.h"
 
-#include <mauve/architecture.h>
+#include <mauve/host/architecture.h>
 #include <mauve/plugin.h>
 
 namespace mauve {

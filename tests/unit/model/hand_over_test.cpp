@@ -2,7 +2,7 @@
 /// The hand-over of what is not a component's state: slow states, and the cores of resources.
 #include <gtest/gtest.h>
 
-#include "model/hand_over.h"
+#include "model/element/hand_over.h"
 #include "support/positions.h"
 
 namespace mauve {

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include <mauve/latest_value.h>
+#include <mauve/detail/latest_value.h>
 
 namespace mauve {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <mauve/architecture.h>
+#include <mauve/host/architecture.h>
 #include <mauve/plugin.h>
 
 namespace mauve {

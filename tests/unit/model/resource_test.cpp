@@ -10,10 +10,10 @@
 
 #include "unit/model/shared_data_users.h"
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
+#include <mauve/detail/tap.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 #include <mauve/plugin.h>
-#include <mauve/tap.h>
 
 namespace mauve {
 namespace {

@@ -5,8 +5,8 @@
 #include <atomic>
 #include <thread>
 
-#include <mauve/architecture.h>
-#include <mauve/job.h>
+#include <mauve/detail/job.h>
+#include <mauve/host/architecture.h>
 
 namespace mauve {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Names and what they mean, with plugins that are part of the program.
-#include "plugin/catalog.h"
+#include "plugin/load/catalog.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

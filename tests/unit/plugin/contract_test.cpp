@@ -8,8 +8,8 @@
 
 #include "unit/plugin/zoo.h"
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 
 namespace mauve::plugin::test {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The check of the bytes holds against any bytes.
-#include "plugin/elf.h"
+#include "plugin/elf/elf.h"
 
 #include <elf.h>
 #include <gmock/gmock.h>
@@ -16,8 +16,8 @@
 #include <utility>
 #include <vector>
 
-#include "plugin/checksum.h"
-#include "plugin/elf_file.h"
+#include "plugin/elf/checksum.h"
+#include "plugin/elf/elf_file.h"
 #include "support/temp_dir.h"
 #include "unit/plugin/zoo.h"
 

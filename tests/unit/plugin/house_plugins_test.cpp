@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "plugin/catalog.h"
+#include "plugin/load/catalog.h"
 
 namespace mauve::plugin::test {
 namespace {

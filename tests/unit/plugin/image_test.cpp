@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "plugin/image.h"
+#include "plugin/elf/image.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Only files that nobody untrusted can have written become code.
-#include "plugin/plugin_file.h"
+#include "plugin/load/plugin_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

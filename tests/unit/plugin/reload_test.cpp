@@ -14,8 +14,8 @@
 #include <thread>
 #include <utility>
 
-#include "model/guard.h"
-#include "rt/run_guarded.h"
+#include "model/job/guard.h"
+#include "rt/thread/run_guarded.h"
 #include "unit/plugin/zoo.h"
 
 namespace mauve::plugin::test {

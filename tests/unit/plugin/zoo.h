@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "plugin/catalog.h"
+#include "plugin/load/catalog.h"
 #include "plugins/number.h"
 #include "support/temp_dir.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "../../../plugins/drivers/gnss/fix_gate.h"
-#include "mauve/change.h"
+#include "mauve/host/change.h"
 
 namespace {
 

@@ -10,8 +10,8 @@
 #include "../../../plugins/localization/gnss_to_utm.h"
 #include "../../../plugins/world/random.h"
 
-#include <mauve/architecture.h>
-#include <mauve/deployer.h>
+#include <mauve/host/architecture.h>
+#include <mauve/host/deployer.h>
 #include <mauve/shared_data.h>
 
 namespace localization {

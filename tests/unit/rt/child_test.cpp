@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "rt/child.h"
+#include "rt/process/child.h"
 
 #include <gtest/gtest.h>
 

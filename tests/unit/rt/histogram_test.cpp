@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "rt/histogram.h"
+#include "rt/time/histogram.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "rt/measured.h"
+#include "rt/time/measured.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "rt/noise.h"
+#include "rt/machine/noise.h"
 
 #include <gtest/gtest.h>
 
 #include "support/eventually.h"
 
-#include <mauve/clock.h>
+#include <mauve/detail/clock.h>
 
 namespace mauve::rt {
 namespace {

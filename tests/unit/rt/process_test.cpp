@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "rt/process.h"
+#include "rt/process/process.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "rt/thread.h"
+#include "rt/thread/thread.h"
 
 #include <gtest/gtest.h>
 
-#include "rt/process.h"
+#include "rt/process/process.h"
 
 namespace mauve::rt {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "rt/ticks.h"
+#include "rt/time/ticks.h"
 
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <thread>
 
-#include <mauve/clock.h>
+#include <mauve/detail/clock.h>
 
 namespace mauve::rt {
 namespace {

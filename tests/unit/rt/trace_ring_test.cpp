@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "rt/trace_ring.h"
+#include "rt/ring/trace_ring.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 
 #include "doctor/checks.h"
 #include "doctor/wake.h"
-#include "mauve/version.h"
+#include "mauve/host/version.h"
 #include "unit/ctl/scene.h"
 
 namespace mauve::ctl::doctor {

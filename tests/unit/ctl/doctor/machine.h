@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "doctor/checks.h"
-#include "mauve/version.h"
+#include "mauve/host/version.h"
 #include "support/temp_dir.h"
 
 namespace mauve::ctl::doctor {

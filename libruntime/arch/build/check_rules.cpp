@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "arch/build/check_rules.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "arch/build/check_steps.h"
+#include "arch/parse/built_in.h"
+#include "arch/parse/quantity.h"
+#include "arch/parse/target.h"
+#include "arch/text/read.h"
+#include "mauve/host/architecture.h"
+
+namespace mauve::arch {
+namespace {
+
+using rules::Comparison;
+
+class Checker {
+ public:
+  Checker(const Spec& spec, const Architecture& architecture, const plugin::Catalog& catalog,
+          Problems& problems)
+      : spec_(spec), architecture_(architecture), catalog_(catalog), problems_(problems) {}
+
+  rules::Supervision run() {
+    for (const TransactionSpec& one : spec_.transactions) {
+      supervision_.transactions.emplace_back(one.name, steps(one, "transactions." + one.name));
+    }
+    for (const RuleSpec& rule : spec_.rules) check(rule);
+    for (const ComponentSpec& component : spec_.components) check(component);
+    return std::move(supervision_);
+  }
+
+ private:
+  rules::Steps steps(const TransactionSpec& transaction, const std::string& at) {
+    check_steps(transaction, at, {spec_, architecture_, catalog_}, problems_);
+    rules::Steps steps;
+    for (const StepSpec& step : transaction.steps) steps.push_back(step.step);
+    return steps;
+  }
+
+  void check(const RuleSpec& spec) {
+    const std::string at = "rules." + spec.name.value;
+    if (spec.when) check(*spec.when, at + ".when");
+    if (spec.until) check(*spec.until, at + ".until");
+    if (!spec.transaction.value.empty()) check_name(spec.transaction, at + ".do");
+    rules::Steps inline_steps = steps(spec.steps, at + ".do");
+    if (!spec.when) return;  // reported by the parser
+    rules::Rule rule{spec.name.value, spec.when->value,       {},
+                     spec.timing,     spec.transaction.value, std::move(inline_steps)};
+    if (spec.until) rule.until = spec.until->value;
+    rule.when_unknown = spec.when_unknown;
+    supervision_.rules.push_back(std::move(rule));
+  }
+
+  void check(const ComponentSpec& component) {
+    for (const PlacedText& name : component.may_request) {
+      auto& known = supervision_.may_request[component.name];
+      const std::string at = component.name + ".may_request";
+      if (std::find(known.begin(), known.end(), name.value) != known.end()) {
+        problems_.add(name.where, Errc::duplicate, at, "\"" + name.value + "\" appears twice");
+      }
+      check_name(name, at);
+      known.push_back(name.value);
+    }
+  }
+
+  void check_name(const PlacedText& name, const std::string& at) {
+    std::vector<std::string> names;
+    for (const TransactionSpec& one : spec_.transactions) names.push_back(one.name);
+    if (std::find(names.begin(), names.end(), name.value) != names.end()) return;
+    problems_.add(name.where, Errc::unknown_name, at,
+                  "there is no transaction \"" + name.value + "\"",
+                  nearest_hint(name.value, names));
+  }
+
+  void check(const ConditionSpec& condition, const std::string& at) {
+    for (const Comparison& comparison : condition.value.comparisons()) {
+      const std::string& address = comparison.address;
+      if (was_refused(spec_, architecture_, address.substr(0, address.find('.')))) continue;
+      const Status good = check(comparison);
+      if (good) continue;
+      problems_.add(condition.where, good.error().code, at,
+                    address + " (at character " + std::to_string(comparison.place) +
+                        "): " + good.error().message,
+                    good.error().hint);
+    }
+  }
+
+  Status check(const Comparison& comparison) {
+    const auto quantity = find_quantity(architecture_, comparison.address);
+    if (!quantity) return quantity.error();
+    if (Status kind = rules::check_kind(comparison, quantity->kind); !kind) return kind;
+    if (Status stored = check_stored(*quantity); !stored) return stored;
+    const auto* word = std::get_if<std::string>(&comparison.operand);
+    const auto& words = quantity->words;
+    const bool possible = word == nullptr || words.empty() ||
+                          std::find(words.begin(), words.end(), *word) != words.end();
+    if (possible) return ok();
+    return refuse(Errc::invalid_value, comparison.address, "is never \"" + *word + "\"",
+                  nearest_hint(*word, words));
+  }
+
+  /// A condition is looked at a hundred times a second, on a thread that runs no user code.
+  Status check_stored(const Quantity& quantity) {
+    const ServiceBase* service = quantity.target.service;
+    if (const PortBase* port = quantity.target.port) {
+      const Binding* binding = connection(quantity.target.element, *port);
+      if (binding != nullptr) service = &binding->service();
+    }
+    if (service == nullptr || service->resource().type().name == kSharedData) return ok();
+    return refuse(Errc::unsupported, service->address(),
+                  service->address() + " is not stored but made for each reader",
+                  "write a condition on an observable, or on shared_data");
+  }
+
+  const Spec& spec_;
+  const Architecture& architecture_;
+  const plugin::Catalog& catalog_;
+  Problems& problems_;
+  rules::Supervision supervision_;
+};
+
+}  // namespace
+
+rules::Supervision check_rules(const Spec& spec, const Architecture& architecture,
+                               const plugin::Catalog& catalog, Problems& problems) {
+  return Checker(spec, architecture, catalog, problems).run();
+}
+
+namespace {
+
+void add_note(const std::string& at, const rules::Steps& steps, const Architecture& architecture,
+              std::vector<Wiring::Note>& notes) {
+  Wiring after(architecture);
+  for (const rules::Step& step : steps) {
+    const bool connects = step.action == rules::Action::connect;
+    if (!connects && step.action != rules::Action::disconnect) continue;
+    const auto target = find_target(architecture, step.subject);
+    const auto service = architecture.find_service(step.object);
+    if (!target || target->port == nullptr || (connects && !service)) continue;
+    after.connect(target->element.name() + ".ports." + std::string(target->port->name()),
+                  connects ? *service : nullptr);
+  }
+  const Status good = after.check();
+  if (good) return;
+  notes.push_back({at, "is refused when it fires on the connections of this file: " +
+                           good.error().at + " " + good.error().message});
+}
+
+}  // namespace
+
+std::vector<Wiring::Note> notes_on(const rules::Supervision& supervision,
+                                   const Architecture& architecture) {
+  std::vector<Wiring::Note> notes;
+  for (const auto& [name, steps] : supervision.transactions) {
+    add_note("transactions." + name, steps, architecture, notes);
+  }
+  for (const rules::Rule& rule : supervision.rules) {
+    add_note("rules." + rule.name + ".do", rule.steps, architecture, notes);
+  }
+  return notes;
+}
+
+}  // namespace mauve::arch

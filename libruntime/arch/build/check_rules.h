@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Rules, transactions and permissions of a Spec against what it builds.
+#pragma once
+
+#include "arch/parse/spec.h"
+#include "model/component/wiring.h"
+#include "rules/supervision.h"
+
+namespace mauve {
+class Architecture;
+}  // namespace mauve
+namespace mauve::plugin {
+class Catalog;
+}  // namespace mauve::plugin
+
+namespace mauve::arch {
+
+/// Everything that does not fit goes to `problems`: addresses in conditions and steps (with the
+/// nearest name), kinds of values, words that a value never is, cores that do not fit, values that
+/// a property would refuse, names of transactions. What concerns an element that was refused
+/// already is passed over. The result is whole when `problems` is empty. Runs constructors of
+/// plugins, no hooks. [control]
+[[nodiscard]] rules::Supervision check_rules(const Spec& spec, const Architecture& architecture,
+                                             const plugin::Catalog& catalog, Problems& problems);
+
+/// Transactions that are refused when they fire while the connections are as the architecture has
+/// them: they would let a second port write into an output that takes one. [control]
+[[nodiscard]] std::vector<Wiring::Note> notes_on(const rules::Supervision& supervision,
+                                                 const Architecture& architecture);
+
+}  // namespace mauve::arch

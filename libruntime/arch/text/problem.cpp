@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "arch/text/problem.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace mauve::arch {
+
+std::string to_string(const Problem& problem, std::string_view file) {
+  std::string text(file);
+  if (problem.where.line != 0) {
+    text += ':' + std::to_string(problem.where.line) + ':' + std::to_string(problem.where.column);
+  }
+  if (!text.empty()) text += ": ";
+  return text + to_string(problem.error);
+}
+
+void Problems::add(Position where, Error error) { found_.push_back({where, std::move(error)}); }
+
+void Problems::add(Position where, Errc code, std::string at, std::string message,
+                   std::string hint) {
+  add(where, Error{code, std::move(at), std::move(message), std::move(hint)});
+}
+
+std::vector<Problem> Problems::sorted() const {
+  std::vector<Problem> problems = found_;
+  const auto order = [](const Problem& problem) {
+    return std::pair(problem.where.line == 0, problem.where);
+  };
+  std::stable_sort(problems.begin(), problems.end(),
+                   [&](const Problem& a, const Problem& b) { return order(a) < order(b); });
+  return problems;
+}
+
+}  // namespace mauve::arch

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// How typed values become Value and back, and the fixed-capacity building blocks of data types.
+/// Included by type.h; authors specialise `mauve::Described<T>` only.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <tuple>
+#include <type_traits>
+#include <typeinfo>
+#include <utility>
+
+#include <mauve/bounded.h>
+#include <mauve/detail/class_name.h>
+#include <mauve/detail/codec_scalar.h>
+#include <mauve/host/value.h>
+#include <mauve/result.h>
+
+namespace mauve {
+
+namespace detail {
+
+template <typename T>
+concept HasCodec = requires(const T& data, T& into, const Value& value) {
+  Codec<T>::encode(data);
+  Codec<T>::decode(value, into);
+};
+
+/// The name that identifies T across plugins.
+template <typename T>
+std::string type_name() {
+  if constexpr (HasName<T>) {
+    return std::string(Described<T>::name);
+  } else if constexpr (std::is_void_v<T>) {
+    return "void";
+  } else if constexpr (HasCodec<T>) {
+    const Value described = Codec<T>::describe();
+    if (const auto* text = described.get_if<std::string>()) return *text;
+    return class_name(typeid(T));
+  } else {
+    return class_name(typeid(T));
+  }
+}
+
+template <typename Sequence>
+Value encode_sequence(const Sequence& data) {
+  Value::Array array;
+  array.reserve(data.size());
+  for (const auto& item : data) {
+    array.push_back(Codec<std::remove_cvref_t<decltype(item)>>::encode(item));
+  }
+  return array;
+}
+
+}  // namespace detail
+
+template <detail::HasCodec T, std::size_t N>
+struct Codec<std::array<T, N>> {
+  static Value encode(const std::array<T, N>& data) { return detail::encode_sequence(data); }
+  static Status decode(const Value& value, std::array<T, N>& data) {
+    const auto* array = value.get_if<Value::Array>();
+    if (array == nullptr || array->size() != N) {
+      return detail::wrong_kind("an array of " + std::to_string(N) + " items", value);
+    }
+    for (std::size_t i = 0; i < N; ++i) {
+      Status done = Codec<T>::decode((*array)[i], data[i]);
+      if (!done) return detail::inside(std::move(done), "[" + std::to_string(i) + "]");
+    }
+    return ok();
+  }
+  static Value describe() {
+    return Value::Object{{"array", Codec<T>::describe()}, {"size", static_cast<std::int64_t>(N)}};
+  }
+};
+
+template <detail::HasCodec T, std::size_t N>
+struct Codec<Bounded<T, N>> {
+  static Value encode(const Bounded<T, N>& data) { return detail::encode_sequence(data); }
+  static Status decode(const Value& value, Bounded<T, N>& data) {
+    const auto* array = value.get_if<Value::Array>();
+    if (array == nullptr || array->size() > N) {
+      return detail::wrong_kind("an array of at most " + std::to_string(N) + " items", value);
+    }
+    data.clear();
+    for (const Value& item : *array) {
+      T decoded{};
+      Status done = Codec<T>::decode(item, decoded);
+      if (!done) return detail::inside(std::move(done), "[" + std::to_string(data.size()) + "]");
+      data.push_back(decoded);
+    }
+    return ok();
+  }
+  static Value describe() {
+    return Value::Object{{"array", Codec<T>::describe()},
+                         {"capacity", static_cast<std::int64_t>(N)}};
+  }
+};
+
+template <detail::HasFields T>
+struct Codec<T> {
+  static Value encode(const T& data) {
+    Value::Object object;
+    std::apply(
+        [&](const auto&... f) {
+          (object.emplace_back(
+               std::string(f.name),
+               Codec<std::remove_cvref_t<decltype(data.*(f.member))>>::encode(data.*(f.member))),
+           ...);
+        },
+        Described<T>::fields());
+    return object;
+  }
+  /// Members that the object does not name keep their value; a name that is no field is refused.
+  static Status decode(const Value& value, T& data) {
+    const auto* object = value.get_if<Value::Object>();
+    if (object == nullptr) {
+      Error error = detail::wrong_kind("an object", value);
+      error.hint = fields_in_words();
+      return error;
+    }
+    for (const auto& member : *object) {
+      Status done = refuse(Errc::unknown_name, member.first,
+                           "no field of " + std::string(Described<T>::name), fields_in_words());
+      const auto try_fields = [&](const auto&... f) {
+        static_cast<void>((decode_field(f, member, data, done) || ...));
+      };
+      std::apply(try_fields, Described<T>::fields());
+      if (!done) return done;
+    }
+    return ok();
+  }
+  static Value describe() {
+    Value::Array fields;
+    std::apply(
+        [&](const auto&... f) {
+          (fields.push_back(Value::Object{
+               {"name", std::string(f.name)},
+               {"kind",
+                Codec<std::remove_cvref_t<decltype(std::declval<T>().*(f.member))>>::describe()},
+               {"unit", std::string(f.unit)},
+               {"text", std::string(f.text)}}),
+           ...);
+        },
+        Described<T>::fields());
+    return fields;
+  }
+
+ private:
+  template <typename F>
+  static bool decode_field(const F& f, const std::pair<std::string, Value>& member, T& data,
+                           Status& done) {
+    if (member.first != f.name) return false;
+    auto& field = data.*(f.member);
+    done = detail::inside(Codec<std::remove_cvref_t<decltype(field)>>::decode(member.second, field),
+                          member.first);
+    return true;
+  }
+  /// "point2d/1 has the fields x, y"
+  static std::string fields_in_words() {
+    std::string names;
+    std::apply(
+        [&](const auto&... f) {
+          ((names += (names.empty() ? "" : ", ") + std::string(f.name)), ...);
+        },
+        Described<T>::fields());
+    return std::string(Described<T>::name) + " has the fields " + names;
+  }
+};
+
+}  // namespace mauve

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// How numbers, texts and durations become Value and back; codec.h builds arrays and structs of
+/// them. Included by codec.h.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+#include <mauve/bounded.h>
+#include <mauve/host/value.h>
+#include <mauve/result.h>
+#include <mauve/time.h>
+
+namespace mauve {
+
+/// Specialise for a struct of your own; see type.h.
+template <typename T>
+struct Described {};
+
+/// One field of a described struct: name, member, unit and text for people.
+template <typename Owner, typename T>
+struct Field {
+  std::string_view name;
+  T Owner::*member;
+  std::string_view unit;
+  std::string_view text;
+};
+
+template <typename Owner, typename T>
+constexpr Field<Owner, T> field(std::string_view name, T Owner::*member, std::string_view unit = {},
+                                std::string_view text = {}) {
+  return {name, member, unit, text};
+}
+
+/// Parses "10ms", formats it back. Defined by the base layer.
+[[nodiscard]] Result<Duration> parse_duration(std::string_view text);
+[[nodiscard]] std::string format_duration(Duration duration);
+
+namespace detail {
+
+template <typename T>
+concept HasName = requires {
+  { Described<T>::name } -> std::convertible_to<std::string_view>;
+};
+template <typename T>
+concept HasFields = HasName<T> && requires {
+  Described<T>::fields();
+};
+
+[[nodiscard]] inline Error wrong_kind(std::string_view wanted, const Value& value) {
+  return refuse(Errc::invalid_value, {},
+                "expected " + std::string(wanted) + ", got " + to_string(value));
+}
+
+/// The place of an error in a composed value, seen from outside: "y" in `goal` is "goal.y".
+[[nodiscard]] inline Status inside(Status done, const std::string& part) {
+  if (!done) {
+    std::string& at = done.error().at;
+    at = part + (at.empty() || at.front() == '[' ? "" : ".") + at;
+  }
+  return done;
+}
+
+/// The number that "nan", "inf" or "-inf" stands for; empty for any other value.
+[[nodiscard]] std::optional<double> number_of_word(const Value& value);
+
+/// "not an integer from 0 to 255: 300"
+[[nodiscard]] Error out_of_range(std::int64_t low, std::int64_t high, const Value& value);
+
+}  // namespace detail
+
+/// Conversion of one type; empty for types without description.
+template <typename T>
+struct Codec {};
+
+template <>
+struct Codec<bool> {
+  static Value encode(bool data) { return data; }
+  static Status decode(const Value& value, bool& data) {
+    const bool* b = value.get_if<bool>();
+    if (b == nullptr) return detail::wrong_kind("true or false", value);
+    data = *b;
+    return ok();
+  }
+  static Value describe() { return "bool"; }
+};
+
+template <std::integral T>
+struct Codec<T> {
+  static Value encode(T data) { return static_cast<std::int64_t>(data); }
+  static Status decode(const Value& value, T& data) {
+    const auto* i = value.get_if<std::int64_t>();
+    if (i == nullptr) return detail::wrong_kind("an integer", value);
+    if (!std::in_range<T>(*i)) return detail::out_of_range(kLow, kHigh, value);
+    data = static_cast<T>(*i);
+    return ok();
+  }
+  static Value describe() {
+    return std::string(std::is_signed_v<T> ? "int" : "uint") + std::to_string(8 * sizeof(T));
+  }
+
+ private:
+  static constexpr std::int64_t kLow =
+      std::is_signed_v<T> ? static_cast<std::int64_t>(std::numeric_limits<T>::min()) : 0;
+  static constexpr std::int64_t kHigh =
+      std::in_range<std::int64_t>(std::numeric_limits<T>::max())
+          ? static_cast<std::int64_t>(std::numeric_limits<T>::max())
+          : std::numeric_limits<std::int64_t>::max();
+};
+
+template <std::floating_point T>
+struct Codec<T> {
+  static Value encode(T data) { return static_cast<double>(data); }
+  static Status decode(const Value& value, T& data) {
+    if (const auto* d = value.get_if<double>()) {
+      data = static_cast<T>(*d);
+    } else if (const auto* i = value.get_if<std::int64_t>()) {
+      data = static_cast<T>(*i);
+    } else if (const auto word = detail::number_of_word(value)) {
+      data = static_cast<T>(*word);
+    } else {
+      return detail::wrong_kind("a number", value);
+    }
+    return ok();
+  }
+  static Value describe() { return sizeof(T) == 4 ? "float" : "double"; }
+};
+
+template <>
+struct Codec<std::string> {
+  static Value encode(const std::string& data) { return data; }
+  static Status decode(const Value& value, std::string& data) {
+    const auto* s = value.get_if<std::string>();
+    if (s == nullptr) return detail::wrong_kind("a string", value);
+    data = *s;
+    return ok();
+  }
+  static Value describe() { return "string"; }
+};
+
+template <>
+struct Codec<Duration> {
+  static Value encode(Duration data) { return format_duration(data); }
+  static Status decode(const Value& value, Duration& data) {
+    const auto* s = value.get_if<std::string>();
+    if (s == nullptr) return detail::wrong_kind("a duration with a unit such as \"10ms\"", value);
+    const Result<Duration> parsed = parse_duration(*s);
+    if (!parsed) return parsed.error();
+    data = *parsed;
+    return ok();
+  }
+  static Value describe() { return "duration"; }
+};
+
+template <std::size_t N>
+struct Codec<Text<N>> {
+  static Value encode(const Text<N>& data) { return std::string(data.view()); }
+  static Status decode(const Value& value, Text<N>& data) {
+    const auto* s = value.get_if<std::string>();
+    if (s == nullptr) return detail::wrong_kind("a string", value);
+    if (s->size() > N) return detail::out_of_range(0, N, static_cast<std::int64_t>(s->size()));
+    data = std::string_view(*s);
+    return ok();
+  }
+  static Value describe() { return "text[" + std::to_string(N) + "]"; }
+};
+
+}  // namespace mauve

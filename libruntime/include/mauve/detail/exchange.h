@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Exchange: what is inside a SharedData. Runtime only; a port that is connected to one reads and
+/// writes here without a call.
+#pragma once
+
+#include <cstddef>
+#include <cstring>
+
+#include <mauve/detail/data_status.h>
+#include <mauve/detail/job.h>
+#include <mauve/detail/latest_value.h>
+#include <mauve/detail/tap.h>
+
+namespace mauve {
+
+struct Exchange {
+  Exchange(std::size_t size, unsigned readers) : latest(size, readers) {}
+
+  /// Copying few bytes takes no call; for many the library knows what this CPU can do.
+  template <typename T>
+  [[nodiscard]] std::size_t bytes_of() const {
+    return sizeof(T) <= 128 ? sizeof(T) : latest.size();
+  }
+  /// Of a cursor that stands at a value. [rt], wait-free.
+  template <typename T>
+  void copy(T& into, const Cursor& cursor) const {
+    std::memcpy(static_cast<void*>(&into), cursor.data, bytes_of<T>());
+  }
+  /// By the writer that has the place; a poisoned resource does not concern it. `size`: of the
+  /// value. False: nothing is written, ask the service. True: who listens wants to be told. [rt],
+  /// wait-free.
+  bool write_alone(const void* data, std::size_t size, Instant stamp) {
+    return latest.write_alone(data, size, stamp, may_write);
+  }
+  /// False: nothing is written, write_alone().
+  [[gnu::always_inline]] bool write_as_expected(const void* data, std::size_t size, Instant stamp) {
+    return latest.write_as_expected(data, size, stamp, may_write);
+  }
+  static constexpr auto may_write = [] { return !this_job().has_no_ports(); };
+  LatestValue latest;
+  TapList taps;
+};
+
+}  // namespace mauve

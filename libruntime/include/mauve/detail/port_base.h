@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// What all ports have in common.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include <mauve/detail/binding.h>
+#include <mauve/detail/data_status.h>
+#include <mauve/detail/job.h>
+#include <mauve/detail/signature.h>
+#include <mauve/result.h>
+#include <mauve/trace.h>
+
+namespace mauve {
+
+struct Exchange;
+class ServiceBase;
+class Shell;
+
+/// How important a connection is. `mauved --check`, a start and `status` name ports without one
+/// that are required, and those that have a safe value unless they are optional.
+enum class Need : std::uint8_t { usual, optional, required };
+
+/// The result of PortBase::connect(). When the caller does not examine an error, the next
+/// configure() of the shell reports it, as it reports a refused value of a property.
+class Connected {
+ public:
+  Connected(Shell& shell, Status done) : shell_(shell), done_(std::move(done)) {}
+  Connected(const Connected&) = delete;
+  Connected& operator=(const Connected&) = delete;
+  ~Connected();
+
+  explicit operator bool() const { return examine().has_value(); }
+  [[nodiscard]] bool has_value() const { return examine().has_value(); }
+  operator Status() const { return examine(); }
+  [[nodiscard]] const Error& error() const { return examine().error(); }
+
+ private:
+  const Status& examine() const {
+    examined_ = true;
+    return done_;
+  }
+
+  Shell& shell_;
+  Status done_;
+  mutable bool examined_ = false;
+};
+
+/// What the runtime sees of a port. Use is [rt] by the component's own thread.
+class PortBase {
+ public:
+  PortBase(Shell& shell, std::string_view name, Signature signature, Need need = Need::usual,
+           Writers writers = Writers::many);
+  PortBase(const PortBase&) = delete;
+  PortBase& operator=(const PortBase&) = delete;
+  virtual ~PortBase() = default;
+
+  [[nodiscard]] std::string_view name() const { return name_; }
+  [[nodiscard]] const Signature& signature() const { return signature_; }
+  [[nodiscard]] std::size_t index() const { return index_; }
+  /// Dotted address, such as "control.ports.scan".
+  [[nodiscard]] std::string address() const;
+
+  /// Connects in code, before deployment: `shell().scan.connect(scan.interface().read)`. The caller
+  /// may ignore the result: configure() of the shell then reports the error.
+  Connected connect(ServiceBase& service, Duration max_age = Duration{0});
+  [[nodiscard]] bool connected() const;
+  [[nodiscard]] Need need() const { return need_; }
+  /// Of a read port: how many ports may write the value that it reads.
+  [[nodiscard]] Writers writers() const { return writers_; }
+
+  /// Writes the declared safe value, if any: at stop, fault and disconnect. `by_owner`: on the
+  /// thread of its component, or one that has taken its place. [any]
+  virtual void write_safe(const Binding& /*connection*/, bool /*by_owner*/) const {}
+  [[nodiscard]] virtual bool has_safe_value() const { return false; }
+  /// Accesses that found no connection, or a resource busy beyond the bound. [any]
+  [[nodiscard]] std::uint64_t failures() const { return failures_.load(std::memory_order_relaxed); }
+  /// Runtime only: what it is called in a trace, "control.scan". Off the real-time threads.
+  void name_in_trace(std::string_view name) { trace_name_ = trace_name_id(name); }
+
+ protected:
+  /// The connection in force, or null. Forgets where it stood when it changed. [rt]
+  [[nodiscard]] const Binding* binding();
+  /// Whether the value can be read or written in exchange() without a call: connected as at the
+  /// last use, to a SharedData in which this port has a place of its own, and nothing to trace.
+  /// [rt]
+  [[nodiscard, gnu::always_inline]] bool is_direct() const {
+    // An abandoned thread must not touch the port: its replacement owns it.
+    if (this_job().has_no_ports()) [[unlikely]]
+      return false;
+    return !detail::traces(TraceMode::detail) && version_ == direct_version_;
+  }
+  [[nodiscard]] Exchange& exchange() const { return *exchange_; }
+  /// Who began to listen while a value was written at hand gets it; true. [rt]
+  bool told(const void* value);
+  /// There is more to do: it is never at hand.
+  void always_call() { calls_ = true; }
+  /// How old a value may be; zero: no limit.
+  [[nodiscard]] Duration max_age() const { return max_age_; }
+  void count_failure() { failures_.fetch_add(1, std::memory_order_relaxed); }
+  [[nodiscard]] TracedCall call_begins() const { return TracedCall(trace_name_); }
+  Cursor cursor_;
+
+ private:
+  const std::uint64_t& version_;      // of the connections of the shell
+  std::uint64_t direct_version_ = 0;  // at the last use; 0: exchange() is not at hand
+  Exchange* exchange_ = nullptr;      // of the connection then
+  Duration max_age_{0};               // too
+  std::uint64_t seen_ = 0;            // id of the connection that the cursor belongs to
+  bool calls_ = false;
+  Need need_;
+  Writers writers_;
+  std::size_t index_;
+  std::atomic<std::uint64_t> failures_{0};
+  std::uint32_t trace_name_ = 0;
+  Shell& shell_;
+  std::string_view name_;
+  Signature signature_;
+};
+
+}  // namespace mauve

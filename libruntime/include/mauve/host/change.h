@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Change: the difference that a running architecture is to get.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <mauve/component.h>
+#include <mauve/detail/element_type.h>
+#include <mauve/host/change_policy.h>
+#include <mauve/host/probation.h>
+#include <mauve/host/value.h>
+#include <mauve/result.h>
+#include <mauve/time.h>
+
+namespace mauve {
+
+class PropertyBase;
+class ResourceBase;
+
+/// A port and the service it is to be connected to.
+struct NewConnection {
+  std::string port;     ///< name inside the component: "scan"
+  std::string service;  ///< address: "scan.read"
+  Duration max_age{0};  ///< values older than this are `stale`; zero: no limit
+};
+
+/// The change of one component or resource. Everything not said stays as it is.
+struct Edit {
+  std::string component;         ///< or resource
+  std::optional<CoreType> core;  ///< replaces the core; also the core in force again, freshly made
+  std::optional<FsmType> fsm;    ///< replaces the state machine
+  /// The component's own type from a newer build of its plugin: its shell is made anew, connections
+  /// are kept by name of the port.
+  std::optional<ComponentType> type;
+  /// Of a resource: its own type from a newer build of its plugin. Like one of which a property of
+  /// the shell or interface changes it is made anew, and takes over at a barrier: all that use it
+  /// wait for each other.
+  std::optional<ResourceType> resource = {};
+  /// "core.gain", "fsm.pace", "shell.device" -> value.
+  std::vector<std::pair<std::string, Value>> properties;
+  std::vector<NewConnection> connect;
+  std::vector<std::string> disconnect;  ///< names of ports
+  std::optional<TaskAttributes> task;   ///< all of them; `start` is not looked at, see `mode`
+  /// Of a resource: the longest that one call keeps its lock; zero takes the declaration back.
+  std::optional<Duration> lock_budget = {};
+  Mode mode = Mode::keep;
+  StatePolicy state = StatePolicy::keep;
+  Values values = Values::keep;
+  /// Asked for each of `properties` before the property gets its value and before any hook runs; a
+  /// refusal refuses the change. None: every value that the property accepts. [factory]
+  std::function<Status(const PropertyBase&, const Value&)> allows = {};
+};
+
+/// A resource or component that joins: made, its properties set, neither configured nor connected.
+/// Its ports may be connected to what is there after the change.
+struct NewResource {
+  std::shared_ptr<ResourceBase> resource;
+  std::vector<NewConnection> connect;
+  StatePolicy state = StatePolicy::keep;  ///< of what leaves under its name, at a barrier
+};
+struct NewComponent {
+  std::shared_ptr<ComponentBase> component;
+  std::vector<NewConnection> connect;
+};
+
+/// Another core, or none, that takes over when the one of this component fails.
+struct NewFallback {
+  std::string component;  ///< one that is changed
+  std::optional<ComponentBase::Fallback> fallback;
+};
+
+/// All of it takes effect at one logical instant, or nothing does.
+struct Change {
+  std::vector<Edit> edits;
+  std::vector<NewResource> new_resources = {};
+  std::vector<NewComponent> new_components = {};
+  /// Components and resources that leave. A name that leaves may join again as something else.
+  std::vector<std::string> remove = {};
+  std::optional<Probation> probation = {};
+  Sync sync = Sync::cut;
+  std::vector<NewFallback> fallbacks = {};
+  /// Something outside of the runtime changes with it, for instance rules: a change that is empty
+  /// otherwise makes a generation too, and may be on probation.
+  bool changes_rules = false;
+  /// The generation that the change was made from: prepare() refuses the change when another one is
+  /// in force, for example after a rollback. None: made from the change alone.
+  std::optional<std::uint64_t> made_from = {};
+};
+
+}  // namespace mauve

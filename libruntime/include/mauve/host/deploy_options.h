@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// DeployOptions: what a deployer insists on.
+#pragma once
+
+#include <cstdint>
+
+#include <mauve/host/machine.h>
+
+namespace mauve {
+
+/// What to do when the process may not use SCHED_FIFO or lock memory.
+enum class Realtime : std::uint8_t {
+  require,  ///< refuse to deploy
+  prefer,   ///< run without, and say so once (`Deployer::warnings`)
+  off,      ///< ordinary threads
+};
+
+/// What to do when it is not proved that every job meets its deadline: at deployment, and before
+/// each change, for the change at any instant and for the way back from it.
+enum class Admission : std::uint8_t {
+  strict,  ///< refuse; the error names the job and the smallest relaxation
+  warn,    ///< go on, and say so (`Deployer::warnings`, `Receipt::warnings`)
+  off,     ///< do not look
+};
+
+struct DeployOptions {
+  Realtime realtime = Realtime::prefer;
+  /// No threads: the caller moves a manual clock with run_for(), jobs run in its own thread in the
+  /// order of release and priority.
+  bool simulated = false;
+  Admission admission = Admission::warn;
+  MachineCosts machine = {};           ///< what admission assumes of the machine
+  std::uint64_t first_generation = 1;  ///< the number after deploy(); each change adds one
+};
+
+}  // namespace mauve

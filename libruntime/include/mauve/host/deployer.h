@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Deployer: turns components into real-time threads, releases them all at one instant T0 of one
+/// monotonic clock, and changes them while they run (paper 3.7 and 3.9).
+///
+///   mauve::Deployer deployer(architecture);
+///   if (mauve::Status up = deployer.deploy(); !up) ...
+///   mauve::Result<mauve::Receipt> done = deployer.swap_core<FiniteTime>("control");
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <typeinfo>
+#include <vector>
+
+#include <mauve/detail/class_name.h>
+#include <mauve/detail/clock.h>
+#include <mauve/host/change.h>
+#include <mauve/host/deploy_options.h>
+#include <mauve/host/happening.h>
+#include <mauve/host/ongoing.h>
+#include <mauve/host/prepared_change.h>
+#include <mauve/host/probation.h>
+#include <mauve/host/receipt.h>
+#include <mauve/host/retired.h>
+#include <mauve/host/statistics.h>
+#include <mauve/host/timing.h>
+#include <mauve/trace.h>
+
+namespace mauve {
+
+class Architecture;
+
+namespace exec {
+class System;
+}
+
+/// All calls are [control] unless they say otherwise; none may be made from a component's thread.
+class Deployer {
+ public:
+  explicit Deployer(Architecture& architecture, DeployOptions options = {});
+  /// Shuts down.
+  ~Deployer();
+  Deployer(const Deployer&) = delete;
+  Deployer& operator=(const Deployer&) = delete;
+
+  /// Configures the architecture if it is not, creates all threads, releases them at T0.
+  Status deploy();
+  /// Stops writers before readers so that safe values still reach the hardware, then ends all
+  /// threads. Never longer than `bound`: a core that hangs is abandoned, its safe values written
+  /// on its behalf; the names of such components are returned.
+  std::vector<std::string> shutdown(Duration bound = 2s);
+
+  [[nodiscard]] Instant t0() const;
+  [[nodiscard]] const Clock& clock() const;
+  [[nodiscard]] std::uint64_t generation() const;
+  /// True when every component runs with the policy it asked for.
+  [[nodiscard]] bool realtime() const;
+  /// What could not be had in Realtime::prefer, and what the deployer decided (CPUs), in words.
+  [[nodiscard]] const std::vector<std::string>& warnings() const;
+  [[nodiscard]] std::vector<ComponentStatus> status() const;
+  [[nodiscard]] ComponentStatus status(std::string_view component) const;
+  /// Response times of what runs now; takes some milliseconds. Of what was not admitted by
+  /// Admission::warn at deployment, `warnings()` tell.
+  [[nodiscard]] Timing analyze() const;
+
+  /// What jobs took; with an empty name when there is no such component.
+  [[nodiscard]] std::vector<ComponentStatistics> statistics() const;
+  [[nodiscard]] ComponentStatistics statistics(std::string_view component) const;
+  /// Counts anew from the next job on; without a name of all components.
+  Status reset_statistics(std::string_view component = {});
+
+  /// Step 1 of a change: checks everything, makes, configures and warms the new elements beside
+  /// the running system. Runs user code. [factory] or [control]; an error changes nothing.
+  Result<PreparedChange> prepare(const Change& change);
+  /// Between the two: the receipt that the change would get now, without times. Its generation is
+  /// the one in force.
+  Receipt foresee(PreparedChange& change) const;
+  /// Step 2: takes effect at one instant on all components, within about one job of each.
+  [[nodiscard]] std::shared_ptr<Ongoing> begin(PreparedChange& change);
+  /// Waits for the answer, at most some seconds.
+  Result<Receipt> wait(Ongoing& ongoing);
+  /// Both. Elements no longer in force come back in `retired`.
+  Result<Receipt> commit(PreparedChange& change, Retired& retired);
+  /// All steps in the calling thread.
+  Result<Receipt> apply(const Change& change);
+
+  /// All changes on probation are good: their old bundles may go. Refused when there is none.
+  Status confirm();
+  /// Back to before the newest change on probation, and those it joined, at the next releases of
+  /// all their members. The end is told by tend().
+  Status undo(const std::string& reason = "undone by request");
+  [[nodiscard]] bool on_probation() const;
+  /// Set off, but some member is not back yet.
+  [[nodiscard]] bool going_back() const;
+  /// Those that are open or roll back, the oldest first.
+  [[nodiscard]] std::vector<OpenProbation> probations() const;
+  /// Looks after what goes on by itself: probations, rollbacks, cores that took over. Call it some
+  /// times a second; what became free goes to `retired`.
+  std::vector<Outcome> tend(Retired& retired);
+  /// What became free, without the outcomes.
+  Retired collect();
+  /// No thread can still be looking at elements that a probation kept, or at a core that stood by
+  /// for one of them.
+  [[nodiscard]] bool settled() const;
+
+  /// Cores that shall stand by for a failing one, and do not yet: after deployment, after each
+  /// change, after each fault. Prepare each [factory], then let it stand by.
+  [[nodiscard]] std::vector<Change> wanted_standby_cores() const;
+  /// As prepare(); an error of a fallback core is about `X.fallback_core`.
+  Result<PreparedChange> prepare_standby(const Change& standby);
+  /// Drops what is out of date meanwhile.
+  void stand_by(PreparedChange& standby);
+  /// None can be made for this component. A component whose core has failed waits for its standby
+  /// as long as its policy allows: this ends the wait, and it is faulted. `why` goes to its
+  /// outcome.
+  void refuse_standby(std::string_view component, const std::string& why);
+
+  /// Shorthands for apply().
+  Result<Receipt> start(const std::vector<std::string>& components, bool reset = false);
+  /// Components park at the end of their job. One that does not end it gets its safe values
+  /// written on its behalf, and parks as soon as it does: Errc::partly.
+  Result<Receipt> stop(const std::vector<std::string>& components);
+  Result<std::shared_ptr<Ongoing>> begin_stop(const std::vector<std::string>& components);
+  /// Stops all components, writers of safe values before their readers, so that a driver still
+  /// acts on them. What hangs does not hold up the rest.
+  Result<Receipt> stop_all(Duration bound = 2s);
+  [[nodiscard]] std::shared_ptr<Ongoing> begin_stop_all(Duration bound = 2s);
+  /// For when [control] is held up: these components (none: all) park at the end of their job with
+  /// their safe values written, a job may take 2 s more, and they stay parked whatever change
+  /// [control] goes on with, until a stop of the same ones has begun there, or
+  /// end_direct_stop(). An unknown name is null. [any], no component's thread.
+  [[nodiscard]] std::unique_ptr<DirectStop> begin_direct_stop(
+      const std::vector<std::string>& components);
+  void end_direct_stop(const std::vector<std::string>& components);
+  /// Grows while [control] looks after what is under way. [any]
+  [[nodiscard]] std::uint64_t looks() const;
+  /// While it stands still no look takes a change further, so the architecture stays as it is. Each
+  /// call with true needs one with false.
+  void stand_still(bool still);
+  Result<Receipt> swap_core(std::string_view component, const CoreType& core,
+                            StatePolicy state = StatePolicy::keep);
+  template <typename T>
+  Result<Receipt> swap_core(std::string_view component) {
+    return swap_core(component, CoreType::of<T>(class_name(typeid(T))));
+  }
+  /// `address` as "control.core.gain"; also properties of resources.
+  Result<Receipt> set(std::string_view address, const Value& value,
+                      StatePolicy state = StatePolicy::keep);
+  /// `max_age`, of read ports only: values older than this are `stale`; zero: no limit.
+  Result<Receipt> connect(std::string_view port, std::string_view service,
+                          Duration max_age = Duration{0});
+  Result<Receipt> disconnect(std::string_view port);
+
+  /// The paper's way, for hardware that one core only can hold: stop, clean up, configure, start
+  /// on the same clock. In three steps, so that a daemon can run user code on its factory thread:
+  /// park [control], exchange [factory], resume [control]. When the new core cannot be configured
+  /// the old one is configured again and resumed, and the error of the new one is returned.
+  Result<Receipt> swap_core_in_place(const Edit& edit);
+  [[nodiscard]] std::shared_ptr<Ongoing> begin_in_place_park(PreparedChange& change);
+  Status in_place_exchange(PreparedChange& change);
+  Result<std::shared_ptr<Ongoing>> begin_in_place_resume(PreparedChange& change,
+                                                         const Status& exchanged);
+  /// Step 1 of a swap in place: makes the elements but does not configure them. [factory]
+  Result<PreparedChange> prepare_in_place(const Edit& edit);
+  /// Step 1 of the way back: to the core and state machine that a swap in place cleaned up, in the
+  /// bundle that the component had before. A component that has faulted runs again afterwards. The
+  /// state goes along where the core before takes it. [factory]
+  Result<PreparedChange> prepare_back_in_place(std::string_view component,
+                                               std::shared_ptr<const Bundle> before);
+
+  /// [log] Takes what happened since the last call. One caller.
+  std::size_t drain(const std::function<void(const RuntimeEvent&)>& visit);
+  /// [trace] What was traced since the last call, of each thread in its order; see mauve/trace.h.
+  /// One caller, some times a second: rings overwrite what nobody collects, and the loss is a
+  /// record.
+  std::size_t drain_trace(const std::function<void(const TraceRecord&)>& visit);
+  /// What these records are about, as it is now; takes some milliseconds.
+  [[nodiscard]] TracedSystem traced() const;
+
+  /// Simulated deployments: runs all jobs due in this time.
+  void run_for(Duration duration);
+
+ private:
+  std::unique_ptr<exec::System> system_;
+};
+
+}  // namespace mauve

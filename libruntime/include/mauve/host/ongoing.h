@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Changes and stops that are under way.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <mauve/host/receipt.h>
+#include <mauve/result.h>
+
+namespace mauve {
+
+class Retired;
+
+/// A change, or a stop, on its way: it is over when every member came to its boundary. [control]
+class Ongoing {
+ public:
+  virtual ~Ongoing() = default;
+  /// Looks how far it is and takes the next step; never waits. True when there is an answer; that
+  /// comes in bounded time, if advance() is called now and then.
+  virtual bool advance() = 0;
+  /// The answer. A generation that the system makes by itself after that of this change, by a
+  /// rollback or a fallback core, enters the architecture when result() was asked, or when nobody
+  /// has this any more: so each generation can be looked at.
+  [[nodiscard]] virtual Result<Receipt> result() const = 0;
+  /// Elements that are no longer in force.
+  virtual Retired& retired() = 0;
+};
+
+/// A stop that goes on without [control]. Used by one thread, which is no component's; destroyed
+/// before the deployer.
+class DirectStop {
+ public:
+  virtual ~DirectStop() = default;
+  /// Looks how far it is and takes the next step; never waits. True when it is over, in bounded
+  /// time.
+  virtual bool advance() = 0;
+  /// Components that ran when it began, and those of them that run still.
+  [[nodiscard]] virtual const std::vector<std::string>& ran() const = 0;
+  [[nodiscard]] virtual const std::vector<std::string>& run_still() const = 0;
+};
+
+}  // namespace mauve

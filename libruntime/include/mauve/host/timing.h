@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Timing: whether every job meets its deadline, as the analysis of response times sees it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <mauve/host/machine.h>
+#include <mauve/time.h>
+
+namespace mauve {
+
+/// The job of a component that has the least time left.
+struct ComponentTiming {
+  std::string name;
+  std::optional<int> cpu;  ///< none: it may run on several, which cannot be proved
+  int priority = 0;
+  Duration execution{0};
+  std::string source;  ///< of the execution time: "declared", "measured" or "unknown"
+  Duration blocking{0};
+  Duration deadline{0};
+  std::optional<Duration> response;  ///< none: no bound was found
+  std::optional<Duration> slack;     ///< deadline - response
+  std::string problem;               ///< with what would help; empty: it meets its deadline
+};
+
+/// How long one call keeps the lock of a resource.
+struct LockTiming {
+  std::string resource;
+  std::optional<Duration> lock_budget;  ///< none: not known, so the whole job of a user counts
+  std::string source;                   ///< "declared", "measured" or "unknown"
+};
+
+struct CpuTiming {
+  int cpu = 0;
+  double load = 0;  ///< long-term share that its components and its kernel may ask for
+  bool overloaded = false;
+};
+
+struct Timing {
+  std::vector<ComponentTiming> components;  ///< by CPU, then highest priority first
+  std::vector<CpuTiming> cpus;
+  std::vector<LockTiming> locks;  ///< by name, of resources that are used
+  /// The largest factor on all execution times with which every deadline is still met; 0: not even
+  /// as they are. None: an execution time is not known.
+  std::optional<double> factor;
+  std::vector<std::string> problems;  ///< all, also of CPUs and locks
+  std::vector<std::string> notes;     ///< what was not counted, and what the machine itself costs
+  MachineCosts machine;               ///< the costs of the machine that all this assumes
+  std::vector<WakeNoise> noise;       ///< what probes saw of it; empty: there are none
+};
+
+}  // namespace mauve

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Value: a property or data value on its way between typed C++ and text. Never used on a
+/// real-time thread.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <mauve/host/version.h>
+
+namespace mauve {
+
+/// A tree of null, bool, integer, number, string, array and object (order kept, as written).
+class Value {
+ public:
+  using Array = std::vector<Value>;
+  using Object = std::vector<std::pair<std::string, Value>>;
+
+  Value() = default;
+  Value(bool value) : content_(value) {}
+  Value(std::int64_t value) : content_(value) {}
+  Value(int value) : content_(static_cast<std::int64_t>(value)) {}
+  Value(double value) : content_(value) {}
+  Value(std::string value) : content_(std::move(value)) {}
+  Value(std::string_view value) : content_(std::string(value)) {}
+  Value(const char* value) : content_(std::string(value)) {}
+  Value(Array value) : content_(std::move(value)) {}
+  Value(Object value) : content_(std::move(value)) {}
+
+  [[nodiscard]] bool is_null() const { return content_.index() == 0; }
+  /// The content as this alternative, or null when it is another one.
+  template <typename T>
+  [[nodiscard]] const T* get_if() const {
+    return std::get_if<T>(&content_);
+  }
+  /// The member of an object with this name, or null.
+  [[nodiscard]] const Value* find(std::string_view name) const;
+
+  /// Calls f with the content: std::monostate, bool, std::int64_t, double, std::string, Array or
+  /// Object.
+  template <typename F>
+  decltype(auto) visit(F&& f) const {
+    return std::visit(std::forward<F>(f), content_);
+  }
+
+  friend bool operator==(const Value&, const Value&) = default;
+
+ private:
+  std::variant<std::monostate, bool, std::int64_t, double, std::string, Array, Object> content_;
+};
+
+/// "null", "a boolean", "an integer", "a number", "a string", "an array", "an object".
+[[nodiscard]] std::string_view kind_of(const Value& value);
+
+/// Compact text for messages: `0.3`, `nan`, `"10ms"`, `{"x":1,"y":2}`.
+[[nodiscard]] std::string to_string(const Value& value);
+
+/// The word for a number that JSON cannot hold, as displays show it and as a string on the wire and
+/// in files: "nan", "inf" or "-inf". Empty for a finite number.
+[[nodiscard]] std::string_view word_of_number(double number);
+
+}  // namespace mauve

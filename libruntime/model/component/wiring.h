@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// All connections of a system together: two ports that write into one output, and ports without a
+/// connection that should have one.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <mauve/detail/binding.h>
+#include <mauve/result.h>
+
+namespace mauve {
+
+class Architecture;
+class PortBase;
+class ResourceBase;
+class ServiceBase;
+class Shell;
+
+/// The connections as they are, or as a change would leave them. [control] or [factory], while no
+/// element of the architecture comes or goes.
+class Wiring {
+ public:
+  explicit Wiring(const Architecture& architecture);
+  /// The element `name` has these connections, instead of those that it had.
+  void put(const std::string& name, const Shell& shell, const Bindings& bindings);
+  /// The port of this address is connected to the service, or to none (null). An address that no
+  /// port has changes nothing.
+  void connect(const std::string& port, const ServiceBase* service);
+  void remove(const std::string& name) { elements_.erase(name); }
+
+  /// Refused with `conflict` when two ports write into an output of which the author declares that
+  /// one port at most may do so (Writers::one). The error names a port of an element that put()
+  /// brought, where it can.
+  [[nodiscard]] Status check() const;
+
+  /// The port that alone may write into this service, because the author declares so; empty: others
+  /// may write too, or none does.
+  [[nodiscard]] std::string only_writer(const ServiceBase& service) const;
+
+  /// A sentence about a connection that may be a mistake, and is none to the runtime.
+  struct Note {
+    std::string address;  ///< of a port or a service
+    std::string text;     ///< "is not connected: its values, and its safe value, reach nothing"
+
+    bool operator==(const Note&) const = default;
+  };
+  /// Ports without a connection that are required, or have a safe value and are not optional, and
+  /// services for one value at a time (not of ring buffers) into which several ports write.
+  [[nodiscard]] std::vector<Note> notes() const;
+
+ private:
+  struct Port {
+    std::string address;
+    const PortBase* port = nullptr;
+    const ServiceBase* service = nullptr;  ///< null: not connected
+    bool is_new = false;                   ///< brought by put()
+  };
+  struct Written {
+    const ServiceBase* service = nullptr;
+    std::vector<const Port*> by;  ///< those that put() brought last
+  };
+
+  /// The services that ports write into or call, by address.
+  [[nodiscard]] std::map<std::string, Written> written() const;
+  /// The read port of an exclusive output that obeys the values of this resource; null: none.
+  [[nodiscard]] const Port* output_behind(const ResourceBase& resource) const;
+
+  void put(const std::string& name, const Shell& shell, const Bindings& bindings, bool is_new);
+
+  std::map<std::string, std::vector<Port>> elements_;
+};
+
+/// "control.ports.power is not connected: ..."
+[[nodiscard]] std::string to_string(const Wiring::Note& note);
+
+}  // namespace mauve

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "model/element/hand_over.h"
+
+#include <array>
+#include <cstdio>
+
+#include "model/job/guard.h"
+#include "rt/process/cache.h"
+
+#include <mauve/detail/converts.h>
+#include <mauve/resource.h>
+
+namespace mauve {
+namespace {
+
+/// "guidance/1 (layout 91c3f2aa, 40 B)"
+std::string shown(const DataType& type) {
+  std::array<char, 48> details{};
+  std::snprintf(details.data(), details.size(), " (layout %08x, %zu B)",
+                static_cast<unsigned>(type.layout >> 32U), type.size);
+  return type.name + details.data();
+}
+
+Error lost(const CoreBase& into, const Capsule& from, const Capsule* found, const char* member) {
+  const std::string drop = "say --state drop to start it fresh, or declare ";
+  if (found == nullptr) {
+    return refuse(Errc::type_mismatch, into.address(),
+                  "has no place for the state " + shown(from.type()) +
+                      " of the core in force, and does not say that it needs none",
+                  drop + member + " or mauve::Stateless in the new core");
+  }
+  if (found->type().name == from.type().name && !from.type().vouched) {
+    return refuse(
+        Errc::type_mismatch, into.address(),
+        "was built anew, and its state " + shown(from.type()) +
+            " has no description: nobody knows whether its fields lie as in the core in force",
+        "specialise mauve::Described for it (fields, or a name with a revision alone, by which "
+        "you vouch for its layout) and build both again, or say --state drop to start it fresh");
+  }
+  return refuse(Errc::type_mismatch, into.address(),
+                "has the state " + shown(found->type()) + ", but the core in force has " +
+                    shown(from.type()) + ", which it cannot convert",
+                drop + "a mauve::Converts in the new core");
+}
+
+Error state_would_vanish(const CoreBase& into, const Capsule& from) {
+  return refuse(Errc::type_mismatch, into.address(),
+                "takes no state, so " + shown(from.type()) + " of the core in force would be lost",
+                "say --state drop when that is meant");
+}
+
+Status share(const SlowStateBase& from, SlowStateBase& into, const std::string& address) {
+  if (into.fits(from)) {
+    into.share(from);
+    return ok();
+  }
+  const ConvertsBase* const convert = into.converter_from(from.type());
+  return call_hook(address, "converter", [&] { return into.convert(from, *convert), ok(); });
+}
+
+/// May the data go on in this place?
+bool takes(const Capsule* into, const Capsule& from) {
+  return into != nullptr && (into->fits(from) || into->converter_from(from.type()) != nullptr);
+}
+
+/// A core that says that it needs no state may leave one that is only offered.
+bool may_leave(const CoreBase& into, StatePolicy policy) {
+  return policy == StatePolicy::offer && into.stateless();
+}
+
+Status hand_over_slow(const CoreBase& from, const CoreBase& into, StatePolicy policy) {
+  if (from.slow_state() == nullptr) return ok();
+  const SlowStateBase& old = *from.slow_state();
+  SlowStateBase* const place = into.slow_state();
+  if (takes(place, old)) return share(old, *place, into.address());
+  if (place == nullptr && may_leave(into, policy)) return ok();
+  if (place == nullptr && into.stateless()) return state_would_vanish(into, old);
+  return lost(into, old, place, "mauve::SlowState");
+}
+
+}  // namespace
+
+MAUVE_RUNS_AT_A_SWAP rt::Fault HandOver::run(const rt::Watched& watched) const {
+  if (from == nullptr) return {};
+  if (convert == nullptr) {
+    into->exchange(*from);
+    return {};
+  }
+  HandOver copy = *this;  // a thread that never returns from the converter outlives the original
+  return rt::run_guarded(&HandOver::run_converter, &copy, watched);
+}
+
+void HandOver::run_converter(void* self) {
+  const auto& plan = *static_cast<const HandOver*>(self);
+  plan.into->convert(*plan.from, *plan.convert);
+}
+
+void HandOver::fetch() const {
+  if (from == nullptr) return;
+  rt::touch(from, sizeof *from);
+  rt::touch(into, sizeof *into);
+  if (convert == nullptr) return;
+  rt::touch(convert, sizeof *convert);
+  rt::touch(from->data(), from->type().size);
+  rt::touch(into->data(), into->type().size);
+}
+
+Result<HandOver> plan_hand_over(const CoreBase& from, const CoreBase& into, StatePolicy policy) {
+  StateBase* const old = from.state();
+  StateBase* const place = into.state();
+  if (&from == &into || policy == StatePolicy::drop || old == nullptr) return HandOver{};
+  if (place == nullptr && may_leave(into, policy)) return HandOver{};
+  if (place == nullptr && into.stateless()) return state_would_vanish(into, *old);
+  if (!takes(place, *old)) return lost(into, *old, place, "mauve::State");
+  const ConvertsBase* const convert =
+      place->fits(*old) ? nullptr : place->converter_from(old->type());
+  return HandOver{old, place, convert, old->type().size};
+}
+
+Status prepare_hand_over(const CoreBase& from, const CoreBase& into, StatePolicy policy) {
+  if (policy == StatePolicy::drop) return ok();
+  if (const auto plan = plan_hand_over(from, into, policy); !plan) return plan.error();
+  return hand_over_slow(from, into, policy);
+}
+
+std::vector<const DataType*> dropped_states(const CoreBase& from, const CoreBase& into,
+                                            StatePolicy policy) {
+  std::vector<const DataType*> dropped;
+  const auto look = [&](const Capsule* old, const Capsule* place) {
+    const bool taken = policy != StatePolicy::drop && old != nullptr && takes(place, *old);
+    if (old != nullptr && !taken) dropped.push_back(&old->type());
+  };
+  if (&from == &into) return dropped;
+  look(from.state(), into.state());
+  look(from.slow_state(), into.slow_state());
+  return dropped;
+}
+
+Status check_whole(const ResourceBase& from, StatePolicy policy) {
+  if (policy == StatePolicy::drop || !from.lock().poisoned() || from.core().stateless()) {
+    return ok();
+  }
+  return refuse(Errc::wrong_state, from.name(),
+                "is poisoned: a caller was thrown out of it, so what it holds may be half written",
+                "say --state drop to start it fresh");
+}
+
+}  // namespace mauve

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Hand-over: what a core gives to the one that takes its place. One rule for components, resources
+/// and the way back.
+///
+///   the new core's state has the same name, revision and layout    moved: the objects change owner
+///   it has a converter from the old type                           converted at the boundary
+///   the state is to be dropped, or only offered to a core that
+///   is stateless                                                    nothing
+///   anything else                                                  refused before anything happens
+/// A poisoned resource hands nothing over: what it holds may be half written.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "rt/thread/run_guarded.h"
+
+#include <mauve/host/change_policy.h>
+#include <mauve/result.h>
+
+namespace mauve {
+
+class ConvertsBase;
+class CoreBase;
+class ResourceBase;
+class StateBase;
+struct DataType;
+
+/// Worked out beforehand; valid while both cores live.
+struct HandOver {
+  StateBase* from = nullptr;  ///< null: nothing is handed over
+  StateBase* into = nullptr;
+  const ConvertsBase* convert = nullptr;  ///< null: the objects change owner
+  std::size_t bytes = 0;                  ///< size of the state handed over
+
+  /// At the boundary. [rt], no heap; two pointer stores, or the converter: a fault of that is
+  /// returned, and `into` may be half written then. `watched`: see rt::run_guarded().
+  [[nodiscard]] rt::Fault run(const rt::Watched& watched = rt::kUnwatched) const;
+  /// Brings near what run() will touch. [rt]
+  void fetch() const;
+
+ private:
+  static void run_converter(void* self);
+};
+
+/// Errors: type_mismatch, with both types. [any], not on a real-time thread.
+[[nodiscard]] Result<HandOver> plan_hand_over(const CoreBase& from, const CoreBase& into,
+                                              StatePolicy policy);
+
+/// Before the new core is configured, while the old one runs: shares or converts the slow state,
+/// and asks whether there is a plan for the other. Errors: type_mismatch, hook_threw. [factory]
+[[nodiscard]] Status prepare_hand_over(const CoreBase& from, const CoreBase& into,
+                                       StatePolicy policy);
+
+/// The types of the states that no core takes in such a change.
+[[nodiscard]] std::vector<const DataType*> dropped_states(const CoreBase& from,
+                                                          const CoreBase& into, StatePolicy policy);
+
+/// Before either: an error when `from` is poisoned and its state is not to be dropped. [any]
+[[nodiscard]] Status check_whole(const ResourceBase& from, StatePolicy policy);
+
+}  // namespace mauve

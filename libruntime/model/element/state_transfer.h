@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// StateTransfer: what a resource that joins takes over from the one that leaves under its name,
+/// while nobody uses either of them.
+///
+///   cores of authors               the rule of hand_over.h; when there may be a way back, a state
+///                                  that would be moved is copied, or refused if not plain bytes
+///   shared_data and ring_buffer    values of the same type are copied with their age, those of the
+///                                  type before it converted (Described<T>::convert)
+///   anything else                  refused before anything happens, unless the state is dropped
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "model/element/hand_over.h"
+
+#include <mauve/host/change_policy.h>
+#include <mauve/result.h>
+#include <mauve/time.h>
+
+namespace mauve {
+
+/// What the cores of shared_data and ring_buffer are besides: places for plain values.
+class ValueStore {
+ public:
+  using Visit = std::function<void(const void* value, Instant stamp)>;
+
+  [[nodiscard]] virtual const DataType& data() const = 0;
+  /// Oldest first. Nobody else uses it meanwhile. [control]
+  virtual void each(const Visit& visit) const = 0;
+  virtual void put(const void* value, Instant stamp) = 0;
+
+ protected:
+  ~ValueStore() = default;
+};
+
+/// Worked out beforehand; valid while both cores live.
+struct StateTransfer {
+  HandOver hand_over;
+  bool copies = false;  ///< what hand_over would move
+  const ValueStore* from = nullptr;
+  ValueStore* into = nullptr;
+
+  /// Nobody uses either resource. Bytes that were handed over; an error, of `at`, when a converter
+  /// fails. `watched`: see rt::run_guarded(). [control]
+  [[nodiscard]] Result<std::size_t> run(const std::string& at,
+                                        const rt::Watched& watched = rt::kUnwatched) const;
+  /// After run(): the old resource has again what was moved.
+  void undo() const;
+};
+
+/// `way_back`: the old resource may come back, with what it holds now. Errors: type_mismatch,
+/// unsupported. [any], not on a real-time thread.
+[[nodiscard]] Result<StateTransfer> plan_transfer(const ResourceBase& from,
+                                                  const ResourceBase& into, StatePolicy policy,
+                                                  bool way_back);
+
+}  // namespace mauve

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Where the code of a job tells what it does.
+#pragma once
+
+#include "rt/ring/trace_ring.h"
+
+#include <mauve/detail/job.h>
+#include <mauve/trace.h>
+
+namespace mauve {
+
+/// The ring of this job while so much is traced; null: nobody wants to know, or the thread was
+/// abandoned and has no part in its component any more. [rt]
+[[nodiscard]] inline rt::TraceRing* ring_of(const Job& job, TraceMode needed) {
+  if (!detail::traces(needed) || job.has_no_ports()) return nullptr;
+  return job.trace;
+}
+
+}  // namespace mauve

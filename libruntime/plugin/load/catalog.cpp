@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "plugin/load/catalog.h"
+
+#include <array>
+#include <cstdint>
+#include <utility>
+
+#include "base/name.h"
+#include "mauve/plugin.h"
+#include "plugin/load/hold.h"
+#include "plugin/load/plugin_file.h"
+
+namespace mauve::plugin {
+
+namespace {
+
+/// What needs no plugin: everything that fits into a shared_data as it is.
+const ByName<const DataType*>& built_in_types() {
+  static const ByName<const DataType*> types = [] {
+    ByName<const DataType*> all;
+    for (const DataType* type :
+         {&data_type<bool>(), &data_type<std::int8_t>(), &data_type<std::uint8_t>(),
+          &data_type<std::int16_t>(), &data_type<std::uint16_t>(), &data_type<std::int32_t>(),
+          &data_type<std::uint32_t>(), &data_type<std::int64_t>(), &data_type<std::uint64_t>(),
+          &data_type<float>(), &data_type<double>(), &data_type<Duration>()}) {
+      all.emplace(type->name, type);
+    }
+    return all;
+  }();
+  return types;
+}
+
+std::string quoted(std::string_view text) { return "\"" + std::string(text) + "\""; }
+
+template <typename T>
+void append_names(std::vector<std::string>& names, const ByName<T>& map) {
+  for (const auto& [name, value] : map) names.push_back(name);
+}
+
+}  // namespace
+
+Catalog::Catalog(std::vector<std::string> directories) : directories_(std::move(directories)) {}
+Catalog::~Catalog() = default;
+
+// --- lookups -------------------------------------------------------------------------------
+
+template <typename T>
+const T* Catalog::find(ByName<T> LoadedPlugin::*kind, std::string_view name) const {
+  for (const auto& [plugin, loaded] : plugins_) {
+    const auto found = (loaded.*kind).find(name);
+    if (found != (loaded.*kind).end()) return &found->second;
+  }
+  return nullptr;
+}
+
+template <typename T>
+Error Catalog::unknown(ByName<T> LoadedPlugin::*kind, std::string_view what,
+                       std::string_view name) const {
+  std::vector<std::string> known;
+  for (const auto& [plugin, loaded] : plugins_) append_names(known, loaded.*kind);
+  if constexpr (std::is_same_v<T, const DataType*>) append_names(known, built_in_types());
+  std::string message = "there is no " + std::string(what) + " " + quoted(name);
+  std::string hint = did_you_mean(name, known, "\"");
+  const std::string owner(name.substr(0, name.find('/')));
+  if (!std::is_same_v<T, const DataType*> && name.find('/') != std::string_view::npos &&
+      !plugins_.contains(owner)) {
+    message += ": plugin " + quoted(owner) + " is not loaded";
+    if (hint.empty()) hint = "load plugin " + quoted(owner);
+  }
+  return refuse(Errc::unknown_name, std::string(name), std::move(message), std::move(hint));
+}
+
+template <typename T>
+Result<T> Catalog::lookup(ByName<T> LoadedPlugin::*kind, std::string_view what,
+                          std::string_view name) const {
+  if (const T* found = find(kind, name)) return *found;
+  return unknown(kind, what, name);
+}
+
+Result<CoreType> Catalog::core(std::string_view name) const {
+  return lookup(&LoadedPlugin::cores, "core", name);
+}
+
+Result<FsmType> Catalog::fsm(std::string_view name) const {
+  return lookup(&LoadedPlugin::fsms, "state machine", name);
+}
+
+Result<ComponentType> Catalog::component(std::string_view name) const {
+  return lookup(&LoadedPlugin::components, "component type", name);
+}
+
+Result<ResourceType> Catalog::resource(std::string_view name) const {
+  return lookup(&LoadedPlugin::resources, "resource type", name);
+}
+
+Result<std::shared_ptr<const DataType>> Catalog::type(std::string_view name) const {
+  const auto built_in = built_in_types().find(name);
+  if (built_in != built_in_types().end()) {
+    return std::shared_ptr<const DataType>(std::shared_ptr<void>(), built_in->second);
+  }
+  for (const auto& [plugin, loaded] : plugins_) {
+    const auto found = loaded.types.find(name);
+    if (found != loaded.types.end()) return keep(loaded.library(), *found->second);
+  }
+  return unknown(&LoadedPlugin::types, "data type", name);
+}
+
+std::vector<std::string> Catalog::cores_for(const Contract& contract) const {
+  std::vector<std::string> names;
+  for (const auto& [plugin, loaded] : plugins_) {
+    for (const auto& [name, core] : loaded.cores) {
+      if (core.contract == contract) names.push_back(name);
+    }
+  }
+  return names;
+}
+
+std::vector<const LoadedPlugin*> Catalog::plugins() const {
+  std::vector<const LoadedPlugin*> all;
+  for (const auto& [name, loaded] : plugins_) all.push_back(&loaded);
+  return all;
+}
+
+const LoadedPlugin* Catalog::find(std::string_view plugin) const {
+  const auto found = plugins_.find(plugin);
+  return found == plugins_.end() ? nullptr : &found->second;
+}
+
+// --- changes -------------------------------------------------------------------------------
+
+Result<LoadedPlugin> Catalog::prepare_load(std::string_view plugin) const {
+  const Result<PluginFile> file = read_plugin_file(directories_, plugin, Trust::of_this_process());
+  if (!file) return file.error();
+  Result<std::shared_ptr<Library>> library = Library::open(*file);
+  if (!library) return library.error();
+  return LoadedPlugin::of(*std::move(library));
+}
+
+Status Catalog::check_types(const LoadedPlugin& loaded) const {
+  for (const auto& [name, type] : loaded.types) {
+    if (built_in_types().contains(name)) {
+      return refuse(Errc::duplicate, name, "is a built-in data type");
+    }
+    for (const auto& [plugin, other] : plugins_) {
+      const auto found = other.types.find(name);
+      if (plugin == loaded.info().name || found == other.types.end()) continue;
+      if (same_type(*found->second, *type)) continue;
+      return refuse(
+          Errc::type_mismatch, name,
+          "has another layout in plugin " + loaded.info().name + " than in plugin " + plugin,
+          "rebuild both with the same header, or raise the revision");
+    }
+  }
+  return ok();
+}
+
+Result<std::shared_ptr<Library>> Catalog::commit(LoadedPlugin loaded) {
+  const auto old = exchange(std::move(loaded));
+  if (!old) return old.error();
+  return *old ? (*old)->library() : nullptr;
+}
+
+Result<std::optional<LoadedPlugin>> Catalog::exchange(LoadedPlugin loaded) {
+  if (Status good = check_types(loaded); !good) return good.error();
+  std::optional<LoadedPlugin> old;
+  const auto found = plugins_.find(loaded.info().name);
+  if (found != plugins_.end()) {
+    found->second.library()->retire();
+    old = std::move(found->second);
+    plugins_.erase(found);
+  }
+  loaded.library()->use_again();
+  std::string name = loaded.info().name;
+  plugins_.emplace(std::move(name), std::move(loaded));
+  return old;
+}
+
+Error Catalog::not_loaded(std::string_view plugin) const {
+  std::vector<std::string> known;
+  append_names(known, plugins_);
+  return refuse(Errc::unknown_name, std::string(plugin.substr(0, 255)), "no such plugin is loaded",
+                known_names(plugin, known));
+}
+
+Result<std::shared_ptr<Library>> Catalog::remove(std::string_view plugin) {
+  const auto found = plugins_.find(plugin);
+  if (found == plugins_.end()) return not_loaded(plugin);
+  std::shared_ptr<Library> library = found->second.library();
+  if (library->info().file.empty()) {
+    return refuse(Errc::unsupported, std::string(plugin), "is part of the program");
+  }
+  std::string users;
+  for (const std::string& user : library->users()) users += (users.empty() ? "" : ", ") + user;
+  if (!users.empty()) {
+    return refuse(Errc::wrong_state, std::string(plugin), "is in use by " + users,
+                  "swap or remove them first, or reload the plugin");
+  }
+  library->retire();
+  plugins_.erase(found);
+  return library;
+}
+
+Status Catalog::add(Plugin plugin) {
+  if (find(plugin.name()) != nullptr) {
+    return refuse(Errc::duplicate, plugin.name(), "a plugin of this name is there already");
+  }
+  Result<LoadedPlugin> loaded = LoadedPlugin::of(Library::compiled_in(std::move(plugin)));
+  if (!loaded) return loaded.error();
+  const auto done = commit(*std::move(loaded));
+  return done ? ok() : Status(done.error());
+}
+
+Status Catalog::load(std::string_view plugin) {
+  if (const LoadedPlugin* loaded = find(plugin)) {
+    return refuse(Errc::duplicate, std::string(plugin),
+                  "is loaded already, version " + loaded->info().version,
+                  "reload takes the file of now");
+  }
+  Result<LoadedPlugin> loaded = prepare_load(plugin);
+  if (!loaded) return loaded.error();
+  const auto done = commit(*std::move(loaded));
+  return done ? ok() : Status(done.error());
+}
+
+Result<Unmapped> Catalog::unload(std::string_view plugin) {
+  Result<std::shared_ptr<Library>> library = remove(plugin);
+  if (!library) return library.error();
+  return Library::release(*std::move(library));
+}
+
+Result<Unmapped> Catalog::reload(std::string_view plugin) {
+  const LoadedPlugin* old = find(plugin);
+  if (old == nullptr) return not_loaded(plugin);
+  if (old->info().file.empty()) {
+    return refuse(Errc::unsupported, std::string(plugin), "is part of the program");
+  }
+  Result<LoadedPlugin> loaded = prepare_load(plugin);
+  if (!loaded) return loaded.error();
+  Result<std::shared_ptr<Library>> retired = commit(*std::move(loaded));
+  if (!retired) return retired.error();
+  return Library::release(*std::move(retired));
+}
+
+}  // namespace mauve::plugin

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "plugin/load/library.h"
+
+#include <dlfcn.h>
+
+#include <cstring>
+#include <string_view>
+#include <utility>
+
+#include "base/mutex.h"
+#include "mauve/plugin.h"
+#include "model/job/guard.h"
+#include "plugin/elf/elf.h"
+#include "plugin/elf/elf_file.h"
+#include "plugin/load/prefault.h"
+
+namespace mauve::plugin {
+
+namespace {
+
+template <std::size_t N>
+std::string field_text(const char (&field)[N]) {
+  return {field, strnlen(field, N)};
+}
+
+/// The dynamic linker's words, without the path that means nothing to people.
+Error cannot_link(std::string text, const std::string& path) {
+  constexpr std::string_view kUndefined = "undefined symbol: ";
+  if (text.starts_with(path + ": ")) text.erase(0, path.size() + 2);
+  if (const std::size_t at = text.find(kUndefined); at != std::string::npos) {
+    const std::string symbol = text.substr(at + kUndefined.size());
+    return refuse(Errc::plugin_refused, {},
+                  "needs a symbol that nobody has: " +
+                      readable_symbol(symbol.substr(0, symbol.find_first_of(" ,"))),
+                  "link the source that defines it into the plugin");
+  }
+  return refuse(Errc::plugin_refused, {}, "cannot be linked: " + text,
+                "install the library it needs");
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+}  // namespace
+
+Result<std::shared_ptr<Library>> Library::open(const PluginFile& file) {
+  const auto refused = [&](Error error) {
+    if (error.at.empty()) error.at = file.path;
+    return error;
+  };
+  Result<Facts> facts = inspect(file.bytes, file.name);
+  if (!facts) return refused(facts.error());
+
+  const std::shared_ptr<Library> library(new Library);
+  PluginInfo& info = library->info_;
+  info = {file.name,
+          field_text(facts->manifest.version),
+          field_text(facts->manifest.compiler),
+          facts->build_id,
+          file.path,
+          0,
+          facts->warnings};
+  Result<Image> image =
+      Image::seal(file.bytes, info.name + "-" + info.version + "-" + facts->build_id.substr(0, 8));
+  if (!image) return refused(image.error());
+  library->image_ = *std::move(image);
+  info.serial = library->image_.serial();
+  if (Status mapped = library->map(file.name, facts->manifest.checksum); !mapped) {
+    return refused(mapped.error());
+  }
+  if (Status good = library->declare(facts->manifest); !good) return refused(good.error());
+  return library;
+}
+
+std::shared_ptr<Library> Library::compiled_in(Plugin plugin) {
+  std::shared_ptr<Library> library(new Library);
+  library->info_.name = plugin.name();
+  library->info_.version = kVersion;
+  library->declared_ = std::make_unique<Plugin>(std::move(plugin));
+  return library;
+}
+
+Status Library::map(const std::string& name, std::uint64_t build) {
+  const std::string path = image_.path();
+  handle_ = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (handle_ == nullptr) return cannot_link(dlerror(), path);
+  code_ = rt::code_around(dlsym(handle_, "mauve_plugin"));
+  declared_ = std::make_unique<Plugin>(name, build);
+  return ok();
+}
+
+Status Library::declare(const PluginManifest& checked) {
+  const auto* entry = static_cast<const PluginEntry*>(dlsym(handle_, "mauve_plugin"));
+  if (entry == nullptr || std::memcmp(&entry->manifest, &checked, sizeof checked) != 0 ||
+      entry->declare == nullptr) {
+    return refuse(Errc::plugin_refused, {}, "is damaged: its entry is not the one in its manifest",
+                  "build or copy it again");
+  }
+  Status declared = call_hook(info_.name, "its MAUVE_PLUGIN block", [&] {
+    entry->declare(*declared_);
+    return ok();
+  });
+  if (!declared) {
+    declared.error().at.clear();  // the file says more
+    return declared;
+  }
+  prefault(entry);
+  return ok();
+}
+
+Library::~Library() {
+  declared_.reset();
+  if (handle_ == nullptr) return;
+  if (!rt::threads_started_by(code_).empty()) {
+    image_.abandon();
+    return;
+  }
+  dlclose(handle_);
+  if (is_mapped(image_.mapping())) image_.abandon();
+}
+
+std::vector<std::string> Library::users() const {
+  const MutexLock lock(mutex_);
+  std::vector<std::string> found;
+  for (const User& user : users_) {
+    found.push_back(user.address.empty() ? user.name : user.address + " (" + user.name + ")");
+  }
+  return found;
+}
+
+Unmapped Library::release(std::shared_ptr<Library> library) {
+  if (!library) return {true, {}};
+  if (library->handle_ == nullptr) return {false, "it is part of the program"};
+  const std::string held_by = joined(library->users());
+  const std::string mapping = library->image_.mapping();
+  const rt::CodeRange code = library->code_;
+  const std::weak_ptr<Library> rest = library;
+  library.reset();
+  if (!rest.expired()) {
+    return {false, held_by.empty() ? "something that was made by it is still in use"
+                                   : "still used by " + held_by};
+  }
+  if (const auto left = rt::threads_started_by(code); !left.empty()) {
+    return {false, "it left " + std::to_string(left.size()) +
+                       (left.size() == 1 ? " thread" : " threads") + " running: " + joined(left) +
+                       " (end them in on_cleanup)"};
+  }
+  if (is_mapped(mapping)) return {false, "the dynamic linker keeps it for the life of the process"};
+  return {true, {}};
+}
+
+}  // namespace mauve::plugin

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "plugin/load/plugin_file.h"
+
+#include <dirent.h>
+#include <fcntl.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "base/address.h"
+#include "base/name.h"
+#include "rt/process/descriptor.h"
+
+namespace mauve::plugin {
+
+namespace {
+
+constexpr std::string_view kSuffix = ".so";
+
+Error system_error(std::string at, std::string_view doing) {
+  return refuse(Errc::plugin_refused, std::move(at),
+                "cannot be " + std::string(doing) + ": " + std::strerror(errno));
+}
+
+/// Opens one step below `parent` (the root when `name` is "/") and checks who owns it.
+Result<rt::Descriptor> step(const rt::Descriptor& parent, const std::string& name,
+                            const std::string& path, const Trust& trust) {
+  rt::Descriptor opened(openat(parent ? parent.get() : AT_FDCWD, name.c_str(),
+                               O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+  struct stat status {};
+  if (!opened || fstat(opened.get(), &status) != 0) return system_error(path, "opened");
+  if (Status trusted = trust.check(status, path); !trusted) return trusted.error();
+  return opened;
+}
+
+/// Walks from the root, so that no directory on the way can have been exchanged unnoticed.
+Result<rt::Descriptor> open_directory(const std::string& path, const Trust& trust) {
+  Result<rt::Descriptor> at = step({}, "/", "/", trust);
+  for (std::size_t begin = 1; at && begin < path.size();) {
+    const std::size_t end = std::min(path.find('/', begin), path.size());
+    at = step(*at, path.substr(begin, end - begin), path.substr(0, end), trust);
+    begin = end + 1;
+  }
+  return at;
+}
+
+/// Empty when there is no such directory.
+std::string real_path(const std::string& directory) {
+  const std::unique_ptr<char, decltype(&std::free)> real(realpath(directory.c_str(), nullptr),
+                                                         &std::free);
+  return real ? std::string(real.get()) : std::string();
+}
+
+Status check_file(int file, const std::string& path, const Trust& trust, std::size_t& size) {
+  struct stat status {};
+  if (fstat(file, &status) != 0) return system_error(path, "examined");
+  if (!S_ISREG(status.st_mode)) {
+    return refuse(Errc::plugin_refused, path, "is not a regular file");
+  }
+  if (Status trusted = trust.check(status, path); !trusted) return trusted;
+  size = static_cast<std::size_t>(status.st_size);
+  if (size > kLargestPlugin) {
+    return refuse(Errc::limit, path, "is larger than 256 MiB", "strip its debug information");
+  }
+  return ok();
+}
+
+/// A file that shrinks meanwhile gives fewer bytes, and the check of the ELF header refuses them.
+Status read_all(int file, const std::string& path, std::vector<std::byte>& bytes) {
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t got = read(file, bytes.data() + done, bytes.size() - done);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return system_error(path, "read");
+    if (got == 0) break;
+    done += static_cast<std::size_t>(got);
+  }
+  bytes.resize(done);
+  return ok();
+}
+
+/// Nothing: the directory has no such file.
+std::optional<Result<PluginFile>> read_from(const std::string& directory, std::string_view name,
+                                            const Trust& trust) {
+  const std::string real = real_path(directory);
+  if (real.empty()) return std::nullopt;
+  PluginFile plugin{std::string(name), (real == "/" ? "" : real) + "/" + std::string(name), {}};
+  plugin.path += kSuffix;
+  struct stat link {};
+  if (lstat(plugin.path.c_str(), &link) != 0 && errno == ENOENT) return std::nullopt;
+  const Result<rt::Descriptor> folder = open_directory(real, trust);
+  if (!folder) return folder.error();
+  const std::string file_name = plugin.name + std::string(kSuffix);
+  const rt::Descriptor file(openat(folder->get(), file_name.c_str(),
+                                   O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
+  if (!file && errno == ELOOP) {
+    return refuse(Errc::plugin_refused, plugin.path, "is a symbolic link", "copy the file itself");
+  }
+  if (!file) return system_error(plugin.path, "opened");
+  std::size_t size = 0;
+  if (Status good = check_file(file.get(), plugin.path, trust, size); !good) return good.error();
+  plugin.bytes.resize(size);
+  if (Status done = read_all(file.get(), plugin.path, plugin.bytes); !done) return done.error();
+  return plugin;
+}
+
+struct CloseListing {
+  void operator()(DIR* listing) const { closedir(listing); }
+};
+
+std::vector<std::string> names_in(const std::vector<std::string>& directories) {
+  std::vector<std::string> names;
+  for (const std::string& directory : directories) {
+    const std::unique_ptr<DIR, CloseListing> listing(opendir(directory.c_str()));
+    if (!listing) continue;
+    while (const dirent* entry = readdir(listing.get())) {
+      const std::string_view file = entry->d_name;
+      if (!file.ends_with(kSuffix)) continue;
+      const std::string_view name = file.substr(0, file.size() - kSuffix.size());
+      if (is_name(name)) names.emplace_back(name);
+    }
+  }
+  return names;
+}
+
+Error not_found(const std::vector<std::string>& directories, std::string_view name) {
+  std::string where;
+  for (const std::string& directory : directories) {
+    where += (where.empty() ? "" : ", ") + directory;
+    if (real_path(directory).empty()) where += " (no such directory)";
+  }
+  return refuse(Errc::plugin_refused, std::string(name),
+                where.empty() ? "cannot be found: there is no plugin directory"
+                              : "there is no " + std::string(name) + ".so in " + where,
+                did_you_mean(name, names_in(directories), "\""));
+}
+
+}  // namespace
+
+Result<PluginFile> read_plugin_file(const std::vector<std::string>& directories,
+                                    std::string_view name, const Trust& trust) {
+  if (!is_name(name)) {
+    return refuse(Errc::invalid_value, std::string(name.substr(0, kLongestAddress)),
+                  "is not the name of a plugin",
+                  "the name is the file's, without directory and without .so");
+  }
+  for (const std::string& directory : directories) {
+    if (auto found = read_from(directory, name, trust)) return *std::move(found);
+  }
+  return not_found(directories, name);
+}
+
+}  // namespace mauve::plugin

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Finding a plugin by name in the directories of the operator, and nowhere else.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mauve/result.h"
+#include "plugin/load/trust.h"
+
+namespace mauve::plugin {
+
+/// The bytes of a plugin file as they were when it was read: what is checked is what will run.
+struct PluginFile {
+  std::string name;  ///< "guidance"
+  std::string path;  ///< "/usr/lib/mauve/plugins/guidance.so"
+  std::vector<std::byte> bytes;
+};
+
+inline constexpr std::size_t kLargestPlugin = std::size_t{256} << 20;
+
+/// Reads NAME.so from the first directory that has it. Refused: what is not a name, a symbolic
+/// link, a special file, more than 256 MiB, and what `trust` refuses, in the file or any directory
+/// above it. [factory]
+Result<PluginFile> read_plugin_file(const std::vector<std::string>& directories,
+                                    std::string_view name, const Trust& trust);
+
+}  // namespace mauve::plugin

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "rt/guardian/guarded_outputs.h"
+
+#include <fcntl.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+#include "base/mutex.h"
+#include "rt/guardian/guardian_link.h"
+
+namespace mauve::rt {
+namespace {
+
+constexpr Duration kToBeFound = 2s;
+constexpr Duration kToAnswer = 1s;
+constexpr int kMostTimes = 10;
+
+Status check(const SafeOrder& order) {
+  if (order.bytes.empty() || order.bytes.size() > guardian::kMostBytes) {
+    return refuse(Errc::invalid_value, {}, "a safe order has 1 to 256 bytes");
+  }
+  const Duration most = std::chrono::milliseconds(guardian::kMostTimeMs);
+  const bool in_time = order.apart >= Duration{0} && order.apart * (order.times - 1) < most;
+  if (order.times < 1 || order.times > kMostTimes || !in_time) {
+    return refuse(Errc::invalid_value, {},
+                  "a safe order is sent 1 to 10 times, all of them within 100 ms");
+  }
+  return ok();
+}
+
+/// Cut to the room there is.
+template <std::size_t N>
+void copy_into(std::array<char, N>& room, const std::string& text) {
+  const std::size_t length = std::min(text.size(), N - 1);
+  std::memcpy(room.data(), text.data(), length);
+  room[length] = '\0';
+}
+
+}  // namespace
+
+GuardedOutputs& GuardedOutputs::of_process() {
+  static auto* const all = new GuardedOutputs;  // plugins may drop theirs at the very end
+  return *all;
+}
+
+void GuardedOutputs::expect(GuardianUse use, std::function<void()> ring) {
+  const MutexLock lock(mutex_);
+  use_ = use;
+  ring_ = std::move(ring);
+  looked_ = use == GuardianUse::off;
+}
+
+Result<GuardedOutputs::Held> GuardedOutputs::made(const void* owner, const std::string& name,
+                                                  int descriptor, const SafeOrder& order) const {
+  Held held;
+  copy_into(held.order.name, name);
+  std::copy(order.bytes.begin(), order.bytes.end(), held.order.bytes.begin());
+  held.order.size = static_cast<std::uint32_t>(order.bytes.size());
+  held.order.times = static_cast<std::uint32_t>(order.times);
+  held.order.apart_us = static_cast<std::uint32_t>(order.apart / Duration{1us});
+  held.order.drop_unsent = order.drop_unsent ? 1 : 0;
+  const auto taken = [&]() MAUVE_REQUIRES(mutex_) {
+    return std::any_of(held_.begin(), held_.end(),
+                       [&](const auto& one) { return one.second.slot == held.slot; });
+  };
+  const auto before = held_.find(owner);
+  if (before != held_.end()) {
+    held.slot = before->second.slot;
+  } else {
+    while (taken()) ++held.slot;
+  }
+  if (held.slot >= guardian::kMostOutputs) {
+    return refuse(Errc::limit, {}, "a guardian holds no more than 32 outputs");
+  }
+  held.descriptor = Descriptor(fcntl(descriptor, F_DUPFD_CLOEXEC, 0));
+  if (!held.descriptor) {
+    return refuse(Errc::system, {},
+                  "its descriptor cannot be copied: " + std::generic_category().message(errno));
+  }
+  return held;
+}
+
+Status GuardedOutputs::hold(const void* owner, const std::string& name, int descriptor,
+                            const SafeOrder& order) {
+  if (Status right = check(order); !right) return right;
+  MutexLock lock(mutex_);
+  if (use_ == GuardianUse::off) return ok();
+  auto next = made(owner, name, descriptor, order);
+  if (!next) return next.error();
+  held_[owner] = *std::move(next);
+  if (socket_ >= 0) {
+    hand_over(held_[owner]);
+  } else if (ring_) {
+    ring_();
+  }
+  const auto settled = [&]() MAUVE_REQUIRES(mutex_) {  // its place may go meanwhile
+    const auto found = held_.find(owner);
+    return found == held_.end() || found->second.answered || !found->second.refused.empty() ||
+           (looked_ && socket_ < 0);
+  };
+  if (!changed_.wait_for(lock, looked_ ? kToAnswer : kToBeFound, settled)) give_it_up();
+  const auto found = held_.find(owner);
+  if (found == held_.end()) return ok();
+  std::string why = found->second.refused;
+  if (why.empty() && !found->second.answered && use_ == GuardianUse::require) {
+    why = "no guardian holds this output, and mauved --guardian require asks for one";
+  }
+  if (why.empty()) return ok();
+  held_.erase(found);
+  return refuse(Errc::invalid_value, {}, why, "see mauvectl doctor, and guardian/README.md");
+}
+
+void GuardedOutputs::drop(const void* owner) {
+  MutexLock lock(mutex_);
+  const auto found = held_.find(owner);
+  if (found == held_.end()) return;
+  const std::uint32_t slot = found->second.slot;
+  if (socket_ >= 0) {
+    guardian::Request request;
+    request.kind = guardian::Kind::drop;
+    request.slot = slot;
+    const std::uint32_t number = send(request, -1);
+    await(lock, number);
+  }
+  held_.erase(owner);
+}
+
+void GuardedOutputs::send_again() {
+  const MutexLock lock(mutex_);
+  if (socket_ < 0) return;
+  guardian::Request request;
+  request.kind = guardian::Kind::again;
+  send(request, -1);
+}
+
+std::vector<std::string> GuardedOutputs::names() const {
+  const MutexLock lock(mutex_);
+  std::vector<std::string> all;
+  all.reserve(held_.size());
+  for (const auto& [owner, held] : held_) all.emplace_back(held.order.name.data());
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+void GuardedOutputs::attach(int socket) {
+  const MutexLock lock(mutex_);
+  socket_ = socket;
+  looked_ = true;
+  for (auto& [owner, held] : held_) {
+    if (socket >= 0) hand_over(held);
+  }
+  changed_.notify_all();
+}
+
+void GuardedOutputs::detach() {
+  const MutexLock lock(mutex_);
+  socket_ = -1;
+  for (auto& [owner, held] : held_) held.answered = false;
+  changed_.notify_all();
+}
+
+void GuardedOutputs::take(const guardian::Answer& answer) {
+  const MutexLock lock(mutex_);
+  answered_ = answer.number;
+  for (auto& [owner, held] : held_) {
+    if (held.number != answer.number) continue;
+    held.answered = answer.done != 0;
+    held.refused = answer.done != 0 ? "" : "the guardian refuses it: ";
+    if (answer.done == 0) held.refused += answer.text.data();
+  }
+  changed_.notify_all();
+}
+
+void GuardedOutputs::say_goodbye() {
+  MutexLock lock(mutex_);
+  use_ = GuardianUse::off;
+  ring_ = nullptr;
+  if (socket_ >= 0) {
+    guardian::Request request;
+    request.kind = guardian::Kind::bye;
+    await(lock, send(request, -1));
+  }
+  held_.clear();
+}
+
+void GuardedOutputs::hand_over(Held& held) {
+  guardian::Request request;
+  request.kind = guardian::Kind::hold;
+  request.slot = held.slot;
+  request.order = held.order;
+  held.answered = false;
+  held.refused.clear();
+  held.number = send(request, held.descriptor.get());
+}
+
+std::uint32_t GuardedOutputs::send(guardian::Request request, int descriptor) {
+  request.number = ++number_;
+  if (!guardian::send(socket_, request, descriptor)) give_it_up();
+  return number_;
+}
+
+void GuardedOutputs::await(MutexLock& lock, std::uint32_t number) {
+  const auto answered = [&]() MAUVE_REQUIRES(mutex_) { return socket_ < 0 || answered_ >= number; };
+  if (!changed_.wait_for(lock, kToAnswer, answered)) give_it_up();
+}
+
+/// One that is deaf is as good as none: the link finds the connection ended, and looks for another.
+void GuardedOutputs::give_it_up() {
+  if (socket_ >= 0) shutdown(socket_, SHUT_RDWR);
+}
+
+}  // namespace mauve::rt

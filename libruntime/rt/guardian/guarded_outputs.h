@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// GuardedOutputs: what the guardian of this process holds for it (guardian/README.md).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <mauve/guarded.h>
+#include <mauve/result.h>
+
+#include "base/mutex.h"
+#include "rt/guardian/guardian_wire.h"
+#include "rt/process/descriptor.h"
+
+namespace mauve::rt {
+
+/// What becomes of an output that no guardian holds.
+enum class GuardianUse : std::uint8_t {
+  off,     ///< no guardian is looked for
+  prefer,  ///< it works without one
+  require  ///< it is refused
+};
+
+/// All outputs of the process that are to be guarded. Keeps a copy of each descriptor, so that a
+/// guardian that comes later gets it. Not on real-time threads.
+class GuardedOutputs {
+ public:
+  static GuardedOutputs& of_process();
+
+  /// In place of the order that this owner had. Waits for the answer of the guardian, or until one
+  /// was looked for, 2 s at most. Refused when it cannot be an order, and under `require` when no
+  /// guardian has it then. [any]
+  Status hold(const void* owner, const std::string& name, int descriptor, const SafeOrder& order);
+  /// When it returns, nothing is sent to that descriptor any more, or the guardian did not answer
+  /// within a second. Without an order nothing happens. [any]
+  void drop(const void* owner);
+  /// Has all orders sent: an output that was made safe may have been live since. [any] Never waits.
+  void send_again();
+  /// The names of those that a guardian holds, or would if there were one. [any]
+  [[nodiscard]] std::vector<std::string> names() const;
+
+  // --- Of the thread that has the connection (guardian_link.h).
+  /// From now on orders are kept; `ring` is called for the first one of them. [any]
+  void expect(GuardianUse use, std::function<void()> ring);
+  /// There is no order, or a guardian was found or not.
+  void attach(int socket);
+  void detach();
+  void take(const guardian::Answer& answer);
+  /// The end in order: nothing is sent any more, and from now on nothing is kept. [any]
+  void say_goodbye();
+
+ private:
+  struct Held {
+    guardian::Order order;
+    Descriptor descriptor;
+    std::uint32_t slot = 0;
+    std::uint32_t number = 0;  // of the request that hands it over
+    bool answered = false;     // by the present guardian
+    std::string refused;       // what it said
+  };
+  [[nodiscard]] Result<Held> made(const void* owner, const std::string& name, int descriptor,
+                                  const SafeOrder& order) const MAUVE_REQUIRES(mutex_);
+  void give_it_up() MAUVE_REQUIRES(mutex_);
+  void hand_over(Held& held) MAUVE_REQUIRES(mutex_);
+  std::uint32_t send(guardian::Request request, int descriptor) MAUVE_REQUIRES(mutex_);
+  void await(MutexLock& lock, std::uint32_t number) MAUVE_REQUIRES(mutex_);
+
+  mutable Mutex mutex_;  // of all that follows
+  ConditionVariable changed_;
+  GuardianUse use_ MAUVE_GUARDED_BY(mutex_) = GuardianUse::off;
+  std::function<void()> ring_ MAUVE_GUARDED_BY(mutex_);
+  bool looked_ MAUVE_GUARDED_BY(mutex_) = false;  // for a guardian
+  int socket_ MAUVE_GUARDED_BY(mutex_) = -1;      // the link's; -1: no guardian
+  std::uint32_t number_ MAUVE_GUARDED_BY(mutex_) = 0;
+  std::uint32_t answered_ MAUVE_GUARDED_BY(mutex_) = 0;  // all up to this one
+  std::map<const void*, Held> held_ MAUVE_GUARDED_BY(mutex_);
+};
+
+}  // namespace mauve::rt

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// GuardianLink: the connection of this process to its guardian (guardian/README.md).
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <mauve/result.h>
+#include <mauve/time.h>
+
+#include "base/mutex.h"
+#include "rt/guardian/guarded_outputs.h"
+#include "rt/guardian/guardian_page.h"
+#include "rt/process/descriptor.h"
+#include "rt/thread/thread.h"
+
+namespace mauve::rt {
+
+/// Where a guardian comes from.
+struct GuardianPlan {
+  GuardianUse use = GuardianUse::prefer;
+  std::string socket;  ///< one that serves here, as a service of its own
+  /// Else this program is started, with the number of a descriptor as its last word. Empty: none.
+  std::vector<std::string> command;
+  Duration silence = 60ms;  ///< so long without a beat is an end
+};
+
+/// Where this process stands with its guardian.
+struct GuardianState {
+  enum class How : std::uint8_t {
+    unused,   ///< nothing is to be guarded, or no guardian is looked for
+    none,     ///< there is none, though outputs are to be guarded
+    service,  ///< it is a service of its own
+    started   ///< this process started it
+  };
+  How how = How::unused;
+  std::string why;    ///< none: why
+  Instant since = 0;  ///< none: since when, monotonic
+  int process = 0;    ///< its number, when it is there
+};
+
+/// What happens between the two.
+struct GuardianNews {
+  enum class What : std::uint8_t {
+    found,   ///< it holds the outputs from now on
+    absent,  ///< there is none; told once until there is one
+    lost,    ///< it ended, or does not listen any more
+    silence  ///< it took this process for dead and sent all orders
+  };
+  What what = What::found;
+  Duration lasted{0};      ///< silence: so far. found: how long there was none
+  std::uint32_t done = 0;  ///< silence: orders that went out
+  std::uint32_t total = 0;
+  GuardianState state;
+};
+
+/// A thread that looks for a guardian once there is an output to guard, and again each second while
+/// there is none. One in a process.
+class GuardianLink {
+ public:
+  using Tell = std::function<void(const GuardianNews&)>;
+
+  GuardianLink() = default;
+  ~GuardianLink() { stop(false); }
+  GuardianLink(const GuardianLink&) = delete;
+  GuardianLink& operator=(const GuardianLink&) = delete;
+
+  /// `tell` is called on the thread of the link.
+  Status start(GuardianPlan plan, Tell tell);
+  /// In order: the outputs are safe, so that the guardian lets them go. Else it sends its orders
+  /// when it notices that the connection is gone. [any but its own]
+  void stop(bool in_order);
+  [[nodiscard]] GuardianState state() const;
+
+ private:
+  void run();
+  [[nodiscard]] bool ask_for_one();
+  [[nodiscard]] Result<Descriptor> connected() const;
+  [[nodiscard]] Result<Descriptor> started();
+  [[nodiscard]] Status greet(int socket) const;
+  void serve(int socket);
+  [[nodiscard]] bool read_all(int socket);
+  void found(GuardianState::How how, int socket);
+  void absent(GuardianNews::What what, const std::string& why);
+  void reap();
+  [[nodiscard]] bool ring_within(int milliseconds) const;
+  void ring() const;
+
+  GuardianPlan plan_;
+  Tell tell_;
+  guardian::OwnPage page_;
+  Descriptor bell_;
+  pid_t child_ = 0;                  // started and not reaped
+  std::atomic<bool> leaves_{false};  // the end of the connection is nothing to tell any more
+  std::atomic<bool> quits_{false};
+  mutable Mutex mutex_;  // of the state
+  GuardianState state_ MAUVE_GUARDED_BY(mutex_);
+  Thread thread_;
+};
+
+namespace guardian {
+
+/// One message, with a descriptor (-1: none). Never waits. [any]
+[[nodiscard]] bool send(int socket, const Request& request, int descriptor);
+
+}  // namespace guardian
+}  // namespace mauve::rt

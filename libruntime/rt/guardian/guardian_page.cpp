@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "rt/guardian/guardian_page.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstddef>
+#include <new>
+#include <string>
+#include <system_error>
+
+namespace mauve::rt {
+namespace {
+
+std::atomic<guardian::Page*> heard_page{nullptr};
+/// Of the one thread that owns a page. The thread uses no robust mutex, so it needs no other list.
+robust_list_head page_list{};
+
+Error no_page(const char* doing) {
+  return refuse(Errc::system, "guardian",
+                std::string("cannot ") + doing + ": " + std::generic_category().message(errno));
+}
+
+void own(guardian::Page& page) {
+  auto* const entry = reinterpret_cast<robust_list*>(&page.entry);
+  page.entry = &page_list.list;
+  page_list.list.next = entry;
+  page_list.futex_offset = static_cast<long>(offsetof(guardian::Page, owner)) -
+                           static_cast<long>(offsetof(guardian::Page, entry));
+}
+
+}  // namespace
+
+bool beats_are_heard() { return heard_page.load(std::memory_order_acquire) != nullptr; }
+
+void beat() {
+  guardian::Page* const page = heard_page.load(std::memory_order_acquire);
+  if (page != nullptr) page->beats.fetch_add(1, std::memory_order_relaxed);
+}
+
+namespace guardian {
+
+Status OwnPage::open() {
+  file_ = Descriptor(memfd_create("mauve:guardian", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+  if (!file_ || ftruncate(file_.get(), sizeof(Page)) != 0) return no_page("make a file in memory");
+  if (fcntl(file_.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0) {
+    return no_page("seal a file in memory");
+  }
+  void* const memory =
+      mmap(nullptr, sizeof(Page), PROT_READ | PROT_WRITE, MAP_SHARED, file_.get(), 0);
+  if (memory == MAP_FAILED) return no_page("map a file in memory");
+  Page& page = *new (memory) Page{};
+  owner_ = static_cast<pid_t>(syscall(SYS_gettid));
+  page.version = kVersion;
+  page.owner = owner_word(owner_);
+  own(page);
+  if (syscall(SYS_set_robust_list, &page_list, sizeof page_list) != 0) {
+    return no_page("have the end of a thread told");
+  }
+  heard_page.store(&page, std::memory_order_release);
+  return ok();
+}
+
+void OwnPage::let_go() {
+  heard_page.store(nullptr, std::memory_order_release);
+  page_list.list.next = &page_list.list;
+}
+
+}  // namespace guardian
+}  // namespace mauve::rt

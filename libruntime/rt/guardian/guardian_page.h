@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The page of this process that its guardian sees (guardian_wire.h), and the beats in it.
+#pragma once
+
+#include <mauve/result.h>
+#include <mauve/time.h>
+
+#include "rt/guardian/guardian_wire.h"
+#include "rt/process/descriptor.h"
+
+namespace mauve::rt {
+
+/// From one beat to the next.
+inline constexpr Duration kBeatPeriod{10'000'000};
+
+/// A guardian may listen. [any]
+[[nodiscard]] bool beats_are_heard();
+/// One addition. Only while all components are served, by a thread that no load of the machine can
+/// hold up: the guardian takes 60 ms without a beat for an end. [rt]
+void beat();
+
+namespace guardian {
+
+/// Made by one thread, which lives as long as the page matters. Its memory is never given back,
+/// because beats may come at any time.
+class OwnPage {
+ public:
+  /// The calling thread becomes the owner: when it ends in whatever way, the kernel marks the page
+  /// before anything else of the process is taken down (robust futexes, set_robust_list(2)).
+  Status open();
+  /// That thread's last step: its end means nothing any more.
+  void let_go();
+  [[nodiscard]] int file() const { return file_.get(); }
+  [[nodiscard]] pid_t owner() const { return owner_; }
+
+ private:
+  Descriptor file_;
+  pid_t owner_ = 0;
+};
+
+}  // namespace guardian
+}  // namespace mauve::rt

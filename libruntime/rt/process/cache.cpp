@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "rt/process/cache.h"
+
+// The linker knows where the section begins and ends.
+extern "C" {
+[[gnu::visibility("hidden")]] extern const std::byte __start_mauve_swap_code[];
+[[gnu::visibility("hidden")]] extern const std::byte __stop_mauve_swap_code[];
+}
+
+namespace mauve::rt {
+
+MAUVE_RUNS_AT_A_SWAP void touch_swap_code() {
+  constexpr std::ptrdiff_t kLine = 64;
+  const std::byte* const end = __stop_mauve_swap_code;
+  for (const std::byte* at = __start_mauve_swap_code; at < end; at += kLine) {
+    __builtin_prefetch(at);
+  }
+  for (const std::byte* at = __start_mauve_swap_code; at < end; at += kLine) {
+    static_cast<void>(*static_cast<const volatile std::byte*>(at));
+  }
+#if defined(__x86_64__)
+  asm volatile("lfence" : : : "memory");
+#endif
+}
+
+}  // namespace mauve::rt

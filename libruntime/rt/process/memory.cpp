@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "rt/process/memory.h"
+
+#include <cerrno>
+#include <cstring>
+#include <string>
+
+#include <malloc.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace mauve::rt {
+
+Status lock_memory() {
+  // A finite limit would make a later pthread_create or malloc fail in the middle of the night.
+  rlimit limit{};
+  getrlimit(RLIMIT_MEMLOCK, &limit);
+  mallopt(M_TRIM_THRESHOLD, -1);
+  mallopt(M_MMAP_MAX, 0);
+  // A thread that allocates for the first time gets an arena; locked, its spare room is real.
+  mallopt(M_TOP_PAD, 16 * 1024);
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  return ok();  // the shadow memory of a sanitizer cannot be locked
+#endif
+  const bool limited = limit.rlim_cur != RLIM_INFINITY && geteuid() != 0;
+  if (!limited && mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return ok();
+  const std::string reason = limited ? "the limit is finite" : std::strerror(errno);
+  munlockall();
+  return refuse(
+      Errc::not_permitted, "realtime",
+      "memory cannot be locked: " + reason + " (RLIMIT_MEMLOCK is " +
+          (limit.rlim_cur == RLIM_INFINITY ? std::string("unlimited")
+                                           : std::to_string(limit.rlim_cur / 1024) + " KiB") +
+          ")",
+      "grant CAP_IPC_LOCK, or a limit: `@mauve - memlock unlimited` in "
+      "/etc/security/limits.conf, LimitMEMLOCK=infinity in a unit");
+}
+
+}  // namespace mauve::rt

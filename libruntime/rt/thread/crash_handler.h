@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// CrashHandler: what is still done when the process must die of a fault. The thread that failed
+/// only wakes others and waits for them, since in its handler next to nothing is allowed.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <functional>
+#include <optional>
+
+#include "rt/thread/ends.h"
+#include "rt/thread/run_guarded.h"
+#include "rt/thread/thread.h"
+
+namespace mauve::rt {
+
+/// Who dies of what.
+struct Death {
+  Fault fault;
+  std::array<char, 16> thread{};  ///< its name
+};
+
+/// A thread that sleeps until the process must die. While one lives, faults are handled (not under
+/// a sanitizer, which handles them itself), and so is every end of the process that it can see.
+class CrashHandler {
+ public:
+  CrashHandler() = default;
+  ~CrashHandler();
+  CrashHandler(const CrashHandler&) = delete;
+  CrashHandler& operator=(const CrashHandler&) = delete;
+
+  /// `speak` gets 500 ms; it may not be able to have memory. It runs before all components, where
+  /// that is permitted.
+  Status start(std::function<void(const Death&)> speak);
+
+ private:
+  void wait();
+
+  std::optional<FaultHandlers> faults_;
+  std::optional<EndHandlers> ends_;
+  std::function<void(const Death&)> speak_;
+  std::atomic<bool> quit_{false};
+  Thread thread_;
+};
+
+/// Lets all of them speak, and waits for the end of it; not longer than 500 ms. A fault whose
+/// signal is 0 is an exit(). Async-signal-safe.
+/// True when there was somebody to speak, and all have spoken.
+bool speak_last_words(const Fault& fault);
+
+}  // namespace mauve::rt
