@@ -11,7 +11,7 @@ import re
 import sys
 
 GLOSSARY = "docs/glossary.md"
-SUFFIXES = {".cpp", ".h", ".in", ".json", ".md", ".py", ".sh", ".txt"}
+SUFFIXES = {".cpp", ".def", ".h", ".in", ".json", ".md", ".py", ".sh", ".txt"}
 FOLDERS = ("ctl", "daemon", "docs", "etc", "guardian", "libruntime", "man", "plugins", "scripts", "tests")
 PAST = ("CHANGELOG.md", "docs/decisions/", GLOSSARY)
 QUOTED = re.compile(r"`([^`]+)`")

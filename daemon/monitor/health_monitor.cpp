@@ -44,7 +44,7 @@ Event event_of(const Outcome& outcome) {
     case Outcome::Kind::fell_back:
       return Event::fell_back;
     case Outcome::Kind::stays_failed:
-      return Event::recovery_abandoned;
+      return Event::stays_failed;
     case Outcome::Kind::restarted:
       break;
   }

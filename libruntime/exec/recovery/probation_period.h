@@ -68,7 +68,7 @@ class ProbationPeriod {
   /// Unless going back takes too long.
   void report_after_all();
   [[nodiscard]] bool leads(const Rollback& back) const {
-    return rollback_.get() == &back && !told();
+    return rollback_.get() == &back && !reported();
   }
   [[nodiscard]] bool open() const { return phase_ == Phase::watching && rollback_->open(); }
   [[nodiscard]] bool awaits_confirmation() const;

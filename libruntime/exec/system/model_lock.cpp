@@ -8,7 +8,7 @@ namespace mauve::exec {
 bool ModelLock::take(bool waits) {
   MutexLock lock(mutex_);
   const auto free = [this]() MAUVE_REQUIRES(mutex_) {
-    return !held_ || (owner_ != nullptr && owner_->left());
+    return !held_ || (owner_ != nullptr && owner_->abandoned());
   };
   if (waits) {
     freed_.wait(lock, free);

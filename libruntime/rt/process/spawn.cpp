@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "rt/process/spawn.h"
 
-#include <rt/process/spawn.h>
 #include <sched.h>
 #include <signal.h>
+#include <spawn.h>
 #include <unistd.h>
 
 #include <cstring>

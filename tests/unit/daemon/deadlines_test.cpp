@@ -51,7 +51,7 @@ TEST_F(DeadlinesTest, OfAChangeThatIsBeingPreparedKeepItFromTakingEffect) {
 
   EXPECT_EQ(refusal().state, "unchanged");
   EXPECT_FALSE(check_conditions(running, *call));
-  EXPECT_EQ(call->stage->load(), Stage::on_abandoned);
+  EXPECT_EQ(call->stage->load(), Stage::expired);
 }
 
 TEST_F(DeadlinesTest, OfAChangeThatTakesEffectAreAnsweredAsUnknownOnce) {

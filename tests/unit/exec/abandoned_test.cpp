@@ -61,15 +61,15 @@ class Abandoned : public testing::Test {
   template <typename T>
   void prepare() {
     thread_ = std::thread([this] {
-      abandonable_thread.begin_here();
+      thread_in_hook.begin_here();
       prepared.emplace(deployer.prepare({{edit<T>()}}));
     });
   }
   bool is_in(const std::string& hook) {
-    return eventually([&] { return abandonable_thread.hook() == hook; });
+    return eventually([&] { return thread_in_hook.hook() == hook; });
   }
   bool leave() {
-    return eventually([&] { return abandonable_thread.leave(); });
+    return eventually([&] { return thread_in_hook.abandon(); });
   }
   void open() {
     closed() = false;
@@ -78,7 +78,7 @@ class Abandoned : public testing::Test {
 
   ramp::Architecture architecture;
   Deployer deployer{architecture, {.simulated = true}};
-  AbandonableThread abandonable_thread;
+  AbandonableThread thread_in_hook;
   std::optional<Result<PreparedChange>> prepared;
   int configured_ = 0;
   std::thread thread_;
@@ -151,7 +151,7 @@ TEST_F(Abandoned, WhoIsNotLeftIsWaitedFor) {
 
   EXPECT_TRUE(prepared->has_value());
   EXPECT_TRUE(other.get());
-  EXPECT_FALSE(abandonable_thread.left());
+  EXPECT_FALSE(thread_in_hook.abandoned());
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ class MeterCore : public Core<EmptyShell> {
     last_ = value;
   }
   double scale(double value, int factor) { return value * factor; }
-  void report(double value) { last_ = value; }
+  void tell(double value) { last_ = value; }
   void reset() { written_ = false; }
 
  private:
@@ -70,7 +70,7 @@ TEST(Port, UnconnectedGivesDefaultsAndNeverThrows) {
   EXPECT_FALSE(shell.out.write(1.0));
   EXPECT_EQ(shell.out.failures(), 1u);
   EXPECT_FALSE(shell.scale(1.0, 2).has_value());
-  EXPECT_FALSE(shell.report(1.0));
+  EXPECT_FALSE(shell.tell(1.0));
   EXPECT_FALSE(shell.reset());
 }
 
@@ -88,7 +88,7 @@ TEST(Port, ReachesTheServicesOfAResource) {
   EXPECT_TRUE(shell.out.write(3.0));
   EXPECT_EQ(shell.in.read(), 3.0);
   EXPECT_EQ(shell.scale(3.0, 7), 21.0);
-  EXPECT_TRUE(shell.report(5.0));
+  EXPECT_TRUE(shell.tell(5.0));
   EXPECT_EQ(shell.in.read(), 5.0);
   EXPECT_TRUE(shell.reset());
   EXPECT_EQ(shell.in.read(), 42.0);
