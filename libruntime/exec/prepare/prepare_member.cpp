@@ -67,7 +67,7 @@ class MemberBuilder {
  private:
   Status check() {
     if (edit_.lock_budget) {
-      return refuse(Errc::unsupported, component_.name() + ".hold",
+      return refuse(Errc::unsupported, component_.name() + ".lock_budget",
                     "is a component: only a resource is held", "a job of it has a budget");
     }
     if (Status paths = check_paths(edit_, {"shell", "core", "fsm"}); !paths) return paths;

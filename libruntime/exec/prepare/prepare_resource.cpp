@@ -54,7 +54,7 @@ Status make_core(const Edit& edit, ResourceBase& resource, PreparedResource& pre
 }  // namespace
 
 Status check_lock_budget(const ResourceBase& resource, Duration budget) {
-  const std::string at = resource.name() + ".hold";
+  const std::string at = resource.name() + ".lock_budget";
   if (budget < Duration{0} || budget > kLongestBudget) {
     return refuse(Errc::invalid_value, at,
                   "must be between 0 and " + format_duration(kLongestBudget),

@@ -64,7 +64,7 @@ TEST(Table, MakesNoLineWiderThanTheTerminalUnlessOneWordIs) {
     const std::string text = table.text(width, false);
     for (const auto line : lines_of(text)) EXPECT_LE(columns(line), width) << text;
     for (const char* word :
-         {"in_the_building", "gnss.core.satellites", "odometry.read.x", "lock_budget"}) {
+         {"in_the_building", "gnss.core.satellites", "odometry.read.x", "hold"}) {
       EXPECT_NE(text.find(word), std::string::npos) << width << "\n" << text;
     }
   }
