@@ -5,6 +5,8 @@
 #include <map>
 #include <utility>
 
+#include "base/concat.h"
+
 namespace mauve::ctl {
 namespace {
 
@@ -52,7 +54,7 @@ Services services_of(const Graph& graph) {
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
     const auto& services = graph.nodes[i].services;
     for (std::size_t k = 0; k < services.size(); ++k) {
-      all[graph.nodes[i].name + "." + services[k].name] = {i, k};
+      all[concat({graph.nodes[i].name, ".", services[k].name})] = {i, k};
     }
   }
   return all;

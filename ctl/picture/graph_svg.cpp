@@ -5,6 +5,7 @@
 #include <array>
 #include <optional>
 
+#include "base/concat.h"
 #include "picture/graph.h"
 #include "picture/graph_look.h"
 #include "picture/layers.h"
@@ -25,14 +26,14 @@ constexpr double kMarker = 5.0;
 
 std::string style_of(Flow flow) {
   const FlowLook& look = look_of(flow);
-  const std::string stroke = "stroke=\"" + std::string(look.line) + "\" stroke-width=\"";
+  const std::string stroke = concat({"stroke=\"", look.line, "\" stroke-width=\""});
   if (look.stroke == Stroke::solid) return stroke + "1.2\"";
-  return stroke + "1.8\" stroke-dasharray=\"" + (look.stroke == Stroke::dashed ? "7 4" : "2 3") +
-         "\"";
+  return concat(
+      {stroke, "1.8\" stroke-dasharray=\"", look.stroke == Stroke::dashed ? "7 4" : "2 3", "\""});
 }
 
 std::string colour(std::string_view fill, std::string_view line) {
-  return "fill=\"" + std::string(fill) + "\" stroke=\"" + std::string(line) + "\"";
+  return concat({"fill=\"", fill, "\" stroke=\"", line, "\""});
 }
 
 /// A port or service at a side of its box.
@@ -59,8 +60,8 @@ struct Card {
     add(node.type, kSmallSize);
     if (!node.is_resource && node.core != node.type) add("core " + node.core, kSmallSize);
     if (!node.is_resource && !node.fsm_state.empty()) {
-      lines.push_back(
-          {node.fsm.substr(node.fsm.rfind('/') + 1) + ": " + node.fsm_state, kSmallSize, true});
+      lines.push_back({concat({node.fsm.substr(node.fsm.rfind('/') + 1), ": ", node.fsm_state}),
+                       kSmallSize, true});
       widen(lines.back());
     }
     if (!node.state.empty() && node.state != "running") add(node.state, kSmallSize);
@@ -130,7 +131,7 @@ void draw_marker(Svg& svg, const Place& at, const Spot& spot, std::string_view l
 /// A port that leads nowhere ends in a cross.
 void draw_open_end(Svg& svg, const Place& at, bool left) {
   const double x = at.x + (left ? -15.0 : 15.0);
-  const std::string look = "stroke=\"" + std::string(kWrong) + "\" stroke-width=\"1.4\"";
+  const std::string look = concat({"stroke=\"", kWrong, "\" stroke-width=\"1.4\""});
   svg.line(at, {x, at.y}, look);
   svg.line({x - 3, at.y - 3}, {x + 3, at.y + 3}, look);
   svg.line({x - 3, at.y + 3}, {x + 3, at.y - 3}, look);
@@ -152,7 +153,8 @@ class GraphDrawing {
     const double height = kHeading + arranged_.height + kGraphLegend + 2 * kMargin;
     Svg svg(width, height);
     svg.text({kMargin, kMargin + 8},
-             fitted(graph_.name + ", generation " + graph_.generation, 14.0, width - 2 * kMargin),
+             fitted(concat({graph_.name, ", generation ", graph_.generation}), 14.0,
+                    width - 2 * kMargin),
              "font-size=\"14\" font-weight=\"bold\" fill=\"#1f2328\"");
     for (const Flow flow : {Flow::alive, Flow::resting, Flow::stale, Flow::dead})
       draw_links(svg, flow);
@@ -186,10 +188,10 @@ class GraphDrawing {
       const Graph::Node& user = graph_.nodes[link.user];
       const Graph::Node& resource = graph_.nodes[link.resource];
       const std::array<const char*, 4> says{"", " (stopped)", " (stale)", " (dead)"};
-      svg.open_group("class=\"link\"", user.name + ".ports." + graph_.port(link).name + " - " +
-                                           resource.name + "." +
-                                           resource.services[link.service].name +
-                                           says[static_cast<std::size_t>(flow)]);
+      svg.open_group(
+          "class=\"link\"",
+          concat({user.name, ".ports.", graph_.port(link).name, " - ", resource.name, ".",
+                  resource.services[link.service].name, says[static_cast<std::size_t>(flow)]}));
       std::vector<Place> route = arranged_.routes[i];
       std::transform(route.begin(), route.end(), route.begin(), shifted);
       svg.bent(route, 6.0, style_of(flow));
@@ -206,8 +208,8 @@ class GraphDrawing {
     svg.open_group(node.is_resource ? "class=\"resource\"" : "class=\"component\"",
                    node.name + (node.state.empty() ? "" : ": " + node.state));
     svg.rectangle(corner, width, card.box.height,
-                  colour(look.fill, look.line) + " stroke-width=\"1.5\"" +
-                      (node.is_resource ? "" : " rx=\"12\""));
+                  concat({colour(look.fill, look.line), " stroke-width=\"1.5\"",
+                          node.is_resource ? "" : " rx=\"12\""}));
     draw_lines(svg, card, look, corner, width);
     for (const Spot& spot : card.spots) draw_spot(svg, index, spot, corner, width);
     svg.close_group();
@@ -228,10 +230,10 @@ class GraphDrawing {
         svg.circle({middle - half + 8, y + 12.5}, 3, colour(look.line, "none"), "state machine");
         y += 2;
       }
-      svg.text({line.framed ? middle + 5 : middle, y + line.size + (line.framed ? 4 : 3)}, words,
-               "text-anchor=\"middle\" font-size=\"" + std::to_string(static_cast<int>(line.size)) +
-                   "\" fill=\"" + std::string(title ? look.text : "#57606a") + "\"" +
-                   (title ? " font-weight=\"bold\"" : ""));
+      svg.text(
+          {line.framed ? middle + 5 : middle, y + line.size + (line.framed ? 4 : 3)}, words,
+          concat({"text-anchor=\"middle\" font-size=\"", static_cast<int>(line.size), "\" fill=\"",
+                  title ? look.text : "#57606a", "\"", title ? " font-weight=\"bold\"" : ""}));
       y += Card::height_of(line) - (line.framed ? 2 : 0);
     }
   }
@@ -247,8 +249,8 @@ class GraphDrawing {
     draw_marker(svg, at, spot, look_of(node).line, open);
     svg.text({at.x + (spot.left ? 9.0 : -9.0), at.y + 4},
              fitted(spot.door->name, kDoorSize, width / 2 + 20),
-             "font-size=\"11\" fill=\"" + std::string(look_of(node).text) + "\"" +
-                 (spot.left ? "" : " text-anchor=\"end\""));
+             concat({"font-size=\"11\" fill=\"", look_of(node).text, "\"",
+                     spot.left ? "" : " text-anchor=\"end\""}));
   }
 
   /// Only what there is on this picture needs to be explained.

@@ -3,6 +3,7 @@
 /// right.
 #include <algorithm>
 
+#include "base/concat.h"
 #include "picture/graph_look.h"
 #include "picture/layers.h"
 #include "picture/machine.h"
@@ -62,9 +63,10 @@ class MachineDrawing {
     const double width = std::max(arranged_.width, 320.0) + 2 * kMachineMargin;
     const double height = kMachineHeading + arranged_.height + 2 * kMachineMargin + 20.0;
     Svg svg(width, height);
-    svg.text({kMachineMargin, kMachineMargin + 8},
-             fitted(machine_.component + ": " + machine_.type, 15.4, width - 2 * kMachineMargin),
-             "font-size=\"14\" font-weight=\"bold\" fill=\"#1f2328\"");
+    svg.text(
+        {kMachineMargin, kMachineMargin + 8},
+        fitted(concat({machine_.component, ": ", machine_.type}), 15.4, width - 2 * kMachineMargin),
+        "font-size=\"14\" font-weight=\"bold\" fill=\"#1f2328\"");
     for (std::size_t i = 0; i < wires_.size(); ++i) draw_transition(svg, i);
     for (std::size_t i = 0; i < circles_.size(); ++i) draw_state(svg, i);
     svg.text({kMachineMargin, height - kMachineMargin + 4},
@@ -96,8 +98,9 @@ class MachineDrawing {
     std::transform(route.begin(), route.end(), route.begin(), shifted);
     const Place from = shifted(arranged_.corners[wire.from]);
     route.insert(route.begin(), {from.x + width_of(wire.from), from.y + wire.from_y});
-    svg.open_group("class=\"transition\"", machine_.states[wire.from].name + " to " +
-                                               machine_.states[wire.to].name + " " + marks_[index]);
+    svg.open_group("class=\"transition\"",
+                   concat({machine_.states[wire.from].name, " to ", machine_.states[wire.to].name,
+                           " ", marks_[index]}));
     svg.bent(route, 8.0, "stroke=\"#1f2328\" stroke-width=\"1.2\"");
     draw_head(svg, route.back());
     svg.text({route.front().x + 4, route.front().y - 3}, marks_[index],
@@ -117,9 +120,8 @@ class MachineDrawing {
     svg.open_group(current ? "class=\"state current\"" : "class=\"state\"",
                    state.name + (state.waits ? ", " + state.wait : ""));
     svg.rectangle(corner, width, height,
-                  "fill=\"" + std::string(look.fill) + "\" stroke=\"" + std::string(look.line) +
-                      "\" stroke-width=\"" + (current ? "2.4" : "1.5") + "\" rx=\"" +
-                      (state.waits ? "2" : "22") + "\"");
+                  concat({"fill=\"", look.fill, "\" stroke=\"", look.line, "\" stroke-width=\"",
+                          current ? "2.4" : "1.5", "\" rx=\"", state.waits ? "2" : "22", "\""}));
     const Place middle{corner.x + width / 2, corner.y + height / 2};
     svg.text({middle.x, middle.y + (state.waits ? -2 : 5)},
              fitted(state.name, 13.0 * 1.1, width - 12.0),

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "base/concat.h"
 #include "render/words.h"
 
 namespace mauve::ctl {
@@ -84,8 +85,8 @@ std::string_view fill_of(int cell) {
 
 /// Runs of equal cells as one thick line each: a cell is too small to be told apart.
 void draw_grid(Svg& svg, const Frame& frame, const Grid& grid) {
-  const std::string width =
-      "stroke-width=\"" + std::to_string(grid.resolution * frame.scale + 0.3) + "\" stroke=\"";
+  const std::string width = concat(
+      {"stroke-width=\"", std::to_string(grid.resolution * frame.scale + 0.3), "\" stroke=\""});
   for (long row = 0; row < grid.rows; ++row) {
     for (long from = 0; from < grid.width;) {
       const std::string_view fill = fill_of(grid.cell(from, row));
@@ -97,7 +98,7 @@ void draw_grid(Svg& svg, const Frame& frame, const Grid& grid) {
         const Place up = grid.at(from, row + 1);
         const Place half{(up.x - a.x) / 2, (up.y - a.y) / 2};
         svg.line(frame.at({a.x + half.x, a.y + half.y}), frame.at({b.x + half.x, b.y + half.y}),
-                 width + std::string(fill) + "\"");
+                 concat({width, fill, "\""}));
       }
       from = to;
     }
@@ -127,8 +128,8 @@ void draw_way(Svg& svg, const Frame& frame, const std::vector<MapPicture::Step>&
     for (; to < way.size() && way[to].mode == way[from].mode; ++to) {
       piece.push_back(frame.at(way[to].at));
     }
-    svg.polyline(piece, "stroke-width=\"3\" stroke-linejoin=\"round\" stroke=\"" +
-                            colour_of(modes, way[from].mode) + "\"");
+    svg.polyline(piece, concat({"stroke-width=\"3\" stroke-linejoin=\"round\" stroke=\"",
+                                colour_of(modes, way[from].mode), "\""}));
     from = to;
   }
 }
@@ -175,7 +176,7 @@ void draw_legend(Svg& svg, const Frame& frame, const std::vector<std::string>& m
   for (std::size_t i = 0; i < modes.size(); ++i) {
     const double y = frame.height() + kLegend * (static_cast<double>(i) + 0.7);
     svg.line({12, y - 4}, {44, y - 4},
-             "stroke-width=\"4\" stroke=\"" + colour_of(modes, modes[i]) + "\"");
+             concat({"stroke-width=\"4\" stroke=\"", colour_of(modes, modes[i]), "\""}));
     svg.text({52, y}, modes[i].empty() ? "the way driven" : modes[i]);
   }
   const double metre = nice_step(frame.right - frame.left, 8);

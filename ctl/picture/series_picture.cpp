@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <limits>
 
+#include "base/concat.h"
+
 namespace mauve::ctl {
 namespace {
 
@@ -72,7 +74,7 @@ void draw_axes(Svg& svg, const Panel& panel) {
 
 /// Cut where values are missing.
 void draw_line(Svg& svg, const Panel& panel, const Series& series, std::string_view colour) {
-  const std::string attributes = "stroke=\"" + std::string(colour) + "\" stroke-width=\"1.6\"";
+  const std::string attributes = concat({"stroke=\"", colour, "\" stroke-width=\"1.6\""});
   std::vector<Place> piece;
   for (const Place& point : series.points) {
     if (std::isfinite(point.y)) {
@@ -93,8 +95,8 @@ void draw_panel(Svg& svg, const Panel& panel, const std::vector<const Series*>& 
   double x = kLeft;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const std::string words =
-        all[i]->unit.empty() ? all[i]->name : all[i]->name + " [" + all[i]->unit + "]";
-    svg.text({x, panel.top - 6}, words, "fill=\"" + std::string(line_colour(i)) + "\"");
+        all[i]->unit.empty() ? all[i]->name : concat({all[i]->name, " [", all[i]->unit, "]"});
+    svg.text({x, panel.top - 6}, words, concat({"fill=\"", line_colour(i), "\""}));
     x += 8.0 * static_cast<double>(words.size()) + 16.0;
   }
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/concat.h"
 #include "render/table.h"
 
 namespace mauve::ctl {
@@ -19,7 +20,7 @@ std::string pixels(double value) {
 }
 
 std::string attribute(std::string_view name, double value) {
-  return " " + std::string(name) + "=\"" + pixels(value) + "\"";
+  return concat({" ", name, "=\"", pixels(value), "\""});
 }
 
 /// Of a letter, in parts of the font's size, of a wide font (DejaVu Sans).
@@ -32,13 +33,13 @@ double letter_width(char letter) {
 }
 
 std::string with_space(std::string_view attributes) {
-  return attributes.empty() ? std::string{} : " " + std::string(attributes);
+  return attributes.empty() ? std::string{} : concat({" ", attributes});
 }
 
 /// The rest of an element, with what a pointer over it is told.
 std::string end_of(std::string_view element, std::string_view title) {
   if (title.empty()) return "/>\n";
-  return "><title>" + escaped_markup(title) + "</title></" + std::string(element) + ">\n";
+  return concat({"><title>", escaped_markup(title), "</title></", element, ">\n"});
 }
 
 }  // namespace
@@ -74,58 +75,59 @@ std::string_view line_colour(std::size_t index) {
 
 void Svg::rectangle(Place corner, double width, double height, std::string_view attributes,
                     std::string_view title) {
-  body_ += "<rect" + attribute("x", corner.x) + attribute("y", corner.y) +
-           attribute("width", width) + attribute("height", height) + with_space(attributes) +
-           end_of("rect", title);
+  body_ += concat({"<rect", attribute("x", corner.x), attribute("y", corner.y),
+                   attribute("width", width), attribute("height", height), with_space(attributes),
+                   end_of("rect", title)});
 }
 
 void Svg::circle(Place centre, double radius, std::string_view attributes, std::string_view title) {
-  body_ += "<circle" + attribute("cx", centre.x) + attribute("cy", centre.y) +
-           attribute("r", radius) + with_space(attributes) + "><title>" + escaped_markup(title) +
-           "</title></circle>\n";
+  body_ += concat({"<circle", attribute("cx", centre.x), attribute("cy", centre.y),
+                   attribute("r", radius), with_space(attributes), "><title>",
+                   escaped_markup(title), "</title></circle>\n"});
 }
 
 void Svg::ellipse(Place centre, Place half, double degrees, std::string_view attributes) {
-  body_ += "<ellipse" + attribute("rx", half.x) + attribute("ry", half.y) +
-           " transform=\"translate(" + pixels(centre.x) + " " + pixels(centre.y) + ") rotate(" +
-           pixels(degrees) + ")\"" + with_space(attributes) + "/>\n";
+  body_ += concat({"<ellipse", attribute("rx", half.x), attribute("ry", half.y),
+                   " transform=\"translate(", pixels(centre.x), " ", pixels(centre.y), ") rotate(",
+                   pixels(degrees), ")\"", with_space(attributes), "/>\n"});
 }
 
 void Svg::line(Place from, Place to, std::string_view attributes) {
-  body_ += "<line" + attribute("x1", from.x) + attribute("y1", from.y) + attribute("x2", to.x) +
-           attribute("y2", to.y) + with_space(attributes) + "/>\n";
+  body_ += concat({"<line", attribute("x1", from.x), attribute("y1", from.y), attribute("x2", to.x),
+                   attribute("y2", to.y), with_space(attributes), "/>\n"});
 }
 
 void Svg::polyline(const std::vector<Place>& places, std::string_view attributes) {
   if (places.size() < 2) return;
   body_ += "<polyline fill=\"none\" points=\"";
-  for (const Place& place : places) body_ += pixels(place.x) + "," + pixels(place.y) + " ";
+  for (const Place& place : places) body_ += concat({pixels(place.x), ",", pixels(place.y), " "});
   body_.back() = '"';
   body_ += with_space(attributes) + "/>\n";
 }
 
 void Svg::path(std::string_view steps, std::string_view attributes, std::string_view title) {
-  body_ +=
-      "<path d=\"" + std::string(steps) + "\"" + with_space(attributes) + end_of("path", title);
+  body_ += concat({"<path d=\"", steps, "\"", with_space(attributes), end_of("path", title)});
 }
 
 void Svg::define(std::string_view definitions) {
-  body_ += "<defs>" + std::string(definitions) + "</defs>\n";
+  body_ += concat({"<defs>", definitions, "</defs>\n"});
 }
 
 void Svg::group(Place at, std::string_view elements) {
-  body_ += "<g transform=\"translate(" + pixels(at.x) + " " + pixels(at.y) + ")\">" +
-           std::string(elements) + "</g>\n";
+  body_ += concat(
+      {"<g transform=\"translate(", pixels(at.x), " ", pixels(at.y), ")\">", elements, "</g>\n"});
 }
 
 void Svg::text(Place at, std::string_view words, std::string_view attributes) {
-  body_ += "<text" + attribute("x", at.x) + attribute("y", at.y) + with_space(attributes) + ">" +
-           escaped_markup(words) + "</text>\n";
+  body_ += concat({"<text", attribute("x", at.x), attribute("y", at.y), with_space(attributes), ">",
+                   escaped_markup(words), "</text>\n"});
 }
 
 void Svg::bent(const std::vector<Place>& places, double radius, std::string_view attributes) {
   if (places.size() < 2) return;
-  const auto at = [](const Place& place) { return pixels(place.x) + " " + pixels(place.y); };
+  const auto at = [](const Place& place) {
+    return concat({pixels(place.x), " ", pixels(place.y)});
+  };
   const auto towards = [radius](const Place& from, const Place& to) {
     const double length = std::hypot(to.x - from.x, to.y - from.y);
     const double part = length > 0.0 ? std::min(radius, length / 2.0) / length : 0.0;
@@ -133,44 +135,47 @@ void Svg::bent(const std::vector<Place>& places, double radius, std::string_view
   };
   body_ += "<path fill=\"none\" d=\"M" + at(places.front());
   for (std::size_t i = 1; i + 1 < places.size(); ++i) {
-    body_ += " L" + at(towards(places[i], places[i - 1])) + " Q" + at(places[i]) + " " +
-             at(towards(places[i], places[i + 1]));
+    body_ += concat({" L", at(towards(places[i], places[i - 1])), " Q", at(places[i]), " ",
+                     at(towards(places[i], places[i + 1]))});
   }
-  body_ += " L" + at(places.back()) + "\"" + with_space(attributes) + "/>\n";
+  body_ += concat({" L", at(places.back()), "\"", with_space(attributes), "/>\n"});
 }
 
 void Svg::polygon(const std::vector<Place>& places, std::string_view attributes) {
   body_ += "<polygon points=\"";
-  for (const Place& place : places) body_ += pixels(place.x) + "," + pixels(place.y) + " ";
+  for (const Place& place : places) body_ += concat({pixels(place.x), ",", pixels(place.y), " "});
   body_.back() = '"';
   body_ += with_space(attributes) + "/>\n";
 }
 
 void Svg::open_group(std::string_view attributes, std::string_view title) {
-  body_ += "<g" + with_space(attributes) + ">";
-  if (!title.empty()) body_ += "<title>" + escaped_markup(title) + "</title>";
+  body_ += concat({"<g", with_space(attributes), ">"});
+  if (!title.empty()) body_ += concat({"<title>", escaped_markup(title), "</title>"});
   body_ += "\n";
 }
 
 void Svg::close_group() { body_ += "</g>\n"; }
 
 void Svg::open_clip(Place corner, double width, double height) {
-  const std::string name = "clip" + std::to_string(++clips_);
-  body_ += "<clipPath id=\"" + name + "\">";
+  const std::string name = concat({"clip", ++clips_});
+  body_ += concat({"<clipPath id=\"", name, "\">"});
   rectangle(corner, width, height, {});
-  body_ += "</clipPath>\n<g clip-path=\"url(#" + name + ")\">\n";
+  body_ += concat({"</clipPath>\n<g clip-path=\"url(#", name, ")\">\n"});
 }
 
 void Svg::close_clip() { body_ += "</g>\n"; }
 
 std::string Svg::file() const {
   const std::string size = attribute("width", width_) + attribute("height", height_);
-  return "<svg xmlns=\"http://www.w3.org/2000/svg\"" + size + " viewBox=\"0 0 " + pixels(width_) +
-         " " + pixels(height_) + "\" font-family=\"sans-serif\" font-size=\"13\">\n<rect" + size +
-         " fill=\"white\"/>\n" + body_ + "</svg>\n";
+  return concat({"<svg xmlns=\"http://www.w3.org/2000/svg\"", size, " viewBox=\"0 0 ",
+                 pixels(width_), " ", pixels(height_),
+                 "\" font-family=\"sans-serif\" font-size=\"13\">\n<rect", size,
+                 " fill=\"white\"/>\n", body_, "</svg>\n"});
 }
 
-std::string path_step(char letter, Place to) { return letter + pixels(to.x) + " " + pixels(to.y); }
+std::string path_step(char letter, Place to) {
+  return letter + concat({pixels(to.x), " ", pixels(to.y)});
+}
 
 double text_width(std::string_view words, double size) {
   double width = 0.0;
@@ -186,7 +191,7 @@ std::string fitted(std::string_view words, double size, double width) {
     if (starts_letter(words[kept])) used += letter_width(words[kept]) * size;
     if (used > room) break;
   }
-  return std::string(words.substr(0, kept)) + "…";
+  return concat({words.substr(0, kept), "…"});
 }
 
 double nice_step(double range, int pieces) {
