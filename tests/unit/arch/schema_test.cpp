@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <set>
 #include <sstream>
 #include <string>
@@ -112,6 +113,43 @@ TEST(Schema, KnowsTheKeysThatTheParserKnows) {
     EXPECT_EQ(keys_of(part(schema(), {"definitions", level, "properties"})), parsed_keys(level))
         << level;
   }
+}
+
+// The words that the parser knows where this step has a key like no other.
+std::set<std::string> parsed_in_step(const std::string& begin) {
+  const auto problems =
+      problems_of(R"({"schema": "mauve/architecture/1", "name": "x", "transactions": {"t": [{)" +
+                  begin + R"("zzzzzzzzzzzz": 0}]}})");
+  std::set<std::string> words;
+  for (const Problem& problem : problems) {
+    const std::string& hint = problem.error.hint;
+    if (!hint.starts_with("there is: ")) continue;
+    std::istringstream list(hint.substr(std::string("there is: ").size()));
+    for (std::string word; std::getline(list >> std::ws, word, ',');) words.insert(word);
+  }
+  return words;
+}
+
+TEST(Schema, KnowsTheStepsThatTheParserKnows) {
+  const std::map<std::string, std::string> subjects{{"disconnect", "a.ports.b"},
+                                                    {"connect", "a.ports.b"},
+                                                    {"set", "a.core.b"},
+                                                    {"swap", "a"},
+                                                    {"stop", "a"},
+                                                    {"start", "a"}};
+  std::set<std::string> actions;
+  const Value& forms = part(schema(), {"definitions", "steps", "items", "oneOf"});
+  for (const Value& form : *forms.get_if<Value::Array>()) {
+    const auto keys = keys_of(part(form, {"properties"}));
+    const auto action = std::find_if(keys.begin(), keys.end(),
+                                     [&](const auto& key) { return subjects.contains(key); });
+    ASSERT_NE(action, keys.end());
+    actions.insert(*action);
+    EXPECT_EQ(keys, parsed_in_step("\"" + *action + "\": \"" + subjects.at(*action) + "\", "))
+        << *action;
+    EXPECT_EQ(part(form, {"additionalProperties"}), Value(false)) << *action;
+  }
+  EXPECT_EQ(actions, parsed_in_step(""));
 }
 
 TEST(Schema, RefusesUnknownKeysEverywhere) {
