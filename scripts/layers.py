@@ -44,7 +44,6 @@ STAIRS = {"libruntime/rt": "process thread time machine ring guardian",
 ROOMS = {
     "nlohmann/": "libruntime/arch/ daemon/protocol/ ctl/render/",
     "boost/asio": "daemon/server/ ctl/cli/client",
-    "boost/lockfree": "libruntime/rt/",
     "boost/": "",
     "spdlog/": "daemon/log/",
     "fmt/": "daemon/log/",
@@ -100,7 +99,7 @@ def resolve(root, includer, name):
 def room_problem(path, name):
     """Why a foreign header must not be included here, or None."""
     room = next((prefix for prefix in ROOMS if name == prefix or
-                 (prefix.endswith(("/", "asio", "lockfree")) and name.startswith(prefix))), None)
+                 (prefix.endswith(("/", "asio")) and name.startswith(prefix))), None)
     if room is None or path.startswith(("tests/", "scripts/")):
         return None
     if any(path.startswith(allowed) for allowed in ROOMS[room].split()):
