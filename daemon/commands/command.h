@@ -64,9 +64,7 @@ struct Author {
 struct Unproven {
   std::uint64_t generation = 0;
   std::chrono::steady_clock::time_point since = {};
-  std::vector<std::string> components = {};
-  /// By component: a failure of the core before, which says nothing of this one.
-  std::map<std::string, std::optional<Instant>> failed_before = {};
+  std::vector<FailureMark> changed = {};  ///< the components with new cores
   std::uint64_t replaces = 0;  ///< a saved one that goes when this one is confirmed; 0: none
 };
 

@@ -211,7 +211,7 @@ void end_in_place(Running& running, const CallPtr& call, ChangeRequestPtr reques
   if (in_force && probation) {
     begin_place_probation(running, *call, name, request->before, *probation);
   } else if (in_force) {
-    begin_unproven(running, *call, request->change, {{name, request->before.failed_at}});
+    begin_unproven(running, *call, {request->before.failure});
   }
   const bool back = !receipt && running.deployer.status(name).state == ComponentState::running;
   finish(running, *call, receipt, back ? "rolled_back" : "safe", *request);
@@ -261,7 +261,7 @@ void exchange_in_place(Running& running, const CallPtr& call, ChangeRequestPtr r
 void exchange_when_parked(Running& running, const CallPtr& call, ChangeRequestPtr request,
                           Ticket ticket) {
   const auto& name = request->change.edits[0].component;
-  request->before.failed_at = failed_at(running, name);
+  request->before.failure = mark_failure(running, name);
   request->before.ran = (**request->prepared).content().members.front().resume;
   if (running.architecture.find_component(name)->bundle() == request->before.bundle) {
     return exchange_in_place(running, call, std::move(request), std::move(ticket));

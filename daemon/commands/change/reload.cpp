@@ -281,13 +281,13 @@ void put_reload_in_force(Running& running, const CallPtr& call, ReloadPtr reload
   if (reload->change.probation) {
     remember_lines(running, reload->lines);
   }
-  std::map<std::string, std::optional<Instant>> failed_before;
+  std::vector<FailureMark> changed;
   for (const auto& edit : reload->change.edits) {
-    failed_before[edit.component] = failed_at(running, edit.component);
+    changed.push_back(mark_failure(running, edit.component));
   }
   auto ongoing = running.deployer.begin(**reload->prepared);
   when_answered(running, std::move(ongoing),
-                [&running, call, reload, failed_before,
+                [&running, call, reload, changed = std::move(changed),
                  ticket = std::move(ticket)](Ongoing& swapped) mutable {
                   const auto receipt = swapped.result();
                   reload->retired = std::move(swapped.retired());
@@ -297,7 +297,7 @@ void put_reload_in_force(Running& running, const CallPtr& call, ReloadPtr reload
                     if (reload->change.probation) {
                       call->mark = Confirmation::unconfirmed;
                     } else {
-                      begin_unproven(running, *call, reload->change, failed_before);
+                      begin_unproven(running, *call, std::move(changed));
                     }
                     done = hand_names_over(running, *reload);
                   } else {

@@ -16,18 +16,10 @@ namespace mauve::daemon {
 
 namespace {
 
-/// Why, and from which swap.
-struct Reason {
-  PlaceProbation place;
-  std::string text;
-  std::optional<Incident> incident;  ///< none: a user asked for it
-};
-
 /// The core before takes over again. Created on [control], freed on [factory].
 struct WayBackInPlace {
-  Reason reason;
-  std::uint64_t stops = 0;
-  bool starts = true;  ///< false: the component did not run before the swap, nor since
+  PlaceProbation place;  ///< with its failure
+  bool starts = true;    ///< false: the component did not run before the swap, nor since
   std::optional<Result<PreparedChange>> prepared;
   Status exchanged;
   std::optional<Retired> retired{std::in_place};
@@ -76,12 +68,12 @@ void free_bundles(Running& running, PlaceProbation place) {
   running.control.in_factory([kept = std::move(kept)]() mutable { kept.reset(); }, [] {});
 }
 
-void conclude(Running& running, const Reason& reason, const Status& done) {
-  const auto& place = reason.place;
-  auto outcome = outcome_of(running, place, Outcome::Kind::rolled_back, reason.text);
-  outcome.incident = reason.incident;
-  outcome.component = reason.incident ? place.component : std::string();
-  const bool own_fault = reason.incident && reason.incident->resource.empty();
+void conclude(Running& running, const PlaceProbation& place, const Status& done) {
+  const auto& failure = *place.failure;
+  auto outcome = outcome_of(running, place, Outcome::Kind::rolled_back, failure.reason);
+  outcome.incident = failure.incident;
+  outcome.component = failure.incident ? place.component : std::string();
+  const bool own_fault = failure.incident && failure.incident->resource.empty();
   if (own_fault && exec::is_other_code(*place.before.bundle->core, *place.now->core)) {
     outcome.cores.push_back(place.now->core_type.name);
   }
@@ -89,7 +81,7 @@ void conclude(Running& running, const Reason& reason, const Status& done) {
     outcome.kind = Outcome::Kind::stays_failed;
     outcome.component = place.component;
     outcome.reason =
-        reason.text + "; the core before could not take over again: " + to_string(done.error());
+        failure.reason + "; the core before could not take over again: " + to_string(done.error());
   }
   std::erase_if(running.places,
                 [&](const auto& one) { return one.generation == place.generation; });
@@ -97,24 +89,24 @@ void conclude(Running& running, const Reason& reason, const Status& done) {
 }
 
 void end(Running& running, WayBackPtr way, Ticket ticket, const Status& done) {
-  conclude(running, way->reason, done);
+  conclude(running, way->place, done);
   free_in_factory(running, std::move(way), std::move(ticket));
 }
 
 /// A hook did not return. Its thread goes on with the way back, which is its own from now on.
-void abandon(Running& running, const Reason& reason, const std::string& hook) {
-  const auto& name = reason.place.component;
+void abandon(Running& running, const PlaceProbation& place, const std::string& hook) {
+  const auto& name = place.component;
   note_abandoned_in(running, {name}, hook, true);
   conclude(
-      running, reason,
+      running, place,
       thread_abandoned(running, hook, name, name + " is stopped with its safe values written"));
-  free_bundles(running, reason.place);
+  free_bundles(running, place);
 }
 
 void resume(Running& running, WayBackPtr way, Ticket ticket) {
   auto& change = **way->prepared;
-  const auto& component = way->reason.place.component;
-  if (!way->starts || stops_of_component(running, component) != way->stops) {
+  const auto& place = way->place;
+  if (!way->starts || stops_of_component(running, place.component) != place.failure->stops) {
     change.content().members.front().resume = false;  // the rollback starts no component at rest
   }
   auto resumed = running.deployer.begin_in_place_resume(change, way->exchanged);
@@ -134,8 +126,8 @@ void exchange(Running& running, WayBackPtr way, Ticket ticket) {
   running.control.in_factory(
       [&running, way] { way->exchanged = running.deployer.in_place_exchange(**way->prepared); },
       [&running, way, ticket]() mutable { resume(running, std::move(way), std::move(ticket)); },
-      [&running, reason = way->reason, ticket](const std::string& hook) {
-        abandon(running, reason, hook);
+      [&running, place = way->place, ticket](const std::string& hook) {
+        abandon(running, place, hook);
       });
 }
 
@@ -144,8 +136,7 @@ void park(Running& running, WayBackPtr way, Ticket ticket) {
     const Status refused = way->prepared->error();
     return end(running, std::move(way), std::move(ticket), refused);
   }
-  const auto& place = way->reason.place;
-  way->starts = !is_at_rest(running, place);
+  way->starts = !is_at_rest(running, way->place);
   auto parking = running.deployer.begin_in_place_park(**way->prepared);
   when_answered(running, std::move(parking),
                 [&running, way, ticket = std::move(ticket)](Ongoing& done) mutable {
@@ -162,19 +153,19 @@ bool roll_back(Running& running, PlaceProbation& place, const PlaceFailure& why)
     return false;
   }
   auto way = std::make_shared<WayBackInPlace>();
-  way->reason = {place, why.reason, why.incident};
-  way->stops = why.stops;
+  way->place = place;
+  way->place.failure = why;
   place.rolls_back = running.control.change([&running, way](Ticket ticket) {
     running.control.works_for(std::nullopt);
     running.control.in_factory(
         [&running, way] {
-          const auto& from = way->reason.place;
+          const auto& from = way->place;
           way->prepared =
               running.deployer.prepare_back_in_place(from.component, from.before.bundle);
         },
         [&running, way, ticket]() mutable { park(running, std::move(way), std::move(ticket)); },
-        [&running, reason = way->reason, ticket](const std::string& hook) {
-          abandon(running, reason, hook);
+        [&running, place = way->place, ticket](const std::string& hook) {
+          abandon(running, place, hook);
         });
   });
   return place.rolls_back;
@@ -193,8 +184,8 @@ Verdict judge(const Running& running, const PlaceProbation& place) {
     return {Outcome::Kind::overtaken, "a newer change", std::nullopt};
   }
   const auto status = running.deployer.status(place.component);
-  if (status.incident && status.incident->time != place.before.failed_at) {
-    return {Outcome::Kind::rolled_back, to_string(*status.incident), status.incident};
+  if (const auto failure = failure_since(running, place.before.failure)) {
+    return {Outcome::Kind::rolled_back, to_string(*failure), failure};
   }
   const Duration passed = std::chrono::steady_clock::now() - place.since;
   if (place.rules.confirm_within > Duration{0}) {
@@ -229,10 +220,15 @@ void settle(Running& running, std::size_t index, Outcome::Kind kind, const std::
 
 }  // namespace
 
-std::optional<Instant> failed_at(const Running& running, const std::string& component) {
+FailureMark mark_failure(const Running& running, const std::string& component) {
+  const auto failure = failure_since(running, {component});
+  return {component, failure ? std::optional(failure->time) : std::nullopt};
+}
+
+std::optional<Incident> failure_since(const Running& running, const FailureMark& mark) {
   MAUVE_ON_THREAD(control);
-  const auto incident = running.deployer.status(component).incident;
-  return incident ? std::optional(incident->time) : std::nullopt;
+  auto incident = running.deployer.status(mark.component).incident;
+  return incident && incident->time != mark.before ? std::move(incident) : std::nullopt;
 }
 
 void begin_place_probation(Running& running, Call& call, const std::string& component,

@@ -25,16 +25,28 @@ namespace mauve::daemon {
 struct Running;
 struct Call;
 
+/// The failure that a component had before its core changed. A component that is faulted stays so
+/// until it is started, whatever its core, so this failure is not one of the new core.
+struct FailureMark {
+  std::string component;
+  std::optional<Instant> before = std::nullopt;  ///< none: it was neither faulted nor recovering
+};
+
+/// [control] Taken before the change is in force.
+[[nodiscard]] FailureMark mark_failure(const Running& running, const std::string& component);
+
+/// [control] The failure of a core that came into force after the mark; none: it has not failed.
+[[nodiscard]] std::optional<Incident> failure_since(const Running& running,
+                                                    const FailureMark& mark);
+
 /// The core that a swap in place replaced.
 struct CoreBefore {
   std::shared_ptr<const Bundle> bundle;
   bool ran = false;  ///< the component ran until the swap
-  /// Its component was parked because of this failure, which is not one of the new core. A
-  /// component that is faulted stays so until it is started, whatever its core.
-  std::optional<Instant> failed_at;
+  FailureMark failure;
 };
 
-/// The new core of a swap in place failed, or nobody confirmed it.
+/// The new core of a swap in place failed, nobody confirmed it, or a user takes the swap back.
 struct PlaceFailure {
   std::string reason;
   std::optional<Incident> incident;  ///< none: it did not fail
@@ -53,10 +65,6 @@ struct PlaceProbation {
   std::optional<PlaceFailure> failure = {};  ///< the first one; nothing that comes later hides it
   bool rolls_back = false;
 };
-
-/// [control] When the core in force failed; none: its component is neither faulted nor recovering.
-[[nodiscard]] std::optional<Instant> failed_at(const Running& running,
-                                               const std::string& component);
 
 /// [control] The swap in place is in force.
 void begin_place_probation(Running& running, Call& call, const std::string& component,

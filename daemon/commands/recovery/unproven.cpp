@@ -12,23 +12,19 @@
 
 namespace mauve::daemon {
 
-void begin_unproven(Running& running, Call& call, const Change& change,
-                    std::map<std::string, std::optional<Instant>> failed_before) {
+void begin_unproven(Running& running, Call& call, std::vector<FailureMark> changed) {
   MAUVE_ON_THREAD(control);
   call.mark = Confirmation::unconfirmed;
-  running.unproven = {running.deployer.generation(), std::chrono::steady_clock::now()};
-  running.unproven.failed_before = std::move(failed_before);
-  for (const auto& edit : change.edits) {
-    running.unproven.components.push_back(edit.component);
-  }
+  running.unproven = {running.deployer.generation(), std::chrono::steady_clock::now(),
+                      std::move(changed)};
 }
 
 void begin_start(Running& running, std::uint64_t replaces, unsigned crashes) {
   const auto now = std::chrono::steady_clock::now();
   running.started = {running.generation, now, crashes};
-  running.unproven = {running.generation, now, {}, {}, replaces};
+  running.unproven = {running.generation, now, {}, replaces};
   for (const auto* component : running.architecture.components()) {
-    running.unproven.components.push_back(component->name());
+    running.unproven.changed.push_back({component->name()});
   }
 }
 
@@ -65,12 +61,8 @@ void look_at_unproven(Running& running) {
   if (unproven.generation == 0) {
     return;
   }
-  const bool failed =
-      std::any_of(unproven.components.begin(), unproven.components.end(), [&](const auto& name) {
-        const auto at = failed_at(running, name);
-        const auto before = unproven.failed_before.find(name);
-        return at && (before == unproven.failed_before.end() || at != before->second);
-      });
+  const bool failed = std::ranges::any_of(
+      unproven.changed, [&](const auto& mark) { return failure_since(running, mark).has_value(); });
   if (failed && unproven.since == running.started.since) {
     running.started.proves = false;
   }

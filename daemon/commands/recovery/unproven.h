@@ -8,9 +8,8 @@
 namespace mauve::daemon {
 
 /// [control] This change is in force; the generation it made is unconfirmed from now on.
-/// `failed_before`: when the core before failed of a component that was faulted.
-void begin_unproven(Running& running, Call& call, const Change& change,
-                    std::map<std::string, std::optional<Instant>> failed_before);
+/// `changed`: its components, marked before it was in force.
+void begin_unproven(Running& running, Call& call, std::vector<FailureMark> changed);
 
 /// [main], before [control] runs: the generation that the run begins with is unconfirmed.
 /// `replaces`: a copy of it that goes when it is confirmed (0: none). `crashes`: of the runs
