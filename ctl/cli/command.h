@@ -105,4 +105,39 @@ class Arguments {
   std::map<std::string, std::vector<std::string>, std::less<>> values_;
 };
 
+/// The words in which arguments.h is written: an argument that must be given, one that may be, and
+/// these of which several may be given; an option without value; a choice of words.
+namespace argument_table {
+
+constexpr Argument one(std::string_view name, std::string_view text, Kind kind) {
+  return {name, text, kind, true};
+}
+constexpr Argument maybe(std::string_view name, std::string_view text, Kind kind) {
+  return {name, text, kind};
+}
+constexpr Argument some(std::string_view name, std::string_view text, Kind kind) {
+  return {name, text, kind, true, true};
+}
+constexpr Argument any(std::string_view name, std::string_view text, Kind kind) {
+  return {name, text, kind, false, true};
+}
+constexpr Argument flag(std::string_view name, std::string_view text) {
+  return {name, text, Kind::none, false, false, true};
+}
+
+constexpr Argument choice(std::string_view name, std::string_view text, std::string_view choices) {
+  return {name, text, Kind::none, false, false, false, choices};
+}
+constexpr Argument one_of(std::string_view name, std::string_view text, std::string_view choices) {
+  return {name, text, Kind::none, true, false, false, choices};
+}
+/// Takes this word as well as what else it takes.
+constexpr Argument also(std::string_view word, Argument argument) {
+  argument.choices = word;
+  argument.others = true;
+  return argument;
+}
+
+}  // namespace argument_table
+
 }  // namespace mauve::ctl
