@@ -3,14 +3,13 @@
 
 #include <fstream>
 #include <iterator>
-#include <map>
 #include <sstream>
 #include <vector>
 
 #include "cli/command.h"
 #include "cli/options.h"
 #include "daemon/options.h"
-#include "protocol/methods.h"
+#include "protocol/methods_text.h"
 #include "render/words.h"
 #include "roff.h"
 #include "schema.h"
@@ -40,50 +39,6 @@ std::string options_of(std::span<const ctl::Argument> arguments) {
   return text;
 }
 
-/// "core.swap" and what the text beside the table says that it answers.
-std::map<std::string, std::string> results_in(std::string_view readme) {
-  std::map<std::string, std::string> results;
-  std::istringstream lines(section(readme, "Methods"));
-  for (std::string line; std::getline(lines, line);) {
-    if (!line.starts_with("| `")) continue;
-    const auto cells = cells_of(line);
-    if (cells.size() < 3) continue;
-    // One row may be about several methods.
-    std::istringstream names(cells.front());
-    for (std::string name; names >> name;) {
-      if (name.starts_with('`')) results[name.substr(1, name.find('`', 1) - 1)] = cells[2];
-    }
-  }
-  return results;
-}
-
-std::string type_name(protocol::JsonType type) {
-  switch (type) {
-    case protocol::JsonType::string:
-      return "string";
-    case protocol::JsonType::boolean:
-      return "boolean";
-    case protocol::JsonType::integer:
-      return "integer";
-    case protocol::JsonType::object:
-      return "object";
-    case protocol::JsonType::array:
-      return "array";
-    case protocol::JsonType::strings:
-      break;
-  }
-  return "array of strings";
-}
-
-std::string arguments_of(const protocol::Method& method) {
-  std::string text;
-  for (const protocol::Param& param : method.params) {
-    ctl::join(text, bold(param.name) + " (" + type_name(param.type) +
-                        (param.required ? "" : ", may be absent") + ")");
-  }
-  return text;
-}
-
 std::optional<std::string> text_of(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream.is_open()) return std::nullopt;
@@ -97,7 +52,8 @@ std::string part(const std::string& name, const std::string& argument, const std
   if (name == "exit-codes") return exit_codes();
   if (name == "examples") return examples();
   if (name == "daemon-options") return daemon_options();
-  if (name == "methods") return methods(text);
+  if (name == "methods") return methods();
+  if (name == "methods-markdown") return protocol::methods_in_markdown();
   if (name == "keys") return keys(text);
   if (name == "file") return verbatim(text);
   return name == "section" ? roff(section(text, argument)) : "";
@@ -158,19 +114,7 @@ std::string daemon_options() {
   return text;
 }
 
-std::string methods(std::string_view readme) {
-  const auto results = results_in(readme);
-  std::string text;
-  for (const protocol::Method& method : protocol::methods()) {
-    text += ".SS " + bold(method.name) + "\n" + plain(method.text) + ".\n";
-    if (method.mutation) text += "A mutation.\n";
-    if (method.out_of_band) text += "Served even while a long change is prepared.\n";
-    if (!method.params.empty()) text += ".br\nArguments: " + arguments_of(method) + ".\n";
-    const auto result = results.find(std::string(method.name));
-    if (result != results.end()) text += ".br\nResult: " + inline_roff(result->second) + "\n";
-  }
-  return text;
-}
+std::string methods() { return roff(protocol::methods_in_markdown()); }
 
 std::string keys(std::string_view schema) { return schema_keys(schema); }
 

@@ -18,8 +18,8 @@ namespace mauve::man {
 [[nodiscard]] std::string examples();
 /// Of mauved.
 [[nodiscard]] std::string daemon_options();
-/// Of the wire: arguments from the table, results from the text beside it (`readme`).
-[[nodiscard]] std::string methods(std::string_view readme);
+/// Of the wire: every method with its parameters and its answer, then the records of answers.
+[[nodiscard]] std::string methods();
 /// Every object of the schema of architecture files (JSON), with its keys.
 [[nodiscard]] std::string keys(std::string_view schema);
 

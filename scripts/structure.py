@@ -13,6 +13,7 @@ not rise.
 import collections
 import functools
 import pathlib
+import re
 import statistics
 import sys
 
@@ -56,6 +57,9 @@ LISTS = {
     "plugins/ros/parts.h",
     "plugins/teleop/parts.h",
 }
+# Folder: the list that declares the functions of the rows in its files NAME.def. Group 1 of ROW is the function.
+TABLES = {"daemon/protocol/table": "daemon/commands/command.h"}
+ROW = re.compile(r'^MAUVE_METHOD\("[\w.]+", (\w+),', re.MULTILINE)
 # Source: functions that other headers declare, today.
 STRAYS = {
     "ctl/cli/help.cpp": 1,
@@ -144,6 +148,10 @@ class Tree:
             for function in functions:
                 if path.endswith(".h") and not function.body and not function.defaulted:
                     declared[function.name].add(path)
+        for folder, header in TABLES.items():
+            for table in (self.root / folder).glob("*.def"):
+                for name in ROW.findall(table.read_text(encoding="utf-8")):
+                    declared[name].add(header)
         found = []
         for path, functions in self.functions.items():
             for function in functions:

@@ -118,7 +118,7 @@ std::variant<Json, Fault> Client::call(std::string_view method, const Json& para
                                        std::chrono::nanoseconds timeout) {
   const Deadline deadline = std::chrono::steady_clock::now() + timeout;
   const auto* known = protocol::find_method(method);
-  const bool changes = known != nullptr && known->mutation;
+  const bool changes = known != nullptr && known->mutation();
   const auto lost = [&](Fault fault) {
     if (changes) fault.state = "unknown";
     return fault;

@@ -26,11 +26,13 @@ constexpr std::chrono::nanoseconds kBetweenTries = 20ms;
 
 bool is_change(std::string_view method) {
   const protocol::Method* known = protocol::find_method(method);
-  return known != nullptr && known->mutation;
+  return known != nullptr && known->mutation();
 }
 
-bool is_judged(std::string_view method) {
-  return method == "config.check" || method == "architecture.diff";
+/// Another thread or process makes the answer, for example the process that judges a file.
+bool is_answered_later(std::string_view method) {
+  const protocol::Method* known = protocol::find_method(method);
+  return known != nullptr && known->lane == protocol::Lane::later;
 }
 
 /// A command may change something in one form only, as stats does.
@@ -95,7 +97,7 @@ std::variant<Json, Fault> Session::call(std::string_view method, Json params) {
     if (auto fault = connect()) return std::move(*fault);
     connected_ = true;
   }
-  const bool long_work = changes || is_judged(method);
+  const bool long_work = changes || is_answered_later(method);
   const auto timeout = timeout_of(globals.timeout).value_or(long_work ? kChange : kQuestion);
   if (changes) {
     if (globals.if_generation) params["if_generation"] = *globals.if_generation;

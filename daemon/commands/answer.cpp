@@ -76,7 +76,7 @@ void answer_applied(Running& running, const Call& call, Json result) {
   const auto made = result.find("generation");
   const auto its = made == result.end() ? generation : made->get<std::uint64_t>();
   result["generation"] = generation;
-  if (!call.method->harmless) {
+  if (!call.method->harmless()) {
     remember_maker(running, call, generation);
     remember_change(running, call, result, its);
   }
@@ -90,7 +90,7 @@ void answer_applied(Running& running, const Call& call, Json result) {
   if (running.store == nullptr) {
     return call.reply(std::move(result));
   }
-  if (call.method->out_of_band) {
+  if (call.method->out_of_band()) {
     call.reply(std::move(result));
     return keep(running, call, call.mark, std::move(line), {});
   }
@@ -115,14 +115,14 @@ void answer(Running& running, const Call& call, Result<Json> result, const std::
     return answer_fault(running, call,
                         protocol::fault_of(result.error(), state, running.generation.load()));
   }
-  if (call.method->mutation && !flag(*result, "dry_run")) {
+  if (call.method->mutation() && !flag(*result, "dry_run")) {
     return answer_applied(running, call, *std::move(result));
   }
   call.reply(*std::move(result));
 }
 
 void answer_fault(Running& running, const Call& call, Fault fault) {
-  if (call.method->mutation) {
+  if (call.method->mutation()) {
     auto line = audit_refused(running, call, fault);
     if (line && running.store != nullptr && fault.state != "unchanged") {
       // Nobody shall start with a mixture of old and new.
@@ -155,7 +155,7 @@ Status check_long_answers(const Running& running, const Call& call) {
   }
   return refuse(Errc::limit, "uid " + std::to_string(uid),
                 "waits for " + std::to_string(Control::kLongAnswers) +
-                    " long answers (log.tail, trace.read) already",
+                    " long answers (such as log.tail and trace.read) already",
                 "send the next request when one of them has come");
 }
 

@@ -10,9 +10,9 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "changes/control.h"
@@ -159,90 +159,37 @@ using CallPtr = std::shared_ptr<Call>;
 /// A change holds its ticket until it is over; the next one begins then.
 using Ticket = Control::Ticket;
 
-/// How a command is run.
-enum class Lane {
-  any,      ///< at once on [io]: it looks at nothing
-  read,     ///< on [control], between the steps of a change
-  urgent,   ///< on [control], before everything that waits, also beside a change under way
-  factory,  ///< on [factory]: slow, and it looks at nothing of the model
-  change,   ///< on [control], one at a time
-};
+using protocol::Lane;
 
-/// One row of the table, with one of two functions. The result of `read` is the answer, in the
-/// lanes any, read and factory. `change` answers by itself when it is done, in the others and in
-/// read.
+/// The result is the answer.
+using AnswersAtOnce = Result<Json>(Running&, const Call&);
+/// The function answers by itself when it is done.
+using AnswersLater = void(Running&, const CallPtr&, Ticket);
+
+constexpr bool answers_later(Lane lane) {
+  return lane == Lane::later || lane == Lane::urgent || lane == Lane::change;
+}
+template <Lane lane>
+using Handler = std::conditional_t<answers_later(lane), AnswersLater, AnswersAtOnce>;
+
+/// The function that serves a method: one of the two, by the lane of the method.
 struct Command {
-  std::string_view method;
-  server::Role role = server::Role::viewer;
-  Lane lane = Lane::read;
-  Result<Json> (*read)(Running&, const Call&) = nullptr;
-  void (*change)(Running&, const CallPtr&, Ticket) = nullptr;
+  constexpr explicit Command(AnswersAtOnce* handler) : read(handler) {}
+  constexpr explicit Command(AnswersLater* handler) : change(handler) {}
+
+  AnswersAtOnce* read = nullptr;
+  AnswersLater* change = nullptr;
 };
 
-/// [any] All commands of this daemon. A test compares them with protocol::methods().
-[[nodiscard]] std::span<const Command> commands();
-[[nodiscard]] const Command* find_command(std::string_view method);
+/// [any] The command of a row of protocol::methods().
+[[nodiscard]] const Command& command_of(const protocol::Method& method);
 
-// --- one function for each command, in a file of its own or with its relatives -----------------
+// One function for each method, in a file of its own or with its relatives. Its row declares it.
+#define MAUVE_RECORD(...)
+#define MAUVE_METHOD(name, handler, role, lane, ...) Handler<Lane::lane> handler;
+#include "protocol/methods.def"
 
-Result<Json> ping(Running&, const Call&);
-Result<Json> version(Running&, const Call&);
-Result<Json> status(Running&, const Call&);
-Result<Json> list_components(Running&, const Call&);
-Result<Json> list_resources(Running&, const Call&);
-Result<Json> list_services(Running&, const Call&);
-Result<Json> list_fsms(Running&, const Call&);
-Result<Json> list_types(Running&, const Call&);
-Result<Json> list_cores(Running&, const Call&);
-Result<Json> list_ports(Running&, const Call&);
-Result<Json> list_plugins(Running&, const Call&);
-Result<Json> list_clients(Running&, const Call&);
-Result<Json> list_commands(Running&, const Call&);
-Result<Json> analyze(Running&, const Call&);
-Result<Json> statistics(Running&, const Call&);
-Result<Json> metrics(Running&, const Call&);
-void reset_statistics(Running&, const CallPtr&, Ticket);
-Result<Json> graph(Running&, const Call&);
-Result<Json> list_rules(Running&, const Call&);
-Result<Json> show(Running&, const Call&);
-Result<Json> why(Running&, const Call&);
-Result<Json> get(Running&, const Call&);
-Result<Json> export_architecture(Running&, const Call&);
-void check_architecture(Running&, const CallPtr&, Ticket);
-Result<Json> history(Running&, const Call&);
-Result<Json> doctor(Running&, const Call&);
-Result<Json> watch(Running&, const Call&);
-Result<Json> unwatch(Running&, const Call&);
-void tail_log(Running&, const CallPtr&, Ticket);
-Result<Json> show_log_level(Running&, const Call&);
-void set_log_level(Running&, const CallPtr&, Ticket);
-Result<Json> start_trace(Running&, const Call&);
-Result<Json> stop_trace(Running&, const Call&);
-Result<Json> trace_status(Running&, const Call&);
-Result<Json> list_recordings(Running&, const Call&);
-void read_trace(Running&, const CallPtr&, Ticket);
-void stop(Running&, const CallPtr&, Ticket);
 /// [io] Before stop() is on its way to [control]: see Stopper.
 void watch_over_stop(Running&, const CallPtr&);
-void set(Running&, const CallPtr&, Ticket);
-void start(Running&, const CallPtr&, Ticket);
-void change_steps(Running&, const CallPtr&, Ticket);
-void call_service(Running&, const CallPtr&, Ticket);
-Result<Json> condition(Running&, const Call&);
-void swap_core(Running&, const CallPtr&, Ticket);
-void connect(Running&, const CallPtr&, Ticket);
-void disconnect(Running&, const CallPtr&, Ticket);
-void confirm(Running&, const CallPtr&, Ticket);
-void undo(Running&, const CallPtr&, Ticket);
-Result<Json> list_quarantine(Running&, const Call&);
-void release_quarantine(Running&, const CallPtr&, Ticket);
-void diff_architecture(Running&, const CallPtr&, Ticket);
-void apply_file(Running&, const CallPtr&, Ticket);
-void load_plugin(Running&, const CallPtr&, Ticket);
-void unload_plugin(Running&, const CallPtr&, Ticket);
-void reload_plugin(Running&, const CallPtr&, Ticket);
-void compare_generations(Running&, const CallPtr&, Ticket);
-void rollback(Running&, const CallPtr&, Ticket);
-void set_lock(Running&, const CallPtr&, Ticket);
 
 }  // namespace mauve::daemon

@@ -24,17 +24,17 @@ constexpr const char* kHint = "an administrator ends it: mauvectl lock none";
 std::string_view to_string(Lock lock) { return kLocks.at(static_cast<std::size_t>(lock)); }
 
 Kind kind_of(const Call& call) {
-  if (call.method->harmless) {
-    return Kind::harmless;
+  using protocol::Effect;
+  switch (call.method->effect) {
+    case Effect::adjusts:
+      return Kind::harmless;
+    case Effect::stops:
+      return Kind::stop;
+    case Effect::ends:
+      return Kind::ending;
+    default:
+      return Kind::other;
   }
-  const auto method = call.method->name;
-  if (method == "component.stop") {
-    return Kind::stop;
-  }
-  if (method == "change.confirm" || method == "change.undo") {
-    return Kind::ending;
-  }
-  return Kind::other;
 }
 
 Status may_change(const Running& running, Kind kind) {

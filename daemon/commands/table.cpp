@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/table.h"
 
-#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -19,64 +18,11 @@ namespace {
 
 using server::Role;
 
+// In the order of protocol::methods().
 constexpr Command kCommands[] = {
-    {"ping", Role::viewer, Lane::any, ping, nullptr},
-    {"version", Role::viewer, Lane::any, version, nullptr},
-    {"command.list", Role::viewer, Lane::any, list_commands, nullptr},
-    {"client.list", Role::viewer, Lane::any, list_clients, nullptr},
-    {"status.get", Role::viewer, Lane::read, status, nullptr},
-    {"component.list", Role::viewer, Lane::read, list_components, nullptr},
-    {"resource.list", Role::viewer, Lane::read, list_resources, nullptr},
-    {"service.list", Role::viewer, Lane::read, list_services, nullptr},
-    {"core.list", Role::viewer, Lane::read, list_cores, nullptr},
-    {"fsm.list", Role::viewer, Lane::read, list_fsms, nullptr},
-    {"type.list", Role::viewer, Lane::read, list_types, nullptr},
-    {"port.list", Role::viewer, Lane::read, list_ports, nullptr},
-    {"plugin.list", Role::viewer, Lane::read, list_plugins, nullptr},
-    {"system.analyze", Role::viewer, Lane::read, analyze, nullptr},
-    {"stats.get", Role::viewer, Lane::read, statistics, nullptr},
-    {"metrics.get", Role::viewer, Lane::read, metrics, nullptr},
-    {"stats.reset", Role::operator_, Lane::urgent, nullptr, reset_statistics},
-    {"rules.list", Role::viewer, Lane::read, list_rules, nullptr},
-    {"object.get", Role::viewer, Lane::read, show, nullptr},
-    {"component.why", Role::viewer, Lane::read, why, nullptr},
-    {"param.get", Role::viewer, Lane::read, get, nullptr},
-    {"condition.get", Role::viewer, Lane::read, condition, nullptr},
-    {"config.get", Role::viewer, Lane::read, export_architecture, nullptr},
-    {"config.check", Role::viewer, Lane::read, nullptr, check_architecture},
-    {"architecture.graph", Role::viewer, Lane::read, graph, nullptr},
-    {"architecture.diff", Role::viewer, Lane::read, nullptr, diff_architecture},
-    {"config.history", Role::viewer, Lane::any, history, nullptr},
-    {"config.compare", Role::viewer, Lane::read, nullptr, compare_generations},
-    {"daemon.doctor", Role::viewer, Lane::factory, doctor, nullptr},
-    {"watch.subscribe", Role::viewer, Lane::read, watch, nullptr},
-    {"watch.unsubscribe", Role::viewer, Lane::read, unwatch, nullptr},
-    {"log.tail", Role::viewer, Lane::read, nullptr, tail_log},
-    {"log.level", Role::viewer, Lane::read, show_log_level, nullptr},
-    {"log.set_level", Role::operator_, Lane::urgent, nullptr, set_log_level},
-    {"trace.status", Role::viewer, Lane::read, trace_status, nullptr},
-    {"trace.list", Role::viewer, Lane::read, list_recordings, nullptr},
-    {"trace.read", Role::viewer, Lane::read, nullptr, read_trace},
-    {"trace.start", Role::operator_, Lane::read, start_trace, nullptr},
-    {"trace.stop", Role::operator_, Lane::read, stop_trace, nullptr},
-    {"component.stop", Role::operator_, Lane::urgent, nullptr, stop},
-    {"param.set", Role::operator_, Lane::change, nullptr, set},
-    {"component.start", Role::operator_, Lane::change, nullptr, start},
-    {"core.swap", Role::operator_, Lane::change, nullptr, swap_core},
-    {"port.connect", Role::operator_, Lane::change, nullptr, connect},
-    {"port.disconnect", Role::operator_, Lane::change, nullptr, disconnect},
-    {"change.apply", Role::operator_, Lane::change, nullptr, change_steps},
-    {"service.call", Role::operator_, Lane::change, nullptr, call_service},
-    {"change.confirm", Role::operator_, Lane::urgent, nullptr, confirm},
-    {"change.undo", Role::operator_, Lane::urgent, nullptr, undo},
-    {"quarantine.list", Role::viewer, Lane::read, list_quarantine, nullptr},
-    {"quarantine.release", Role::admin, Lane::urgent, nullptr, release_quarantine},
-    {"architecture.apply", Role::admin, Lane::change, nullptr, apply_file},
-    {"plugin.load", Role::admin, Lane::change, nullptr, load_plugin},
-    {"plugin.unload", Role::admin, Lane::change, nullptr, unload_plugin},
-    {"plugin.reload", Role::admin, Lane::change, nullptr, reload_plugin},
-    {"config.rollback", Role::admin, Lane::change, nullptr, rollback},
-    {"lock.set", Role::admin, Lane::urgent, nullptr, set_lock},
+#define MAUVE_RECORD(...)
+#define MAUVE_METHOD(name, handler, ...) Command(handler),
+#include "protocol/methods.def"
 };
 
 std::string_view group_of(Role role) {
@@ -84,21 +30,17 @@ std::string_view group_of(Role role) {
   return kGroups.at(static_cast<std::size_t>(role));
 }
 
-Error not_permitted(const Command& command, const server::Caller& caller) {
-  return refuse(Errc::not_permitted, std::string(command.method),
-                "needs role " + std::string(to_string(command.role)) + ", you have " +
+Error not_permitted(const protocol::Method& method, const server::Caller& caller) {
+  return refuse(Errc::not_permitted, std::string(method.name),
+                "needs role " + std::string(to_string(method.role)) + ", you have " +
                     std::string(to_string(caller.role)),
-                "join the group " + std::string(group_of(command.role)) + ", then log in again");
+                "join the group " + std::string(group_of(method.role)) + ", then log in again");
 }
 
 }  // namespace
 
-std::span<const Command> commands() { return kCommands; }
-
-const Command* find_command(std::string_view method) {
-  const auto it = std::find_if(std::begin(kCommands), std::end(kCommands),
-                               [&](const Command& row) { return row.method == method; });
-  return it == std::end(kCommands) ? nullptr : it;
+const Command& command_of(const protocol::Method& method) {
+  return kCommands[static_cast<std::size_t>(&method - protocol::methods().data())];
 }
 
 Json CommandTable::hello() {
@@ -113,18 +55,13 @@ void CommandTable::dispatch(const server::Caller& caller, const protocol::Method
                             protocol::Request request, server::Reply reply) {
   auto call = call_of(caller, method, std::move(request), counted(method, std::move(reply)));
   // A stop is answered by itself when it is held up: see Stopper.
-  if (method.mutation && !method.out_of_band) {
+  if (method.mutation() && !method.out_of_band()) {
     running_.deadlines.watch(call);
   }
-  const auto* command = find_command(method.name);
-  if (command == nullptr) {
-    return answer(running_, *call,
-                  refuse(Errc::unsupported, std::string(method.name), "not in this version"));
+  if (caller.role < method.role) {
+    return answer(running_, *call, not_permitted(method, caller));
   }
-  if (caller.role < command->role) {
-    return answer(running_, *call, not_permitted(*command, caller));
-  }
-  run(*command, call);
+  run(command_of(method), call);
 }
 
 server::Reply CommandTable::counted(const protocol::Method& method, server::Reply reply) const {
@@ -158,24 +95,20 @@ CallPtr CommandTable::call_of(const server::Caller& caller, const protocol::Meth
 }
 
 void CommandTable::run(const Command& command, const CallPtr& call) {
-  const std::function<void()> serve = [this, &command, call] {
-    answer(running_, *call, command.read(running_, *call));
-  };
-  const std::function<void()> look = [this, &command, call] {
-    auto result = [&] {
-      const StandStill still(running_);
-      return command.read(running_, *call);
-    }();
-    answer(running_, *call, std::move(result));
-  };
   const std::function<void()> by_itself = [this, &command, call] {
     command.change(running_, call, {});
   };
-  switch (command.lane) {
+  switch (call->method->lane) {
     case Lane::any:
-      return serve();
+      return answer(running_, *call, command.read(running_, *call));
     case Lane::read:
-      return running_.control.read(command.read != nullptr ? look : by_itself, asker_of(*call));
+      return running_.control.read([this, &command, call] { look(command, *call); },
+                                   asker_of(*call));
+    case Lane::later:
+      return running_.control.read(by_itself, asker_of(*call));
+    case Lane::aside:
+      return running_.control.read([this, &command, call] { run_aside(command, call); },
+                                   asker_of(*call));
     case Lane::urgent:
       if (command.change == stop) {
         watch_over_stop(running_, call);
@@ -184,8 +117,28 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
     case Lane::factory:
       return run_in_factory(command, call);
     case Lane::change:
-      break;
+      return run_as_change(command, call);
   }
+}
+
+void CommandTable::look(const Command& command, const Call& call) {
+  auto result = [&] {
+    const StandStill still(running_);
+    return command.read(running_, call);
+  }();
+  answer(running_, call, std::move(result));
+}
+
+void CommandTable::run_aside(const Command& command, const CallPtr& call) {
+  if (auto room = check_long_answers(running_, *call); !room) {
+    return answer(running_, *call, room.error());
+  }
+  running_.control.write_out(
+      [this, &command, call] { answer(running_, *call, command.read(running_, *call)); },
+      asker_of(*call));
+}
+
+void CommandTable::run_as_change(const Command& command, const CallPtr& call) {
   const auto begin = [this, &command, call](Ticket ticket) {
     call->before = running_.generation;
     call->stops = running_.stops;
@@ -205,7 +158,7 @@ void CommandTable::run(const Command& command, const CallPtr& call) {
   const bool queued = running_.control.change(begin, asker_of(*call));
   if (!queued) {
     answer(running_, *call,
-           refuse(Errc::conflict, std::string(command.method), "too many changes wait already",
+           refuse(Errc::conflict, std::string(call->method->name), "too many changes wait already",
                   "try again when they are done"));
   }
 }

@@ -23,6 +23,11 @@ class CommandTable final : public server::Dispatcher {
   /// The same reply, which counts the request as answered.
   [[nodiscard]] server::Reply counted(const protocol::Method& method, server::Reply reply) const;
   void run(const Command& command, const CallPtr& call);
+  /// [control]
+  void look(const Command& command, const Call& call);
+  /// [control] The answer is written on [answer].
+  void run_aside(const Command& command, const CallPtr& call);
+  void run_as_change(const Command& command, const CallPtr& call);
   void run_in_factory(const Command& command, const CallPtr& call);
 
   Running& running_;

@@ -26,7 +26,7 @@ constexpr std::chrono::milliseconds kLookEvery{10};
 constexpr const char* kOwnSteps = "its own steps";
 
 /// Nobody's call: what is audited is that the daemon itself did it.
-constexpr protocol::Method kMethod{kSupervision, "", {}, true};
+constexpr protocol::Method kMethod{.name = kSupervision, .effect = protocol::Effect::changes};
 
 std::string said(const Fault& fault) {
   return (fault.where.empty() ? "" : fault.where + ": ") + fault.message +

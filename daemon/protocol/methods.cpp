@@ -5,228 +5,151 @@
 #include <array>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "base/name.h"
+#include "protocol/row.h"
 
 namespace mauve::protocol {
+namespace row {
 namespace {
 
-using enum JsonType;
+template <typename... Fields>
+constexpr std::array<Field, sizeof...(Fields)> fields(Fields... all) {
+  return {all...};
+}
 
-constexpr Param kAddress[] = {{"address", string, true}};
-constexpr Param kAddresses[] = {{"addresses", strings, true}};
-constexpr Param kFor[] = {{"for", string}};
-constexpr Param kOfComponent[] = {{"component", string}};
-constexpr Param kOneComponent[] = {{"component", string, true}};
-constexpr Param kRule[] = {{"rule", string}};
-constexpr Param kSub[] = {{"sub", integer, true}};
-constexpr Param kCore[] = {{"core", string, true}};
-constexpr Param kSet[] = {{"values", object, true}, {"dry_run", boolean},
-                          {"state", string},        {"probation", string},
-                          {"misses", string},       {"confirm_within", string}};
-constexpr Param kStart[] = {
-    {"components", strings}, {"all", boolean}, {"reset", boolean}, {"dry_run", boolean}};
-constexpr Param kStop[] = {{"components", strings}, {"all", boolean}, {"dry_run", boolean}};
-constexpr Param kSwap[] = {
-    {"component", string, true}, {"core", string, true},    {"set", object},
-    {"budget", string},          {"in_place", boolean},     {"state", string},
-    {"defaults", boolean},       {"dry_run", boolean},      {"probation", string},
-    {"misses", string},          {"confirm_within", string}};
-constexpr Param kConnect[] = {{"port", string, true}, {"service", string, true},
-                              {"max_age", string},    {"replace", boolean},
-                              {"dry_run", boolean},   {"probation", string},
-                              {"misses", string},     {"confirm_within", string}};
-constexpr Param kDisconnect[] = {{"port", string, true},
-                                 {"dry_run", boolean},
-                                 {"probation", string},
-                                 {"misses", string},
-                                 {"confirm_within", string}};
-constexpr Param kPlugin[] = {{"plugin", string, true}};
-constexpr Param kLoad[] = {{"plugin", string, true}, {"dry_run", boolean}};
-constexpr Param kReload[] = {{"plugin", string, true},   {"state", string},
-                             {"probation", string},      {"misses", string},
-                             {"confirm_within", string}, {"dry_run", boolean}};
-constexpr Param kCheck[] = {{"text", string, true}, {"file", string}};
-constexpr Param kDiff[] = {{"text", string, true}, {"file", string}};
-constexpr Param kApply[] = {{"text", string, true}, {"file", string},
-                            {"dry_run", boolean},   {"state", string},
-                            {"sync", string},       {"probation", string},
-                            {"misses", string},     {"confirm_within", string}};
-constexpr Param kSteps[] = {{"text", string, true},    {"file", string},      {"dry_run", boolean},
-                            {"state", string},         {"probation", string}, {"misses", string},
-                            {"confirm_within", string}};
-constexpr Param kCall[] = {{"service", string, true}, {"arguments", array}};
-constexpr Param kCondition[] = {{"condition", string, true}};
-constexpr Param kHistory[] = {{"n", integer}};
-constexpr Param kCompare[] = {{"from", integer, true}, {"to", integer, true}};
-constexpr Param kUndo[] = {{"dry_run", boolean}};
-constexpr Param kRollback[] = {{"generation", integer, true},
-                               {"dry_run", boolean},
-                               {"state", string},
-                               {"sync", string},
-                               {"probation", string},
-                               {"misses", string},
-                               {"confirm_within", string}};
-constexpr Param kTraceStart[] = {{"detail", boolean}, {"seconds", integer}};
-constexpr Param kTraceRead[] = {
-    {"recording", string}, {"from", integer}, {"count", integer}, {"now", boolean}};
-constexpr Param kLock[] = {{"lock", string, true}};
-constexpr Param kTail[] = {{"component", string}, {"level", string}, {"n", integer},
-                           {"follow", boolean},   {"since", string}, {"grep", string}};
-constexpr Param kSetLevel[] = {{"level", string, true}, {"component", string}, {"for", string}};
-constexpr Param kStats[] = {{"address", string}};
-constexpr Param kEveryMutation[] = {
-    {"if_generation", integer}, {"reason", string}, {"deadline_ms", integer}};
+#define PARAMS(...) fields(__VA_ARGS__)
+#define ANSWER(...) fields(__VA_ARGS__)
+
+// The fields of every record and of every method.
+#define MAUVE_RECORD(id, name, text, ...)             \
+  constexpr auto kFieldsOf##id = fields(__VA_ARGS__); \
+  constexpr Record id{name, text, kFieldsOf##id};
+#define MAUVE_METHOD(name, handler, role, lane, effect, help, params, answer) \
+  constexpr auto params_of_##handler = params;                                \
+  constexpr auto answer_of_##handler = answer;
+#include "protocol/methods.def"
 
 constexpr Method kMethods[] = {
-    {"ping", "answers at once", {}, false, true, false, true},
-    {"version", "server, protocol and plugin ABI", {}},
-    {"status.get", "generation and one row a component (alias: status)", {}},
-    {"component.list", "all components", {}},
-    {"resource.list", "all resources", {}},
-    {"service.list", "services of the resources, with kinds and types", {}},
-    {"fsm.list", "state machines of the loaded plugins", {}},
-    {"type.list",
-     "kinds of components and resources, and types of data, of the loaded plugins",
-     {}},
-    {"core.list", "cores of the loaded plugins, or those that fit a component", kFor},
-    {"port.list", "ports and what they are connected to", kOfComponent},
-    {"plugin.list", "plugins loaded, or those with cores for a component", kFor},
-    {"client.list", "who is connected", {}},
-    {"command.list", "this table", {}},
-    {"system.analyze", "response times, slack and what is not proved", {}},
-    {"stats.get", "what jobs and states took, of all components or one", kStats},
-    {"metrics.get", "state and statistics in the text format of Prometheus", {}},
-    {"stats.reset", "counts anew what jobs take", kOfComponent, true, false, true},
-    {"rules.list", "state, last firing and why not, of all rules or one", kRule},
-    {"daemon.doctor", "rights of the daemon's process, its threads and directories", {}},
-    {"object.get", "everything about one object", kAddress},
-    {"component.why", "its last failure: what, why, what was done, what to do", kOneComponent},
-    {"param.get", "value and status of one address", kAddress},
-    {"condition.get", "what a condition, as of a rule, says now", kCondition},
-    {"param.set", "sets properties in one change", kSet, true},
-    {"watch.subscribe", "every new value of the addresses", kAddresses},
-    {"watch.unsubscribe", "ends a watch or a log", kSub},
-    {"component.start", "starts at the next instant of the grid", kStart, true},
-    {"component.stop", "ends the job, writes safe values, parks", kStop, true, true, false, true},
-    {"core.swap", "replaces the core of a component", kSwap, true},
-    {"port.connect", "connects a port to a service", kConnect, true},
-    {"port.disconnect", "disconnects a port", kDisconnect, true},
-    {"change.apply", "several steps at one instant, as those of a transaction", kSteps, true},
-    {"service.call", "writes to, calls or fires a service", kCall, true},
-    {"change.confirm", "the change on probation stays", {}, true, false, false, true},
-    {"change.undo", "back to before the change on probation", kUndo, true, false, false, true},
-    {"quarantine.list", "cores that were rolled back, and why", {}},
-    {"quarantine.release", "lets a core be used again", kCore, true},
-    {"plugin.load", "loads a plugin by name", kLoad, true},
-    {"plugin.unload", "unloads a plugin that nothing uses", kPlugin, true},
-    {"plugin.reload", "moves every instance to the new code", kReload, true},
-    {"config.get", "the running system as an architecture file", {}},
-    {"config.check", "all errors of an architecture file", kCheck},
-    {"architecture.graph", "elements, ports, services and connections, in one look", {}},
-    {"architecture.diff", "what another architecture file would change", kDiff},
-    {"architecture.apply", "the running system becomes that of a file, or nothing happens", kApply,
-     true},
-    {"config.history", "the saved generations, newest first", kHistory},
-    {"config.compare", "what differs between two saved generations", kCompare},
-    {"config.rollback", "back to a saved generation", kRollback, true},
-    {"lock.set", "none, params, topology or all: what may not be changed", kLock, true, false,
-     true},
-    {"log.level", "from which level on is logged, where, and how long still", {}},
-    {"log.set_level", "of all or of one component, for a time", kSetLevel, true, false, true},
-    {"log.tail", "the last records, and those to come", kTail},
-    {"trace.start", "begins to trace, or begins anew", kTraceStart},
-    {"trace.stop", "ends the trace, which can still be read", {}},
-    {"trace.status", "whether it is on, and how much there is", {}},
-    {"trace.read", "a page of the trace, or of a flight recording", kTraceRead},
-    {"trace.list", "flight recordings", {}},
+#define MAUVE_RECORD(...)
+#define MAUVE_METHOD(name, handler, role, lane, effect, help, params, answer) \
+  {name, Role::role, Lane::lane, Effect::effect, help, params_of_##handler, answer_of_##handler},
+#include "protocol/methods.def"
 };
 
-bool fits(const Json& value, JsonType type) {
-  switch (type) {
-    case string:
-      return value.is_string();
-    case boolean:
-      return value.is_boolean();
-    case integer:
-      return value.is_number_unsigned() || (value.is_number_integer() && value >= 0);
-    case object:
-      return value.is_object();
-    case array:
-      return value.is_array();
-    case strings:
-      return value.is_array() && std::all_of(value.begin(), value.end(),
-                                             [](const Json& item) { return item.is_string(); });
-  }
-  return false;
-}
+#undef PARAMS
+#undef ANSWER
 
-std::string_view words_for(JsonType type) {
-  switch (type) {
-    case string:
-      return "a string";
-    case boolean:
-      return "true or false";
-    case integer:
-      return "an integer of 0 or more";
-    case object:
-      return "an object";
-    case array:
-      return "an array";
-    case strings:
-      return "an array of strings";
-  }
-  return "something else";
-}
+constexpr Field kMutationParams[] = {
+    may("if_generation", count, "The change is refused with conflict if another generation runs"),
+    may("reason", text, "The reason, for the log and the saved generations"),
+    may("deadline_ms", in(count, "ms"),
+        "The request is answered at most some 20 ms after this time; a change that has not begun "
+        "to take effect by then is given up: timed_out, state unchanged; while it takes effect "
+        "the state is unknown, and config.history tells the outcome")};
+constexpr Field kMutationAnswers[] = {
+    may("saved", boolean,
+        "Whether the disk took the generation; absent where nothing is kept, and from the answer "
+        "of a stop")};
 
-std::vector<Param> params_of(const Method& method) {
-  std::vector<Param> all(method.params.begin(), method.params.end());
-  if (method.mutation) all.insert(all.end(), std::begin(kEveryMutation), std::end(kEveryMutation));
+}  // namespace
+}  // namespace row
+
+namespace {
+
+constexpr std::array<std::string_view, 4> kRoles = {"none", "viewer", "operator", "admin"};
+constexpr std::array<std::string_view, 7> kLanes = {"any",    "read",    "later", "aside",
+                                                    "urgent", "factory", "change"};
+constexpr std::array<Effect, 7> kEffects = {Effect::reads,   Effect::answers, Effect::records,
+                                            Effect::changes, Effect::adjusts, Effect::ends,
+                                            Effect::stops};
+struct EffectText {
+  std::string_view word;
+  std::string_view text;
+};
+constexpr std::array<EffectText, 7> kEffectTexts = {{
+    {"reads", "The method changes nothing"},
+    {"answers",
+     "The method changes nothing and is served out of band, also when all places are "
+     "taken"},
+    {"records", "The method begins or ends a recording; the components run on as they were"},
+    {"changes", "The method changes the running system, as far as the lock permits"},
+    {"adjusts",
+     "The method changes only what mauved counts, logs or locks, and is permitted under "
+     "any lock"},
+    {"ends",
+     "The method ends a probation, and is permitted under any lock, also when all places "
+     "are taken"},
+    {"stops",
+     "The method stops components, and is permitted under any lock, out of band, never "
+     "limited"},
+}};
+
+std::vector<Field> together(std::span<const Field> own, std::span<const Field> more, bool also) {
+  std::vector<Field> all(own.begin(), own.end());
+  if (also) all.insert(all.end(), more.begin(), more.end());
   return all;
 }
 
 Fault unknown_argument(const Method& method, const std::string& name,
-                       const std::vector<Param>& known) {
+                       const std::vector<Field>& known) {
   std::vector<std::string> names;
-  for (const Param& param : known) names.emplace_back(param.name);
+  for (const Field& param : known) names.emplace_back(param.name);
   return fault_of(kInvalidParams, "unknown argument '" + name.substr(0, 64) + "'",
                   std::string(method.name), did_you_mean(name, names, "'"));
 }
 
 }  // namespace
 
-std::span<const Method> methods() { return kMethods; }
+std::string_view to_string(Role role) { return kRoles.at(static_cast<std::size_t>(role)); }
+std::string_view to_string(Lane lane) { return kLanes.at(static_cast<std::size_t>(lane)); }
+std::string_view to_string(Effect effect) {
+  return kEffectTexts.at(static_cast<std::size_t>(effect)).word;
+}
+std::string_view text_of(Effect effect) {
+  return kEffectTexts.at(static_cast<std::size_t>(effect)).text;
+}
+std::span<const Effect> effects() { return kEffects; }
+
+std::span<const Method> methods() { return row::kMethods; }
+std::span<const Field> every_mutation_takes() { return row::kMutationParams; }
+std::span<const Field> every_mutation_answers() { return row::kMutationAnswers; }
+
+std::vector<Field> all_params(const Method& method) {
+  return together(method.params, row::kMutationParams, method.mutation());
+}
+
+std::vector<Field> all_answer_fields(const Method& method) {
+  return together(method.answer, row::kMutationAnswers, method.mutation());
+}
 
 const Method* find_method(std::string_view name) {
   if (name == "status") name = "status.get";
-  const auto found = std::find_if(std::begin(kMethods), std::end(kMethods),
-                                  [&](const Method& method) { return method.name == name; });
-  return found == std::end(kMethods) ? nullptr : found;
+  const auto found = std::ranges::find(row::kMethods, name, &Method::name);
+  return found == std::end(row::kMethods) ? nullptr : found;
 }
 
 Fault unknown_method(std::string_view name) {
   std::vector<std::string> names;
-  for (const Method& method : kMethods) names.emplace_back(method.name);
+  for (const Method& method : methods()) names.emplace_back(method.name);
   std::string hint = did_you_mean(name, names, "'");
-  if (hint.empty()) hint = "command.list shows all methods";
+  if (hint.empty()) hint = "mauvectl protocol lists all methods";
   return fault_of(kUnknownMethod, "unknown method '" + std::string(name.substr(0, 64)) + "'", {},
                   std::move(hint));
 }
 
 std::optional<Fault> check_params(const Method& method, const Json& params) {
-  const auto known = params_of(method);
+  const auto known = all_params(method);
   for (const auto& [name, value] : params.items()) {
-    const auto param = std::find_if(known.begin(), known.end(),
-                                    [&key = name](const Param& one) { return one.name == key; });
+    const auto param = std::ranges::find(known, name, &Field::name);
     if (param == known.end()) return unknown_argument(method, name, known);
     if (fits(value, param->type)) continue;
     return fault_of(kInvalidParams,
-                    "argument '" + name + "' must be " + std::string(words_for(param->type)),
+                    "argument '" + name + "' must be " + expected_words(param->type),
                     std::string(method.name));
   }
-  for (const Param& param : known) {
-    if (!param.required || params.contains(param.name)) continue;
+  for (const Field& param : known) {
+    if (param.optional || params.contains(param.name)) continue;
     return fault_of(kInvalidParams, "argument '" + std::string(param.name) + "' is missing",
                     std::string(method.name));
   }

@@ -42,11 +42,6 @@ std::string program_of(pid_t pid) {
 
 }  // namespace
 
-std::string_view to_string(Role role) {
-  constexpr std::array<std::string_view, 4> kNames = {"none", "viewer", "operator", "admin"};
-  return kNames.at(static_cast<std::size_t>(role));
-}
-
 Result<Peer> peer_of(int socket) {
   MAUVE_ON_THREAD(io);
   ucred who{};

@@ -7,23 +7,16 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <mauve/result.h>
 
+#include "protocol/methods.h"
+
 namespace mauve::server {
 
-/// Each role may do what the ones before it may.
-enum class Role : std::uint8_t {
-  none,       ///< nothing: the connection is refused
-  viewer,     ///< look
-  operator_,  ///< change the running system with the code that is loaded
-  admin,      ///< load code
-};
-
-/// "none", "viewer", "operator", "admin".
-[[nodiscard]] std::string_view to_string(Role role);
+using protocol::Role;
+using protocol::to_string;
 
 /// Frozen by the kernel at connect. The pid is for the log only: it may be reused.
 struct Peer {

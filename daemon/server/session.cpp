@@ -143,7 +143,7 @@ void Session::dispatch(protocol::Request request) {
   if (method == nullptr) {
     return answer(protocol::make_error(request.id, protocol::unknown_method(request.method)));
   }
-  if (caller_.only_urgent && !method->when_full) {
+  if (caller_.only_urgent && !method->when_full()) {
     const auto fault = protocol::fault_of(
         refuse(Errc::limit, "uid " + std::to_string(caller_.peer.uid),
                "all places are taken, so this connection may only stop, confirm and undo",
@@ -151,7 +151,7 @@ void Session::dispatch(protocol::Request request) {
     return turn_down(*method, std::move(request), fault);
   }
   // Stopping is never refused for having been asked too often.
-  if (method->mutation && !method->out_of_band &&
+  if (method->mutation() && !method->out_of_band() &&
       !context_.rate.allow(caller_.peer.uid, Clock::now())) {
     const auto fault = protocol::fault_of(refuse(Errc::limit, request.method,
                                                  "too many changes a second from this user",
@@ -187,7 +187,7 @@ void Session::dispatch(protocol::Request request) {
 void Session::turn_down(const protocol::Method& method, protocol::Request request,
                         const protocol::Fault& fault) {
   answer(protocol::make_error(request.id, fault));
-  if (method.mutation) {
+  if (method.mutation()) {
     context_.dispatcher.refused(caller_, method, std::move(request), fault);
   }
 }

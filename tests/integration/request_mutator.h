@@ -61,7 +61,7 @@ class RequestMutator {
     Json params = Json::object();
     for (const auto& param : method.params) {
       const std::string name(param.name);
-      if (!param.required && below(3) > 0) continue;
+      if (param.optional && below(3) > 0) continue;
       const auto known = values_.find(name);
       if (known != values_.end() && below(8) > 0) {
         params[name] = known->second[below(known->second.size())];
@@ -69,26 +69,31 @@ class RequestMutator {
         params[name] = of_type(param.type);
       }
     }
-    if (method.mutation && below(8) == 0) params["if_generation"] = below(100);
-    if (method.mutation && below(8) == 0) params["deadline_ms"] = below(100);
+    if (method.mutation() && below(8) == 0) params["if_generation"] = below(100);
+    if (method.mutation() && below(8) == 0) params["deadline_ms"] = below(100);
     return params;
   }
-  Json of_type(protocol::JsonType type) {
-    switch (type) {
-      case protocol::JsonType::string:
-        return some_word();
-      case protocol::JsonType::boolean:
-        return below(2) == 0;
-      case protocol::JsonType::integer:
-        return below(2) == 0 ? below(10) : random_();
-      case protocol::JsonType::object:
-        return {{some_word(), some_value(2)}};
-      case protocol::JsonType::array:
-        return Json::array({some_value(1)});
-      case protocol::JsonType::strings:
-        return Json::array({some_word(), some_word()});
+  Json of_type(const protocol::Type& type) {
+    using Kind = protocol::Type::Kind;
+    if (type.shape == protocol::Type::Shape::map) return {{some_word(), some_value(2)}};
+    if (type.shape == protocol::Type::Shape::list) {
+      return type.kind == Kind::text ? Json::array({some_word(), some_word()})
+                                     : Json::array({some_value(1)});
     }
-    return nullptr;
+    switch (type.kind) {
+      case Kind::boolean:
+        return below(2) == 0;
+      case Kind::count:
+        return below(2) == 0 ? below(10) : random_();
+      case Kind::text:
+        return choice_or_word(type);
+      default:
+        return some_word();
+    }
+  }
+  Json choice_or_word(const protocol::Type& type) {
+    const auto words = protocol::choices_of(type);
+    return words.empty() || below(4) == 0 ? some_word() : one_of(words);
   }
   Json some_value(std::size_t depth) {
     switch (below(depth > 0 ? 9 : 7)) {

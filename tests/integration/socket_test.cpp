@@ -109,7 +109,8 @@ TEST(Socket, RefusesBadRequestsAndChangesNothing) {
       {R"({"jsonrpc":"2.0","id":1,"method":"plugin.unload","params":{"plugin":"trial"}})", -32015},
       {R"({"jsonrpc":"2.0","id":1,"method":"watch.unsubscribe","params":{"sub":9}})", -32012},
       {R"({"jsonrpc":"2.0","id":1,"method":"watch.subscribe","params":{"addresses":[]}})", -32023},
-      {R"({"jsonrpc":"2.0","id":1,"method":"log.tail","params":{"level":"loud"}})", -32011},
+      {R"({"jsonrpc":"2.0","id":1,"method":"log.tail","params":{"level":"loud"}})", -32602},
+      {R"({"jsonrpc":"2.0","id":1,"method":"lock.set","params":{"lock":"some"}})", -32602},
   };
   for (const auto& [line, code] : bad) {
     ASSERT_TRUE(client.send(line + "\n"));

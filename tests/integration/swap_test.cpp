@@ -48,7 +48,6 @@ TEST(Swap, ChangesNothingWhenItIsRefused) {
       {{{"component", "first"}, {"core", "trial/other"}, {"set", {{"gian", 1}}}}, "unknown_name"},
       {{{"component", "first"}, {"core", "trial/other"}, {"set", {{"gain", "x"}}}},
        "invalid_value"},
-      {{{"component", "first"}, {"core", "trial/other"}, {"state", "drip"}}, "invalid_value"},
       {{{"component", "first"}, {"core", "trial/other"}, {"if_generation", 7}}, "conflict"},
   };
   for (const auto& [params, name] : refused) {

@@ -77,6 +77,12 @@ class Structure(unittest.TestCase):
         self.refused("definition", {"man/a.h": header, "man/b.cpp": near},
                      "man/b.cpp:2: A::f is declared in man/a.h; define it in the source that is named like")
 
+    def test_knows_that_a_row_of_the_table_declares_its_handler(self):
+        files = {"man/a.h": "int show();\n", "daemon/commands/b.cpp": "int show() { return 1; }\n"}
+        row = 'MAUVE_METHOD("object.get", show, viewer, read, reads, "Show", PARAMS(), ANSWER())\n'
+        self.refused("definition", files, "daemon/commands/b.cpp:1: show is declared in man/a.h")
+        self.accepted("definition", files | {"daemon/protocol/table/a.def": row})
+
     def test_leaves_what_only_one_source_knows_alone(self):
         self.accepted("definition", {"man/a.h": "int g();\n",
                                      "man/b.cpp": "namespace {\nint g() { return 1; }\n}\nstatic int h() { return 2; }\n"})

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// component.list, resource.list, service.list, core.list, fsm.list, type.list, port.list,
-/// plugin.list, client.list, command.list
+/// plugin.list, client.list, command.list, rpc.discover
 #include <algorithm>
 
 #include "commands/answer.h"
@@ -9,6 +9,7 @@
 #include "mauve/detail/port_base.h"
 #include "mauve/host/architecture.h"
 #include "mauve/service.h"
+#include "protocol/openrpc.h"
 
 namespace mauve::daemon {
 
@@ -216,19 +217,23 @@ Result<Json> list_clients(Running& running, const Call& call) {
 Result<Json> list_commands(Running& /*running*/, const Call& /*call*/) {
   Json rows = Json::array();
   for (const auto& method : protocol::methods()) {
-    const auto* command = find_command(method.name);
     Json params = Json::array();
     for (const auto& param : method.params) {
-      params.push_back({{"name", param.name}, {"required", param.required}});
+      params.push_back({{"name", param.name}, {"required", !param.optional}});
     }
     rows.push_back({{"name", method.name},
-                    {"text", method.text},
+                    {"text", method.help},
                     {"params", std::move(params)},
-                    {"mutation", method.mutation},
-                    {"out_of_band", method.out_of_band},
-                    {"role", to_string(command == nullptr ? server::Role::admin : command->role)}});
+                    {"mutation", method.mutation()},
+                    {"out_of_band", method.out_of_band()},
+                    {"effect", to_string(method.effect)},
+                    {"role", to_string(method.role)}});
   }
   return items(std::move(rows));
+}
+
+Result<Json> discover(Running& /*running*/, const Call& /*call*/) {
+  return protocol::openrpc_document(protocol::methods());
 }
 
 }  // namespace mauve::daemon

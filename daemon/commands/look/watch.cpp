@@ -22,7 +22,7 @@ Result<Json> unwatch(Running& running, const Call& call) {
     return refuse(Errc::unknown_name, "sub " + std::to_string(sub),
                   "this connection has no such subscription");
   }
-  return Json::object();
+  return Json{{"sub", sub}};
 }
 
 }  // namespace mauve::daemon

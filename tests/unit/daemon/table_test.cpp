@@ -7,7 +7,6 @@
 
 #include <atomic>
 #include <future>
-#include <map>
 #include <set>
 
 #include "commands/audit.h"
@@ -22,48 +21,36 @@ namespace {
 
 using server::Role;
 
-TEST(Commands, AreTheMethodsOfTheWire) {
-  std::set<std::string_view> served;
-  for (const auto& command : commands()) {
-    EXPECT_TRUE(served.insert(command.method).second) << command.method;
-  }
-  std::set<std::string_view> promised;
-  for (const auto& method : protocol::methods()) {
-    promised.insert(method.name);
-  }
-  EXPECT_EQ(served, promised);
-}
+using protocol::methods;
 
-TEST(Commands, LookOnlyWhenTheyAreForViewers) {
-  for (const auto& command : commands()) {
-    const auto* method = protocol::find_method(command.method);
-    ASSERT_NE(method, nullptr);
-    if (command.method == "trace.start" || command.method == "trace.stop") {
-      EXPECT_EQ(command.role, Role::operator_) << "it changes nothing, but others read it";
-      continue;
-    }
-    EXPECT_EQ(method->mutation, command.role > Role::viewer) << command.method;
+TEST(Commands, AreServedByOneFunctionEachAsTheirLaneAsks) {
+  std::set<const Command*> commands;
+  for (const auto& method : methods()) {
+    const auto& command = command_of(method);
+    EXPECT_TRUE(commands.insert(&command).second) << method.name;
+    EXPECT_NE(command.read == nullptr, command.change == nullptr) << method.name;
+    EXPECT_EQ(answers_later(method.lane), command.change != nullptr) << method.name;
   }
+  EXPECT_EQ(command_of(*protocol::find_method("component.stop")).change, stop);
+  EXPECT_EQ(command_of(*protocol::find_method("status.get")).read, status);
 }
 
 TEST(Commands, ThatArePromisedOutOfBandDoNotWaitForChanges) {
-  for (const auto& command : commands()) {
-    const auto* method = protocol::find_method(command.method);
-    if (method->out_of_band) {
-      EXPECT_TRUE(command.lane == Lane::any || command.lane == Lane::urgent) << command.method;
+  for (const auto& method : methods()) {
+    if (method.out_of_band()) {
+      EXPECT_TRUE(method.lane == Lane::any || method.lane == Lane::urgent) << method.name;
     }
-    if (command.method.starts_with("plugin.") && method->mutation) {
-      EXPECT_EQ(command.role, Role::admin) << "who loads code can do anything";
+    if (method.name.starts_with("plugin.") && method.mutation()) {
+      EXPECT_EQ(method.role, Role::admin) << "who loads code can do anything";
     }
   }
 }
 
 TEST(Commands, ThatOnlyLookNeverGoBeforeAStop) {
-  for (const auto& command : commands()) {
-    if (command.lane == Lane::urgent) {
-      EXPECT_TRUE(protocol::find_method(command.method)->mutation) << command.method;
+  for (const auto& method : methods()) {
+    if (method.lane == Lane::urgent) {
+      EXPECT_TRUE(method.mutation()) << method.name;
     }
-    EXPECT_NE(command.read == nullptr, command.change == nullptr) << command.method;
   }
 }
 
@@ -88,16 +75,17 @@ TEST_F(TableTest, GreetsWithTheRunningGeneration) {
 
 /// The arguments that a method must have, of the right type and without a meaning.
 Json arguments_of(const protocol::Method& method) {
-  using protocol::JsonType;
-  const std::map<JsonType, Json> samples = {{JsonType::string, "none"},
-                                            {JsonType::boolean, false},
-                                            {JsonType::integer, 1},
-                                            {JsonType::object, Json::object()},
-                                            {JsonType::strings, {"none"}}};
+  using protocol::Type;
+  const auto sample = [](const Type& type) {
+    Json one = type.kind == Type::Kind::count ? Json(1) : Json("none");
+    if (type.shape == Type::Shape::list) return Json::array({std::move(one)});
+    return type.shape == Type::Shape::map ? Json::object() : one;
+  };
   auto params = Json::object();
   for (const auto& param : method.params) {
-    if (param.required) params[param.name] = samples.at(param.type);
+    if (!param.optional) params[param.name] = sample(param.type);
   }
+  EXPECT_FALSE(protocol::check_params(method, params)) << method.name << params;
   return params;
 }
 
@@ -105,10 +93,9 @@ Json arguments_of(const protocol::Method& method) {
 /// this test has not.
 TEST_F(TableTest, AnswersAnOperatorBeforeAllThatViewersHaveQueued) {
   const server::Caller viewer{1, {100, 1000, {}}, Role::viewer, outbox};
-  for (const auto& command : commands()) {
-    const bool at_once = command.lane == Lane::read && command.read != nullptr;
-    const bool elsewhere = command.method.starts_with("trace.") || command.method == "rules.list";
-    if (!at_once || elsewhere) continue;
+  for (const auto& method : methods()) {
+    const bool elsewhere = method.name.starts_with("trace.") || method.name == "rules.list";
+    if (method.lane != Lane::read || elsewhere) continue;
     std::promise<void> release;
     control.urgent([&] { release.get_future().wait(); });
     std::atomic<int> viewed{0};
@@ -117,15 +104,14 @@ TEST_F(TableTest, AnswersAnOperatorBeforeAllThatViewersHaveQueued) {
                      {1, "status.get", Json::object()}, [&](const server::Outcome&) { ++viewed; });
     }
     const server::Caller caller{2, {101, 1001, {}}, Role::admin, outbox};
-    const auto& method = *protocol::find_method(command.method);
     std::promise<int> before;
     table.dispatch(caller, method, {1, std::string(method.name), arguments_of(method)},
                    [&](const server::Outcome&) { before.set_value(viewed); });
 
     release.set_value();
 
-    EXPECT_EQ(before.get_future().get(), 0) << command.method;
-    EXPECT_TRUE(test::eventually([&] { return viewed == 24; })) << command.method;
+    EXPECT_EQ(before.get_future().get(), 0) << method.name;
+    EXPECT_TRUE(test::eventually([&] { return viewed == 24; })) << method.name;
   }
 }
 

@@ -15,7 +15,8 @@
 #include "cli/command.h"
 #include "cli/options.h"
 #include "daemon/options.h"
-#include "protocol/methods.h"
+#include "protocol/methods_text.h"
+#include "protocol/openrpc.h"
 #include "roff.h"
 #include "support/temp_dir.h"
 
@@ -94,16 +95,45 @@ TEST(ManPages, NameEveryOptionOfTheDaemon) {
   EXPECT_TRUE(names.contains("architecture"));
 }
 
-TEST(ManPages, NameEveryMethodWithItsArgumentsAndResult) {
+/// The text below a heading, up to the next one.
+std::string below(const std::string& page, const std::string& heading) {
+  const auto begin = page.find("\n.SS " + plain(heading) + "\n");
+  EXPECT_NE(begin, std::string::npos) << heading;
+  return begin == std::string::npos ? ""
+                                    : page.substr(begin + 1, page.find("\n.S", begin + 1) - begin);
+}
+
+TEST(ManPages, DescribeEveryMethodByItsRow) {
   const std::string page = page_of("mauve-protocol.7");
   for (const auto& method : protocol::methods()) {
-    const std::string heading = ".SS " + bold(method.name) + "\n";
-    const auto begin = page.find(heading);
-    ASSERT_NE(begin, std::string::npos) << method.name;
-    const auto its = page.substr(begin + heading.size(), page.find(".S", begin + 1) - begin);
-    EXPECT_THAT(its, HasSubstr("Result: ")) << "daemon/protocol/README.md tells what it answers";
-    for (const auto& param : method.params) EXPECT_THAT(its, HasSubstr(bold(param.name)));
+    const std::string its = below(page, std::string(method.name));
+    EXPECT_THAT(its, HasSubstr(plain(method.help))) << method.name;
+    EXPECT_THAT(its, HasSubstr(bold(to_string(method.role)))) << method.name;
+    for (const auto fields : {method.params, method.answer}) {
+      for (const auto& field : fields) {
+        EXPECT_THAT(its, HasSubstr(".TP\n" + bold(field.name) + "\n" +
+                                   plain(protocol::in_words(field.type))))
+            << method.name;
+        EXPECT_THAT(its, HasSubstr(inline_roff(protocol::sentence_of(field)))) << method.name;
+      }
+    }
   }
+}
+
+TEST(ManPages, DescribeEveryRecordOfAnswers) {
+  const std::string page = page_of("mauve-protocol.7");
+  const auto records = protocol::records_in(protocol::methods());
+  ASSERT_GT(records.size(), 30U);
+  for (const auto* record : records) {
+    const std::string its = below(page, std::string(record->name));
+    for (const auto& field : record->fields)
+      EXPECT_THAT(its, HasSubstr(".TP\n" + bold(field.name)));
+  }
+}
+
+TEST(MethodsPage, IsMadeFromTheTable) {
+  const std::string page = test::TempDir::read(MAUVE_MAN_DIR "/../doc/mauve/methods.md");
+  EXPECT_THAT(page, HasSubstr("\n" + protocol::methods_in_markdown()));
 }
 
 TEST(ManPages, NameEveryEventThatTheProtocolTells) {

@@ -6,6 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include "protocol/openrpc.h"
+#include "protocol/row.h"
+
 namespace mauve::protocol {
 namespace {
 
@@ -28,8 +31,106 @@ TEST(Methods, AreFoundByNameAndAlias) {
 
 TEST(Methods, ServeOnlyPingAndStopOutOfBand) {
   for (const Method& method : methods()) {
-    EXPECT_EQ(method.out_of_band, method.name == "ping" || method.name == "component.stop");
+    EXPECT_EQ(method.out_of_band(), method.name == "ping" || method.name == "component.stop");
   }
+}
+
+/// One sentence that begins with a capital letter; readers add the full stop.
+void expect_sentence(std::string_view text, std::string_view of) {
+  ASSERT_GE(text.size(), 4U) << of << " has no text";
+  EXPECT_TRUE(text.front() >= 'A' && text.front() <= 'Z') << of << ": " << text;
+  EXPECT_NE(text.back(), '.') << of << ": " << text;
+  EXPECT_EQ(text.find("  "), std::string_view::npos) << of << ": " << text;
+}
+
+void expect_described(std::span<const Field> fields, std::string_view of) {
+  std::set<std::string_view> names;
+  for (const Field& field : fields) {
+    const std::string at = std::string(of) + "." + std::string(field.name);
+    EXPECT_FALSE(field.name.empty()) << of;
+    EXPECT_TRUE(names.insert(field.name).second) << at << " stands there twice";
+    expect_sentence(field.text, at);
+    EXPECT_EQ(field.type.kind == Type::Kind::record, field.type.record != nullptr) << at;
+  }
+}
+
+TEST(Methods, HaveHelpAndFieldsInTheirAnswers) {
+  for (const Method& method : methods()) {
+    expect_sentence(method.help, method.name);
+    EXPECT_FALSE(method.answer.empty()) << method.name << " names no field of its answer";
+    expect_described(all_params(method), method.name);
+    expect_described(all_answer_fields(method), method.name);
+    EXPECT_NE(method.role, Role::none) << method.name;
+  }
+}
+
+TEST(Methods, HaveRecordsWithOneNameEachAndFields) {
+  std::set<std::string_view> names;
+  for (const Record* record : records_in(methods())) {
+    EXPECT_TRUE(names.insert(record->name).second) << record->name;
+    expect_sentence(record->text, record->name);
+    EXPECT_FALSE(record->fields.empty()) << record->name;
+    expect_described(record->fields, record->name);
+  }
+  EXPECT_GT(names.size(), 30U);
+}
+
+TEST(Methods, NameTheUnitInFieldsThatEndWithOne) {
+  const auto check = [](std::span<const Field> fields, std::string_view of) {
+    for (const Field& field : fields) {
+      const bool ns = field.name.ends_with("_ns");
+      EXPECT_EQ(ns, field.type.unit == "ns") << of << "." << field.name;
+      if (field.name.ends_with("_s")) {
+        EXPECT_EQ(field.type.unit, "s") << of << "." << field.name;
+      }
+      if (field.name.ends_with("bytes")) {
+        EXPECT_EQ(field.type.unit, "bytes") << of << "." << field.name;
+      }
+    }
+  };
+  for (const Record* record : records_in(methods())) check(record->fields, record->name);
+  check(find_method("status.get")->answer, "status.get");
+  check(find_method("param.get")->answer, "param.get");
+}
+
+TEST(Methods, ThatOnlyReadAreForViewers) {
+  for (const Method& method : methods()) {
+    const bool reads = method.effect == Effect::reads || method.effect == Effect::answers;
+    EXPECT_EQ(reads, method.role == Role::viewer) << method.name;
+  }
+}
+
+TEST(Methods, HaveEffectsWithWordsAndSentences) {
+  std::set<std::string_view> words;
+  for (const Effect effect : effects()) {
+    EXPECT_TRUE(words.insert(to_string(effect)).second);
+    expect_sentence(text_of(effect), to_string(effect));
+  }
+  EXPECT_EQ(words.size(), 7U);
+  EXPECT_EQ(to_string(Effect::stops), "stops");
+  EXPECT_EQ(to_string(Lane::change), "change");
+}
+
+TEST(Types, AreToldInWords) {
+  EXPECT_EQ(in_words(row::or_null(row::ns)), "integer in ns or null");
+  EXPECT_EQ(in_words(row::list(row::text)), "list of text");
+  EXPECT_EQ(in_words(row::map(row::value)), "map of value");
+  EXPECT_EQ(sentence_of(row::may("sync", row::one_of("cut barrier"), "The way")),
+            "The way. One of: cut, barrier.");
+}
+
+TEST(Types, FitValuesOfTheirJsonTypeOnly) {
+  EXPECT_TRUE(fits(nullptr, row::or_null(row::count)));
+  EXPECT_FALSE(fits(nullptr, row::count));
+  EXPECT_TRUE(fits(-1, row::integer));
+  EXPECT_FALSE(fits(-1, row::count));
+  EXPECT_TRUE(fits("nan", row::number));
+  EXPECT_FALSE(fits("four", row::number));
+  EXPECT_TRUE(fits({{"a", 1}}, row::map(row::count)));
+  EXPECT_FALSE(fits({{"a", "b"}}, row::map(row::count)));
+  EXPECT_FALSE(fits({1, nullptr}, row::list(row::count)));
+  EXPECT_TRUE(fits("cut", row::one_of("cut barrier")));
+  EXPECT_FALSE(fits("cu", row::one_of("cut barrier")));
 }
 
 TEST(UnknownMethod, NamesTheNearest) {
@@ -69,6 +170,15 @@ TEST(CheckParams, RefusesAMissingArgument) {
 
   ASSERT_TRUE(fault);
   EXPECT_EQ(fault->message, "argument 'service' is missing");
+}
+
+TEST(CheckParams, RefusesAWordThatIsNoChoice) {
+  const auto fault = check("lock.set", {{"lock", "some"}});
+
+  ASSERT_TRUE(fault);
+  EXPECT_EQ(fault->code, kInvalidParams);
+  EXPECT_EQ(fault->message, "argument 'lock' must be one of none, params, topology, all");
+  EXPECT_FALSE(check("lock.set", {{"lock", "topology"}}));
 }
 
 TEST(CheckParams, RefusesAnotherJsonType) {
