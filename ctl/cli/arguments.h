@@ -211,6 +211,9 @@ inline constexpr Argument kConvertTrace[] = {
            "chrome ctf mtrace")};
 
 inline constexpr Argument kHelp[] = {maybe("COMMAND", "name of a command", Kind::command)};
+inline constexpr Argument kProtocol[] = {
+    maybe("METHOD", "only this method, with all its parameters and the fields of its answer",
+          Kind::method)};
 inline constexpr Argument kCompletion[] = {one_of("SHELL", "bash, zsh or fish", "bash zsh fish")};
 inline constexpr Argument kDoctor[] = {
     maybe("--wake", "also measure wake-up latencies for so long, such as 10s", Kind::duration)};

@@ -30,6 +30,7 @@ enum class Kind {
   file,
   category,
   command,
+  method,      ///< of the wire
   available,   ///< a plugin that is not loaded
   setting,     ///< KEY= of a property of a core
   generation,  ///< a saved one
@@ -61,6 +62,7 @@ struct Command {
   std::span<const Argument> arguments;
   bool changes = false;  ///< takes --if-generation and --reason
   int (*run)(Session&) = nullptr;
+  std::string_view method = {};  ///< of run_answer(): the method whose answer is printed
 };
 
 [[nodiscard]] std::span<const Command> commands();

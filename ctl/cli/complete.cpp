@@ -11,6 +11,7 @@
 #include "cli/client.h"
 #include "cli/options.h"
 #include "commands/actions.h"
+#include "protocol/methods.h"
 #include "protocol/socket_path.h"
 #include "render/table.h"
 #include "render/words.h"
@@ -251,6 +252,12 @@ Words command_words() {
   return names;
 }
 
+Words method_names() {
+  Words names;
+  for (const auto& one : protocol::methods()) names.emplace_back(one.name);
+  return names;
+}
+
 Words names_of(const Typed& typed, const Argument& argument, const std::string& begun) {
   switch (argument.kind) {
     case Kind::none:
@@ -260,6 +267,8 @@ Words names_of(const Typed& typed, const Argument& argument, const std::string& 
       return {};
     case Kind::command:
       return command_words();
+    case Kind::method:
+      return method_names();
     case Kind::available:
       return Live(typed).available_plugins();
     case Kind::setting:

@@ -41,6 +41,9 @@ int run_trace(Session& session);
 int run_ping(Session& session);
 int run_doctor(Session& session);
 int run_help(Session& session);
+int run_protocol(Session& session);
+/// Of any command with a method that needs no arguments: its answer as its row describes it.
+int run_answer(Session& session);
 int run_completion(Session& session);
 int run_version(Session& session);
 

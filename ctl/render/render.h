@@ -8,6 +8,10 @@
 #include "cli/screen.h"
 #include "protocol/message.h"
 
+namespace mauve::protocol {
+struct Method;
+}  // namespace mauve::protocol
+
 namespace mauve::ctl {
 
 using protocol::Fault;
@@ -94,5 +98,13 @@ struct Look {
 
 /// {"error":{"code","name","message","state","where","hint","exit","generation"}}.
 [[nodiscard]] Json fault_json(const Fault& fault);
+
+/// The methods of the protocol, one row each; and everything about one.
+[[nodiscard]] std::string render_methods(Look look);
+[[nodiscard]] std::string render_method(const protocol::Method& method, Look look);
+/// An answer as the row of its method describes it: a table for each list of records, numbers with
+/// their units.
+[[nodiscard]] std::string render_answer(const protocol::Method& method, const Json& answer,
+                                        Look look);
 
 }  // namespace mauve::ctl
