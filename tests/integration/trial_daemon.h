@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "support/answer_check.h"
 #include "support/daemon_process.h"
 #include "support/raw_client.h"
 #include "support/temp_dir.h"
@@ -37,6 +38,14 @@ inline std::string unguarded() {
   std::string text(kTrial);
   const std::string type = R"("trial/unit",)";
   return text.replace(text.find(type), type.size(), type + R"( "task": { "watchdog": "1h" },)");
+}
+
+/// Every answer that a test asks for holds only what the row of its method names.
+inline void expect_answer_of_its_row(std::string_view name, const protocol::Json& answer) {
+  const auto* method = protocol::find_method(name);
+  if (method != nullptr) {
+    EXPECT_THAT(misfits(*method, answer), testing::IsEmpty());
+  }
 }
 
 class TrialDaemon {
@@ -81,6 +90,7 @@ class TrialDaemon {
     std::unique_ptr<RawClient> found;
     static_cast<void>(eventually([&] {
       found = std::make_unique<RawClient>(socket());
+      found->on_answer = expect_answer_of_its_row;
       return (found->connected() && !found->json().is_null()) || !process_->running();
     }));
     return std::move(*found);

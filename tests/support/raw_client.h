@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -33,7 +34,8 @@ class RawClient {
     connected_ = connect(fd_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
   }
   RawClient(RawClient&& other) noexcept
-      : fd_(std::exchange(other.fd_, -1)),
+      : on_answer(std::move(other.on_answer)),
+        fd_(std::exchange(other.fd_, -1)),
         connected_(other.connected_),
         framer_(std::move(other.framer_)) {}
   RawClient& operator=(RawClient&&) = delete;
@@ -46,6 +48,10 @@ class RawClient {
   }
   void half_close() const { shutdown(fd_, SHUT_WR); }
   [[nodiscard]] bool connected() const { return connected_; }
+
+  /// Called with the method and the result of each answer to ask().
+  std::function<void(std::string_view, const protocol::Json&)> on_answer;
+
   [[nodiscard]] int fd() const { return fd_; }
 
   /// False when the other end has closed. Waits while the other end does not read.
@@ -101,6 +107,7 @@ class RawClient {
     for (;;) {
       auto message = json();
       if (message.is_null() || (message.contains("id") && message["id"] == id)) {
+        if (on_answer && message.contains("result")) on_answer(method, message["result"]);
         return message;
       }
     }

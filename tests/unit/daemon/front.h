@@ -2,6 +2,7 @@
 /// A deployed system, and the table of commands in front of it.
 #pragma once
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -16,6 +17,7 @@
 #include "judge/judge.h"
 #include "monitor/supervisor.h"
 #include "monitor/watch.h"
+#include "support/answer_check.h"
 
 namespace mauve::daemon {
 
@@ -47,7 +49,11 @@ class Front : public testing::Test {
     const server::Caller caller{1, {100, 1000, {}}, role, outbox};
     table.dispatch(caller, *protocol::find_method(method), {1, method, std::move(params)},
                    [answered](server::Outcome out) { answered->set_value(std::move(out)); });
-    return outcome.get();
+    auto answer = outcome.get();
+    if (const auto* result = std::get_if<Json>(&answer)) {
+      EXPECT_THAT(test::misfits(*protocol::find_method(method), *result), testing::IsEmpty());
+    }
+    return answer;
   }
   Fault refused(server::Role role, const std::string& method, Json params = Json::object()) {
     auto outcome = ask(role, method, std::move(params));
