@@ -121,5 +121,42 @@ TEST(DoctorOfADaemon, IsToldWhetherItIsAService) {
   EXPECT_EQ(daemon.ask("daemon.doctor")["service"], false);
 }
 
+/// The entry of the thread with this name, or null.
+Json thread_called(TrialDaemon& daemon, const std::string& name) {
+  const auto items = daemon.ask("daemon.threads")["items"];
+  const auto found =
+      std::ranges::find_if(items, [&](const Json& thread) { return thread["name"] == name; });
+  return found == items.end() ? Json() : *found;
+}
+
+TEST(ThreadsOfADaemon, AreListedWithTheirUseOfTheProcessors) {
+  TrialDaemon daemon;
+  const auto before = thread_called(daemon, "first");
+  ASSERT_TRUE(before.is_object());
+  EXPECT_EQ(before["policy"], "SCHED_OTHER") << "it was started with --realtime off";
+  EXPECT_GT(before["id"], 0);
+  EXPECT_TRUE(thread_called(daemon, "mauve-control").is_object());
+  EXPECT_TRUE(thread_called(daemon, "nobody").is_null());
+  if (before["ran_ns"].is_null()) GTEST_SKIP() << "SKIPPED: this kernel has no schedstat";
+
+  EXPECT_TRUE(eventually([&] {
+    const auto now = thread_called(daemon, "first");
+    return now["ran_ns"] > before["ran_ns"] && now["waits"] > before["waits"];
+  }));
+}
+
+TEST(ThreadsOfADaemon, AreATableForPeople) {
+  TrialDaemon daemon;
+  ASSERT_FALSE(daemon.ask("ping").is_null());
+
+  const auto said = daemon.ctl({"threads"});
+
+  EXPECT_EQ(said.exit, 0);
+  EXPECT_THAT(said.out, testing::HasSubstr("NAME"));
+  EXPECT_THAT(said.out, testing::HasSubstr("READY"));
+  EXPECT_THAT(said.out,
+              testing::ContainsRegex("\nmauve-control +SCHED_OTHER +0 +[0-9]+ +[0-9.]+ "));
+}
+
 }  // namespace
 }  // namespace mauve::test
