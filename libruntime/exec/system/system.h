@@ -42,6 +42,12 @@ struct StandbyCore {
   std::shared_ptr<const TaskUpdate::Answer> answer;
 };
 
+/// A standby core that was taken away; its thread may read it until it has looked once more.
+struct WithdrawnStandby {
+  std::shared_ptr<TaskUpdate> update;
+  std::uint64_t looks = 0;  ///< of the task, when it was taken away
+};
+
 /// One component and what runs it.
 struct Deployed {
   ComponentBase* component = nullptr;  ///< null: it was let go
@@ -56,6 +62,7 @@ struct Deployed {
   bool ended = false;             ///< no thread looks at its task any more
   bool hidden = false;            ///< joins with a change under way, or left with one on probation
   StandbyCore standby;
+  std::vector<WithdrawnStandby> withdrawn;
   std::vector<Instant> restarts;  ///< the recent ones
 
   [[nodiscard]] ComponentState state() const { return task->counters().state.load(); }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include <mauve/host/machine.h>
 
@@ -23,6 +24,14 @@ enum class Admission : std::uint8_t {
   off,     ///< do not look
 };
 
+/// Names of cores that do not stand by as fallback cores, for example since they failed before.
+class CoresKeptOut {
+ public:
+  virtual ~CoresKeptOut() = default;
+  /// [control], [factory]
+  [[nodiscard]] virtual bool contains(const std::string& core) const = 0;
+};
+
 struct DeployOptions {
   Realtime realtime = Realtime::prefer;
   /// No threads: the caller moves a manual clock with run_for(), jobs run in its own thread in the
@@ -31,6 +40,9 @@ struct DeployOptions {
   Admission admission = Admission::warn;
   MachineCosts machine = {};           ///< what admission assumes of the machine
   std::uint64_t first_generation = 1;  ///< the number after deploy(); each change adds one
+  /// May change: a core that stands by already is withdrawn at the next look. Null: each may stand
+  /// by. It outlives the deployer.
+  const CoresKeptOut* kept_out = nullptr;
 };
 
 }  // namespace mauve
