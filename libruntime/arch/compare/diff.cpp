@@ -119,7 +119,24 @@ class Differ {
     difference_.change.remove.push_back(now->name());
     say(kind, now->name(), title_of(*now), title_of(then));
     Edit unused = edit_of(now->name());
-    if (title_of(*now) == title_of(then)) properties_and_ports(*now, then, true, unused);
+    if (title_of(*now) == title_of(then)) return properties_and_ports(*now, then, true, unused);
+    values_of_another_type(*now, then);
+  }
+
+  /// What has the same name and type in both has its own line when its value differs.
+  template <typename Element>
+  void values_of_another_type(const Element& now, const Element& then) {
+    const Parts before = parts_of(now);
+    const Parts after = parts_of(then);
+    for (std::size_t i = 0; i < after.size(); ++i) {
+      for (const PropertyBase* property : after[i].second->properties()) {
+        const PropertyBase* const old = before[i].second->find_property(property->name());
+        if (old == nullptr || !same_type(old->type(), property->type())) continue;
+        say("property",
+            now.name() + "." + std::string(after[i].first) + "." + std::string(property->name()),
+            old->value(), property->value());
+      }
+    }
   }
 
   template <typename Element>

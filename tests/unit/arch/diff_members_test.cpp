@@ -87,6 +87,19 @@ TEST_F(Diff, LetsAComponentOfAnotherTypeLeaveAndJoinAgain) {
   EXPECT_TRUE(difference.change.edits.empty());
 }
 
+TEST_F(Diff, TellsTheValuesThatAComponentOfAnotherTypeGetsUnderItsName) {
+  const std::string other = sample::with(
+      "\"type\": \"sample/control\",",
+      "\"type\": \"sample/bare\", \"core\": \"sample/attract\", \"fsm\": \"sample/periodic\",");
+
+  const Difference difference =
+      to(sample::with("\"core.gain\": 0.5", "\"core.gain\": 0.75", other));
+
+  EXPECT_THAT(said(difference.lines),
+              ElementsAre("~ component left: \"sample/control\" -> \"sample/bare\"",
+                          "~ property left.core.gain: 0.5 -> 0.75"));
+}
+
 TEST_F(Diff, ConnectsEveryPortOfAReplacedResourceAnew) {
   std::string text = sample::with("\"type\": \"shared_data\", \"data\": \"pose/1\"",
                                   "\"type\": \"ring_buffer\", \"data\": \"pose/1\"");
