@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "commands/audit.h"
 
+#include <unistd.h>
+
 #include "base/thread_role.h"
 
 #include <chrono>
@@ -95,7 +97,23 @@ std::string detail_of(const Call& call, const Json& result) {
   return detail + (detail.empty() || names.empty() ? "" : "; ") + names;
 }
 
+/// The audit log tells that the daemon itself did it.
+constexpr protocol::Method kByItself{.name = kSupervision, .effect = protocol::Effect::changes};
+
 }  // namespace
+
+CallPtr call_by_itself(const Running& running, std::string reason) {
+  auto call = std::make_shared<Call>();
+  call->method = &kByItself;
+  call->caller.role = server::Role::operator_;
+  call->caller.peer.uid = geteuid();
+  call->caller.peer.pid = getpid();
+  call->params = {{"reason", std::move(reason)}};
+  call->reply = [](const server::Outcome& /*nobody waits*/) {};
+  call->received = std::chrono::steady_clock::now();
+  call->before = running.generation;
+  return call;
+}
 
 std::string changes_of(const Json& result) {
   constexpr std::size_t kMost = 8;

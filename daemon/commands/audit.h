@@ -11,8 +11,13 @@
 
 namespace mauve::daemon {
 
-/// The method of what rules and components change: nobody's call.
+/// The method of what mauved changes by itself: rules, requests of components, a stop after a
+/// standstill.
 inline constexpr std::string_view kSupervision = "supervision";
+
+/// A call of mauved itself, with the rights of an operator, for the audit log. Nobody waits for its
+/// answer. [any]
+[[nodiscard]] CallPtr call_by_itself(const Running& running, std::string reason);
 
 /// [control] `result` as it will be answered.
 [[nodiscard]] Json audit_applied(Running& running, const Call& call, const Json& result);

@@ -5,6 +5,8 @@
 #include <string>
 
 #include "base/duration.h"
+#include "commands/answer.h"
+#include "commands/audit.h"
 #include "commands/change/change.h"
 #include "commands/model.h"
 #include "mauve/host/architecture.h"
@@ -86,11 +88,25 @@ void Guardian::stop_all() {
   }
   running->control.urgent([running] {
     note_place_failures(*running);
+    const auto call = call_by_itself(*running, "the guardian took the outputs in a standstill");
+    std::vector<arch::Line> lines;
     for (const auto* component : running->architecture.components()) {
-      ++running->stops[component->name()];
+      const auto& name = component->name();
+      ++running->stops[name];
+      if (running->deployer.status(name).state == ComponentState::running) {
+        lines.push_back(arch::make_line("start", name + ".start", true, false));
+      }
     }
     when_answered(*running, running->deployer.begin_stop_all(),
-                  [](Ongoing& /*done*/) { rt::GuardedOutputs::of_process().send_again(); });
+                  [running, call, lines](Ongoing& done) {
+                    rt::GuardedOutputs::of_process().send_again();
+                    const auto receipt = done.result();
+                    auto result = receipt ? Result<Json>(to_json(*receipt)) : receipt.error();
+                    if (result) {
+                      say_lines(lines, *result);
+                    }
+                    answer(*running, *call, std::move(result), "safe");
+                  });
   });
 }
 

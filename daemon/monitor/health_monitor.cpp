@@ -210,8 +210,8 @@ std::string HealthMonitor::changes_back(const Outcome& outcome) const {
 void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
   auto& store = *running_->store;
   const auto began = outcome.began;
-  if (outcome.kind == Outcome::Kind::overtaken || outcome.kind == Outcome::Kind::stays_failed) {
-    return;  // the one proved nothing, the newer one will; the other made no generation
+  if (outcome.kind == Outcome::Kind::overtaken) {
+    return;  // it proved nothing, the newer one will
   }
   if (outcome.kind == Outcome::Kind::passed) {
     for (const auto generation : proofs_.passed(outcome)) {
@@ -238,6 +238,10 @@ void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
                {"state", about.command}};
   if (!changes.empty()) {
     line["changes"] = changes;
+  }
+  if (outcome.kind == Outcome::Kind::stays_failed) {
+    line["outcome"] = "refused";
+    return store.audit(line);  // it made no generation
   }
   const auto now = about.number;
   if (now == running_->deployer.generation()) {

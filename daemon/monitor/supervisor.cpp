@@ -25,9 +25,6 @@ using logging::Event;
 constexpr std::chrono::milliseconds kLookEvery{10};
 constexpr const char* kOwnSteps = "its own steps";
 
-/// Nobody's call: what is audited is that the daemon itself did it.
-constexpr protocol::Method kMethod{.name = kSupervision, .effect = protocol::Effect::changes};
-
 std::string said(const Fault& fault) {
   return (fault.where.empty() ? "" : fault.where + ": ") + fault.message +
          (fault.hint.empty() ? "" : " (" + fault.hint + ")");
@@ -240,16 +237,17 @@ void Supervisor::serve(const std::string& component, const std::string& transact
 }
 
 void Supervisor::refuse_request(const Order& order, const Error& error) {
-  conclude(order, protocol::fault_of(error, "unchanged", running_->generation.load()));
+  const auto call = call_by_itself(*running_, order.by);
+  call->params["transaction"] = order.transaction;
+  call->reply = [this, &order](const server::Outcome& outcome) { conclude(order, outcome); };
+  answer(*running_, *call, error);
 }
 
 /// [control] Queued behind the changes that wait already.
 void Supervisor::carry_out(Order order) {
   MAUVE_ON_THREAD(control);
-  auto call = std::make_shared<Call>();
-  call->method = &kMethod;
-  call->params = {{"transaction", order.transaction}, {"reason", order.by}};
-  call->received = std::chrono::steady_clock::now();
+  auto call = call_by_itself(*running_, order.by);
+  call->params["transaction"] = order.transaction;
   auto steps = order.steps;
   if (!brings_something_new(steps)) {
     call->params["probation"] = "off";
@@ -263,6 +261,7 @@ void Supervisor::carry_out(Order order) {
         [this, order, outcome, keeps_a_thread] { conclude(order, outcome, keeps_a_thread); });
   };
   const bool queued = control_.change([this, call, steps = std::move(steps)](Ticket ticket) {
+    call->before = running_->generation;
     auto met = check_conditions(*running_, *call);
     if (met) {
       met = may_prepare(control_.abandoned_threads(), std::nullopt);

@@ -84,7 +84,7 @@ TEST_F(GuardedBase, IsLetGoAtAnOrderlyEnd) {
 
 TEST_F(GuardedBase, StandsWhileMauvedStandsStillAndUntilSomebodyStartsIt) {
   if (!rt::may_use_fifo(95)) GTEST_SKIP() << "NOT TESTED: silence is watched in real time only";
-  start({"--realtime", "require"});
+  start({"--realtime", "require", "--state-dir", (place_ / "kept").string()});
   ASSERT_TRUE(drives());
 
   daemon_->process().signal(SIGSTOP);
@@ -99,6 +99,10 @@ TEST_F(GuardedBase, StandsWhileMauvedStandsStillAndUntilSomebodyStartsIt) {
            status["components"][1]["state"] == "stopped";
   }));
   EXPECT_TRUE(stands()) << "whatever jobs sent before they were stopped";
+  EXPECT_TRUE(eventually([&] {
+    return TempDir::read(place_ / "kept" / "audit.log").find("took the outputs") !=
+           std::string::npos;
+  })) << "the audit log has every change, also this stop";
   EXPECT_EQ(daemon_->client({"start", "cruise", "base"}).wait(), 0);
   static_cast<void>(base_.bytes());
   EXPECT_TRUE(drives());
