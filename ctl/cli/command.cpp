@@ -109,7 +109,7 @@ constexpr Command kCommands[] = {
      "mauvectl history -n 10", kHistory, false, run_history},
     {"rollback", "Return to a saved generation", "mauvectl rollback 41", kRollback, true,
      run_rollback},
-    {"lock", "Lock the system against changes, except stop, confirm and undo",
+    {"lock", "Lock the system against changes, except stop and confirm",
      "mauvectl lock all --reason mission", kLock, true, run_lock},
     {"logs", "Print the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},
     {"explain", "Explain an event of the log, or a name that a plugin brings",

@@ -48,9 +48,8 @@ class Watches;
 using protocol::Fault;
 using protocol::Json;
 
-/// The lock that an administrator has set: `params` holds the values of properties, `topology`
-/// everything but these values and whether components run, `all` every change. A stop is never
-/// locked.
+/// The lock that an administrator has set. `params` holds the values of properties, `topology` all
+/// but these, starts and stops, `all` all but stops. None holds what mauved does after a failure.
 enum class Lock : std::uint8_t { none, params, topology, all };
 
 /// Who made the generation in force, where that is known.

@@ -7,8 +7,10 @@
 #include "commands/answer.h"
 
 #include "base/thread_role.h"
+#include "commands/audit.h"
 #include "commands/lock.h"
 #include "judge/judgement.h"
+#include "mauve/host/change.h"
 #include "monitor/supervisor.h"
 #include "protocol/in_words.h"
 
@@ -18,6 +20,70 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kLocks = {"none", "params", "topology", "all"};
 constexpr const char* kHint = "an administrator ends it: mauvectl lock none";
+
+/// The differences that an operator makes with the code that is loaded.
+constexpr std::array<std::string_view, 5> kOfOperators = {"core", "port", "property", "start",
+                                                          "task"};
+
+bool is_stop(const arch::Line& line) { return line.kind == "start" && line.after == Value(false); }
+
+bool only_parks(const Edit& edit) {
+  return edit.mode == Mode::park && !edit.core && !edit.fsm && !edit.type && !edit.task &&
+         !edit.resource && !edit.lock_budget && edit.properties.empty() && edit.connect.empty() &&
+         edit.disconnect.empty();
+}
+
+bool only_stops(const Change& change) {
+  return !change.changes_rules && change.new_components.empty() && change.new_resources.empty() &&
+         change.remove.empty() && change.fallbacks.empty() &&
+         std::ranges::all_of(change.edits, only_parks);
+}
+
+Error all_is_locked() {
+  return refuse(Errc::conflict, "lock",
+                "everything that runs is locked: components may be stopped and a change may be "
+                "confirmed, nothing else",
+                kHint);
+}
+
+Status check_role(const Call& call, const std::vector<arch::Line>& lines) {
+  const auto above = std::ranges::find_if(
+      lines, [&](const arch::Line& line) { return role_for(line) > call.caller.role; });
+  if (above == lines.end()) {
+    return ok();
+  }
+  return refuse(Errc::not_permitted, above->address,
+                "needs role " + std::string(server::to_string(role_for(*above))) +
+                    " whichever command asks for it, you have " +
+                    std::string(server::to_string(call.caller.role)) +
+                    "; this change has: " + protocol::line_in_words(to_json(*above)),
+                "ask a member of the group mauve-admin; mauvectl stop is free");
+}
+
+/// The first line that the lock holds; the end: none.
+auto held_in(Lock lock, const std::vector<arch::Line>& lines) {
+  switch (lock) {
+    case Lock::none:
+      break;
+    case Lock::params:
+      return std::ranges::find_if(lines, arch::changes_a_property);
+    case Lock::topology:
+      return std::ranges::find_if(lines, arch::changes_the_topology);
+    case Lock::all:
+      return std::ranges::find_if_not(lines, is_stop);
+  }
+  return lines.end();
+}
+
+std::string rule_of(Lock lock) {
+  if (lock == Lock::params) {
+    return "params are locked, so no property may be changed";
+  }
+  return lock == Lock::topology ? "topology is locked, so only properties may be changed, and "
+                                  "components started and stopped"
+                                : "everything that runs is locked, so components may only be "
+                                  "stopped";
+}
 
 }  // namespace
 
@@ -33,8 +99,10 @@ Kind kind_of(const Call& call) {
     case Effect::ends:
       return Kind::ending;
     default:
-      return Kind::other;
+      break;
   }
+  const auto method = call.method->name;
+  return method == "change.apply" || method == kSupervision ? Kind::steps : Kind::other;
 }
 
 Status may_change(const Running& running, Kind kind) {
@@ -42,27 +110,35 @@ Status may_change(const Running& running, Kind kind) {
   if (kind != Kind::other || running.lock != Lock::all) {
     return ok();
   }
-  return refuse(Errc::conflict, "lock",
-                "everything that runs is locked: only stop, confirm and undo may change it", kHint);
+  return all_is_locked();
 }
 
-Status may_change(const Running& running, const std::vector<arch::Line>& lines) {
+Status may_change(const Running& running, const Change& change) {
   MAUVE_ON_THREAD(control);
-  const bool params = running.lock == Lock::params;
-  if (!params && running.lock != Lock::topology) {
+  if (running.lock != Lock::all || only_stops(change)) {
     return ok();
   }
-  const auto held =
-      std::ranges::find_if(lines, params ? arch::changes_a_property : arch::changes_the_topology);
+  return all_is_locked();
+}
+
+Status may_change(const Running& running, const Call& call, const std::vector<arch::Line>& lines) {
+  MAUVE_ON_THREAD(control);
+  if (auto permitted = check_role(call, lines); !permitted) {
+    return permitted;
+  }
+  const auto held = held_in(running.lock, lines);
   if (held == lines.end()) {
     return ok();
   }
-  return refuse(Errc::conflict, held->address,
-                (params ? "params are locked, so no property may be changed; this change has: "
-                        : "topology is locked, so only properties may be changed, and components "
-                          "started and stopped; this change has: ") +
-                    protocol::line_in_words(to_json(*held)),
-                kHint);
+  return refuse(
+      Errc::conflict, held->address,
+      rule_of(running.lock) + "; this change has: " + protocol::line_in_words(to_json(*held)),
+      kHint);
+}
+
+server::Role role_for(const arch::Line& line) {
+  const bool common = std::ranges::find(kOfOperators, line.kind) != kOfOperators.end();
+  return common ? server::Role::operator_ : server::Role::admin;
 }
 
 std::string_view held_by(Lock lock, const rules::Steps& steps) {
@@ -75,7 +151,8 @@ std::string_view held_by(Lock lock, const rules::Steps& steps) {
     case Lock::none:
       return {};
     case Lock::all:
-      return "everything is locked";
+      return is_of([](Action action) { return action != Action::stop; }) ? "everything is locked"
+                                                                         : "";
     case Lock::params:
       return is_of([](Action action) { return action == Action::set; }) ? "params are locked" : "";
     case Lock::topology:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The one place where it is decided whether anything may be changed now.
+/// The one place where it is decided whether anything may be changed now, and by this caller. Locks
+/// and roles judge the differences that a change makes, whichever method or rule asks for it.
 #pragma once
 
 #include <string_view>
@@ -16,8 +17,9 @@ namespace mauve::daemon {
 enum class Kind : std::uint8_t {
   harmless,  ///< touches nothing that runs: the lock itself, what is logged, what is counted
   stop,      ///< stop components: for safety, always allowed
-  ending,    ///< confirm or undo the change on probation, which began before the lock
-  other,     ///< everything else: properties, cores, connections, starts, plugins
+  ending,    ///< a probation ends: to confirm changes nothing that runs, and undo() judges its own lines
+  steps,     ///< steps, which may be stops only: the change that they make is judged
+  other,     ///< everything else, also a method that nobody has classified
 };
 
 /// "none", "params", "topology", "all".
@@ -25,13 +27,23 @@ enum class Kind : std::uint8_t {
 
 [[nodiscard]] Kind kind_of(const Call& call);
 
-/// [control] Refused with `conflict` while everything is locked. Ask before preparing a change, and
-/// again before it is committed.
+/// [control] Refused with `conflict` while everything is locked, but for stops, a confirmation, and
+/// steps, whose change is judged. Ask before preparing a change, and again before it is committed.
 [[nodiscard]] Status may_change(const Running& running, Kind kind);
 
+/// [control] Refused with `conflict` while everything is locked, unless the change only stops
+/// components. Ask before preparing it, and again before it is committed.
+[[nodiscard]] Status may_change(const Running& running, const Change& change);
+
 /// [control] Refused with `conflict` while a lock holds something that the change makes different,
-/// whatever asked for it. Ask when the change is prepared, before it is committed.
-[[nodiscard]] Status may_change(const Running& running, const std::vector<arch::Line>& lines);
+/// and with `not_permitted` when one of the differences needs a higher role than the caller has.
+/// Every way to change something asks this when its change is prepared, before it is committed.
+[[nodiscard]] Status may_change(const Running& running, const Call& call,
+                                const std::vector<arch::Line>& lines);
+
+/// The role that may make this difference. A kind of difference that nobody has classified needs an
+/// administrator.
+[[nodiscard]] server::Role role_for(const arch::Line& line);
 
 /// Why the lock keeps a rule with these steps from firing; empty: it does not.
 [[nodiscard]] std::string_view held_by(Lock lock, const rules::Steps& steps);

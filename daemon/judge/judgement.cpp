@@ -161,4 +161,17 @@ Json to_json(const arch::Line& line) {
           {"new", arch::to_json(line.after)}};
 }
 
+std::vector<arch::Line> lines_of(const Json& lines) {
+  const auto value = [](const Json& json) {
+    auto read = arch::from_json(json);
+    return read ? *std::move(read) : Value();
+  };
+  std::vector<arch::Line> all;
+  for (const auto& line : lines) {
+    all.push_back(
+        arch::make_line(line["kind"], line["address"], value(line["old"]), value(line["new"])));
+  }
+  return all;
+}
+
 }  // namespace mauve::daemon

@@ -46,5 +46,7 @@ struct Question {
 [[nodiscard]] Json to_json(const arch::Problems& problems);
 /// {"op","kind","address","old","new"}
 [[nodiscard]] Json to_json(const arch::Line& line);
+/// Of the lines that to_json() gives.
+[[nodiscard]] std::vector<arch::Line> lines_of(const Json& lines);
 
 }  // namespace mauve::daemon

@@ -78,8 +78,8 @@ constexpr std::array<EffectText, 7> kEffectTexts = {{
      "The method changes only what mauved counts, logs or locks, and is permitted under "
      "any lock"},
     {"ends",
-     "The method ends a probation, and is permitted under any lock, also when all places "
-     "are taken"},
+     "The method ends a probation, also when all places are taken. To confirm is permitted under "
+     "any lock; the differences that an undo makes are judged like those of any change"},
     {"stops",
      "The method stops components, and is permitted under any lock, out of band, never "
      "limited"},

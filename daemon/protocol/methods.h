@@ -46,7 +46,7 @@ enum class Effect : std::uint8_t {
   records,  ///< begins or ends a recording; the components run on as they were
   changes,  ///< changes the running system, as far as the lock permits
   adjusts,  ///< changes only what mauved counts, logs or locks; permitted under any lock
-  ends,     ///< ends a probation; permitted under any lock, also when all places are taken
+  ends,     ///< ends a probation, also when all places are taken; an undo is judged by its lines
   stops,    ///< stops components; permitted under any lock, out of band, never limited
 };
 

@@ -33,7 +33,7 @@ TEST(Freeze, RefusesEveryChangeButAStop) {
   EXPECT_EQ(daemon.ask("param.set", gain(3.0))["state"], "applied");
 }
 
-TEST(Freeze, LetsTheChangeOnProbationBeEnded) {
+TEST(Freeze, LetsTheChangeOnProbationBeConfirmedAndNotBeUndoneByHand) {
   TrialDaemon daemon;
   const auto change_and_lock = [&] {
     Json values = gain(3.0);
@@ -43,10 +43,13 @@ TEST(Freeze, LetsTheChangeOnProbationBeEnded) {
   };
 
   change_and_lock();
+  EXPECT_EQ(daemon.ask("change.undo")["data"]["name"], "conflict");
+  EXPECT_EQ(daemon.value("first.core.gain"), 3.0);
+
+  ASSERT_EQ(daemon.ask("lock.set", {{"lock", "none"}})["lock"], "none");
   EXPECT_EQ(daemon.ask("change.undo")["state"], "applied");
   EXPECT_EQ(daemon.value("first.core.gain"), 1.0);
 
-  ASSERT_EQ(daemon.ask("lock.set", {{"lock", "none"}})["lock"], "none");
   change_and_lock();
   EXPECT_EQ(daemon.ask("change.confirm")["changed"], true);
   EXPECT_EQ(daemon.value("first.core.gain"), 3.0);

@@ -215,7 +215,7 @@ void load_only(Running& running, const Call& call, Application& application) {
     good = application.ready();
   }
   if (good) {
-    good = may_change(running, *application.lines());
+    good = may_change(running, call, *application.lines());
   }
   if (!good) {
     return answer(running, call, good.error());

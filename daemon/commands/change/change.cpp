@@ -119,6 +119,13 @@ Error stopped_meanwhile(const ChangeRequest& request) {
                 "was stopped by request after this change was asked for", "start it again");
 }
 
+/// [control] Asked before anything is made, and again when it is prepared.
+Status may_begin(const Running& running, const Change& change) {
+  auto free = may_change(running, change);
+  free = free ? check_quarantine(running, change) : free;
+  return free ? check_abandoned_in(running, change) : free;
+}
+
 /// [control] False when the change was dropped before anything happened.
 bool may_go_on(Running& running, const Call& call, ChangeRequest& request) {
   if (!*request.prepared) {
@@ -126,6 +133,7 @@ bool may_go_on(Running& running, const Call& call, ChangeRequest& request) {
     return false;
   }
   auto met = check_conditions(running, call);
+  met = met ? may_begin(running, request.change) : met;
   const bool stopped = overtaken_by_stop(running, call, request.change) ||
                        (starts_something(request.change) &&
                         stops_of(running.stops, request.change) != request.stops);
@@ -138,7 +146,7 @@ bool may_go_on(Running& running, const Call& call, ChangeRequest& request) {
   if (met) {
     const auto whole = request.hooks == nullptr ? std::nullopt : request.hooks->lines();
     request.lines = whole ? *whole : lines_of(running, **request.prepared);
-    met = may_change(running, request.lines);
+    met = may_change(running, call, request.lines);
     request.notes = place_notes(running, request.change);
   }
   if (!met) {
@@ -339,11 +347,7 @@ std::string state_after(const Error& error) {
 
 void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
            std::shared_ptr<ChangeHooks> hooks) {
-  auto free = check_quarantine(running, change);
-  if (free) {
-    free = check_abandoned_in(running, change);
-  }
-  if (!free) {
+  if (auto free = may_begin(running, change); !free) {
     return answer(running, *call, free.error());
   }
   auto probation = probation_of(call->params);
@@ -376,11 +380,7 @@ void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit e
   request->hooks = std::move(hooks);
   request->change.edits.push_back(std::move(edit));
   request->change.probation = *probation;
-  auto free = check_quarantine(running, request->change);
-  if (free) {
-    free = check_abandoned_in(running, request->change);
-  }
-  if (!free) {
+  if (auto free = may_begin(running, request->change); !free) {
     return answer(running, *call, free.error());
   }
   request->stops = stops_of(call->stops ? *call->stops : running.stops, request->change);

@@ -41,7 +41,7 @@ void finish_load(Running& running, const Call& call, Load& load) {
   }
   const auto info = (*load.loaded)->info();
   const std::vector lines = {arch::make_line("plugin", info.name, {}, info.name)};
-  if (auto free = may_change(running, lines); !free) {
+  if (auto free = may_change(running, call, lines); !free) {
     return answer(running, call, free.error());
   }
   if (flag(call.params, "dry_run")) {
@@ -136,7 +136,11 @@ namespace {
 
 /// [control] No remains of the changes before this one hold the library any more.
 void unload_settled(Running& running, const CallPtr& call, const std::string& name, Ticket ticket) {
-  if (auto free = may_change(running, {line_of_unloading(name)}); !free) {
+  auto free = check_conditions(running, *call);
+  if (free) {
+    free = may_change(running, *call, {line_of_unloading(name)});
+  }
+  if (!free) {
     return answer(running, *call, free.error());
   }
   auto library = running.catalog.remove(name);

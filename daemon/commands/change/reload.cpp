@@ -149,7 +149,7 @@ Status may_go_on(Running& running, const Call& call, Reload& reload) {
     return good;
   }
   reload.lines = lines_of_reload(running, reload);
-  return may_change(running, reload.lines);
+  return may_change(running, call, reload.lines);
 }
 
 /// [control] The names change hands last, since that cannot be taken back.

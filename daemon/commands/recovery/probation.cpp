@@ -8,7 +8,9 @@
 #include "base/duration.h"
 #include "commands/answer.h"
 #include "commands/change/change.h"
+#include "commands/lock.h"
 #include "commands/recovery/unproven.h"
+#include "judge/judgement.h"
 #include "state/state_store.h"
 
 namespace mauve::daemon {
@@ -118,6 +120,21 @@ Json undone_json(const Running& running, const Tried& newest) {
           {"components", Json::array()}};
 }
 
+/// A rollback that mauved decides is a matter of safety, and no lock holds it. One that a user asks
+/// for is a change like any other.
+Status may_undo(const Running& running, const Call& call, const Tried& newest, const Json& lines) {
+  if (running.way_back.knows(newest.changes)) {
+    return may_change(running, call, lines_of(lines));
+  }
+  if (running.lock == Lock::none && call.caller.role == server::Role::admin) {
+    return ok();
+  }
+  return refuse(Errc::conflict, "change.undo",
+                "goes back over so many changes that their differences are not all known any more, "
+                "so no lock and no role can judge them",
+                "an administrator may do it while nothing is locked");
+}
+
 void answer_undone(Running& running, const Call& call, Json result) {
   result["generation"] = running.generation.load();
   result["changed"] = true;
@@ -219,6 +236,9 @@ void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
   }
   const auto newest = newest_of(running);
   auto result = undone_json(running, newest);
+  if (auto free = may_undo(running, *call, newest, result["lines"]); !free) {
+    return answer(running, *call, free.error());
+  }
   if (flag(call->params, "dry_run") && !newest.changes.empty()) {
     return answer_foretold(running, *call, std::move(result));
   }

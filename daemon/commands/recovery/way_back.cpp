@@ -39,8 +39,13 @@ void WayBackLines::remember(std::uint64_t generation, const Json& lines) {
     lines_[generation] = lines;
   }
   if (lines_.size() > kMost) {
+    dropped_ = lines_.begin()->first;
     lines_.erase(lines_.begin());
   }
+}
+
+bool WayBackLines::knows(const std::vector<std::uint64_t>& changes) const {
+  return std::ranges::none_of(changes, [&](auto generation) { return generation <= dropped_; });
 }
 
 Json WayBackLines::back_from(const std::vector<std::uint64_t>& changes) const {

@@ -21,13 +21,16 @@ class WayBackLines {
   void remember(std::uint64_t generation, const Json& lines);
   /// The differences that going back to before these changes makes now, each address once.
   [[nodiscard]] Json back_from(const std::vector<std::uint64_t>& changes) const;
+  /// False: differences of some of these changes are not kept any more.
+  [[nodiscard]] bool knows(const std::vector<std::uint64_t>& changes) const;
   /// Nothing rolls back to before these changes any more.
   void forget(const std::vector<std::uint64_t>& changes);
 
-  static constexpr std::size_t kMost = 256;
+  static constexpr std::size_t kMost = 1024;
 
  private:
   std::map<std::uint64_t, Json> lines_;  // by generation
+  std::uint64_t dropped_ = 0;            // the newest generation whose differences are not kept
 };
 
 }  // namespace mauve::daemon

@@ -311,42 +311,6 @@ TEST_F(TableTest, SetsTheLogLevelForATimeAlsoWhenAllIsLocked) {
   EXPECT_EQ(std::get<Json>(ask(Role::viewer, "log.level"))["items"], Json::array());
 }
 
-TEST_F(TableTest, LocksAllAgainstEveryKindOfRequestButAStopAndTheEndOfAProbation) {
-  for (const auto lock : {Lock::none, Lock::params, Lock::topology, Lock::all}) {
-    running.lock = lock;
-    EXPECT_EQ(may_change(running, Kind::other).has_value(), lock != Lock::all) << to_string(lock);
-    for (const auto kind : {Kind::stop, Kind::ending, Kind::harmless}) {
-      EXPECT_TRUE(may_change(running, kind)) << to_string(lock) << " " << static_cast<int>(kind);
-    }
-  }
-  running.lock = Lock::none;
-}
-
-TEST_F(TableTest, LocksParamsAndTopologyAgainstTheLinesOfAChange) {
-  const auto property = arch::make_line("property", "a.core.x", 1, 2);
-  const auto core = arch::make_line("core", "a.core", "old", "new");
-  const auto start = arch::make_line("start", "a.start", false, true);
-  const auto fallback = [](double gain) {
-    return Value(Value::Object{{"core", "old"}, {"properties", Value::Object{{"x", gain}}}});
-  };
-  const auto standby =
-      arch::make_line("fallback_core", "a.fallback_core", fallback(1), fallback(2));
-  const auto held = [&](Lock lock, const arch::Line& line) {
-    running.lock = lock;
-    return !may_change(running, std::vector{start, line});
-  };
-
-  EXPECT_TRUE(held(Lock::params, property));
-  EXPECT_TRUE(held(Lock::params, standby)) << "the value of a fallback core is a property too";
-  EXPECT_FALSE(held(Lock::params, core));
-  EXPECT_TRUE(held(Lock::topology, core));
-  EXPECT_FALSE(held(Lock::topology, property));
-  EXPECT_FALSE(held(Lock::topology, start));
-  EXPECT_FALSE(held(Lock::none, core));
-  EXPECT_FALSE(held(Lock::none, property));
-  running.lock = Lock::none;
-}
-
 using RampTable = Front<ramp::Architecture>;
 
 TEST_F(RampTable, NamesThePortsThatAreConnectedToAResource) {

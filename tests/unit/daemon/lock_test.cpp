@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// Locks and roles judge the differences that a change makes, never the method that asks for it.
+#include "commands/lock.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "mauve/host/change.h"
+#include "unit/daemon/front.h"
+
+namespace mauve::daemon {
+namespace {
+
+using server::Role;
+
+struct Bare : Architecture {
+  Bare() : Architecture("empty") {}
+};
+
+class LocksAndRoles : public Front<Bare> {
+ protected:
+  void TearDown() override {
+    running.lock = Lock::none;
+    Front::TearDown();
+  }
+};
+
+TEST_F(LocksAndRoles, HoldEveryKindOfRequestButAStopAndAConfirmationUnderLockAll) {
+  for (const auto lock : {Lock::none, Lock::params, Lock::topology, Lock::all}) {
+    running.lock = lock;
+    EXPECT_EQ(may_change(running, Kind::other).has_value(), lock != Lock::all) << to_string(lock);
+    for (const auto kind : {Kind::stop, Kind::ending, Kind::harmless, Kind::steps}) {
+      EXPECT_TRUE(may_change(running, kind)) << to_string(lock) << " " << static_cast<int>(kind);
+    }
+  }
+}
+
+Call of_role(Role role) {
+  Call call;
+  call.caller.role = role;
+  return call;
+}
+
+TEST_F(LocksAndRoles, HoldEveryDifferenceButAStopUnderLockAll) {
+  running.lock = Lock::all;
+  const auto stop = arch::make_line("start", "a.start", true, false);
+  EXPECT_TRUE(may_change(running, of_role(Role::operator_), {stop}));
+  for (const auto* kind : {"start", "property", "core", "plugin", "rules", "a kind of tomorrow"}) {
+    const auto other = arch::make_line(kind, "a", false, true);
+    EXPECT_FALSE(may_change(running, of_role(Role::admin), {stop, other})) << kind;
+  }
+
+  Change change;
+  change.edits.emplace_back().mode = Mode::park;
+  EXPECT_TRUE(may_change(running, change));
+  change.edits.emplace_back().mode = Mode::run;
+  EXPECT_FALSE(may_change(running, change));
+  change.edits.back().mode = Mode::park;
+  change.edits.back().properties.emplace_back("core.gain", 1.0);
+  EXPECT_FALSE(may_change(running, change)) << "it does more than to stop";
+}
+
+/// The lines of a change decide, whichever method makes it.
+TEST_F(LocksAndRoles, JudgeAChangeByTheRoleThatItsDifferencesNeed) {
+  const auto may = [&](Role role, const char* kind) {
+    return may_change(running, of_role(role), {arch::make_line(kind, "a", 1, 2)}).has_value();
+  };
+  for (const auto* kind : {"core", "port", "property", "start", "task"}) {
+    EXPECT_TRUE(may(Role::operator_, kind)) << kind;
+    EXPECT_FALSE(may(Role::viewer, kind)) << kind;
+  }
+  for (const auto* kind : {"resource", "component", "fsm", "fallback_core", "hold", "plugin",
+                           "rules", "transactions", "may_request", "a kind of tomorrow"}) {
+    EXPECT_TRUE(may(Role::admin, kind)) << kind;
+    const auto refused =
+        may_change(running, of_role(Role::operator_), {arch::make_line(kind, "a", 1, 2)});
+    ASSERT_FALSE(refused) << kind;
+    EXPECT_EQ(refused.error().code, Errc::not_permitted) << kind;
+    EXPECT_THAT(refused.error().message, testing::HasSubstr("needs role admin")) << kind;
+  }
+}
+
+/// An administrator's change of the elements is on probation; to take it back is such a change too.
+TEST_F(LocksAndRoles, LetAnOperatorUndoNothingThatNeedsAnAdmin) {
+  const std::string more = R"({"schema": "mauve/architecture/1", "name": "empty", "resources":
+      {"more": {"type": "shared_data", "data": "double"}}})";
+  ASSERT_TRUE(
+      std::holds_alternative<Json>(ask(Role::admin, "architecture.apply", {{"text", more}})));
+
+  const auto fault = refused(Role::operator_, "change.undo");
+
+  EXPECT_EQ(fault.name, "not_permitted") << fault.message;
+  EXPECT_EQ(fault.where, "more");
+  EXPECT_EQ(fault.state, "unchanged");
+}
+
+TEST_F(LocksAndRoles, HoldTheLinesOfAChangeUnderLockParamsAndLockTopology) {
+  const auto property = arch::make_line("property", "a.core.x", 1, 2);
+  const auto core = arch::make_line("core", "a.core", "old", "new");
+  const auto start = arch::make_line("start", "a.start", false, true);
+  const auto fallback = [](double gain) {
+    return Value(Value::Object{{"core", "old"}, {"properties", Value::Object{{"x", gain}}}});
+  };
+  const auto standby =
+      arch::make_line("fallback_core", "a.fallback_core", fallback(1), fallback(2));
+  const auto held = [&](Lock lock, const arch::Line& line) {
+    running.lock = lock;
+    return !may_change(running, of_role(Role::admin), std::vector{start, line});
+  };
+
+  EXPECT_TRUE(held(Lock::params, property));
+  EXPECT_TRUE(held(Lock::params, standby)) << "the value of a fallback core is a property too";
+  EXPECT_FALSE(held(Lock::params, core));
+  EXPECT_TRUE(held(Lock::topology, core));
+  EXPECT_FALSE(held(Lock::topology, property));
+  EXPECT_FALSE(held(Lock::topology, start));
+  EXPECT_FALSE(held(Lock::none, core));
+  EXPECT_FALSE(held(Lock::none, property));
+}
+
+}  // namespace
+}  // namespace mauve::daemon
