@@ -10,6 +10,7 @@
 
 #include "changes/stopper.h"
 #include "commands/command.h"
+#include "commands/recovery/quarantine.h"
 #include "commands/table.h"
 #include "judge/judge.h"
 #include "monitor/guardian.h"
@@ -66,6 +67,7 @@ class Daemon {
   std::unique_ptr<StateStore> store_;  ///< null: nothing is kept
   Origin origin_;
   plugin::Catalog catalog_;
+  CoresInQuarantine kept_out_;
   std::unique_ptr<Architecture> architecture_;
   std::unique_ptr<Deployer> deployer_;
   Stopper stopper_{log_};

@@ -39,4 +39,14 @@ void log_start_warnings(logging::Log& log, const Deployer& deployer,
   }
 }
 
+void log_cores_in_quarantine(logging::Log& log, const Architecture& architecture,
+                             const std::set<std::string, std::less<>>& cores) {
+  for (const auto* component : architecture.components()) {
+    const auto& core = component->bundle()->core_type.name;
+    if (cores.contains(core)) {
+      log.write(Event::quarantine_started, {{"component", component->name()}, {"core", core}});
+    }
+  }
+}
+
 }  // namespace mauve::daemon

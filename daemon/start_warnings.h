@@ -2,6 +2,9 @@
 /// The warnings of a start about an architecture that it puts in force nevertheless.
 #pragma once
 
+#include <set>
+#include <string>
+
 #include "log/log.h"
 #include "mauve/host/deployer.h"
 #include "rules/supervision.h"
@@ -12,5 +15,9 @@ namespace mauve::daemon {
 /// transaction that these connections keep from taking effect.
 void log_start_warnings(logging::Log& log, const Deployer& deployer,
                         const Architecture& architecture, const rules::Supervision& supervision);
+
+/// [main] Logs each component that starts with one of these cores, which are in quarantine.
+void log_cores_in_quarantine(logging::Log& log, const Architecture& architecture,
+                             const std::set<std::string, std::less<>>& cores);
 
 }  // namespace mauve::daemon

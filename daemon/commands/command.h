@@ -39,6 +39,7 @@ class Architecture;
 
 namespace mauve::daemon {
 
+class CoresInQuarantine;
 class Guardian;
 class StateStore;
 class Recorder;
@@ -76,7 +77,7 @@ struct Started {
   bool proves = true;  ///< none of its components has failed yet, and its time is not over
 };
 
-/// The running system as commands see it. Owned by Daemon, which outlives every command. The model
+/// The running system as commands see it; the Daemon that owns it outlives every command. The model
 /// (architecture, deployer, catalog) is used on [control] only, save where they say [factory].
 struct Running {
   Architecture& architecture;
@@ -90,13 +91,13 @@ struct Running {
   std::string boot;                                          ///< another one at every start
   std::chrono::steady_clock::time_point since;
   std::atomic<std::uint64_t> generation{0};  ///< a copy for other threads
-  /// [control] How often each component was stopped by request: a stop is never undone by a change
-  /// that was asked for before it.
+  /// [control] Stops by request of each component: no change that was asked for earlier undoes one.
   std::map<std::string, std::uint64_t> stops = {};
   /// [control] When the last of these came; it may have overtaken a change that came before it.
   std::map<std::string, std::chrono::steady_clock::time_point> stops_came = {};
   /// [control] Cores that were rolled back, by version, and why: see quarantine.h.
   std::map<std::string, std::string> quarantined = {};
+  CoresInQuarantine* kept_out = nullptr;  ///< of these; null: the deployer does not ask
   /// [control] Components that an abandoned thread may still be in, and its hook.
   std::map<std::string, std::string> abandoned_in = {};
   Unproven unproven = {};                   ///< [control] see unproven.h

@@ -17,7 +17,8 @@ namespace mauve::daemon {
 enum class Kind : std::uint8_t {
   harmless,  ///< touches nothing that runs: the lock itself, what is logged, what is counted
   stop,      ///< stop components: for safety, always allowed
-  ending,    ///< a probation ends: to confirm changes nothing that runs, and undo() judges its own lines
+  ending,    ///< a probation ends: to confirm changes nothing that runs, and undo() judges its own
+             ///< lines
   steps,     ///< steps, which may be stops only: the change that they make is judged
   other,     ///< everything else, also a method that nobody has classified
 };

@@ -92,10 +92,25 @@ void compare(const Question& question, const Made& running, Made& wanted,
   }
 }
 
+Json cores_of(const Architecture& architecture, const plugin::Catalog& catalog) {
+  auto cores = Json::array();
+  for (const auto* component : architecture.components()) {
+    const auto& core = component->bundle()->core_type.name;
+    const auto* loaded = catalog.find(core.substr(0, core.find('/')));
+    cores.push_back({{"component", component->name()},
+                     {"core", core},
+                     {"build_id", loaded == nullptr ? "" : loaded->info().build_id}});
+  }
+  return cores;
+}
+
 }  // namespace
 
 Json to_json(const Question& question) {
-  Json json{{"text", question.text}, {"loaded", question.loaded}, {"loads", question.loads}};
+  Json json{{"text", question.text},
+            {"loaded", question.loaded},
+            {"loads", question.loads},
+            {"lists_cores", question.lists_cores}};
   if (question.running) {
     json["running"] = *question.running;
   }
@@ -108,7 +123,7 @@ std::optional<Question> question_of(const std::string& text) {
     return std::nullopt;
   }
   Question question{json["text"], std::nullopt, json.value("loaded", std::vector<std::string>()),
-                    json.value("loads", false)};
+                    json.value("loads", false), json.value("lists_cores", false)};
   if (json.contains("running")) {
     question.running = json["running"];
   }
@@ -119,6 +134,9 @@ Result<Json> judge(const Question& question, plugin::Catalog catalog) {
   arch::Problems problems;
   auto wanted = make(question, catalog, problems);
   Json result{{"errors", to_json(problems)}};
+  if (problems.empty() && question.lists_cores) {
+    result["cores"] = cores_of(*wanted.architecture, catalog);
+  }
   if (problems.empty() && question.running) {
     const auto running = make_running(*question.running, catalog);
     if (!running) {

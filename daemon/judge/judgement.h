@@ -29,14 +29,16 @@ struct Question {
   /// only checked.
   std::optional<std::string> running = std::nullopt;
   std::vector<std::string> loaded = {};  ///< plugins that run already
-  bool loads = false;  ///< the file may name others too: the caller may load plugins
+  bool loads = false;        ///< the file may name others too: the caller may load plugins
+  bool lists_cores = false;  ///< of a good file, the result lists the cores with their builds
 };
 
 [[nodiscard]] Json to_json(const Question& question);
 /// Of the text that to_json() gives; nothing when it makes no sense.
 [[nodiscard]] std::optional<Question> question_of(const std::string& text);
 
-/// {"errors":[...]} and, when the files are compared and good, {"same","lines","exchanged"?}.
+/// {"errors":[...]} and, when the files are compared and good, {"same","lines","exchanged"?}. When
+/// it was asked for and the file is good, {"cores":[{"component","core","build_id"}]}.
 /// Refused when the running architecture cannot be made from the plugin files of now. Loads plugins
 /// into `catalog` and makes all elements.
 [[nodiscard]] Result<Json> judge(const Question& question, plugin::Catalog catalog);

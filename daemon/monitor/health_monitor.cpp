@@ -103,6 +103,7 @@ void HealthMonitor::look() {
   look_at_unproven(*running_);
   free_former(*running_);
   report_counted_refusals(*running_, std::chrono::steady_clock::now());
+  keep_out(*running_);
   make_standby_cores();
   looking_ = false;
 }

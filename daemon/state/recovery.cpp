@@ -26,13 +26,31 @@ struct StartTrial {
   Status good = ok();      ///< the first error of the file
 };
 
+/// A core that failed on probation is put in force by nobody, also not by a start from a generation
+/// that was confirmed before.
+Status check_cores(const Json& cores, const Json& quarantined) {
+  for (const auto& one : cores) {
+    for (const auto& out : quarantined) {
+      if (out.value("core", "") == one["core"] && out.value("build_id", "") == one["build_id"]) {
+        return refuse(Errc::wrong_state, one["component"].get<std::string>() + ".core",
+                      out.value("core", "") +
+                          " is in quarantine, since it failed: " + out.value("reason", ""),
+                      "load a corrected build, or release it: mauvectl quarantine release " +
+                          out.value("core", ""));
+      }
+    }
+  }
+  return ok();
+}
+
 /// Made once in a process of its own: code of a plugin that crashes there does not take mauved with
 /// it, and of a generation that cannot be made nothing stays behind. When there is no such process
 /// to be had, or it was late outside of any hook, as on a machine that is busy, the start itself
 /// will tell.
-StartTrial tried(const Origin& origin, const Options& options) {
+StartTrial tried(const Origin& origin, const Options& options, const Json& quarantined) {
   Question question{origin.text};
   question.loads = true;
+  question.lists_cores = true;
   const auto judged = judge_apart(options, question);
   StartTrial trial;
   const bool late = !judged && judged.error().code == Errc::timed_out;
@@ -48,6 +66,8 @@ StartTrial tried(const Origin& origin, const Options& options) {
     const auto& first = (*judged)["errors"].front();
     trial.good = refuse(Errc::invalid_value, first.value("at", origin.file),
                         first.value("message", ""), first.value("hint", ""));
+  } else if (judged) {
+    trial.good = check_cores(judged->value("cores", Json::array()), quarantined);
   }
   return trial;
 }
@@ -78,8 +98,8 @@ void count_crash(Generations& generations, std::uint64_t started, logging::Log& 
   }
 }
 
-std::optional<Origin> last_confirmed(const Options& options, const Generations& generations,
-                                     logging::Log& log) {
+std::optional<Origin> last_confirmed(const Options& options, StateStore& store, logging::Log& log) {
+  const auto& generations = store.generations();
   std::vector<std::string> passed_over;
   for (const auto& one : generations.list()) {
     const auto number = static_cast<std::int64_t>(one.number);
@@ -105,7 +125,7 @@ std::optional<Origin> last_confirmed(const Options& options, const Generations& 
     auto usable = text ? ok() : Status(text.error());
     if (usable) {
       origin.text = *std::move(text);
-      const auto trial = tried(origin, options);
+      const auto trial = tried(origin, options, store.quarantined());
       usable = trial.survived ? trial.good : trial.survived;
     }
     if (usable) {
@@ -127,7 +147,7 @@ Result<Origin> what_to_start(const Options& options, StateStore* store, logging:
     count_crash(store->generations(), store->crashed_generation(), log);
   }
   if (store != nullptr && store->crashed() && !options.fresh) {
-    if (auto origin = last_confirmed(options, store->generations(), log)) {
+    if (auto origin = last_confirmed(options, *store, log)) {
       return *std::move(origin);
     }
   }
@@ -136,7 +156,7 @@ Result<Origin> what_to_start(const Options& options, StateStore* store, logging:
     return text.error();
   }
   Origin origin{options.architecture, *std::move(text), folder_of(options.architecture)};
-  if (auto survived = tried(origin, options).survived; !survived) {
+  if (auto survived = tried(origin, options, Json()).survived; !survived) {
     return survived.error();
   }
   return origin;

@@ -29,6 +29,7 @@
 #include "commands/lock.h"
 #include "commands/model.h"
 #include "commands/recovery/abandoned.h"
+#include "commands/recovery/quarantine.h"
 #include "mauve/host/architecture.h"
 #include "monitor/supervisor.h"
 
@@ -80,6 +81,11 @@ class Application final : public ChangeHooks {
                   "the file is of architecture \"" + wanted_->name() + "\", \"" +
                       running_.architecture.name() + "\" is running",
                   "keep the name, or start mauved with this file");
+  }
+  /// Also of cores whose plugin only the file loads.
+  [[nodiscard]] Status check_cores() const {
+    return check_quarantine(running_, difference_.change,
+                            [this](const std::string& core) { return build_of(catalog_, core); });
   }
   /// A change of a contract goes by the barrier, unless it was asked for something else.
   [[nodiscard]] Change take_change(StatePolicy state, std::optional<Sync> asked) {
@@ -234,9 +240,12 @@ void go_on(Running& running, const CallPtr& call, ApplicationPtr application, Ti
   MAUVE_ON_THREAD(control);
   const auto state = state_policy(call->params);
   const auto sync = sync_of(call->params);
-  const auto named = application->named_alike();
-  if (!state || !sync || !named) {
-    answer(running, *call, !state ? state.error() : !sync ? sync.error() : named.error());
+  auto fits = application->named_alike();
+  if (fits) {
+    fits = application->check_cores();
+  }
+  if (!state || !sync || !fits) {
+    answer(running, *call, !state ? state.error() : !sync ? sync.error() : fits.error());
   } else if (application->same() || (application->dry_run() && !application->changes_elements())) {
     answer_unchanged(running, *call, *application);
   } else if (application->only_loads()) {

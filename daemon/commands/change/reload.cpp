@@ -135,15 +135,9 @@ Status may_go_on(Running& running, const Call& call, Reload& reload) {
   if (auto met = check_conditions(running, call); !met) {
     return met;
   }
-  for (const auto& edit : reload.change.edits) {
-    auto free = ok();
-    if (edit.core) {
-      free = check_quarantine(running, edit.component, edit.core->name,
-                              (*reload.loaded)->info().build_id);
-    }
-    if (!free) {
-      return free;
-    }
+  const auto build_of = [&](const std::string&) { return (*reload.loaded)->info().build_id; };
+  if (auto free = check_quarantine(running, reload.change, build_of); !free) {
+    return free;
   }
   if (auto good = running.catalog.check_types(**reload.loaded); !good) {
     return good;

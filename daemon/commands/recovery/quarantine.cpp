@@ -8,6 +8,7 @@
 
 #include "commands/answer.h"
 #include "commands/model.h"
+#include "mauve/host/architecture.h"
 #include "monitor/supervisor.h"
 #include "state/state_store.h"
 
@@ -19,6 +20,8 @@ namespace {
 std::string version_of(const std::string& core, const std::string& build_id) {
   return core + "@" + build_id;
 }
+
+std::string core_of(const std::string& version) { return version.substr(0, version.find('@')); }
 
 Json listed(const Running& running) {
   Json cores = Json::array();
@@ -69,15 +72,27 @@ bool may_be_requested(const rules::Supervision& supervision, const std::string& 
   });
 }
 
-Status check_core(const Running& running, const std::string& component, const std::string& core) {
-  return check_quarantine(running, component, core, build_of(running, core));
+/// `at`: the place that gets the core, for example "control.core".
+Status check_core(const Running& running, const std::string& at, const std::string& core,
+                  const std::string& build_id) {
+  const auto found = running.quarantined.find(version_of(core, build_id));
+  if (found == running.quarantined.end()) {
+    return ok();
+  }
+  return refuse(Errc::wrong_state, at,
+                core + " is in quarantine, since it failed: " + found->second,
+                "load a corrected build, or release it: mauvectl quarantine release " + core);
 }
 
 }  // namespace
 
 std::string build_of(const Running& running, const std::string& core) {
   MAUVE_ON_THREAD(control);
-  const auto* loaded = running.catalog.find(plugin_of(core));
+  return build_of(running.catalog, core);
+}
+
+std::string build_of(const plugin::Catalog& catalog, const std::string& core) {
+  const auto* loaded = catalog.find(plugin_of(core));
   return loaded == nullptr ? std::string() : loaded->info().build_id;
 }
 
@@ -87,6 +102,7 @@ bool quarantine(Running& running, const std::string& core, const std::string& re
   const bool fresh = running.quarantined.emplace(version, reason).second;
   if (fresh) {
     save(running);
+    keep_out(running);
   }
   return fresh;
 }
@@ -101,36 +117,60 @@ void restore_quarantine(Running& running) {
   }
 }
 
-Status check_quarantine(const Running& running, const std::string& component,
-                        const std::string& core, const std::string& build_id) {
+Status check_quarantine(const Running& running, const Change& change, const BuildOf& build) {
   MAUVE_ON_THREAD(control);
-  const auto found = running.quarantined.find(version_of(core, build_id));
-  if (found == running.quarantined.end()) {
-    return ok();
-  }
-  return refuse(Errc::wrong_state, component + ".core",
-                core + " is in quarantine, since it failed: " + found->second,
-                "load a corrected build, or release it: mauvectl quarantine release " + core);
-}
-
-Status check_quarantine(const Running& running, const Change& change) {
-  MAUVE_ON_THREAD(control);
-  for (const auto& edit : change.edits) {
-    if (!edit.core) {
-      continue;
+  auto free = ok();
+  const auto look_at = [&](const std::string& at, const std::string& core) {
+    if (free) {
+      free = check_core(running, at, core, build ? build(core) : build_of(running, core));
     }
-    if (auto free = check_core(running, edit.component, edit.core->name); !free) {
-      return free;
+  };
+  for (const auto& edit : change.edits) {
+    if (edit.core) {
+      look_at(edit.component + ".core", edit.core->name);
+    }
+  }
+  for (const auto& [component, fallback] : change.fallbacks) {
+    if (fallback) {
+      look_at(component + ".fallback_core", fallback->core.name);
     }
   }
   for (const auto& joining : change.new_components) {
     const auto& component = *joining.component;
-    const auto& core = component.bundle()->core_type.name;
-    if (auto free = check_core(running, component.name(), core); !free) {
-      return free;
+    look_at(component.name() + ".core", component.bundle()->core_type.name);
+    if (const auto& fallback = component.fallback()) {
+      look_at(component.name() + ".fallback_core", fallback->core.name);
     }
   }
-  return ok();
+  return free;
+}
+
+void CoresInQuarantine::replace(Names names) {
+  const MutexLock lock(mutex_);
+  names_ = std::move(names);
+}
+
+bool CoresInQuarantine::contains(const std::string& core) const {
+  const MutexLock lock(mutex_);
+  return names_.contains(core);
+}
+
+CoresInQuarantine::Names cores_kept_out(const Json& list, const plugin::Catalog& catalog) {
+  CoresInQuarantine::Names cores;
+  for (const auto& entry : list) {
+    if (const auto core = text_or(entry, "core");
+        text_or(entry, "build_id") == build_of(catalog, core)) {
+      cores.insert(core);
+    }
+  }
+  return cores;
+}
+
+void keep_out(const Running& running) {
+  MAUVE_ON_THREAD(control);
+  if (running.kept_out != nullptr) {
+    running.kept_out->replace(cores_kept_out(listed(running), running.catalog));
+  }
 }
 
 Json lost_to_quarantine(const Running& running) {
@@ -149,6 +189,11 @@ Json lost_to_quarantine(const Running& running) {
       losses.look_at("transaction " + name, steps);
     }
   }
+  for (const auto* component : running.architecture.components()) {
+    if (const auto& fallback = component->fallback()) {
+      losses.look_at("the fallback core of " + component->name(), fallback->core.name);
+    }
+  }
   return losses.take();
 }
 
@@ -161,15 +206,15 @@ void release_quarantine(Running& running, const CallPtr& call, Ticket /*none*/) 
     return answer(running, *call, met.error());
   }
   const auto core = text_or(call->params, "core");
-  const auto released = std::erase_if(running.quarantined, [&](const auto& entry) {
-    return entry.first.substr(0, entry.first.find('@')) == core;
-  });
+  const auto released = std::erase_if(
+      running.quarantined, [&](const auto& entry) { return core_of(entry.first) == core; });
   if (released == 0) {
     return answer(running, *call,
                   refuse(Errc::unknown_name, core, "is not in quarantine",
                          "mauvectl quarantine lists what is"));
   }
   save(running);
+  keep_out(running);
   answer(running, *call,
          Json{{"core", core}, {"generation", running.generation.load()}, {"changed", true}});
 }

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+// Quarantine of a core holds for every way by which a core gets in force.
+#include "kept_daemon.h"
+
+namespace mauve::test {
+namespace {
+
+using testing::EndsWith;
+using testing::HasSubstr;
+
+constexpr const char* kFailing = "trial/throwing_job";
+
+/// Fails on probation, so that it is in quarantine.
+void quarantine(TrialDaemon& daemon, const std::string& component, Json swap = Json::object()) {
+  if (!swap.contains("core")) swap["core"] = kFailing;
+  swap["component"] = component;
+  ASSERT_EQ(daemon.ask("core.swap", swap)["state"], "applied");
+  ASSERT_TRUE(eventually([&] { return daemon.ask("quarantine.list")["cores"].size() == 1U; }));
+}
+
+class Quarantine : public Generations {
+ protected:
+  [[nodiscard]] std::filesystem::path failure() const { return place_ / "fail"; }
+  void fail() const { static_cast<void>(place_.write("fail", "")); }
+  void end_failure() const { std::filesystem::remove(failure()); }
+  /// A core that fails as soon as that file is there.
+  [[nodiscard]] Json brittle() const {
+    return {{"core", "trial/brittle"}, {"set", {{"until_there", failure().string()}}}};
+  }
+
+  static Json plain() { return Json::parse(std::string(kTrial)); }
+};
+
+Json file_with(const std::string& path, const Json& value) {
+  Json file = Json::parse(std::string(kTrial));
+  file[Json::json_pointer(path)] = value;
+  return {{"text", file.dump()}};
+}
+
+TEST_F(Quarantine, HoldsForEveryMethodThatPutsACoreInForce) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_NO_FATAL_FAILURE(quarantine(daemon, "first"));
+  const Json joining = {{"type", "trial/unit"}, {"core", kFailing}};
+  const Json joining_with_fallback = {{"type", "trial/unit"}, {"fallback_core", kFailing}};
+  const Json steps = {{"text", R"([{ "swap": "second", "core": "trial/throwing_job" }])"}};
+  const std::vector<std::pair<std::string, Json>> ways = {
+      {"core.swap", {{"component", "second"}, {"core", kFailing}}},
+      {"core.swap", {{"component", "second"}, {"core", kFailing}, {"in_place", true}}},
+      {"change.apply", steps},
+      {"architecture.apply", file_with("/components/second/core", kFailing)},
+      {"architecture.apply", file_with("/components/third", joining)},
+      {"architecture.apply", file_with("/components/second/fallback_core", kFailing)},
+      {"architecture.apply", file_with("/components/third", joining_with_fallback)}};
+  const auto before = exported(daemon);
+
+  for (const auto& [method, params] : ways) {
+    const auto refused = daemon.ask(method, params);
+    ASSERT_TRUE(refused.contains("data")) << method << params << refused;
+    EXPECT_EQ(refused["data"]["name"], "wrong_state") << method << refused;
+    EXPECT_EQ(refused["data"]["state"], "unchanged") << method << refused;
+    EXPECT_THAT(refused["data"]["where"].get<std::string>(), EndsWith("core")) << method;
+    EXPECT_THAT(refused["message"].get<std::string>(), HasSubstr("is in quarantine")) << method;
+    EXPECT_THAT(refused["data"]["hint"].get<std::string>(), HasSubstr("quarantine release"));
+  }
+  EXPECT_EQ(exported(daemon), before);
+}
+
+TEST_F(Quarantine, HoldsForARule) {
+  Json wanted = plain();
+  wanted["rules"] = {{{"name", "tries"},
+                      {"when", "second.core.gain > 5"},
+                      {"do", {{{"swap", "second"}, {"core", kFailing}}}}}};
+  TrialDaemon daemon(wanted.dump(), options());
+  ASSERT_NO_FATAL_FAILURE(quarantine(daemon, "first"));
+
+  ASSERT_EQ(daemon.ask("param.set", {{"values", {{"second.core.gain", 6.0}}}})["state"], "applied");
+
+  EXPECT_EQ(audit_line("supervision", "wrong_state").value("reason", ""), "by rule tries");
+  EXPECT_EQ(daemon.component("second")["core"], "trial/steady");
+}
+
+TEST_F(Quarantine, HoldsForARollbackToAGenerationThatWasWell) {
+  TrialDaemon daemon(kTrial, options());
+  auto swap = brittle();
+  swap.update({{"component", "second"}, {"probation", "off"}});
+  const auto well = daemon.ask("core.swap", swap)["generation"];
+  ASSERT_EQ(daemon.ask(
+                "core.swap",
+                {{"component", "second"}, {"core", "trial/steady"}, {"probation", "off"}})["state"],
+            "applied");
+  fail();
+  ASSERT_NO_FATAL_FAILURE(quarantine(daemon, "first", brittle()));
+
+  const auto refused = daemon.ask("config.rollback", {{"generation", well}});
+
+  ASSERT_TRUE(refused.contains("data")) << refused;
+  EXPECT_EQ(refused["data"]["name"], "wrong_state") << refused;
+  EXPECT_EQ(refused["data"]["where"], "second.core") << refused;
+  EXPECT_EQ(daemon.component("second")["core"], "trial/steady");
+}
+
+TEST_F(Quarantine, HoldsForAReloadToTheBuildThatFailed) {
+  Json wanted = plain();
+  wanted["components"]["first"]["core"] = "trial/regressing";
+  TrialDaemon daemon(wanted.dump(), options());
+  ASSERT_EQ(daemon.component("first")["state"], "running");
+  daemon.install(2);
+  ASSERT_EQ(daemon.ask("plugin.reload", {{"plugin", "trial"}})["state"], "applied");
+  ASSERT_TRUE(eventually([&] { return daemon.ask("quarantine.list")["cores"].size() == 1U; }));
+
+  const auto refused = daemon.ask("plugin.reload", {{"plugin", "trial"}});
+
+  ASSERT_TRUE(refused.contains("data")) << refused;
+  EXPECT_EQ(refused["data"]["where"], "first.core") << refused;
+  EXPECT_THAT(refused["message"].get<std::string>(), HasSubstr("is in quarantine")) << refused;
+}
+
+TEST_F(Quarantine, HoldsForAFileThatLoadsThePluginOfTheCoreAgain) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_NO_FATAL_FAILURE(quarantine(daemon, "first"));
+  // All that uses the plugin leaves, so that it can be unloaded.
+  const Json empty = {{"schema", "mauve/architecture/1"}, {"name", "trial"}};
+  ASSERT_EQ(
+      daemon.ask("architecture.apply", {{"text", empty.dump()}, {"probation", "off"}})["state"],
+      "applied");
+  ASSERT_TRUE(eventually([&] {
+    return daemon.ask("plugin.unload", {{"plugin", "trial"}}).contains("unmapped");
+  }));
+
+  const auto refused =
+      daemon.ask("architecture.apply", file_with("/components/second/core", kFailing));
+
+  ASSERT_TRUE(refused.contains("data")) << refused;
+  EXPECT_EQ(refused["data"]["where"], "second.core") << refused;
+  EXPECT_THAT(refused["message"].get<std::string>(), HasSubstr("is in quarantine")) << refused;
+}
+
+TEST_F(Quarantine, HoldsForAStartFromASavedGeneration) {
+  TrialDaemon daemon(kTrial, options());
+  ASSERT_EQ(daemon.ask("change.confirm")["saved"], true);
+  ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
+  auto swap = brittle();
+  swap.update({{"component", "second"}, {"probation", "off"}});
+  ASSERT_EQ(daemon.ask("core.swap", swap)["saved"], true);
+  // Another component fails with the core that goes on well in this one.
+  Json other = brittle();
+  const auto own = place_.write("own", "");
+  other["set"]["until_there"] = own.string();
+  ASSERT_NO_FATAL_FAILURE(quarantine(daemon, "first", other));
+  ASSERT_EQ(daemon.component("second")["core"], "trial/brittle") << "it is in force already";
+  ASSERT_EQ(daemon.ask("lock.set", {{"lock", "none"}})["saved"], true) << "and what came before";
+
+  crash(daemon);
+  daemon.start();
+
+  EXPECT_EQ(daemon.component("second")["core"], "trial/steady") << daemon.errors();
+  EXPECT_EQ(daemon.value("first.core.gain"), 3.0) << "the newest generation without that core";
+  EXPECT_TRUE(was_logged(daemon, "generation_unusable"));
+}
+
+TEST_F(Quarantine, OfACoreThatTheFileNamesIsToldAtTheStart) {
+  TrialDaemon daemon(kTrial, options());
+  fail();
+  ASSERT_NO_FATAL_FAILURE(quarantine(daemon, "first", brittle()));
+  end_failure();
+  Json wanted = plain();
+  wanted["components"]["second"]["core"] = "trial/brittle";
+  static_cast<void>(daemon.place().write("trial.json", wanted.dump()));
+
+  end_and_start(daemon);
+
+  EXPECT_EQ(daemon.component("second")["core"], "trial/brittle");
+  EXPECT_TRUE(was_logged(daemon, "quarantine_started"));
+}
+
+class QuarantineOfAFallbackCore : public Quarantine {
+ protected:
+  /// `first` fails when the file is there, and then falls back on a core that `second` tries out.
+  [[nodiscard]] std::string falling_back() const {
+    Json wanted = plain();
+    auto& first = wanted["components"]["first"];
+    first["core"] = "trial/brittle";
+    first["properties"]["core.until_there"] = failure().string();
+    first["fallback_core"] = kFailing;
+    first["task"] = {{"on_fault", "fallback"}};
+    return wanted.dump();
+  }
+  static void expect_no_fallback(TrialDaemon& daemon) {
+    EXPECT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }))
+        << daemon.component("first");
+    EXPECT_EQ(daemon.component("first")["core"], "trial/brittle");
+    EXPECT_THAT(daemon.ask("component.why", {{"component", "first"}}).dump(),
+                HasSubstr("its fallback core trial/throwing_job is in quarantine"));
+  }
+};
+
+TEST_F(QuarantineOfAFallbackCore, KeepsItFromTakingOver) {
+  TrialDaemon daemon(falling_back(), options());
+  ASSERT_NO_FATAL_FAILURE(quarantine(daemon, "second"));
+  EXPECT_EQ(daemon.ask("status.get")["lost_to_quarantine"][0]["user"],
+            "the fallback core of first");
+
+  fail();
+
+  expect_no_fallback(daemon);
+}
+
+TEST_F(QuarantineOfAFallbackCore, HoldsAfterAChangeAndAfterARestart) {
+  TrialDaemon daemon(falling_back(), options());
+  ASSERT_NO_FATAL_FAILURE(quarantine(daemon, "second"));
+  ASSERT_EQ(daemon.ask("param.set", gain(2.0))["state"], "applied") << "prepares a standby core";
+  end_and_start(daemon);
+  ASSERT_EQ(daemon.component("first")["state"], "running");
+
+  fail();
+
+  expect_no_fallback(daemon);
+}
+
+TEST_F(QuarantineOfAFallbackCore, EndsWhenTheCoreIsReleased) {
+  TrialDaemon daemon(falling_back(), options());
+  ASSERT_NO_FATAL_FAILURE(quarantine(daemon, "second"));
+  ASSERT_EQ(daemon.ask("quarantine.release", {{"core", kFailing}})["changed"], true);
+  EXPECT_THAT(daemon.ask("status.get")["lost_to_quarantine"], testing::IsEmpty());
+  // A change makes the standby core before it is answered.
+  ASSERT_EQ(daemon.ask("param.set", gain(2.0))["state"], "applied");
+
+  fail();
+
+  EXPECT_TRUE(was_logged(daemon, "fell_back")) << daemon.errors();
+}
+
+}  // namespace
+}  // namespace mauve::test
