@@ -86,7 +86,6 @@ STRAYS = {
     "daemon/log/journal.cpp": 1,
     "libruntime/base/value.cpp": 2,
     "libruntime/exec/commit/commit_books.cpp": 13,
-    "libruntime/exec/deploy/in_place.cpp": 6,
     "libruntime/exec/task/job_runner.cpp": 2,
     "libruntime/model/element/elements.cpp": 2,
     "libruntime/rt/time/measured.cpp": 2,

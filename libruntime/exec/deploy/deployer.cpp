@@ -8,6 +8,7 @@
 #include "exec/commit/under_way.h"
 #include "exec/deploy/bring_up.h"
 #include "exec/deploy/direct_stop.h"
+#include "exec/deploy/in_place.h"
 #include "exec/deploy/shutdown.h"
 #include "exec/deploy/stop.h"
 #include "exec/observe/component_status.h"
@@ -348,6 +349,43 @@ TracedSystem Deployer::traced() const {
 
 void Deployer::run_for(Duration duration) {
   system_->runner->run_until(system_->runner->now() + duration.count());
+}
+
+// --- in place: see in_place.h -----------------------------------------------------------------
+
+Result<PreparedChange> Deployer::prepare_in_place(const Edit& edit) {
+  return exec::prepare_in_place(*system_, edit);
+}
+
+Result<PreparedChange> Deployer::prepare_back_in_place(std::string_view component,
+                                                       std::shared_ptr<const Bundle> before) {
+  return exec::prepare_back_in_place(*system_, component, std::move(before));
+}
+
+std::shared_ptr<Ongoing> Deployer::begin_in_place_park(PreparedChange& change) {
+  return exec::begin_in_place_park(*system_, change);
+}
+
+Status Deployer::in_place_exchange(PreparedChange& change) {
+  return exec::in_place_exchange(change);
+}
+
+Result<std::shared_ptr<Ongoing>> Deployer::begin_in_place_resume(PreparedChange& change,
+                                                                 const Status& exchanged) {
+  return exec::begin_in_place_resume(*system_, change, exchanged);
+}
+
+Result<Receipt> Deployer::swap_core_in_place(const Edit& edit) {
+  Result<PreparedChange> change = prepare_in_place(edit);
+  if (!change) return change.error();
+  const Result<Receipt> parked = wait(*begin_in_place_park(*change));
+  if (!parked) return parked.error();
+  const Status exchanged = in_place_exchange(*change);
+  const Result<std::shared_ptr<Ongoing>> resumed = begin_in_place_resume(*change, exchanged);
+  if (!resumed) return resumed.error();
+  Result<Receipt> receipt = wait(**resumed);
+  if (!exchanged) return exchanged.error();
+  return receipt;
 }
 
 }  // namespace mauve

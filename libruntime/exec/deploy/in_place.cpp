@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Swap in place: the paper's way, for hardware that only one core can hold at a time.
+#include "exec/deploy/in_place.h"
+
 #include <array>
 
 #include "exec/commit/commit.h"
 
 #include "base/thread_role.h"
 #include "exec/commit/under_way.h"
+#include "exec/observe/component_status.h"
 #include "exec/prepare/prepare.h"
 #include "exec/recovery/inherit.h"
 #include "exec/system/report_control.h"
@@ -15,9 +18,9 @@
 
 #include <mauve/detail/job.h>
 #include <mauve/fsm.h>
-#include <mauve/host/deployer.h>
+#include <mauve/host/change.h>
 
-namespace mauve {
+namespace mauve::exec {
 namespace {
 
 Status configure_pair(const Bundle& bundle) {
@@ -26,36 +29,43 @@ Status configure_pair(const Bundle& bundle) {
   return configure_in_order(order);
 }
 
+ComponentState state_of(System& system, const ComponentBase& component) {
+  advance(system);
+  const Deployed* const deployed = system.find(component.name());
+  return deployed == nullptr || deployed->task == nullptr ? ComponentState::stopped
+                                                          : look_at(system, *deployed).state;
+}
+
 /// A step that leaves everything as it is but for the mode, and makes no generation.
-std::shared_ptr<Ongoing> begin_mode(exec::System& system, exec::PreparedMember member,
+std::shared_ptr<Ongoing> begin_mode(System& system, PreparedMember member,
                                     bool ends_probation = false) {
   auto content = std::make_unique<PreparedChange::Content>();
   const char* const method = member.mode == Mode::park ? "component.stop" : "component.start";
-  content->what = exec::what_of(method, {member.component->name()});
+  content->what = what_of(method, {member.component->name()});
   content->in_place = ends_probation;
   content->step = true;
   content->members.push_back(std::move(member));
   PreparedChange change(std::move(content));
-  return exec::begin_commit(system, change);
+  return begin_commit(system, change);
 }
 
 }  // namespace
 
-Result<PreparedChange> Deployer::prepare_in_place(const Edit& edit) {
+Result<PreparedChange> prepare_in_place(System& system, const Edit& edit) {
   MAUVE_ON_THREAD(factory);
-  return exec::prepare_change(*system_, {{edit}}, false);
+  return prepare_change(system, {{edit}}, false);
 }
 
-Result<PreparedChange> Deployer::prepare_back_in_place(std::string_view component,
-                                                       std::shared_ptr<const Bundle> before) {
+Result<PreparedChange> prepare_back_in_place(System& system, std::string_view component,
+                                             std::shared_ptr<const Bundle> before) {
   MAUVE_ON_THREAD(factory);
-  const exec::ModelLock::Hold hold(system_->model);
+  const ModelLock::Hold hold(system.model);
   if (!hold)
     return refuse(Errc::timed_out, "deployer",
                   "the change was dropped before it began, since its thread was abandoned");
-  const Result<ComponentBase*> found = system_->component(component);
+  const Result<ComponentBase*> found = system.component(component);
   if (!found) return found.error();
-  exec::PreparedMember member = exec::member_of(**found, Mode::keep);
+  PreparedMember member = member_of(**found, Mode::keep);
   member.next = std::move(before);
   member.restores = true;
   member.restart = true;
@@ -70,27 +80,27 @@ Result<PreparedChange> Deployer::prepare_back_in_place(std::string_view componen
   auto content = std::make_unique<PreparedChange::Content>();
   content->members.push_back(std::move(member));
   content->in_place = true;
-  content->what = exec::what_of("core.swap", {std::string(component)});
-  return exec::make_prepared(system_->architecture, std::move(content));
+  content->what = what_of("core.swap", {std::string(component)});
+  return make_prepared(system.architecture, std::move(content));
 }
 
-std::shared_ptr<Ongoing> Deployer::begin_in_place_park(PreparedChange& change) {
-  exec::PreparedMember& member = change.content().members.front();
+std::shared_ptr<Ongoing> begin_in_place_park(System& system, PreparedChange& change) {
+  PreparedMember& member = change.content().members.front();
   // What the operator had stopped, or what had faulted, stays where it is.
-  const ComponentState state = status(member.component->name()).state;
+  const ComponentState state = state_of(system, *member.component);
   const bool runs = state == ComponentState::running || state == ComponentState::recovering;
   member.resume = runs || (member.restores && state == ComponentState::faulted);
-  exec::PreparedMember step = exec::member_of(*member.component, runs ? Mode::park : Mode::keep);
+  PreparedMember step = member_of(*member.component, runs ? Mode::park : Mode::keep);
   step.base = step.next = member.base;  // else a rollback came between: nothing is parked
   // The core that runs is cleaned up: nothing may roll back meanwhile.
-  for (auto& note : exec::notes_of(*system_, change.content())) {
+  for (auto& note : notes_of(system, change.content())) {
     change.content().warnings.push_back(std::move(note));
   }
-  return begin_mode(*system_, std::move(step), true);
+  return begin_mode(system, std::move(step), true);
 }
 
-Status Deployer::in_place_exchange(PreparedChange& change) {
-  const exec::PreparedMember& member = change.content().members.front();
+Status in_place_exchange(PreparedChange& change) {
+  const PreparedMember& member = change.content().members.front();
   const std::array<Configurable*, 2> old{member.base->core.get(), member.base->fsm.get()};
   const Inside inside;
   if (!inside)
@@ -108,36 +118,23 @@ Status Deployer::in_place_exchange(PreparedChange& change) {
   return configured;
 }
 
-Result<std::shared_ptr<Ongoing>> Deployer::begin_in_place_resume(PreparedChange& change,
-                                                                 const Status& exchanged) {
-  exec::PreparedMember& member = change.content().members.front();
-  if (!member.restores && status(member.component->name()).state == ComponentState::faulted) {
+Result<std::shared_ptr<Ongoing>> begin_in_place_resume(System& system, PreparedChange& change,
+                                                       const Status& exchanged) {
+  PreparedMember& member = change.content().members.front();
+  if (!member.restores && state_of(system, *member.component) == ComponentState::faulted) {
     member.resume = false;  // it failed before it was parked
   }
   const Mode mode = member.resume ? Mode::run : Mode::keep;
   if (!exchanged) {
     const bool old_is_usable = member.component->bundle()->core->configured();
     if (!old_is_usable) return exchanged.error();
-    exec::PreparedMember step = exec::member_of(*member.component, mode);
+    PreparedMember step = member_of(*member.component, mode);
     step.count_gap = member.resume;
-    return begin_mode(*system_, std::move(step));
+    return begin_mode(system, std::move(step));
   }
   member.mode = mode;
   member.count_gap = member.resume;
-  return begin(change);
+  return std::shared_ptr<Ongoing>(begin_commit(system, change));
 }
 
-Result<Receipt> Deployer::swap_core_in_place(const Edit& edit) {
-  Result<PreparedChange> change = prepare_in_place(edit);
-  if (!change) return change.error();
-  const Result<Receipt> parked = wait(*begin_in_place_park(*change));
-  if (!parked) return parked.error();
-  const Status exchanged = in_place_exchange(*change);
-  const Result<std::shared_ptr<Ongoing>> resumed = begin_in_place_resume(*change, exchanged);
-  if (!resumed) return resumed.error();
-  Result<Receipt> receipt = wait(**resumed);
-  if (!exchanged) return exchanged.error();
-  return receipt;
-}
-
-}  // namespace mauve
+}  // namespace mauve::exec

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// The steps of a swap in place, see Deployer: prepare, park, exchange, resume.
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include <mauve/host/ongoing.h>
+#include <mauve/host/prepared_change.h>
+#include <mauve/result.h>
+
+namespace mauve {
+struct Bundle;
+struct Edit;
+}  // namespace mauve
+
+namespace mauve::exec {
+
+class System;
+
+/// [factory] Makes the elements without configuring them.
+Result<PreparedChange> prepare_in_place(System& system, const Edit& edit);
+/// [factory] The core before, which is configured again.
+Result<PreparedChange> prepare_back_in_place(System& system, std::string_view component,
+                                             std::shared_ptr<const Bundle> before);
+/// [control]
+[[nodiscard]] std::shared_ptr<Ongoing> begin_in_place_park(System& system, PreparedChange& change);
+/// [factory] Cleans the old core up and configures the new one, or the old one again.
+Status in_place_exchange(PreparedChange& change);
+/// [control]
+Result<std::shared_ptr<Ongoing>> begin_in_place_resume(System& system, PreparedChange& change,
+                                                       const Status& exchanged);
+
+}  // namespace mauve::exec
