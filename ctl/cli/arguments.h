@@ -105,7 +105,8 @@ inline constexpr Argument kSwap[] = {
     maybe("--budget", "processor time that a job of it may use, such as 2ms", Kind::duration),
     flag("--defaults", "the new core begins with its own values, not with those in force"),
     flag("--in-place",
-         "stop, swap, start: for hardware that one core only can hold; without probation"),
+         "stop, swap, start: for a device that only one core can hold; failures roll back, late "
+         "jobs do not"),
     kDryRun,
     kState,
     kProbation,
