@@ -11,11 +11,11 @@ SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "named_files.
 
 
 class NamedFiles(unittest.TestCase):
-    def check(self, text, name="ARCHITECTURE.md"):
+    def check(self, text, name="ARCHITECTURE.md", source="void Here::run() {}\n"):
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder)
             (root / "daemon").mkdir()
-            (root / "daemon" / "there.cpp").write_text("void Here::run() {}\n")
+            (root / "daemon" / "there.cpp").write_text(source)
             (root / name).parent.mkdir(parents=True, exist_ok=True)
             (root / name).write_text(text)
             done = subprocess.run([sys.executable, SCRIPT, root], capture_output=True, text=True, check=False)
@@ -33,6 +33,12 @@ class NamedFiles(unittest.TestCase):
         code, output = self.check("`Here::walk()`,\n`daemon/there.cpp`, walks.")
         self.assertEqual(code, 1)
         self.assertIn("has no Here::walk()", output)
+
+    def test_refuses_a_comment_that_names_a_file_that_is_not_there(self):
+        code, output = self.check("", source="/// Its lock: see gate.h.\nint x;  // see daemon/there.cpp\n")
+        self.assertEqual(code, 1)
+        self.assertIn("daemon/there.cpp:1: gate.h is not there", output)
+        self.assertEqual(output.count("not there"), 1)
 
     def test_does_not_read_what_tells_of_the_past(self):
         self.assertEqual(self.check("`daemon/gone.cpp`", "docs/decisions/0001-past.md")[0], 0)
