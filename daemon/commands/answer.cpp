@@ -41,7 +41,7 @@ void keep(Running& running, const Call& call, std::optional<Confirmation> mark, 
   running.store->keep(std::move(about), described(running), std::move(line), std::move(then), as);
 }
 
-void remember_maker(Running& running, const Call& call, std::uint64_t generation) {
+void remember_author(Running& running, const Call& call, std::uint64_t generation) {
   if (generation != running.author.generation && generation != call.before) {
     running.author = {generation, call.caller.peer.uid, std::string(call.method->name)};
   }
@@ -77,11 +77,11 @@ void answer_applied(Running& running, const Call& call, Json result) {
   const auto its = made == result.end() ? generation : made->get<std::uint64_t>();
   result["generation"] = generation;
   if (!call.method->harmless()) {
-    remember_maker(running, call, generation);
+    remember_author(running, call, generation);
     remember_change(running, call, result, its);
   }
   if (const auto lines = result.find("lines"); lines != result.end() && is_tried(running)) {
-    running.way_back.remember(its, *lines);
+    running.rollback_lines.remember(its, *lines);
   }
   if (!call.mark && generation != call.before) {
     carry_unproven(running, generation);

@@ -22,10 +22,10 @@ void answer_fault(Running& running, const Call& call, Fault fault);
 void refuse_text(Running& running, const Call& call, const std::string& subject,
                  const std::string& hint, Json errors);
 
-/// [control] Refused: it is locked (gate.h), the generation is not the one the caller saw
-/// (`if_generation`), or his deadline has passed (`deadline_ms`). Nothing has happened yet. Each
-/// mutation asks at last right before it takes effect: from then on its deadline does not give it
-/// up any more.
+/// [control] Refused: everything is locked (lock.h), the generation is not the one that the caller
+/// saw (`if_generation`), or the deadline of the request has passed (`deadline_ms`). Nothing has
+/// happened yet. A change asks twice, before it is prepared and right before it takes effect; after
+/// the second time its deadline no longer drops it.
 [[nodiscard]] Status check_conditions(const Running& running, const Call& call);
 
 /// [any] How long after its arrival a request may take effect; none: as long as it takes.

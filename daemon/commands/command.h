@@ -20,7 +20,7 @@
 #include "commands/deadlines.h"
 #include "commands/recovery/former.h"
 #include "commands/recovery/place_probation.h"
-#include "commands/recovery/way_back.h"
+#include "commands/recovery/rollback_lines.h"
 #include "judge/judgement.h"
 #include "log/log.h"
 #include "mauve/host/deploy_options.h"
@@ -103,25 +103,25 @@ struct Running {
   Unproven unproven = {};                   ///< [control] see unproven.h
   Former former = {};                       ///< [control]
   std::vector<PlaceProbation> places = {};  ///< [control]
-  WayBackLines way_back = {};               ///< [control] of the changes on probation
+  RollbackLines rollback_lines = {};        ///< [control] of the changes on probation
   Started started = {};                     ///< [control]
   std::uint64_t recovered = 0;  ///< the saved generation that this run began with; 0: the file
   StateStore* store = nullptr;  ///< null: nothing is kept
   Guardian* guardian = nullptr;
   Recorder* recorder = nullptr;
-  Lock lock = Lock::none;                   ///< [control], see gate.h
+  Lock lock = Lock::none;                   ///< [control], see lock.h
   Author author = {};                       ///< [control]
   Realtime realtime = Realtime::prefer;     ///< what mauved was started with
   std::vector<std::string> path_dirs = {};  ///< what path_rule() allows besides
   std::vector<DecidingPath> deciding = {};  ///< see deciding_paths.h
-  Failures failures = {};                   ///< [control] see commands/notice.h
+  Failures failures = {};                   ///< [control] see commands/look/notice.h
   server::Refusals refusals = {};           ///< [any]
   Counts counts = {};                       ///< [any]
   Deadlines deadlines = {};                 ///< [any]
   /// [any] Judges a file of this user beside what runs, then calls the function on [control]: see
   /// Judge::ask().
   std::function<void(const Asker&, const Question&, std::function<void(Result<Json>)>)> judge = {};
-  /// [any] The same for the change under way: see commands/trial.h.
+  /// [any] The same for the change under way: see commands/change/trial.h.
   std::function<void(const Question&, std::function<void(Result<Json>)>)> try_out = {};
   Stopper* stopper = nullptr;  ///< [any]; null: stops are served by [control] only
   /// [control] Tells and saves what the system did by itself since the last look, rollbacks above

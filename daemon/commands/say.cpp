@@ -22,7 +22,7 @@ void remember_lines(Running& running, const std::vector<arch::Line>& lines) {
   MAUVE_ON_THREAD(control);
   Json foreseen;
   say_lines(lines, foreseen);
-  running.way_back.remember(running.deployer.generation() + 1, foreseen["lines"]);
+  running.rollback_lines.remember(running.deployer.generation() + 1, foreseen["lines"]);
 }
 
 void say_notes(const std::vector<std::string>& notes, Json& result) {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/mutex.h"
-#include "mauve/host/happening.h"
+#include "mauve/host/report.h"
 
 namespace mauve::daemon {
 

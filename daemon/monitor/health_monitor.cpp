@@ -189,7 +189,7 @@ void HealthMonitor::report(const Outcome& outcome) {
   if (running_->store != nullptr) {
     save(outcome, changes);
   }
-  running_->way_back.forget(outcome.changes);
+  running_->rollback_lines.forget(outcome.changes);
   const bool rolled_back = outcome.kind == Outcome::Kind::rolled_back;
   for (const auto& core : rolled_back ? outcome.cores : std::vector<std::string>()) {
     if (quarantine(*running_, core, outcome.reason)) {
@@ -204,7 +204,7 @@ std::string HealthMonitor::changes_back(const Outcome& outcome) const {
   if (outcome.kind != Outcome::Kind::rolled_back) {
     return {};
   }
-  return changes_of({{"lines", running_->way_back.back_from(outcome.changes)}});
+  return changes_of({{"lines", running_->rollback_lines.back_from(outcome.changes)}});
 }
 
 /// A generation that the system made by itself is saved like others; nobody waits for it.

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "mauve/host/happening.h"
+#include "mauve/host/report.h"
 #include "mauve/time.h"
 
 namespace mauve::daemon {

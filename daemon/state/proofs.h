@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <mauve/host/happening.h>
+#include <mauve/host/report.h>
 
 namespace mauve::daemon {
 

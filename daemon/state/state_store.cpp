@@ -192,7 +192,7 @@ void StateStore::keep(Generation about, Value architecture, Json line,
 }
 
 /// [disk] The mark of the generation before this one. A generation that mauved made by itself, and
-/// that the health_monitor has not saved yet, counts as unconfirmed.
+/// that the health monitor has not saved yet, counts as unconfirmed.
 Confirmation StateStore::mark_before(std::uint64_t generation) const {
   MAUVE_ON_THREAD(disk);
   if (generation != newest_ && generation != newest_ + 1) {

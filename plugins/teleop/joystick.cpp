@@ -2,9 +2,9 @@
 /// Component kind "teleop/joystick": the events of a Linux input device, read from
 /// /dev/input/event*, a FIFO or a pseudo-terminal; one write to port `joystick` each period.
 /// A device that is missing or goes away is looked for again every `retry`; meanwhile the joystick
-/// written says that it is not connected. A thread of its own (../drivers/line_thread.h) opens and
-/// reads the device, so that a job makes no system call for it.
-/// Example: mauvectl watch teleop.core.steering joystick.core.connected
+/// written says that it is not connected. A thread of its own (drivers/serial/line_thread.h) opens
+/// and reads the device, so that a job makes no system call for it. Example: mauvectl watch
+/// teleop.core.steering joystick.core.connected
 #include <array>
 #include <chrono>
 #include <cstdint>

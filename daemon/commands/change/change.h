@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The way of every change: prepared on [factory], committed on [control], what it replaced freed
-/// on [factory]; the answer goes out as soon as it is in force.
+/// The way of a change: it is prepared on [factory] and committed on [control]; [factory] frees the
+/// replaced elements. The answer goes out when the change is in force and, where generations are
+/// kept, saved. Reloads, stops and rollbacks have ways of their own.
 #pragma once
 
 #include <functional>

@@ -3,7 +3,7 @@
 /// transaction. The old code stays in memory while the change is on probation (see former.h);
 /// without a probation it is unmapped at once, or it is said why not.
 ///
-///   [trial]   make everything that runs from the new file in a process of its own
+///   [judge]   make everything that runs from the new file in a process of its own
 ///   [factory] map the new file, make and configure the new elements
 ///   [control] the names change hands, all members swap at one instant; with resources at a barrier
 ///   [factory] without a probation: the old elements are cleaned up and freed, the old code

@@ -17,14 +17,14 @@ namespace mauve::daemon {
 namespace {
 
 /// The core before takes over again. Created on [control], freed on [factory].
-struct WayBackInPlace {
+struct RollbackInPlace {
   PlaceProbation place;  ///< with its failure
   bool starts = true;    ///< false: the component did not run before the swap, nor since
   std::optional<Result<PreparedChange>> prepared;
   Status exchanged;
   std::optional<Retired> retired{std::in_place};
 };
-using WayBackPtr = std::shared_ptr<WayBackInPlace>;
+using RollbackPtr = std::shared_ptr<RollbackInPlace>;
 
 std::uint64_t stops_of_component(const Running& running, const std::string& component) {
   const auto found = running.stops.find(component);
@@ -54,7 +54,7 @@ bool is_at_rest(const Running& running, const PlaceProbation& place) {
 }
 
 /// Elements are freed on [factory], since their destructors are user code.
-void free_in_factory(Running& running, WayBackPtr way, Ticket ticket) {
+void free_in_factory(Running& running, RollbackPtr way, Ticket ticket) {
   running.control.in_factory(
       [way = std::move(way)]() mutable {
         static_cast<void>(way->retired->release());
@@ -88,7 +88,7 @@ void conclude(Running& running, const PlaceProbation& place, const Status& done)
   running.settle(outcome);
 }
 
-void end(Running& running, WayBackPtr way, Ticket ticket, const Status& done) {
+void end(Running& running, RollbackPtr way, Ticket ticket, const Status& done) {
   conclude(running, way->place, done);
   free_in_factory(running, std::move(way), std::move(ticket));
 }
@@ -103,7 +103,7 @@ void abandon(Running& running, const PlaceProbation& place, const std::string& h
   free_bundles(running, place);
 }
 
-void resume(Running& running, WayBackPtr way, Ticket ticket) {
+void resume(Running& running, RollbackPtr way, Ticket ticket) {
   auto& change = **way->prepared;
   const auto& place = way->place;
   if (!way->starts || stops_of_component(running, place.component) != place.failure->stops) {
@@ -122,7 +122,7 @@ void resume(Running& running, WayBackPtr way, Ticket ticket) {
                 });
 }
 
-void exchange(Running& running, WayBackPtr way, Ticket ticket) {
+void exchange(Running& running, RollbackPtr way, Ticket ticket) {
   running.control.in_factory(
       [&running, way] { way->exchanged = running.deployer.in_place_exchange(**way->prepared); },
       [&running, way, ticket]() mutable { resume(running, std::move(way), std::move(ticket)); },
@@ -131,7 +131,7 @@ void exchange(Running& running, WayBackPtr way, Ticket ticket) {
       });
 }
 
-void park(Running& running, WayBackPtr way, Ticket ticket) {
+void park(Running& running, RollbackPtr way, Ticket ticket) {
   if (!*way->prepared) {
     const Status refused = way->prepared->error();
     return end(running, std::move(way), std::move(ticket), refused);
@@ -152,7 +152,7 @@ bool roll_back(Running& running, PlaceProbation& place, const PlaceFailure& why)
   if (running.control.busy()) {
     return false;
   }
-  auto way = std::make_shared<WayBackInPlace>();
+  auto way = std::make_shared<RollbackInPlace>();
   way->place = place;
   way->place.failure = why;
   place.rolls_back = running.control.change([&running, way](Ticket ticket) {

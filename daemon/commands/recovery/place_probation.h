@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "mauve/host/happening.h"
 #include "mauve/host/probation.h"
+#include "mauve/host/report.h"
 #include "mauve/result.h"
 
 namespace mauve {

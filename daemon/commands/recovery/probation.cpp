@@ -115,7 +115,7 @@ Tried newest_of(const Running& running) {
 
 /// The answer to `undo` of these changes, before they are taken back.
 Json undone_json(const Running& running, const Tried& newest) {
-  return {{"lines", running.way_back.back_from(newest.changes)},
+  return {{"lines", running.rollback_lines.back_from(newest.changes)},
           {"undone", tried_json(newest)},
           {"components", Json::array()}};
 }
@@ -123,7 +123,7 @@ Json undone_json(const Running& running, const Tried& newest) {
 /// A rollback that mauved decides is a matter of safety, and no lock holds it. One that a user asks
 /// for is a change like any other.
 Status may_undo(const Running& running, const Call& call, const Tried& newest, const Json& lines) {
-  if (running.way_back.knows(newest.changes)) {
+  if (running.rollback_lines.knows(newest.changes)) {
     return may_change(running, call, lines_of(lines));
   }
   if (running.lock == Lock::none && call.caller.role == server::Role::admin) {

@@ -4,7 +4,7 @@
 
 #include "exec/system/system.h"
 
-#include <mauve/host/happening.h>
+#include <mauve/host/report.h>
 
 namespace mauve::exec {
 

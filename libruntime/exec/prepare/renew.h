@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Resources that are made anew under their names: of a newer build, or with another property of
 /// shell or interface. Ports hold services of the old one, so all its users go over to the new one,
-/// at a barrier, where it takes the state over (model/succession.h).
+/// at a barrier, where it takes the state over (model/element/state_transfer.h).
 #pragma once
 
 #include "exec/system/system.h"

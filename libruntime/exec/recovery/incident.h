@@ -2,7 +2,7 @@
 /// From the record of a fault, as its task wrote it, to what users read.
 #pragma once
 
-#include <mauve/host/happening.h>
+#include <mauve/host/report.h>
 
 namespace mauve::exec {
 

@@ -11,7 +11,7 @@
 /// Whoever changes the word first decides for all: jobs released before tc are old everywhere, at
 /// or after tc new everywhere, or nothing happened. No member ever waits for another, and the
 /// coordinator only looks now and then how far they are. A resource has no thread: see
-/// resource_flip.h.
+/// resource_update.h.
 #pragma once
 
 #include <atomic>

@@ -9,7 +9,7 @@
 #include "exec/system/system.h"
 #include "rt/ring/event_ring.h"
 
-#include <mauve/host/happening.h>
+#include <mauve/host/report.h>
 
 namespace mauve::exec {
 

@@ -19,8 +19,8 @@
 #include "rt/thread/crash_handler.h"
 
 #include <mauve/host/deploy_options.h>
-#include <mauve/host/happening.h>
 #include <mauve/host/prepared_change.h>
+#include <mauve/host/report.h>
 #include <mauve/host/retired.h>
 #include <mauve/result.h>
 

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include <mauve/host/happening.h>
+#include <mauve/host/report.h>
 
 namespace mauve::exec {
 

@@ -23,12 +23,6 @@ class Mailbox {
 
   // --- [control] --------------------------------------------------------------------------------
   void publish(TaskUpdate& next) { pending_.store(&next, std::memory_order_release); }
-  /// Empties the slot of the next update. False: the other side was first.
-  bool revoke(TaskUpdate& next) { return empty(pending_, next); }
-  /// The same for the rollback of a probation.
-  bool withdraw_rollback(TaskUpdate& back) { return empty(back_, back); }
-  /// The same for the core that stands by.
-  bool withdraw_standby(TaskUpdate& standby) { return empty(standby_, standby); }
   void put_back(TaskUpdate& back) { back_.store(&back, std::memory_order_release); }
   /// The update takes over by itself when the core fails; the task owns it. False: it has one.
   bool stand_by(TaskUpdate& standby);
@@ -39,6 +33,15 @@ class Mailbox {
   [[nodiscard]] std::uint64_t quiescent_count() const {
     return quiescent_count_.load(std::memory_order_acquire);
   }
+
+  // --- [control] and the task: the side that is first owns the update
+  // -----------------------------
+  /// Empties the slot of the next update. False: the other side was first.
+  bool revoke(TaskUpdate& next) { return empty(pending_, next); }
+  /// The same for the rollback of a probation.
+  bool withdraw_rollback(TaskUpdate& back) { return empty(back_, back); }
+  /// The same for the core that stands by.
+  bool withdraw_standby(TaskUpdate& standby) { return empty(standby_, standby); }
 
   // --- [any] ------------------------------------------------------------------------------------
   /// A thread that sleeps on this word looks into the mailbox when it changes.

@@ -15,7 +15,7 @@
 #include "rt/machine/noise.h"
 
 #include <mauve/detail/clock.h>
-#include <mauve/host/happening.h>
+#include <mauve/host/report.h>
 
 namespace mauve {
 

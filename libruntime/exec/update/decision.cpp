@@ -7,7 +7,7 @@ namespace mauve::exec {
 namespace {
 
 /// The rollback begins so much later, so that no member passes the instant unaware of it.
-constexpr Duration kLeadOfWayBack = 200us;
+constexpr Duration kLeadOfRollback = 200us;
 constexpr int kAttempts = 6;
 
 }  // namespace
@@ -35,7 +35,7 @@ bool Rollback::trigger(const Clock& clock, const FaultRecord& fault, const TaskR
 
 /// Whoever does this may be preempted at any point, until the instant has passed.
 void Rollback::decide(const Clock& clock) {
-  Duration lead = kLeadOfWayBack;
+  Duration lead = kLeadOfRollback;
   for (int attempt = 0; attempt < kAttempts; ++attempt, lead *= 2) {
     const Instant instant = clock.now() + lead.count();
     decision_.attempt(instant);

@@ -81,14 +81,18 @@ class Decision {
   const bool tries_again_ = false;
 };
 
-/// The rollback from a change on probation: a transaction that waits for its instant. The first
-/// member that fails, or [control], triggers it for all:
+/// The rollback from a change on probation: a decision that waits for its instant. The first member
+/// that fails, or [control], triggers it for all, in four steps:
 ///
-///   claim: CAS instant never -> being triggered     nobody else triggers it
-///   a newer change under way: abort it            or, when that is committed: closed
-///   story; instant = now + lead                   at a boundary r >= instant: CAS prepared ->
-///   aborted decide: CAS prepared -> committed,              committed: go back; aborted: go on
-///     unless it is too near, or aborted: again
+///   1. It claims the instant (never -> being triggered), so that no other member triggers it.
+///   2. It aborts a newer change that is under way. When that one is committed, the rollback is
+///      closed instead.
+///   3. It writes the cause and sets the instant: now + lead.
+///   4. It decides (prepared -> committed). When the instant is too near, or a member has aborted
+///      the decision, it begins again at step 3.
+///
+/// A member that comes to a boundary at or after the instant aborts a decision that is still
+/// prepared and goes on; when the decision is committed the member goes back.
 class Rollback {
  public:
   [[nodiscard]] Decision& decision() { return decision_; }

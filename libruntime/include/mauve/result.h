@@ -26,8 +26,8 @@ enum class Errc {
   plugin_refused,  ///< a plugin file is missing, unsafe, damaged or incomplete
   not_permitted,   ///< the caller, or the process, lacks a privilege
   partly,          ///< in force on some components only; the message says so
-  conflict,        ///< somebody else was quicker, or holds it
-  timed_out,       ///< not finished in the time allowed
+  conflict,        ///< another change was quicker, or holds it; a rule tries again
+  timed_out,       ///< not finished in the time allowed; a rule tries again
   limit,           ///< a size, count or depth limit
   unsupported,     ///< a known thing that this version does not do
   system,          ///< the operating system said no

@@ -103,7 +103,7 @@ void StateTransfer::undo() const {
 }
 
 Result<StateTransfer> plan_transfer(const ResourceBase& from, const ResourceBase& into,
-                                    StatePolicy policy, bool way_back) {
+                                    StatePolicy policy, bool rolls_back) {
   StateTransfer plan;
   if (policy == StatePolicy::drop) return plan;
   if (Status whole = check_whole(from, policy); !whole) return whole.error();
@@ -125,7 +125,7 @@ Result<StateTransfer> plan_transfer(const ResourceBase& from, const ResourceBase
   if (!hand_over) return hand_over.error();
   plan.hand_over = *hand_over;
   const bool moves = plan.hand_over.from != nullptr && plan.hand_over.convert == nullptr;
-  plan.copies = moves && way_back;
+  plan.copies = moves && rolls_back;
   const bool plain = moves && plan.hand_over.from->type().flat;
   if (plan.copies && !plain) return no_way_back(*plan.hand_over.from, into.core());
   return plan;

@@ -49,10 +49,10 @@ struct StateTransfer {
   void undo() const;
 };
 
-/// `way_back`: the old resource may come back, with what it holds now. Errors: type_mismatch,
-/// unsupported. [any], not on a real-time thread.
+/// `rolls_back`: the old resource may come back, with the data that it holds now. Errors:
+/// type_mismatch, unsupported. [any], not on a real-time thread.
 [[nodiscard]] Result<StateTransfer> plan_transfer(const ResourceBase& from,
                                                   const ResourceBase& into, StatePolicy policy,
-                                                  bool way_back);
+                                                  bool rolls_back);
 
 }  // namespace mauve

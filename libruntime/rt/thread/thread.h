@@ -49,7 +49,7 @@ class Thread {
   [[nodiscard]] Duration used() const;
   /// It neither runs nor waits for a processor, but for something else; reads a file of the system.
   [[nodiscard]] bool asleep() const;
-  /// Makes it look whether its body shall end where it is, see rescue.h. [any]
+  /// Makes it look whether its body shall end where it is, see run_guarded.h. [any]
   void interrupt();
   Status set_cpus(const std::vector<int>& cpus);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // The differences that the way back from changes on probation makes.
-#include "commands/recovery/way_back.h"
+#include "commands/recovery/rollback_lines.h"
 
 #include <gtest/gtest.h>
 
@@ -18,8 +18,8 @@ Json line(const char* address, Json before, Json after) {
           {"new", std::move(after)}};
 }
 
-TEST(WayBackLines, LeadFromTheLastValueToTheFirst) {
-  WayBackLines lines;
+TEST(RollbackLines, LeadFromTheLastValueToTheFirst) {
+  RollbackLines lines;
   lines.remember(2, Json::array({line("a.core.x", 1, 2)}));
   lines.remember(3, Json::array({line("b.core.y", 5, 6)}));
   lines.remember(4, Json::array({line("a.core.x", 2, 7)}));
@@ -29,8 +29,8 @@ TEST(WayBackLines, LeadFromTheLastValueToTheFirst) {
   EXPECT_EQ(lines.back_from({9}), Json::array()) << "nothing is known of it";
 }
 
-TEST(WayBackLines, TakeAwayTheAddedAndAddTheRemoved) {
-  WayBackLines lines;
+TEST(RollbackLines, TakeAwayTheAddedAndAddTheRemoved) {
+  RollbackLines lines;
   lines.remember(2, Json::array({line("a.ports.in", nullptr, "pose.read"),
                                  line("a.ports.out", "scan.write", nullptr)}));
 
@@ -38,25 +38,25 @@ TEST(WayBackLines, TakeAwayTheAddedAndAddTheRemoved) {
                                                line("a.ports.out", nullptr, "scan.write")}));
 }
 
-TEST(WayBackLines, LeaveOutWhatIsAgainAsItWas) {
-  WayBackLines lines;
+TEST(RollbackLines, LeaveOutWhatIsAgainAsItWas) {
+  RollbackLines lines;
   lines.remember(2, Json::array({line("a.core.x", 1, 2)}));
   lines.remember(3, Json::array({line("a.core.x", 2, 1)}));
 
   EXPECT_EQ(lines.back_from({2, 3}), Json::array());
 }
 
-TEST(WayBackLines, KnowWhatALaterStartOrStopMadeOfIt) {
-  WayBackLines lines;
+TEST(RollbackLines, KnowWhatALaterStartOrStopMadeOfIt) {
+  RollbackLines lines;
   lines.remember(2, Json::array({line("a.start", true, false)}));
   lines.remember(3, Json::array({line("a.start", false, true), line("b.start", false, true)}));
 
   EXPECT_EQ(lines.back_from({2}), Json::array()) << "it runs already";
 }
 
-TEST(WayBackLines, AreForgottenWithTheirChangesAndBounded) {
-  WayBackLines lines;
-  for (std::uint64_t generation = 1; generation <= WayBackLines::kMost + 1; ++generation) {
+TEST(RollbackLines, AreForgottenWithTheirChangesAndBounded) {
+  RollbackLines lines;
+  for (std::uint64_t generation = 1; generation <= RollbackLines::kMost + 1; ++generation) {
     lines.remember(generation, Json::array({line("a.core.x", 1, 2)}));
   }
   EXPECT_EQ(lines.back_from({1}), Json::array()) << "the oldest";

@@ -20,11 +20,11 @@
 #include <mauve/detail/clock.h>
 #include <mauve/host/change.h>
 #include <mauve/host/deploy_options.h>
-#include <mauve/host/happening.h>
 #include <mauve/host/ongoing.h>
 #include <mauve/host/prepared_change.h>
 #include <mauve/host/probation.h>
 #include <mauve/host/receipt.h>
+#include <mauve/host/report.h>
 #include <mauve/host/retired.h>
 #include <mauve/host/statistics.h>
 #include <mauve/host/timing.h>

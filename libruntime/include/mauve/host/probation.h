@@ -13,8 +13,8 @@ namespace mauve {
 /// After the commit the old bundles stay ready until every member ran so many jobs with the new
 /// ones, or for so long, whichever is first. A core that fails (it throws, crashes, hangs, writes
 /// an implausible value) rolls back to them at the next release. So does a core that takes too
-/// long; that needs several jobs as evidence (exec/evidence.h), and the probation goes on for some
-/// jobs while a core is under suspicion.
+/// long; that needs several jobs as evidence (exec/task/evidence.h), and the probation goes on for
+/// some jobs while a core is under suspicion.
 ///
 /// A change of other components leaves a probation as it is. A newer change of the same components
 /// joins it: the time begins anew, and a failure leads all of them back to before the first change,

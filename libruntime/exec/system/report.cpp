@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include <mauve/host/happening.h>
+#include <mauve/host/report.h>
 
 #include <string>
 #include <string_view>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-#include "commands/recovery/way_back.h"
+#include "commands/recovery/rollback_lines.h"
 
 #include <algorithm>
 
@@ -34,7 +34,7 @@ const char* op_of(const Json& before, const Json& after) {
 
 }  // namespace
 
-void WayBackLines::remember(std::uint64_t generation, const Json& lines) {
+void RollbackLines::remember(std::uint64_t generation, const Json& lines) {
   if (lines.is_array() && !lines.empty()) {
     lines_[generation] = lines;
   }
@@ -44,11 +44,11 @@ void WayBackLines::remember(std::uint64_t generation, const Json& lines) {
   }
 }
 
-bool WayBackLines::knows(const std::vector<std::uint64_t>& changes) const {
+bool RollbackLines::knows(const std::vector<std::uint64_t>& changes) const {
   return std::ranges::none_of(changes, [&](auto generation) { return generation <= dropped_; });
 }
 
-Json WayBackLines::back_from(const std::vector<std::uint64_t>& changes) const {
+Json RollbackLines::back_from(const std::vector<std::uint64_t>& changes) const {
   Json made = Json::array();
   for (const auto& [generation, lines] : lines_) {
     const bool rolls_back = std::ranges::find(changes, generation) != changes.end();
@@ -69,7 +69,7 @@ Json WayBackLines::back_from(const std::vector<std::uint64_t>& changes) const {
   return back;
 }
 
-void WayBackLines::forget(const std::vector<std::uint64_t>& changes) {
+void RollbackLines::forget(const std::vector<std::uint64_t>& changes) {
   for (const auto generation : changes) {
     lines_.erase(generation);
   }

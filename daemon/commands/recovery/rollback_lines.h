@@ -12,7 +12,7 @@
 namespace mauve::daemon {
 
 /// [control]
-class WayBackLines {
+class RollbackLines {
  public:
   using Json = protocol::Json;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a deployer tells: how its components are, what happened, what it did by itself.
+/// Reports of a deployer: the state of its components, runtime events, and its own actions.
 #pragma once
 
 #include <cstdint>
