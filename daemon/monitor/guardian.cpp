@@ -9,6 +9,7 @@
 #include "commands/audit.h"
 #include "commands/change/change.h"
 #include "commands/model.h"
+#include "commands/say.h"
 #include "mauve/host/architecture.h"
 
 namespace mauve::daemon {

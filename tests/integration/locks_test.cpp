@@ -89,7 +89,7 @@ TEST_F(Locks, HaveEveryMethodThatChangesSomethingInTheTableOfThisTest) {
   const auto ways = all_ways();
   for (const Way& way : ways) walked.insert(way.method);
   for (const auto& method : protocol::methods()) {
-    if (!method.mutation || method.harmless) continue;
+    if (!method.mutation() || method.harmless()) continue;
     EXPECT_TRUE(walked.contains(method.name))
         << method.name << " can change something, so locked_ways.h needs a way for it";
   }

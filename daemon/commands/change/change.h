@@ -13,7 +13,6 @@
 
 #include "arch/compare/change_lines.h"
 #include "commands/command.h"
-#include "commands/say.h"
 
 namespace mauve::daemon {
 
@@ -41,10 +40,6 @@ class ChangeHooks {
 /// [control] Takes over the call and the ticket: answers with the receipt or the refusal.
 void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
            std::shared_ptr<ChangeHooks> hooks = nullptr);
-
-/// [control] The same for a swap in place: the component is parked while the cores are exchanged.
-void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit edit,
-                    std::shared_ptr<ChangeHooks> hooks);
 
 /// [control] Runs `then` on [control] when there is an answer; others are served meanwhile.
 void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,

@@ -4,6 +4,7 @@
 #include "base/thread_role.h"
 #include "commands/change/change.h"
 #include "commands/model.h"
+#include "commands/say.h"
 #include "mauve/property.h"
 
 namespace mauve::daemon {

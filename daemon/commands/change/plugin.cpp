@@ -11,6 +11,7 @@
 #include "commands/change/trial.h"
 #include "commands/lock.h"
 #include "commands/recovery/abandoned.h"
+#include "commands/say.h"
 
 namespace mauve::daemon {
 

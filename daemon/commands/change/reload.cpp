@@ -23,6 +23,7 @@
 #include "commands/recovery/former.h"
 #include "commands/recovery/quarantine.h"
 #include "commands/recovery/unproven.h"
+#include "commands/say.h"
 #include "mauve/host/architecture.h"
 
 namespace mauve::daemon {

@@ -3,6 +3,7 @@
 #include "commands/answer.h"
 #include "commands/change/change.h"
 #include "commands/look/named.h"
+#include "commands/say.h"
 #include "mauve/host/architecture.h"
 
 namespace mauve::daemon {

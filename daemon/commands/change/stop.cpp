@@ -9,6 +9,7 @@
 #include "base/thread_role.h"
 #include "commands/change/change.h"
 #include "commands/look/named.h"
+#include "commands/say.h"
 
 namespace mauve::daemon {
 

@@ -7,6 +7,7 @@
 #include "base/duration.h"
 #include "commands/answer.h"
 #include "commands/change/change.h"
+#include "commands/change/change_in_place.h"
 #include "commands/change/policies.h"
 #include "commands/model.h"
 #include "commands/path_rule.h"

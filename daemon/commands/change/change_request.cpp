@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "commands/change/change_request.h"
+#include "commands/say.h"
+
+#include <algorithm>
+
+#include "commands/answer.h"
+#include "commands/lock.h"
+#include "commands/model.h"
+#include "commands/recovery/abandoned.h"
+#include "commands/recovery/quarantine.h"
+#include "judge/judgement.h"
+#include "model/element/elements.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+/// [factory]
+Status free_all(ChangeRequest& request) {
+  auto cleaned = request.retired->release();
+  const std::string at = request.change.edits.empty() ? "" : request.change.edits[0].component;
+  static_cast<void>(drop_elements(at, [&request] {
+    request.prepared.reset();
+    request.change = {};
+    request.hooks.reset();
+  }));
+  return cleaned;
+}
+
+bool starts_something(const Change& change) {
+  return std::any_of(change.edits.begin(), change.edits.end(),
+                     [](const Edit& edit) { return edit.mode == Mode::run; });
+}
+
+Error stopped_meanwhile(const ChangeRequest& request) {
+  return refuse(Errc::conflict, request.change.edits[0].component,
+                "was stopped by request after this change was asked for", "start it again");
+}
+
+/// [control] False when the change was dropped before anything happened.
+bool may_go_on(Running& running, const Call& call, ChangeRequest& request) {
+  if (!*request.prepared) {
+    answer(running, call, request.prepared->error());
+    return false;
+  }
+  auto met = check_conditions(running, call);
+  met = met ? may_begin(running, request.change) : met;
+  const bool stopped = overtaken_by_stop(running, call, request.change) ||
+                       (starts_something(request.change) &&
+                        stops_of(running.stops, request.change) != request.stops);
+  if (met && stopped) {
+    met = stopped_meanwhile(request);
+  }
+  if (met && request.hooks != nullptr) {
+    met = request.hooks->ready();
+  }
+  if (met) {
+    const auto whole = request.hooks == nullptr ? std::nullopt : request.hooks->lines();
+    request.lines = whole ? *whole : lines_of(running, **request.prepared);
+    met = may_change(running, call, request.lines);
+    request.notes = place_notes(running, request.change);
+  }
+  if (!met) {
+    answer(running, call, met.error());
+  }
+  return met.has_value();
+}
+
+std::vector<std::string> components_of(const Change& change) {
+  std::vector<std::string> names;
+  for (const auto& edit : change.edits) {
+    names.push_back(edit.component);
+  }
+  return names;
+}
+
+}  // namespace
+
+void free_in_factory(Running& running, ChangeRequestPtr request, Ticket ticket) {
+  running.control.in_factory(
+      [&running, request = std::move(request)] {
+        const auto cleaned = free_all(*request);
+        if (!cleaned) {
+          running.log.write(logging::Event::clean_up_failed,
+                            {{"component", cleaned.error().at}, {"text", cleaned.error().message}});
+        }
+      },
+      [ticket = std::move(ticket)] {});
+}
+
+void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
+            const std::string& state, ChangeRequest& request) {
+  ChangeHooks* const hooks = request.hooks.get();
+  const bool in_force = receipt || receipt.error().code == Errc::partly;
+  if (hooks != nullptr && in_force) {
+    hooks->in_force(receipt ? receipt->generation : running.generation.load());
+  }
+  if (!receipt) {
+    return answer(running, call, receipt.error(), state);
+  }
+  auto result = to_json(*receipt);
+  say_sync(request.prepared, result);
+  say_who_stands(running, request.change, result);
+  say_kept(running, request.change, result);
+  if (request.change.probation) {
+    result["probation"] = to_json(*request.change.probation);
+  }
+  if (hooks != nullptr) {
+    hooks->complete(result);
+  }
+  say_lines(request.lines, result);
+  say_notes(request.notes, result);
+  answer(running, call, std::move(result));
+}
+
+std::uint64_t stops_of(const std::map<std::string, std::uint64_t>& stops, const Change& change) {
+  std::uint64_t sum = 0;
+  for (const auto& edit : change.edits) {
+    const auto found = stops.find(edit.component);
+    sum += found == stops.end() ? 0 : found->second;
+  }
+  return sum;
+}
+
+Status may_begin(const Running& running, const Change& change) {
+  auto free = may_change(running, change);
+  free = free ? check_quarantine(running, change) : free;
+  return free ? check_abandoned_in(running, change) : free;
+}
+
+void prepare_then(Running& running, const CallPtr& call, ChangeRequestPtr request, Ticket ticket,
+                  std::function<Result<PreparedChange>()> prepare, ChangeStep next) {
+  running.control.in_factory(
+      [request, prepare = std::move(prepare)] { request->prepared = prepare(); },
+      [&running, call, request, next, ticket = std::move(ticket)]() mutable {
+        if (!may_go_on(running, *call, *request)) {
+          return free_in_factory(running, std::move(request), std::move(ticket));
+        }
+        next(running, call, std::move(request), std::move(ticket));
+      },
+      [&running, call, names = components_of(request->change)](const std::string& hook) {
+        note_abandoned_in(running, names, hook, false);
+        call->keeps_a_thread = true;
+        answer(running, *call, thread_abandoned(running, hook, std::string(call->method->name)));
+      });
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// A change request: one change on its way between the threads, from the request to the answer.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commands/change/change.h"
+
+#include "commands/recovery/place_probation.h"
+
+namespace mauve::daemon {
+
+/// Everything one change needs on its way between the threads. It is created on [control] and goes
+/// away on [factory], since freeing elements runs user code.
+struct ChangeRequest {
+  Change change;
+  std::uint64_t stops = 0;  ///< of its components, when it began
+  std::optional<Result<PreparedChange>> prepared;
+  std::optional<Retired> retired{std::in_place};
+  std::shared_ptr<ChangeHooks> hooks;  ///< may be null
+  Status exchanged;
+  std::vector<arch::Line> lines;  ///< the differences that it makes, once it is prepared
+  std::vector<std::string> notes;
+  CoreBefore before;  ///< of a swap in place
+};
+using ChangeRequestPtr = std::shared_ptr<ChangeRequest>;
+
+/// [control] Nothing of the request is touched on this thread afterwards.
+void free_in_factory(Running& running, ChangeRequestPtr request, Ticket ticket);
+
+/// [control] Answers the call: with the receipt, or with the refusal and the state after it.
+void finish(Running& running, const Call& call, const Result<Receipt>& receipt,
+            const std::string& state, ChangeRequest& request);
+
+/// How often the components of the change were stopped so far, in all.
+[[nodiscard]] std::uint64_t stops_of(const std::map<std::string, std::uint64_t>& stops,
+                                     const Change& change);
+
+/// [control] The reasons to refuse a change that need no preparation. They are asked before
+/// anything is made, and again when the change is prepared.
+[[nodiscard]] Status may_begin(const Running& running, const Change& change);
+
+using ChangeStep = void (*)(Running&, const CallPtr&, ChangeRequestPtr, Ticket);
+
+/// [control] Prepares on [factory]; goes on with `next` unless there is a reason not to.
+void prepare_then(Running& running, const CallPtr& call, ChangeRequestPtr request, Ticket ticket,
+                  std::function<Result<PreparedChange>()> prepare, ChangeStep next);
+
+}  // namespace mauve::daemon
