@@ -160,7 +160,7 @@ inline std::vector<Way> ways_of_files() {
        kTopology},
       {"a resource that leaves", "/resources/count", nullptr, kTopology},
       {"a resource of another type", "/resources/count/data", "double", kTopology},
-      {"a declared hold", "/resources/tally/hold", "100us", kTopology},
+      {"a lock budget", "/resources/tally/lock_budget", "100us", kTopology},
       {"a value of a resource", "/resources/tally/properties", {{"core.gain", 2.0}}, kProperty},
       {"a value of the shell of a resource",
        "/resources/tally/properties",

@@ -106,7 +106,7 @@ Json counters_of(const ComponentStatus& status) {
   return {{"releases", status.releases},
           {"missed", status.missed},
           {"overruns", status.overruns},
-          {"over_lock_budget", status.over_budget},
+          {"over_budget", status.over_budget},
           {"late_ns", status.late.count()},
           {"lateness_last_ns", status.lateness_last.count()},
           {"lateness_max_ns", status.lateness_max.count()},

@@ -27,7 +27,7 @@ Json component(const char* name) {
           {"budget_ns", 0},
           {"missed", 0},
           {"overruns", 0},
-          {"over_lock_budget", 0},
+          {"over_budget", 0},
           {"lateness", times(100, 1000)},
           {"execution", times(90, 10'000)},
           {"preempted", times(10, 100'000)},
@@ -38,7 +38,7 @@ Json component(const char* name) {
 Json answer() {
   Json late = component("laser");
   late["budget_ns"] = 50'000;
-  late["over_lock_budget"] = 2;
+  late["over_budget"] = 2;
   late["missed"] = 3;
   Json never = component("idle");
   for (const char* key : {"lateness", "execution", "preempted", "response"}) {

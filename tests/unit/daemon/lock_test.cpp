@@ -69,7 +69,7 @@ TEST_F(LocksAndRoles, JudgeAChangeByTheRoleThatItsDifferencesNeed) {
     EXPECT_TRUE(may(Role::operator_, kind)) << kind;
     EXPECT_FALSE(may(Role::viewer, kind)) << kind;
   }
-  for (const auto* kind : {"resource", "component", "fsm", "fallback_core", "hold", "plugin",
+  for (const auto* kind : {"resource", "component", "fsm", "fallback_core", "lock_budget", "plugin",
                            "rules", "transactions", "may_request", "a kind of tomorrow"}) {
     EXPECT_TRUE(may(Role::admin, kind)) << kind;
     const auto refused =
