@@ -45,7 +45,7 @@ constexpr Field kMutationParams[] = {
     may("reason", text, "The reason, for the log and the saved generations"),
     may("deadline_ms", in(count, "ms"),
         "The request is answered at most some 20 ms after this time; a change that has not begun "
-        "to take effect by then is given up: timed_out, state unchanged; while it takes effect "
+        "to take effect by then is dropped: timed_out, state unchanged; while it takes effect "
         "the state is unknown, and config.history tells the outcome")};
 constexpr Field kMutationAnswers[] = {
     may("saved", boolean,

@@ -146,7 +146,7 @@ Json openrpc_document(std::span<const Method> methods) {
   return {{"openrpc", "1.2.6"},
           {"info",
            {{"title", "mauve"},
-            {"version", kVersion},
+            {"version", std::to_string(kVersion)},
             {"description",
              "The protocol of mauved: JSON-RPC 2.0, one object a line, on a Unix socket."},
             {"license", {{"name", "LGPL-3.0-or-later"}}}}},
