@@ -26,7 +26,7 @@ struct AbandonedThread {
 
 /// Runs work one after another, that of changes first. When work does not return, its thread is
 /// abandoned with all that it may still touch, and a fresh thread goes on. Should the work return
-/// after all, the abandoned thread frees what it holds, and ends.
+/// after all, the abandoned thread frees its objects and ends.
 class Factory {
  public:
   using Job = std::function<void()>;
@@ -40,7 +40,7 @@ class Factory {
   Factory& operator=(const Factory&) = delete;
 
   void start();
-  /// Runs what is queued, then ends. Later work is dropped. Waits for no abandoned thread.
+  /// Runs the queued work, then ends, and drops later work. It waits for no abandoned thread.
   void stop();
   /// [any] Runs `work` when it is the turn of the user that asks, then `then` on [control].
   void post(Job work, Job then, OnAbandoned on_abandoned, const Asker& asker = {});

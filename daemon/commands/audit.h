@@ -15,8 +15,8 @@ namespace mauve::daemon {
 /// standstill.
 inline constexpr std::string_view kSupervision = "supervision";
 
-/// A call of mauved itself, with the rights of an operator, for the audit log. Nobody waits for its
-/// answer. [any]
+/// A call of mauved itself, with the rights of an operator, for the audit log. No client waits for
+/// its answer. [any]
 [[nodiscard]] CallPtr call_by_itself(const Running& running, std::string reason);
 
 /// [control] `result` as it will be answered.

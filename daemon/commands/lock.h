@@ -15,12 +15,12 @@ namespace mauve::daemon {
 
 /// The kind of a request of a client or a rule, as far as the request itself tells.
 enum class Kind : std::uint8_t {
-  harmless,  ///< touches nothing that runs: the lock itself, what is logged, what is counted
+  harmless,  ///< touches nothing that runs: sets the lock itself, levels of the log, counters
   stop,      ///< stop components: for safety, always allowed
   ending,    ///< a probation ends: to confirm changes nothing that runs, and undo() judges its own
              ///< lines
   steps,     ///< steps, which may be stops only: the change that they make is judged
-  other,     ///< everything else, also a method that nobody has classified
+  other,     ///< everything else, also a method that the table does not classify
 };
 
 /// "none", "params", "topology", "all".
@@ -42,7 +42,7 @@ enum class Kind : std::uint8_t {
 [[nodiscard]] Status may_change(const Running& running, const Call& call,
                                 const std::vector<arch::Line>& lines);
 
-/// The role that may make this difference. A kind of difference that nobody has classified needs an
+/// The role that may make this difference. A kind of difference that is not classified needs an
 /// administrator.
 [[nodiscard]] server::Role role_for(const arch::Line& line);
 

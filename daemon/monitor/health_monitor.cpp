@@ -258,7 +258,7 @@ void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
   }
   proofs_.rolled_back(outcome);
   if (relieved_ < began && outcome.oldest_open == 0) {
-    store.confirm_like(now, began - 1);  // what nobody relieved is what it was before
+    store.confirm_like(now, began - 1);  // no standby core took over since
   }
   for (const auto generation : outcome.changes) {
     store.mark(generation, Confirmation::rolled_back);

@@ -47,7 +47,7 @@ void answer_so_already(Running& running, const Call& call) {
   answer(running, call, to_json(nothing));
 }
 
-/// [control] Commits, answers, and lets [factory] free what it replaced.
+/// [control] Commits, answers, and lets [factory] free the replaced elements.
 void put_in_force(Running& running, const CallPtr& call, ChangeRequestPtr request, Ticket ticket) {
   if (is_so_already(*request)) {
     answer_so_already(running, *call);
