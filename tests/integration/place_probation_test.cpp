@@ -165,6 +165,26 @@ TEST(PlaceProbation, DoesNotStartAComponentThatWasStoppedAfterItsNewCoreFailed) 
   EXPECT_EQ(daemon.ask("quarantine.list")["cores"][0]["core"], "trial/brittle");
 }
 
+/// The change under way may be one whose answer its user has: what it retired is freed after that.
+TEST(PlaceProbation, IsUndoneWhenTheChangeUnderWayHasEnded) {
+  TrialDaemon daemon;
+  auto client = daemon.client();
+  const auto configures = daemon.place() / "configures";
+  ASSERT_EQ(daemon.ask("core.swap", place_swap("trial/other"))["state"], "applied");
+  const Json params = {
+      {"component", "second"}, {"core", "trial/slow"}, {"set", {{"marker", configures.string()}}}};
+  static_cast<void>(
+      client.send(protocol::to_line(protocol::make_request(1, "core.swap", params)) + '\n'));
+  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(configures); }));
+
+  const auto undone = daemon.ask("change.undo");
+
+  EXPECT_EQ(undone["state"], "applied") << undone;
+  EXPECT_EQ(daemon.component("first")["core"], "trial/steady");
+  EXPECT_EQ(client.json()["result"]["state"], "applied");
+  EXPECT_EQ(daemon.component("second")["core"], "trial/slow");
+}
+
 TEST(PlaceProbation, HoldsAlsoForAComponentThatWasStoppedDuringTheSwap) {
   TrialDaemon daemon;
   auto client = daemon.client();

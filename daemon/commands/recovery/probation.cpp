@@ -165,6 +165,40 @@ void undo_in_place(Running& running, const CallPtr& call, const PlaceTarget& tar
                         });
 }
 
+/// Judges and begins what undo() asks for, at the moment at which it may begin.
+void begin_undo(Running& running, const CallPtr& call) {
+  if (auto met = check_conditions(running, *call); !met) {
+    return answer(running, *call, met.error());
+  }
+  const auto newest = newest_of(running);
+  auto result = undone_json(running, newest);
+  if (auto free = may_undo(running, *call, newest, result["lines"]); !free) {
+    return answer(running, *call, free.error());
+  }
+  if (flag(call->params, "dry_run") && !newest.changes.empty()) {
+    return answer_foretold(running, *call, std::move(result));
+  }
+  const auto reason = text_or(call->params, "reason");
+  const auto text = std::string(kUndone) + (reason.empty() ? " by request" : ": " + reason);
+  if (newest.place) {
+    return undo_in_place(running, call, *newest.place, std::move(result), text);
+  }
+  auto begun = running.deployer.undo(text);
+  if (!begun) {
+    return answer(running, *call, no_way_back(running, begun.error()));
+  }
+  const auto before = running.deployer.generation();
+  running.control.await(
+      [&running, before] {
+        running.generation = running.deployer.generation();
+        return running.generation != before || !running.deployer.going_back();
+      },
+      [&running, call, result = std::move(result)]() mutable {
+        running.report_outcomes();  // that saves it, with the mark of the one that it goes back to
+        answer_undone(running, *call, std::move(result));
+      });
+}
+
 }  // namespace
 
 Result<std::optional<Probation>> probation_of(const Json& params) {
@@ -230,37 +264,18 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
               {"confirmed", std::move(confirmed)}});
 }
 
+// The undo of a swap in place is a change, so it waits for the end of one that is under way: also
+// of one that is answered, while [factory] frees the elements that it retired.
 void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
-  if (auto met = check_conditions(running, *call); !met) {
-    return answer(running, *call, met.error());
+  const auto until = std::chrono::steady_clock::now() + running.control.prepare_within();
+  auto may_begin = [&running, until] {
+    return !newest_of(running).place || !running.control.busy() ||
+           std::chrono::steady_clock::now() >= until;
+  };
+  if (may_begin()) {
+    return begin_undo(running, call);
   }
-  const auto newest = newest_of(running);
-  auto result = undone_json(running, newest);
-  if (auto free = may_undo(running, *call, newest, result["lines"]); !free) {
-    return answer(running, *call, free.error());
-  }
-  if (flag(call->params, "dry_run") && !newest.changes.empty()) {
-    return answer_foretold(running, *call, std::move(result));
-  }
-  const auto reason = text_or(call->params, "reason");
-  const auto text = std::string(kUndone) + (reason.empty() ? " by request" : ": " + reason);
-  if (newest.place) {
-    return undo_in_place(running, call, *newest.place, std::move(result), text);
-  }
-  auto begun = running.deployer.undo(text);
-  if (!begun) {
-    return answer(running, *call, no_way_back(running, begun.error()));
-  }
-  const auto before = running.deployer.generation();
-  running.control.await(
-      [&running, before] {
-        running.generation = running.deployer.generation();
-        return running.generation != before || !running.deployer.going_back();
-      },
-      [&running, call, result = std::move(result)]() mutable {
-        running.report_outcomes();  // that saves it, with the mark of the one that it goes back to
-        answer_undone(running, *call, std::move(result));
-      });
+  running.control.await(std::move(may_begin), [&running, call] { begin_undo(running, call); });
 }
 
 }  // namespace mauve::daemon
