@@ -17,7 +17,9 @@ set(MAUVE_INSTALL_PLUGINDIR "${CMAKE_INSTALL_FULL_LIBDIR}/mauve/plugins")
 
 find_program(MAUVE_CCACHE ccache)
 if(MAUVE_CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER "${MAUVE_CCACHE}")
+  # Without these, ccache keeps nothing that is compiled with precompiled headers.
+  set(CMAKE_CXX_COMPILER_LAUNCHER
+    "${CMAKE_COMMAND};-E;env;CCACHE_SLOPPINESS=pch_defines,time_macros;${MAUVE_CCACHE}")
 endif()
 find_package(Threads REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
@@ -64,6 +66,22 @@ function(mauve_layer name)
   endif()
 endfunction()
 
+# mauve_test_headers(NAME): where sources are joined, the tests share the precompiled headers of most of them.
+function(mauve_test_headers name)
+  if(NOT MAUVE_JOIN)
+    return()  # each source proves that it includes the headers that it uses
+  endif()
+  if(NOT TARGET precompiled_headers)
+    file(CONFIGURE OUTPUT "${CMAKE_BINARY_DIR}/precompiled_headers.cpp" CONTENT "int main() {}\n")
+    add_executable(precompiled_headers "${CMAKE_BINARY_DIR}/precompiled_headers.cpp")
+    target_compile_options(precompiled_headers PRIVATE -O0)
+    target_link_libraries(precompiled_headers PRIVATE GTest::gmock nlohmann_json::nlohmann_json mauve_warnings)
+    target_precompile_headers(precompiled_headers PRIVATE <gmock/gmock.h> <gtest/gtest.h> <nlohmann/json.hpp>
+      <algorithm> <chrono> <filesystem> <fstream> <functional> <memory> <sstream> <string> <thread> <vector>)
+  endif()
+  target_precompile_headers(${name} REUSE_FROM precompiled_headers)
+endfunction()
+
 # mauve_test(NAME SOURCES ... LINKS ... [LABELS ...] [TIMEOUT s] [ENVIRONMENT A=b ...] [DEPENDS target ...]
 #            [SERIAL]): a GoogleTest program, registered test by test. SERIAL: alone on the machine.
 # Labels with a meaning: rt (needs real-time rights and true timing), tsan (part of the thread sanitizer
@@ -83,6 +101,7 @@ function(mauve_test name)
   add_executable(${name} ${ARG_SOURCES})
   if(NOT ARG_SERIAL)
     target_compile_options(${name} PRIVATE -O0)  # half the build time of the tests; they are not timed
+    mauve_test_headers(${name})
   endif()
   target_link_libraries(${name} PRIVATE ${ARG_LINKS} GTest::gtest_main GTest::gmock mauve_warnings)
   target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests")

@@ -24,7 +24,7 @@ namespace mauve::test {
 
 class RawClient {
  public:
-  static constexpr std::chrono::milliseconds kPatience{20'000};
+  static constexpr std::chrono::milliseconds kPatience{60'000};
 
   explicit RawClient(const std::filesystem::path& socket) {
     fd_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
