@@ -36,7 +36,7 @@ class CountingCore : public mauve::Core<mauve::EmptyShell> {
  protected:
   mauve::State<Count> state{*this};
   mauve::Property<std::int64_t> step{
-      *this, "step", 1, "added or taken away each time", {.min = 0, .max = 1'000'000}};
+      *this, "step", 1, "added or subtracted each time", {.min = 0, .max = 1'000'000}};
   mauve::Observable<std::int64_t> count{*this, "count", 0, "where it stands"};
 };
 

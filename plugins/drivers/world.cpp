@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Resource kind "drivers/world": the simulated world that the simulated drivers share. The same
-/// seed gives the same run. Obstacles are listed in `obstacles`, or thrown at random when
+/// seed gives the same run. Obstacles are listed in `obstacles`, or placed at random when
 /// `random_discs` is set; walls are the occupied cells of `map`.
 #include <algorithm>
 #include <cmath>
@@ -62,7 +62,7 @@ constexpr double kGroundAltitude = 151.0;
 
 class WorldCore final : public mauve::Core<mauve::EmptyShell> {
  public:
-  /// [rt] Drives on for `seconds` and tells what the wheels measured.
+  /// [rt] Drives on for `seconds` and returns what the wheels measured.
   Odometry drive(Velocity command, double seconds) {
     state_->robot.drive(command, {speed_disturbance, turn_disturbance}, seconds);
     const Pose2D& pose = state_->robot.pose();

@@ -336,15 +336,15 @@ void correct(const Parameters& p, const rover::Pose& pose, Estimate& estimate) {
 }
 
 MotionState motion_state(const Estimate& estimate) {
-  Estimate told = estimate;
-  if (!told.aligned) turn(0.0, kUnknownHeading, told);
-  const Eigen::Map<const Matrix> covariance = covariance_of(std::as_const(told));
-  const State mean = mean_of(told);
-  MotionState state{told.time, mean[kX], mean[kY], mean[kHeading], mean[kSpeed], mean[kTurn], 0.0,
-                    0.0,       0.0,      0.0};
-  state.variance_x = told.placed ? covariance(kX, kX) : kUnknownPlace;
-  state.variance_y = told.placed ? covariance(kY, kY) : kUnknownPlace;
-  state.covariance_xy = told.placed ? covariance(kX, kY) : 0.0;
+  Estimate shown = estimate;
+  if (!shown.aligned) turn(0.0, kUnknownHeading, shown);
+  const Eigen::Map<const Matrix> covariance = covariance_of(std::as_const(shown));
+  const State mean = mean_of(shown);
+  MotionState state{shown.time, mean[kX], mean[kY], mean[kHeading], mean[kSpeed], mean[kTurn], 0.0,
+                    0.0,        0.0,      0.0};
+  state.variance_x = shown.placed ? covariance(kX, kX) : kUnknownPlace;
+  state.variance_y = shown.placed ? covariance(kY, kY) : kUnknownPlace;
+  state.covariance_xy = shown.placed ? covariance(kX, kY) : 0.0;
   state.variance_heading = covariance(kHeading, kHeading);
   return state;
 }

@@ -40,7 +40,7 @@ struct Parameters {
 
   double gate = 1.0;            ///< times the chi-square limits of 99 %; 0: no gate
   int reacquire_after = 10;     ///< consistent positions outside the gate in a row; 0: never
-  double align_distance = 1.5;  ///< m, at least, from which the heading is taken
+  double align_distance = 1.5;  ///< m, at least, from which the heading is derived
 };
 
 /// The share of positions outside the gate is looked at over so many.

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "../types/telling.h"
+#include "../types/reporting.h"
 
 namespace localization {
 

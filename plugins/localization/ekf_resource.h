@@ -123,7 +123,7 @@ class EkfCore final : public mauve::Core<mauve::EmptyShell> {
   Property<double> align_distance{*this,
                                   "align_distance",
                                   1.5,
-                                  "driven at least before the heading is taken from poses",
+                                  "driven at least before the heading is derived from poses",
                                   {.unit = "m", .min = 0.1, .max = 1e3}};
   Property<double> window{*this,
                           "window",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// What the filter believes of motion and sensors: each model with its Jacobian. Pure functions.
 ///
-/// The wheels err in three ways that GNSS tells apart: in all speeds by the same share (`scale`:
+/// The wheels err in three ways that GNSS distinguishes: in all speeds by the same share (`scale`:
 /// worn tyres), in all turns by the same share (`turn_scale`: the track or the wheelbase is not
 /// what one believes), and to one side in proportion to the speed (`curvature`: a steering that is
 /// not straight, wheels of unequal size).

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Component kind "navigation/map_server": a map out of a file (map_file.h), read when the core is
-/// configured. It is written every `fsm.period`, for readers that come later; its `time` tells that
-/// it is still the same. Another map: mauvectl set map_server.core.file=maps/other.yaml
+/// configured. It is written every `fsm.period`, for readers that come later; its `time` states
+/// that it is still the same. Another map: mauvectl set map_server.core.file=maps/other.yaml
 #include <memory>
 #include <string>
 

@@ -115,15 +115,15 @@ bool Navigation::read_pose() {
 /// True when there is another map. One look costs nothing while there is none: the map is not
 /// copied.
 bool Navigation::look_at_map() {
-  bool taken = false;
+  bool adopted = false;
   static_cast<void>(shell().map.look([&](const OccupancyGrid& grid) {
     const auto time = std::bit_cast<std::uint64_t>(grid.time);
     if (map_seen_ && time == map_time_) return;
-    map_seen_ = taken = true;
+    map_seen_ = adopted = true;
     map_time_ = time;
     planner_->set_map(grid, {keep_away, through_unknown});
   }));
-  return taken;
+  return adopted;
 }
 
 /// Remembers obstacles that are not on the map. A scan is older than the pose, by some jobs on a

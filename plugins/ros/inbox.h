@@ -28,7 +28,7 @@ class Inbox {
     slot.stamp = stamp;
     const std::uint8_t before = middle_.exchange(back_ | kFresh, std::memory_order_acq_rel);
     replaced = (before & kFresh) != 0;
-    back_ = before & kPlace;
+    back_ = before & kSlot;
     return true;
   }
 
@@ -36,7 +36,7 @@ class Inbox {
   /// wait-free
   const T* newest(mauve::Instant& stamp) {
     if ((middle_.load(std::memory_order_relaxed) & kFresh) != 0) {
-      front_ = middle_.exchange(front_, std::memory_order_acq_rel) & kPlace;
+      front_ = middle_.exchange(front_, std::memory_order_acq_rel) & kSlot;
       any_ = true;
     }
     if (!any_) return nullptr;
@@ -45,7 +45,7 @@ class Inbox {
   }
 
  private:
-  static constexpr std::uint8_t kPlace = 3;
+  static constexpr std::uint8_t kSlot = 3;
   static constexpr std::uint8_t kFresh = 4;  // not seen by the reader yet
 
   struct Slot {

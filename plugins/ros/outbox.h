@@ -10,8 +10,8 @@
 
 namespace ros_bridge {
 
-/// One writer and one reader at a time. What does not fit is not taken: the reader is behind, and
-/// the writer must not wait.
+/// One writer and one reader at a time. A message that does not fit is refused: the reader is
+/// behind, and the writer must not wait.
 template <typename T>
 class Outbox {
  public:

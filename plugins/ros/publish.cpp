@@ -18,8 +18,8 @@
 #include "hub.h"
 #include "outbox.h"
 #include "parts.h"
+#include "reports_master.h"
 #include "stamps.h"
-#include "tells_of_master.h"
 
 namespace ros_bridge {
 namespace {
@@ -33,7 +33,7 @@ struct PublisherShell : mauve::Shell {
   mauve::Property<std::string> frame{*this, "frame", "map", "frame_id of messages with a header"};
 };
 
-/// What the ROS thread tells of one publisher.
+/// The state of one publisher, as the ROS thread reports it.
 struct PublisherCounts {
   mauve::Observable<std::uint64_t>& published;
   mauve::Observable<bool>& connected;
@@ -127,7 +127,7 @@ class PublisherCore final : public mauve::Core<PublisherShell> {
   void on_cleanup() override { leave(std::exchange(channel_, nullptr)); }
 
   std::shared_ptr<OutChannel<T>> channel_;
-  TellsOfMaster master_;
+  ReportsMaster master_;
 };
 
 /// A write service that lets a large value be written in place.

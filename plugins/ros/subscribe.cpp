@@ -19,8 +19,8 @@
 #include "hub.h"
 #include "inbox.h"
 #include "parts.h"
+#include "reports_master.h"
 #include "stamps.h"
-#include "tells_of_master.h"
 
 namespace ros_bridge {
 namespace {
@@ -29,7 +29,7 @@ struct SubscriberShell : mauve::Shell {
   mauve::Property<std::string> topic{*this, "topic", "", "what to subscribe to"};
 };
 
-/// What the ROS thread tells of one subscriber.
+/// The state of one subscriber, as the ROS thread reports it.
 struct SubscriberCounts {
   mauve::Observable<std::uint64_t>& received;
   mauve::Observable<std::uint64_t>& dropped;
@@ -75,9 +75,9 @@ class InChannel final : public Channel {
     };
     bool replaced = false;
     last_ = std::max(last_ + 1, now.monotonic);
-    const bool taken = inbox.put(last_, fill, replaced);
+    const bool accepted = inbox.put(last_, fill, replaced);
     while_wanted([&] {
-      ++(taken ? counts_.received : counts_.refused);
+      ++(accepted ? counts_.received : counts_.refused);
       if (replaced) ++counts_.dropped;
     });
   }
@@ -110,7 +110,7 @@ class SubscriberCore final : public mauve::Core<SubscriberShell> {
   mauve::Property<std::string> node{*this, "node", "mauve", "our name in ROS, one of a process"};
   mauve::Property<std::string> master{*this, "master", "",
                                       "http://host:port; empty: $ROS_MASTER_URI, or this machine"};
-  mauve::Observable<std::uint64_t> received{*this, "received", 0, "messages taken"};
+  mauve::Observable<std::uint64_t> received{*this, "received", 0, "messages accepted"};
   mauve::Observable<std::uint64_t> dropped{
       *this, "dropped", 0, "messages that a newer one replaced before they were read"};
   mauve::Observable<std::uint64_t> refused{*this, "refused", 0, "messages without a usable value"};
@@ -130,7 +130,7 @@ class SubscriberCore final : public mauve::Core<SubscriberShell> {
   void on_cleanup() override { leave(std::exchange(channel_, nullptr)); }
 
   std::shared_ptr<InChannel<T>> channel_;
-  TellsOfMaster master_;
+  ReportsMaster master_;
 };
 
 /// A read service with the time the message came, and in place for large values.

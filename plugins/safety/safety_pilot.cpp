@@ -9,8 +9,8 @@
 
 #include <mauve/plugin.h>
 
+#include "../types/reporting.h"
 #include "../types/scan.h"
-#include "../types/telling.h"
 #include "../types/velocity.h"
 #include "zones.h"
 

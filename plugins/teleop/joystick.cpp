@@ -52,9 +52,9 @@ class JoystickDriver final : public mauve::Core<JoystickShell> {
                                       "input device, or a FIFO that carries its events",
                                       {.within = "/dev/"}};
   mauve::Property<int> axis_min{*this, "axis_min", -32767,
-                                "of axes of a device that does not tell its ranges"};
+                                "of axes of a device that does not state its ranges"};
   mauve::Property<int> axis_max{*this, "axis_max", 32767,
-                                "of axes of a device that does not tell its ranges"};
+                                "of axes of a device that does not state its ranges"};
   mauve::Property<mauve::Duration> retry{
       *this, "retry", 100ms, "between two looks for a lost device", {.min = 1ms, .max = 60s}};
   mauve::Observable<bool> connected{*this, "connected", false, "the device is there"};
@@ -78,7 +78,7 @@ class JoystickDriver final : public mauve::Core<JoystickShell> {
     device_.close();
   }
 
-  /// Every device tells its own ranges; one that does not has those of the properties.
+  /// Every device states its own ranges; one that does not has those of the properties.
   void begin() {
     constexpr std::size_t kFirstOfHat = 6;
     for (std::size_t axis = 0; axis < Joystick::kAxes; ++axis) {

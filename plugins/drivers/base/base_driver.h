@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Component kind "drivers/create": shell, contract and state machine of a base that is told
+/// Component kind "drivers/create": shell, contract and state machine of a base that receives
 /// velocities and streams what its wheels do. Another protocol is another core of this contract.
 #pragma once
 

@@ -4,10 +4,10 @@
 /// `odometry`, `pose` and `twist`, and sends the wheels their speeds. Times of `twist` are on the
 /// monotonic clock. Example: mauvectl watch base.core.mode
 ///
-/// The base itself drives on for ever at the last speed it was told. So the driver sends zero as
+/// The base itself drives on for ever at the last speed it was sent. So the driver sends zero as
 /// soon as there is no command, a stale one, one older than `command_timeout`, or one that is not a
 /// number, and when it is cleaned up. A driver that is stopped, faulted or gone cannot do that:
-/// connect its port `brake` to a resource "drivers/create_brake", which the runtime tells then.
+/// connect its port `brake` to a resource "drivers/create_brake", which the runtime calls then.
 /// When mauved itself is killed or stands still, its guardian sends that zero (`stand`).
 ///
 /// While the bumper is pressed the base is not driven forward. When a wheel drops or a cliff is

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Resource kind "drivers/create_brake": tells a Create 2 to stand, whatever is written to it, on a
-/// descriptor of its own. Connect port `brake` of "drivers/create" to `write`: nothing is written
+/// Resource kind "drivers/create_brake": orders a Create 2 to stand, whatever is written to it, on
+/// a descriptor of its own. Connect port `brake` of "drivers/create" to `write`: nothing is written
 /// while the driver works; when it is stopped or faulted, and when the process ends, the runtime
 /// writes the safe value, and the base, which would drive on, stops.
 ///

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Tells positions that can be from such that cannot: the rare sentence whose damage its checksum
-/// does not show.
+/// Distinguishes positions that can be from such that cannot: the rare sentence whose damage its
+/// checksum does not show.
 #pragma once
 
 #include "../../types/gnss.h"

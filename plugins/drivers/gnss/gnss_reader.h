@@ -13,7 +13,7 @@
 namespace drivers {
 
 /// Once a NAV-PVT was understood, GGA is not heard until there was none for 2 s: a receiver that
-/// sends both tells each epoch once, by the message that has all of it in one frame. All of it is
+/// sends both reports each epoch once, by the message that has all of it in one frame. All of it is
 /// [rt].
 class GnssReader {
  public:

@@ -4,7 +4,7 @@
 namespace drivers {
 namespace {
 
-GnssStream::Event told(FrameReader::Event event) {
+GnssStream::Event event_of(FrameReader::Event event) {
   if (event == FrameReader::Event::frame) return GnssStream::Event::sentence;
   if (event == FrameReader::Event::bad) return GnssStream::Event::bad;
   return GnssStream::Event::none;
@@ -27,13 +27,13 @@ GnssStream::Event GnssStream::find() {
       case UbxFrames::Event::bad:
         return Event::bad;
       case UbxFrames::Event::other:
-        event = told(sentences_.push(static_cast<char>(messages_.byte())));
+        event = event_of(sentences_.push(static_cast<char>(messages_.byte())));
         if (event != Event::none) return event;
         break;
       case UbxFrames::Event::none:
         if (!dropped_) return Event::none;
         dropped_ = false;
-        return told(sentences_.drop_begun());
+        return event_of(sentences_.drop_begun());
     }
   }
 }

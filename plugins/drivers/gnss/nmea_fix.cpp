@@ -102,7 +102,7 @@ bool same_epoch(const Witness& said, const GnssFix& fix) {
 
 /// A measured position from 0 satellites is no fix, whatever its quality: while a receiver
 /// searches, it repeats an old position. Estimated, manual and simulated positions (quality 6 to 8)
-/// need no satellite. An empty field does not tell the number.
+/// need no satellite. An empty field does not state the number.
 bool without_satellites(const Fields& fields, double quality, double satellites) {
   return !fields[7].empty() && satellites == 0.0 && (quality < 6.0 || quality > 8.0);
 }

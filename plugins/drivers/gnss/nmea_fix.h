@@ -19,7 +19,7 @@ struct Witness {
   double grain = 0.0;  // deg, of its last digit; 0: nothing said
 };
 
-/// Keeps what one sentence tells about the next. All of it is [rt].
+/// Keeps what one sentence says about the next. All of it is [rt].
 class FixReader {
  public:
   enum class Event : std::uint8_t {

@@ -3,8 +3,8 @@
 /// satellite receiver (frame_driver.h). Core "drivers/imu_xbus": Xsens MTi, configured to send
 /// MTData2 with rate of turn, acceleration and, if its compass is of use, Euler angles, all as
 /// single-precision "ENU". One write to port `imu` for each measurement, stamped with when it was
-/// taken if the unit sends its sample time, else with when it came. Acceleration is what the unit
-/// feels: on a slope a part of gravity is in it.
+/// measured if the unit sends its sample time, else with when it came. Acceleration is what the
+/// unit feels: on a slope a part of gravity is in it.
 #include "../../types/imu.h"
 
 #include "../parts.h"

@@ -13,10 +13,10 @@
 namespace drivers {
 
 /// The unit's clock, ticks of 0.1 ms, in our time. What arrives late does not count as measured
-/// late: the quickest way of a measurement to us is taken for all. [rt]
+/// late: the quickest way of a measurement to us counts for all. [rt]
 class SampleClock {
  public:
-  /// When the sample was taken, s; `now` is when it came.
+  /// When the sample was measured, s; `now` is when it came.
   double time(std::uint32_t ticks, double now);
 
  private:

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Core "drivers/hokuyo_scip" of component kind "drivers/hokuyo": a Hokuyo scanner that speaks SCIP
-/// 2.0 (scip.h) on a serial device. It is told to be quiet (QT), asked what it is (PP), switched on
-/// (BM) and asked for scans without end (MD). One write to port `scan` for each undamaged scan, its
-/// time the monotonic clock. Example: mauvectl get laser.core.empty_scans
+/// 2.0 (scip.h) on a serial device. It is ordered to be quiet (QT), asked what it is (PP), switched
+/// on (BM) and asked for scans without end (MD). One write to port `scan` for each undamaged scan,
+/// its time the monotonic clock. Example: mauvectl get laser.core.empty_scans
 ///
 /// A value below DMIN is an error code and becomes the range 0, which is no valid return; one at or
 /// beyond DMAX stays and means that nothing is in sight. A scan of nothing but error codes is

@@ -260,10 +260,10 @@ ReplyReader::Event ReplyReader::on_data(std::string_view line) {
 /// At an empty line: the next reply begins.
 ReplyReader::Event ReplyReader::finish(bool complete, Event event) {
   place_ = Place::echo;
-  const bool told = counted_;
+  const bool counted = counted_;
   counted_ = false;
   if (complete) return event;
-  return told ? Event::none : Event::bad;
+  return counted ? Event::none : Event::bad;
 }
 
 ReplyReader::Event ReplyReader::lose() {

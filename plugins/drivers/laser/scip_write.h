@@ -35,7 +35,7 @@ class ReplyWriter {
 };
 
 /// What a scanner with these limits would measure of a LaserScan, one value a step: nothing in
-/// sight is `nothing`, what is no range 0. Tells how many steps that are. [rt]
+/// sight is `nothing`, what is no range 0. Returns how many steps that are. [rt]
 std::size_t measure(const rover::LaserScan& scan, std::uint32_t nothing,
                     std::span<std::uint32_t> steps);
 /// The limits of a scanner whose steps are the beams of the scan. [rt]

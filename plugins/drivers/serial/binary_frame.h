@@ -75,7 +75,7 @@ class BinaryFrames {
   std::array<std::uint8_t, Format::kLongest> bytes_{};
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
-  std::size_t used_ = 0;  // of what next() told about last
+  std::size_t used_ = 0;  // of the bytes that next() reported last
   bool dropped_ = false;
 };
 

@@ -11,7 +11,7 @@
 #include <mauve/detail/job.h>
 #include <mauve/observable.h>
 
-#include "../../types/telling.h"
+#include "../../types/reporting.h"
 #include "line_thread.h"
 #include "serial_port.h"
 
@@ -48,7 +48,7 @@ class DeviceLine {
   [[nodiscard]] bool spent() const { return bytes_left_ == 0; }
   /// How long nothing came.
   [[nodiscard]] mauve::Duration silence() const;
-  /// Counts a damaged frame, and tells of it. [rt]
+  /// Counts a damaged frame, and reports it. [rt]
   static void count_damaged(Counter& bad_frames);
 
   /// All of it goes out, or nothing: the device never hears half a request. False: it is lost, or

@@ -31,7 +31,7 @@ bool LineFiller::want(LineBytes& bytes) {
   return offer(bytes);
 }
 
-/// Bytes that no line has, or that a job which was thrown out had offered by half. The offer is
+/// Bytes that no line has, or that an aborted job had offered by half. The offer is
 /// read before the mark: when the thread took the offer, the mark is another by then.
 bool LineFiller::offer(LineBytes& bytes) {
   const bool offered = offered_.load(std::memory_order_acquire) == &bytes;
@@ -47,11 +47,11 @@ bool LineFiller::offer(LineBytes& bytes) {
 void LineFiller::empty_handed(LineBytes& bytes) const {
   store(bytes.wanted, 0);
   if (bytes.home != reinterpret_cast<std::uintptr_t>(&bytes)) return;
-  replace(bytes.filler, id(), 0);  // a job was thrown out of want()
+  replace(bytes.filler, id(), 0);  // a job was aborted in want()
   while (look(bytes.filler) != 0) std::this_thread::sleep_for(1ms);
 }
 
-/// The mark alone tells whether this line may still take the offer.
+/// The mark alone states whether this line may still take the offer.
 void LineFiller::choose() {
   if (LineBytes* offered = offered_.load(std::memory_order_acquire)) {
     if (replace(offered->filler, id(), own())) {

@@ -20,7 +20,7 @@ struct LineBytes {
 };
 
 /// The part of a line that fills bytes: a component offers them in each job, the thread of the
-/// line takes them, and lets go of them when another line wants them. A mark in the bytes tells
+/// line takes them, and lets go of them when another line wants them. A mark in the bytes states
 /// which line may write into them, so that it is never more than one.
 class LineFiller {
  public:
@@ -29,7 +29,7 @@ class LineFiller {
   LineFiller& operator=(const LineFiller&) = delete;
 
   /// This line shall fill them, and no other: true when its thread has to look. To be said again
-  /// in each job, which may be thrown out anywhere. [rt]
+  /// in each job, which may be aborted anywhere. [rt]
   bool want(LineBytes& bytes);
   /// Until no line fills them any more, so that they can go. After the thread of this line has
   /// ended. [factory]
@@ -51,7 +51,7 @@ class LineFiller {
   [[nodiscard]] std::uint64_t id() const { return reinterpret_cast<std::uintptr_t>(this); }
   [[nodiscard]] std::uint64_t own() const { return id() + 1; }
 
-  std::atomic<LineBytes*> offered_{nullptr};  // the thread has not taken them yet
+  std::atomic<LineBytes*> offered_{nullptr};  // the thread has not claimed them yet
   LineBytes* filled_ = nullptr;               // the thread's own
 };
 

@@ -113,7 +113,7 @@ void LineThread::stop() {
   running_ = open_ = false;
 }
 
-/// May be thrown out anywhere: whatever is missing then, the next job does.
+/// The job may be aborted anywhere here: the next job does the rest.
 void LineThread::fill(LineBytes& bytes) {
   bool news = filler_.want(bytes);
   follow_the_component();

@@ -43,8 +43,10 @@ class LineThread {
   mauve::Status start(LineEnd& end, std::size_t most_waiting, Lost lost = Lost::waits);
   /// Called on the thread when what send() took found no device, and with how many bytes came.
   /// Before start(). [factory]
-  void when_unsent(std::function<void()> tell) { report_unsent_ = std::move(tell); }
-  void when_received(std::function<void(std::size_t)> tell) { report_received_ = std::move(tell); }
+  void when_unsent(std::function<void()> report) { report_unsent_ = std::move(report); }
+  void when_received(std::function<void(std::size_t)> report) {
+    report_received_ = std::move(report);
+  }
   /// Sends what waits, for 200 ms at most, and joins the thread. [factory]
   void stop();
   /// Until no line fills it any more, so that it can go. After stop(). [factory]
@@ -64,7 +66,7 @@ class LineThread {
   [[nodiscard]] bool open() const { return open_.load(std::memory_order_acquire); }
   /// Why it is not open: an errno. [rt]
   [[nodiscard]] int error() const { return error_.load(std::memory_order_relaxed); }
-  /// Asks for another try and tells whether an earlier one did it. [rt]
+  /// Asks for another try and returns whether an earlier one did it. [rt]
   bool reopen();
 
  private:

@@ -111,12 +111,12 @@ Status check_place(const std::string& link) {
   const fs::path device = fs::read_symlink(link, ignored);
   if (!fs::exists(link, ignored) || is_ours(device)) return mauve::ok();
   return refuse(Errc::conflict, {},
-                "'" + link + "' is taken: it leads to " + device.string() + ", which is there",
+                "'" + link + "' is in use: it leads to " + device.string() + ", which is there",
                 "is another one running? \"pty:NAME\" is a name of each mauved's own");
 }
 
 Status replace_link(const std::string& target, const std::string& link) {
-  if (Status free = check_place(link); !free) return free;
+  if (Status ready = check_place(link); !ready) return ready;
   std::error_code problem;
   fs::remove(link, problem);
   fs::create_symlink(target, link, problem);
@@ -126,8 +126,8 @@ Status replace_link(const std::string& target, const std::string& link) {
   return mauve::ok();
 }
 
-/// Its number and the tick in which it began: a link that a process left behind is never taken for
-/// one of a later process that got its number.
+/// Its number and the tick in which it began: a link that a process left behind is never mistaken
+/// for one of a later process that got its number.
 std::string this_process() {
   constexpr int kBegan = 22;  // field of /proc/self/stat, see proc(5)
   std::ifstream file("/proc/self/stat");

@@ -116,7 +116,7 @@ class PseudoTerminal final : public LineEnd {
   [[nodiscard]] int number() const override { return master_.number(); }
   [[nodiscard]] std::ptrdiff_t read(std::span<char> into) override;
   [[nodiscard]] std::ptrdiff_t write(std::string_view bytes) const override;
-  /// Sends what fits and tells how many bytes that was.
+  /// Sends what fits and returns how many bytes that was.
   [[nodiscard]] std::size_t send_some(std::string_view bytes) const;
   /// The same; what does not fit is lost, as on a real line nobody listens to. False: lost some.
   bool send(std::string_view bytes) const { return send_some(bytes) == bytes.size(); }

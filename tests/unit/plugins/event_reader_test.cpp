@@ -140,7 +140,7 @@ class InputDevices : public testing::Test {
   bool opened_ = false;
 };
 
-TEST_F(InputDevices, TellsAFifoThatNobodyWritesToFromOneThatIsSilent) {
+TEST_F(InputDevices, DistinguishesAFifoWithoutWriterFromASilentOne) {
   const std::string path = (place_.path() / "events").string();
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
   choose(path);

@@ -240,7 +240,7 @@ Toll toll_of(Damage damage, const std::filesystem::path& folder, bool ubx = fals
 }
 
 // A checksum of eight bits lets some damage through; of that, what is as small as the changes from
-// epoch to epoch cannot be told from them. The bounds are those of the rest.
+// epoch to epoch cannot be distinguished from them. The bounds are those of the rest.
 TEST(GnssDamage, OneFlippedBitInAHundredBytesLeavesHalfOfTheEpochsAndFewWrongOnes) {
   const auto folder = support::test_data("nmea");
   if (!folder) GTEST_SKIP() << support::kNoTestData;

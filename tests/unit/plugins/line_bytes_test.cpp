@@ -68,7 +68,7 @@ TEST(LineFiller, TakesOneOfTwoOffersAndLeavesTheOtherFree) {
   EXPECT_EQ(second.filler, 0U);
 }
 
-TEST(LineFiller, TakesWhatAJobOfferedByHalfBeforeItWasThrownOut) {
+TEST(LineFiller, TakesWhatAJobOfferedByHalfBeforeItWasAborted) {
   LineBytes bytes;
   LineFiller filler;
   bytes.home = reinterpret_cast<std::uintptr_t>(&bytes);

@@ -64,7 +64,7 @@ TEST_F(Line, HasTheSpeedOfTheCoreThatRanLast) {
   first.line.empty_handed(bytes);
 }
 
-TEST(LineLost, IsToldAndOpenedAgainWhenAskedTo) {
+TEST(LineLost, IsReportedAndOpenedAgainOnRequest) {
   const std::string link = link_name("again");
   LineBytes bytes;
   Core core(link);

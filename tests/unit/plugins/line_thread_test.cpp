@@ -74,9 +74,9 @@ TEST_F(Line, TakesNoMoreAndNeverHalfARequestWhenTheFarEndHangs) {
   // Until the terminal is full, and then the ring: from then on all is refused.
   std::size_t refused = 0;
   ASSERT_TRUE(eventually([&] {
-    const bool taken = core.line.send(request);
-    sent += taken ? 1 : 0;
-    refused = taken ? 0 : refused + 1;
+    const bool accepted = core.line.send(request);
+    sent += accepted ? 1 : 0;
+    refused = accepted ? 0 : refused + 1;
     return refused == 100;
   }));
   EXPECT_FALSE(core.line.send(request));
@@ -182,9 +182,9 @@ TEST_F(Line, NeverSendsWhatWaitedWhenAnOrderCame) {
   std::size_t sent = 0;
   std::size_t refused = 0;
   ASSERT_TRUE(eventually([&] {  // the terminal is full, and so is the ring
-    const bool taken = core.line.send(std::string(20, 'g'));
-    sent += taken ? 20 : 0;
-    refused = taken ? 0 : refused + 1;
+    const bool accepted = core.line.send(std::string(20, 'g'));
+    sent += accepted ? 20 : 0;
+    refused = accepted ? 0 : refused + 1;
     return refused == 100;
   }));
 

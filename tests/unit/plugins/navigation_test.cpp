@@ -201,7 +201,7 @@ TEST_F(NavigationCore, IsNotTroubledByWhatIsOnTheMapOrFarAway) {
   EXPECT_FALSE(core().must_plan()) << "the wall";
   see(3.5);
   follow_after(2s);
-  EXPECT_FALSE(core().must_plan()) << "too far to tell";
+  EXPECT_FALSE(core().must_plan()) << "too far to decide";
   EXPECT_EQ(observe("blocked"), 0);
 }
 

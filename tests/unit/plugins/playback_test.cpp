@@ -72,7 +72,7 @@ TEST_F(Playing, WritesEachValueInTheFirstJobAtOrAfterItsTime) {
   EXPECT_EQ(observed("played"), "4");
 }
 
-TEST_F(Playing, GoesTwiceAsFastWhereItIsToldSo) {
+TEST_F(Playing, GoesTwiceAsFastWhereItsPropertySaysSo) {
   begin(2.0);
 
   EXPECT_EQ(x_after(0ms), 1.0);
@@ -86,7 +86,7 @@ TEST_F(Playing, WritesOneValueInEachJobWithoutAClock) {
   for (const double x : {1.0, 2.0, 3.0, 4.0, 4.0}) EXPECT_EQ(x_after(1ms), x);
 }
 
-TEST_F(Playing, BeginsAgainWhereItIsToldSo) {
+TEST_F(Playing, BeginsAgainWhereItsPropertySaysSo) {
   begin(0.0, true);
 
   for (const double x : {1.0, 2.0, 3.0, 4.0, 1.0, 2.0}) EXPECT_EQ(x_after(1ms), x);
@@ -102,7 +102,7 @@ TEST_F(Playing, MovesTheStampsToThisRunAndKeepsTheirAge) {
   EXPECT_NEAR(written().time, 1.1, 1e-9) << "the bench began at 1 s, and this value is new";
 }
 
-TEST_F(Playing, LeavesTheStampsAsTheyWereWhereItIsToldSo) {
+TEST_F(Playing, LeavesTheStampsAsTheyWereWhereItsPropertySaysSo) {
   begin(1.0, false, false);
   static_cast<void>(x_after(0ms));
 

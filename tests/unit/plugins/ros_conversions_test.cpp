@@ -126,7 +126,7 @@ TEST(RosConversions, KeepAScanAndRefuseOneThatIsTooLarge) {
   EXPECT_EQ(there_and_back(scan).ranges.size(), 0U);
 }
 
-TEST(RosConversions, TellAHeadingFromNone) {
+TEST(RosConversions, DistinguishAHeadingFromNone) {
   rover::Imu imu;
   imu.yaw_rate = 0.3;
   imu.acceleration_x = 1.0;

@@ -90,7 +90,7 @@ TEST(Inbox, HasNothingBeforeTheFirstValue) {
   EXPECT_EQ(box.newest(stamp), nullptr);
 }
 
-TEST(Inbox, ShowsTheNewestAndTellsWhatNobodySaw) {
+TEST(Inbox, ShowsTheNewestAndCountsWhatNobodySaw) {
   Inbox<int> box;
   mauve::Instant stamp = 0;
   bool replaced = true;

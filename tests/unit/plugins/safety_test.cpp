@@ -37,7 +37,7 @@ TEST(SafetyPilot, IgnoresErrorCodesAmongReturns) {
   EXPECT_FALSE(safety::blind(scan));
 }
 
-TEST(SafetyPilot, TellsAnEmptyPlaceFromAScannerThatIsBlind) {
+TEST(SafetyPilot, DistinguishesAnEmptyPlaceFromAScannerThatIsBlind) {
   rover::LaserScan scan = view_of({{30.0, 0.0}, 0.5});
   EXPECT_FALSE(safety::blind(scan)) << "it looked as far as it can and found nothing";
   EXPECT_TRUE(safety::blind({})) << "no beam at all";

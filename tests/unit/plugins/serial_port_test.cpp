@@ -162,8 +162,8 @@ TEST(PseudoTerminal, LosesWhatDoesNotFitInsteadOfWaiting) {
   EXPECT_FALSE(all);
 }
 
-TEST(PseudoTerminal, SaysThatAPathIsTakenByAnother) {
-  const std::string link = link_name("taken");
+TEST(PseudoTerminal, SaysThatAPathIsInUseByAnother) {
+  const std::string link = link_name("in_use");
   const std::string device = link_name("of_another");
   std::ofstream(device) << "there, and not open in this process";
   fs::remove(link);
@@ -174,7 +174,7 @@ TEST(PseudoTerminal, SaysThatAPathIsTakenByAnother) {
 
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, mauve::Errc::conflict);
-  EXPECT_NE(refused.error().message.find("is taken"), std::string::npos);
+  EXPECT_NE(refused.error().message.find("is in use"), std::string::npos);
   EXPECT_TRUE(fs::is_symlink(link));
   fs::remove(link);
   fs::remove(device);

@@ -272,7 +272,7 @@ TEST(GnssStream, FindsNoSentenceInsideAMessage) {
   EXPECT_EQ(line.sentences, 0);
 }
 
-TEST(GnssReader, TellsEachEpochOnceWhenTheReceiverSendsBoth) {
+TEST(GnssReader, ReportsEachEpochOnceWhenTheReceiverSendsBoth) {
   Line line;
 
   line.send(gga(at(1.0, 1.0)), 1.0);

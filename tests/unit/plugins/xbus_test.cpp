@@ -248,7 +248,7 @@ TEST(XbusImu, IgnoresMessagesWithoutARateOfTurn) {
   EXPECT_TRUE(line.imus.empty());
 }
 
-TEST(SampleClock, TellsEvenTimesOfSamplesThatArriveInBunches) {
+TEST(SampleClock, GivesEvenTimesToSamplesThatArriveInBunches) {
   SampleClock clock;
   double before = clock.time(0, 100.0);
   double worst = 0.0;

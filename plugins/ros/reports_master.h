@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Tells the log, as the component whose job uses a topic, that there is no master, or one again.
+/// ReportsMaster: reports in the log, as the component whose job uses a topic, that the connection
+/// to the master was lost or is back.
 #pragma once
 
-#include "../types/telling.h"
+#include "../types/reporting.h"
 
 namespace ros_bridge {
 
-class TellsOfMaster {
+class ReportsMaster {
  public:
   /// [rt] At each use of the topic.
   void look(bool connected) {

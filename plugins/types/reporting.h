@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a job tells the log, and how often: a fault that comes back with every period shall be told
-/// at once, and not fill the log.
+/// Reports of a job to the log, and how often: a fault that comes back with every period is
+/// reported at once, without filling the log.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,13 @@
 
 namespace rover {
 
-/// For the 1st, 10th, 100th, ... time. [any]
+/// True for the 1st, 10th, 100th, ... time. [any]
 [[nodiscard]] constexpr bool worth_reporting(std::uint64_t count) {
   while (count >= 10 && count % 10 == 0) count /= 10;
   return count == 1;
 }
 
-/// Something that is so, or not so: told when it changes. [rt]
+/// A condition that is true or false, and reported when it changes. [rt]
 class Condition {
  public:
   explicit Condition(bool at_first) : is_(at_first) {}
