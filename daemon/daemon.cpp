@@ -35,7 +35,7 @@ constexpr Duration kComponentsMayTake = 2s;
 constexpr milliseconds kLastAnswers{500};
 /// All of the above, the change under way (its commit is bounded too), and some air.
 constexpr milliseconds kWholeEndMayTake{8'000};
-constexpr milliseconds kLastWordsMayTake{150};
+constexpr milliseconds kCrashHandlerMayTake{150};
 /// Exit code when code of a plugin called exit(0): a service manager starts mauved again.
 constexpr int kUnexpectedEnd = 70;
 
@@ -268,7 +268,7 @@ void Daemon::keep_the_first() {
   running_->recovered = origin_.generation;
 }
 
-/// Under a service manager this keeps the line of `systemctl status` true and tells the watchdog
+/// Under a service manager this keeps the line of `systemctl status` true and informs the watchdog
 /// that all is well; without one it only waits.
 std::string Daemon::wait_for_signal() {
   if (std::getenv("NOTIFY_SOCKET") == nullptr) {
@@ -293,7 +293,7 @@ std::string Daemon::wait_for_signal() {
     if (wrong.empty()) {
       notify::alive();
     } else {
-      notify::status("the watchdog is not told that all is well: " + wrong);
+      notify::status("no sign of life is sent to the watchdog: " + wrong);
     }
     if (std::exchange(well, wrong.empty()) && !wrong.empty()) {
       log_.write(Event::watchdog_silent, {{"text", wrong}});
@@ -375,14 +375,14 @@ std::vector<std::string> Daemon::stop_components() {
 /// The process ends right afterwards. The safe values come first: [control], the log or the disk
 /// may be what hangs, and no end that mauved itself decides leaves an output as it was.
 void Daemon::leave_by_force(const std::string& cause) {
-  const bool safe = rt::speak_last_words({.sent = true});
+  const bool safe = rt::run_crash_handler({.sent = true});
   log_.write(Event::daemon_hurried,
              {{"cause", cause},
               {"text", all_stopped_ ? "after all components stopped with their safe values written"
                        : safe       ? "after the safe values were written"
                                     : "and no safe values could be written now"}});
   unlink(options_.socket.c_str());
-  std::this_thread::sleep_for(kLastWordsMayTake);
+  std::this_thread::sleep_for(kCrashHandlerMayTake);
 }
 
 void Daemon::report_refusal(const Error& error) {

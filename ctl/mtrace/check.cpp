@@ -31,7 +31,7 @@ std::map<Word, std::vector<const Record*>> by_thread(const Trace& trace) {
 std::set<std::int64_t> barriers_of(const Trace& trace) {
   std::set<std::int64_t> numbers;
   for (const Record& record : trace.records) {
-    if (record.event == Event::taken && trace.text(record.name) == "barrier") {
+    if (record.event == Event::applied && trace.text(record.name) == "barrier") {
       numbers.insert(record.b);
     }
   }
@@ -44,7 +44,7 @@ bool header_is_of_the_end(const Trace& trace, const std::vector<const Record*>& 
                           const Component& component) {
   const auto last = std::find_if(records.rbegin(), records.rend(), [&](const Record* record) {
     const std::string& as = trace.text(record->name);
-    return record->event == Event::taken && (as == "change" || as == "back");
+    return record->event == Event::applied && (as == "change" || as == "back");
   });
   return last == records.rend() || !component.change || (*last)->b == *component.change;
 }

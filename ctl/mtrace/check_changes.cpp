@@ -13,7 +13,7 @@ using Threads = std::map<Word, std::vector<const Record*>>;
 
 struct Take {
   Word thread = 0;
-  const Record* taken = nullptr;
+  const Record* applied = nullptr;
   const Record* before = nullptr;  ///< last release with the old one, as far as seen
   const Record* after = nullptr;   ///< first release with the new one
 };
@@ -26,7 +26,7 @@ struct Change {
   std::vector<Take> backs;
   std::vector<Take> steps;  ///< of a barrier: it waits, and goes on, each at an instant of its own
 
-  [[nodiscard]] bool taken_by(Word thread) const {
+  [[nodiscard]] bool is_applied_by(Word thread) const {
     const auto is_its = [&](const Take& one) { return one.thread == thread; };
     return std::any_of(takes.begin(), takes.end(), is_its) ||
            std::any_of(backs.begin(), backs.end(), is_its) ||
@@ -44,8 +44,8 @@ class ChangesCheck {
       trace_.text(thread) == kControl ? read_control(records) : read_takes(thread, records);
     }
     for (const auto& [number, change] : changes_) {
-      const bool taken = !change.takes.empty() || !change.backs.empty() || !change.steps.empty();
-      if (change.commit == nullptr && !taken) continue;
+      const bool applied = !change.takes.empty() || !change.backs.empty() || !change.steps.empty();
+      if (change.commit == nullptr && !applied) continue;
       ++findings_.checked.changes;
       for (const auto* takes : {&change.takes, &change.backs, &change.steps}) {
         for (const Take& take : *takes) cut(number, take);
@@ -83,7 +83,7 @@ class ChangesCheck {
         for (const auto& [takes, index] : open) (*takes)[index].after = record;
         open.clear();
         last = record;
-      } else if (record->event == Event::taken && trace_.text(record->name) != "standby") {
+      } else if (record->event == Event::applied && trace_.text(record->name) != "standby") {
         auto& takes = takes_of(changes_[record->b], trace_.text(record->name));
         takes.push_back({thread, record, last});
         open.emplace_back(&takes, takes.size() - 1);
@@ -97,29 +97,29 @@ class ChangesCheck {
   }
 
   void cut(std::int64_t number, const Take& take) {
-    const std::int64_t instant = take.taken->a;
+    const std::int64_t instant = take.applied->a;
     if (instant == kNoInstant) return findings_.left_out("changes without an instant");
     ++findings_.checked.takes;
     const std::string change = change_called(number);
     if (take.before != nullptr && take.before->a >= instant) {
-      fail(*take.taken, "took " + change + " late: its instant is " + instant_in_words(instant) +
-                            ", and the job released for " + instant_in_words(take.before->a) +
-                            " still ran without it");
+      fail(*take.applied, "took " + change + " late: its instant is " + instant_in_words(instant) +
+                              ", and the job released for " + instant_in_words(take.before->a) +
+                              " still ran without it");
     }
     if (take.after != nullptr && take.after->a < instant) {
-      fail(*take.taken, "took " + change + " early: its instant is " + instant_in_words(instant) +
-                            ", and the job released for " + instant_in_words(take.after->a) +
-                            " ran with it already");
+      fail(*take.applied, "took " + change + " early: its instant is " + instant_in_words(instant) +
+                              ", and the job released for " + instant_in_words(take.after->a) +
+                              " ran with it already");
     }
   }
 
   void one_instant(std::int64_t number, const std::vector<Take>& takes) {
     for (const Take& take : takes) {
-      if (take.taken->a == takes.front().taken->a) continue;
-      fail(*take.taken, "took " + change_called(number) + " with the instant " +
-                            instant_in_words(take.taken->a) + ", and " +
-                            trace_.text(takes.front().thread) + " with " +
-                            instant_in_words(takes.front().taken->a));
+      if (take.applied->a == takes.front().applied->a) continue;
+      fail(*take.applied, "took " + change_called(number) + " with the instant " +
+                              instant_in_words(take.applied->a) + ", and " +
+                              trace_.text(takes.front().thread) + " with " +
+                              instant_in_words(takes.front().applied->a));
       return;
     }
   }
@@ -130,25 +130,25 @@ class ChangesCheck {
     }
     if (change.aborted != nullptr) {
       for (const Take& take : change.takes) {
-        if (take.taken->a != change.commit->a) continue;
-        fail(*take.taken, "took " + change_called(number) + ", which was aborted");
+        if (take.applied->a != change.commit->a) continue;
+        fail(*take.applied, "took " + change_called(number) + ", which was aborted");
         return;
       }
       return;
     }
     for (const Word member : change.members) {
-      if (!change.taken_by(member)) missing(number, change, member);
+      if (!change.is_applied_by(member)) missing(number, change, member);
     }
   }
 
-  /// A member that never took the change: did it run on without it?
+  /// A member that never applied the change: did it run on without it?
   void missing(std::int64_t number, const Change& change, Word member) {
     const auto records = threads_.find(member);
     if (records == threads_.end()) {
       return findings_.left_out("members of changes that did nothing in the trace");
     }
     const std::int64_t instant = change.commit->a;
-    // What [control] tells may come later than the instant, and that before the trace begins.
+    // A record of [control] may come later than the instant, and that before the trace begins.
     const Record& first = *records->second.front();
     if (instant != kNoInstant && instant < first.time) {
       return findings_.left_out("changes before the trace, for members that took part");

@@ -37,8 +37,8 @@ class ThreadCheck {
       case Event::missed:
         missed_ = std::min(missed_ + std::max<std::int64_t>(0, record.a), kMostMissed + 1);
         return;
-      case Event::taken:
-        return on_taken(record);
+      case Event::applied:
+        return on_applied(record);
       default:
         return on_rare(record);
     }
@@ -50,7 +50,8 @@ class ThreadCheck {
   void on_rare(const Record& record) {
     switch (record.event) {
       case Event::budget:
-        if (!jobs.empty()) jobs.back().disturbs = true;  // told at the end of the job, or behind it
+        if (!jobs.empty())
+          jobs.back().disturbs = true;  // recorded at the end of the job, or behind it
         return;
       case Event::overrun:
         excuses_next_ = true;
@@ -152,7 +153,7 @@ class ThreadCheck {
     if (missed_ > kMostMissed || wait > kLongest) {
       return findings_.left_out("releases of " + name() + " were missed for years");
     }
-    // The missed releases were of the period in between, which no record tells.
+    // The missed releases were of the period in between, which no record states.
     if (barrier_ && missed_ > 0 && changed_since_release_) {
       return findings_.left_out("a release of " + name() + " behind a barrier and another change");
     }
@@ -281,7 +282,7 @@ class ThreadCheck {
     }
   }
 
-  void on_taken(const Record& record) {
+  void on_applied(const Record& record) {
     barrier_ = barrier_ || at_barrier_.contains(record.b);
     waits_.clear();
     started_before_take_ = started_ != nullptr;
@@ -295,7 +296,7 @@ class ThreadCheck {
   }
   /// What the header says is about what runs since the last change of the trace.
   [[nodiscard]] bool last_epoch() const { return takes_left_ == 0; }
-  /// Zero: not known, the header tells that of a later core.
+  /// Zero: not known, the header states that of a later core.
   [[nodiscard]] std::int64_t grid_now() const {
     return last_epoch() && component_ != nullptr ? component_->period : 0;
   }
@@ -344,7 +345,7 @@ SeenThread check_thread(Findings& findings, const Component* component,
                         const std::vector<const Record*>& records,
                         const std::set<std::int64_t>& at_barrier) {
   const auto takes = std::count_if(records.begin(), records.end(),
-                                   [](const Record* one) { return one->event == Event::taken; });
+                                   [](const Record* one) { return one->event == Event::applied; });
   ThreadCheck thread(findings, component, at_barrier, static_cast<std::uint64_t>(takes));
   for (const Record* record : records) thread.take(*record);
   const bool whole = !records.empty() && records.front()->event == Event::started;

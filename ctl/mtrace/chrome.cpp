@@ -49,7 +49,7 @@ class Chrome {
       ++thread_;
       name_thread(lane);
       slices(lane);
-      for (const Record* mark : lane.marks) tell(*mark);
+      for (const Record* mark : lane.marks) write(*mark);
     }
     out_ << "\n]}\n";
   }
@@ -95,7 +95,7 @@ class Chrome {
     }
   }
 
-  void tell(const Record& record) {
+  void write(const Record& record) {
     switch (record.event) {
       case Event::user:
         return count(record);
@@ -108,7 +108,7 @@ class Chrome {
       case Event::commit:
         slice("change", title(record), record.time, record.time + 1000, args_of(record));
         return;
-      case Event::taken:
+      case Event::applied:
         instant(record);
         return arrow(record);
       default:
@@ -126,14 +126,14 @@ class Chrome {
           R"("args":{"value":)" + protocol::to_line(Json(record.value())) + "}");
   }
   /// Each has a number of its own; it ends at the next slice, which is the first job with it.
-  void arrow(const Record& taken) {
-    const auto commit = commits_.find(taken.b);
+  void arrow(const Record& applied) {
+    const auto commit = commits_.find(applied.b);
     if (commit == commits_.end()) return;
     const std::string rest = R"("cat":"change","id":)" + std::to_string(++arrows_);
     const int thread = std::exchange(thread_, commit->second.thread);
     event("s", "change", commit->second.time, rest);
     thread_ = thread;
-    event("f", "change", taken.time, rest);
+    event("f", "change", applied.time, rest);
   }
 
   [[nodiscard]] std::string title(const Record& record) const {

@@ -9,7 +9,7 @@
 namespace mauve::ctl::mtrace {
 
 /// One process, a thread for each component, the most urgent first: jobs with their states, waits
-/// for locks and holds as slices, arrows from each change to who took it, values of users as
+/// for locks and holds as slices, arrows from each change to its members, values of users as
 /// counters.
 void write_chrome(const Trace& trace, std::ostream& out);
 

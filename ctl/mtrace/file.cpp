@@ -189,7 +189,7 @@ void Reader::line() {
 }
 
 Result<Trace> Reader::finish() {
-  // A file that was cut off may end within a line, which is nothing to tell of each time.
+  // A file that was cut off may end within a line, which needs no report each time.
   const bool whole = !partial_.empty() && protocol::parse_json(partial_).has_value();
   if (whole || number_ == 1) line();
   if (!refused_) return refused_.error();

@@ -39,7 +39,7 @@ class Findings {
 
   [[nodiscard]] const Trace& trace() const { return trace_; }
   void violation(const Record& at, std::string_view rule, std::string message, std::string hint);
-  /// Told once, with how often.
+  /// Reported once, with its count.
   void left_out(const std::string& what) { ++left_out_[what]; }
   [[nodiscard]] Verdict take();
 

@@ -87,7 +87,7 @@ class Assembly {
     job.preempted = record.b != 0;
     job.whole = true;
   }
-  /// Locks may be left in another order than they were taken.
+  /// Locks may be left in another order than they were acquired.
   void close_hold(const Record& record) {
     const auto held = std::find_if(held_.rbegin(), held_.rend(),
                                    [&](const Span& one) { return one.name == record.name; });

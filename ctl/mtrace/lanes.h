@@ -21,7 +21,7 @@ struct Job {
   std::int64_t from = 0;
   std::int64_t to = 0;
   std::int64_t next = 0;    ///< the release that its end announced; of a whole job
-  std::int64_t change = 0;  ///< the last one that was taken
+  std::int64_t change = 0;  ///< the last one that was applied
   std::int64_t late = 0;    ///< after its deadline; zero: it was in time
   bool whole = false;       ///< it ended in a wait
   bool failed = false;

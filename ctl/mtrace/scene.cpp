@@ -256,15 +256,15 @@ const Job* job_at(const Lane& lane, std::int64_t time) {
 
 void add_boxes(Row& row, const Intervals& urgent, const Scene& scene) {
   Cutter cutter(row, urgent, scene);
-  std::set<const Job*> told_apart;
+  std::set<const Job*> separate;
   for (const Span& state : row.lane->states) {
     if (!within(state, scene)) continue;
     const Job* job = job_at(*row.lane, state.from);
-    told_apart.insert(job);
+    separate.insert(job);
     cutter.cut({Piece::runs, state.from, state.to, state.name, job});
   }
   for (const Job& job : row.lane->jobs) {
-    if (!within(job, scene) || told_apart.contains(&job)) continue;
+    if (!within(job, scene) || separate.contains(&job)) continue;
     cutter.cut({Piece::job, job.from, job.to, 0, &job});
   }
 }

@@ -12,8 +12,8 @@ namespace mauve::ctl::mtrace {
 
 enum class Piece : std::uint8_t {
   runs,       ///< an execution state
-  job,        ///< a job, its states not told apart
-  many,       ///< jobs too close to be told apart
+  job,        ///< a job, its states not drawn apart
+  many,       ///< jobs too close to be drawn apart
   preempted,  ///< a more urgent one had the processor
   blocked,    ///< waited for a lock
 };

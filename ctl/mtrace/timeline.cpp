@@ -21,7 +21,7 @@ double pitch_for(std::size_t rows) {
   return rows <= 16 ? 50.0 : 36.0;
 }
 
-/// Changes whose text finds room in one of a few lines above the rows; else the pointer tells.
+/// Changes whose text finds room in one of a few lines above the rows; else the tooltip shows it.
 class Labels {
  public:
   /// Where the baseline of the text is, or nothing.

@@ -29,7 +29,7 @@ constexpr std::string_view kStyle =
     ".deadline{stroke:#cf222e;stroke-width:1.1;fill:none}"
     ".missed{stroke:#cf222e;stroke-width:1.1;stroke-dasharray:3 2;fill:none}"
     ".fault{stroke:#cf222e;stroke-width:2.4;fill:none}"
-    ".user{fill:#0969da}.taken{fill:#8250df;stroke:white;stroke-width:.8}"
+    ".user{fill:#0969da}.applied{fill:#8250df;stroke:white;stroke-width:.8}"
     ".prepare{fill:url(#preparing);stroke:#8250df;stroke-width:.7}"
     ".commit{stroke:#8250df;stroke-width:1.3;stroke-dasharray:6 3}"
     ".rollback{stroke:#cf222e;stroke-width:1.3;stroke-dasharray:6 3}"
@@ -107,7 +107,7 @@ constexpr SignWords kSignWords[] = {
     {Sign::user, R"(<circle class="user" cx="11" cy="6" r="3.5"/>)", "event of the core"},
     {Sign::stopped, R"(<path class="baseline" d="M0 6H22"/><path class="stopped" d="M0 6H22"/>)",
      "stopped"},
-    {Sign::taken, R"(<path class="taken" d="M11 0L16 6L11 12L6 6Z"/>)", "takes a change"},
+    {Sign::applied, R"(<path class="applied" d="M11 0L16 6L11 12L6 6Z"/>)", "applies a change"},
     {Sign::prepare, R"(<rect class="prepare" width="22" height="12"/>)", "change is prepared"},
     {Sign::commit, R"(<path class="commit" d="M11 0V12"/>)", "instant of a change"},
     {Sign::rollback, R"(<path class="rollback" d="M11 0V12"/>)", "rollback"},

@@ -32,7 +32,7 @@ enum class Sign : std::uint8_t {
   fault,
   user,
   stopped,
-  taken,
+  applied,
   prepare,
   commit,
   rollback,

@@ -205,14 +205,14 @@ void RowPicture::draw_mark(const Record& mark) {
       page_.svg.circle({x, y - place_.height - 5}, 2.6, class_of("user"),
                        name + " = " + compact(protocol::Json(mark.value())) + at);
       return page_.occurs(Sign::user);
-    case Event::taken:
+    case Event::applied:
       page_.svg.path(path_step('M', {x, y - 6}) + path_step('L', {x + 5, y}) +
                          path_step('L', {x, y + 6}) + path_step('L', {x - 5, y}) + "Z",
-                     class_of("taken"),
+                     class_of("applied"),
                      component_.name + " takes change " + std::to_string(mark.b) +
                          (name.empty() ? "" : " (" + name + ")") + at + "\ninstant " +
                          (mark.a == kNoInstant ? "none" : instant_in_words(mark.a)));
-      return page_.occurs(Sign::taken);
+      return page_.occurs(Sign::applied);
     case Event::lost:
       return wrong(mark.time, counted(static_cast<std::uint64_t>(std::max<std::int64_t>(0, mark.a)),
                                       "record") +
@@ -242,8 +242,8 @@ void RowPicture::draw_missed(const Record& mark) {
 /// What went wrong, in red above the boxes, where there is room.
 void RowPicture::wrong(std::int64_t time, std::string_view words) {
   const double x = page_.x(time) + 4;
-  if (x < last_words_ || row_.dense) return;
-  last_words_ = x + text_width(words, kLabelSize) + 6;
+  if (x < last_text_end_ || row_.dense) return;
+  last_text_end_ = x + text_width(words, kLabelSize) + 6;
   page_.svg.text({x, place_.baseline - place_.height * 1.12}, words, "class=\"label wrong\"");
 }
 

@@ -40,7 +40,7 @@ class RowPicture {
   const Row& row_;
   const Component& component_;
   Place place_;
-  double last_words_ = 0.0;  // where the last words in red end
+  double last_text_end_ = 0.0;  // where the last words in red end
 };
 
 }  // namespace mauve::ctl::mtrace

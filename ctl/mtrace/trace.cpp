@@ -25,7 +25,7 @@ constexpr EventWords kEvents[] = {
     {"cause", "", ""},                  // fault
     {"", "first_ns", ""},               // started
     {"", "instant_ns", ""},             // stopped
-    {"kind", "instant_ns", "change"},   // taken
+    {"kind", "instant_ns", "change"},   // applied
     {"", "", "change"},                 // given_back
     {"what", "instant_ns", "change"},   // prepare
     {"what", "instant_ns", "change"},   // commit

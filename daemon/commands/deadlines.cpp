@@ -18,7 +18,7 @@ std::string deadline_of(const Call& call) {
   return "its deadline of " + std::to_string(number_or(call.params, "deadline_ms", 0)) + " ms";
 }
 
-/// Nothing of it will take effect once this has been told.
+/// No part of the request takes effect after this answer.
 bool expire(Call& call) {
   for (auto stage = call.stage->load(); stage == Stage::waiting || stage == Stage::preparing;) {
     if (call.stage->compare_exchange_weak(stage, Stage::expired)) {
@@ -43,7 +43,7 @@ void answer_late(const Running& running, Call& call) {
       refuse(Errc::timed_out, method,
              deadline_of(call) + " passed while the change was taking effect; its outcome is not "
                                  "known yet",
-             "mauvectl history tells its generation once it is over"),
+             "mauvectl history shows its generation once it is over"),
       "unknown", generation));
 }
 
@@ -75,7 +75,7 @@ void Deadlines::watch(const std::shared_ptr<Call>& call) {
 }
 
 void Deadlines::look(const Running& running, Time now) {
-  MAUVE_ON_THREAD(care);
+  MAUVE_ON_THREAD(health);
   std::vector<std::shared_ptr<Call>> late;
   {
     const MutexLock lock(mutex_);

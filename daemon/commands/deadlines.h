@@ -30,7 +30,7 @@ class Deadlines {
 
   /// [io] Before the request is on its way: from now on it has one answer, whichever is first.
   void watch(const std::shared_ptr<Call>& call);
-  /// [care] Answers requests whose deadline has passed.
+  /// [health] Answers requests whose deadline has passed.
   void look(const Running& running, Time now);
 
  private:

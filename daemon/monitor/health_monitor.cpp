@@ -64,7 +64,7 @@ void HealthMonitor::start(Running& running) {
   running.settle = [this](const Outcome& outcome) { settle(outcome); };
   running.control.read([&running] { remember_cores(running); });
   thread_ = std::thread([this] {
-    begin_thread(ThreadRole::care);
+    begin_thread(ThreadRole::health);
     run();
   });
 }
@@ -109,8 +109,8 @@ void HealthMonitor::look() {
 }
 
 void HealthMonitor::report_outcomes() {
-  auto free = std::make_shared<Retired>();
-  const auto outcomes = running_->deployer.tend(*free);
+  auto retired = std::make_shared<Retired>();
+  const auto outcomes = running_->deployer.tend(*retired);
   running_->generation = running_->deployer.generation();
   for (auto outcome : outcomes) {
     const auto place = oldest_place(*running_);
@@ -119,8 +119,8 @@ void HealthMonitor::report_outcomes() {
     }
     settle(outcome);
   }
-  if (!free->empty()) {
-    running_->control.in_factory([free] { static_cast<void>(free->release()); }, [] {});
+  if (!retired->empty()) {
+    running_->control.in_factory([retired] { static_cast<void>(retired->release()); }, [] {});
   }
 }
 
@@ -142,14 +142,14 @@ void HealthMonitor::report_lock_budgets() {
   for (const auto* resource : running_->architecture.resources()) {
     const auto& lock = resource->lock();
     const auto count = lock.over_budget();
-    auto& told = over_budget_[resource->name()];
-    if (count < told) {
-      told = 0;
+    auto& reported = over_budget_[resource->name()];
+    if (count < reported) {
+      reported = 0;
     }
-    if (count == 0 || count < 10 * told) {
+    if (count == 0 || count < 10 * reported) {
       continue;
     }
-    told = count;
+    reported = count;
     const auto held = std::chrono::ceil<std::chrono::microseconds>(lock.longest_held());
     running_->log.write(Event::lock_budget_exceeded,
                         {{"resource", resource->name()},
@@ -161,14 +161,14 @@ void HealthMonitor::report_lock_budgets() {
 
 void HealthMonitor::report_scheduling() {
   for (const auto& one : running_->deployer.status()) {
-    auto& told = restored_[one.name];
-    if (one.restored < told) {
-      told = 0;
+    auto& reported = restored_[one.name];
+    if (one.restored < reported) {
+      reported = 0;
     }
-    if (one.restored == 0 || one.restored < 10 * told) {
+    if (one.restored == 0 || one.restored < 10 * reported) {
       continue;
     }
-    told = one.restored;
+    reported = one.restored;
     running_->log.write(Event::scheduling_restored,
                         {{"component", one.name}, {"count", to_signed(one.restored)}});
   }
@@ -177,7 +177,7 @@ void HealthMonitor::report_scheduling() {
 void HealthMonitor::report(const Outcome& outcome) {
   running_->counts.note(outcome);
   if (outcome.kind == Outcome::Kind::rolled_back) {
-    running_->supervisor.take_back(outcome.changes);  // before the generation is saved
+    running_->supervisor.roll_back(outcome.changes);  // before the generation is saved
   }
   const auto changes = changes_back(outcome);
   running_->log.write(event_of(outcome), {{"component", outcome.component},
@@ -268,8 +268,8 @@ void HealthMonitor::save(const Outcome& outcome, const std::string& changes) {
 /// A component that waits for a standby core that cannot be made stops waiting.
 bool HealthMonitor::refused_before(const Change& standby) {
   const auto& component = standby.edits[0].component;
-  if (const auto free = check_abandoned_in(*running_, standby); !free) {
-    running_->deployer.refuse_standby(component, to_string(free.error()));
+  if (const auto allowed = check_abandoned_in(*running_, standby); !allowed) {
+    running_->deployer.refuse_standby(component, to_string(allowed.error()));
     return true;
   }
   const auto found = refused_.find(component);

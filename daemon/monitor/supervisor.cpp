@@ -78,7 +78,7 @@ void Supervisor::adopt(rules::Supervision supervision, std::uint64_t generation)
 }
 
 /// At most one change on probation brings rules: another one ends the probation of the first.
-void Supervisor::take_back(const std::vector<std::uint64_t>& generations) {
+void Supervisor::roll_back(const std::vector<std::uint64_t>& generations) {
   MAUVE_ON_THREAD(control);
   if (adopted_in_ != 0 && std::ranges::find(generations, adopted_in_) != generations.end()) {
     adopt(std::move(before_));
@@ -256,7 +256,7 @@ void Supervisor::carry_out(Order order) {
                  asked = std::weak_ptr(call)](const server::Outcome& outcome) {
     const auto there = asked.lock();  // an answer that waited for the disk outlives it
     const bool keeps_a_thread = there != nullptr && there->keeps_a_thread;
-    // Whoever answers: the books are kept on [control].
+    // Whichever thread answers, the books are kept on [control].
     control_.read(
         [this, order, outcome, keeps_a_thread] { conclude(order, outcome, keeps_a_thread); });
   };

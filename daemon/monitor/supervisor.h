@@ -31,7 +31,7 @@ class Supervisor {
   void adopt(rules::Supervision supervision, std::uint64_t generation = 0);
   /// The changes that made these generations were rolled back: what they replaced is in force
   /// again, if they replaced anything, with its rules armed. [control]
-  void take_back(const std::vector<std::uint64_t>& generations);
+  void roll_back(const std::vector<std::uint64_t>& generations);
   /// Begins to look, as soon as [control] runs. [main]
   void start(Running& running);
   /// [main], before [control] ends.

@@ -69,7 +69,7 @@ void Processor::find_blocking() {
   for (const auto& [name, resource] : resources) name_guessed(name, level);
 }
 
-/// A resource delays whoever is not below all its users, and not among the lowest of them.
+/// A resource delays each task that is not below all its users, and not among the lowest of them.
 void Processor::name_guessed(std::string_view resource, const std::vector<std::size_t>& level) {
   constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
   std::size_t highest = kNobody;

@@ -51,9 +51,9 @@ std::optional<Duration> passing_execution(const TaskSet& set, const std::string&
     (with(middle) ? low : high) = middle;
   }
   // Less work is rarely worse, so that the next shorter one hardly ever is asked for.
-  for (Duration told = rounded_down(low); told > kShortestExecution;
-       told = rounded_down(told - told / 16)) {
-    if (with(told)) return told;
+  for (Duration shown = rounded_down(low); shown > kShortestExecution;
+       shown = rounded_down(shown - shown / 16)) {
+    if (with(shown)) return shown;
   }
   return kShortestExecution;
 }

@@ -17,7 +17,7 @@ using Passes = std::function<bool(const TaskSet&)>;
 [[nodiscard]] TaskSet with_execution(TaskSet set, const std::string& task, Duration time);
 
 /// The longest execution time of one task with which the whole set passes, rounded down to the
-/// digits that people are told; none: not even a microsecond would. Asks some 16 times.
+/// digits that messages show; none: not even a microsecond passes. Analyses the set some 16 times.
 [[nodiscard]] std::optional<Duration> passing_execution(const TaskSet& set, const std::string& task,
                                                         const Passes& passes);
 

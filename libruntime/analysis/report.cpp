@@ -10,7 +10,7 @@ namespace {
 
 constexpr Duration kMicrosecond = 1us;
 
-/// The third digit of a value, at least a microsecond: what people can tell apart.
+/// The third digit of a value, at least a microsecond: the precision that messages show.
 Duration third_digit(Duration value) {
   Duration digit = kMicrosecond;
   while (value >= 1000 * digit) digit *= 10;

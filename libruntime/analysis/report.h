@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Report: what the analysis found; facts only, who asked decides what to do with them.
+/// Report: what the analysis found; facts only, the caller decides what to do with them.
 #pragma once
 
 #include <optional>
@@ -95,7 +95,7 @@ struct Problem {
   std::string aside;  ///< what the hint ends with: what would help besides
 };
 
-/// A little less, in the three digits that people are told.
+/// A little less, in the three digits that messages show.
 [[nodiscard]] Duration rounded_down(Duration value);
 
 /// Every problem, one for each task and kind; empty when proven().

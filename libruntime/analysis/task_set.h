@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// TaskSet: all that the analysis is told about a system.
+/// TaskSet: the input of the analysis about a system.
 #pragma once
 
 #include <cstdint>

@@ -11,9 +11,9 @@
 namespace mauve {
 namespace {
 
-constexpr std::array<std::string_view, 15> kNames{"none",    "answer", "care",  "control", "disk",
-                                                  "factory", "io",     "judge", "log",     "rt",
-                                                  "reaper",  "rules",  "stop",  "trace",   "watch"};
+constexpr std::array<std::string_view, 15> kNames{"none",   "answer", "control", "disk",  "factory",
+                                                  "health", "io",     "judge",   "log",   "rt",
+                                                  "reaper", "rules",  "stop",    "trace", "watch"};
 
 ThreadRole& role_here() {
   [[gnu::tls_model("initial-exec")]] static thread_local ThreadRole role = ThreadRole::none;

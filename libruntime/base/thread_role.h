@@ -14,10 +14,10 @@ namespace mauve {
 enum class ThreadRole : std::uint8_t {
   none,
   answer,
-  care,
   control,
   disk,
   factory,
+  health,
   io,
   judge,
   log,

@@ -44,7 +44,7 @@ struct Counting final : Stepping {
 };
 
 /// `States` execution states in a row, then one wait. With `Guards`, each state has a transition
-/// that is asked and not taken.
+/// that is asked and not followed.
 template <std::size_t States, bool Guards>
 struct Chain : mauve::Fsm<Stepping> {
   Chain() {
@@ -70,7 +70,7 @@ struct Chain : mauve::Fsm<Stepping> {
 };
 
 /// How a component is looked after.
-enum class Care {
+enum class Watch {
   none,        ///< but a budget
   undeclared,  ///< no budget: what a job uses is measured
   full,        ///< a change on probation, a bound for the guard, and a standby core standing by
@@ -80,11 +80,11 @@ enum class Care {
 template <typename FsmT>
 class Driven {
  public:
-  explicit Driven(Care care = Care::none) {
-    if (care != Care::undeclared) component_.task().budget = std::chrono::seconds(1);
+  explicit Driven(Watch watch = Watch::none) {
+    if (watch != Watch::undeclared) component_.task().budget = std::chrono::seconds(1);
     must(architecture_.configure());
     task_.begin(bundle(mauve::Mode::run), clock_.now());
-    if (care == Care::full) look_after();
+    if (watch == Watch::full) look_after();
   }
   /// Nanoseconds for one job, over `jobs` of them.
   double job(int jobs) {
@@ -171,24 +171,25 @@ void run(const Options& options) {
                 "state is an execution state, its transition and its statistics; a job is a "
                 "release, one state, a "
                 "wait that is armed but not slept, and all clock readings and counters. With all "
-                "care: a change on probation, a bound for the guard, and a standby core. "
+                "watched: a change on probation, a bound for the guard, and a standby core. "
                 "Without a budget each job asks the system what it used. Traced as always: four "
                 "records a job, two a state.",
                 options);
   Figure& state = report.figure("a state of 100 in a row", "ns", above_raw(100));
   Figure& guarded = report.figure("a state with one guard asked", "ns", above_raw(100));
   Figure& job = report.figure("a job of one state, without its sleep", "ns", above_raw(100));
-  Figure& cared = report.figure("a state of 100 in a row, all care", "ns", above_raw(100));
-  Figure& cared_guarded = report.figure("a state with one guard, all care", "ns", above_raw(100));
-  Figure& cared_job = report.figure("a job of one state, all care", "ns", above_raw(100));
+  Figure& watched = report.figure("a state of 100 in a row, fully watched", "ns", above_raw(100));
+  Figure& watched_guarded =
+      report.figure("a state with one guard, fully watched", "ns", above_raw(100));
+  Figure& watched_job = report.figure("a job of one state, fully watched", "ns", above_raw(100));
   Figure& undeclared_job = report.figure("a job of one state, no budget", "ns", above_raw(1000));
   Driven<Chain<kStates, false>> chain;
   Driven<Chain<kStates, true>> guarded_chain;
   Driven<Chain<1, false>> single;
-  Driven<Chain<kStates, false>> cared_chain(Care::full);
-  Driven<Chain<kStates, true>> cared_guarded_chain(Care::full);
-  Driven<Chain<1, false>> cared_single(Care::full);
-  Driven<Chain<1, false>> undeclared_single(Care::undeclared);
+  Driven<Chain<kStates, false>> watched_chain(Watch::full);
+  Driven<Chain<kStates, true>> watched_guarded_chain(Watch::full);
+  Driven<Chain<1, false>> watched_single(Watch::full);
+  Driven<Chain<1, false>> undeclared_single(Watch::undeclared);
   const auto add = [&options](Figure& figure, auto& driven, std::size_t states, bool guards) {
     const Pair jobs = measure(driven, states, guards, options);
     figure.add(jobs.ours / static_cast<double>(states), jobs.raw / static_cast<double>(states));
@@ -198,9 +199,9 @@ void run(const Options& options) {
     add(state, chain, kStates, false);
     add(guarded, guarded_chain, kStates, true);
     add(job, single, 1, false);
-    add(cared, cared_chain, kStates, false);
-    add(cared_guarded, cared_guarded_chain, kStates, true);
-    add(cared_job, cared_single, 1, false);
+    add(watched, watched_chain, kStates, false);
+    add(watched_guarded, watched_guarded_chain, kStates, true);
+    add(watched_job, watched_single, 1, false);
     add(undeclared_job, undeclared_single, 1, false);
   }
   report.print();

@@ -109,8 +109,8 @@ struct Rollbacks {
 /// Waits until the change on probation is over, and the old core has run.
 void await_end(mauve::Deployer& deployer) {
   constexpr std::chrono::microseconds kPause{200};
-  mauve::Retired free;
-  while (deployer.tend(free).empty()) std::this_thread::sleep_for(kPause);
+  mauve::Retired retired;
+  while (deployer.tend(retired).empty()) std::this_thread::sleep_for(kPause);
   while (stamps().again.load() == 0) std::this_thread::sleep_for(kPause);
 }
 
@@ -132,7 +132,7 @@ Rollbacks roll_back(int count, int cpu) {
     static_cast<void>(checked(deployer.apply(change)));
     await_end(deployer);
     deployer.drain([](const mauve::RuntimeEvent&) {});
-    std::this_thread::sleep_for(4 * Probe::kPeriod);  // until the probe has told
+    std::this_thread::sleep_for(4 * Probe::kPeriod);  // until the probe has reported
     const Instant fault = stamps().fault.load();
     const Instant again = stamps().again.load();
     if (probe.disturbed(cpu, fault) || probe.disturbed(cpu, again)) {
@@ -212,7 +212,7 @@ struct Lines {
     late += ours.late;
     apart += ours.apart;
   }
-  [[nodiscard]] std::string told(const std::string& fault) const {
+  [[nodiscard]] std::string report_of(const std::string& fault) const {
     return std::to_string(all) + " rollbacks after " + fault + ", " + std::to_string(late) +
            " of them without the old core at the next release; " + std::to_string(apart) +
            " more set apart, around which a SCHED_FIFO 99 probe was itself over 200 us late.";
@@ -243,8 +243,8 @@ void run(const Options& options) {
     throws.add(roll_back<Throwing>(count, cpu), raw_times(count, cpu, raw_throw));
     crashes.add(roll_back<Crashing>(count, cpu), raw_times(count, cpu, raw_crash));
   }
-  report.note(throws.told("a throw"));
-  report.note(crashes.told("a SIGSEGV"));
+  report.note(throws.report_of("a throw"));
+  report.note(crashes.report_of("a SIGSEGV"));
   report.print();
 }
 

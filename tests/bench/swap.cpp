@@ -111,7 +111,7 @@ Swaps swap_to_and_fro(Places places, int swaps, Duration period = kPeriod) {
     result.pauses.push_back(static_cast<double>(receipt.components[0].pause.count()));
     result.missed += receipt.components[0].missed;
     if (receipt.components[0].missed == 0) continue;
-    std::this_thread::sleep_for(10 * Probe::kPeriod);  // until the probe has told
+    std::this_thread::sleep_for(10 * Probe::kPeriod);  // until the probe has reported
     if (probe.windows() != windows) result.apart += receipt.components[0].missed;
   }
   static_cast<void>(deployer.shutdown());

@@ -27,17 +27,17 @@ using mauve::exec::TaskUpdate;
 constexpr int kPriority = 50;
 constexpr Duration kWait{1'000'000'000};
 
-/// As long as it is told, without looking at a clock.
+/// As long as it is ordered to, without looking at a clock.
 struct Working final : mauve::Core<mauve::EmptyShell> {
   mauve::Stateless stateless{*this};
-  mauve::TraceEvent told{*this, "told"};
+  mauve::TraceEvent event{*this, "event"};
   int turns = 0;
-  bool tells = false;
+  bool records = false;
   volatile double value = 1;
 
   void update() {
     for (int i = 0; i < turns; ++i) value = value * 1.0000001 + 1e-9;
-    if (tells) told(value);
+    if (records) event(value);
   }
 };
 
@@ -110,7 +110,7 @@ void events(Figure& on, Figure& off, Figure& is_direct) {
   const auto nothing = [](int i) { core.value = i; };
   const auto event = [](int i) {
     core.value = i;
-    core.told(i);
+    core.event(i);
   };
   const double loop = each(kTurns, nothing);
   mauve::set_trace_mode(TraceMode::jobs);

@@ -97,16 +97,16 @@ struct Samples {
   std::uint64_t missed = 0;        // releases, the disturbed ones apart
 };
 
-/// When the last of all members took its new elements; 0: not all have told.
+/// When the last of all members took its new elements; 0: not all have reported.
 Instant last_in_force(exec::System& system) {
   Instant last = 0;
-  std::size_t told = 0;
+  std::size_t reported = 0;
   exec::drain_events(system, [&](const mauve::RuntimeEvent& happening) {
     if (happening.event != "swapped") return;
-    ++told;
+    ++reported;
     last = std::max(last, happening.time);
   });
-  return told == kMembers ? last : 0;
+  return reported == kMembers ? last : 0;
 }
 
 bool disturbed(const Probe& probe, Instant from, Instant to) {

@@ -80,7 +80,7 @@ TEST_F(Traces, AreTheLastSecondsWithoutBeingAskedFor) {
   }
 }
 
-TEST_F(Traces, BeginAndEndAndTellOfAChangeInBetween) {
+TEST_F(Traces, BeginAndEndAndRecordAChangeInBetween) {
   TrialDaemon daemon(calm(), options());
   EXPECT_EQ(daemon.ask("trace.stop")["data"]["name"], "wrong_state");
 
@@ -97,7 +97,7 @@ TEST_F(Traces, BeginAndEndAndTellOfAChangeInBetween) {
   const auto records = page["records"].get<std::vector<Json>>();
   EXPECT_EQ(page["end"], true) << "of so short a trace";
   EXPECT_EQ(count(records, "commit"), 1U);
-  EXPECT_EQ(count(records, "taken", "first"), 1U);
+  EXPECT_EQ(count(records, "applied", "first"), 1U);
   EXPECT_EQ(count(records, "set", "[control]"), 1U);
   EXPECT_GT(count(records, "call", "first"), 0U);
   const auto again = daemon.ask("trace.read");
@@ -218,7 +218,7 @@ TEST_F(Traces, ARollbackIsRecorded) {
 
   const auto trace = flight("flight-0001-rollback-first");
   EXPECT_EQ(count(trace.records, "rollback", "[control]"), 1U);
-  EXPECT_EQ(count(trace.records, "taken", "first"), 2U) << "forth and back";
+  EXPECT_EQ(count(trace.records, "applied", "first"), 2U) << "forth and back";
 }
 
 TEST_F(Traces, WithoutTheFlightRecorderNothingIsTracedUntilSomebodyAsks) {
@@ -227,13 +227,13 @@ TEST_F(Traces, WithoutTheFlightRecorderNothingIsTracedUntilSomebodyAsks) {
   EXPECT_EQ(daemon.ask("trace.read")["data"]["name"], "wrong_state");
   const auto status = daemon.ask("trace.status");
   EXPECT_EQ(status["flight_recorder"], false);
-  EXPECT_EQ(status["bytes"], 0) << "no memory is taken for nothing";
+  EXPECT_EQ(status["bytes"], 0) << "no memory is allocated for nothing";
 
   ASSERT_EQ(daemon.ask("trace.start")["on"], true);
   EXPECT_TRUE(eventually([&] { return daemon.ask("trace.read")["records"].size() > 20; }));
 }
 
-TEST_F(Traces, AnUnwritableStateDirectoryIsToldAndHarmsNothing) {
+TEST_F(Traces, AnUnwritableStateDirectoryIsReportedAndHarmsNothing) {
   TrialDaemon daemon(calm(), options());
   ASSERT_TRUE(eventually([&] { return daemon.ask("trace.status")["records"] > 0; }));
   std::filesystem::rename(state(), place_ / "elsewhere");

@@ -26,9 +26,9 @@ void busy_for(Duration time) {
   }
 }
 
-TEST(Preemption, IsToldWhereTheKernelKnowsRestartableSequences) {
+TEST(Preemption, IsDetectedWhereTheKernelKnowsRestartableSequences) {
   if (!rt::preemption_is_reported())
-    GTEST_SKIP() << "NOT TESTED: this kernel or libc does not tell";
+    GTEST_SKIP() << "NOT TESTED: this kernel or libc does not detect it";
   rt::watch_for_preemption();
   std::this_thread::sleep_for(100us);
   EXPECT_TRUE(rt::preempted()) << "a thread that sleeps is preempted";
@@ -45,7 +45,7 @@ TEST(Preemption, IsToldWhereTheKernelKnowsRestartableSequences) {
 
 TEST(ResourceLock, KnowsHowLongAnUninterruptedJobHeldIt) {
   if (!rt::preemption_is_reported())
-    GTEST_SKIP() << "NOT TESTED: this kernel or libc does not tell";
+    GTEST_SKIP() << "NOT TESTED: this kernel or libc does not detect it";
   ResourceLock lock;
   ResourceLock shortly;
   shortly.hold_shortly();
@@ -70,7 +70,7 @@ TEST(ResourceLock, KnowsHowLongAnUninterruptedJobHeldIt) {
 
 TEST(ResourceLock, CountsWhatWasHeldLongerThanDeclared) {
   if (!rt::preemption_is_reported())
-    GTEST_SKIP() << "NOT TESTED: this kernel or libc does not tell";
+    GTEST_SKIP() << "NOT TESTED: this kernel or libc does not detect it";
   ResourceLock longer;
   ResourceLock shorter;
   longer.set_budget(kHeld / 2);

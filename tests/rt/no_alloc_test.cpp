@@ -103,12 +103,12 @@ TEST(RealTimePath, CallsNoHeapInJobsAndSwaps) {
   EXPECT_EQ(heap::calls() - before, 0u);
 }
 
-/// Tells of itself besides.
-struct WatchedTeller final : Watched {
-  TraceEvent told{*this, "told"};
+/// Records events of its own besides.
+struct WatchedRecorder final : Watched {
+  TraceEvent event{*this, "event"};
   void update() override {
     Watched::update();
-    told(state->value);
+    event(state->value);
   }
 };
 
@@ -117,19 +117,19 @@ TEST(RealTimePath, CallsNoHeapWhileEverythingIsTraced) {
   Watching architecture;
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
-  ASSERT_TRUE(deployer.swap_core<WatchedTeller>("control"));
+  ASSERT_TRUE(deployer.swap_core<WatchedRecorder>("control"));
   const int first = watch().jobs;
   ASSERT_TRUE(eventually([&] { return watch().jobs > first + 20; }));
   const std::size_t before = heap::calls();
-  std::size_t told = 0;
+  std::size_t recorded = 0;
   const auto collect = [&] {
     deployer.drain_trace([&](const TraceRecord& record) {
-      told += record.kind == TraceKind::user || record.kind == TraceKind::call ? 1 : 0;
+      recorded += record.kind == TraceKind::user || record.kind == TraceKind::call ? 1 : 0;
     });
   };
   collect();
   for (int i = 0; i < 20; ++i) {
-    ASSERT_TRUE(deployer.swap_core<WatchedTeller>("control"));
+    ASSERT_TRUE(deployer.swap_core<WatchedRecorder>("control"));
     collect();
   }
   const int jobs = watch().jobs;
@@ -138,7 +138,7 @@ TEST(RealTimePath, CallsNoHeapWhileEverythingIsTraced) {
   set_trace_mode(TraceMode::jobs);
 
   EXPECT_EQ(heap::calls() - before, 0u);
-  EXPECT_GT(told, 300u) << "two ports and an event each job";
+  EXPECT_GT(recorded, 300u) << "two ports and an event each job";
 }
 
 TEST(RealTimePath, CallsNoHeapWhenAStateIsConverted) {

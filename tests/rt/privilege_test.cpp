@@ -93,7 +93,7 @@ TEST(FifoRefusal, FindsTheGroupOfTheCpuController) {
   EXPECT_EQ(rt::cpu_group(""), std::nullopt);
 }
 
-TEST(Privilege, RootWithoutTheCapabilityIsToldSoAndNotAboutControlGroups) {
+TEST(Privilege, RootWithoutTheCapabilityIsWarnedOfThatAndNotAboutControlGroups) {
   const int answer = in_a_child([] {
     if (!drop_nice()) return 98;
     const Status refused = rt::may_use_fifo(40);
@@ -125,11 +125,11 @@ TEST(Privilege, PreferRunsAndSaysThatTimingIsNotGuaranteed) {
     if (!deployer.deploy()) return 1;
     if (deployer.realtime()) return 2;
     if (!eventually([&] { return deployer.status("control").releases > 2; })) return 3;
-    int told = 0;
+    int warned = 0;
     for (const std::string& warning : deployer.warnings()) {
-      told += warning.find("SCHED_FIFO") != std::string::npos ? 1 : 0;
+      warned += warning.find("SCHED_FIFO") != std::string::npos ? 1 : 0;
     }
-    return told == 1 ? 0 : 4;
+    return warned == 1 ? 0 : 4;
   });
   EXPECT_EQ(answer, 0);
 }

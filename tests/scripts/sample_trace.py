@@ -28,7 +28,7 @@ def records():
     for release in range(0, 100 * MS, 20 * MS):
         swapped = release >= 60 * MS
         if release == 60 * MS:
-            yield [release + 2 * MS, "A", "taken", "change", 60 * MS, 1]
+            yield [release + 2 * MS, "A", "applied", "change", 60 * MS, 1]
         end = release + (6 if swapped else 16) * MS
         yield from job("A", release, release + 2 * MS, end, 20, int(swapped), int(not swapped))
     yield [35 * MS, "[control]", "prepare", "core.swap A", 0, 1]

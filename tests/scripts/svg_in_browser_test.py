@@ -27,7 +27,7 @@ const boxes = name => [...document.querySelectorAll('svg ' + name)].map(one => {
           text: one.textContent};
 });
 const seen = {};
-for (const name of ['rect.state', 'rect.preempted', 'path.release', 'path.commit', 'path.taken', 'rect.prepare',
+for (const name of ['rect.state', 'rect.preempted', 'path.release', 'path.commit', 'path.applied', 'rect.prepare',
                     'rect.disturbed', 'circle.user', 'text.name', 'text.axis', 'text.title', 'text.tick'])
   seen[name] = boxes(name);
 document.getElementById('seen').textContent = JSON.stringify(seen);
@@ -83,7 +83,7 @@ class InBrowser(unittest.TestCase):
         at_60_ms = next(one for one in self.seen["text.tick"] if one["text"] == "60")
         self.assertAlmostEqual(line["x"], at_60_ms["x"] + at_60_ms["width"] / 2, delta=1.5)
         self.assertIn("core.swap A", line["text"])
-        self.assertTrue(self.seen["path.taken"] and self.seen["rect.prepare"])
+        self.assertTrue(self.seen["path.applied"] and self.seen["rect.prepare"])
 
     def test_events_disturbance_axis_and_title_are_there(self):
         for name in ("circle.user", "rect.disturbed", "text.axis", "text.title"):

@@ -41,7 +41,7 @@ class UnderLoad {
     const std::uint64_t missed_now = missed_();
     const std::uint64_t missed = missed_now - std::exchange(missed_before_, missed_now);
     const std::uint64_t disturbed_now = disturbances();
-    // The probe may tell of the same disturbance a moment later.
+    // The probe may report the same disturbance a moment later.
     if (missed > 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
     tally_.disturbances = disturbances();
     const bool disturbed = tally_.disturbances != std::exchange(disturbed_before_, disturbed_now);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// For claims about time: load that disturbs, and a probe that tells when the machine itself stood
-/// still, so that such windows are set apart.
+/// For claims about time: load that disturbs, and a probe that reports when the machine itself
+/// stood still, so that such windows are set apart.
 #pragma once
 
 #include <atomic>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A base on a line of the test, and a component that tells it to drive.
+/// A base on a line of the test, and a component that orders it to drive.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Releases that were lost, as a trace tells it that is read in slices while it is recorded.
+/// Releases that were lost, as counted in a trace that is read in slices while it is recorded.
 #pragma once
 
 #include <cstdint>
@@ -25,8 +25,8 @@ struct LostReleases {
 /// barrier, a swap in place) are marked "planned" in a trace and are not lost.
 class LossWitness {
  public:
-  /// The losses of a slice that no slice before told. What is about to be told of its last moment
-  /// belongs to the next one.
+  /// The losses of a slice that no slice before contained. What is about to be recorded of its last
+  /// moment belongs to the next one.
   std::vector<LostReleases> look(const ctl::mtrace::Trace& slice) {
     using ctl::mtrace::Event;
     const std::int64_t end = slice.last_time() - kUnreported;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Releases that a trace tells to have been missed, what was disturbed apart.
+/// Missed releases in a trace; disturbed ones are counted separately.
 #pragma once
 
 #include <algorithm>

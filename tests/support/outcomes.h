@@ -10,13 +10,13 @@
 
 namespace mauve::test {
 
-/// What was told since the last look; the elements that became free are freed.
+/// The outcomes since the last call; destroys the elements that changes have retired.
 inline std::vector<Outcome> tend(Deployer& deployer) {
-  Retired free;
-  return deployer.tend(free);
+  Retired retired;
+  return deployer.tend(retired);
 }
 
-/// The first that are told; none when nothing is.
+/// The first outcomes that come; none within the time.
 [[nodiscard]] inline std::vector<Outcome> await_outcomes(Deployer& deployer) {
   std::vector<Outcome> outcomes;
   static_cast<void>(eventually([&] {

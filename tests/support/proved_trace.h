@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the threads of a mauved told in the last seconds of its test obeys the model: `mauvectl
+/// The trace of a mauved in the last seconds of its test obeys the model: `mauvectl
 /// check-trace`.
 #pragma once
 

@@ -123,7 +123,7 @@ class RawClient {
     }
   }
 
-  /// True when the other end closes within the time; what it still sends is thrown away.
+  /// True when the other end closes within the time; what it still sends is discarded.
   [[nodiscard]] bool closed_by_peer(std::chrono::milliseconds limit = kPatience) {
     const auto until = std::chrono::steady_clock::now() + limit;
     while (std::chrono::steady_clock::now() < until) {

@@ -109,7 +109,8 @@ struct WriterShell : mauve::Shell {
 struct Writer : mauve::Core<WriterShell> {
   mauve::Stateless stateless{*this};
   mauve::Property<double> value{*this, "value", 1.0, "written each job"};
-  mauve::Property<bool> may_be_held{*this, "may_be_held", false, "stays in its job when told"};
+  mauve::Property<bool> may_be_held{*this, "may_be_held", false,
+                                    "stays in its job when the test says so"};
   void update() {
     while (may_be_held && counts().hold) {
       counts().holding = true;

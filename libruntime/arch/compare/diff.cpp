@@ -32,15 +32,15 @@ NewConnection connection_to(const Binding& binding, std::string_view port) {
 /// The connections of an element that is not in force; it loses them.
 template <typename Element>
 std::vector<NewConnection> take_connections(Element& element) {
-  std::vector<NewConnection> taken;
+  std::vector<NewConnection> removed;
   for (const PortBase* port : element.shell().ports()) {
     const Binding* const binding = connection_of(element, port->name());
-    if (binding != nullptr) taken.push_back(connection_to(*binding, port->name()));
+    if (binding != nullptr) removed.push_back(connection_to(*binding, port->name()));
   }
-  for (const NewConnection& connection : taken) {
+  for (const NewConnection& connection : removed) {
     static_cast<void>(element.disconnect(connection.port));
   }
-  return taken;
+  return removed;
 }
 
 bool same_properties(const Configurable& a, const Configurable& b) {

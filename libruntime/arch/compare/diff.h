@@ -49,7 +49,7 @@ struct Difference {
 };
 
 /// Compares by name. `wanted` was made from a file (load(), build()): nothing in it is configured,
-/// and it owns its elements. Those that join are taken out of it; it is left without connections,
+/// and it owns its elements. Those that join are moved out of it; it is left without connections,
 /// and can be freed by any thread.
 ///
 /// A component of another type leaves and joins again under its name; so does a resource of another

@@ -50,7 +50,7 @@ TimedComponent timed_after(const Deployed& deployed, const Bundle& base, const B
   after.bundle = &next;
   if (!next.task.cpus.empty()) after.cpus = next.task.cpus;
   if (is_other_code(*base.core, *next.core)) after.measured = Duration{0};
-  // In place the new machine is configured later: until then the old one tells.
+  // In place the new machine is configured later: until then the old one counts.
   if (next.fsm->initial() != nullptr) after.fsm = next.fsm.get();
   after.version = next.core != base.core ? 1 : 0;
   return after;

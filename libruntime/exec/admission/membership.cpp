@@ -53,7 +53,7 @@ bool let_go(System& system, Deployed& deployed) {
   }
   keep_last_events(system, deployed);
   keep_last_trace(system, deployed);
-  system.free.keep(std::exchange(deployed.standby, {}).content);
+  system.retired.keep(std::exchange(deployed.standby, {}).content);
   deployed.component = nullptr;
   const MutexLock lock(system.members);
   const auto here = std::find_if(system.deployed.begin(), system.deployed.end(),

@@ -11,7 +11,7 @@ namespace {
 
 using analysis::Problem;
 
-/// Who is in trouble although this task takes no time.
+/// The tasks that miss their deadlines although this task takes no time.
 std::string obstacle(const analysis::TaskSet& set, const std::string& task,
                      const std::string& otherwise) {
   const auto least = analysis::with_execution(set, task, analysis::kShortestExecution);

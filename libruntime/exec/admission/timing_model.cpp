@@ -33,7 +33,7 @@ analysis::Machine machine_of(const FsmBase& fsm) {
 /// What was measured is not the worst that can be.
 Duration with_margin(Duration measured) { return measured + measured / 5; }
 
-/// Counted for every kind of job of the component: the runtime does not tell them apart.
+/// Counted for every kind of job of the component: the runtime does not distinguish them.
 void count_measured(analysis::Graph& graph, Duration longest) {
   for (analysis::Vertex& job : graph.vertices) {
     job.execution = with_margin(longest);

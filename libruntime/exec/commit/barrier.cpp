@@ -100,7 +100,7 @@ bool Barrier::advance() {
     } else {
       call_off(refuse(Errc::timed_out, absent(),
                       "did not come to the barrier within " + std::to_string(kLongestWait / 1ms) +
-                          " ms, so the change was taken back and all go on as before",
+                          " ms, so the change was revoked and all go on as before",
                       "look at `status`: a core that never returns holds its component"));
     }
   }
@@ -128,7 +128,7 @@ void Barrier::give_way(const Deployed& stopped) {
   if (std::find(gathered_.begin(), gathered_.end(), &stopped) == gathered_.end()) return;
   call_off(refuse(Errc::conflict, stopped.component->name(),
                   "was to be stopped while others waited for it at the barrier, so the change was "
-                  "taken back",
+                  "revoked",
                   "try again"));
 }
 
@@ -154,7 +154,7 @@ bool Barrier::hand_over(const std::vector<PreparedResource>& changed) {
   }
   if (!held.empty()) {
     call_off(refuse(Errc::timed_out, held,
-                    "is held by a caller that does not leave it, so the change was taken back and "
+                    "is held by a caller that does not leave it, so the change was revoked and "
                     "all go on as before",
                     "look at `status`: a core that never returns holds what it is inside"));
     return false;
@@ -163,7 +163,7 @@ bool Barrier::hand_over(const std::vector<PreparedResource>& changed) {
     const bool takes =
         replacement.plan.hand_over.from != nullptr || replacement.plan.from != nullptr;
     if (!takes) continue;
-    // Since the plan was made somebody may have been thrown out of it.
+    // Since the plan was made a call may have been aborted inside the resource.
     if (Status whole = check_whole(*replacement.from, StatePolicy::keep); !whole) {
       call_off(whole.error());
       return false;
@@ -176,7 +176,7 @@ bool Barrier::hand_over(const std::vector<PreparedResource>& changed) {
 }
 
 /// All, or nothing: what was moved before one fails is moved back. A converter that does not return
-/// fails too: members wait for it, and so does whoever needs [control].
+/// fails too: members wait for it, and so does each request to [control].
 bool Barrier::hand_over() {
   MAUVE_ON_THREAD(control);
   const rt::Deadline deadline(kLongestWait);

@@ -11,7 +11,7 @@
 ///   somebody does not come in time
 ///     publish `go_on` ------------------> the same, with what it runs with
 ///
-/// Bystanders, who reach a resource of the change only through another one, wait and go on too.
+/// Bystanders, which reach a resource of the change only through another one, wait and go on too.
 #pragma once
 
 #include <memory>
@@ -43,7 +43,7 @@ class Barrier {
   /// True when all wait, or nobody does any more.
   bool advance();
   [[nodiscard]] bool all_wait() const { return phase_ == Phase::waiting; }
-  /// Who waits goes on with what it runs with. Nothing once the hand-over has begun.
+  /// A waiting member goes on with what it runs with. Nothing once the hand-over has begun.
   void call_off(Error why);
   /// Because a stop of this one was asked for.
   void give_way(const Deployed& stopped);

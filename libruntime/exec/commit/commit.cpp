@@ -77,7 +77,7 @@ Status check_fit_again(System& system, const PreparedChange::Content& content) {
                 sound.error().message +
                     "; the architecture changed while this change was prepared, for example by a "
                     "rollback",
-                "try again; `logs` and `history` tell what came between");
+                "try again; `logs` and `history` show what came between");
 }
 
 }  // namespace
@@ -113,7 +113,8 @@ void Commit::refuse_all(Error error) {
   content_.reset();
 }
 
-/// False: not yet, or never. Who waits takes an order at once, so nothing can fail after it.
+/// False: not yet, or never. A waiting member applies an order at once, so nothing can fail after
+/// it.
 bool Commit::pass_barrier() {
   if (!barrier_->advance()) return false;
   if (barrier_->all_wait() && barrier_->hand_over(content_->resources)) {
@@ -194,14 +195,14 @@ Status Commit::follow(const ProbationPeriod& before) {
     content_->members.push_back(member_of(component, Mode::keep));
     content_->members.back().part = Part::follows;
     deployed_.push_back(before.members()[i].deployed);
-    const Status free = check_member(content_->members.back(), *deployed_.back());
-    if (!free) return free;
+    const Status ready = check_member(content_->members.back(), *deployed_.back());
+    if (!ready) return ready;
   }
   return ok();
 }
 
-/// Who waits at a barrier does not go back: there the probations of the changes before end when the
-/// members are called.
+/// A member that waits at a barrier does not go back: there the probations of the changes before
+/// end when the members are called.
 Status Commit::end_probations_before() {
   for (const auto& before : std::exchange(before_, {})) {
     ProbationPeriod* const one = probation_of(system_, *before);
@@ -303,7 +304,7 @@ bool Commit::advance() {
   if (over_) return true;
   if (swap_ == nullptr && !pass_barrier()) return over_;
   over_ = back_by_ != 0 ? all_went_back() : all_changed();
-  if (over_) content_.reset();  // freed by whoever prepared it
+  if (over_) content_.reset();  // freed by the thread that prepared it
   return over_ || answered();
 }
 

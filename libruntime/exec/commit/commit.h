@@ -71,7 +71,7 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   void enter_resources();
   [[nodiscard]] bool all_changed();
   void conclude();
-  void take_back();
+  void trigger_rollback();
   [[nodiscard]] bool all_went_back();
   void refuse_all(Error error);
   void change_membership();

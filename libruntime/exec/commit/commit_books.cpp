@@ -43,11 +43,11 @@ void Commit::enter(std::size_t index) {
   const bool lost = system_.runner->has_abandoned(deployed_[index]->task.get());
   // What the rollback may need is looked at when the change joins the one before: see adopt().
   if (heritage_.origin_of(*member.component) == nullptr) {
-    retire(*member.base, *member.next, lost ? system_.free : retired_);
+    retire(*member.base, *member.next, lost ? system_.retired : retired_);
   }
   if (member.next != member.base || member.standby != nullptr) {
     StandbyCore& standby = deployed_[index]->standby;
-    system_.free.keep(std::exchange(standby, std::exchange(standby_cores_[index], {})).content);
+    system_.retired.keep(std::exchange(standby, std::exchange(standby_cores_[index], {})).content);
     member.standby.reset();
   }
   member.made.forget();
@@ -59,7 +59,7 @@ void Commit::enter(std::size_t index) {
 }
 
 void Commit::enter_resources() {
-  Retired& retired = system_.runner->has_abandoned() ? system_.free : retired_;
+  Retired& retired = system_.runner->has_abandoned() ? system_.retired : retired_;
   for (std::size_t i = 0; i < swap_->resources().size(); ++i) {
     const ResourceUpdate& update = *swap_->resources()[i].update;
     if (update.state() != ResourceUpdate::State::in_force) continue;
@@ -92,7 +92,7 @@ void Commit::report_attempt() {
   }
 }
 
-/// One that was committed is taken back: nobody came in time.
+/// A committed change is revoked when no member reached its boundary in time.
 void Commit::report_end() {
   if (swap_->result().state != SwapResult::State::revoked) return;
   report_control(system_, TraceKind::abort, content_->what, swap_->result().instant, number_);
@@ -113,7 +113,7 @@ void Commit::conclude() {
   if (heritage_.changes().empty()) overtake_before();
   enter_resources();
   if (system_.runner->has_abandoned())
-    system_.free.keep(content_);  // it may be inside of what leaves
+    system_.retired.keep(content_);  // it may be inside of what leaves
   receipt_.state = ChangeState::applied;
   receipt_.commit = Duration{swapped.instant - system_.t0};
   receipt_.attempts = swapped.attempts;
@@ -124,7 +124,7 @@ void Commit::conclude() {
     barrier_->report(receipt_);
     barrier_->end();
   }
-  if (!whole && rollback_ != nullptr) return take_back();
+  if (!whole && rollback_ != nullptr) return trigger_rollback();
   receipt_.generation = content_->step ? system_.generation : ++system_.generation;
   system_.newest = weak_from_this();
   system_.looks_at_newest = 0;
@@ -157,10 +157,10 @@ void Commit::overtake_before() {
 }
 
 /// Some member hangs in its job: those that have changed go back, so that there is no mixture.
-void Commit::take_back() {
+void Commit::trigger_rollback() {
   const bool quietly =
       rollback_->trigger(system_.runner->clock(), "some member did not end its job in time");
-  if (!quietly) ++system_.generation;  // a core failed meanwhile, which is told
+  if (!quietly) ++system_.generation;  // a core failed meanwhile, which is reported
   change_membership();
   for (std::size_t i = 0; i < deployed_.size(); ++i) {
     rollbacks_[i].in_force = swap_->members()[i].in_force;
@@ -180,11 +180,11 @@ bool Commit::all_went_back() {
   result_ = not_applied();
   if (!under_way && !failed().empty()) {
     result_ = refuse(Errc::hook_threw, failed(),
-                     "could not convert the state of the core before, so the change was taken back",
+                     "could not convert the state of the core before, so the change was revoked",
                      "mend its converter: the log says how it failed");
   } else if (!under_way) {
     result_ = refuse(Errc::timed_out, result_->error().at,
-                     "did not end its job within 2 s, so the change was taken back on all others",
+                     "did not end its job within 2 s, so the change was revoked on all others",
                      "look at `status`: a core that never returns holds its component");
   }
   return true;
@@ -210,7 +210,7 @@ void Commit::change_membership() {
     // The rollback of an earlier change may lead through it until no thread looks at it any more,
     // and its earlier cores may use its shell until they are freed.
     for (const auto& one : system_.fading) one->keep_longest(content_->left_resources.back());
-    system_.free.keep_longest(content_->left_resources.back());
+    system_.retired.keep_longest(content_->left_resources.back());
   }
   for (const auto& resource : content_->new_resources) system_.architecture.own(resource);
   for (std::size_t i = 0; i < deployed_.size(); ++i) {
@@ -277,7 +277,7 @@ Error Commit::not_applied() const {
         "values written, a resource is poisoned; the change is in force",
         content_->in_place ? "mend its converter, then swap again"
                            : "mend its converter, then swap again; without --probation off it "
-                             "would have been taken back");
+                             "would have been rolled back");
   }
   std::string names;
   for (const Deployed* one : silent()) {
@@ -301,16 +301,17 @@ Error Commit::not_applied() const {
                     "every attempt missed its instant: the machine is overloaded", "try again");
     case SwapResult::State::revoked:
       return refuse(Errc::timed_out, names,
-                    "did not end its job within 2 s, so the change was taken back", look);
+                    "did not end its job within 2 s, so the change was revoked", look);
     case SwapResult::State::waiting:
       return refuse(Errc::partly, names, "did not end its job in time; it will obey when it does",
                     look);
     default:
       if (rollback_ != nullptr) {
-        return refuse(Errc::partly, names,
-                      "did not end its job within 2 s: the change is taken back on the others, but "
-                      "some of them do not end their job either",
-                      look);
+        return refuse(
+            Errc::partly, names,
+            "did not end its job within 2 s: the change is rolled back on the others, but "
+            "some of them do not end their job either",
+            look);
       }
       return refuse(Errc::partly, names,
                     "did not end its job within 2 s: the change is in force on the others only, a "

@@ -47,7 +47,7 @@ void look_after_itself(System& system) {
   let_fade(system);
   std::erase_if(system.fading, [&](const std::shared_ptr<ProbationPeriod>& one) {
     if (one->advance()) return false;
-    system.free.merge(one->take_free());
+    system.retired.merge(one->take_retired());
     return true;
   });
   look_after_standby_cores(system);

@@ -97,7 +97,7 @@ Status bring_up(System& system) {
     Deployed deployed;
     deployed.component = component;
     component->bundle()->measured->reset();  // it may have been deployed before
-    deployed.cpus = task.cpus;               // who is pinned counts for who is placed
+    deployed.cpus = task.cpus;               // placement counts pinned tasks
     deployed.task = new_task(system, *component);
     system.deployed.push_back(std::move(deployed));
   }

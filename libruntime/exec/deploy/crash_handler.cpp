@@ -19,9 +19,9 @@
 namespace mauve::exec {
 namespace {
 
-/// For all safe values, and for those who act on them.
+/// For all safe values, and for the components that act on them.
 constexpr Duration kMayTake = 200ms;
-/// For one resource: who holds it may be the one that failed.
+/// For one resource: its holder may be the thread that failed.
 constexpr Duration kForOne = 20ms;
 
 /// One line on standard error, without memory from anywhere.
@@ -41,7 +41,7 @@ bool may_be_made_safe(const ComponentBase* component) {
   return component != nullptr && has_safe_values(*component->bundle());
 }
 
-/// Who writes safe values writes nothing else any more; its core cannot be asked.
+/// A component that writes safe values writes nothing else any more; its core is not called.
 unsigned make_safe(System& system, Instant until) {
   unsigned safe = 0;
   for (Deployed& deployed : system.deployed) {

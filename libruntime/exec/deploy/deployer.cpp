@@ -210,7 +210,7 @@ Retired Deployer::collect() {
   exec::advance(*system_);
   // An abandoned thread may still be inside.
   if (system_->runner->has_abandoned()) return {};
-  return std::exchange(system_->free, {});
+  return std::exchange(system_->retired, {});
 }
 
 bool Deployer::settled() const {

@@ -38,7 +38,7 @@ std::vector<std::string> bring_down(System& system, Duration bound) {
     keep_for_abandoned(system.runner);
   }
   if (system.runner->has_abandoned()) {
-    keep_for_abandoned(std::make_shared<Retired>(std::exchange(system.free, {})));
+    keep_for_abandoned(std::make_shared<Retired>(std::exchange(system.retired, {})));
   }
   system.crash_handler.reset();
   return abandoned;

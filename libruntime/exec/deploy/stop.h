@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Stop: parks components at the end of the job they are in. It cannot be refused and does not need
-/// the component to be well: who does not come in time gets its safe values written from here, and
+/// the component to be well: a late one gets its safe values written from here, and
 /// parks as soon as its job ends.
 #pragma once
 
@@ -17,7 +17,7 @@ namespace mauve::exec {
 /// Components that may park at the same time; a stage begins when the one before has ended.
 using Stages = std::vector<std::vector<Deployed*>>;
 
-/// Who writes safe values stops before who reads them.
+/// Components that write safe values stop before those that read them.
 [[nodiscard]] Stages in_order_of_safe_values(System& system);
 
 /// Stops all stages in turn. Between two, components of later stages that will soon read what just

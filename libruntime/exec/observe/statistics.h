@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the jobs of a component took, as the deployer tells it.
+/// Statistics of the jobs of a component, as the deployer reports them.
 #pragma once
 
 #include "exec/system/system.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a prepared change would do, for those who want to know before it takes effect.
+/// What a prepared change would do, to be shown before it takes effect.
 #pragma once
 
 #include "exec/system/prepared.h"

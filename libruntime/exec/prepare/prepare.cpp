@@ -32,7 +32,7 @@ bool contains(const Items& items, const Name& wanted) {
   return std::find(items.begin(), items.end(), wanted) != items.end();
 }
 
-/// Names of what leaves and of what joins are told apart: the same name may do both.
+/// Leaving and joining elements are checked separately: the same name may do both.
 Status check_names(const System& system, const Change& change) {
   std::vector<std::string> changed;
   std::vector<std::string> joining;
@@ -156,8 +156,8 @@ class Preparation {
     return ok();
   }
 
-  /// What cannot stand by does not hold the change up: it is tried again, and told, when that is in
-  /// force.
+  /// A standby core that cannot be made does not delay the change: [control] tries again, and
+  /// reports it, once the change is in force.
   Status make_standby_cores(bool configure) {
     if (!configure) return ok();  // in place nothing is configured beside what runs
     for (PreparedMember& member : content_->members) {
@@ -197,7 +197,7 @@ Result<PreparedChange> prepare_locked(System& system, const Change& change, Chan
     return refuse(Errc::conflict, system.architecture.name(),
                   "changed, for example by a rollback, after this change was made from what was in "
                   "force before",
-                  "try again; `logs` and `history` tell what came between");
+                  "try again; `logs` and `history` show what came between");
   }
   if (Status sound = check_names(system, change); !sound) return sound.error();
   if (Status made = put_as_replacements(system.architecture, whole); !made) return made.error();

@@ -57,7 +57,7 @@ bool same_names(const System& system, const Content& change, const Names& before
   const bool shared = std::any_of(names.begin(), names.end(),
                                   [&](const std::string& name) { return before.contains(name); });
   if (shared || !change.barrier) return shared;
-  // Who waits at a barrier cannot be rolled back meanwhile.
+  // A member that waits at a barrier cannot be rolled back meanwhile.
   const auto bystanders = bystanders_of(system, change);
   return std::any_of(bystanders.begin(), bystanders.end(), [&](const ComponentBase* component) {
     return before.contains(component->name());
@@ -76,12 +76,13 @@ std::vector<std::shared_ptr<Configurable>> elements_of(const Bundle& bundle) {
 }
 
 /// Those of `between` that are in neither of the others.
-void retire_between(const Bundle& between, const Bundle& before, const Bundle& now, Retired& free) {
+void retire_between(const Bundle& between, const Bundle& before, const Bundle& now,
+                    Retired& retired) {
   const auto kept = elements_of(before);
   const auto in_force = elements_of(now);
   for (auto& element : elements_of(between)) {
     if (find(kept, element.get()) == nullptr && find(in_force, element.get()) == nullptr) {
-      free.add(std::move(element));
+      retired.add(std::move(element));
     }
   }
 }
@@ -194,14 +195,14 @@ Origin further_back(const Origin& before, const Origin& now) {
 }
 
 void adopt(Content& before, Content& heir, const std::vector<MemberRollback>& members,
-           Retired& free) {
+           Retired& retired) {
   for (PreparedMember& older : before.members) {
     const auto at = std::find_if(heir.members.begin(), heir.members.end(),
                                  [&](const auto& one) { return one.component == older.component; });
     const auto index = static_cast<std::size_t>(at - heir.members.begin());
     PreparedMember& newer = *at;
     if (!members[index].in_force) newer.next = older.next;
-    retire_between(*older.next, *older.base, *newer.next, free);
+    retire_between(*older.next, *older.base, *newer.next, retired);
     newer.base = older.base;
     newer.part = older.part;
     newer.owner = std::move(older.owner);

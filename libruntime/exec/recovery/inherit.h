@@ -56,10 +56,10 @@ class Heritage {
 [[nodiscard]] Origin further_back(const Origin& before, const Origin& now);
 
 /// `heir`, which joined the change `before` and is in force, becomes the change from before both to
-/// now. Elements of `before` that are needed neither now nor on the rollback go to `free`.
+/// now. Elements of `before` that are needed neither now nor on the rollback go to `retired`.
 /// `members`: which of those of `heir` are in force.
 void adopt(PreparedChange::Content& before, PreparedChange::Content& heir,
-           const std::vector<MemberRollback>& members, Retired& free);
+           const std::vector<MemberRollback>& members, Retired& retired);
 
 /// What the change means for probations that are open now, in sentences: which it joins, and which
 /// it ends early. [control]

@@ -152,17 +152,17 @@ void ProbationPeriod::end(Outcome::Kind kind, const std::string& reason) {
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     PreparedMember& member = content_->members[i];
     if (member.part != Part::leaves) continue;
-    if (member.owner != nullptr) free_.keep(member.owner);
+    if (member.owner != nullptr) retired_.keep(member.owner);
   }
   report(kind, reason);
-  free_.merge(std::move(replaced_));
+  retired_.merge(std::move(replaced_));
   withdraw();
   let_go_left();
 }
 
 void ProbationPeriod::pass_on_to(Content& heir, const std::vector<MemberRollback>& members) {
   static_cast<void>(rollback_->close());  // or a member that failed meanwhile does
-  adopt(*content_, heir, members, free_);
+  adopt(*content_, heir, members, retired_);
   replaced_.forget();
   withdraw();
 }
@@ -210,7 +210,7 @@ void ProbationPeriod::withdraw() {
     member.quiescent_after = task.mailbox().quiescent_count();
     system_.runner->wake(task);
   }
-  free_.keep(content_);
+  retired_.keep(content_);
 }
 
 void ProbationPeriod::let_go_left() {
@@ -235,7 +235,7 @@ void ProbationPeriod::go_back() {
   install_old();
   if (!quiet_) system_.outcomes.back().generation = ++system_.generation;
   replaced_.forget();
-  free_.keep(content_);
+  retired_.keep(content_);
   for (MemberRollback& member : members_) {
     member.quiescent_after = member.deployed->task->mailbox().quiescent_count();
     system_.runner->wake(*member.deployed->task);
@@ -277,7 +277,7 @@ void ProbationPeriod::install_old() {
       deployed->hidden = false;
     }
     schedule(system_, *deployed);
-    retire(*member.next, *member.base, free_);
+    retire(*member.next, *member.base, retired_);
     static_cast<void>(
         deployed->task->mailbox().reclaim());  // the words that it ran with; elements stay
     if (member.part != Part::joins) continue;
@@ -288,7 +288,7 @@ void ProbationPeriod::install_old() {
     if (!in_force(change)) continue;
     change.resource->install(change.base.core, change.base.bindings);
     if (change.lock_budget) change.resource->lock().set_budget(change.base_lock_budget);
-    if (change.parts.core != nullptr) free_.add(change.parts.core);
+    if (change.parts.core != nullptr) retired_.add(change.parts.core);
   }
   exchange_fallbacks(architecture, content_->fallbacks);
   for (const auto& resource : content_->new_resources) {

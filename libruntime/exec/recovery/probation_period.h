@@ -42,7 +42,8 @@ class ProbationPeriod {
                   Retired replaced, std::uint64_t number, std::vector<std::uint64_t> joined = {});
   ~ProbationPeriod();
 
-  /// Looks whether it is over. The end is told in System::outcomes; false: nothing of it is left.
+  /// Checks whether it is over and reports the end in System::outcomes; false: nothing of it is
+  /// left.
   bool advance();
   /// Nobody can fail any more: the change stays. False: it is being rolled back already.
   bool pass(const std::string& reason, Outcome::Kind kind = Outcome::Kind::passed);
@@ -61,7 +62,7 @@ class ProbationPeriod {
   [[nodiscard]] const std::shared_ptr<Rollback>& rollback() const { return rollback_; }
   /// False: it is over, or being rolled back already.
   bool undo(const std::string& reason);
-  /// Everything stops: who comes back by a rollback does not start again.
+  /// Everything stops: a component that a rollback brings back does not start again.
   void keep_parked();
   /// Of a change that is not even in force everywhere: it never made a generation.
   void go_quietly() { quiet_ = true; }
@@ -77,9 +78,9 @@ class ProbationPeriod {
     return phase_ == Phase::withdrawing || phase_ == Phase::over;
   }
   /// Is freed after all that becomes free with it.
-  void keep_longest(std::shared_ptr<void> owner) { free_.keep_longest(std::move(owner)); }
-  /// What became free.
-  Retired take_free() { return std::move(free_); }
+  void keep_longest(std::shared_ptr<void> owner) { retired_.keep_longest(std::move(owner)); }
+  /// The elements that may be destroyed now.
+  Retired take_retired() { return std::move(retired_); }
 
  private:
   enum class Phase : std::uint8_t { watching, going_back, withdrawing, over };
@@ -105,7 +106,7 @@ class ProbationPeriod {
   std::vector<std::unique_ptr<ResourceUpdate>> updates_;
   std::shared_ptr<Rollback> rollback_;
   Retired replaced_;
-  Retired free_;
+  Retired retired_;
   Phase phase_ = Phase::watching;
   bool quiet_ = false;
   std::vector<std::uint64_t> changes_;

@@ -46,17 +46,17 @@ std::size_t recent_restarts(const System& system, const Deployed* deployed,
 
 /// It took over: what the task runs is what the model shows.
 void take_note(System& system, Deployed& deployed) {
-  const StandbyCore taken = std::exchange(deployed.standby, {});
-  const FaultRecord& fault = taken.answer->fault;
+  const StandbyCore used = std::exchange(deployed.standby, {});
+  const FaultRecord& fault = used.answer->fault;
   ComponentBase& component = *deployed.component;
-  retire(*component.bundle(), *taken.member->next, system.free);
+  retire(*component.bundle(), *used.member->next, system.retired);
   static_cast<void>(
       deployed.task->mailbox().reclaim());  // the words that it ran with; elements stay
-  const bool again = taken.member->restart;
+  const bool again = used.member->restart;
   ++system.revision;
-  component.install(taken.member->next);
-  taken.member->made.forget();
-  system.free.keep(taken.content);
+  component.install(used.member->next);
+  used.member->made.forget();
+  system.retired.keep(used.content);
   if (again) deployed.restarts.push_back(system.runner->now());
   Outcome outcome;
   outcome.kind = again ? Outcome::Kind::restarted : Outcome::Kind::fell_back;
@@ -152,7 +152,7 @@ void withdraw_kept_out(System& system, Deployed& deployed) {
   if (!there || !deployed.task->mailbox().withdraw_standby(*standing)) return;
   deployed.withdrawn.push_back(
       {std::shared_ptr<TaskUpdate>(standing), deployed.task->mailbox().quiescent_count()});
-  system.free.keep(std::exchange(deployed.standby, {}).content);
+  system.retired.keep(std::exchange(deployed.standby, {}).content);
   system.runner->wake(*deployed.task);
 }
 
@@ -161,7 +161,7 @@ void free_withdrawn(System& system, Deployed& deployed) {
   const std::uint64_t looks = deployed.task->mailbox().quiescent_count();
   std::erase_if(deployed.withdrawn, [&](WithdrawnStandby& one) {
     const bool unread = looks > one.looks;
-    if (unread) system.free.keep(std::move(one.update));
+    if (unread) system.retired.keep(std::move(one.update));
     return unread;
   });
 }
@@ -209,7 +209,7 @@ std::optional<Edit> standby_of(System& system, const PreparedChange::Content& ch
 std::unique_ptr<TaskUpdate> make_standby(PreparedMember& standby, std::size_t restarts) {
   standby.restart = standby.state == StatePolicy::drop;
   auto update = make_update(standby);
-  update->taken_as = TakenAs::standby;
+  update->applied_as = AppliedAs::standby;
   update->decision = &standing_decision();
   if (standby.restart) {
     update->back_off = back_off(standby.base->task.on_fault, restarts);
@@ -245,7 +245,7 @@ void look_after_standby_cores(System& system) {
       take_note(system, deployed);
     } else if (progress == TaskUpdate::Progress::given_back && !deployed.changing) {
       // A change made it useless. In its first job it is neither.
-      system.free.keep(std::exchange(standby, {}).content);
+      system.retired.keep(std::exchange(standby, {}).content);
     }
   }
   for (Deployed& deployed : system.deployed) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Runner: who runs the tasks. Threads on the monotonic clock, or a simulation on a manual one.
+/// Runner: runs the tasks. Threads on the monotonic clock, or a simulation on a manual one.
 #pragma once
 
 #include <atomic>

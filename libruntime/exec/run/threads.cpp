@@ -23,11 +23,11 @@ namespace mauve::exec {
 namespace {
 
 constexpr int kGuardPriority = 95;  // above every component
-/// A job that ran into its bound is told to end, so often and at such distances: it may be in code
-/// that must not be interrupted.
+/// A job that exceeds its bound gets the signal to end this often and at this distance, since it
+/// may run code that must not be interrupted.
 constexpr unsigned kCalls = rt::kGuardsFaults ? 10 : 0;
 constexpr Duration kBetweenCalls{100us};
-/// The last tenth of its bound tells whether a job runs on and on, or others keep it from running.
+/// The last tenth of its bound distinguishes a job that never returns from a preempted one.
 constexpr Instant kShareToJudge = 10;
 constexpr Duration kBetweenLooks{1ms};
 constexpr Duration kBeyondBound{1s};

@@ -18,7 +18,7 @@ class System;
 [[nodiscard]] std::vector<ComponentBase*> bystanders_of(const System& system,
                                                         const PreparedChange::Content& content);
 
-/// Who runs and would wait now.
+/// The components that run and would wait now.
 [[nodiscard]] std::vector<PreparedBarrier::Wait> waits_of(System& system,
                                                           const PreparedChange::Content& content);
 

@@ -55,7 +55,7 @@ ResourceUpdate::~ResourceUpdate() = default;
 bool ResourceUpdate::apply(Instant release) {
   if (state() == State::in_force || state() == State::dropped) return true;
   if (release == 0) return false;
-  // The coordinator is late: whoever comes at the instant decides for all that nothing happens.
+  // The coordinator is late: the first caller at the instant aborts the change for all.
   const Decision::Verdict verdict = decision_.meet(release);
   if (verdict == Decision::Verdict::go_on) return false;
   const bool aborted = verdict == Decision::Verdict::give_back;
@@ -84,7 +84,7 @@ void ResourceUpdate::take() {
   state_.store(State::in_force, std::memory_order_release);
 }
 
-/// Half a state is not for its users: they are told, as after a caller that crashed in it.
+/// Users must not see half a state: the resource refuses them, as after a caller crashed in it.
 void ResourceUpdate::meet() {
   resource_.meet(parts_.core, parts_.bindings);
   if (failed_) resource_.lock().poison();

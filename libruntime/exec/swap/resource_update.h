@@ -32,7 +32,7 @@ class ResourceUpdate final : public PendingUpdate {
     waiting,
     taking,
     in_force,
-    dropped,  ///< aborted, revoked or never taken: the resource is untouched
+    dropped,  ///< aborted, revoked or never claimed: the resource is untouched
   };
 
   /// Arms it. The transaction outlives it.

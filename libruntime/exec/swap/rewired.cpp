@@ -86,7 +86,7 @@ const Bindings& bindings_after(const Content& content, const ResourceBase& resou
 }
 
 /// An element of this name is there, and stays.
-bool is_taken(const Architecture& architecture, const Content& content, const std::string& name) {
+bool is_in_use(const Architecture& architecture, const Content& content, const std::string& name) {
   const ComponentBase* const component = architecture.find_component(name);
   ResourceBase* const resource = architecture.find_resource(name);
   return (component != nullptr && !leaves(content, *component)) ||
@@ -100,7 +100,7 @@ Status check_names(const Architecture& architecture, const Content& content) {
     if (member.part == Part::joins) joining.push_back(member.component->name());
   }
   for (const std::string& name : joining) {
-    if (!is_taken(architecture, content, name)) continue;
+    if (!is_in_use(architecture, content, name)) continue;
     return refuse(Errc::duplicate, name, "there is something of this name already",
                   "choose another name, or remove the other one in the same change");
   }

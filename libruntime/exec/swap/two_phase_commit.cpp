@@ -156,8 +156,8 @@ bool TwoPhaseCommit::is_taking() const {
   });
 }
 
-/// The task may have taken the word and left it again, for instance on a rollback: then the word is
-/// freed, and only its answer is there.
+/// The task may have claimed the update and given it back, for instance on a rollback: then the
+/// update is freed, and only its answer is left.
 void TwoPhaseCommit::settle(Member& member) {
   const Progress progress = member.answer->progress.load(std::memory_order_acquire);
   if (progress == Progress::published) return;

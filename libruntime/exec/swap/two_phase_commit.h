@@ -8,7 +8,7 @@
 ///     unless tc is too near: -> aborted            committed: take it; aborted: give it back
 ///   wake members that sleep                      asleep and r >= tc, committed: take it now
 ///
-/// Whoever changes the word first decides for all: jobs released before tc are old everywhere, at
+/// The first change of the word decides for all: jobs released before tc are old everywhere, at
 /// or after tc new everywhere, or nothing happened. No member ever waits for another, and the
 /// coordinator only looks now and then how far they are. A resource has no thread: see
 /// resource_update.h.
@@ -53,7 +53,7 @@ struct SwapResult {
     under_way,
     committed,
     missed,     ///< every attempt missed its instant: nothing happened
-    revoked,    ///< no member reached a boundary in time: taken back, nothing happened
+    revoked,    ///< no member reached a boundary in time: nothing happened
     partly,     ///< some member did not reach a boundary in time, others did
     overtaken,  ///< the change before is rolled back: nothing happened
     waiting,    ///< an order: some member did not reach a boundary yet, it will obey when it does
@@ -69,8 +69,8 @@ inline constexpr unsigned kMaxAttempts = 5;
 class TwoPhaseCommit {
  public:
   enum class Kind : std::uint8_t {
-    transaction,  ///< all members or none; taken back when nobody came in time
-    order,        ///< decided beforehand and never taken back: to stop cannot fail
+    transaction,  ///< all members or none; revoked when no member came in time
+    order,        ///< decided beforehand and never revoked: a stop cannot fail
   };
 
   /// Publishes and decides. `bound`: how long after the instant members may take to answer.

@@ -19,17 +19,17 @@ void ControlTrace::add(const TraceRecord& record) {
 
 std::vector<TraceRecord> ControlTrace::take() {
   const MutexLock lock(mutex_);
-  std::vector<TraceRecord> taken;
+  std::vector<TraceRecord> drained;
   if (lost_ != 0) {
-    taken.push_back(records_.front());
-    taken.back().kind = TraceKind::lost;
-    taken.back().name = 0;
-    taken.back().a = std::exchange(lost_, 0);
-    taken.back().b = 0;
+    drained.push_back(records_.front());
+    drained.back().kind = TraceKind::lost;
+    drained.back().name = 0;
+    drained.back().a = std::exchange(lost_, 0);
+    drained.back().b = 0;
   }
-  taken.insert(taken.end(), records_.begin(), records_.end());
+  drained.insert(drained.end(), records_.begin(), records_.end());
   records_.clear();
-  return taken;
+  return drained;
 }
 
 }  // namespace mauve::exec

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What [control] and [factory] tell in a trace.
+/// The records of [control] and [factory] in a trace.
 #pragma once
 
 #include <cstddef>

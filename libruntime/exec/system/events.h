@@ -13,7 +13,7 @@
 
 namespace mauve::exec {
 
-/// Its thread has ended: what it still had to say is told with the next drain_events().
+/// Its thread has ended: the next drain_events() reports the events that are left in its ring.
 void keep_last_events(System& system, Deployed& deployed);
 
 [[nodiscard]] std::string_view name_of(rt::EventKind kind);

@@ -123,7 +123,7 @@ std::unique_ptr<TaskUpdate> make_rollback(const PreparedMember& member, const Or
   reversed.mode = origin.mode;
   reversed.restart = reversed.mode == Mode::run;
   auto back = make_update(reversed);
-  back->taken_as = TakenAs::back;
+  back->applied_as = AppliedAs::back;
   return back;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Who may rely on the model for the length of a preparation, user code included.
+/// The lock under which a preparation, user code included, may rely on the model.
 #pragma once
 
 #include "base/mutex.h"

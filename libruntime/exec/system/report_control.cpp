@@ -48,7 +48,7 @@ void report_members(System& system, const PreparedChange::Content& content, std:
 }
 
 std::string what_of(std::string_view verb, const std::vector<std::string>& names) {
-  constexpr std::size_t kNamed = 4;  // a trace keeps every text that it ever told
+  constexpr std::size_t kNamed = 4;  // a trace keeps every text for good
   std::string text(verb);
   for (std::size_t i = 0; i < std::min(names.size(), kNamed); ++i) {
     text += (i == 0 ? " " : ", ") + names[i];

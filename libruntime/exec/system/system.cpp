@@ -52,7 +52,7 @@ Deployed* System::find(const ComponentBase& component) {
 
 void System::forget_departed() {
   if (departed.use_count() > 1) return;
-  for (Deployed& one : *departed) free.keep(std::move(one.task));
+  for (Deployed& one : *departed) retired.keep(std::move(one.task));
   departed->clear();
 }
 

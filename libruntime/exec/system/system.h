@@ -42,10 +42,10 @@ struct StandbyCore {
   std::shared_ptr<const TaskUpdate::Answer> answer;
 };
 
-/// A standby core that was taken away; its thread may read it until it has looked once more.
+/// A withdrawn standby core; its thread may read it until its next quiescent point.
 struct WithdrawnStandby {
   std::shared_ptr<TaskUpdate> update;
-  std::uint64_t looks = 0;  ///< of the task, when it was taken away
+  std::uint64_t looks = 0;  ///< of the task, when it was withdrawn
 };
 
 /// One component and what runs it.
@@ -81,7 +81,7 @@ class System {
   std::shared_ptr<Runner> runner;
   /// Addresses stay. Changed by [control] under `members`, since [log] goes through it too.
   std::list<Deployed> deployed;
-  /// Let go. Whoever may still know one holds this; emptied when nobody does. [control]
+  /// Let go. A holder of this may still refer to one; emptied when there is none. [control]
   std::shared_ptr<std::list<Deployed>> departed = std::make_shared<std::list<Deployed>>();
   /// Held while a change is prepared, which reads the model on [factory]: what the system did by
   /// itself gets into the books afterwards.
@@ -96,9 +96,9 @@ class System {
   unsigned looks_at_newest = 0;                  ///< while its maker has not asked for it
   std::vector<std::shared_ptr<ProbationPeriod>> probations;  ///< the oldest first
   std::vector<std::shared_ptr<ProbationPeriod>> fading;      ///< over, but a thread may still look
-  Retired free;                                              ///< of changes that are over
-  std::vector<Outcome> outcomes;                             ///< not yet told
-  std::atomic<std::uint64_t> looks{0};  ///< calls of advance(); a stop can tell that none come
+  Retired retired;                                           ///< of changes that are over
+  std::vector<Outcome> outcomes;                             ///< not yet reported
+  std::atomic<std::uint64_t> looks{0};  ///< calls of advance(); a stop detects by it that none come
   std::uint64_t generation = 0;
   /// Rises whenever the model shows something else: a change, a rollback, a core that took over.
   std::atomic<std::uint64_t> revision{0};
@@ -115,7 +115,7 @@ class System {
   [[nodiscard]] Deployed* find(std::string_view component);
   /// Also one that is hidden.
   [[nodiscard]] Deployed* find(const ComponentBase& component);
-  /// What nobody knows any more goes to `free`.
+  /// What nothing refers to any more goes to `retired`.
   void forget_departed();
   /// The component of this name, or an error with the nearest one.
   Result<ComponentBase*> component(std::string_view name) const;

@@ -20,7 +20,7 @@
 namespace mauve::exec {
 namespace {
 
-std::uint32_t name_of(TakenAs as) {
+std::uint32_t name_of(AppliedAs as) {
   constexpr std::array<std::string_view, 4> kWords{"change", "back", "standby", "barrier"};
   return trace_name_id(kWords.at(static_cast<std::size_t>(as)));
 }
@@ -39,8 +39,8 @@ TraceRecord record_of(const rt::TraceEntry& entry, std::uint32_t thread, Instant
     case TraceKind::missed:
       record.name = trace_name_id(entry.name != 0 ? "planned" : "");
       break;
-    case TraceKind::taken:
-      record.name = name_of(static_cast<TakenAs>(entry.name));
+    case TraceKind::applied:
+      record.name = name_of(static_cast<AppliedAs>(entry.name));
       break;
     default:
       break;
@@ -48,7 +48,7 @@ TraceRecord record_of(const rt::TraceEntry& entry, std::uint32_t thread, Instant
   return record;
 }
 
-/// The lost threads' first: what they told is older.
+/// The rings of abandoned threads come first: their records are older.
 void drain_ring(TaskReport::Trace& trace, std::uint32_t thread, Instant t0,
                 std::vector<TraceRecord>& all) {
   if (trace.older != nullptr) drain_ring(*trace.older, thread, t0, all);

@@ -12,7 +12,7 @@ namespace mauve::exec {
 class System;
 struct Deployed;
 
-/// What a component that leaves has told is collected before its task goes. [control]
+/// Collects the records of a component that leaves, before its task is freed. [control]
 void keep_last_trace(System& system, Deployed& deployed);
 
 /// Deployer::drain_trace(). [trace]

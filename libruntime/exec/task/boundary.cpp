@@ -23,7 +23,7 @@ namespace {
 /// A change that neither replaces the core nor starts or stops the component leaves a failed core
 /// failed. A change on probation forgets the failure: it is judged by the jobs that follow.
 bool keeps_core(const TaskUpdate& next, const TaskUpdate& current) {
-  if (next.mode != Mode::keep || next.taken_as != TakenAs::change) return false;
+  if (next.mode != Mode::keep || next.applied_as != AppliedAs::change) return false;
   return next.mode_only || (next.back == nullptr && next.bundle->core == current.bundle->core);
 }
 
@@ -136,14 +136,14 @@ void Boundary::fetch(const TaskUpdate& next) const {
 
 MAUVE_RUNS_AT_A_SWAP bool Boundary::take(TaskUpdate& next, Instant begin) {
   acknowledge();  // of a change that is overtaken at the same boundary
-  record_taken(next, begin);
+  record_applied(next, begin);
   if (next.barrier != TaskUpdate::Barrier::none) return wait_or_go_on(next), true;
   if (next.mode_only) keep_bundle(next);
   const bool waited = std::exchange(task_.waiting, false);
   task_.running = task_.running || waited;
   for (const auto& [port, before] : next.safe_writes) write_quietly(*port, *before, true);
   if (next.mode == Mode::park) faults_.write_safe_values();
-  // Nothing is taken from a core that a lost thread may still be inside.
+  // No state is moved out of a core that an abandoned thread may still run.
   const bool whole = task_.current->bundle->core.get() != task_.lost;
   if (whole && !take_state(next)) return false;
   const bool was_running = task_.running;
@@ -161,12 +161,12 @@ MAUVE_RUNS_AT_A_SWAP bool Boundary::take(TaskUpdate& next, Instant begin) {
 }
 
 /// A standby core is no change of the coordinator: the task keeps the number of its last change.
-MAUVE_RUNS_AT_A_SWAP void Boundary::record_taken(const TaskUpdate& next, Instant time) {
+MAUVE_RUNS_AT_A_SWAP void Boundary::record_applied(const TaskUpdate& next, Instant time) {
   const bool barrier = next.barrier != TaskUpdate::Barrier::none;
   if (!barrier && next.number != 0) task_.number = next.number;
-  const TakenAs as = barrier ? TakenAs::barrier : next.taken_as;
-  const bool has_instant = as != TakenAs::standby && next.decision->has_instant();
-  task_.report.record(TraceKind::taken, time,
+  const AppliedAs as = barrier ? AppliedAs::barrier : next.applied_as;
+  const bool has_instant = as != AppliedAs::standby && next.decision->has_instant();
+  task_.report.record(TraceKind::applied, time,
                       has_instant ? next.decision->instant() - task_.t0 : -1,
                       barrier ? next.number : task_.number, static_cast<std::uint32_t>(as));
 }
@@ -315,7 +315,7 @@ MAUVE_RUNS_AT_A_SWAP void Boundary::start(const TaskUpdate& next) {
 }
 
 /// Another offset moves the grid: the armed release to the first instant of the new one after it.
-/// A trace tells that as a start, since the wait had announced another instant.
+/// A trace records that as a start, since the wait had announced another instant.
 MAUVE_RUNS_AT_A_SWAP void Boundary::keep_phase(const TaskUpdate& next) {
   const Instant base = task_.t0 + next.bundle->task.offset.count();
   if (next.offset_changes) {
@@ -333,8 +333,8 @@ void Boundary::give_back(TaskUpdate& next) {
 
 MAUVE_RUNS_AT_A_SWAP void Boundary::acknowledge() {
   if (unacknowledged_ == nullptr) return;
-  TaskUpdate* const taken = std::exchange(unacknowledged_, nullptr);
-  taken->answer->progress.store(TaskUpdate::Progress::done, std::memory_order_release);
+  TaskUpdate* const applied = std::exchange(unacknowledged_, nullptr);
+  applied->answer->progress.store(TaskUpdate::Progress::done, std::memory_order_release);
 }
 
 /// The task stands still from now on, with its safe values written.

@@ -25,7 +25,7 @@ class Boundary {
   Boundary(TaskContext& task, FaultReaction& faults) : task_(task), faults_(faults) {}
 
   /// Takes an update that need not wait for a boundary: an aborted one is given back; a decided one
-  /// is taken now when no job lies between its instant and the armed release.
+  /// is applied now when no job lies between its instant and the armed release.
   /// False: as of meet().
   [[nodiscard]] bool serve();
   /// The boundary before the job that is due. False: this thread was abandoned meanwhile, and has
@@ -47,7 +47,7 @@ class Boundary {
   /// `begin`: when the job that the change delays would have begun. False: as of meet().
   [[nodiscard]] bool take(TaskUpdate& next, Instant begin);
   [[nodiscard]] bool take_early(TaskUpdate& next, Instant begin);
-  void record_taken(const TaskUpdate& next, Instant time);
+  void record_applied(const TaskUpdate& next, Instant time);
   void fetch(const TaskUpdate& next) const;
   [[nodiscard]] bool take_state(TaskUpdate& next);
   void take_rest(TaskUpdate& next);
@@ -64,7 +64,7 @@ class Boundary {
 
   TaskContext& task_;
   FaultReaction& faults_;
-  TaskUpdate* unacknowledged_ = nullptr;  // taken, its first job not yet done
+  TaskUpdate* unacknowledged_ = nullptr;  // applied, its first job not yet done
   TaskUpdate* taking_ = nullptr;          // its converter runs
   rt::Fault hand_over_fault_;             // of the last converter
 };

@@ -49,7 +49,7 @@ class Evidence {
   };
 
   /// Another core or another change is judged from here on. `proven`: the core before was not on
-  /// probation, so its late jobs tell how the machine is.
+  /// probation, so its late jobs are evidence about the machine.
   void begin_anew(bool proven) {
     if (proven) late_before_ = late_;
     sum_ = 0;

@@ -22,7 +22,7 @@ bool FaultReaction::rolls_back() const {
   return back != nullptr && back->decision->instant() != kClosed;
 }
 
-/// It was rolled back by a change that another one has overtaken, which it has not taken yet.
+/// Its rollback was overtaken by another change, which the task has not applied yet.
 bool FaultReaction::awaits_rollback() const {
   const TaskUpdate* const next = task_.mailbox.pending();
   return next != nullptr && next->rollback != nullptr &&

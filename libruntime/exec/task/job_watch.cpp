@@ -12,7 +12,7 @@ namespace mauve::exec {
 namespace {
 
 /// In place of when a job began: no thread runs the task.
-constexpr Instant kTaken = -1;
+constexpr Instant kClaimed = -1;
 /// An ordinary thread shares its processor: a sound job may be kept waiting for so long.
 constexpr Duration kShortestOrdinary = 500ms;
 
@@ -25,7 +25,7 @@ Duration JobWatch::bound(bool realtime) const {
 
 bool JobWatch::take_from_thread(Instant since) {
   if (watched_.keeps_thread.load()) return false;
-  return watched_.busy_since.compare_exchange_strong(since, kTaken);
+  return watched_.busy_since.compare_exchange_strong(since, kClaimed);
 }
 
 const ResourceLock* JobWatch::cut_off_thread() {

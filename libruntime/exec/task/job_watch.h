@@ -26,7 +26,7 @@ class JobWatch {
   /// The job that began then ends where it is, as soon as its thread gets the signal.
   void interrupt(Instant since) { watched_.interrupt.store(since); }
   /// Takes the component away from the thread whose job began then, since the job never returns.
-  /// False: the job has ended, or the thread is never taken. The thread must not end meanwhile.
+  /// False: the job has ended, or the thread must keep it. The thread must not end meanwhile.
   [[nodiscard]] bool take_from_thread(Instant since);
   /// The lock of the resource in whose service the job of the lost thread hangs; null: in its own
   /// code. What the thread held is poisoned and free.
@@ -45,7 +45,7 @@ class JobWatch {
   void set(Duration bound, bool has_safe_values);
   [[nodiscard]] rt::Watched& watched() { return watched_; }
   void begin(Instant now) { watched_.busy_since.store(now, std::memory_order_release); }
-  /// False: the job that began then was taken from this thread.
+  /// False: another thread has claimed the component of that job.
   [[nodiscard]] bool end(Instant begun) {
     return watched_.busy_since.compare_exchange_strong(begun, 0);
   }

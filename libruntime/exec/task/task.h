@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Task: a component at run time. It knows when the next job is due, runs it, and takes changes at
-/// its boundaries; who calls it (a thread, a simulation) is not its business.
+/// its boundaries; its caller is a thread or a simulation.
 #pragma once
 
 #include <memory>

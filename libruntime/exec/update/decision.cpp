@@ -33,7 +33,7 @@ bool Rollback::trigger(const Clock& clock, const FaultRecord& fault, const TaskR
   return true;
 }
 
-/// Whoever does this may be preempted at any point, until the instant has passed.
+/// The deciding thread may be preempted at any point, until the instant has passed.
 void Rollback::decide(const Clock& clock) {
   Duration lead = kLeadOfRollback;
   for (int attempt = 0; attempt < kAttempts; ++attempt, lead *= 2) {

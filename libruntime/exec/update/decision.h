@@ -19,12 +19,12 @@ class TaskReport;
 
 inline constexpr Instant kNever = std::numeric_limits<Instant>::max();
 inline constexpr Instant kClosed = kNever - 1;  ///< of a rollback that nobody needs any more
-/// Of a rollback that somebody is setting off, who says the instant soon.
+/// Of a rollback that is being triggered: its instant follows soon.
 inline constexpr Instant kBeingTriggered = kNever - 2;
 /// Nearer to the instant than this nobody decides: a member might be at its boundary already.
 inline constexpr Duration kDecisionMargin{50'000};
 
-/// Does it happen, and at which instant? Whoever changes the word first decides for all.
+/// Does it happen, and at which instant? The first change of the word decides for all.
 class Decision {
  public:
   enum class State : std::uint32_t { prepared, committed, aborted };
@@ -45,7 +45,7 @@ class Decision {
     return state_.compare_exchange_strong(expected, wanted, std::memory_order_acq_rel) ? wanted
                                                                                        : expected;
   }
-  /// Of a member at this release: who comes to the instant before the decision decides for all that
+  /// Of a member at this release: the first member at the instant before the decision decides that
   /// nothing happens. [any]
   Verdict meet(Instant release) {
     if (release < instant()) return Verdict::go_on;

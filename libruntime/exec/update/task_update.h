@@ -27,8 +27,8 @@ namespace exec {
 
 class PrefetchSet;
 
-/// What a task takes, as a trace tells it.
-enum class TakenAs : std::uint8_t { change, back, standby, barrier };
+/// The reason why a task applied an update, as a trace records it.
+enum class AppliedAs : std::uint8_t { change, back, standby, barrier };
 
 /// What a change hands to one task: the new bundle, and everything worked out beforehand so that
 /// taking it is a few pointer stores. Immutable after publication but for the answer.
@@ -40,7 +40,7 @@ struct TaskUpdate {
   std::shared_ptr<const Bundle> bundle;  ///< null: of a barrier
   Decision* decision = nullptr;
   Barrier barrier = Barrier::none;
-  TakenAs taken_as = TakenAs::change;
+  AppliedAs applied_as = AppliedAs::change;
   std::uint64_t number = 0;  ///< of the change, see System::changes; 0: it is none of [control]
   Mode mode = Mode::keep;
   bool mode_only = false;  ///< whatever the task runs with stays: it may be back at an older bundle

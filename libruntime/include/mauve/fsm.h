@@ -33,7 +33,7 @@ class FsmState {
  public:
   enum class Kind : std::uint8_t { execution, synchronization };
 
-  /// A transition: taken when the guard says so; the first true one wins.
+  /// A transition: followed when its guard is true; the first true one wins.
   struct Transition {
     Method<bool()> guard;
     FsmState* target;

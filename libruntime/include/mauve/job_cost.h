@@ -35,8 +35,8 @@
 
 namespace mauve {
 
-/// Of one thread. A count is empty where it cannot be taken: heap calls under a sanitizer or where
-/// the program has another malloc(), system calls beyond x86-64 and on older kernels.
+/// Of one thread. A count is empty where it cannot be measured: heap calls under a sanitizer or
+/// where the program has another malloc(), system calls beyond x86-64 and on older kernels.
 struct JobCost {
   std::optional<std::uint64_t> heap_calls;    ///< malloc, calloc, realloc, aligned_alloc, free
   std::optional<std::uint64_t> system_calls;  ///< reading the clock is none

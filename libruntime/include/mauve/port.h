@@ -51,8 +51,8 @@ class ReadPort final : public PortBase {
     return status;
   }
   /// Calls f(const T&) on the value; not at all when there is none. It is the value in place where
-  /// the port has a place of its own in a SharedData. Elsewhere the port copies it first, so that
-  /// f never runs under the lock of the resource; an item of a RingBuffer is then taken.
+  /// the port has a slot of its own in a SharedData. Elsewhere the port copies it first, so that
+  /// f never runs under the lock of the resource; an item of a RingBuffer is then removed.
   template <typename F>
   DataStatus look(F&& f) {
     if constexpr (sizeof(T) <= kMaxByValue) {
@@ -145,7 +145,7 @@ class WritePort final : public PortBase {
     Exchange& into = exchange();
     if (!into.write_as_expected(&value, into.bytes_of<T>(), stamp)) [[unlikely]]
       return write_otherwise(value);
-    return into.taps.empty() || told(&value);
+    return into.taps.empty() || notify_taps(&value);
   }
   /// Calls f(T&) on the storage of the exchange, some older value, then publishes it unchecked.
   template <typename F>
@@ -168,7 +168,7 @@ class WritePort final : public PortBase {
     if (!is_direct() || stamp == 0) return write_by_call(value);
     Exchange& into = exchange();
     if (!into.write_alone(&value, into.bytes_of<T>(), stamp)) return write_by_call(value);
-    return into.taps.empty() || told(&value);
+    return into.taps.empty() || notify_taps(&value);
   }
   bool write_by_call(const T& value) {
     const TracedCall call = call_begins();

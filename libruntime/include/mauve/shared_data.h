@@ -13,8 +13,8 @@ namespace mauve {
 struct DataType;
 
 /// Type "shared_data" of the architecture file. Reads are wait-free for the first readers
-/// connected (`kReaders` places, one of them the administrator's), and writes for the first writer
-/// connected; further readers and writers take the resource's lock. It keeps 21 values.
+/// connected (`kReaders` slots, one of them the administrator's), and writes for the first writer
+/// connected; further readers and writers acquire the resource's lock. It keeps 21 values.
 class SharedDataBase : public ResourceBase {
  public:
   static constexpr unsigned kReaders = 8;

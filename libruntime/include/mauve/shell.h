@@ -26,7 +26,7 @@ class Shell : public Configurable {
     bindings_ = bindings;
   }
 
-  /// Runtime only. Connections made in code with PortBase::connect, taken once by the owner.
+  /// Runtime only. Connections made in code with PortBase::connect, moved out once by the owner.
   [[nodiscard]] Bindings& initial_bindings() { return initial_; }
 
  private:

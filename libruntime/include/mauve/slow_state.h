@@ -26,7 +26,7 @@ class CoreBase;
 /// What the runtime sees of a slow state. [factory], but for reading it.
 class SlowStateBase : public Capsule {
  public:
-  /// Something was set, or taken over from the core before. [any]
+  /// A state was set, or adopted from the core before. [any]
   [[nodiscard]] explicit operator bool() const { return object_ != nullptr; }
 
   /// Runtime only: the hand-over. The other may be running with its object meanwhile.

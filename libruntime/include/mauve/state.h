@@ -18,7 +18,7 @@ class StateBase : public Capsule {
   void exchange(StateBase& other) { object_.swap(other.object_); }
   /// The hand-over from another type: the old object stays as it is. [rt], bounded.
   void convert(const StateBase& old, const ConvertsBase& by);
-  /// The hand-over of plain bytes of the same type to which there may be a way back: the old object
+  /// The hand-over of plain bytes of the same type to which there may be a rollback: the old object
   /// stays as it is. [control]
   void copy(const StateBase& old);
   /// Runtime only: the state object keeps the library alive that made it; a described, trivially

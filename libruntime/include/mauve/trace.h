@@ -48,7 +48,7 @@ enum class TraceKind : std::uint8_t {
   fault,
   started,
   stopped,
-  taken,
+  applied,
   given_back,
   prepare,
   commit,

@@ -10,8 +10,8 @@
 ///   };
 ///
 /// A type that cannot be described field by field may have a name alone, without fields(): its
-/// author vouches that all builds of that revision lay it out alike. A type with neither is taken
-/// for the same in code of one build only.
+/// author vouches that all builds of that revision lay it out alike. A type with neither counts
+/// as the same in code of one build only.
 ///
 /// A type that follows another one may say how it is made from it, which is kept beside it under
 /// its old description; then shared_data and ring_buffer keep what they hold when a change gives

@@ -22,9 +22,9 @@ Status located(Status status, const std::string& address) {
 Status Configurable::configure() {
   if (Status outside = refuse_in_job(address_, "configure()"); !outside) return outside;
   if (configured()) return ok();
-  if (deferred_) {
-    Error error = *std::move(deferred_);
-    deferred_.reset();
+  if (pending_error_) {
+    Error error = *std::move(pending_error_);
+    pending_error_.reset();
     return error;
   }
   reset();

@@ -127,8 +127,8 @@ std::vector<const DataType*> dropped_states(const CoreBase& from, const CoreBase
                                             StatePolicy policy) {
   std::vector<const DataType*> dropped;
   const auto look = [&](const Capsule* old, const Capsule* place) {
-    const bool taken = policy != StatePolicy::drop && old != nullptr && takes(place, *old);
-    if (old != nullptr && !taken) dropped.push_back(&old->type());
+    const bool adopted = policy != StatePolicy::drop && old != nullptr && takes(place, *old);
+    if (old != nullptr && !adopted) dropped.push_back(&old->type());
   };
   if (&from == &into) return dropped;
   look(from.state(), into.state());
@@ -141,7 +141,7 @@ Status check_whole(const ResourceBase& from, StatePolicy policy) {
     return ok();
   }
   return refuse(Errc::wrong_state, from.name(),
-                "is poisoned: a caller was thrown out of it, so what it holds may be half written",
+                "is poisoned: a caller was aborted in it, so its data may be half written",
                 "say --state drop to start it fresh");
 }
 

@@ -34,7 +34,7 @@ Status PropertyBase::set(const Value& value) {
   return done;
 }
 
-void PropertyBase::defer(Error error) { owner_.deferred_ = std::move(error); }
+void PropertyBase::defer(Error error) { owner_.pending_error_ = std::move(error); }
 
 Error invalid(const PropertyBase& property, std::string message) {
   return refuse(Errc::invalid_value, property.address(), std::move(message),

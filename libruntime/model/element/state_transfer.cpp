@@ -55,7 +55,7 @@ Error undeclared(const CoreBase& core) {
       "mauve::Stateless in the core");
 }
 
-Error no_way_back(const StateBase& state, const CoreBase& into) {
+Error no_copy_back(const StateBase& state, const CoreBase& into) {
   return refuse(Errc::unsupported, into.address(),
                 "takes the state " + state.type().name +
                     " over as it is; it is not plain bytes, so the old resource could not keep a "
@@ -127,7 +127,7 @@ Result<StateTransfer> plan_transfer(const ResourceBase& from, const ResourceBase
   const bool moves = plan.hand_over.from != nullptr && plan.hand_over.convert == nullptr;
   plan.copies = moves && rolls_back;
   const bool plain = moves && plan.hand_over.from->type().flat;
-  if (plan.copies && !plain) return no_way_back(*plan.hand_over.from, into.core());
+  if (plan.copies && !plain) return no_copy_back(*plan.hand_over.from, into.core());
   return plan;
 }
 

@@ -2,7 +2,7 @@
 /// StateTransfer: what a resource that joins takes over from the one that leaves under its name,
 /// while nobody uses either of them.
 ///
-///   cores of authors               the rule of hand_over.h; when there may be a way back, a state
+///   cores of authors               the rule of hand_over.h; when there may be a rollback, a state
 ///                                  that would be moved is copied, or refused if not plain bytes
 ///   shared_data and ring_buffer    values of the same type are copied with their age, those of the
 ///                                  type before it converted (Described<T>::convert)

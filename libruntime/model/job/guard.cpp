@@ -8,7 +8,7 @@ namespace mauve::detail {
 Error crashed(const std::string& at, const char* hook, const rt::Fault& fault) {
   if (fault.interrupted) {
     return refuse(Errc::timed_out, at, std::string(hook) + " did not return, so it was ended",
-                  "mend it; the log tells what became of the change");
+                  "mend it; the log says what became of the change");
   }
   std::array<char, 96> text{};
   rt::describe(fault, text.data(), text.size());

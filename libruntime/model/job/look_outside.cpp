@@ -43,13 +43,13 @@ Result<DataStatus> look_outside(ServiceBase& service, Visitor visitor, Cursor& c
 Result<bool> use_outside(ServiceBase& service, void* result, void* const* arguments) {
   const bool writes = service.signature().kind == PortKind::write;
   if (writes && service.taps() != nullptr) return service.write(arguments[0]);
-  bool taken = false;
+  bool accepted = false;
   Status done = guarded(service, [&] {
-    taken = writes ? service.write(arguments[0]) : service.invoke(result, arguments);
+    accepted = writes ? service.write(arguments[0]) : service.invoke(result, arguments);
     return ok();
   });
   if (!done) return done.error();
-  return taken;
+  return accepted;
 }
 
 }  // namespace mauve

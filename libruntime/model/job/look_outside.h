@@ -15,7 +15,7 @@ class ServiceBase;
 /// has this long.
 inline constexpr Duration kLookMayTake{100'000'000};
 
-/// Looks at a value that is not taken away, as ServiceBase::look(). Code of the plugin that throws
+/// Reads a value without removing it, as ServiceBase::look(). Code of the plugin that throws
 /// is refused. Code that crashes, calls the end of the process or computes for longer than
 /// kLookMayTake is ended and refused, and its resource is poisoned. Code that waits in the system
 /// for longer is waited for. Ordinary threads with an rt::FaultStack only.

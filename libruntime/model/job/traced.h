@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Where the code of a job tells what it does.
+/// The trace ring in which the code of a job records its actions.
 #pragma once
 
 #include "rt/ring/trace_ring.h"

@@ -34,13 +34,13 @@ Binding::Binding(ServiceBase& service, std::shared_ptr<void> keep_alive, Duratio
 
 Binding::~Binding() {
   service_.detach(slot_);
-  if (exchange_ != nullptr) exchange_->latest.leave_place(id_);
+  if (exchange_ != nullptr) exchange_->latest.release_slot(id_);
 }
 
 Exchange* Binding::is_direct() const {
   if (exchange_ == nullptr) return nullptr;
   const bool writes = service_.signature().kind == PortKind::write;
-  const bool own = writes ? exchange_->latest.take_place(id_) : slot_ != LatestValue::kNoSlot;
+  const bool own = writes ? exchange_->latest.claim_slot(id_) : slot_ != LatestValue::kNoSlot;
   return own ? exchange_ : nullptr;
 }
 
@@ -49,12 +49,12 @@ bool Binding::write(const void* value) const {
   Exchange* const exchange = is_direct();
   // Also while somebody listens: the value is out before anybody waits for the lock.
   if (exchange != nullptr && exchange->write_alone(value, exchange->latest.size(), stamp)) {
-    return told(value, stamp);
+    return notify_taps(value, stamp);
   }
   return !this_job().has_no_ports() && service_.write(value);
 }
 
-bool Binding::told(const void* value, Instant stamp) const {
+bool Binding::notify_taps(const void* value, Instant stamp) const {
   if (exchange_->taps.empty()) return true;
   const ScopedLock held(service_.resource().lock());
   if (held) exchange_->taps.push(value, stamp);

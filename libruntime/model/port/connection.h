@@ -31,7 +31,7 @@ class Shell;
                                                                          const Bindings& table,
                                                                          std::string_view name);
 
-/// A copy of `table` with the connections that were made in code, which are taken from the shell.
+/// A copy of `table` with the connections that were made in code, which are moved out of the shell.
 [[nodiscard]] std::shared_ptr<const Bindings> with_initial(Shell& shell, const Bindings& table);
 
 }  // namespace mauve

@@ -31,7 +31,8 @@ std::string PortBase::address() const {
 }
 
 Connected::~Connected() {
-  if (!examined_ && !done_ && !shell_.deferred_) shell_.deferred_ = std::move(done_.error());
+  if (!examined_ && !done_ && !shell_.pending_error_)
+    shell_.pending_error_ = std::move(done_.error());
 }
 
 Connected PortBase::connect(ServiceBase& service, Duration max_age) {
@@ -57,7 +58,7 @@ const Binding* PortBase::binding() {
   const Bindings* table = shell_.bindings();
   const Binding* binding = table != nullptr ? (*table)[index_].get() : nullptr;
   const bool as_before = direct_version_ == version_;
-  direct_version_ = 0;  // who is thrown out of here begins anew
+  direct_version_ = 0;  // a job that is aborted here begins anew
   std::atomic_signal_fence(std::memory_order_seq_cst);
   // With the same connections too: what the cursor stood at may have been given back.
   if (!as_before) cursor_.word = Cursor::kNone;
@@ -72,9 +73,9 @@ const Binding* PortBase::binding() {
   return binding;
 }
 
-bool PortBase::told(const void* value) {
+bool PortBase::notify_taps(const void* value) {
   const Binding* const connection = binding();
-  return connection == nullptr || connection->told(value, job_time());
+  return connection == nullptr || connection->notify_taps(value, job_time());
 }
 
 }  // namespace mauve

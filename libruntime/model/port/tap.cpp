@@ -46,13 +46,13 @@ Status TapList::attach(std::shared_ptr<Tap> tap, ResourceLock& lock) {
   ScopedLock held(lock);
   if (!held) return refuse(Errc::timed_out, "", "its resource is busy");
   release_closed(closed);
-  for (std::shared_ptr<Tap>& place : taps_) {
-    if (place != nullptr) continue;
-    place = std::move(tap);
+  for (std::shared_ptr<Tap>& slot : taps_) {
+    if (slot != nullptr) continue;
+    slot = std::move(tap);
     count_.fetch_add(1);  // from now on no writer passes by the lock
     return ok();
   }
-  return refuse(Errc::limit, "", "is watched in too many places already");
+  return refuse(Errc::limit, "", "is watched by too many clients already");
 }
 
 void TapList::detach(Tap& tap, ResourceLock& lock) {

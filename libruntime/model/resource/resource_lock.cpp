@@ -21,9 +21,10 @@ struct LockState {
   explicit LockState(ResourceLock& its_owner) : owner(its_owner) {}
   ResourceLock& owner;
   rt::PiMutex mutex;
-  Instant since = 0;  // held, by a job that nothing has interrupted so far; 0: not, or not timed
-  Instant told = 0;   // when the trace said that it is held; 0: it did not
-  /// Whoever clears it ends the hold: the holder when it leaves, or the guard that gives it up.
+  Instant since = 0;   // held, by a job that nothing has interrupted so far; 0: not, or not timed
+  Instant traced = 0;  // when the trace recorded that it is held; 0: it did not
+  /// The thread that clears it ends the hold: the holder when it leaves, or the guard that gives it
+  /// up.
   std::atomic<const Job*> holder{nullptr};
 
   [[nodiscard]] bool end_hold_of(const Job& job) {
@@ -46,7 +47,7 @@ void count_wait(Job& job, Instant began) {
 ResourceLock::ResourceLock() : lock_(new LockState(*this)) {}
 ResourceLock::~ResourceLock() { delete lock_.load(); }
 
-/// The lock is taken here and released in leave(), which the analysis of clang does not follow.
+/// The lock is acquired here and released in leave(), which the analysis of clang does not follow.
 bool ResourceLock::enter() MAUVE_NOT_ANALYSED {
   Job& job = this_job();
   if (job.held_count.load(std::memory_order_relaxed) == Job::kMaxHeld) return false;
@@ -66,7 +67,7 @@ bool ResourceLock::enter() MAUVE_NOT_ANALYSED {
 }
 
 bool ResourceLock::wait_for(LockState& lock, Instant& waited) MAUVE_NOT_ANALYSED {
-  if (poisoned()) return false;  // who holds it may never leave
+  if (poisoned()) return false;  // its holder may never leave
   Job& job = this_job();
   const Duration bound = job.lock_bound > Duration{0} ? job.lock_bound : kLongestBudget;
   const Instant begin = MonotonicClock().now();
@@ -105,22 +106,22 @@ bool ResourceLock::hold(LockState& lock, Instant waited) MAUVE_NOT_ANALYSED {
   return true;
 }
 
-/// One that is only held for some stores is told of when somebody had to wait for it.
+/// A lock that is held for some stores only is recorded when a thread had to wait for it.
 void ResourceLock::trace_hold(LockState& lock, Instant waited) const {
   const bool worth = timed_ || waited > 0;
   rt::TraceRing* const ring = ring_of(this_job(), worth ? TraceMode::jobs : TraceMode::detail);
-  lock.told = 0;
+  lock.traced = 0;
   if (ring == nullptr) return;
-  lock.told = ring->now(lock.since);
-  ring->push(TraceKind::lock, lock.told, trace_name_, 0, waited);
+  lock.traced = ring->now(lock.since);
+  ring->push(TraceKind::lock, lock.traced, trace_name_, 0, waited);
 }
 
 void ResourceLock::trace_leave(LockState& lock, Instant now) const {
-  if (lock.told == 0) return;
+  if (lock.traced == 0) return;
   rt::TraceRing* const ring = ring_of(this_job(), TraceMode::jobs);
   if (ring == nullptr) return;
   const Instant left = ring->now(now);
-  ring->push(TraceKind::unlock, left, trace_name_, 0, std::max<Instant>(left - lock.told, 0));
+  ring->push(TraceKind::unlock, left, trace_name_, 0, std::max<Instant>(left - lock.traced, 0));
 }
 
 void ResourceLock::leave() {

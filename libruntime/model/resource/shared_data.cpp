@@ -74,7 +74,7 @@ class ReadLatest final : public ServiceBase {
     const void* const data = cursor.data;
     const std::uint64_t seen = cursor.seen;
     const bool fresh = status == DataStatus::new_data;
-    if (fresh) {  // who throws has not seen it
+    if (fresh) {  // a caller that throws has not seen it
       cursor.word = Cursor::kNone;
       cursor.seen = 0;
     }
@@ -88,8 +88,8 @@ class ReadLatest final : public ServiceBase {
   LatestValue& latest() { return exchange_of(owner()).latest; }
 };
 
-/// The port that came first writes without a call and without the lock, which it takes to tell
-/// those who listen. Others write under it, as does who fills a value in place (the author's code).
+/// The port that came first writes without a call and without the lock, which it acquires to notify
+/// taps. Others write under it, as does a port that fills a value in place.
 class WriteLatest final : public ServiceBase {
  public:
   WriteLatest(InterfaceBase& owner, const DataType& data)

@@ -17,7 +17,7 @@ constexpr GElf_Half kMachine = EM_AARCH64;
 #elif defined(__riscv)
 constexpr GElf_Half kMachine = EM_RISCV;
 #else
-#error "tell the plugin check the ELF machine number of this architecture"
+#error "give the plugin check the ELF machine number of this architecture"
 #endif
 constexpr unsigned char kByteOrder =
     __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ ? ELFDATA2LSB : ELFDATA2MSB;

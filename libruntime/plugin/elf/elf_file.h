@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The parts of a shared object that the check looks at, taken apart by libelf.
+/// The parts of a shared object that the check looks at, parsed by libelf.
 #pragma once
 
 #include <gelf.h>

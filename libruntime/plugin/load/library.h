@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A plugin in memory: its code, what it declared, and who still uses it.
+/// A plugin in memory: its code, what it declared, and its users.
 #pragma once
 
 #include <atomic>
@@ -19,7 +19,7 @@
 
 namespace mauve::plugin {
 
-/// What people are told about a plugin.
+/// Facts about a plugin that messages and answers show.
 struct PluginInfo {
   std::string name;
   std::string version;
@@ -33,7 +33,7 @@ struct PluginInfo {
 /// Did the code of a plugin really leave the address space?
 struct Unmapped {
   bool unmapped = false;
-  std::string reason;  ///< why not, and who holds it; empty when it did
+  std::string reason;  ///< why not, and its users; empty when it did
 };
 
 /// Mapped from construction to destruction. Everything made by the plugin holds it (hold.h), so no
@@ -58,7 +58,7 @@ class Library {
 
   /// From now on nothing new is made from it: a newer version took its names. [control]
   void retire() { retired_.store(true, std::memory_order_release); }
-  /// It has its names again: the newer version was taken back. [control]
+  /// It has its names again: the newer version was rolled back. [control]
   void use_again() { retired_.store(false, std::memory_order_release); }
   [[nodiscard]] bool retired() const { return retired_.load(std::memory_order_acquire); }
 
@@ -84,7 +84,7 @@ class Library {
   rt::CodeRange code_;
   std::unique_ptr<Plugin> declared_;  // destroyed before the code is unmapped
   std::atomic<bool> retired_{false};
-  mutable Mutex mutex_;  // of users_; never taken by a real-time thread
+  mutable Mutex mutex_;  // of users_; never acquired by a real-time thread
   Users users_ MAUVE_GUARDED_BY(mutex_);
 };
 

@@ -22,14 +22,14 @@ Result<LoadedPlugin> LoadedPlugin::of(std::shared_ptr<Library> library) {
   return plugin;
 }
 
-Status LoadedPlugin::check_name(const std::string& name, const char* kind, bool taken) const {
+Status LoadedPlugin::check_name(const std::string& name, const char* kind, bool used) const {
   const std::string prefix = info().name + "/";
   if (!name.starts_with(prefix) || !is_name(std::string_view(name).substr(prefix.size()))) {
     return refuse(Errc::invalid_value, name,
                   "is no name for a " + std::string(kind) + " of plugin " + info().name,
                   "names match [a-z][a-z0-9_]{0,63}; the plugin's own is put in front");
   }
-  if (taken) {
+  if (used) {
     return refuse(Errc::duplicate, name,
                   "is registered twice as a " + std::string(kind) + " by plugin " + info().name);
   }

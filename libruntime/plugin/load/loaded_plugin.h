@@ -42,7 +42,7 @@ class LoadedPlugin {
   Status collect_resources();
   Status collect_types();
   [[nodiscard]] Status check_component(const ComponentType& component) const;
-  [[nodiscard]] Status check_name(const std::string& name, const char* kind, bool taken) const;
+  [[nodiscard]] Status check_name(const std::string& name, const char* kind, bool used) const;
 
   std::shared_ptr<Library> library_;
 };

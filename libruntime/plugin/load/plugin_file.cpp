@@ -27,7 +27,7 @@ Error system_error(std::string at, std::string_view doing) {
                 "cannot be " + std::string(doing) + ": " + std::strerror(errno));
 }
 
-/// Opens one step below `parent` (the root when `name` is "/") and checks who owns it.
+/// Opens one step below `parent` (the root when `name` is "/") and checks its owner.
 Result<rt::Descriptor> step(const rt::Descriptor& parent, const std::string& name,
                             const std::string& path, const Trust& trust) {
   rt::Descriptor opened(openat(parent ? parent.get() : AT_FDCWD, name.c_str(),

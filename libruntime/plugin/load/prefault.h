@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Page faults of fresh code, taken here and not on a real-time thread.
+/// Page faults of fresh code, caused here and not on a real-time thread.
 #pragma once
 
 namespace mauve::plugin {

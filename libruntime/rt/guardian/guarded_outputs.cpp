@@ -64,7 +64,7 @@ Result<GuardedOutputs::Held> GuardedOutputs::made(const void* owner, const std::
   held.order.times = static_cast<std::uint32_t>(order.times);
   held.order.apart_us = static_cast<std::uint32_t>(order.apart / Duration{1us});
   held.order.drop_unsent = order.drop_unsent ? 1 : 0;
-  const auto taken = [&]() MAUVE_REQUIRES(mutex_) {
+  const auto claimed = [&]() MAUVE_REQUIRES(mutex_) {
     return std::any_of(held_.begin(), held_.end(),
                        [&](const auto& one) { return one.second.slot == held.slot; });
   };
@@ -72,7 +72,7 @@ Result<GuardedOutputs::Held> GuardedOutputs::made(const void* owner, const std::
   if (before != held_.end()) {
     held.slot = before->second.slot;
   } else {
-    while (taken()) ++held.slot;
+    while (claimed()) ++held.slot;
   }
   if (held.slot >= guardian::kMostOutputs) {
     return refuse(Errc::limit, {}, "a guardian holds no more than 32 outputs");
@@ -98,7 +98,7 @@ Status GuardedOutputs::hold(const void* owner, const std::string& name, int desc
   } else if (ring_) {
     ring_();
   }
-  const auto settled = [&]() MAUVE_REQUIRES(mutex_) {  // its place may go meanwhile
+  const auto settled = [&]() MAUVE_REQUIRES(mutex_) {  // its slot may be released meanwhile
     const auto found = held_.find(owner);
     return found == held_.end() || found->second.answered || !found->second.refused.empty() ||
            (looked_ && socket_ < 0);

@@ -77,9 +77,9 @@ bool send(int socket, const Request& request, int descriptor) {
 
 }  // namespace guardian
 
-Status GuardianLink::start(GuardianPlan plan, Tell tell) {
+Status GuardianLink::start(GuardianPlan plan, Report report) {
   plan_ = std::move(plan);
-  tell_ = std::move(tell);
+  report_ = std::move(report);
   if (plan_.use == GuardianUse::off) return ok();
   bell_ = Descriptor(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!bell_) return system_error("cannot wait for outputs");
@@ -218,8 +218,8 @@ bool GuardianLink::read_all(int socket) {
     if (got != sizeof answer) return false;
     answer.text.back() = '\0';
     if (answer.kind == guardian::Kind::silence) {
-      tell_({What::silence, std::chrono::milliseconds(answer.lasted_ms), answer.done, answer.total,
-             state()});
+      report_({What::silence, std::chrono::milliseconds(answer.lasted_ms), answer.done,
+               answer.total, state()});
     } else {
       GuardedOutputs::of_process().take(answer);
     }
@@ -234,7 +234,7 @@ void GuardianLink::found(How how, int socket) {
     state_ = {how, {}, 0, how == How::started ? child_ : process_behind(socket)};
     news.state = state_;
   }
-  tell_(news);
+  report_(news);
 }
 
 void GuardianLink::absent(What what, const std::string& why) {
@@ -250,7 +250,7 @@ void GuardianLink::absent(What what, const std::string& why) {
     if (known) return;
     news.state = state_;
   }
-  tell_(news);
+  report_(news);
 }
 
 /// One that was started here ends when its connection does.

@@ -45,7 +45,7 @@ struct GuardianState {
 struct GuardianNews {
   enum class What : std::uint8_t {
     found,   ///< it holds the outputs from now on
-    absent,  ///< there is none; told once until there is one
+    absent,  ///< there is none; reported once until there is one
     lost,    ///< it ended, or does not listen any more
     silence  ///< it took this process for dead and sent all orders
   };
@@ -60,15 +60,15 @@ struct GuardianNews {
 /// there is none. One in a process.
 class GuardianLink {
  public:
-  using Tell = std::function<void(const GuardianNews&)>;
+  using Report = std::function<void(const GuardianNews&)>;
 
   GuardianLink() = default;
   ~GuardianLink() { stop(false); }
   GuardianLink(const GuardianLink&) = delete;
   GuardianLink& operator=(const GuardianLink&) = delete;
 
-  /// `tell` is called on the thread of the link.
-  Status start(GuardianPlan plan, Tell tell);
+  /// `report` is called on the thread of the link.
+  Status start(GuardianPlan plan, Report report);
   /// In order: the outputs are safe, so that the guardian lets them go. Else it sends its orders
   /// when it notices that the connection is gone. [any but its own]
   void stop(bool in_order);
@@ -89,11 +89,11 @@ class GuardianLink {
   void ring() const;
 
   GuardianPlan plan_;
-  Tell tell_;
+  Report report_;
   guardian::OwnPage page_;
   Descriptor bell_;
   pid_t child_ = 0;                  // started and not reaped
-  std::atomic<bool> leaves_{false};  // the end of the connection is nothing to tell any more
+  std::atomic<bool> leaves_{false};  // the end of the connection is not reported any more
   std::atomic<bool> quits_{false};
   mutable Mutex mutex_;  // of the state
   GuardianState state_ MAUVE_GUARDED_BY(mutex_);

@@ -58,7 +58,7 @@ Status OwnPage::open() {
   page.owner = owner_word(owner_);
   own(page);
   if (syscall(SYS_set_robust_list, &page_list, sizeof page_list) != 0) {
-    return no_page("have the end of a thread told");
+    return no_page("have the kernel mark the end of a thread");
   }
   heard_page.store(&page, std::memory_order_release);
   return ok();

@@ -26,7 +26,7 @@ namespace guardian {
 class OwnPage {
  public:
   /// The calling thread becomes the owner: when it ends in whatever way, the kernel marks the page
-  /// before anything else of the process is taken down (robust futexes, set_robust_list(2)).
+  /// before any other part of the process is removed (robust futexes, set_robust_list(2)).
   Status open();
   /// That thread's last step: its end means nothing any more.
   void let_go();

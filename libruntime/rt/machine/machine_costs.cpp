@@ -82,8 +82,8 @@ Duration holes_until(Instant end) {
 Duration measure_interrupt() {
   const int timer = timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC);
   if (timer < 0) return Duration{0};
-  std::array<Duration, kExpiries> taken{};
-  for (Duration& sample : taken) {
+  std::array<Duration, kExpiries> samples{};
+  for (Duration& sample : samples) {
     itimerspec once{};
     once.it_value.tv_nsec = kUntilExpiry.count();
     timerfd_settime(timer, 0, &once, nullptr);
@@ -92,21 +92,21 @@ Duration measure_interrupt() {
   }
   close(timer);
   // The median: the kernel's own tick is in some, and is counted apart.
-  std::nth_element(taken.begin(), taken.begin() + kExpiries / 2, taken.end());
-  return taken[kExpiries / 2];
+  std::nth_element(samples.begin(), samples.begin() + kExpiries / 2, samples.end());
+  return samples[kExpiries / 2];
 }
 
 /// The median: its tick is in every window, what a host takes in some.
 Duration measure_kernel() {
-  std::array<Duration, kWindows> taken{};
-  for (Duration& sample : taken) {
+  std::array<Duration, kWindows> samples{};
+  for (Duration& sample : samples) {
     for (int i = 0; i < kSlices; ++i) {
       sample += holes_until(now() + kSlice.count());
       pause();
     }
   }
-  std::nth_element(taken.begin(), taken.begin() + kWindows / 2, taken.end());
-  return taken[kWindows / 2];
+  std::nth_element(samples.begin(), samples.begin() + kWindows / 2, samples.end());
+  return samples[kWindows / 2];
 }
 
 /// Two threads on one CPU that pass the turn to each other.
@@ -153,7 +153,7 @@ std::optional<MachineCosts> measure_machine(const std::vector<int>& cpus, int pr
   std::list<Measuring> all;
   for (const int cpu : cpus) {
     if (!all.emplace_back().start(cpu, priority)) {
-      // Whoever waits for a turn that never comes is given it.
+      // A thread that waits for a turn that never comes is given it.
       if (all.back().second.running()) all.back().game.play(0);
       return std::nullopt;
     }

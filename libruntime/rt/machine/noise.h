@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Noise: the lateness of probes while components run. It tells for how long the machine held up a
-/// CPU, so that no core is blamed for that time, and how late threads wake up, so that an
+/// Noise: the lateness of probes while components run. It measures for how long the machine held up
+/// a CPU, so that no core is blamed for that time, and how late threads wake up, so that an
 /// assumption about the machine can be compared with it.
 #pragma once
 

@@ -14,7 +14,7 @@ inline void ask_for([[maybe_unused]] const void* object, [[maybe_unused]] std::s
 #if defined(__x86_64__)
   if (size == 0) return;
   const auto* bytes = static_cast<const volatile std::byte*>(object);
-  // The builtin would ask for a shared line unless the compiler is told of the CPU.
+  // The builtin would ask for a shared line unless the compiler knows the CPU.
   for (std::size_t i = 0; i < size; i += kCacheLine) {
     asm volatile("prefetchw %0" : : "m"(bytes[i]));
   }

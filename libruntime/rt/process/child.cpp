@@ -30,7 +30,7 @@ constexpr bool kSanitized = true;
 constexpr bool kSanitized = false;
 #endif
 
-constexpr int kLastWordsMs = 200;
+constexpr int kCrashHandlerMs = 200;
 constexpr int kLessUrgent = 5;
 
 Error failed(const char* doing, int number) {
@@ -82,11 +82,11 @@ std::string text_of(const Descriptor& file) {
 /// Whether the child ended within the time; it is not reaped.
 bool ended_within(const Descriptor& child, int milliseconds) {
   pollfd one{child.get(), POLLIN, 0};
-  int told = 0;
+  int ready = 0;
   do {
-    told = poll(&one, 1, milliseconds);
-  } while (told < 0 && errno == EINTR);
-  return told > 0;
+    ready = poll(&one, 1, milliseconds);
+  } while (ready < 0 && errno == EINTR);
+  return ready > 0;
 }
 
 }  // namespace
@@ -138,7 +138,7 @@ Result<pid_t> ChildRunner::spawn(const std::vector<std::string>& command, int in
 ChildEnd ChildRunner::wait(pid_t child, Duration within) {
   ChildEnd end;
   // Code in it may have left the group: the process itself gets each signal too.
-  const auto tell = [child](int signal) {
+  const auto send = [child](int signal) {
     kill(-child, signal);
     kill(child, signal);
   };
@@ -146,10 +146,10 @@ ChildEnd ChildRunner::wait(pid_t child, Duration within) {
   const auto most = std::chrono::ceil<std::chrono::milliseconds>(within).count();
   if (!handle || !ended_within(handle, static_cast<int>(most))) {
     end.how = ChildEnd::How::late;
-    tell(SIGTERM);
-    if (handle) ended_within(handle, kLastWordsMs);
+    send(SIGTERM);
+    if (handle) ended_within(handle, kCrashHandlerMs);
   }
-  tell(SIGKILL);  // also those that it started; its number is not free yet
+  send(SIGKILL);  // also those that it started; its number is not free yet
   siginfo_t ended{};
   while (waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOWAIT) < 0 && errno == EINTR) {
   }

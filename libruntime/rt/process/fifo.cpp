@@ -21,7 +21,7 @@ Error refused_to_user(const FifoFacts& facts, const std::string& what) {
         Errc::not_permitted, "realtime",
         "no permission for " + what +
             ": CAP_SYS_NICE is missing, although the user is root, and RLIMIT_RTPRIO is 0",
-        "keep CAP_SYS_NICE where it was taken away: CapabilityBoundingSet= in a unit, "
+        "keep CAP_SYS_NICE where it was dropped: CapabilityBoundingSet= in a unit, "
         "--cap-add=SYS_NICE for a container; or set LimitRTPRIO=99");
   }
   return refuse(Errc::not_permitted, "realtime",

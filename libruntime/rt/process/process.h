@@ -25,7 +25,7 @@ struct ThreadFacts {
   std::uint64_t minor_faults = 0;  ///< pages that were touched for the first time
   std::uint64_t major_faults = 0;  ///< pages that were read from a disk
   std::uint64_t waits = 0;         ///< times it gave the processor away, for a release or in a call
-  std::uint64_t preemptions = 0;   ///< times the processor was taken from it
+  std::uint64_t preemptions = 0;   ///< times it lost the processor to another thread
 
   /// Before all ordinary threads of its CPU.
   [[nodiscard]] bool urgent() const { return priority > 0 || policy == "SCHED_DEADLINE"; }

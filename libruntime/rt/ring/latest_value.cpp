@@ -11,7 +11,7 @@ LatestValue::LatestValue(std::size_t size, unsigned readers)
       // values.
       stride_(slot_size() < kApart ? std::bit_ceil(slot_size()) : round_up(slot_size(), kApart)),
       readers_((readers < kMaxReaders ? readers : kMaxReaders) + 1),
-      taken_(std::make_unique<std::atomic<bool>[]>(readers_)) {
+      claimed_(std::make_unique<std::atomic<bool>[]>(readers_)) {
   const unsigned slots = 2 * readers_ + 3;
   memory_ = static_cast<std::byte*>(::operator new (stride_* slots, std::align_val_t{kApart}));
   std::memset(memory_, 0, stride_ * slots);  // touched now, not by a real-time thread
@@ -20,8 +20,8 @@ LatestValue::LatestValue(std::size_t size, unsigned readers)
   alone_.next = index++;
   word_ = index++;
   for (unsigned reader = 0; reader < readers_; ++reader) alone_.held_by[reader] = index++;
-  careful_.next = index++;
-  for (unsigned reader = 0; reader < readers_; ++reader) careful_.held_by[reader] = index++;
+  locked_.next = index++;
+  for (unsigned reader = 0; reader < readers_; ++reader) locked_.held_by[reader] = index++;
   ahead_ = slot(alone_.next);
   leave(word_);
 }
@@ -30,7 +30,7 @@ LatestValue::~LatestValue() { ::operator delete (memory_, std::align_val_t{kApar
 
 unsigned LatestValue::attach() {
   for (unsigned i = kInTurn + 1; i < readers_; ++i) {
-    if (taken_[i].exchange(true)) continue;
+    if (claimed_[i].exchange(true)) continue;
     unsigned used = used_.load();  // only ever grows, also when two threads attach at once
     while (used <= i && !used_.compare_exchange_weak(used, i + 1)) {
     }
@@ -40,7 +40,7 @@ unsigned LatestValue::attach() {
 }
 
 void LatestValue::detach(unsigned reader) {
-  if (reader < readers_) taken_[reader].store(false);
+  if (reader < readers_) claimed_[reader].store(false);
 }
 
 void LatestValue::take_back(Lane& lane, std::uint64_t before) const {
@@ -53,7 +53,7 @@ void LatestValue::take_back(Lane& lane, std::uint64_t before) const {
   for (unsigned reader = 0; reader < readers; ++reader) {
     std::uint8_t& its = lane.held_by[reader];
     all |= Slots{1} << its;
-    if (taken(before, reader)) its = index_of(before);
+    if (has_claimed(before, reader)) its = index_of(before);
     held |= Slots{1} << its;
   }
   const Slots free = all & ~held;
@@ -68,21 +68,21 @@ bool LatestValue::replace(std::uint64_t& word) {
   take_back(alone_, before);
   ahead_ = slot(alone_.next);
   // What the first reader holds is free when it takes another one, unless it is not alone with it.
-  if (taken(before, kFirstReader)) {
+  if (has_claimed(before, kFirstReader)) {
     const bool shared = (before & kReaders & ~kFirst) != 0;
     unusual_.store(shared ? kReaders : kReaders & ~kFirst, std::memory_order_relaxed);
   }
-  leave(after | (before & kReaders));  // who took this one takes the next one
+  leave(after | (before & kReaders));  // a reader that claimed this one takes the next
   return true;
 }
 
-void* LatestValue::begin_write() { return slot(careful_.next); }
+void* LatestValue::begin_write() { return slot(locked_.next); }
 
 void LatestValue::end_write(Instant stamp) {
-  describe(slot(careful_.next), size_, stamp);
+  describe(slot(locked_.next), size_, stamp);
   const std::uint64_t word = word_.load(std::memory_order_relaxed);
   const std::uint64_t count = (word & kCount) + (1ULL << kCountShift);
-  take_back(careful_, word_.exchange(count | careful_.next, std::memory_order_acq_rel));
+  take_back(locked_, word_.exchange(count | locked_.next, std::memory_order_acq_rel));
 }
 
 }  // namespace mauve

@@ -52,10 +52,10 @@ std::string_view trace_name(std::uint32_t id) {
 
 std::string_view to_string(TraceKind kind) {
   constexpr auto kWords = std::to_array<std::string_view>(
-      {"release", "begin", "end",        "wait",    "lock",   "unlock", "timeout",
-       "call",    "user",  "overrun",    "budget",  "missed", "fault",  "started",
-       "stopped", "taken", "given_back", "prepare", "commit", "abort",  "rollback",
-       "member",  "set",   "disturbed",  "lost"});
+      {"release", "begin",   "end",        "wait",    "lock",   "unlock", "timeout",
+       "call",    "user",    "overrun",    "budget",  "missed", "fault",  "started",
+       "stopped", "applied", "given_back", "prepare", "commit", "abort",  "rollback",
+       "member",  "set",     "disturbed",  "lost"});
   static_assert(kWords.size() == static_cast<std::size_t>(TraceKind::lost) + 1);
   const auto index = static_cast<std::size_t>(kind);
   return index < kWords.size() ? kWords[index] : "unknown";

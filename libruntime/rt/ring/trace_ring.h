@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// TraceRing: the last records of one thread. Its writer never waits and never looks at who reads;
-/// the oldest records are overwritten. Who reads copies first, then drops what may have been
+/// TraceRing: the last records of one thread. Its writer never waits and never looks at readers;
+/// the oldest records are overwritten. A reader copies first, then drops what may have been
 /// overwritten meanwhile, and counts it.
 #pragma once
 
@@ -57,14 +57,14 @@ class TraceRing {
     const std::uint64_t what = static_cast<std::uint64_t>(kind) << 56U |
                                static_cast<std::uint64_t>(name & kNameMask) << 32U |
                                std::min(small, kLargest);
-    // Released each: who reads a new word in an old record sees the head that tells him so.
+    // Released each: a reader of a new word in an old record sees the head that has moved.
     slot.time.store(last_, std::memory_order_release);
     slot.what.store(what, std::memory_order_release);
     slot.value.store(value, std::memory_order_release);
     head_.store(head + 1, std::memory_order_release);
   }
 
-  /// [rt] The next push finds its place in the cache.
+  /// [rt] Brings the slot of the next push into the cache.
   void fetch() const {
     touch(&slots_[head_.load(std::memory_order_relaxed) % kCapacity], sizeof(Slot));
   }

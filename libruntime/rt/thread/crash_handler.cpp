@@ -61,7 +61,7 @@ void CrashHandler::wait() {
   futex_bump(silent);
 }
 
-bool speak_last_words(const Fault& fault) {
+bool run_crash_handler(const Fault& fault) {
   if (i_speak()) return false;  // it failed in its last words
   const Instant until = MonotonicClock().now() + kMayTake.count();
   if (!dying.exchange(true)) {

@@ -14,7 +14,7 @@
 
 namespace mauve::rt {
 
-/// Who dies of what.
+/// The thread that died, and the cause.
 struct Death {
   Fault fault;
   std::array<char, 16> thread{};  ///< its name
@@ -46,6 +46,6 @@ class CrashHandler {
 /// Lets all of them speak, and waits for the end of it; not longer than 500 ms. A fault whose
 /// signal is 0 is an exit(). Async-signal-safe.
 /// True when there was somebody to speak, and all have spoken.
-bool speak_last_words(const Fault& fault);
+bool run_crash_handler(const Fault& fault);
 
 }  // namespace mauve::rt

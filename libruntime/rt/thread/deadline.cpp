@@ -13,7 +13,7 @@ namespace mauve::rt {
 namespace {
 
 constexpr long kSecond = 1'000'000'000;
-/// It may be in code that must not be interrupted: then it is told again.
+/// It may be in code that must not be interrupted: then the signal is sent again.
 constexpr long kReportAgain = 1'000'000;
 
 }  // namespace

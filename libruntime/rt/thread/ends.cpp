@@ -35,7 +35,7 @@ std::atomic<int> unexpected{0};
 /// True in the process that had something to say.
 bool speak_as_owner(const Fault& fault) {
   if (speaking_process.load() != getpid()) return false;
-  speak_last_words(fault);
+  run_crash_handler(fault);
   return true;
 }
 

@@ -17,7 +17,7 @@ inline constexpr Instant kForever = std::numeric_limits<Instant>::max();
 void futex_wait_until(const std::atomic<std::uint32_t>& word, std::uint32_t expected,
                       Instant deadline);
 
-/// Adds one to the word and wakes everybody who sleeps on it. [any], one system call.
+/// Adds one to the word and wakes all threads that sleep on it. [any], one system call.
 void futex_bump(std::atomic<std::uint32_t>& word);
 
 }  // namespace mauve::rt

@@ -53,8 +53,8 @@ bool finds_out() {
 }  // namespace
 
 bool preemption_is_reported() {
-  static const bool told = finds_out();
-  return told;
+  static const bool reported = finds_out();
+  return reported;
 }
 
 void watch_for_preemption() {

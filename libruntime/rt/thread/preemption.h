@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Preemption: did anything come between the code of a stretch? Then the time it took is not what
-/// it cost. Told by the restartable sequences of Linux (rseq(2)): the kernel forgets a sequence
+/// it cost. Detected by the restartable sequences of Linux (rseq(2)): the kernel forgets a sequence
 /// that the thread is not in whenever it preempts, moves or signals it. A look costs some loads and
 /// stores; asking the kernel for the thread's processor time costs 0.4 us.
 #pragma once
@@ -17,7 +17,7 @@ void watch_for_preemption();
 /// The kernel looks at nothing of this library any more: before a thread leaves it. [rt]
 void end_preemption_watch();
 
-/// Does this machine tell? Without, preempted() is always true. The first call of the process
+/// Does this machine detect it? Without, preempted() is always true. The first call of the process
 /// sleeps for a moment to find that out, so it has to come before a job does. [any]
 [[nodiscard]] bool preemption_is_reported();
 

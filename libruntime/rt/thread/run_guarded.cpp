@@ -126,7 +126,7 @@ void on_fault(int signal, siginfo_t* info, void* context) {
   const bool contained = frame != nullptr && getpid() == owner.load() && !fault.sent &&
                          !code.system.contain(instruction_of(context));
   if (contained) abort_job(*frame, fault);
-  speak_last_words(fault);
+  run_crash_handler(fault);
   std::signal(signal, SIG_DFL);
   if (fault.sent) raise(signal);
   // The instruction that failed fails again, and the process dies of it, with a core dump.
@@ -136,7 +136,7 @@ void on_interrupt(int signal, siginfo_t* /*info*/, void* context) {
   const std::uintptr_t at = instruction_of(context);
   if (code.system.contain(at) || code.runtime.contain(at)) return;
   // The job may be in a body within its own, whose caller has to know that it did not end: that one
-  // ends first, and the job when the guard tells it again.
+  // ends first, and the job when the guard signals it again.
   for (const Frame* frame = this_frame(); frame != nullptr; frame = frame->outer) {
     const Instant wanted = frame->watched->interrupt.load();
     const bool meant = wanted != 0 && wanted == frame->watched->busy_since.load();

@@ -79,7 +79,7 @@ class FaultHandlers {
 };
 
 /// The stack that the calling thread handles faults on, so that a full stack is one that can be
-/// handled. First thing in a thread, touched; taken away at the end of the scope.
+/// handled. First thing in a thread, touched; removed at the end of the scope.
 class FaultStack {
  public:
   FaultStack();

@@ -41,7 +41,7 @@ class Thread {
   /// The policy and priority the system really gave it: true when SCHED_FIFO at `priority`.
   [[nodiscard]] bool is_fifo(int priority) const;
   /// It is SCHED_FIFO of this priority and on these CPUs (empty: any), also for a system that was
-  /// asked past the C library, which remembers only what it was told itself. [any]
+  /// asked past the C library, which remembers only its own calls. [any]
   [[nodiscard]] bool keeps(int priority, const std::vector<int>& cpus) const;
   /// Changes the priority of a running thread (also demotion to 0). [control]
   Status set_priority(int priority);
@@ -71,7 +71,7 @@ class Thread {
 /// CPUs that this process may use.
 [[nodiscard]] std::vector<int> usable_cpus();
 
-/// Is `cpu` one of them? `at` is the address of who asks for it.
+/// Is `cpu` one of them? `at` is the address in the refusal.
 [[nodiscard]] Status check_cpu(int cpu, const std::string& at);
 
 /// Raises the calling thread to SCHED_FIFO for a scope, where permitted.

@@ -16,7 +16,7 @@
 namespace mauve::rt {
 namespace {
 
-/// Who called pthread_create(), the innermost first.
+/// The callers of pthread_create(), the innermost first.
 struct Started {
   std::array<void*, 24> callers{};
   int count = 0;

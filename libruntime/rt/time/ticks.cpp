@@ -42,7 +42,7 @@ bool is_to_be_trusted() {
 #endif
 }
 
-/// At `ticks` it was `time`. Every word is released and acquired: who reads a word of a later tie
+/// At `ticks` it was `time`. Every word is released and acquired: a reader of a word of a later tie
 /// sees the number of the tie before it too.
 struct Tie {
   std::atomic<std::uint64_t> ticks{0};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Ticks: the monotonic clock, read from the counter of the processor in half the time. Somebody
-/// ties the counter to the clock now and then; who reads never waits for that.
+/// ties the counter to the clock now and then; a reader never waits for that.
 #pragma once
 
 #include <mauve/time.h>

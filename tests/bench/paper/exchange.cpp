@@ -294,7 +294,7 @@ Values times(Values values, double factor) {
 }
 
 /// The size at which ours is worst compared with a limit for each size; 0: no limit there. `floor`:
-/// what a bare memcpy takes here, told where that is over the limit.
+/// what a bare memcpy takes here, reported where that is over the limit.
 void state(Book& book, const std::string& what, const std::string& target, const Values& ours,
            const Values& limit, const Values& floor = {}) {
   std::size_t worst = 0;

@@ -49,7 +49,7 @@ class Daemon {
   }
   [[nodiscard]] std::filesystem::path socket() const { return place_ / "s"; }
   [[nodiscard]] bool up() const { return up_; }
-  /// As root, who has a place beside all others, but only while asking.
+  /// As root, who has a slot beside all others, but only while asking.
   [[nodiscard]] Json ask(const char* method, Json params = Json::object()) const {
     RawClient root(socket());
     static_cast<void>(root.json());
@@ -97,7 +97,7 @@ class Clients {
   Clients(const Clients&) = delete;
   Clients& operator=(const Clients&) = delete;
   [[nodiscard]] bool refused() const { return refused_; }
-  std::atomic<int> told{0};
+  std::atomic<int> received{0};
 
  private:
   void watch(RawClient& client) {
@@ -108,7 +108,7 @@ class Clients {
     if (!client.ask("watch.subscribe", {{"addresses", addresses}}).contains("result")) {
       refused_ = true;
     }
-    while (!over_ && !refused_) told += client.line(std::chrono::milliseconds(100)) ? 1 : 0;
+    while (!over_ && !refused_) received += client.line(std::chrono::milliseconds(100)) ? 1 : 0;
   }
   void ask(RawClient& client) {
     for (int i = 0; !over_; ++i) {
@@ -117,7 +117,7 @@ class Clients {
         refused_ = true;
         return;
       }
-      ++told;
+      ++received;
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
   }
@@ -140,12 +140,12 @@ bool measure(Sweep& sweep, const Daemon& daemon, int count, Duration time) {
   const std::int64_t since = daemon.ask("stats.get").value("t_ns", std::int64_t{0});
   const Instant begun = now();
   const Instant busy = daemon.processor_time();
-  clients.told = 0;
+  clients.received = 0;
   std::this_thread::sleep_for(time);
   const Json found = daemon.ask("stats.get");
   const double seconds = static_cast<double>(now() - begun) / 1e9;
   const double took = static_cast<double>(daemon.processor_time() - busy) / 1e6 / seconds;
-  const int told = clients.told;
+  const int received = clients.received;
   if (clients.refused() || found.empty()) return false;
   std::vector<double> p50;
   std::vector<double> p99;
@@ -156,7 +156,7 @@ bool measure(Sweep& sweep, const Daemon& daemon, int count, Duration time) {
     missed += component["missed"].get<int>();
   }
   const auto judged = missed == 0 ? mauve::test::MissedReleases{} : daemon.missed(since);
-  sweep.add(count, {median(p50), percentile(p99, 100), took, told / seconds,
+  sweep.add(count, {median(p50), percentile(p99, 100), took, received / seconds,
                     static_cast<double>(judged.missed), static_cast<double>(judged.disturbed)});
   return true;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Table: figures that are told apart by more than a name, and are the same on every machine.
+/// Table: figures that more than a name distinguishes, and are the same on every machine.
 #pragma once
 
 #include <cstdio>

@@ -202,7 +202,7 @@ TEST(LargestFactor, IsBelowOneForARefusedSet) {
               0.01);
 }
 
-TEST(LargestFactor, OfWorkThatIsTakenByTheMachineAloneIsZero) {
+TEST(LargestFactor, OfAProcessorThatTheMachineAloneFillsIsZero) {
   TaskSet hopeless = set({task("a", 1, 10ms, 1ms)});
   hopeless.overheads.wake = 11ms;
 

@@ -12,15 +12,15 @@ namespace {
 
 /// By trying every choice.
 std::int64_t tried(const Weights& weights) {
-  std::vector<bool> taken(weights.empty() ? 0 : weights.front().size(), false);
+  std::vector<bool> used(weights.empty() ? 0 : weights.front().size(), false);
   const std::function<std::int64_t(std::size_t)> from = [&](std::size_t row) -> std::int64_t {
     if (row == weights.size()) return 0;
     std::int64_t most = from(row + 1);
-    for (std::size_t column = 0; column < taken.size(); ++column) {
-      if (taken[column]) continue;
-      taken[column] = true;
+    for (std::size_t column = 0; column < used.size(); ++column) {
+      if (used[column]) continue;
+      used[column] = true;
       most = std::max(most, weights[row][column] + from(row + 1));
-      taken[column] = false;
+      used[column] = false;
     }
     return most;
   };

@@ -14,7 +14,7 @@ namespace {
 
 bool passes(const TaskSet& set) { return problems(analyze(set)).empty(); }
 
-/// As it is told to people, who write it into a file.
+/// As a message shows it to users, who write it into a file.
 Duration as_printed(Duration time) { return *parse_duration(format_duration(time)); }
 
 TEST(Relaxation, WhatItNamesPassesForTheWholeSetAsItIsPrinted) {

@@ -186,16 +186,16 @@ class Processor {
       if (walker != nullptr && finish_empty(*walker)) continue;
       if (time_ >= end || !result_.violation.empty()) return;
       if (kernel_ > 0) {
-        const Time taken = std::min(kernel_, end - time_);
-        kernel_ -= taken;
-        time_ += taken;
+        const Time spent = std::min(kernel_, end - time_);
+        kernel_ -= spent;
+        time_ += spent;
       } else if (walker == nullptr) {
         time_ = end;
       } else {
         Segment& segment = walker->segments[walker->segment];
-        const Time taken = std::min(segment.left, end - time_);
-        segment.left -= taken;
-        time_ += taken;
+        const Time spent = std::min(segment.left, end - time_);
+        segment.left -= spent;
+        time_ += spent;
       }
     }
   }

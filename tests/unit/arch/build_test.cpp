@@ -287,20 +287,21 @@ TEST_F(Build, ReportsAKeyTwiceAndEverythingElse) {
   text = with("\"cpus\": [0]", "\"cpus\": [0], \"cpus\": [0]", text);
   text = with("\"core.gain\": 0.5", "\"core.gain\": 0.5, \"core.gain\": 2.5", text);
 
-  std::vector<std::string> told;
+  std::vector<std::string> reported;
   for (const Problem& problem : refused(text)) {
-    told.push_back(problem.error.at + ": " + problem.error.message);
+    reported.push_back(problem.error.at + ": " + problem.error.message);
   }
-  EXPECT_EQ(told, (std::vector<std::string>{
-                      ": the key \"core.gain\" appears twice",
-                      "left.core.gain: 2.5 is above the maximum 2 1/s",
-                      ": the key \"command\" appears twice",
-                      ": the key \"reset\" appears twice",
-                      "left.ports.reset: relay.rest: resource relay has no service of this name",
-                      ": the key \"cpus\" appears twice",
-                      ": the key \"left\" appears twice",
-                      "left.ports.poze: left has no port of this name",
-                  }));
+  EXPECT_EQ(reported,
+            (std::vector<std::string>{
+                ": the key \"core.gain\" appears twice",
+                "left.core.gain: 2.5 is above the maximum 2 1/s",
+                ": the key \"command\" appears twice",
+                ": the key \"reset\" appears twice",
+                "left.ports.reset: relay.rest: resource relay has no service of this name",
+                ": the key \"cpus\" appears twice",
+                ": the key \"left\" appears twice",
+                "left.ports.poze: left has no port of this name",
+            }));
 }
 
 TEST_F(Build, ReportsAMissingPluginOnceAndNotEveryNameOfIt) {

@@ -46,7 +46,7 @@ TEST_F(Diff, LetsWhatIsNewJoinUnconnected) {
   for (const auto& binding : *third.component->bundle()->bindings) EXPECT_EQ(binding, nullptr);
   EXPECT_THAT(said(third.connect), ElementsAre("pose=more.read/5000000", "scan=scan.read/0"));
   EXPECT_EQ(third.component->core().find_property("gain")->value(), Value(1.0));
-  EXPECT_EQ(wanted_->find_component("third"), nullptr) << "it was taken out";
+  EXPECT_EQ(wanted_->find_component("third"), nullptr) << "it was moved out";
   EXPECT_FALSE(third.component->configured());
 }
 
@@ -87,7 +87,7 @@ TEST_F(Diff, LetsAComponentOfAnotherTypeLeaveAndJoinAgain) {
   EXPECT_TRUE(difference.change.edits.empty());
 }
 
-TEST_F(Diff, TellsTheValuesThatAComponentOfAnotherTypeGetsUnderItsName) {
+TEST_F(Diff, ListsTheValuesThatAComponentOfAnotherTypeGetsUnderItsName) {
   const std::string other = sample::with(
       "\"type\": \"sample/control\",",
       "\"type\": \"sample/bare\", \"core\": \"sample/attract\", \"fsm\": \"sample/periodic\",");

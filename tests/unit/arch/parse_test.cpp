@@ -109,7 +109,7 @@ TEST(Parse, ReadsAllTaskAttributes) {
 }
 
 TEST(Parse, ReadsWhatIsDoneWhenACoreFails) {
-  const Spec spec = spec_of(R"({"schema": "mauve/architecture/1", "name": "careful",
+  const Spec spec = spec_of(R"({"schema": "mauve/architecture/1", "name": "cautious",
     "components": {
       "plain": { "type": "a/b", "fallback_core": "a/stop", "task": { "on_fault": "fallback",
                  "on_overrun": "fallback", "overrun_limit": 2, "watchdog": "50ms" } },

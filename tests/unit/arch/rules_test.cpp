@@ -31,7 +31,7 @@ constexpr const char* kSupervision = R"(
   },
   "rules": [
     { "name": "lost", "when": "left.missed > 3", "do": "blind" },
-    { "name": "careful", "when": "left.ports.pose.status == stale and not relay.interface.strict",
+    { "name": "cautious", "when": "left.ports.pose.status == stale and not relay.interface.strict",
       "for": "2s", "until": "pose.read.x < 1.5",
       "when_unknown": "fire", "do": [ { "start": "right" } ],
       "cool_down": "10s", "per_hour": 6 }
@@ -90,11 +90,11 @@ TEST_F(RulesInFiles, AreReadWithTheirTransactionsAndPermissions) {
 
   ASSERT_NE(architecture, nullptr);
   ASSERT_EQ(supervision_.rules.size(), 2U);
-  const rules::Rule& careful = supervision_.rules[1];
-  EXPECT_EQ(careful.timing, (rules::Timing{2s, 10s, 6}));
-  EXPECT_EQ(careful.until->text(), "pose.read.x < 1.5");
-  EXPECT_EQ(careful.when_unknown, rules::Unknown::fire);
-  EXPECT_EQ(careful.steps.size(), 1U);
+  const rules::Rule& cautious = supervision_.rules[1];
+  EXPECT_EQ(cautious.timing, (rules::Timing{2s, 10s, 6}));
+  EXPECT_EQ(cautious.until->text(), "pose.read.x < 1.5");
+  EXPECT_EQ(cautious.when_unknown, rules::Unknown::fire);
+  EXPECT_EQ(cautious.steps.size(), 1U);
   EXPECT_EQ(supervision_.rules[0].transaction, "blind");
   EXPECT_EQ(supervision_.find("blind")->at(1).max_age, 20ms);
   EXPECT_TRUE(supervision_.find("calm")->at(0).fresh);
@@ -142,7 +142,7 @@ TEST_F(RulesInFiles, AreRefusedWhereAConditionComparesWhatCannotBeCompared) {
   EXPECT_TRUE(has(when("left.ports.scan.status == stale"), "made for each reader")) << "a queue";
 }
 
-TEST_F(RulesInFiles, AreRefusedWhereAStepCannotBeTaken) {
+TEST_F(RulesInFiles, AreRefusedWhereAStepIsImpossible) {
   EXPECT_TRUE(has(step(R"({ "stop": "rihgt" })"), "did you mean right"));
   EXPECT_TRUE(has(step(R"({ "stop": "relay" })"), "is a resource, not a component"));
   EXPECT_TRUE(has(step(R"({ "halt": "right" })"), "says nothing to do"));
@@ -180,7 +180,7 @@ TEST_F(RulesInFiles, NameTransactionsThatAreThere) {
   EXPECT_TRUE(has(refusal("\"do\": \"blind\"", "\"do\": []"), "has no step"));
   EXPECT_TRUE(has(refusal("\"start\": false", "\"may_request\": [\"clam\"]"), "\"calm\""));
   EXPECT_TRUE(has(refusal("\"start\": false", "\"may_request\": [\"calm\", \"calm\"]"), "twice"));
-  EXPECT_TRUE(has(refusal("\"careful\"", "\"lost\""), "a rule has this name already"));
+  EXPECT_TRUE(has(refusal("\"cautious\"", "\"lost\""), "a rule has this name already"));
   EXPECT_TRUE(has(refusal("\"name\": \"lost\", ", ""), "\"name\" is missing"));
   EXPECT_TRUE(has(refusal("\"fire\"", "\"fires\""), "fire"));
   EXPECT_TRUE(has(refusal("\"per_hour\": 6", "\"per_hour\": 0"), "is not from 1 to 3600"));
@@ -200,7 +200,7 @@ TEST_F(RulesInFiles, ReportAllMistakesAtOnceInTheOrderOfTheFile) {
   ASSERT_EQ(problems.size(), 5U) << "and nothing about what would use the relay";
   EXPECT_EQ(problems[0].error.at, "transactions.slow");
   EXPECT_EQ(problems[1].error.at, "rules.lost.when");
-  EXPECT_EQ(problems[2].error.at, "rules.careful.until");
+  EXPECT_EQ(problems[2].error.at, "rules.cautious.until");
   EXPECT_EQ(problems[3].error.at, "relay.type");
   EXPECT_EQ(problems[4].error.at, "right.may_request");
 }

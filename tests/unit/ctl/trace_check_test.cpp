@@ -78,8 +78,8 @@ TEST(TraceCheck, FindsALostRelease) {
     const std::size_t from = releases[releases.size() / 2];
     const std::size_t to = next_of(trace, from, Event::wait);
     const std::size_t before = releases[releases.size() / 2 - 1];
-    // With a change taken there the job after it would break the cut as well.
-    if (to == trace.records.size() || next_of(trace, before, Event::taken) < to) return false;
+    // With a change applied there the job after it would break the cut as well.
+    if (to == trace.records.size() || next_of(trace, before, Event::applied) < to) return false;
     const Word thread = trace.records[from].thread;
     std::vector<Record> kept;
     for (std::size_t i = 0; i < trace.records.size(); ++i) {
@@ -138,24 +138,24 @@ TEST(TraceCheck, FindsALessUrgentJobThatBeganFirst) {
   });
 }
 
-TEST(TraceCheck, FindsAChangeThatIsTakenLate) {
+TEST(TraceCheck, FindsAChangeThatIsAppliedLate) {
   expect_found("cut", "took change", [](Trace& trace) {
-    const auto takes = places_of(trace, "c0", Event::taken);
+    const auto takes = places_of(trace, "c0", Event::applied);
     if (takes.empty()) return false;
     const std::size_t place = takes.front();
     const std::size_t late = next_of(trace, place, Event::wait);
-    if (late == trace.records.size() || next_of(trace, place, Event::taken) < late) return false;
-    Record taken = trace.records[place];
-    taken.time = trace.records[late].time;
-    trace.records.insert(trace.records.begin() + static_cast<std::ptrdiff_t>(late) + 1, taken);
+    if (late == trace.records.size() || next_of(trace, place, Event::applied) < late) return false;
+    Record applied = trace.records[place];
+    applied.time = trace.records[late].time;
+    trace.records.insert(trace.records.begin() + static_cast<std::ptrdiff_t>(late) + 1, applied);
     trace.records.erase(trace.records.begin() + static_cast<std::ptrdiff_t>(place));
     return true;
   });
 }
 
-TEST(TraceCheck, FindsAChangeThatIsTakenEarly) {
+TEST(TraceCheck, FindsAChangeThatIsAppliedEarly) {
   expect_found("cut", "early", [](Trace& trace) {
-    const auto takes = places_of(trace, "c0", Event::taken);
+    const auto takes = places_of(trace, "c0", Event::applied);
     if (takes.empty()) return false;
     const std::size_t place = takes.front();
     std::size_t before = trace.records.size();  // the last job that ran without it
@@ -163,17 +163,17 @@ TEST(TraceCheck, FindsAChangeThatIsTakenEarly) {
       if (release < place) before = release;
     }
     if (before == trace.records.size()) return false;
-    Record taken = trace.records[place];
-    taken.time = trace.records[before].time;
+    Record applied = trace.records[place];
+    applied.time = trace.records[before].time;
     trace.records.erase(trace.records.begin() + static_cast<std::ptrdiff_t>(place));
-    trace.records.insert(trace.records.begin() + static_cast<std::ptrdiff_t>(before), taken);
+    trace.records.insert(trace.records.begin() + static_cast<std::ptrdiff_t>(before), applied);
     return true;
   });
 }
 
 TEST(TraceCheck, FindsAMemberThatNeverTookAChange) {
   expect_found("cut", "never took change", [](Trace& trace) {
-    const auto takes = places_of(trace, "c0", Event::taken);
+    const auto takes = places_of(trace, "c0", Event::applied);
     if (takes.empty()) return false;
     trace.records.erase(trace.records.begin() + static_cast<std::ptrdiff_t>(takes.front()));
     return true;
@@ -182,8 +182,8 @@ TEST(TraceCheck, FindsAMemberThatNeverTookAChange) {
 
 TEST(TraceCheck, FindsTwoInstantsOfOneChange) {
   expect_found("cut", "with the instant", [](Trace& trace) {
-    const auto takes = places_of(trace, "c0", Event::taken);
-    const auto others = places_of(trace, "c1", Event::taken);
+    const auto takes = places_of(trace, "c0", Event::applied);
+    const auto others = places_of(trace, "c1", Event::applied);
     if (takes.empty() || others.empty()) return false;
     if (trace.records[takes.front()].b != trace.records[others.front()].b) return false;
     --trace.records[takes.front()].a;
@@ -191,10 +191,10 @@ TEST(TraceCheck, FindsTwoInstantsOfOneChange) {
   });
 }
 
-TEST(TraceCheck, FindsAChangeThatIsTakenThoughAborted) {
+TEST(TraceCheck, FindsAChangeThatIsAppliedThoughAborted) {
   expect_found("cut", "which was aborted", [](Trace& trace) {
     const auto commits = places_of(trace, "[control]", Event::commit);
-    const auto takes = places_of(trace, "c0", Event::taken);
+    const auto takes = places_of(trace, "c0", Event::applied);
     if (takes.empty() || trace.records[takes.front()].b != 1) return false;
     Record abort = trace.records[commits.front()];
     abort.event = Event::abort;
@@ -255,15 +255,16 @@ Trace with_an_offset_that_changes_twice(std::int64_t release) {
   append_record(trace, 5 * kMs, "c", Event::release, "", 5 * kMs, 1);
   append_record(trace, 5 * kMs, "c", Event::wait, "period", 10 * kMs, 0);
   for (const std::int64_t moved : {12 * kMs, 15 * kMs}) {
-    append_record(trace, 6 * kMs, "c", Event::taken, "change", 6 * kMs, 2);
+    append_record(trace, 6 * kMs, "c", Event::applied, "change", 6 * kMs, 2);
     append_record(trace, 6 * kMs, "c", Event::started, "", moved, 0);
   }
   append_record(trace, release, "c", Event::release, "", release, 2);
   return trace;
 }
 
-/// What [control] tells of a change may come later than its instant, which lies before the trace.
-TEST(TraceCheck, PassesAChangeThatWasTakenBeforeTheTraceBegins) {
+/// The records of [control] about a change may come later than its instant, which lies before the
+/// trace.
+TEST(TraceCheck, PassesAChangeThatWasAppliedBeforeTheTraceBegins) {
   Trace trace;
   trace.header.components.emplace_back().name = "c";
   append_record(trace, 10 * kMs, "c", Event::release, "", 10 * kMs, 7);

@@ -87,9 +87,9 @@ TEST(Chrome, DrawsAnArrowFromEachChangeToWhoTookIt) {
   const Trace trace = made();
   const Json file = chrome(trace);
 
-  EXPECT_GT(count_of(trace, Event::taken), 2U);
-  EXPECT_EQ(count_of(file, "ph", "s"), count_of(trace, Event::taken));
-  EXPECT_EQ(count_of(file, "ph", "f"), count_of(trace, Event::taken));
+  EXPECT_GT(count_of(trace, Event::applied), 2U);
+  EXPECT_EQ(count_of(file, "ph", "s"), count_of(trace, Event::applied));
+  EXPECT_EQ(count_of(file, "ph", "f"), count_of(trace, Event::applied));
 }
 
 TEST(Chrome, HasTimesInMicrosecondsWithTheirNanoseconds) {

@@ -44,7 +44,7 @@ struct Short {
   [[nodiscard]] Verdict verdict() const { return check(trace); }
 };
 
-TEST(TraceCheck, AcceptsAGapOfWhichMissedTells) {
+TEST(TraceCheck, AcceptsAGapThatMissedReports) {
   EXPECT_TRUE(
       Short().job(0).add(35 * kOneMs, Event::missed, "", 2, 2).job(30 * kOneMs).verdict().holds());
   const Verdict wrong =
@@ -66,9 +66,9 @@ TEST(TraceCheck, DoesNotJudgeByAHeaderThatDoesNotShowTheLastChangeYet) {
   const auto behind_a_rollback = [](std::int64_t shown) {
     Short trace;
     trace.trace.header.components[0].change = shown;
-    trace.job(0).add(11 * kOneMs, Event::taken, "back", 10 * kOneMs, 7);
+    trace.job(0).add(11 * kOneMs, Event::applied, "back", 10 * kOneMs, 7);
     trace.add(11 * kOneMs, Event::started, {}, 13 * kOneMs);
-    // [control] tells of a rollback when it is decided, and shows it when all members are back.
+    // [control] records a rollback when it is decided, and shows it when all members are back.
     trace.add(12 * kOneMs, Event::rollback, "core.swap", 10 * kOneMs, 7, "[control]");
     return trace.job(13 * kOneMs).job(23 * kOneMs).verdict();
   };
@@ -83,10 +83,10 @@ TEST(TraceCheck, JudgesAReleaseByThePeriodThatItWasAnnouncedWith) {
   const auto behind_two_changes = [](std::int64_t release) {
     Short trace;
     trace.job(0).add(2 * kOneMs, Event::commit, "param.set", 2 * kOneMs, 1, "[control]");
-    trace.add(2 * kOneMs, Event::taken, "change", 2 * kOneMs, 1);
+    trace.add(2 * kOneMs, Event::applied, "change", 2 * kOneMs, 1);
     trace.add(2 * kOneMs, Event::started, {}, 13 * kOneMs);
     trace.add(3 * kOneMs, Event::commit, "param.set", 3 * kOneMs, 2, "[control]");
-    trace.add(3 * kOneMs, Event::taken, "change", 3 * kOneMs, 2);
+    trace.add(3 * kOneMs, Event::applied, "change", 3 * kOneMs, 2);
     return trace.job(release).job(release + 10 * kOneMs).verdict();
   };
   const Verdict announced = behind_two_changes(13 * kOneMs);
@@ -121,11 +121,11 @@ TEST(TraceCheck, DoesNotJudgeWhatAProbeWouldNotSeeOnADisturbedMachine) {
 }
 
 TEST(TraceCheck, DoesNotJudgeTheJobAfterAnOverrun) {
-  const auto late = [](bool told) {
+  const auto late = [](bool recorded) {
     Short trace;
     trace.trace.header.components[0].bound = 11 * kOneMs;
     trace.job(0).add(10 * kOneMs + 5, Event::release, "", 10 * kOneMs);
-    if (told) trace.add(21 * kOneMs - 1, Event::overrun, "", kOneMs, 1);
+    if (recorded) trace.add(21 * kOneMs - 1, Event::overrun, "", kOneMs, 1);
     trace.add(21 * kOneMs, Event::wait, "pace", 20 * kOneMs);
     trace.add(21 * kOneMs, Event::release, "", 20 * kOneMs);
     return trace.add(32 * kOneMs, Event::wait, "pace", 30 * kOneMs).verdict();
@@ -166,7 +166,7 @@ TEST(TraceCheck, AtABarrierComponentsGoOnLaterOnTheirGrid) {
   const auto barrier = [](std::int64_t release) {
     return Short()
         .job(0)
-        .add(10 * kOneMs, Event::taken, "barrier", 12 * kOneMs, 1)
+        .add(10 * kOneMs, Event::applied, "barrier", 12 * kOneMs, 1)
         .job(release)
         .verdict();
   };
@@ -178,13 +178,13 @@ TEST(TraceCheck, AtABarrierComponentsGoOnLaterOnTheirGrid) {
 TEST(TraceCheck, DoesNotJudgeAReleaseThatABarrierAndARollbackToAnotherPeriodMoved) {
   const auto behind_a_barrier = [](bool then_back) {
     Short trace;
-    trace.job(0).add(10 * kOneMs, Event::taken, "barrier", 10 * kOneMs, 7);
+    trace.job(0).add(10 * kOneMs, Event::applied, "barrier", 10 * kOneMs, 7);
     trace.add(11 * kOneMs, Event::commit, "apply", 11 * kOneMs, 7, "[control]");
     trace.add(11 * kOneMs, Event::member, "control", 0, 7, "[control]");
     trace.add(11 * kOneMs, Event::missed, {}, 1, 1);
-    trace.add(11 * kOneMs, Event::taken, "change", 11 * kOneMs, 7);
+    trace.add(11 * kOneMs, Event::applied, "change", 11 * kOneMs, 7);
     if (then_back) {
-      trace.add(12 * kOneMs, Event::taken, "back", 12 * kOneMs, 8);
+      trace.add(12 * kOneMs, Event::applied, "back", 12 * kOneMs, 8);
       trace.add(12 * kOneMs, Event::rollback, "apply", 12 * kOneMs, 8, "[control]");
       trace.add(12 * kOneMs, Event::member, "control", 0, 8, "[control]");
     }
@@ -200,14 +200,14 @@ TEST(TraceCheck, MembersOfARollbackGoBackAtOneInstant) {
   const auto rollback = [](bool both) {
     Short trace;
     trace.job(0)
-        .add(10 * kOneMs, Event::taken, "back", 10 * kOneMs, 4)
+        .add(10 * kOneMs, Event::applied, "back", 10 * kOneMs, 4)
         .job(10 * kOneMs)
         .add(12 * kOneMs, Event::rollback, "swap", 10 * kOneMs, 4, "[control]")
         .add(12 * kOneMs, Event::member, "control", 0, 4, "[control]")
         .add(12 * kOneMs, Event::member, "scan", 0, 4, "[control]")
         .add(5 * kOneMs, Event::release, "", 5 * kOneMs, 0, "scan")
         .add(6 * kOneMs, Event::wait, "pace", 15 * kOneMs, 0, "scan");
-    if (both) trace.add(15 * kOneMs, Event::taken, "back", 10 * kOneMs, 4, "scan");
+    if (both) trace.add(15 * kOneMs, Event::applied, "back", 10 * kOneMs, 4, "scan");
     return trace.add(15 * kOneMs, Event::release, "", 15 * kOneMs, 0, "scan").verdict();
   };
   EXPECT_TRUE(rollback(true).holds()) << first_violation(rollback(true));
@@ -218,10 +218,10 @@ TEST(TraceCheck, MembersOfARollbackGoBackAtOneInstant) {
 TEST(TraceCheck, WhoWaitedAtABarrierTakesTheChangeAtALaterInstant) {
   const Verdict verdict = Short()
                               .job(0)
-                              .add(9 * kOneMs, Event::taken, "barrier", 10 * kOneMs, 1)
+                              .add(9 * kOneMs, Event::applied, "barrier", 10 * kOneMs, 1)
                               .add(11 * kOneMs, Event::commit, "apply", 12 * kOneMs, 1, "[control]")
                               .add(11 * kOneMs, Event::member, "control", 0, 1, "[control]")
-                              .add(11 * kOneMs, Event::taken, "change", 12 * kOneMs, 1)
+                              .add(11 * kOneMs, Event::applied, "change", 12 * kOneMs, 1)
                               .job(20 * kOneMs)
                               .verdict();
   EXPECT_TRUE(verdict.holds()) << first_violation(verdict);

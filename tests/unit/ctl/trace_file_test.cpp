@@ -78,7 +78,7 @@ TEST(TraceFile, ThatWasCutOffIsReadAsFarAsItGoes) {
 
   EXPECT_EQ(trace.records.size(), 1U);
   EXPECT_FALSE(trace.reading.complete);
-  EXPECT_EQ(trace.reading.broken, 0U) << "being cut off is told once";
+  EXPECT_EQ(trace.reading.broken, 0U) << "being cut off is reported once";
 }
 
 TEST(TraceFile, CountsLinesThatAreNoRecordAndNamesTheFirst) {

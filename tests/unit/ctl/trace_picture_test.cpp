@@ -112,7 +112,7 @@ TEST(Timeline, MarksWhatHappened) {
   Two two;
   two.add(9 * kMilli, "[control]", Event::prepare, "core.swap low", 0, 1);
   two.add(11 * kMilli, "[control]", Event::commit, "core.swap low", 15 * kMilli, 1);
-  two.add(20 * kMilli, "low", Event::taken, "change", 15 * kMilli, 1);
+  two.add(20 * kMilli, "low", Event::applied, "change", 15 * kMilli, 1);
   two.add(25 * kMilli, "[control]", Event::rollback, "core.swap low", 26 * kMilli, 1);
   two.add(31 * kMilli, "high", Event::fault, "threw");
   two.add(34 * kMilli, "low", Event::overrun, "", 1 * kMilli, 1);

@@ -68,7 +68,7 @@ class LostThread : public testing::Test {
     ASSERT_TRUE(deployer_.deploy());
     ASSERT_TRUE(eventually([&] { return block_.entered.load(); }));
   }
-  /// Nobody tells what is no longer used while a thread may be in it.
+  /// No thread says when code is unused while an abandoned thread may run it.
   [[nodiscard]] int configured() {
     static_cast<void>(test::tend(deployer_));
     return SlowMeter::configured();

@@ -104,11 +104,11 @@ TEST(Admission, StrictRefusesADeploymentAndNamesWhatWouldPass) {
   EXPECT_TRUE(deployer.status().empty());
 }
 
-TEST(Admission, StrictRefusesAnUnknownBudgetAndWarnTellsOfIt) {
+TEST(Admission, StrictRefusesAnUnknownBudgetAndWarnReportsIt) {
   Pair refused(2ms, 0ms);
-  Pair told(2ms, 0ms);
+  Pair warned(2ms, 0ms);
   Deployer strict(refused, options(Admission::strict));
-  Deployer warning(told, options(Admission::warn));
+  Deployer warning(warned, options(Admission::warn));
 
   const Status deployed = strict.deploy();
 
@@ -246,7 +246,7 @@ TEST(Admission, AStoppedComponentAsksForNothingUntilItStarts) {
   EXPECT_EQ(started.error().at, "third");
 }
 
-TEST(Admission, OldAndNewMustFitTogetherSinceTheChangeMayBeTakenBack) {
+TEST(Admission, OldAndNewMustFitTogetherSinceTheChangeMayBeRolledBack) {
   Pair before(2ms, 14ms);
   Pair after(6ms, 6ms);
   Deployer deployer(before, options(Admission::strict));
@@ -262,7 +262,7 @@ TEST(Admission, OldAndNewMustFitTogetherSinceTheChangeMayBeTakenBack) {
   EXPECT_EQ(done.error().at, "slow");
 }
 
-TEST(Admission, AnalyzeTellsResponsesOfATextbookSet) {
+TEST(Admission, AnalyzeReportsResponsesOfATextbookSet) {
   Pair architecture(3ms, 5ms);
   Deployer deployer(architecture, options(Admission::warn));
   ASSERT_TRUE(deployer.deploy());

@@ -112,7 +112,7 @@ TEST_F(BarrierOfThreads, LosesNoWriteInManyExchanges) {
     const bool forth = done % 2 == 0;
     const auto change = forth ? store::change_to(store::make<store::Second>("two"))
                               : store::change_to(store::make<store::First>("one"), 1);
-    // On a machine that is overloaded some are taken back: then nothing changed.
+    // On a machine that is overloaded some are revoked: then nothing changed.
     if (deployer.apply(change)) ++done;
   }
 

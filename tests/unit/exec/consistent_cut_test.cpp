@@ -17,20 +17,20 @@ TEST(ConsistentCut, JobsBeforeTheInstantAreOldAndAllOthersNew) {
   Deployer deployer(architecture, {.realtime = Realtime::off, .admission = Admission::off});
   ASSERT_TRUE(deployer.deploy());
   std::vector<Instant> commits;  // by version, from 1
-  int taken_back = 0;
+  int revoked = 0;
   for (int i = 0; i < kTransactions; ++i) {
     const Result<Receipt> done =
         deployer.apply(stampers::to_version(static_cast<int>(commits.size()) + 1));
     // On a machine that is overloaded every attempt may miss its instant; then nothing changed.
     if (done) commits.push_back(deployer.t0() + done->commit.count());
-    if (!done) ++taken_back;
+    if (!done) ++revoked;
     if (!done && done.error().code == Errc::partly) break;  // a member did not run for seconds
   }
   static_cast<void>(deployer.shutdown());
 
   const stampers::Cut cut = stampers::check(commits);
   EXPECT_THAT(cut.violations, testing::IsEmpty());
-  EXPECT_GT(commits.size(), 0u) << taken_back << " were taken back";
+  EXPECT_GT(commits.size(), 0u) << revoked << " were revoked";
   EXPECT_GT(cut.jobs, stampers::kCount);
 }
 

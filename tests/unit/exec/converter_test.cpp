@@ -70,10 +70,10 @@ class Converters : public testing::Test {
     return deployer.apply(change);
   }
   template <Converter Convert>
-  void expect_taken_back() {
+  void expect_revoked() {
     const auto result = swap<Convert>(true);
 
-    ASSERT_FALSE(result) << "it is not told to be applied";
+    ASSERT_FALSE(result) << "it is not reported as applied";
     EXPECT_EQ(result.error().code, Errc::hook_threw) << to_string(result.error());
     EXPECT_EQ(result.error().at, "left");
     EXPECT_TRUE(test::eventually([&] {
@@ -92,14 +92,14 @@ class Converters : public testing::Test {
   Deployer deployer{architecture};
 };
 
-TEST_F(Converters, ThatCrashTakeTheirChangeBack) { expect_taken_back<crash>(); }
+TEST_F(Converters, ThatCrashRevokeTheirChange) { expect_revoked<crash>(); }
 
-TEST_F(Converters, ThatGiveUpTakeTheirChangeBack) { expect_taken_back<give_up>(); }
+TEST_F(Converters, ThatGiveUpRevokeTheirChange) { expect_revoked<give_up>(); }
 
-TEST_F(Converters, ThatRunForEverTakeTheirChangeBack) { expect_taken_back<spin>(); }
+TEST_F(Converters, ThatRunForEverRevokeTheirChange) { expect_revoked<spin>(); }
 
-TEST_F(Converters, ThatWaitForEverLoseTheirThreadAndTakeTheirChangeBack) {
-  expect_taken_back<wait_for_ever>();
+TEST_F(Converters, ThatWaitForEverLoseTheirThreadAndRevokeTheirChange) {
+  expect_revoked<wait_for_ever>();
   blocks.let_go();
 }
 
@@ -244,7 +244,7 @@ TEST(SafeValues, ThatNeverReturnDoNotHoldUpAStopOfAHungComponent) {
 
   ASSERT_FALSE(stopped) << "it is still in its job";
   EXPECT_EQ(stopped.error().code, Errc::partly);
-  EXPECT_TRUE(architecture.motor.lock().poisoned()) << "who wrote was thrown out of it";
+  EXPECT_TRUE(architecture.motor.lock().poisoned()) << "the writer was aborted in it";
   EXPECT_TRUE(runs_on(deployer, "right"));
   blocks.let_go();
 }

@@ -153,11 +153,11 @@ TEST_F(Crash, WithoutAFallbackCoreItsComponentIsParkedAndItsOutputsAreSafe) {
 
   EXPECT_EQ(deployer.status("left").fault, "SIGSEGV at address 0x0");
   EXPECT_EQ(ramp::read(architecture.left_position), -1.0);
-  std::vector<std::string> told;
+  std::vector<std::string> reported;
   deployer.drain([&](const RuntimeEvent& h) {
-    if (h.event == "faulted") told.push_back(h.component + ": " + h.text);
+    if (h.event == "faulted") reported.push_back(h.component + ": " + h.text);
   });
-  EXPECT_EQ(told,
+  EXPECT_EQ(reported,
             std::vector<std::string>{"left: crashed: SIGSEGV at address 0x0, in state update"});
 }
 
@@ -240,7 +240,7 @@ TEST_F(Crash, InTheCodeOfTheCallerUnderTheLockOfADataResourceIsTheFaultOfThatCor
   EXPECT_EQ(end.cores, std::vector<std::string>{"new"});
 }
 
-TEST_F(Crash, InAResourceIsToldToItsNextUserAndANewCoreHealsIt) {
+TEST_F(Crash, InAResourceIsReportedToItsNextUserAndANewCoreClearsIt) {
   Fragile<ramp::Up> architecture;
   Deployer deployer(architecture);
   ASSERT_TRUE(deployer.deploy());
@@ -266,7 +266,7 @@ TEST_F(Crash, InAResourceIsToldToItsNextUserAndANewCoreHealsIt) {
 // --- what is not contained
 // ---------------------------------------------------------------------------
 
-/// Tells on standard error what it is given, as hardware would show it.
+/// Writes on standard error what it is given, as hardware would show it.
 struct Shown final : MeterCore {
   void note(const double& value) override {
     if (value != -1.0) return;

@@ -53,7 +53,7 @@ TEST(Deployer, ChangesAComponentThatSleepsLongAtOnce) {
   EXPECT_EQ(deployer.status("control").state, ComponentState::stopped);
 }
 
-TEST(Deployer, MakesNoGenerationBeforeTheMakerOfTheOneBeforeHasLookedAtIt) {
+TEST(Deployer, MakesNoGenerationBeforeTheCallerOfTheChangeBeforeKnowsItsOwn) {
   ramp::Two<ramp::Up> architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
@@ -296,7 +296,7 @@ TEST(Deployer, RefusesToChangeAResourceThatACallerDoesNotLeave) {
   EXPECT_TRUE(deployer.set("amplifier.core.gain", 3.0));
 }
 
-TEST(Deployer, TellsHowLateAJobIsThatDoesNotEnd) {
+TEST(Deployer, ReportsHowLateAJobIsThatDoesNotEnd) {
   Hanging::released() = false;
   HangingArchitecture architecture;
   architecture.control.fsm().period = 1ms;

@@ -33,18 +33,20 @@ TEST(Fault, ThrowingCoreFaultsOnlyItsComponentAndWritesSafeValues) {
   EXPECT_EQ(ramp::read(architecture.right_position), 10.0);
 }
 
-TEST(Fault, IsToldWithItsText) {
+TEST(Fault, IsReportedWithItsText) {
   TwoThrowing architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());
   deployer.run_for(100ms);
 
-  std::vector<std::string> told;
-  deployer.drain(
-      [&](const RuntimeEvent& h) { told.push_back(h.component + " " + h.event + " " + h.text); });
+  std::vector<std::string> reported;
+  deployer.drain([&](const RuntimeEvent& h) {
+    reported.push_back(h.component + " " + h.event + " " + h.text);
+  });
 
-  EXPECT_NE(std::find(told.begin(), told.end(), "left faulted threw: sensor lost, in state update"),
-            told.end());
+  EXPECT_NE(std::find(reported.begin(), reported.end(),
+                      "left faulted threw: sensor lost, in state update"),
+            reported.end());
 }
 
 TEST(Fault, FaultedComponentStartsAgainWithAnotherCore) {
@@ -167,7 +169,7 @@ TEST(Fault, OfALookAtAQueueIsThatOfItsCore) {
 struct MotorShell : Shell {
   ReadPort<double> wanted{*this, "wanted", 0.0};
 };
-/// Tells on standard error that it was told to stand, as hardware would show it.
+/// Writes on standard error that it got the order to stand, as hardware would show it.
 struct Motor final : Core<MotorShell> {
   Stateless stateless{*this};
   void update() {

@@ -38,7 +38,7 @@ struct Endless final : ramp::Up {
   }
 };
 
-/// Blocks in its fourth job, and tells what came of the write after it.
+/// Blocks in its fourth job, and records the result of the write after it.
 struct Blocked final : ramp::Up {
   void update() override {
     ramp::Up::update();
@@ -249,7 +249,7 @@ TEST_F(Guard, GivesUpAThreadThatIsInTheSystemAndAFreshOneGoesOn) {
   EXPECT_TRUE(runs_on(deployer, "right"));
   EXPECT_GE(deployer.status("left").releases, 4u) << "it counts on";
   EXPECT_EQ(ramp::Up::configured_cores(), 1) << "nobody cleans up what a thread is in";
-  EXPECT_LT(ramp::read(architecture.left_position), 1.0) << "nothing is taken from that core";
+  EXPECT_LT(ramp::read(architecture.left_position), 1.0) << "no state is moved out of that core";
 
   block_.let_go();
   EXPECT_TRUE(eventually([] { return Blocked::late_write() != -1; }));
@@ -291,7 +291,7 @@ TEST_F(Guard, AChangeOfAComponentThatHangsEndsWithIt) {
   EXPECT_TRUE(eventually([&] { return !deployer.status("left").changing; }));
   if (deployer.status("left").core != "ramp/down") {
     ASSERT_TRUE(
-        deployer.swap_core("left", CoreType::of<ramp::Down>("ramp/down")));  // taken back in time
+        deployer.swap_core("left", CoreType::of<ramp::Down>("ramp/down")));  // rolled back in time
   }
   ASSERT_TRUE(deployer.start({"left"}));
   EXPECT_TRUE(runs_on(deployer, "left"));

@@ -100,7 +100,7 @@ TEST_F(HandOver, RefusesACoreThatSaysNothingOfItsState) {
             "the new core");
 }
 
-TEST_F(HandOver, DropsAStateForACoreThatSaysItIsStatelessOnlyWhenTold) {
+TEST_F(HandOver, DropsAStateForACoreThatSaysItIsStatelessOnlyWhenTheChangeSaysDrop) {
   struct Plain : ramp::RampCore {
     Stateless stateless{*this};
     void update() override { shell().out.write(5.0); }
@@ -120,7 +120,7 @@ TEST_F(HandOver, DropsAStateForACoreThatSaysItIsStatelessOnlyWhenTold) {
   EXPECT_TRUE(swap<ramp::First>()) << "and what comes after it starts fresh";
 }
 
-TEST_F(HandOver, StartsFreshWhenTold) {
+TEST_F(HandOver, StartsFreshWhenTheChangeSaysDrop) {
   const Result<Receipt> done = swap<ramp::Lone<ramp::PositionV2>>(StatePolicy::drop);
   deployer.run_for(10ms);
 
@@ -177,7 +177,7 @@ std::unique_ptr<exec::TaskUpdate> rollback(ComponentBase& component,
   return update;
 }
 
-TEST_F(HandOver, GoesBackToTheValueItHadWhenThereIsNoWayBack) {
+TEST_F(HandOver, GoesBackToTheValueItHadWhenThereIsNoConverterBack) {
   ASSERT_TRUE(swap<ramp::Lone<ramp::PositionV1>>());
   const std::shared_ptr<const Bundle> old = architecture.control.bundle();
   ASSERT_TRUE(swap<ramp::Second>());
@@ -189,7 +189,7 @@ TEST_F(HandOver, GoesBackToTheValueItHadWhenThereIsNoWayBack) {
   EXPECT_EQ(static_cast<const ramp::PositionV1*>(old->core->state()->data())->metres, 20.0);
 }
 
-TEST_F(HandOver, GoesOnFromTheLaterValueWhenThereIsAWayBack) {
+TEST_F(HandOver, GoesOnFromTheLaterValueWhenThereIsAConverterBack) {
   const std::shared_ptr<const Bundle> old = architecture.control.bundle();
   ASSERT_TRUE(swap<ramp::Second>());
   deployer.run_for(50ms);

@@ -79,9 +79,9 @@ TEST_F(InPlace, ParksNoComponentThatARollbackTookOut) {
   ASSERT_TRUE(back) << to_string(back.error());
   ASSERT_TRUE(deployer.undo());
   deployer.run_for(50ms);
-  Retired freed;
-  static_cast<void>(deployer.tend(freed));
-  static_cast<void>(freed.release());
+  Retired retired;
+  static_cast<void>(deployer.tend(retired));
+  static_cast<void>(retired.release());
 
   const auto parked = deployer.wait(*deployer.begin_in_place_park(*back));
 

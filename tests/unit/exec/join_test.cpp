@@ -87,8 +87,8 @@ TEST_F(Joining, ANameIsRefusedThatARollbackGaveBackBeforeTheCommit) {
   ASSERT_TRUE(deployer.undo());
   ASSERT_EQ(report_after(50ms).size(), 1u);
 
-  Retired free;
-  const Result<Receipt> done = deployer.commit(*prepared, free);
+  Retired retired;
+  const Result<Receipt> done = deployer.commit(*prepared, retired);
 
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, Errc::conflict);
@@ -130,7 +130,7 @@ TEST_F(Joining, AChangeOfAnotherComponentLeavesAProbationAsItIs) {
   EXPECT_EQ(deployer.status("left").missed, 0u);
 }
 
-TEST_F(Joining, ANewerChangeOfTheSameComponentLeadsBackToWhatWasProvenLast) {
+TEST_F(Joining, ANewerChangeOfTheSameComponentRollsBackToWhatWasProvenLast) {
   apply({to<ramp::Down>("left")});
   const Receipt joined = apply({to<Failing>("left")});
   ASSERT_EQ(joined.notes.size(), 1u);
@@ -147,7 +147,7 @@ TEST_F(Joining, ANewerChangeOfTheSameComponentLeadsBackToWhatWasProvenLast) {
   EXPECT_EQ(core("right"), before);
 }
 
-TEST_F(Joining, ASetOnABadCoreKeepsTheWayBackToTheGoodOne) {
+TEST_F(Joining, ASetOnABadCoreKeepsTheRollbackToTheGoodOne) {
   apply({to<Failing>("left")});
   apply({step("left", 2)}, std::nullopt);  // also without a probation of its own
   EXPECT_TRUE(deployer.on_probation());
@@ -246,7 +246,7 @@ TEST_F(Joining, AStartOrStopOfItsComponentLeavesAProbationAsItIs) {
 }
 
 /// The component obeys the stop, and goes back with the other one before [control] looks at it.
-TEST_F(Joining, AStopThatAWayBackFollowsAtOnceIsSettled) {
+TEST_F(Joining, AStopThatARollbackFollowsAtOnceIsSettled) {
   apply({to<Failing>("left"), to<ramp::Down>("right")});
   const auto stop = deployer.begin_stop({"right"});
   ASSERT_TRUE(stop) << to_string(stop.error());
@@ -260,7 +260,7 @@ TEST_F(Joining, AStopThatAWayBackFollowsAtOnceIsSettled) {
   EXPECT_EQ(deployer.status("right").state, ComponentState::stopped);
 }
 
-TEST_F(Joining, AStopBetweenTwoChangesIsNotTakenBackWithThem) {
+TEST_F(Joining, AStopBetweenTwoChangesIsNotRolledBackWithThem) {
   apply({to<ramp::Down>("left")});
   ASSERT_TRUE(deployer.stop({"left"}));
   apply({to<ramp::Up>("left")});

@@ -163,8 +163,8 @@ class LateCommitOnProbation : public LateCommit {
     };
   }
   std::vector<Outcome> tend() {
-    Retired free;
-    return deployer.tend(free);
+    Retired retired;
+    return deployer.tend(retired);
   }
   bool undone = false;
 };

@@ -52,7 +52,7 @@ class LetGo : public testing::Test {
   }
   void look() {
     advance(system);
-    static_cast<void>(std::exchange(system.free, {}).release());
+    static_cast<void>(std::exchange(system.retired, {}).release());
   }
 
   ramp::Architecture architecture;

@@ -152,7 +152,7 @@ TEST(Hold, ThatWouldMakeAJobLateIsRefusedAndChangesNothing) {
   EXPECT_EQ(architecture.table.lock().budget(), 50us);
 }
 
-TEST(Hold, ComesBackWhenTheChangeIsTakenBack) {
+TEST(Hold, ComesBackWhenTheChangeIsRolledBack) {
   Sharing architecture(50us);
   Deployer deployer(architecture, hold_options(Admission::strict));
   ASSERT_TRUE(deployer.deploy());
@@ -164,8 +164,8 @@ TEST(Hold, ComesBackWhenTheChangeIsTakenBack) {
 
   const Status undone = deployer.undo();
   deployer.run_for(20ms);
-  Retired free;
-  static_cast<void>(deployer.tend(free));
+  Retired retired;
+  static_cast<void>(deployer.tend(retired));
 
   ASSERT_TRUE(undone) << to_string(undone.error());
   EXPECT_EQ(architecture.table.lock().budget(), 50us);

@@ -162,7 +162,7 @@ TEST_F(Overrun, IsNoneWhileATaskDoesNotRun) {
   EXPECT_GT(task.known_release(), clock.now() + Duration{1h}.count()) << "nothing is overdue";
 }
 
-TEST_F(Overrun, IsJudgedByTheReleaseThatATaskTellsItsGuard) {
+TEST_F(Overrun, IsJudgedByTheReleaseThatATaskReportsToItsGuard) {
   begin();
   EXPECT_EQ(task.known_release(), kT0);
 

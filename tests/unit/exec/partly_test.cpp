@@ -76,7 +76,7 @@ class Partly : public testing::Test {
   }
   void look() {
     advance(system);
-    static_cast<void>(std::exchange(system.free, {}).release());
+    static_cast<void>(std::exchange(system.retired, {}).release());
   }
   bool runs_on(const char* name) {
     const std::uint64_t before = releases(name);
@@ -87,7 +87,7 @@ class Partly : public testing::Test {
   System system{architecture, {.realtime = Realtime::off}};
 };
 
-TEST_F(Partly, ChangesAreTakenBackOnTheOthers) {
+TEST_F(Partly, ChangesAreRolledBackOnTheOthers) {
   const std::string before = core("right");
 
   const Result<Receipt> refused = apply(both<ramp::Down>());
@@ -219,7 +219,7 @@ TEST_F(Partly, AFollowerThatHangsIsLedBackWithTheOthersWhenItsJobEnds) {
   EXPECT_TRUE(runs_on("left"));
 }
 
-TEST_F(Partly, WithoutProbationTheMixtureIsToldAndWhatLeftIsGone) {
+TEST_F(Partly, WithoutProbationTheMixtureIsReportedAndWhatLeftIsGone) {
   Change change{{ramp::to_core<ramp::Down>("down", "left")}};
   change.remove = {"right"};
 

@@ -47,7 +47,7 @@ class UnderProbation : public testing::Test {
     return deployer.apply(change);
   }
   std::vector<Outcome> tend() { return test::tend(deployer); }
-  /// What is told of the change on probation when so much time has passed.
+  /// The outcomes of the change on probation when so much time has passed.
   Outcome end_after(Duration time) {
     deployer.run_for(time);
     const std::vector<Outcome> ends = tend();
@@ -68,7 +68,7 @@ class UnderProbation : public testing::Test {
   Deployer deployer{architecture, {.simulated = true}};
 };
 
-TEST_F(UnderProbation, ARollBackMakesNoGenerationBeforeTheMakerOfTheChangeKnowsItsOwn) {
+TEST_F(UnderProbation, ARollBackMakesNoGenerationBeforeTheCallerOfTheChangeKnowsItsOwn) {
   for (const bool asks : {true, false}) {
     const std::uint64_t before = deployer.generation();
     Change change{{ramp::to_core<Bad>("Bad")}};
@@ -80,7 +80,7 @@ TEST_F(UnderProbation, ARollBackMakesNoGenerationBeforeTheMakerOfTheChangeKnowsI
     deployer.run_for(100ms);  // the fifth job is among these, and the old core runs again
     EXPECT_TRUE(tend().empty());
     EXPECT_EQ(deployer.generation(), before + 1);
-    EXPECT_EQ(core(), "Bad") << "the model shows the generation that is told next";
+    EXPECT_EQ(core(), "Bad") << "the model shows the generation that is reported next";
     if (asks) {
       ASSERT_TRUE(ongoing->advance());
       EXPECT_EQ(ongoing->result()->generation, before + 1);
@@ -95,7 +95,7 @@ TEST_F(UnderProbation, ARollBackMakesNoGenerationBeforeTheMakerOfTheChangeKnowsI
 }
 
 /// The next change does not free the cores that this change replaced: collect() hands them out.
-TEST_F(UnderProbation, IsKeptByTheNextChangeWhenItPassedBeforeItsMakerAsked) {
+TEST_F(UnderProbation, IsKeptByTheNextChangeWhenItPassedBeforeItsCallerAsked) {
   const auto begin = [&](const char* name) {
     Change change{{ramp::to_core<ramp::Up>(name)}};
     change.probation = Probation{};
@@ -191,7 +191,7 @@ TEST_F(UnderProbation, AfterItAFaultIsTheComponentsOwn) {
   EXPECT_EQ(deployer.status("control").state, ComponentState::faulted);
 }
 
-TEST_F(UnderProbation, MoreLateJobsThanToleratedLeadBack) {
+TEST_F(UnderProbation, MoreLateJobsThanToleratedCauseARollback) {
   Tardy::clock() = const_cast<ManualClock*>(dynamic_cast<const ManualClock*>(&deployer.clock()));
   const std::string before = core();
 
@@ -276,7 +276,7 @@ TEST_F(WithADeadline, AHostThatStandsStillNowAndThenLeadsNobodyBack) {
   EXPECT_EQ(end_after(1s).kind, Outcome::Kind::passed);
 }
 
-TEST_F(WithADeadline, AMemberThatIsStarvedLeadsBack) {
+TEST_F(WithADeadline, AMemberThatIsStarvedCausesARollback) {
   const std::string before = core();
   ASSERT_TRUE(swap_to<ramp::Down>({.activations = 100}));
   deployer.run_for(40ms);
@@ -286,7 +286,7 @@ TEST_F(WithADeadline, AMemberThatIsStarvedLeadsBack) {
   rolled_back_after(40ms, before, "overran too often");
 }
 
-TEST_F(UnderProbation, UndoLeadsBack) {
+TEST_F(UnderProbation, UndoRollsBack) {
   const std::string before = core();
   ASSERT_TRUE(swap_to<ramp::Down>());
   deployer.run_for(20ms);
@@ -321,7 +321,7 @@ TEST_F(UnderProbation, WhatIsConfirmedStays) {
   EXPECT_EQ(deployer.generation(), 2u);
 }
 
-TEST_F(UnderProbation, AStopDuringItParksAndTheWayBackStays) {
+TEST_F(UnderProbation, AStopDuringItParksAndTheRollbackStaysPossible) {
   ASSERT_TRUE(swap_to<ramp::Down>());
   deployer.run_for(20ms);
 

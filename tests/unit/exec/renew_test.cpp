@@ -99,17 +99,17 @@ class Renew : public testing::Test {
     return static_cast<const AdderShell&>(adder().shell());
   }
 
-  /// The change on probation is taken back, and the elements that it brought are freed.
+  /// The change on probation is rolled back, and the elements that it brought are freed.
   void roll_back() {
     ASSERT_TRUE(deployer.undo());
     deployer.run_for(50ms);
-    ASSERT_EQ(deployer.tend(freed).size(), 1u);
-    static_cast<void>(freed.release());
+    ASSERT_EQ(deployer.tend(retired).size(), 1u);
+    static_cast<void>(retired.release());
   }
 
   Adding architecture;
   Deployer deployer{architecture, {.simulated = true}};
-  Retired freed;
+  Retired retired;
 };
 
 TEST_F(Renew, AShellPropertyChangesAndStateValuesAndUsersGoOn) {
@@ -180,7 +180,7 @@ TEST_F(Renew, RefusesWhatOnlyAComponentHas) {
   }
 }
 
-TEST_F(Renew, TheOldOneComesBackWhenTheChangeIsTakenBack) {
+TEST_F(Renew, TheOldOneComesBackWhenTheChangeIsRolledBack) {
   Edit edit;
   edit.component = "adder";
   edit.properties.emplace_back("shell.step", 3);
@@ -191,8 +191,8 @@ TEST_F(Renew, TheOldOneComesBackWhenTheChangeIsTakenBack) {
 
   ASSERT_TRUE(deployer.undo());
   deployer.run_for(50ms);
-  Retired free;
-  static_cast<void>(deployer.tend(free));
+  Retired ended;
+  static_cast<void>(deployer.tend(ended));
   const std::int64_t calls = core().calls;
   deployer.run_for(100ms);
 
@@ -217,7 +217,7 @@ TEST_F(Renew, IsRefusedWhenARollbackConnectsAnotherUserBeforeTheCommit) {
   ASSERT_TRUE(anew) << to_string(anew.error());
   roll_back();
 
-  const Result<Receipt> done = deployer.commit(*anew, freed);
+  const Result<Receipt> done = deployer.commit(*anew, retired);
 
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, Errc::conflict);
@@ -245,7 +245,7 @@ TEST_F(Renew, IsRefusedWhenARollbackConnectsTheResourceItselfElsewhere) {
   ASSERT_TRUE(anew) << to_string(anew.error());
   roll_back();
 
-  const Result<Receipt> done = deployer.commit(*anew, freed);
+  const Result<Receipt> done = deployer.commit(*anew, retired);
 
   ASSERT_FALSE(done);
   EXPECT_EQ(done.error().code, Errc::conflict);
@@ -269,7 +269,7 @@ class Overtaken : public Renew {
     ASSERT_TRUE(prepared) << to_string(prepared.error());
     roll_back();
 
-    const Result<Receipt> done = deployer.commit(*prepared, freed);
+    const Result<Receipt> done = deployer.commit(*prepared, retired);
 
     ASSERT_FALSE(done);
     EXPECT_EQ(done.error().code, Errc::conflict);
@@ -338,7 +338,7 @@ TEST_F(Overtaken, ASoundChangeIsCommittedAllTheSame) {
   ASSERT_TRUE(prepared) << to_string(prepared.error());
   roll_back();
 
-  EXPECT_TRUE(deployer.commit(*prepared, freed));
+  EXPECT_TRUE(deployer.commit(*prepared, retired));
 }
 
 TEST_F(Overtaken, AChangeThatWasMadeFromWhatARollbackEndedIsNotPrepared) {
@@ -370,8 +370,8 @@ TEST_F(Renew, EndsTheProbationOfAChangeWhoseRollbackWouldReachTheResourceThrough
   ASSERT_TRUE(done) << to_string(done.error());
   ASSERT_EQ(done->notes.size(), 1u);
   EXPECT_NE(done->notes[0].find("ends early"), std::string::npos) << done->notes[0];
-  Retired free;
-  static_cast<void>(deployer.tend(free));
+  Retired ended;
+  static_cast<void>(deployer.tend(ended));
   EXPECT_FALSE(deployer.undo()) << "nothing rolls back";
 }
 

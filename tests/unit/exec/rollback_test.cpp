@@ -24,7 +24,7 @@ class HeldUp : public Clock {
   std::function<void(int)> at_look;
 };
 
-class SetOff : public testing::Test {
+class RollbackTrigger : public testing::Test {
  protected:
   bool trigger() { return back.trigger(clock, fault, nullptr); }
   Instant instant() { return back.decision().instant(); }
@@ -34,7 +34,7 @@ class SetOff : public testing::Test {
   Rollback back;
 };
 
-TEST_F(SetOff, LeadsAllBackFromOneInstantOn) {
+TEST_F(RollbackTrigger, LeadsAllBackFromOneInstantOn) {
   EXPECT_EQ(back.decision().meet(clock.time), Verdict::go_on);
   ASSERT_TRUE(trigger());
 
@@ -45,7 +45,7 @@ TEST_F(SetOff, LeadsAllBackFromOneInstantOn) {
   EXPECT_FALSE(trigger()) << "once";
 }
 
-TEST_F(SetOff, MovesTheInstantThatPassedBeforeTheDecision) {
+TEST_F(RollbackTrigger, MovesTheInstantThatPassedBeforeTheDecision) {
   std::vector<Instant> passed;
   clock.at_look = [&](int look) {
     if (look != 2 && look != 4) return;
@@ -61,7 +61,7 @@ TEST_F(SetOff, MovesTheInstantThatPassedBeforeTheDecision) {
   EXPECT_EQ(back.decision().meet(instant()), Verdict::take);
 }
 
-TEST_F(SetOff, MovesAnInstantThatAMemberCameToFirst) {
+TEST_F(RollbackTrigger, MovesAnInstantThatAMemberCameToFirst) {
   clock.at_look = [&](int look) {
     if (look != 2) return;
     EXPECT_EQ(back.decision().meet(instant()), Verdict::go_on);
@@ -72,7 +72,7 @@ TEST_F(SetOff, MovesAnInstantThatAMemberCameToFirst) {
   EXPECT_EQ(back.decision().meet(instant()), Verdict::take);
 }
 
-TEST_F(SetOff, EndsHoweverOftenItIsHeldUp) {
+TEST_F(RollbackTrigger, EndsHoweverOftenItIsHeldUp) {
   clock.at_look = [&](int /*look*/) { clock.time += 100'000'000; };
   ASSERT_TRUE(trigger());
 
@@ -81,7 +81,7 @@ TEST_F(SetOff, EndsHoweverOftenItIsHeldUp) {
   EXPECT_EQ(back.decision().meet(instant()), Verdict::take);
 }
 
-TEST_F(SetOff, AndANewerChangeExcludeEachOther) {
+TEST_F(RollbackTrigger, AndANewerChangeExcludeEachOther) {
   const auto newer = std::make_shared<Decision>(clock.time);
   back.give_way_to(newer);
   EXPECT_FALSE(back.rolls_back());

@@ -211,7 +211,7 @@ TEST(Standby, IsTheOneFromBeforeAfterARollBack) {
   EXPECT_EQ(architecture.control.fallback()->core.name, "ramp/down");
 }
 
-TEST(Standby, OfTheNewCoreGoesWithItsWayBack) {
+TEST(Standby, OfTheNewCoreGoesWithItsRollback) {
   FallingBack architecture;
   Deployer deployer(architecture, {.simulated = true});
   ASSERT_TRUE(deployer.deploy());

@@ -152,7 +152,7 @@ struct Sleeping : Fsm<Sleeper> {
 
 TEST(Statistics, KeepApartWhatSomethingCameBetween) {
   if (!rt::preemption_is_reported())
-    GTEST_SKIP() << "NOT TESTED: this kernel or libc does not tell";
+    GTEST_SKIP() << "NOT TESTED: this kernel or libc does not detect it";
   Architecture architecture;
   Component<EmptyShell, Sleeper, Sleeping> component(architecture, "sleeper");
   Deployer deployer(architecture, {.simulated = true});

@@ -199,7 +199,7 @@ TEST_F(Swap, StopsWithTheSafeValueAndStartsOnTheGrid) {
   EXPECT_GT(ramp::read(architecture.position), 6.0) << "the core kept its state";
 }
 
-TEST_F(Swap, StartsFreshWhenTold) {
+TEST_F(Swap, StartsFreshWhenTheChangeSaysDrop) {
   deployer.run_for(100ms);
   ASSERT_TRUE(deployer.stop({"control"}));
 

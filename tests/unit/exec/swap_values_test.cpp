@@ -109,7 +109,7 @@ TEST_F(SwapOfValues, DoesNotAskForOneThatItGives) {
   EXPECT_EQ(property("step"), Value(7.0));
 }
 
-TEST_F(SwapOfValues, BeginsWithTheDefaultsWhenToldAndWithThoseThatFitWhenTold) {
+TEST_F(SwapOfValues, BeginsWithTheDefaultsOrWithTheValuesThatFitAsTheChangeSays) {
   ASSERT_TRUE(deployer.set("control.core.step", 5.0));
   Edit edit = ramp::to_core<Gentle>("test/gentle");
 

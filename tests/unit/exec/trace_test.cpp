@@ -35,8 +35,8 @@ struct MeterInterface : Interface<Meter> {
   WriteService<double> write{*this, "write", &Meter::note};
 };
 
-/// Tells its value, then writes it.
-struct Teller : ramp::Up {
+/// Records its value, then writes it.
+struct Recorder : ramp::Up {
   TraceEvent value{*this, "value"};
   void update() override {
     ramp::Up::update();
@@ -47,7 +47,7 @@ struct Teller : ramp::Up {
 
 struct Metering : Architecture {
   Resource<EmptyShell, Meter, MeterInterface> meter{*this, "meter"};
-  Component<ramp::Shell, Teller, ramp::Fsm> control{*this, "control"};
+  Component<ramp::Shell, Recorder, ramp::Fsm> control{*this, "control"};
 
   Status on_configure() override { return control.shell().out.connect(meter.interface().write); }
 };
@@ -86,7 +86,7 @@ class TraceOfARamp : public Tracing {
   Deployer deployer{architecture, {.simulated = true}};
 };
 
-TEST_F(TraceOfARamp, TellsEveryJobAtItsRelease) {
+TEST_F(TraceOfARamp, RecordsEveryJobAtItsRelease) {
   deployer.run_for(15ms);
 
   EXPECT_EQ(trace_of(deployer, "control"),
@@ -99,7 +99,7 @@ TEST_F(TraceOfARamp, TellsEveryJobAtItsRelease) {
                    "10000000 control begin update 0 0",     //
                    "10000000 control end update 0 0",       //
                    "10000000 control wait period 20000000 0"}));
-  EXPECT_TRUE(trace_of(deployer).empty()) << "told once";
+  EXPECT_TRUE(trace_of(deployer).empty()) << "reported once";
 }
 
 TEST_F(TraceOfARamp, IsEmptyWhileTheModeIsOff) {
@@ -115,7 +115,7 @@ TEST_F(TraceOfARamp, IsEmptyWhileTheModeIsOff) {
   EXPECT_EQ(trace_of(deployer).size(), 4u) << "the jobs from then on";
 }
 
-TEST_F(TraceOfARamp, TellsOfASwapWithItsInstantAndTheReleasesOnBothSides) {
+TEST_F(TraceOfARamp, RecordsASwapWithItsInstantAndTheReleasesOnBothSides) {
   deployer.run_for(15ms);
   static_cast<void>(trace_of(deployer));
 
@@ -130,7 +130,7 @@ TEST_F(TraceOfARamp, TellsOfASwapWithItsInstantAndTheReleasesOnBothSides) {
   EXPECT_EQ(lines, (Lines{time + " [control] prepare core.swap control 0 0",
                           time + " [control] commit core.swap control " + tc + " 1",
                           time + " [control] member control 0 1",
-                          "14000000 control taken change " + tc + " 1"}))
+                          "14000000 control applied change " + tc + " 1"}))
       << "asleep, so it took the change at once";
   EXPECT_EQ(deployer.traced().components[0].change, 1u);
 
@@ -147,7 +147,7 @@ TEST_F(TraceOfARamp, NamesThePropertiesThatACommitSets) {
   EXPECT_NE(lines[3].find("set control.core.step 0 1"), std::string::npos) << lines[3];
 }
 
-TEST_F(TraceOfARamp, TellsOfAStopAndAStart) {
+TEST_F(TraceOfARamp, RecordsAStopAndAStart) {
   deployer.run_for(15ms);
   ASSERT_TRUE(deployer.stop({"control"}));
   static_cast<void>(deployer.run_for(20ms));
@@ -165,7 +165,7 @@ TEST_F(TraceOfARamp, TellsOfAStopAndAStart) {
   EXPECT_EQ(trace_name(commits[1].name), "component.start control");
 }
 
-TEST_F(TraceOfARamp, TellsOfAFaultAndOfTheWayBack) {
+TEST_F(TraceOfARamp, RecordsAFaultAndTheRollback) {
   ASSERT_TRUE(swap_to<Bad>(Probation{}));
   deployer.run_for(60ms);
   static_cast<void>(test::tend(deployer));
@@ -174,17 +174,17 @@ TEST_F(TraceOfARamp, TellsOfAFaultAndOfTheWayBack) {
   const auto faults = test::of_kind(all, TraceKind::fault);
   ASSERT_EQ(faults.size(), 1u);
   EXPECT_EQ(trace_name(faults[0].name), "threw");
-  const auto taken = test::of_kind(all, TraceKind::taken);
-  ASSERT_EQ(taken.size(), 2u);
-  EXPECT_EQ(trace_name(taken[0].name), "change");
-  EXPECT_EQ(taken[0].b, 1);
-  EXPECT_EQ(trace_name(taken[1].name), "back");
-  EXPECT_EQ(taken[1].b, 2) << "the rollback has a number of its own";
-  EXPECT_EQ(taken[1].a, faults[0].time + Duration{200us}.count());
+  const auto applied = test::of_kind(all, TraceKind::applied);
+  ASSERT_EQ(applied.size(), 2u);
+  EXPECT_EQ(trace_name(applied[0].name), "change");
+  EXPECT_EQ(applied[0].b, 1);
+  EXPECT_EQ(trace_name(applied[1].name), "back");
+  EXPECT_EQ(applied[1].b, 2) << "the rollback has a number of its own";
+  EXPECT_EQ(applied[1].a, faults[0].time + Duration{200us}.count());
   const auto back = test::of_kind(all, TraceKind::rollback);
   ASSERT_EQ(back.size(), 1u);
   EXPECT_EQ(trace_name(back[0].name), "core.swap control");
-  EXPECT_EQ(back[0].a, taken[1].a);
+  EXPECT_EQ(back[0].a, applied[1].a);
   EXPECT_EQ(back[0].b, 2);
   const auto releases = test::of_kind(all, TraceKind::release);
   EXPECT_EQ(releases.back().b, 2);
@@ -229,7 +229,7 @@ class TraceOfAMeter : public Tracing {
   Deployer deployer{architecture, {.simulated = true}};
 };
 
-TEST_F(TraceOfAMeter, TellsOfLocksAndOfTheCoresOwnEvents) {
+TEST_F(TraceOfAMeter, RecordsLocksAndTheCoresOwnEvents) {
   deployer.run_for(5ms);
 
   EXPECT_EQ(trace_of(deployer, "control"),
@@ -244,7 +244,7 @@ TEST_F(TraceOfAMeter, TellsOfLocksAndOfTheCoresOwnEvents) {
                    "2000000 control wait period 10000000 0"}));
 }
 
-TEST_F(TraceOfAMeter, InDetailTellsOfEveryUseOfAPort) {
+TEST_F(TraceOfAMeter, InDetailRecordsEveryUseOfAPort) {
   set_trace_mode(TraceMode::detail);
   deployer.run_for(5ms);
 
@@ -256,7 +256,7 @@ TEST_F(TraceOfAMeter, InDetailTellsOfEveryUseOfAPort) {
                                          " 2000000");
 }
 
-TEST_F(TraceOfAMeter, TellsWhoGaveUpWaiting) {
+TEST_F(TraceOfAMeter, RecordsWhichThreadGaveUpWaiting) {
   std::atomic<int> step{0};
   std::thread holder([&] {
     EXPECT_TRUE(architecture.meter.lock().try_enter());
@@ -290,7 +290,7 @@ TEST_F(TraceOfAMeter, AJobThatTookLongerThanItsBudgetSaysSo) {
   EXPECT_EQ(over[0].b, Duration{1ms}.count());
 }
 
-/// Blocks in its third job; when it is let go it tells more.
+/// Blocks in its third job; when it is released it records more.
 struct Blocking : ramp::Up {
   TraceEvent before{*this, "before"};
   TraceEvent after{*this, "after"};
@@ -323,20 +323,20 @@ TEST(TraceOfALostThread, HasNothingOfItAfterItsComponentWentOnWithoutIt) {
   };
   ASSERT_TRUE(test::eventually([&] {
     collect();
-    return !test::of_kind(all, TraceKind::taken).empty();
+    return !test::of_kind(all, TraceKind::applied).empty();
   })) << "its fallback core took over";
   block.let_go();
   ASSERT_TRUE(test::eventually([] { return Blocking::over().load(); }));
   ASSERT_TRUE(test::runs_on(deployer, "left"));
   collect();
 
-  const auto told = test::of_kind(all, TraceKind::user);
-  ASSERT_EQ(told.size(), 3u) << "of the three jobs before";
-  EXPECT_EQ(trace_name(told.back().name), "before");
+  const auto recorded = test::of_kind(all, TraceKind::user);
+  ASSERT_EQ(recorded.size(), 3u) << "of the three jobs before";
+  EXPECT_EQ(trace_name(recorded.back().name), "before");
   const auto faults = test::of_kind(all, TraceKind::fault);
   ASSERT_EQ(faults.size(), 1u);
   EXPECT_EQ(trace_name(faults[0].name), "hung");
-  EXPECT_EQ(trace_name(test::of_kind(all, TraceKind::taken)[0].name), "standby");
+  EXPECT_EQ(trace_name(test::of_kind(all, TraceKind::applied)[0].name), "standby");
 }
 
 }  // namespace

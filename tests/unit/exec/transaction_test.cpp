@@ -177,17 +177,17 @@ TEST_F(Transactions, RefuseWhatIsEmptyOrSaidTwice) {
   gone.edits.resize(1);
   gone.edits[0].component = "control";
   gone.remove = {"control"};
-  Change taken;
-  taken.new_resources.push_back({data("speed"), {}});
+  Change duplicate;
+  duplicate.new_resources.push_back({data("speed"), {}});
 
   EXPECT_EQ(apply({}).error().message, "is empty: it says nothing that is to be different");
   EXPECT_EQ(apply(twice).error().message, "is changed twice in one transaction");
   EXPECT_EQ(apply(gone).error().message, "is removed and changed in one transaction");
-  EXPECT_EQ(apply(taken).error().message, "there is something of this name already");
+  EXPECT_EQ(apply(duplicate).error().message, "there is something of this name already");
   EXPECT_EQ(deployer.generation(), 1u);
 }
 
-TEST_F(Transactions, OfRulesAloneMakeAGenerationAndMayBeTakenBack) {
+TEST_F(Transactions, OfRulesAloneMakeAGenerationAndMayBeRolledBack) {
   deployer.run_for(20ms);
   Change rules_only;
   rules_only.changes_rules = true;

@@ -25,7 +25,7 @@ struct LoudCore : Core<LoudShell> {
   void update() {}
   Status on_configure() override {
     calls().push_back("+core");
-    return fail == 1 ? invalid(fail, "told to fail") : ok();
+    return fail == 1 ? invalid(fail, "ordered to fail") : ok();
   }
   void on_cleanup() override { calls().push_back("-core"); }
 };
@@ -209,7 +209,7 @@ struct Clinging : ramp::Up {
   }
 };
 
-TEST(Architecture, CleansEverythingUpAndTellsTheFirstFailure) {
+TEST(Architecture, CleansEverythingUpAndReportsTheFirstFailure) {
   ramp::Up::configured_cores() = 0;
   ramp::Two<Clinging, Clinging> architecture;
   ASSERT_TRUE(architecture.configure());

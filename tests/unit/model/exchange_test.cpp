@@ -192,7 +192,7 @@ TEST_F(AShellThatComesBack, SeesWhatIsNewAlsoInTheSameSlot) {
   }
 }
 
-TEST(Tap, IsToldAValueThatWasOnItsWayWhenItCame) {
+TEST(Tap, GetsAValueThatWasBeingWrittenWhenItWasAttached) {
   SharedDataBase data("data", data_type<double>());
   Exchange& exchange = *data.write_service().exchange();
   const Binding binding(data.write_service(), nullptr, Duration{0});
@@ -201,10 +201,10 @@ TEST(Tap, IsToldAValueThatWasOnItsWayWhenItCame) {
   const auto tap = std::make_shared<Tap>(data_type<double>(), 1);
   ASSERT_TRUE(exchange.taps.attach(tap, data.lock()));
 
-  EXPECT_TRUE(binding.told(&value, 1));
+  EXPECT_TRUE(binding.notify_taps(&value, 1));
 
-  EXPECT_TRUE(tap->pop([](const void* told, Instant stamp) {
-    EXPECT_EQ(*static_cast<const double*>(told), 7.0);
+  EXPECT_TRUE(tap->pop([](const void* seen, Instant stamp) {
+    EXPECT_EQ(*static_cast<const double*>(seen), 7.0);
     EXPECT_EQ(stamp, 1);
   }));
 }
@@ -284,7 +284,7 @@ TEST_F(Look, ChangesNothingOnceItsThreadIsAbandoned) {
   EXPECT_EQ(in_.look([](double value) { EXPECT_EQ(value, 3.0); }), DataStatus::old_data);
 }
 
-/// Writes from another thread, which gives up when the lock is taken.
+/// Writes from another thread, which gives up when the lock is held.
 bool written_by_another(ServiceBase& service, double value) {
   bool written = false;
   std::thread([&] {
@@ -320,7 +320,7 @@ TEST(LookAtAQueue, KeepsNobodyFromWriting) {
   EXPECT_EQ(queue.lock().timeouts(), 0u);
 }
 
-TEST(LookWithoutAPlace, KeepsNobodyFromWriting) {
+TEST(LookWithoutASlot, KeepsNobodyFromWriting) {
   SharedDataBase data("data", data_type<double>());
   Writer first(data);
   std::vector<std::unique_ptr<OneReader>> readers;  // more than there are places
@@ -340,7 +340,7 @@ TEST(LookWithoutAPlace, KeepsNobodyFromWriting) {
   EXPECT_EQ(data.lock().timeouts(), 0u);
 }
 
-/// What is not yet to be read when somebody begins to listen is told to him.
+/// A tap gets every value that cannot be read yet when it is attached.
 TEST(Tap, MissesNothingOfAWriterThatTakesNoLock) {
   constexpr int kTimes = 2000;
   SharedDataBase data("data", data_type<double>());
@@ -362,8 +362,8 @@ TEST(Tap, MissesNothingOfAWriterThatTakesNoLock) {
     EXPECT_TRUE(list.attach(tap, data.lock()));
     const bool was_there = value_of(data) == i;
     while (written < i) std::this_thread::yield();
-    const bool told = tap->pop([](const void*, Instant) {});
-    missed += was_there || told ? 0 : 1;
+    const bool tapped = tap->pop([](const void*, Instant) {});
+    missed += was_there || tapped ? 0 : 1;
     list.detach(*tap, data.lock());
   }
   writer.join();

@@ -11,7 +11,7 @@
 namespace mauve {
 namespace {
 
-/// Records the path <WG, RG, AG> with the clock, told by flags what the guards answer.
+/// Records the path <WG, RG, AG> with the clock, with flags for the answers of the guards.
 class Guidance : public Core<EmptyShell> {
  public:
   void poll_goal() { visit("WG"); }

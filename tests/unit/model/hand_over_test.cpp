@@ -164,7 +164,7 @@ TEST(SlowState, IsNotLostSilently) {
 
 TEST(SlowState, CannotBeSetInAJob) {
   struct Careless final : Surveyor {
-    Observable<bool> refused{*this, "refused", false, "was told off"};
+    Observable<bool> refused{*this, "refused", false, "was refused"};
     void update() override { refused = !map.set({}); }
   };
   Surveying<Careless> survey;

@@ -143,10 +143,10 @@ TEST(LatestValue, IsHeldStillAlsoWhenTwoThreadsTakeItForTheSameReader) {
   LatestValue exchange(sizeof(Numbered), 1);
   const unsigned reader = exchange.attach();
   std::atomic<int> round{0};
-  std::array<std::atomic<const void*>, 2> taken{};
+  std::array<std::atomic<const void*>, 2> held{};
   std::atomic<int> took{0};
   std::vector<std::thread> threads;
-  for (auto& its : taken) {
+  for (auto& its : held) {
     threads.emplace_back([&] {
       for (int i = 1; i <= kRounds; ++i) {
         for (int spins = 0; round < i; ++spins) {
@@ -166,7 +166,7 @@ TEST(LatestValue, IsHeldStillAlsoWhenTwoThreadsTakeItForTheSameReader) {
       if (number > first) continue;
       for (round = i; took < 2 * i;) std::this_thread::yield();
     }
-    for (const auto& its : taken) faults += number_of(its) == first ? 0 : 1;
+    for (const auto& its : held) faults += number_of(its) == first ? 0 : 1;
   }
   for (auto& thread : threads) thread.join();
   EXPECT_EQ(faults, 0);
@@ -253,18 +253,18 @@ TEST(LatestValue, ServesThoseInTurnAlsoWithoutAnyOtherReader) {
   }
 }
 
-TEST(LatestValue, HasOnePlaceForAWriter) {
+TEST(LatestValue, HasOneSlotForAWriter) {
   LatestValue exchange(sizeof(Numbered), 2);
-  EXPECT_TRUE(exchange.take_place(1));
-  EXPECT_TRUE(exchange.take_place(1));
-  EXPECT_FALSE(exchange.take_place(2));
-  exchange.leave_place(2);
-  EXPECT_FALSE(exchange.take_place(2));
-  exchange.leave_place(1);
-  EXPECT_TRUE(exchange.take_place(2));
+  EXPECT_TRUE(exchange.claim_slot(1));
+  EXPECT_TRUE(exchange.claim_slot(1));
+  EXPECT_FALSE(exchange.claim_slot(2));
+  exchange.release_slot(2);
+  EXPECT_FALSE(exchange.claim_slot(2));
+  exchange.release_slot(1);
+  EXPECT_TRUE(exchange.claim_slot(2));
 }
 
-TEST(LatestValue, TellsACursorWhetherItsValueIsNew) {
+TEST(LatestValue, ReportsToACursorWhetherItsValueIsNew) {
   LatestValue exchange(sizeof(Numbered), 2);
   Cursor cursor{exchange.attach()};
   EXPECT_EQ(exchange.seek(cursor), DataStatus::no_data);

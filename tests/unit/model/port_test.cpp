@@ -19,7 +19,7 @@ struct ProbeShell : Shell {
   ReadPort<double> in_too{*this, "in_too"};
   WritePort<double> out{*this, "out", Safe{0.0}};
   CallPort<double(double, int)> scale{*this, "scale"};
-  CallPort<void(double)> tell{*this, "tell"};
+  CallPort<void(double)> note{*this, "note"};
   EventPort<> reset{*this, "reset"};
   ReadPort<Large> large_in{*this, "large_in"};
   WritePort<Large> large_out{*this, "large_out"};
@@ -37,7 +37,7 @@ class MeterCore : public Core<EmptyShell> {
     last_ = value;
   }
   double scale(double value, int factor) { return value * factor; }
-  void tell(double value) { last_ = value; }
+  void note(double value) { last_ = value; }
   void reset() { written_ = false; }
 
  private:
@@ -48,7 +48,7 @@ struct MeterInterface : Interface<MeterCore> {
   ReadService<double> value{*this, "value", &MeterCore::value};
   WriteService<double> write{*this, "write", &MeterCore::write};
   CallService<double(double, int)> scale{*this, "scale", &MeterCore::scale};
-  CallService<void(double)> tell{*this, "tell", &MeterCore::tell};
+  CallService<void(double)> note{*this, "note", &MeterCore::note};
   EventService<> reset{*this, "reset", &MeterCore::reset};
 };
 
@@ -70,7 +70,7 @@ TEST(Port, UnconnectedGivesDefaultsAndNeverThrows) {
   EXPECT_FALSE(shell.out.write(1.0));
   EXPECT_EQ(shell.out.failures(), 1u);
   EXPECT_FALSE(shell.scale(1.0, 2).has_value());
-  EXPECT_FALSE(shell.tell(1.0));
+  EXPECT_FALSE(shell.note(1.0));
   EXPECT_FALSE(shell.reset());
 }
 
@@ -80,7 +80,7 @@ TEST(Port, ReachesTheServicesOfAResource) {
   ASSERT_TRUE(shell.in.connect(bench.meter.interface().value));
   ASSERT_TRUE(shell.out.connect(bench.meter.interface().write));
   ASSERT_TRUE(shell.scale.connect(bench.meter.interface().scale));
-  ASSERT_TRUE(shell.tell.connect(bench.meter.interface().tell));
+  ASSERT_TRUE(shell.note.connect(bench.meter.interface().note));
   ASSERT_TRUE(shell.reset.connect(bench.meter.interface().reset));
   ASSERT_TRUE(bench.configure());
 
@@ -88,7 +88,7 @@ TEST(Port, ReachesTheServicesOfAResource) {
   EXPECT_TRUE(shell.out.write(3.0));
   EXPECT_EQ(shell.in.read(), 3.0);
   EXPECT_EQ(shell.scale(3.0, 7), 21.0);
-  EXPECT_TRUE(shell.tell(5.0));
+  EXPECT_TRUE(shell.note(5.0));
   EXPECT_EQ(shell.in.read(), 5.0);
   EXPECT_TRUE(shell.reset());
   EXPECT_EQ(shell.in.read(), 42.0);
@@ -113,7 +113,7 @@ TEST(Port, IsConnectedAndDisconnectedOnAConfiguredComponent) {
   EXPECT_EQ(bench.probe.disconnect("in").error().code, Errc::wrong_state);
 }
 
-TEST(Port, TellsNewFromOldData) {
+TEST(Port, DistinguishesNewFromOldData) {
   Bench bench;
   ProbeShell& shell = bench.probe.shell();
   ASSERT_TRUE(shell.in.connect(bench.data.read_service()));
@@ -130,7 +130,7 @@ TEST(Port, TellsNewFromOldData) {
   EXPECT_EQ(shell.in_too.read(value), DataStatus::new_data) << "each reader for itself";
 }
 
-TEST(Port, TellsStaleDataByTheAgeOfTheWritingJob) {
+TEST(Port, DetectsStaleDataByTheAgeOfTheWritingJob) {
   Bench bench;
   ProbeShell& shell = bench.probe.shell();
   ASSERT_TRUE(shell.in.connect(bench.data.read_service(), 50ms));

@@ -212,7 +212,7 @@ TEST(Tap, SeesEveryWriteAndCountsWhatItLost) {
   EXPECT_FALSE(tap.pop([](const void*, Instant) {}));
 }
 
-TEST(Tap, IsDetachedWhileAWriterHangsAndStaysWhereTheWriterMayLook) {
+TEST(Tap, DetachesWhileAWriterHangsAndStaysWhereTheWriterMayLook) {
   SharedDataBase data("data", data_type<double>());
   TapList& list = *data.write_service().taps();
   auto tap = std::make_shared<Tap>(data_type<double>(), 3);
@@ -234,7 +234,7 @@ TEST(Tap, IsDetachedWhileAWriterHangsAndStaysWhereTheWriterMayLook) {
   list.detach(*other, data.lock());
 }
 
-TEST(Tap, OfAHangingWriterTakesNoPlaceForEver) {
+TEST(Tap, OfAHangingWriterKeepsNoSlotForEver) {
   SharedDataBase data("data", data_type<double>());
   TapList& list = *data.write_service().taps();
   const auto make = [] { return std::make_shared<Tap>(data_type<double>(), 1); };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Described types: to values and back, and layouts that tell types apart.
+/// Described types: to values and back, and layouts that distinguish types.
 #include <gtest/gtest.h>
 
 #include <mauve/plugin.h>
@@ -80,7 +80,7 @@ TEST(Type, RefusesFieldsThatDoNotFitAndNamesThem) {
   EXPECT_FALSE(full);
 }
 
-TEST(Type, LayoutTellsStructsOfTheSameNameApart) {
+TEST(Type, LayoutDistinguishesStructsOfTheSameName) {
   EXPECT_EQ(data_type<Point>().name, data_type<OtherPoint>().name);
   EXPECT_FALSE(same_type(data_type<Point>(), data_type<OtherPoint>()));
 }

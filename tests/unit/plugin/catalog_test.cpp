@@ -140,7 +140,7 @@ TEST_F(CatalogTest, SuggestsTheNearestPlugin) {
   EXPECT_EQ(catalog_.reload("smaple").error().code, Errc::unknown_name);
 }
 
-TEST_F(CatalogTest, TellsWhoUsesAPlugin) {
+TEST_F(CatalogTest, ListsTheUsersOfAPlugin) {
   const std::shared_ptr<CoreBase> core = catalog_.core("sample/unrelated")->make();
   const Library& library = *catalog_.find("sample")->library();
   EXPECT_THAT(library.users(), ElementsAre("sample/unrelated"));

@@ -276,7 +276,7 @@ TEST(ReloadOfAResidentPlugin, SaysThatTheOldCodeStaysButRunsTheNew) {
   EXPECT_EQ(number(*make_core(catalog, "resident/number")), 103);
 }
 
-TEST(ReloadInfo, TellsVersionCompilerBuildIdAndFile) {
+TEST(ReloadInfo, StatesVersionCompilerBuildIdAndFile) {
   const PluginDir folder;
   folder.put("1/good.so", "good.so");
   Catalog catalog(folder.list());

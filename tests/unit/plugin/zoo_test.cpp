@@ -65,7 +65,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(ZooOfInitialisers, AreRefusedBeforeTheyRun) {
 #if defined(MAUVE_SANITIZE_ADDRESS_UNDEFINED) || defined(MAUVE_SANITIZE_THREAD)
-  GTEST_SKIP() << "sanitizers add initialisers of their own, so here they cannot be told apart";
+  GTEST_SKIP() << "sanitizers add initialisers of their own, so here they cannot be distinguished";
 #endif
   Catalog catalog({MAUVE_ZOO});
 
@@ -78,7 +78,7 @@ TEST(ZooOfInitialisers, AreRefusedBeforeTheyRun) {
 
 TEST(ZooOfInitialisers, AreTracedToTheHeaderOrOptionThatBringsThem) {
 #if defined(MAUVE_SANITIZE_ADDRESS_UNDEFINED) || defined(MAUVE_SANITIZE_THREAD)
-  GTEST_SKIP() << "sanitizers add initialisers of their own, so here they cannot be told apart";
+  GTEST_SKIP() << "sanitizers add initialisers of their own, so here they cannot be distinguished";
 #endif
   Catalog catalog({MAUVE_ZOO});
 

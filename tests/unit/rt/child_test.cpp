@@ -21,7 +21,7 @@ ChildEnd run_shell(const std::string& script, const std::string& input = "",
   return end ? *end : ChildEnd{};
 }
 
-TEST(Child, ReadsItsInputAndItsOutputIsTold) {
+TEST(Child, ReadsItsInputAndItsOutputIsReturned) {
   const std::string text(300'000, 'x');
 
   const auto end = run_shell("cat; echo wrong >&2; exit 4", text);
@@ -39,7 +39,7 @@ TEST(Child, ThatIsLateIsEndedWithAllThatItStarted) {
   EXPECT_EQ(end.output, "last words\n");
 }
 
-TEST(Child, TellsTheSignalThatEndsIt) {
+TEST(Child, ReportsTheSignalThatEndsIt) {
   const auto end = run_shell("kill -ABRT $$");
 
   EXPECT_EQ(end.how, How::signalled);

@@ -53,7 +53,7 @@ TEST(Histogram, KnowsCountSumAndExtremesExactly) {
   EXPECT_TRUE(times.look().buckets.empty());
 }
 
-TEST(Histogram, TellsOneTimeExactlyAtEveryPercentile) {
+TEST(Histogram, ReportsOneTimeExactlyAtEveryPercentile) {
   Histogram times;
   for (int i = 0; i < 1000; ++i) times.add(12'345);
 
@@ -76,7 +76,7 @@ struct Source {
   std::function<double(std::mt19937_64&)> draw;
 };
 
-TEST(Histogram, TellsPercentilesWithinItsErrorOfTheExactOnes) {
+TEST(Histogram, ReportsPercentilesWithinItsErrorOfTheExactOnes) {
   const std::vector<Source> sources = {
       {"uniform", std::uniform_real_distribution<double>(0, 2e6)},
       {"short", std::uniform_real_distribution<double>(0, 200)},
@@ -100,9 +100,9 @@ TEST(Histogram, TellsPercentilesWithinItsErrorOfTheExactOnes) {
       for (const double percent : {1.0, 10.0, 50.0, 90.0, 99.0, 99.9, 100.0}) {
         const auto rank = std::ceil(percent / 100 * static_cast<double>(count));
         const auto exact = static_cast<double>(sorted[static_cast<std::size_t>(rank) - 1]);
-        const auto told = static_cast<double>(times.look().percentile(percent).count());
-        EXPECT_LE(std::abs(told - exact), std::max(2.0, 0.032 * exact))
-            << source.name << " " << count << " p" << percent << ": " << told << " of " << exact;
+        const auto shown = static_cast<double>(times.look().percentile(percent).count());
+        EXPECT_LE(std::abs(shown - exact), std::max(2.0, 0.032 * exact))
+            << source.name << " " << count << " p" << percent << ": " << shown << " of " << exact;
       }
     }
   }

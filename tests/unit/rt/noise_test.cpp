@@ -51,7 +51,7 @@ TEST(NoiseOfCpu, ForgetsAllButTheWorstAfterTwoMinutes) {
   EXPECT_GE(seen.worst_ago, 150s);
 }
 
-TEST(NoiseOfCpu, TellsForHowLongTheProbeWasHeldUp) {
+TEST(NoiseOfCpu, ReportsForHowLongTheProbeWasHeldUp) {
   NoiseOfCpu noise(60us);
   wake(noise, kBegin, 1, 190us);
   EXPECT_EQ(noise.held_up_since(kBegin - kSecond), 0us) << "any thread may be so late";

@@ -97,7 +97,7 @@ TEST(Condition, IsUnknownWhereAValueIsMissingAndItMatters) {
   EXPECT_EQ(truth("a.t < 4", values), Truth::unknown) << "another kind of value";
 }
 
-TEST(Condition, TellsTheFirstAddressThatIsNotThere) {
+TEST(Condition, NamesTheFirstAddressThatIsNotThere) {
   const Known values{{"a.t", true}};
   std::string error;
 

@@ -78,7 +78,7 @@ TEST_F(Blind, OnlyTheRuleThatSaysSoFiresOnANan) {
   EXPECT_EQ(engine_.changes()[0].rules, (std::vector<std::string>{"holds", "fires"}));
   EXPECT_EQ(engine_.lost().size(), 1U);
   EXPECT_EQ(after(10ms), Fired{});
-  EXPECT_TRUE(engine_.changes().empty()) << "told once";
+  EXPECT_TRUE(engine_.changes().empty()) << "reported once";
   EXPECT_EQ(engine_.report(0, now_, read_).why_not,
             "condition is unknown: heater.core.error is nan");
 }

@@ -30,14 +30,14 @@ class Binding {
 
   /// Where the values lie; null: the service computes them.
   [[nodiscard]] const Exchange* exchange() const { return exchange_; }
-  /// The same, when the port has a place of its own there: a write port tries to take
-  /// it. [rt]
+  /// The same, when the port has a slot of its own there, which a write port tries to claim; else
+  /// null. [rt]
   [[nodiscard]] Exchange* is_direct() const;
-  /// A value of a write port, by the thread of its component or one that has taken its place:
+  /// A value of a write port, by the thread of its component or by its replacement:
   /// there, or by a call of the service. False: nobody got it. [rt]
   bool write(const void* value) const;
-  /// Of write_alone(): those who began to listen meanwhile get the value; true. [rt]
-  bool told(const void* value, Instant stamp) const;
+  /// After write_alone(): taps that were attached meanwhile get the value; true. [rt]
+  bool notify_taps(const void* value, Instant stamp) const;
 
  private:
   std::shared_ptr<void> keep_alive_;

@@ -39,12 +39,12 @@ class Configurable {
   [[nodiscard]] PropertyBase* find_property(std::string_view name) const;
   [[nodiscard]] ObservableBase* find_observable(std::string_view name) const;
 
-  /// Runtime only: gives the element its address, and tells it to the observer. [factory]
+  /// Runtime only: gives the element its address, and reports it to the observer. [factory]
   void adopt(std::string address);
-  /// Runtime only: `told` is called with each address that the element is given; set before the
+  /// Runtime only: `notify` is called with each address that the element is given; set before the
   /// first.
-  void when_adopted(std::function<void(const std::string& address)> told) {
-    given_address_ = std::move(told);
+  void when_adopted(std::function<void(const std::string& address)> notify) {
+    given_address_ = std::move(notify);
   }
 
  protected:
@@ -65,7 +65,7 @@ class Configurable {
   std::string address_;
   std::function<void(const std::string& address)> given_address_;
   std::atomic<bool> configured_{false};
-  std::optional<Error> deferred_;  // a refused value or connection, reported by configure()
+  std::optional<Error> pending_error_;  // a refused value or connection, reported by configure()
   std::vector<PropertyBase*> properties_;
   std::vector<ObservableBase*> observables_;
 };

@@ -68,7 +68,7 @@ struct AfterAll : C {
 };
 
 /// How many entries the table of virtual functions of C has: the next one would be that of
-/// AfterAll. Both compilers represent a pointer to a virtual member by its place in the table, one
+/// AfterAll. Both compilers represent a pointer to a virtual member by its slot in the table, one
 /// plus its offset on x86-64.
 template <typename C>
 std::size_t count_functions() {
@@ -76,10 +76,10 @@ std::size_t count_functions() {
     return 0;
   } else {
     const auto last = &AfterAll<C>::mauve_after_all;
-    std::size_t place = 0;
-    static_assert(sizeof last >= sizeof place);
-    std::memcpy(&place, &last, sizeof place);
-    return place / sizeof(void*);
+    std::size_t offset = 0;
+    static_assert(sizeof last >= sizeof offset);
+    std::memcpy(&offset, &last, sizeof offset);
+    return offset / sizeof(void*);
   }
 }
 

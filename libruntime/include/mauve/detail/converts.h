@@ -7,7 +7,7 @@
 ///
 /// GuidanceV1 is the old struct with its old description ("guidance/1"), kept beside the new one.
 /// Several may stand there, one for each type. The old object stays as it was: a core that comes
-/// back goes on from the value it had, unless it has a converter of its own for the way back.
+/// back goes on from the value it had, unless it has a converter of its own for the rollback.
 #pragma once
 
 #include <cstddef>

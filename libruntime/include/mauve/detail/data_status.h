@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The result of a read, and the place of one reader in the values of one service.
+/// The result of a read, and the position of one reader in the values of one service.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,7 @@ struct Cursor {
   unsigned slot = 0;       ///< reader slot of a wait-free exchange
   std::uint64_t seen = 0;  ///< sequence number of the last value read
   Instant stamp = 0;       ///< when the value read was written (start of the writing job)
-  /// The value itself, held still, in an exchange in which the reader has a place of its own.
+  /// The value itself, held still, in an exchange in which the reader has a slot of its own.
   const void* data = nullptr;
   static constexpr std::uint64_t kNone = ~0ULL;
   std::uint64_t word = kNone;  ///< of that exchange; the same: `data` is still its newest value

@@ -26,8 +26,8 @@ struct Exchange {
   void copy(T& into, const Cursor& cursor) const {
     std::memcpy(static_cast<void*>(&into), cursor.data, bytes_of<T>());
   }
-  /// By the writer that has the place; a poisoned resource does not concern it. `size`: of the
-  /// value. False: nothing is written, ask the service. True: who listens wants to be told. [rt],
+  /// Called by the thread that owns the writer's slot, also when the resource is poisoned. `size`:
+  /// of the value. False: nothing is written, call the service. True: notify the taps. [rt],
   /// wait-free.
   bool write_alone(const void* data, std::size_t size, Instant stamp) {
     return latest.write_alone(data, size, stamp, may_write);

@@ -2,7 +2,7 @@
 /// LatestValue: wait-free exchange of the newest value between two writers at a time and a fixed
 /// number of readers. Runtime only; ports use it without a call.
 ///
-/// One word says which slot is the newest, and which readers have taken it. A reader that finds
+/// One word says which slot is the newest, and which readers have claimed it. A reader that finds
 /// itself there still holds that slot; else it adds itself, and so gives back the one before. Who
 /// publishes replaces the word, owns the slot that was the newest, and knows who holds it. With one
 /// reader this is the triple buffer, at its cost: nothing moves between CPUs but the word and the
@@ -26,7 +26,7 @@ class LatestValue {
  public:
   static constexpr unsigned kMaxReaders = 8;
   static constexpr unsigned kNoSlot = ~0U;
-  /// For readers without a place of their own, which take turns.
+  /// For readers without a slot of their own, which take turns.
   static constexpr unsigned kInTurn = 0;
   static constexpr unsigned kFirstReader = 1;
 
@@ -46,21 +46,21 @@ class LatestValue {
   ~LatestValue();
   LatestValue(const LatestValue&) = delete;
   LatestValue& operator=(const LatestValue&) = delete;
-  /// A private place for one reader, or kNoSlot when all are taken. [control]
+  /// A private slot for one reader, or kNoSlot when all are claimed. [control]
   [[nodiscard]] unsigned attach();
   void detach(unsigned reader);
 
-  /// The one writer that needs no lock, by a number that is not 0: the first that comes. True: it
-  /// has the place, now or since long. [any]
-  bool take_place(std::uint64_t writer) {
+  /// Claims the slot of the one writer that needs no lock, by a number that is not 0, for the first
+  /// caller. True: the writer owns the slot, also since an earlier call. [any]
+  bool claim_slot(std::uint64_t writer) {
     std::uint64_t present = writer_.load(std::memory_order_acquire);
     if (present == 0 && writer_.compare_exchange_strong(present, writer)) return true;
     return present == writer;
   }
-  void leave_place(std::uint64_t writer) { writer_.compare_exchange_strong(writer, 0); }
+  void release_slot(std::uint64_t writer) { writer_.compare_exchange_strong(writer, 0); }
 
-  /// Only in the writer's place, by one thread. False when one was thrown out or lost in here and
-  /// did not come back, or `may` says no, which is asked whenever it is known what this value
+  /// Only for the thread that owns the writer's slot. False when a job was aborted in here or its
+  /// thread abandoned, or `may` says no, which is asked whenever it is known what this value
   /// replaces: then begin_write(). A value that one from there overtakes is never seen. `size`:
   /// known when this is compiled, or size(). [rt], wait-free.
   template <typename May>
@@ -81,7 +81,7 @@ class LatestValue {
     return true;
   }
   /// The same for most writes: the word is what was expected, and of the readers only the first has
-  /// taken the newest value. False: nothing is published, and it is write_alone() that can.
+  /// claimed the newest value. False: nothing is published, and it is write_alone() that can.
   template <typename May>
   [[nodiscard, gnu::always_inline]] bool write_as_expected(const void* data, std::size_t size,
                                                            Instant stamp, const May& may) {
@@ -100,11 +100,11 @@ class LatestValue {
 
   /// The newest value, held still until the next call. Only the owner of `reader`. [rt], wait-free.
   [[nodiscard]] View acquire(unsigned reader) { return view(index_of(take(reader))); }
-  /// Moves the cursor of a reader with a place of its own to the newest value. [rt], wait-free.
+  /// Moves the cursor of a reader with a slot of its own to the newest value. [rt], wait-free.
   DataStatus seek(Cursor& cursor) {
     if (word_.load(std::memory_order_acquire) == cursor.word) [[likely]]
       return DataStatus::old_data;
-    cursor.word = Cursor::kNone;  // who is thrown out of here does not go on with an older one
+    cursor.word = Cursor::kNone;  // a job that is aborted here does not go on with an older one
     std::atomic_signal_fence(std::memory_order_seq_cst);
     const std::uint64_t word = take(cursor.slot);
     const DataStatus status = show(view(index_of(word)), cursor);
@@ -136,9 +136,9 @@ class LatestValue {
   /// Two lines of the cache: they are fetched in pairs.
   static constexpr std::size_t kApart = 128;
 
-  // The word: the newest slot; for each reader two bits, not 0 when it has taken that slot; and how
-  // often end_write() was called. Two bits: a lost thread may take it again after its successor
-  // did. One that takes a later value takes the one before away, until its successor looks again.
+  // The word: the newest slot; for each reader two bits, not 0 when it has claimed that slot; and
+  // how often end_write() was called. Two bits: an abandoned thread may claim it after its
+  // replacement did, and releases the slot before until the replacement claims anew.
   static constexpr unsigned kReaderShift = 6;
   static constexpr unsigned kCountShift = kReaderShift + 2 * (kMaxReaders + 1);
   static constexpr std::uint64_t kFirstSequence = 1U << kReaderShift;  // more than there are slots
@@ -148,7 +148,7 @@ class LatestValue {
   static constexpr std::uint64_t kFirst = 3U << (kReaderShift + 2 * kFirstReader);
   static constexpr std::uint64_t kInside = ~0ULL;  // no word: so many slots there are not
   static std::uint8_t index_of(std::uint64_t word) { return word & kIndex; }
-  static bool taken(std::uint64_t word, unsigned reader) {
+  static bool has_claimed(std::uint64_t word, unsigned reader) {
     return (word >> (kReaderShift + 2 * reader) & 3U) != 0;
   }
 
@@ -159,10 +159,10 @@ class LatestValue {
     std::uint8_t next = 0;
     std::array<std::uint8_t, kMaxReaders + 1> held_by{};
   };
-  /// The word in which the reader has taken the newest slot.
+  /// The word in which the reader has claimed the newest slot.
   std::uint64_t take(unsigned reader) {
     const std::uint64_t word = word_.load(std::memory_order_acquire);
-    if (taken(word, reader)) return word;
+    if (has_claimed(word, reader)) return word;
     const std::uint64_t its = 1ULL << (kReaderShift + 2 * reader);
     return word_.fetch_add(its, std::memory_order_acq_rel) + its;
   }
@@ -198,14 +198,14 @@ class LatestValue {
   template <typename May>
   [[gnu::always_inline]] bool enter(const May& may) {
     expected_.store(kInside, std::memory_order_relaxed);
-    // Who takes this place from a lost thread makes all processors pass a barrier in between.
+    // A thread that claims an abandoned one's slot makes all processors pass a barrier in between.
     std::atomic_signal_fence(std::memory_order_seq_cst);
     return may();
   }
   [[gnu::always_inline]] void leave(std::uint64_t expected) {
     expected_.store(expected, std::memory_order_release);
   }
-  /// Publishes `alone_.next` and leaves, unless there is another word: that is told.
+  /// Publishes `alone_.next` and leaves; false, and the new word, when the word has changed.
   bool replace(std::uint64_t& word);
   /// The same when the first reader is the only one: this is the triple buffer.
   [[gnu::always_inline]] bool exchange_slots(std::uint64_t word) {
@@ -214,12 +214,12 @@ class LatestValue {
       before = word;
       const std::uint64_t low = before & (kFirst | kIndex);
       const std::uint64_t after = (before ^ low) | alone_.next;
-      const bool taken = (low & kFirst) != 0;
+      const bool claimed = (low & kFirst) != 0;
       const std::uint8_t back = index_of(low);
       std::uint8_t& held = alone_.held_by[kFirstReader];
-      const std::uint8_t next = taken ? held : back;
+      const std::uint8_t next = claimed ? held : back;
       if (word_.compare_exchange_strong(word, after, std::memory_order_acq_rel)) [[likely]] {
-        if (taken) held = back;
+        if (claimed) held = back;
         alone_.next = next;
         ahead_ = slot(next);
         leave(after | (low & kFirst));  // a reader that took this one takes the next one
@@ -238,13 +238,13 @@ class LatestValue {
   std::atomic<unsigned> used_{1};         // readers that were ever attached
   std::atomic<std::uint64_t> writer_{0};  // who needs no lock
   unsigned readers_;                      // with those in turn
-  std::unique_ptr<std::atomic<bool>[]> taken_;
+  std::unique_ptr<std::atomic<bool>[]> claimed_;
   alignas(kApart) std::atomic<std::uint64_t> word_;
   alignas(kApart) std::atomic<std::uint64_t> expected_;  // what the word will be for write_alone()
   std::byte* ahead_;                                     // the slot for its next value
   std::atomic<std::uint64_t> unusual_{kReaders & ~kFirst};  // see replace()
   Lane alone_;
-  alignas(kApart) Lane careful_;
+  alignas(kApart) Lane locked_;
 };
 
 }  // namespace mauve

@@ -30,7 +30,7 @@ class Method<R(P...)> {
     store<C>(method);
   }
 
-  /// The caller guarantees that the core is of the class the method was taken from (the contract
+  /// The caller guarantees that the core is of the class that declares the method (the contract
   /// is compared when core and state machine, or core and interface, are put together).
   R operator()(CoreBase& core, P... arguments) const {
     return call_(storage_, core, std::forward<P>(arguments)...);

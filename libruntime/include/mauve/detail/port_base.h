@@ -73,7 +73,7 @@ class PortBase {
   [[nodiscard]] Writers writers() const { return writers_; }
 
   /// Writes the declared safe value, if any: at stop, fault and disconnect. `by_owner`: on the
-  /// thread of its component, or one that has taken its place. [any]
+  /// thread of its component, or of its replacement. [any]
   virtual void write_safe(const Binding& /*connection*/, bool /*by_owner*/) const {}
   [[nodiscard]] virtual bool has_safe_value() const { return false; }
   /// Accesses that found no connection, or a resource busy beyond the bound. [any]
@@ -85,7 +85,7 @@ class PortBase {
   /// The connection in force, or null. Forgets where it stood when it changed. [rt]
   [[nodiscard]] const Binding* binding();
   /// Whether the value can be read or written in exchange() without a call: connected as at the
-  /// last use, to a SharedData in which this port has a place of its own, and nothing to trace.
+  /// last use, to a SharedData in which this port has a slot of its own, and nothing to trace.
   /// [rt]
   [[nodiscard, gnu::always_inline]] bool is_direct() const {
     // An abandoned thread must not touch the port: its replacement owns it.
@@ -94,8 +94,8 @@ class PortBase {
     return !detail::traces(TraceMode::detail) && version_ == direct_version_;
   }
   [[nodiscard]] Exchange& exchange() const { return *exchange_; }
-  /// Who began to listen while a value was written at hand gets it; true. [rt]
-  bool told(const void* value);
+  /// Taps that were attached while a value was written directly get it; true. [rt]
+  bool notify_taps(const void* value);
   /// There is more to do: it is never at hand.
   void always_call() { calls_ = true; }
   /// How old a value may be; zero: no limit.

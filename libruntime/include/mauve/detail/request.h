@@ -13,7 +13,7 @@ namespace mauve {
 /// it is an event in the log. Wait-free and bounded; the text is copied. False, and nothing is
 /// asked: outside a job of a component, a name that is empty or longer than 64 characters, or too
 /// many requests that nobody has looked at yet. Of one component ten at once, then one a second are
-/// carried out; the rest is counted and told in the log. [rt]
+/// carried out; the rest is counted and reported in the log. [rt]
 bool request(std::string_view transaction);
 
 }  // namespace mauve

@@ -13,7 +13,7 @@
 
 namespace mauve {
 
-/// Runtime only: a change of a resource, taken by the first caller whose job is released at or
+/// Runtime only: a change of a resource, applied by the first caller whose job is released at or
 /// after its instant. A resource has no thread of its own to do it.
 class PendingUpdate {
  public:
@@ -68,8 +68,8 @@ class ResourceLock {
   void name_in_trace(std::uint32_t name) { trace_name_ = name; }
   [[nodiscard]] bool timed() const { return timed_; }
 
-  /// A caller was thrown out in the middle of a service (a crash, a core that did not return): what
-  /// the core holds may be half written. Callers are refused until it gets a new core. [any]
+  /// A caller was aborted in the middle of a service (a crash, a core that did not return): the
+  /// data of the core may be half written. Callers are refused until it gets a new core. [any]
   void poison() { poisoned_.store(true, std::memory_order_release); }
   [[nodiscard]] bool poisoned() const { return poisoned_.load(std::memory_order_acquire); }
   /// Under the lock: its core is new, or known to be whole.
@@ -77,8 +77,9 @@ class ResourceLock {
 
   /// Runtime only: how many this thread holds.
   [[nodiscard]] static std::size_t held();
-  /// Runtime only: of all that this thread holds but for the first `kept`, which it was thrown out
-  /// of: poisoned, then left. Returns the innermost in whose own code the thread was; null: none.
+  /// Runtime only: poisons and releases the locks that this thread holds, except the first `kept`:
+  /// the job was aborted inside the others. Returns the innermost in whose own code it was; null:
+  /// none.
   static const ResourceLock* poison_and_leave_all(std::size_t kept = 0);
   /// Runtime only: of all that a thread holds that never returns: poisoned, and given a new lock in
   /// place of the one that only that thread could unlock. Takes memory; the thread must not end
@@ -124,7 +125,7 @@ class ResourceLock {
   std::atomic<std::uint64_t> over_budget_{0};
 };
 
-/// Holds the lock of a resource for a scope; false when it could not be taken.
+/// Holds the lock of a resource for a scope; false when it could not be acquired.
 class ScopedLock {
  public:
   explicit ScopedLock(ResourceLock& lock) : lock_(lock), entered_(lock.enter()) {}

@@ -52,9 +52,9 @@ class TapList {
  public:
   static constexpr std::size_t kMaxTaps = 8;
 
-  /// Refused when all places are taken, or the lock cannot be taken in time. [control]
+  /// Refused when all slots are claimed, or the lock cannot be acquired in time. [control]
   Status attach(std::shared_ptr<Tap> tap, ResourceLock& lock);
-  /// Closes the tap and gives it up. When the lock cannot be taken in time (a writer hangs), the
+  /// Closes the tap and gives it up. When the lock cannot be acquired in time (a writer hangs), the
   /// list keeps it until the next attach or detach, or its own end, so that the writer may still
   /// look at it. [control]
   void detach(Tap& tap, ResourceLock& lock);

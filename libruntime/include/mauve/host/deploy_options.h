@@ -17,7 +17,7 @@ enum class Realtime : std::uint8_t {
 };
 
 /// What to do when it is not proved that every job meets its deadline: at deployment, and before
-/// each change, for the change at any instant and for the way back from it.
+/// each change, for the change at any instant and for the rollback from it.
 enum class Admission : std::uint8_t {
   strict,  ///< refuse; the error names the job and the smallest relaxation
   warn,    ///< go on, and say so (`Deployer::warnings`, `Receipt::warnings`)

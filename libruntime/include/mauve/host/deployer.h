@@ -64,7 +64,7 @@ class Deployer {
   [[nodiscard]] std::vector<ComponentStatus> status() const;
   [[nodiscard]] ComponentStatus status(std::string_view component) const;
   /// Response times of what runs now; takes some milliseconds. Of what was not admitted by
-  /// Admission::warn at deployment, `warnings()` tell.
+  /// Admission::warn at deployment, `warnings()` reports.
   [[nodiscard]] Timing analyze() const;
 
   /// What jobs took; with an empty name when there is no such component.
@@ -91,7 +91,7 @@ class Deployer {
   /// All changes on probation are good: their old bundles may go. Refused when there is none.
   Status confirm();
   /// Back to before the newest change on probation, and those it joined, at the next releases of
-  /// all their members. The end is told by tend().
+  /// all their members. tend() reports the end.
   Status undo(const std::string& reason = "undone by request");
   [[nodiscard]] bool on_probation() const;
   /// Set off, but some member is not back yet.
@@ -166,7 +166,7 @@ class Deployer {
                                                          const Status& exchanged);
   /// Step 1 of a swap in place: makes the elements but does not configure them. [factory]
   Result<PreparedChange> prepare_in_place(const Edit& edit);
-  /// Step 1 of the way back: to the core and state machine that a swap in place cleaned up, in the
+  /// Step 1 of the rollback: to the core and state machine that a swap in place cleaned up, in the
   /// bundle that the component had before. A component that has faulted runs again afterwards. The
   /// state goes along where the core before takes it. [factory]
   Result<PreparedChange> prepare_back_in_place(std::string_view component,

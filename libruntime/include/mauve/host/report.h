@@ -82,7 +82,7 @@ struct ComponentStatus {
   std::uint64_t restored = 0;
 };
 
-/// Something that happened on a real-time thread, as told to the [log] thread.
+/// Something that happened on a real-time thread, as reported to the [log] thread.
 struct RuntimeEvent {
   Instant time = 0;  ///< monotonic
   LogLevel level = LogLevel::info;

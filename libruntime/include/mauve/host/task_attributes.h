@@ -50,7 +50,7 @@ struct TaskAttributes {
   /// after a change of the component. 1 to 64.
   unsigned overrun_limit = 1;
   FaultPolicy on_fault;
-  /// A job that runs longer is taken for one that never returns: it is interrupted, or its thread
+  /// A job that runs longer is treated as one that never returns: it is interrupted, or its thread
   /// is abandoned (see on_fault). Zero: ten budgets, else ten times the longest wait, at least 100
   /// ms and at most 400 ms (two budgets, or a wait of up to 800 ms), so that a job that loops ends
   /// before the kernel throttles all real-time threads of its CPU.
