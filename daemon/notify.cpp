@@ -19,25 +19,25 @@ std::string one_line(std::string text) {
   return text;
 }
 
-void tell(const std::string& state) { sd_notify(0, state.c_str()); }
+void send(const std::string& state) { sd_notify(0, state.c_str()); }
 
 }  // namespace
 
-void ready(const std::string& status) { tell("READY=1\nSTATUS=" + one_line(status)); }
+void ready(const std::string& status) { send("READY=1\nSTATUS=" + one_line(status)); }
 
-void status(const std::string& status) { tell("STATUS=" + one_line(status)); }
+void status(const std::string& status) { send("STATUS=" + one_line(status)); }
 
 std::chrono::microseconds watchdog() {
   std::uint64_t time = 0;
   return std::chrono::microseconds(sd_watchdog_enabled(0, &time) > 0 ? time : 0);
 }
 
-void alive() { tell("WATCHDOG=1"); }
+void alive() { send("WATCHDOG=1"); }
 
-void stopping(const std::string& status) { tell("STOPPING=1\nSTATUS=" + one_line(status)); }
+void stopping(const std::string& status) { send("STOPPING=1\nSTATUS=" + one_line(status)); }
 
 void extend(std::chrono::microseconds time) {
-  tell("EXTEND_TIMEOUT_USEC=" + std::to_string(time.count()));
+  send("EXTEND_TIMEOUT_USEC=" + std::to_string(time.count()));
 }
 
 }  // namespace mauve::daemon::notify

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the service manager is told (sd_notify). Does nothing when there is none.
+/// Notifications to the service manager (sd_notify). Does nothing when there is none.
 #pragma once
 
 #include <chrono>

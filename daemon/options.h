@@ -47,7 +47,7 @@ struct Leave {
 /// As it is written there: "require", "prefer" or "off". [any]
 [[nodiscard]] const std::string& word_of(Realtime realtime);
 
-/// An option as the help tells it, for the manual.
+/// An option as the help shows it, for the manual.
 struct OptionText {
   std::string name;       ///< "--socket", or that of an argument
   std::string value;      ///< "PATH"; empty: takes none

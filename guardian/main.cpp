@@ -44,7 +44,7 @@ int failed(const char* doing, const char* path) {
   return -1;
 }
 
-/// The place of one that is gone is taken, that of one that serves is not.
+/// Replaces the socket of a guardian that is gone, and refuses when another one serves there.
 bool is_free(const sockaddr_un& address) {
   const int socket = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const bool served =
@@ -81,7 +81,7 @@ int listen_at(const char* path) {
   return socket;
 }
 
-/// The service manager is told that mauved may connect, where there is one (sd_notify(3)).
+/// Notifies the service manager, where there is one, that mauved may connect (sd_notify(3)).
 void report_ready() {
   const char* const place = std::getenv("NOTIFY_SOCKET");
   sockaddr_un address{};

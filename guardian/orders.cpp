@@ -35,7 +35,7 @@ bool never_waits(int descriptor) {
 }  // namespace
 
 const char* Orders::hold(std::uint32_t slot, const wire::Order& order, int descriptor) {
-  const char* wrong = slot < held_.size() ? fault_of(order) : "there is no such place";
+  const char* wrong = slot < held_.size() ? fault_of(order) : "there is no such slot";
   if (wrong == nullptr && !never_waits(descriptor)) {
     wrong = "the descriptor must be open, and opened with O_NONBLOCK";
   }
@@ -91,7 +91,7 @@ Sent Orders::send() {
   return sent;
 }
 
-/// Whoever shared the descriptor may have made it wait since.
+/// A process that shares the descriptor may have made it wait since.
 void Orders::begin(Held& held, std::int64_t now) {
   held.times = 0;
   held.bytes = 0;

@@ -17,7 +17,7 @@ struct Sent {
   std::uint32_t total = 0;
 };
 
-/// Descriptors and bytes; no memory is taken after the start. One thread.
+/// Descriptors and bytes; no memory is allocated after the start. One thread.
 class Orders {
  public:
   Orders() = default;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The process that a guardian watches, as the kernel tells of it.
+/// The process that a guardian watches, as the kernel reports it.
 #pragma once
 
 #include <sys/types.h>

@@ -5,7 +5,7 @@
 namespace mauve::guardian {
 
 /// Locks all memory, asks for SCHED_FIFO above all threads of mauved but its probes, and for the
-/// last place before the killer of a kernel without memory. Tells on standard error what is not
+/// last place before the killer of a kernel without memory. Reports on standard error what is not
 /// permitted; the guardian works without it, but later.
 void become_urgent();
 

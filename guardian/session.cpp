@@ -159,7 +159,7 @@ Session::Over Session::serve() {
   }
 }
 
-/// `descriptor` is taken in any case.
+/// Takes over `descriptor` in any case.
 Session::Over Session::serve_one(const wire::Request& request, int descriptor) {
   const char* refused = nullptr;
   if (request.kind == wire::Kind::hello) {

@@ -128,8 +128,8 @@ std::vector<AbandonedThread> Factory::look(std::chrono::nanoseconds bound) {
   {
     const MutexLock lock(shared_->mutex);
     const auto thread = shared_->serving;
-    const auto taken = SteadyClock::now() - thread->since;
-    if (!thread->busy || taken < bound) {
+    const auto elapsed = SteadyClock::now() - thread->since;
+    if (!thread->busy || elapsed < bound) {
       return {};
     }
     left.hook = thread->state.hook();
@@ -140,7 +140,7 @@ std::vector<AbandonedThread> Factory::look(std::chrono::nanoseconds bound) {
     then = std::move(thread->then);
     on_abandoned = std::move(thread->on_abandoned);
     left.since = std::chrono::system_clock::now() -
-                 std::chrono::duration_cast<std::chrono::system_clock::duration>(taken);
+                 std::chrono::duration_cast<std::chrono::system_clock::duration>(elapsed);
     left.user = user_;
     left_.emplace_back(left, thread);
   }

@@ -30,7 +30,7 @@ struct AbandonedThread {
 class Factory {
  public:
   using Job = std::function<void()>;
-  /// Instead of what follows the work; it is told the hook.
+  /// Instead of what follows the work; its argument is the hook.
   using OnAbandoned = std::function<void(const std::string& hook)>;
 
   /// `go_on` takes what follows a piece of work to [control].

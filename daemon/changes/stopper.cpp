@@ -107,8 +107,8 @@ bool Stopper::look(StopOrder& order) {
   if (!order.direct_->advance()) {
     return false;
   }
-  if (order.tell_) {
-    order.tell_(*order.direct_);
+  if (order.report_) {
+    order.report_(*order.direct_);
   }
   return true;
 }

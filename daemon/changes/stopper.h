@@ -25,11 +25,13 @@ namespace mauve::daemon {
 class StopOrder {
  public:
   /// `components`: none: all. `applies` is asked right before it is carried out directly: false:
-  /// [control] is going to refuse it. `tell` gets the end of that, also that some run still. Both
+  /// [control] is going to refuse it. `report` gets the end of that, also that some run still. Both
   /// may be empty, and are called on [stop].
   StopOrder(std::vector<std::string> components, std::function<bool()> applies,
-            std::function<void(const DirectStop&)> tell)
-      : components_(std::move(components)), applies_(std::move(applies)), tell_(std::move(tell)) {}
+            std::function<void(const DirectStop&)> report)
+      : components_(std::move(components)),
+        applies_(std::move(applies)),
+        report_(std::move(report)) {}
 
   /// [control] serves it from now on. True: it was carried out directly.
   bool begin();
@@ -43,7 +45,7 @@ class StopOrder {
 
   const std::vector<std::string> components_;
   const std::function<bool()> applies_;
-  const std::function<void(const DirectStop&)> tell_;
+  const std::function<void(const DirectStop&)> report_;
 
   mutable Mutex mutex_;  ///< guards what follows
   bool begun_ MAUVE_GUARDED_BY(mutex_) = false;

@@ -47,7 +47,7 @@ void remember_author(Running& running, const Call& call, std::uint64_t generatio
   }
 }
 
-/// For who asks later why a component failed.
+/// For a later `why` about a component that failed.
 void remember_change(Running& running, const Call& call, const Json& result,
                      std::uint64_t generation) {
   const auto members = result.find("components");
@@ -67,7 +67,7 @@ void remember_change(Running& running, const Call& call, const Json& result,
   remember_cores(running);
 }
 
-/// [control] The answer tells whether the change was also saved, so it waits for the disk; that of
+/// [control] The answer states whether the change was also saved, so it waits for the disk; that of
 /// a stop does not.
 void answer_applied(Running& running, const Call& call, Json result) {
   MAUVE_ON_THREAD(control);
@@ -161,8 +161,8 @@ Status check_long_answers(const Running& running, const Call& call) {
 
 Status check_conditions(const Running& running, const Call& call) {
   MAUVE_ON_THREAD(control);
-  if (auto free = may_change(running, kind_of(call)); !free) {
-    return free;
+  if (auto allowed = may_change(running, kind_of(call)); !allowed) {
+    return allowed;
   }
   const auto wanted = call.params.find("if_generation");
   const auto generation = running.generation.load();

@@ -75,7 +75,7 @@ std::string subject_of(const Call& call, const Json& result) {
   return {};
 }
 
-/// The changes that a receipt tells, in words: "~ control.core: pi -> pid; its state pi/2, 24
+/// The changes of a receipt, in words: "~ control.core: pi -> pid; its state pi/2, 24
 /// bytes, is dropped".
 std::string detail_of(const Call& call, const Json& result) {
   auto detail = changes_of(result);
@@ -97,7 +97,7 @@ std::string detail_of(const Call& call, const Json& result) {
   return detail + (detail.empty() || names.empty() ? "" : "; ") + names;
 }
 
-/// The audit log tells that the daemon itself did it.
+/// The audit log records that the daemon itself did it.
 constexpr protocol::Method kByItself{.name = kSupervision, .effect = protocol::Effect::changes};
 
 }  // namespace

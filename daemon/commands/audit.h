@@ -22,7 +22,7 @@ inline constexpr std::string_view kSupervision = "supervision";
 /// [control] `result` as it will be answered.
 [[nodiscard]] Json audit_applied(Running& running, const Call& call, const Json& result);
 
-/// [any] The changes that a result tells, in the lines of `plan`: "~ a.core.x: 1 -> 2; ...".
+/// [any] The changes of a result, in the lines of `plan`: "~ a.core.x: 1 -> 2; ...".
 /// Bounded; empty: nothing.
 [[nodiscard]] std::string changes_of(const Json& result);
 

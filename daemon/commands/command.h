@@ -53,14 +53,14 @@ using protocol::Json;
 /// but these, starts and stops, `all` all but stops. None holds what mauved does after a failure.
 enum class Lock : std::uint8_t { none, params, topology, all };
 
-/// Who made the generation in force, where that is known.
+/// The author of the generation in force, where that is known.
 struct Author {
   std::uint64_t generation = 0;
   uid_t uid = 0;
   std::string command;
 };
 
-/// A generation in force that has no way back: after a start, or a reload with probation off.
+/// A generation in force that has no rollback: after a start, or a reload with probation off.
 struct Unproven {
   std::uint64_t generation = 0;
   std::chrono::steady_clock::time_point since = {};
@@ -124,10 +124,10 @@ struct Running {
   /// [any] The same for the change under way: see commands/change/trial.h.
   std::function<void(const Question&, std::function<void(Result<Json>)>)> try_out = {};
   Stopper* stopper = nullptr;  ///< [any]; null: stops are served by [control] only
-  /// [control] Tells and saves what the system did by itself since the last look, rollbacks above
+  /// [control] Reports and saves what the system did by itself since the last look, rollbacks above
   /// all: before a change that came later is saved.
   std::function<void()> report_outcomes = [] {};
-  /// [control] Tells and saves one more outcome, which the deployer does not know of.
+  /// [control] Reports and saves one more outcome, which the deployer does not know of.
   std::function<void(const Outcome&)> settle = [](const Outcome&) {};
 };
 

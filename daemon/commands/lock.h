@@ -13,7 +13,7 @@
 
 namespace mauve::daemon {
 
-/// The kind of a request of a client or a rule, as far as the request itself tells.
+/// The kind of a request of a client or a rule, as far as the request itself shows.
 enum class Kind : std::uint8_t {
   harmless,  ///< touches nothing that runs: sets the lock itself, levels of the log, counters
   stop,      ///< stop components: for safety, always allowed

@@ -64,7 +64,7 @@ class StandStill {
 };
 
 /// The running system in the form of an architecture file. It is of the generation that the
-/// deployer tells of only while the architecture stands still.
+/// deployer reports only while the architecture stands still.
 [[nodiscard]] Value described(const Running& running);
 
 }  // namespace mauve::daemon

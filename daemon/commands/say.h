@@ -14,8 +14,8 @@ namespace mauve::daemon {
 /// [any] Adds `lines` to the result, where there are any and none stand there yet.
 void say_lines(const std::vector<arch::Line>& lines, Json& result);
 
-/// [control] A change on probation is about to make these differences. A rollback of it can be told
-/// before its answer is.
+/// [control] A change on probation is about to make these differences. A rollback of it can be
+/// shown before its answer is.
 void remember_lines(Running& running, const std::vector<arch::Line>& lines);
 
 /// [any] Appends to the notes of the result.
@@ -24,7 +24,7 @@ void say_notes(const std::vector<std::string>& notes, Json& result);
 /// [any] Whether all members wait for each other, as it was prepared.
 void say_sync(std::optional<Result<PreparedChange>>& prepared, Json& result);
 
-/// [control] The changed components that do not run, and will not by themselves. To be told,
+/// [control] The changed components that do not run, and will not by themselves. To be reported,
 /// since the rest of the receipt reads as if all was well.
 void say_who_stands(Running& running, const Change& change, Json& result);
 

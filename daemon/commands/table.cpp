@@ -164,8 +164,9 @@ void CommandTable::run_as_change(const Command& command, const CallPtr& call) {
 }
 
 void CommandTable::run_in_factory(const Command& command, const CallPtr& call) {
-  if (auto free = may_prepare(running_.control.abandoned_threads(), call->caller.peer.uid); !free) {
-    return answer(running_, *call, free.error());
+  if (auto allowed = may_prepare(running_.control.abandoned_threads(), call->caller.peer.uid);
+      !allowed) {
+    return answer(running_, *call, allowed.error());
   }
   auto result = std::make_shared<std::optional<Result<Json>>>();
   running_.control.in_factory(

@@ -100,15 +100,15 @@ void Judge::stop() {
 }
 
 void Judge::ask(const Asker& asker, const Question& question, Then then) {
-  if (auto place = take_place(asker.uid); !place) {
-    control_.read([then = std::move(then), error = place.error()] { then(error); });
+  if (auto slot = claim_slot(asker.uid); !slot) {
+    control_.read([then = std::move(then), error = slot.error()] { then(error); });
     return;
   }
   thread_.post(
       [this, user = asker.uid, text = protocol::to_line(to_json(question)),
        then = std::move(then)]() mutable {
         auto result = std::make_shared<Result<Json>>(judged(text));
-        give_place_back(user);
+        release_slot(user);
         control_.read([then = std::move(then), result] { then(std::move(*result)); });
       },
       asker);
@@ -122,7 +122,7 @@ Result<Json> Judge::judged(const std::string& question) {
   return verdict_of(*end, within_);
 }
 
-Status Judge::take_place(uid_t user) {
+Status Judge::claim_slot(uid_t user) {
   const MutexLock lock(mutex_);
   auto& waiting = waiting_[user];
   if (waiting == kMostOfOneUser) {
@@ -134,7 +134,7 @@ Status Judge::take_place(uid_t user) {
   return ok();
 }
 
-void Judge::give_place_back(uid_t user) {
+void Judge::release_slot(uid_t user) {
   const MutexLock lock(mutex_);
   if (--waiting_[user] == 0) {
     waiting_.erase(user);

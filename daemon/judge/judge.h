@@ -46,8 +46,8 @@ class Judge {
 
  private:
   [[nodiscard]] Result<Json> judged(const std::string& question);
-  [[nodiscard]] Status take_place(uid_t user);
-  void give_place_back(uid_t user);
+  [[nodiscard]] Status claim_slot(uid_t user);
+  void release_slot(uid_t user);
 
   Control& control_;
   std::vector<std::string> command_;

@@ -35,7 +35,7 @@ bool Filter::accepts(const Record& record) const {
 
 void History::add(const Record& record) {
   MAUVE_ON_THREAD(log);
-  Entries told;
+  Entries kept;
   {
     const MutexLock lock(mutex_);
     records_.push_back(record);
@@ -43,10 +43,10 @@ void History::add(const Record& record) {
       records_.pop_front();
     }
     for (const auto& [id, entry] : followers_) {
-      told.push_back(entry);
+      kept.push_back(entry);
     }
   }
-  for (const auto& entry : told) {
+  for (const auto& entry : kept) {
     if (entry->filter.accepts(record)) {
       entry->follower(record);
     }

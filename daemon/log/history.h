@@ -28,14 +28,14 @@ struct Filter {
   [[nodiscard]] bool accepts(const Record& record) const;
 };
 
-/// A bounded memory of records, and those who want to see each new one. [any]
+/// A bounded memory of records, and the followers that get each new one. [any]
 class History {
  public:
   using Follower = std::function<void(const Record&)>;
 
   explicit History(std::size_t capacity) : capacity_(capacity) {}
 
-  /// Keeps the record, drops the oldest one if full, and tells the followers. [log]
+  /// Keeps the record, drops the oldest one if full, and notifies the followers. [log]
   void add(const Record& record);
 
   /// The newest `count` records that pass, oldest first.
@@ -43,7 +43,7 @@ class History {
 
   /// What is not there any more, or never was.
   struct Losses {
-    std::uint64_t lost = 0;  ///< events that never became records: somebody told too much
+    std::uint64_t lost = 0;  ///< events that never became records: too many were reported
     std::uint64_t gone = 0;  ///< records older than the oldest one that is kept
   };
   /// Since that time; `component`: of that one and of the daemon's own queue only.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// From which level on records are taken: of all, or of one component; for good, or for a time.
+/// From which level on records are accepted: of all, or of one component; for good, or for a time.
 #pragma once
 
 #include <chrono>
@@ -37,7 +37,7 @@ class Levels {
   /// What differs from the usual one; all first, then by name.
   [[nodiscard]] std::vector<Setting> list() const;
 
-  /// Ends what is over, and tells what is in force there now.
+  /// Ends what is over, and reports the level in force there now.
   std::vector<Setting> expire(Time now);
 
  private:

@@ -43,7 +43,7 @@ void Log::set_source(Source source) {
 
 void Log::write(Event event, Fields fields) { write(make_record(event, std::move(fields))); }
 
-/// A change of the level is told at any level.
+/// A change of the level is logged at any level.
 bool Log::passes(const Record& record) const {
   return record.event == Event::log_level_set || record.event == Event::log_level_reverted ||
          record.level >= levels_.of(record.component);
@@ -67,7 +67,7 @@ void Log::flush() {
   if (!thread_.joinable()) {
     return;
   }
-  // The round in progress may have taken its batch already: the one after it holds everything.
+  // The round in progress may have drained its batch already: the one after it holds everything.
   const auto wanted = rounds_ + 2;
   while (rounds_ < wanted && !stopping_) {
     hurry_ = true;

@@ -17,7 +17,7 @@
 
 namespace mauve::logging {
 
-/// Never waits for a sink: who reports too much loses events, and the loss is reported.
+/// Never waits for a sink: a thread that reports too much loses events, and the loss is reported.
 ///
 /// Real-time threads do not call it. They write into rings of their own; a Source empties those
 /// rings on the [log] thread, 50 times a second.
@@ -48,7 +48,7 @@ class Log {
   /// Waits until everything reported so far is in the history and in the sinks. [any but log]
   void flush();
 
-  /// What is set and reverts by itself is told as an event.
+  /// A level that reverts by itself is reported as an event.
   [[nodiscard]] Levels& levels() { return levels_; }
   [[nodiscard]] History& history() { return history_; }
 

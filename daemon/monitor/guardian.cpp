@@ -68,9 +68,9 @@ void Guardian::report(const rt::GuardianNews& news) {
     case What::lost:
       return log_.write(Event::guardian_lost, {{"outputs", outputs}, {"text", news.state.why}});
     case What::silence:
-      log_.write(Event::outputs_taken, {{"lasted", format_duration(news.lasted)},
-                                        {"done", static_cast<std::int64_t>(news.done)},
-                                        {"total", static_cast<std::int64_t>(news.total)}});
+      log_.write(Event::outputs_made_safe, {{"lasted", format_duration(news.lasted)},
+                                            {"done", static_cast<std::int64_t>(news.done)},
+                                            {"total", static_cast<std::int64_t>(news.total)}});
       silent_ = true;
       return stop_all();
   }

@@ -19,7 +19,7 @@ class Guardian {
   void serve(Running& running);
   /// In order: all components stand with their safe values, so that the guardian lets go. [main]
   void stop(bool in_order) { link_.stop(in_order); }
-  /// Of `status`: who guards which outputs, or why nobody does. [any]
+  /// Of `status`: which guardian holds which outputs, or why none does. [any]
   [[nodiscard]] Json json() const;
 
  private:
@@ -28,7 +28,7 @@ class Guardian {
 
   logging::Log& log_;
   std::atomic<Running*> running_{nullptr};
-  std::atomic<bool> silent_{false};  // taken for dead, and the components are not told yet
+  std::atomic<bool> silent_{false};  // counted as dead, and the components are not stopped yet
   rt::GuardianLink link_;
 };
 

@@ -56,9 +56,10 @@ class HealthMonitor {
     std::string why;
   };
   std::map<std::string, RefusedStandby> refused_;  ///< [control] by component
-  /// [control] By resource: how many calls of it were longer than declared when it was told last.
+  /// [control] By resource: how many calls of it were longer than declared when the log reported it
+  /// last.
   std::map<std::string, std::uint64_t> over_budget_;
-  /// [control] By component: the count of put-back schedulings that the log told last.
+  /// [control] By component: the count of put-back schedulings that the log reported last.
   std::map<std::string, std::uint64_t> restored_;
   unsigned looks_ = 0;  ///< [control]
   std::thread thread_;

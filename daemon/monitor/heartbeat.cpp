@@ -44,7 +44,7 @@ std::string Heartbeat::look() {
   return wrong;
 }
 
-/// One question at a time: those who do not answer are not asked again.
+/// One question at a time: a thread that has not answered is not asked again.
 void Heartbeat::ask() {
   if (answers_->control.exchange(false)) {
     running_.control.urgent([&running = running_, answers = answers_] {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the watchdog of the service manager is told: WatchdogSec= in the unit,
+/// The sign of life for the watchdog of the service manager: WatchdogSec= in the unit,
 /// sd_watchdog_enabled(3).
 #pragma once
 

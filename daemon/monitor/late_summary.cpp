@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view kMissed = "missed";
 constexpr std::string_view kOverrun = "overrun";
 
-/// "3 releases missed, 9 in all": one happening may tell of several releases.
+/// "3 releases missed, 9 in all": one runtime event may report several releases.
 std::int64_t number_in(const RuntimeEvent& happening) {
   std::int64_t number = 1;
   if (happening.event == kMissed) {

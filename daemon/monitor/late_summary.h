@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// How often the log tells that a component is late: on a late machine it may be so in every job.
+/// How often the log reports that a component is late: on a late machine it may be so in every job.
 #pragma once
 
 #include <string>
@@ -11,8 +11,8 @@
 
 namespace mauve::daemon {
 
-/// The first overrun and the first miss of a component are told at once, further ones in one line
-/// each `kEach`, with their number. [log]
+/// The first overrun and the first miss of a component are reported at once, further ones in one
+/// line each `kEach`, with their number. [log]
 class LateSummary {
  public:
   static constexpr Duration kEach{10s};

@@ -54,7 +54,7 @@ Level level_of(LogLevel level) {
   return Level::error;
 }
 
-/// 1, 10, 100 and so on: told seldom, however many there are.
+/// 1, 10, 100 and so on: reported seldom, however many there are.
 bool is_power_of_ten(std::uint64_t count) {
   while (count >= 10 && count % 10 == 0) {
     count /= 10;
@@ -100,7 +100,7 @@ void take_all(const std::vector<RuntimeEvent>& all, const Take& take) {
   }
 }
 
-/// What a component was late is told before it stopped.
+/// The lateness of a component is reported before its stop.
 void take_one(const RuntimeEvent& happening, LateSummary& late, const Take& take) {
   if (happening.event == "stopped" || happening.event == "faulted") {
     take_all(late.finish(happening.component, happening.time), take);

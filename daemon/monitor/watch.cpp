@@ -243,7 +243,7 @@ bool Watches::Round::goes_on() const {
   return notifications > 0 && std::chrono::steady_clock::now() < until;
 }
 
-/// Every sample is written out once, for all who watch it; at least one sample. [watch], or
+/// Every sample is written out once, for all its subscribers; at least one sample. [watch], or
 /// [control] for a tap that [watch] does not know any more.
 void Watches::bring_some(const Tapped& one, const std::vector<Subscriber>& subscribers,
                          Round& round) const {
@@ -302,7 +302,7 @@ void Watches::leave_replaced() {
     if (one.subscribers.empty()) {
       continue;
     }
-    // Its last values. The subscribers are told how many more are lost.
+    // Its last values. The subscribers learn how many more are lost.
     bring_some(one, one.subscribers, round);
     std::uint64_t rest = 0;
     while (one.tap->pop([](const void*, Instant) {})) {
@@ -332,7 +332,7 @@ void Watches::find_replacements() {
   }
   std::erase_if(lost_, [](const Lost& one) { return one.subscribers.empty(); });
   for (auto& one : lost_) {
-    if (std::exchange(one.told, true)) {
+    if (std::exchange(one.reported, true)) {
       continue;
     }
     for (const auto& who : one.subscribers) {
@@ -343,7 +343,7 @@ void Watches::find_replacements() {
   }
 }
 
-/// An address that stopped having a value (a core without that observable) is told as null once.
+/// An address that stopped having a value (a core without that observable) is sent as null once.
 void Watches::poll_values() {
   const auto time = running_->deployer.clock().now() - running_->deployer.t0();
   Round round;

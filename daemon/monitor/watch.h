@@ -20,10 +20,10 @@
 namespace mauve::daemon {
 
 /// Values written to shared data or a queue are all seen, through a bounded tap that its writer
-/// never waits for. [watch] takes a bounded number of them in a round; for more, the tap tells a
+/// never waits for. [watch] takes a bounded number of them in a round; for more, the tap reports a
 /// loss. Everything else (properties, observables, ports, services that compute their value) is
-/// looked at 50 times a second and told when it differs. Who watches a resource that is replaced is
-/// told, and goes on at the one that has its name; when none has it, one value is null.
+/// polled 50 times a second and sent when it differs. The watch of a resource that is replaced
+/// reports that, and goes on at the one that has its name; when none has it, one value is null.
 class Watches {
  public:
   explicit Watches(logging::Log& log) : log_(log) {}
@@ -85,10 +85,10 @@ class Watches {
   struct Lost {
     std::string address;
     std::vector<Subscriber> subscribers;
-    bool told = false;
+    bool reported = false;
     std::chrono::steady_clock::time_point not_before = {};
   };
-  /// The record that was written out last, once for all who follow the log. [log]
+  /// The record that was written out last, once for all followers of the log. [log]
   struct WrittenRecord {
     std::uint64_t seq = 0;
     std::optional<protocol::NotificationText> text;
@@ -109,7 +109,7 @@ class Watches {
   void run();
   /// `lock` holds mutex_, and is given back while values are written out.
   void bring_round(MutexLock& lock) MAUVE_REQUIRES(mutex_) MAUVE_NOT_ANALYSED;
-  /// The budget of one round, over all clients. More samples wait in their taps, and are told as
+  /// The budget of one round, over all clients. More samples wait in their taps, and are sent as
   /// lost when those are full.
   struct Round {
     std::size_t notifications = 8192;

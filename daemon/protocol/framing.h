@@ -29,7 +29,7 @@ class LineFramer {
   explicit LineFramer(std::size_t limit = kMaxLine) : limit_(limit) {}
 
   /// Takes any number of bytes. Refuses (Errc::limit) a line longer than the limit; lines complete
-  /// before it can still be taken, everything after it is ignored: the stream has no meaning any
+  /// before it can still be read, everything after it is ignored: the stream has no meaning any
   /// more.
   Status feed(std::string_view bytes);
 

@@ -46,7 +46,7 @@ constexpr Field kMutationParams[] = {
     may("deadline_ms", in(count, "ms"),
         "The request is answered at most some 20 ms after this time; a change that has not begun "
         "to take effect by then is dropped: timed_out, state unchanged; while it takes effect "
-        "the state is unknown, and config.history tells the outcome")};
+        "the state is unknown, and config.history shows the outcome")};
 constexpr Field kMutationAnswers[] = {
     may("saved", boolean,
         "Whether the disk took the generation; absent where nothing is kept, and from the answer "
@@ -70,15 +70,16 @@ struct EffectText {
 constexpr std::array<EffectText, 7> kEffectTexts = {{
     {"reads", "The method changes nothing"},
     {"answers",
-     "The method changes nothing and is served out of band, also when all places are "
-     "taken"},
+     "The method changes nothing and is served out of band, also when all connection slots are in "
+     "use"},
     {"records", "The method begins or ends a recording; the components run on as they were"},
     {"changes", "The method changes the running system, as far as the lock permits"},
     {"adjusts",
      "The method changes only what mauved counts, logs or locks, and is permitted under "
      "any lock"},
     {"ends",
-     "The method ends a probation, also when all places are taken. To confirm is permitted under "
+     "The method ends a probation, also when all connection slots are in use. To confirm is "
+     "permitted under "
      "any lock; the differences that an undo makes are judged like those of any change"},
     {"stops",
      "The method stops components, and is permitted under any lock, out of band, never "

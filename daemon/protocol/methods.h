@@ -42,11 +42,11 @@ enum class Lane : std::uint8_t {
 /// How a method acts on the running system.
 enum class Effect : std::uint8_t {
   reads,    ///< changes nothing
-  answers,  ///< changes nothing; served out of band, also when all places are taken
+  answers,  ///< changes nothing; served out of band, also when all connection slots are in use
   records,  ///< begins or ends a recording; the components run on as they were
   changes,  ///< changes the running system, as far as the lock permits
   adjusts,  ///< changes only what mauved counts, logs or locks; permitted under any lock
-  ends,     ///< ends a probation, also when all places are taken; an undo is judged by its lines
+  ends,     ///< ends a probation, also when all slots are in use; an undo is judged by its lines
   stops,    ///< stops components; permitted under any lock, out of band, never limited
 };
 

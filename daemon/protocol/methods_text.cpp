@@ -53,7 +53,7 @@ std::string in_markdown(const Method& method) {
 std::string methods_in_markdown() {
   std::string text =
       "The role is the lowest one that may call a method: `viewer`, `operator` or `admin`. The "
-      "effect tells how the method acts on the running system:\n\n" +
+      "effect states how the method acts on the running system:\n\n" +
       effects_table() + "\n" + std::string(kTypes) +
       "\nA mutation is a method with the effect `changes`, `adjusts`, `ends` or `stops`. Every "
       "mutation also takes these parameters:\n\n" +

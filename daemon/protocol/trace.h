@@ -56,7 +56,7 @@ struct TraceHeader {
   std::int64_t to = 0;
   std::string why;
   std::uint64_t lost = 0;  ///< records that nobody collected in time
-  bool probed = true;      ///< a probe told all the time when the host, or foreign work, held it up
+  bool probed = true;  ///< a probe measured all the time when the host, or foreign work, held it up
   std::vector<TraceComponent> components;
   std::vector<std::string> resources;
 };

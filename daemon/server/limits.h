@@ -15,13 +15,14 @@ struct Limits {
   std::size_t clients = 32;
   std::size_t clients_per_uid = 8;
   std::size_t reserved_for_root = 1;  ///< beyond both limits above
-  /// Beyond all: clients that may only stop, one of each uid. The newest one gets its place.
+  /// Beyond all: clients that may only stop, one of each uid. Beyond the limit the newest one
+  /// replaces the oldest.
   std::size_t reserved_for_stop = 8;
   std::size_t in_flight = 8;                 ///< requests of one client; then it is not read
   std::size_t subscriptions = 64;            ///< of one client
   std::size_t unsent_soft = 256 * 1024;      ///< bytes; notifications are dropped from here on
   std::size_t unsent_hard = 1024 * 1024;     ///< bytes; the client is disconnected
-  std::chrono::milliseconds stalled{5'000};  ///< over the soft limit and not a byte taken
+  std::chrono::milliseconds stalled{5'000};  ///< over the soft limit and not a byte read
   std::chrono::milliseconds first_byte{5'000};
   std::chrono::milliseconds idle{60'000};  ///< without a subscription and without a request
   std::chrono::milliseconds half_request{10'000};

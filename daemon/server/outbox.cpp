@@ -57,7 +57,7 @@ bool Outbox::push(std::uint64_t sub, const std::string& address, std::string_vie
     }
   }
   auto line = params.line(method, sub);  // out of the lock, so that [io] does not wait for it
-  bool tell = false;
+  bool notify = false;
   {
     const MutexLock lock(mutex_);
     if (open_.count(sub) == 0) {
@@ -67,16 +67,16 @@ bool Outbox::push(std::uint64_t sub, const std::string& address, std::string_vie
       announce(lost);
     }
     queue(sub, std::move(line));
-    tell = !std::exchange(told_, true);
+    notify = !std::exchange(notified_, true);
   }
-  if (tell) {
+  if (notify) {
     ready_();
   }
   return true;
 }
 
 void Outbox::lose(std::uint64_t sub, const std::string& address, std::uint64_t count) {
-  bool tell = false;
+  bool notify = false;
   {
     const MutexLock lock(mutex_);
     if (open_.count(sub) == 0) {
@@ -84,9 +84,9 @@ void Outbox::lose(std::uint64_t sub, const std::string& address, std::uint64_t c
     }
     lost_[{sub, address}] += count;
     dropped_ += count;
-    tell = !std::exchange(told_, true);
+    notify = !std::exchange(notified_, true);
   }
-  if (tell) {
+  if (notify) {
     ready_();
   }
 }
@@ -113,7 +113,7 @@ std::optional<std::string> Outbox::take() {
     announce(lost_.begin());
   }
   if (items_.empty()) {
-    told_ = false;
+    notified_ = false;
     return std::nullopt;
   }
   auto line = std::move(items_.front().line);

@@ -18,11 +18,11 @@
 namespace mauve::server {
 
 /// Producers push from any thread; the session takes lines out on [io]. When it is full, new
-/// notifications are dropped, and the loss is told at the place where it happened:
+/// notifications are dropped, and the loss is reported at the point where it happened:
 /// {"method":"dropped","params":{"sub","address","count"}}.
 class Outbox {
  public:
-  /// `ready` is called, from the pushing thread, when lines wait to be taken; it must not wait.
+  /// `ready` is called, from the pushing thread, when lines wait in the queue; it must not wait.
   Outbox(std::size_t max_bytes, std::size_t max_subscriptions, std::function<void()> ready);
 
   /// [any] The number of a new subscription, or nothing when the client has too many.
@@ -37,7 +37,7 @@ class Outbox {
   bool push(std::uint64_t sub, const std::string& address, std::string_view method,
             const protocol::NotificationText& params);
 
-  /// [any but rt] Tells the client that `count` values were lost before they came here.
+  /// [any but rt] Informs the client that `count` values were lost before they came here.
   void lose(std::uint64_t sub, const std::string& address, std::uint64_t count);
 
   /// [io] The next line with its end, or nothing.
@@ -69,7 +69,7 @@ class Outbox {
   std::size_t bytes_ MAUVE_GUARDED_BY(mutex_) = 0;
   std::uint64_t dropped_ MAUVE_GUARDED_BY(mutex_) = 0;
   std::uint64_t next_ MAUVE_GUARDED_BY(mutex_) = 1;
-  bool told_ MAUVE_GUARDED_BY(mutex_) = false;  ///< ready_ was called and nothing was taken since
+  bool notified_ MAUVE_GUARDED_BY(mutex_) = false;  ///< ready_ was called; no line was read since
   bool shut_ MAUVE_GUARDED_BY(mutex_) = false;
 };
 

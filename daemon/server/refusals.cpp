@@ -10,7 +10,7 @@ bool Refusals::may_write(std::uint32_t uid, Time now) {
   auto [found, first] = users_.try_emplace(uid, Second{now});
   auto& second = found->second;
   const bool over = now - second.begin >= std::chrono::seconds(1);
-  if (over && second.counted == 0) {  // the count is told first
+  if (over && second.counted == 0) {  // the count is reported first
     second = Second{now};
   }
   if (second.written < kPerSecond) {
@@ -28,16 +28,16 @@ bool Refusals::empty() {
 
 std::vector<Refusals::Counted> Refusals::take_counted(Time now) {
   const MutexLock lock(mutex_);
-  std::vector<Counted> told;
+  std::vector<Counted> reported;
   std::erase_if(users_, [&](const auto& entry) {
     const auto& [uid, second] = entry;
     const bool over = now - second.begin >= std::chrono::seconds(1);
     if (over && second.counted > 0) {
-      told.push_back({uid, second.counted});
+      reported.push_back({uid, second.counted});
     }
     return over;
   });
-  return told;
+  return reported;
 }
 
 }  // namespace mauve::server

@@ -189,7 +189,7 @@ void Server::admit(Protocol::socket socket) {
 }
 
 /// Viewers never keep an operator or admin out, and an operator or admin may stop the machine even
-/// when all places of this user are taken.
+/// when all connection slots of this user are in use.
 Result<Server::Entry> Server::entry_of(const Peer& peer, Role role) const {
   if (role == Role::none) {
     return refuse(Errc::not_permitted, "uid " + std::to_string(peer.uid),
@@ -198,55 +198,55 @@ Result<Server::Entry> Server::entry_of(const Peer& peer, Role role) const {
   }
   const auto& limits = options_.limits;
   const auto extra = peer.uid == 0 ? limits.reserved_for_root : 0;
-  const Taken taken = places_taken(peer.uid);
+  const Occupancy occupancy = occupancy_for(peer.uid);
   const bool may_stop = role >= Role::operator_;
-  if (taken.ordinary_of_uid >= limits.clients_per_uid + extra) {
+  if (occupancy.ordinary_of_uid >= limits.clients_per_uid + extra) {
     if (may_stop) {
-      return urgent_entry(taken);
+      return urgent_entry(occupancy);
     }
     return refuse(Errc::limit, "uid " + std::to_string(peer.uid),
                   "this user has too many connections", "close some; mauvectl list clients");
   }
-  if (taken.ordinary < limits.clients + extra) {
+  if (occupancy.ordinary < limits.clients + extra) {
     return Entry{};
   }
   if (const auto displaced = oldest_below(role); displaced != 0) {
     return Entry{false, displaced};
   }
   if (may_stop) {
-    return urgent_entry(taken);
+    return urgent_entry(occupancy);
   }
   return refuse(Errc::limit, "clients", "too many clients are connected",
-                "close some; operators, admins and root get the places of viewers");
+                "close some; operators, admins and root get the slots of viewers");
 }
 
 /// There is always one: that of the user's own client which may only stop, else that of the oldest
 /// one when the reserve is used up. A stop that such a client has sent goes on without it.
-Server::Entry Server::urgent_entry(const Taken& taken) const {
-  if (taken.urgent_of_uid != 0) {
-    return {true, taken.urgent_of_uid};
+Server::Entry Server::urgent_entry(const Occupancy& occupancy) const {
+  if (occupancy.urgent_of_uid != 0) {
+    return {true, occupancy.urgent_of_uid};
   }
-  return {true, taken.urgent < options_.limits.reserved_for_stop ? 0 : taken.oldest_urgent};
+  return {true, occupancy.urgent < options_.limits.reserved_for_stop ? 0 : occupancy.oldest_urgent};
 }
 
-Server::Taken Server::places_taken(uid_t uid) const {
-  Taken taken;
+Server::Occupancy Server::occupancy_for(uid_t uid) const {
+  Occupancy occupancy;
   for (const auto& [client, session] : sessions_) {
     const auto& caller = session->caller();
     const bool same_uid = caller.peer.uid == uid;
     if (caller.only_urgent) {
-      ++taken.urgent;
-      taken.oldest_urgent = taken.oldest_urgent == 0 ? client : taken.oldest_urgent;
-      taken.urgent_of_uid = same_uid ? client : taken.urgent_of_uid;
+      ++occupancy.urgent;
+      occupancy.oldest_urgent = occupancy.oldest_urgent == 0 ? client : occupancy.oldest_urgent;
+      occupancy.urgent_of_uid = same_uid ? client : occupancy.urgent_of_uid;
     } else {
-      ++taken.ordinary;
-      taken.ordinary_of_uid += same_uid ? 1 : 0;
+      ++occupancy.ordinary;
+      occupancy.ordinary_of_uid += same_uid ? 1 : 0;
     }
   }
-  return taken;
+  return occupancy;
 }
 
-/// The oldest client of the lowest role below this one that has an ordinary place; 0: there is
+/// The oldest client of the lowest role below this one that has an ordinary slot; 0: there is
 /// none.
 std::uint64_t Server::oldest_below(Role role) const {
   std::uint64_t found = 0;
@@ -262,8 +262,8 @@ std::uint64_t Server::oldest_below(Role role) const {
 
 void Server::displace(std::uint64_t client, Role by) {
   const auto session = sessions_.at(client);  // end() takes it out of the map
-  session->end("all places were taken, and a client of role " + std::string(to_string(by)) +
-               " got this one");
+  session->end("all connection slots were in use, and a client of role " +
+               std::string(to_string(by)) + " got this one");
 }
 
 void Server::turn_away(Protocol::socket socket, const Peer& peer, const Error& why) {

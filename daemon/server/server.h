@@ -60,7 +60,7 @@ class Server {
 
   /// [any] Runs `job` on [io].
   void post(std::function<void()> job);
-  /// [any] Who is connected.
+  /// [any] The clients that are connected.
   [[nodiscard]] std::vector<ClientInfo> clients() const;
 
  private:
@@ -75,18 +75,18 @@ class Server {
   /// How a newcomer is admitted.
   struct Entry {
     bool only_urgent = false;
-    std::uint64_t displaced = 0;  ///< the client whose place it gets; 0: nobody's
+    std::uint64_t displaced = 0;  ///< the client whose slot it gets; 0: nobody's
   };
-  struct Taken {
+  struct Occupancy {  ///< of the connection slots, in all and of one user
     std::size_t ordinary = 0;
     std::size_t ordinary_of_uid = 0;
     std::size_t urgent = 0;
     std::uint64_t oldest_urgent = 0;  ///< client; 0: none
     std::uint64_t urgent_of_uid = 0;  ///< the same
   };
-  [[nodiscard]] Taken places_taken(uid_t uid) const;
+  [[nodiscard]] Occupancy occupancy_for(uid_t uid) const;
   [[nodiscard]] Result<Entry> entry_of(const Peer& peer, Role role) const;
-  [[nodiscard]] Entry urgent_entry(const Taken& taken) const;
+  [[nodiscard]] Entry urgent_entry(const Occupancy& occupancy) const;
   [[nodiscard]] std::uint64_t oldest_below(Role role) const;
   void displace(std::uint64_t client, Role by);
   void turn_away(Protocol::socket socket, const Peer& peer, const Error& why);

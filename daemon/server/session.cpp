@@ -144,10 +144,10 @@ void Session::dispatch(protocol::Request request) {
     return answer(protocol::make_error(request.id, protocol::unknown_method(request.method)));
   }
   if (caller_.only_urgent && !method->when_full()) {
-    const auto fault = protocol::fault_of(
-        refuse(Errc::limit, "uid " + std::to_string(caller_.peer.uid),
-               "all places are taken, so this connection may only stop, confirm and undo",
-               "close other connections; mauvectl list clients"));
+    const auto fault = protocol::fault_of(refuse(
+        Errc::limit, "uid " + std::to_string(caller_.peer.uid),
+        "all connection slots are in use, so this connection may only stop, confirm and undo",
+        "close other connections; mauvectl list clients"));
     return turn_down(*method, std::move(request), fault);
   }
   // Stopping is never refused for having been asked too often.

@@ -39,7 +39,7 @@ class Session : public std::enable_shared_from_this<Session> {
 
   /// Makes the outbox, greets, begins to read.
   void start();
-  /// Disconnects and tells the server; the second time does nothing.
+  /// Disconnects and notifies the server; the second time does nothing.
   void end(const std::string& reason);
   /// Ends the session if the client has used up our patience.
   void check_patience(Clock::time_point now);

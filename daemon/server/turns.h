@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Who reads long requests next.
+/// The order in which clients read long requests.
 #pragma once
 
 #include <utility>  // Boost.Asio 1.74 needs it and does not include it

@@ -56,7 +56,7 @@ class Failures {
  public:
   static constexpr std::size_t kRecords = 20;
 
-  /// What runs in the component now: whoever fails next is this one.
+  /// What runs in the component now: the next failure is one of it.
   void runs(const std::string& component, CoreBuild core);
   [[nodiscard]] CoreBuild running(const std::string& component) const;
   /// It is in force in all of these.
@@ -65,7 +65,7 @@ class Failures {
 
   /// Takes the place of the one before. A failure of the same instant is the same one, about which
   /// the system has done something else meanwhile: it is counted once. The log is asked later:
-  /// real-time threads tell it a little after things happen.
+  /// real-time threads report it a little after things happen.
   void note(const std::string& component, Failure failure);
   /// Is the failure of this instant the last one that was noted?
   [[nodiscard]] bool knows(const std::string& component, std::int64_t monotonic_ns) const;

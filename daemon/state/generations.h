@@ -32,7 +32,7 @@ struct Generation {
   std::uint64_t number = 0;  ///< goes on over restarts
   std::string boot;          ///< the run of mauved that made it
   std::string time;          ///< UTC, "2026-01-31T12:00:00.000000Z"
-  std::uint32_t uid = 0;     ///< who made it
+  std::uint32_t uid = 0;     ///< of its author
   std::string command;       ///< the method of the wire, or "start", "recover"
   std::string reason;        ///< as given, may be empty
   std::string changes;       ///< from the one before, in the lines of `plan`, bounded; may be empty
@@ -43,8 +43,8 @@ struct Generation {
 };
 
 /// The files of a directory. A file is written whole or not at all (durable.h), so that a power cut
-/// at any point leaves the newest generation as it was saved last. Whoever writes ([disk]) waits
-/// for the disk; who reads the list does not.
+/// at any point leaves the newest generation as it was saved last. The writer ([disk]) waits
+/// for the disk; a reader of the list does not.
 class Generations {
  public:
   static constexpr std::size_t kKept = 100;  ///< the newest; and the newest confirmed one

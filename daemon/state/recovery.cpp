@@ -46,7 +46,7 @@ Status check_cores(const Json& cores, const Json& quarantined) {
 /// Made once in a process of its own: code of a plugin that crashes there does not take mauved with
 /// it, and of a generation that cannot be made nothing stays behind. When there is no such process
 /// to be had, or it was late outside of any hook, as on a machine that is busy, the start itself
-/// will tell.
+/// will show it.
 StartTrial tried(const Origin& origin, const Options& options, const Json& quarantined) {
   Question question{origin.text};
   question.loads = true;

@@ -215,7 +215,7 @@ void StateStore::audit(const Json& line) {
   }
 }
 
-/// All at once: who is refused a thousand times a second keeps the disk busy once.
+/// All at once: a client that is refused a thousand times a second costs one write.
 void StateStore::write_waiting() {
   std::vector<std::string> lines;
   std::uint64_t lost = 0;

@@ -55,7 +55,7 @@ class StateStore {
   enum class As : std::uint8_t { marked, confirmed, before };
 
   /// Saves a generation, adds `line` to the audit log with "saved", then calls `then` on [disk].
-  /// "saved" tells of its mark as well. [any but rt]
+  /// "saved" includes its mark. [any but rt]
   void keep(Generation about, Value architecture, Json line, std::function<void(bool saved)> then,
             As as = As::marked);
   /// Adds a line to the audit log, for which nobody waits. When too many are on their way, lines

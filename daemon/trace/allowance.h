@@ -17,13 +17,13 @@ class FlightAllowance {
 
   /// False: the allowance is used up.
   [[nodiscard]] bool take(Time now) {
-    while (!taken_.empty() && now - taken_.front() >= per_) {
-      taken_.pop_front();
+    while (!granted_.empty() && now - granted_.front() >= per_) {
+      granted_.pop_front();
     }
-    if (taken_.size() == count_) {
+    if (granted_.size() == count_) {
       return false;
     }
-    taken_.push_back(now);
+    granted_.push_back(now);
     return true;
   }
   [[nodiscard]] std::size_t count() const { return count_; }
@@ -32,7 +32,7 @@ class FlightAllowance {
  private:
   const std::size_t count_;
   const std::chrono::seconds per_;
-  std::deque<Time> taken_;
+  std::deque<Time> granted_;
 };
 
 }  // namespace mauve::daemon

@@ -22,27 +22,27 @@ using protocol::Json;
 
 using protocol::kMostRecords;
 
-protocol::TraceComponent told(const TracedComponent& component) {
-  protocol::TraceComponent told;
-  told.name = component.name;
-  told.type = component.type;
-  told.core = component.core;
-  told.change = static_cast<std::int64_t>(component.change);
-  told.initial = component.initial;
-  told.priority = component.priority;
-  told.cpus.assign(component.cpus.begin(), component.cpus.end());
-  told.realtime = component.realtime;
-  told.period = component.period.count();
-  told.offset = component.offset.count();
-  told.deadline = component.deadline.count();
-  told.budget = component.budget.count();
+protocol::TraceComponent on_wire(const TracedComponent& component) {
+  protocol::TraceComponent wire;
+  wire.name = component.name;
+  wire.type = component.type;
+  wire.core = component.core;
+  wire.change = static_cast<std::int64_t>(component.change);
+  wire.initial = component.initial;
+  wire.priority = component.priority;
+  wire.cpus.assign(component.cpus.begin(), component.cpus.end());
+  wire.realtime = component.realtime;
+  wire.period = component.period.count();
+  wire.offset = component.offset.count();
+  wire.deadline = component.deadline.count();
+  wire.budget = component.budget.count();
   if (component.bound > Duration{0}) {
-    told.bound = component.bound.count();
+    wire.bound = component.bound.count();
   }
   for (const auto& state : component.states) {
-    told.states.push_back({state.name, state.waits, state.wait.count()});
+    wire.states.push_back({state.name, state.waits, state.wait.count()});
   }
-  return told;
+  return wire;
 }
 
 std::uint64_t lost_of(const Recording& recording) {
@@ -64,7 +64,7 @@ Json header_of(const Recording& recording, const std::string& boot) {
   header.lost = lost_of(recording);
   header.probed = recording.probed;
   for (const auto& component : recording.about.components) {
-    header.components.push_back(told(component));
+    header.components.push_back(on_wire(component));
   }
   header.resources = recording.about.resources;
   return protocol::to_json(header);

@@ -32,7 +32,7 @@ class Flights {
   /// Finds those of earlier runs. Waits for the disk. [main]
   Flights(std::string directory, logging::Log& log);
 
-  /// Waits for the disk. What it does not take is told once, until it works again. [disk]
+  /// Waits for the disk. A write that fails is reported once, until it works again. [disk]
   void write(const Recording& recording, const std::string& word, const std::string& component,
              const std::string& boot);
   /// The oldest first. [any]

@@ -112,7 +112,7 @@ void Recorder::start_probes() {
   probed_ = !cpus.empty() && probes_.size() == cpus.size();
 }
 
-/// Is it a reason to write? A rollback is told with its members after it.
+/// Is it a reason to write? The members of a rollback follow its record.
 void Recorder::look(const TraceRecord& record) {
   if (record.kind == TraceKind::lost) {
     lost_ += record.a;
@@ -130,7 +130,7 @@ void Recorder::look(const TraceRecord& record) {
   }
 }
 
-/// One that is about to be written tells of this too.
+/// A flight recording that is about to be written covers this reason too.
 void Recorder::wait_for_rest(Reason& reason, const TraceRecord& record) {
   if (reason.pending) {
     return;
@@ -181,8 +181,8 @@ void Recorder::write_when_due(Reason& reason, bool now) {
     return;
   }
   const auto time = steady_clock::now();
-  const bool told = pending->about->has_value() || time >= pending->due + kAboutMayTake;
-  if (!now && (time < pending->due || !told)) {
+  const bool known = pending->about->has_value() || time >= pending->due + kAboutMayTake;
+  if (!now && (time < pending->due || !known)) {
     return;
   }
   const Pending flight = *std::exchange(pending, std::nullopt);

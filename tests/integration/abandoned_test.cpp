@@ -90,7 +90,7 @@ TEST_F(Abandoned, WhatReturnsLateIsCleanedUpAndNeverInForce) {
   EXPECT_EQ(daemon_->process().wait(), 0) << "no thread is abandoned";
 }
 
-TEST_F(Abandoned, IsToldInStatusAndLog) {
+TEST_F(Abandoned, IsReportedInStatusAndLog) {
   begin();
   ASSERT_EQ(swap_to_stuck()["data"]["name"], "timed_out");
 
@@ -213,7 +213,7 @@ TEST_F(Abandoned, IsAReloadWhoseNewCoresAreNotReady) {
   EXPECT_TRUE(daemon_->becomes("first.core.number", 2));
 }
 
-TEST_F(Abandoned, IsAChangeWhoseReliefIsNotReady) {
+TEST_F(Abandoned, IsAChangeWhoseStandbyCoreIsNotReady) {
   std::string text(kTrial);
   const std::string first = R"("first":  { "type": "trial/unit",)";
   open();
@@ -262,7 +262,7 @@ std::string with_meter() {
                       period + R"(, "task": { "watchdog": "500ms" })");
 }
 
-TEST(Show, TellsWhatHappensWhenAJobDoesNotReturnOrFaults) {
+TEST(Show, StatesWhatHappensWhenAJobDoesNotReturnOrFaults) {
   std::string text(kTrial);
   const std::string first = R"("first":  { "type": "trial/unit",)";
   TrialDaemon daemon(
@@ -293,7 +293,7 @@ TEST(PlaceProbation, DoesNotBlameTheNewCoreForAResourceThatFailsIt) {
               HasSubstr("its job ran longer than"));
 }
 
-TEST(Poisoned, IsAResourceThatItsCallerWasThrownOutOf) {
+TEST(Poisoned, IsAResourceInWhichACallerWasAborted) {
   TrialDaemon daemon(with_meter());
   const auto show = [&] { return daemon.ask("object.get", {{"address", "meter"}})["poisoned"]; };
   EXPECT_EQ(daemon.ask("status.get")["poisoned"], Json::array());

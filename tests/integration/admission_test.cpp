@@ -28,7 +28,7 @@ Json swap_with_budget(const std::string& budget) {
   return {{"component", "first"}, {"core", "trial/other"}, {"budget", budget}};
 }
 
-TEST(Analyze, TellsTheBoundOfEveryComponentAndWhatTheMachineTakes) {
+TEST(Analyze, ShowsTheBoundOfEveryComponentAndTheShareOfTheMachine) {
   TrialDaemon daemon(budgeted("200us"));
 
   const Json timing = daemon.ask("system.analyze");
@@ -49,7 +49,7 @@ TEST(Analyze, TellsTheBoundOfEveryComponentAndWhatTheMachineTakes) {
   EXPECT_THAT(timing["machine"]["measured"], IsEmpty()) << "ordinary threads have no probe";
 }
 
-TEST(Analyze, TellsTheNoiseOfTheMachineBesideWhatIsAssumed) {
+TEST(Analyze, ShowsTheNoiseOfTheMachineBesideWhatIsAssumed) {
   if (!rt::may_use_fifo(99)) GTEST_SKIP() << "NOT TESTED: no SCHED_FIFO here";
   TrialDaemon daemon(budgeted("200us"), {"--machine", "wake=1ns"});
 

@@ -163,7 +163,7 @@ TEST_F(Apply, DoesNoPartOfItWhenAnotherCannotBePrepared) {
   EXPECT_EQ(daemon_.component("second")["core"], "trial/steady");
 }
 
-TEST_F(Apply, TellsAllErrorsOfAFileWithTheirPlaces) {
+TEST_F(Apply, ReportsAllErrorsOfAFileWithTheirPlaces) {
   auto text = with(R"("2ms")", R"("2")");
   text = with("signal.read", "signal.reed", text);
 
@@ -265,11 +265,11 @@ TEST_F(Apply, LeavesOneAuditLineWithTheReason) {
   ASSERT_EQ(ctl("apply", with_edits(), {"--reason", "tuned in the field"}).exit, 0);
 
   const auto records = daemon_.ask("log.tail")["records"];
-  const auto told = [&](const Json& record) {
+  const auto is_reported = [&](const Json& record) {
     return record["event"] == "change_applied" &&
            record["fields"].value("reason", "") == "tuned in the field";
   };
-  EXPECT_EQ(std::count_if(records.begin(), records.end(), told), 1) << records;
+  EXPECT_EQ(std::count_if(records.begin(), records.end(), is_reported), 1) << records;
 }
 
 /// The signal becomes a queue: another contract for who writes it and who reads it.
@@ -317,7 +317,7 @@ TEST(ApplyAtABarrier, LeavesTheOldGenerationAfterAPowerCut) {
   }
 }
 
-TEST_F(Apply, LetsNobodyWaitWhenToldToCut) {
+TEST_F(Apply, LetsNoMemberWaitWhenTheRequestSaysCut) {
   const auto applied = ctl("apply", with_queue(), {"--sync", "cut", "--json"});
 
   ASSERT_EQ(applied.exit, 0) << applied.out << client_errors();
@@ -326,7 +326,7 @@ TEST_F(Apply, LetsNobodyWaitWhenToldToCut) {
   EXPECT_THAT(client_errors(), HasSubstr("one of: cut barrier"));
 }
 
-TEST_F(Apply, LetsMembersWaitForEachOtherWhenTold) {
+TEST_F(Apply, LetsMembersWaitForEachOtherWhenTheRequestSaysSo) {
   const auto applied = ctl("apply", with_edits(), {"--sync", "barrier"});
 
   ASSERT_EQ(applied.exit, 0) << applied.out << client_errors();

@@ -27,18 +27,18 @@ class AuditOfEveryChange : public Generations {
   /// Each generation after the start has a line that says how it came.
   void expect_a_line_for_each_generation(TrialDaemon& daemon) {
     const auto newest = daemon.ask("status.get")["generation"].get<std::uint64_t>();
-    std::set<std::uint64_t> told;
+    std::set<std::uint64_t> recorded;
     EXPECT_TRUE(eventually([&] {
-      told.clear();
+      recorded.clear();
       for (const auto& line : audit_lines()) {
-        if (line.value("outcome", "") == "applied") told.insert(line.value("generation", 0U));
+        if (line.value("outcome", "") == "applied") recorded.insert(line.value("generation", 0U));
       }
       for (std::uint64_t number = 2; number <= newest; ++number) {
-        if (!told.contains(number)) return false;
+        if (!recorded.contains(number)) return false;
       }
       return true;
     })) << "of "
-        << newest << " generations the log has " << testing::PrintToString(told);
+        << newest << " generations the log has " << testing::PrintToString(recorded);
   }
 };
 

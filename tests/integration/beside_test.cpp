@@ -120,8 +120,8 @@ bool all_applied(const std::map<std::string, Done>& done, const std::vector<Ques
   });
 }
 
-/// Until told to end, and until each of them succeeded: there is nothing to release or to confirm
-/// when a core has not failed yet.
+/// Until it is ordered to end, and until each of them succeeded: there is nothing to release or to
+/// confirm when a core has not failed yet.
 std::map<std::string, Done> change(RawClient& client, const std::atomic<bool>& end) {
   const auto changes = all_changes();
   const std::size_t most = 100 * changes.size();

@@ -41,7 +41,7 @@ TEST(CallFromTheShell, FiresAnEvent) {
   EXPECT_EQ(daemon.value("tally.core.count"), 0);
 }
 
-TEST(CallFromTheShell, IsRefusedWhileAllIsLockedAndToldInTheLog) {
+TEST(CallFromTheShell, IsRefusedWhileAllIsLockedAndReportedInTheLog) {
   TrialDaemon daemon(counting());
   static_cast<void>(daemon.client());
   ASSERT_EQ(daemon.ask("lock.set", {{"lock", "all"}})["lock"], "all");

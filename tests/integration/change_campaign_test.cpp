@@ -151,7 +151,7 @@ class Changer {
   std::set<std::uint64_t> open_;
 };
 
-/// Reads the trace in slices beside the changes, and tells what was lost.
+/// Reads the trace in slices beside the changes, and counts what was lost.
 class Witness {
  public:
   Witness(TrialDaemon& daemon, ChangeLog& log, std::filesystem::path place,
@@ -199,7 +199,7 @@ class Witness {
       ADD_FAILURE() << to_string(slice.error());
       return;
     }
-    EXPECT_EQ(slice->header.lost, 0U) << "records, and with them what they told";
+    EXPECT_EQ(slice->header.lost, 0U) << "records, and with them their facts";
     EXPECT_TRUE(slice->header.probed);
     const std::string foreign = std::exchange(foreign_, {});
     ++slices_;

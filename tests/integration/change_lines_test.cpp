@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// A change is told from which value to which: in its answer, the log, the history, and by rules.
-// The same lines decide what a lock holds.
+// The lines of a change state the value before and after: in its answer, the log, the history, and
+// by rules. The same lines decide what a lock holds.
 #include <filesystem>
 
 #include "mauve/host/receipt.h"
@@ -39,7 +39,7 @@ Json rule_named(TrialDaemon& daemon, const std::string& name) {
   return daemon.ask("rules.list", {{"rule", name}})["items"][0];
 }
 
-TEST(Receipt, TheLogAndTheAnswerTellFromWhichValueToWhich) {
+TEST(Receipt, TheLogAndTheAnswerStateTheValueBeforeAndAfter) {
   TrialDaemon daemon;
 
   const auto receipt = daemon.ask("param.set", with_gain(2.5));
@@ -57,7 +57,7 @@ TEST(Receipt, TheLogAndTheAnswerTellFromWhichValueToWhich) {
               HasSubstr("~ first.core.gain: 2.5 -> 1.5"));
 }
 
-TEST(History, TellsWhatChangedAndComparesTwoGenerations) {
+TEST(History, ShowsWhatChangedAndComparesTwoGenerations) {
   TempDir state;
   TrialDaemon daemon(kTrial, {"--realtime", "off", "--state-dir", (state / "kept").string()});
   ASSERT_EQ(daemon.ask("param.set", with_gain(3.0))["saved"], true);
@@ -113,7 +113,7 @@ TEST(History, ComparesTheFilesOfGenerationsThatThePluginsOfNowCannotMake) {
   EXPECT_THAT(said.out, HasSubstr("so the files are compared"));
 }
 
-TEST(RulesThatFire, TellInOneLineOfTheLogWhatTheyFoundAndWhatTheyChanged) {
+TEST(RulesThatFire, ReportInOneLineOfTheLogWhatTheyFoundAndWhatTheyChanged) {
   TrialDaemon daemon(trial_with_rules(R"({ "name": "loud", "when": "second.core.input > 5",
                                      "do": "calm", "cool_down": "1h" })"));
   ASSERT_EQ(daemon.ask("param.set", with_gain(6.0))["state"], "applied");
@@ -126,7 +126,7 @@ TEST(RulesThatFire, TellInOneLineOfTheLogWhatTheyFoundAndWhatTheyChanged) {
   EXPECT_EQ(times_logged(daemon, "rule loud"), 1U) << daemon.errors();
 }
 
-TEST(RulesThatFire, TellInTheLogThatTheirChangeJoinedAProbation) {
+TEST(RulesThatFire, ReportInTheLogThatTheirChangeJoinedAProbation) {
   TrialDaemon daemon(trial_with_rules(R"({ "name": "loud", "when": "second.core.input > 5",
                                      "do": "calm", "cool_down": "1h" })"));
   const auto swapped = daemon.ask(

@@ -9,7 +9,7 @@ namespace {
 using testing::HasSubstr;
 using Json = protocol::Json;
 
-/// `broken` computes its value, and fails as it is told.
+/// `broken` computes its value, and fails as its property says.
 std::string with_broken(const std::string& how) {
   auto architecture = Json::parse(std::string(kTrial));
   architecture["resources"]["broken"] = {{"type", "trial/failing"},

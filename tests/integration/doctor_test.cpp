@@ -44,7 +44,7 @@ TEST(DoctorOfADaemon, SeesAPluginDirectoryThatEverybodyMayWrite) {
   EXPECT_EQ(found["remedy"], "chmod o-w " + daemon.plugins().string());
 }
 
-TEST(DoctorOfADaemon, SeesAndTellsWhatSomebodyElseMayExchange) {
+TEST(DoctorOfADaemon, FindsAndReportsWhatAnotherUserMayExchange) {
   TempDir state;
   std::filesystem::permissions(state.path(), std::filesystem::perms::all);
   const auto path = state.path().string();
@@ -111,7 +111,7 @@ TEST(DoctorOfADaemon, IsAnsweredWithItsThreadsAndRights) {
   EXPECT_TRUE(guard) << answer["threads"];
 }
 
-TEST(DoctorOfADaemon, IsToldWhetherItIsAService) {
+TEST(DoctorOfADaemon, LearnsWhetherItIsAService) {
   {
     const NotifySocket manager;
     TrialDaemon service;

@@ -186,7 +186,7 @@ TEST(GnssDriver, StillRefusesASpeedThatDoesNotExist) {
   EXPECT_NE(driver.up().error().message.find("1234 baud"), std::string::npos);
 }
 
-TEST(GnssDriver, ReadsUbxAndTellsEachEpochOnceAmongNmea) {
+TEST(GnssDriver, ReadsUbxAndReportsEachEpochOnceAmongNmea) {
   Player player;
 
   for (int time = 1; time <= 5; ++time) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// No end leaves an output live: a base that is told to drive, and every way in which the component
-// that tells it, or mauved as a whole, may end. The bytes on its line are looked at from outside.
-// MAUVE_ENDS: how often each (1). With MAUVE_ENDS_LOAD=1 beside ordinary threads that want every
-// CPU.
+// No end leaves an output live: a base that is ordered to drive, and every way in which the
+// component that orders it, or mauved as a whole, may end. The bytes on its line are looked at from
+// outside. MAUVE_ENDS: how often each (1). With MAUVE_ENDS_LOAD=1 beside ordinary threads that want
+// every CPU.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -65,7 +65,7 @@ class Witness {
     quit_ = true;
     thread_.join();
   }
-  /// When the base was told to stand, and nothing else since; 0: it drives.
+  /// When the base got the order to stand, and nothing else since; 0: it drives.
   [[nodiscard]] Instant stands_since() const { return stands_since_; }
   [[nodiscard]] std::uint64_t drives() const { return drives_; }
 
@@ -147,14 +147,15 @@ TEST(NoEnd, LeavesAnOutputLive) {
       std::printf("NOT TESTED: %s: no memory control group can be made here\n", end.name);
       continue;
     }
-    std::vector<double> taken;
+    std::vector<double> times_to_stand;
     for (int i = 0; i < times(); ++i) {
-      if (const auto time = end_one(end, group)) taken.push_back(*time);
+      if (const auto time = end_one(end, group)) times_to_stand.push_back(*time);
     }
-    std::sort(taken.begin(), taken.end());
-    if (taken.empty()) continue;
+    std::sort(times_to_stand.begin(), times_to_stand.end());
+    if (times_to_stand.empty()) continue;
     std::printf("%-15s safe %2zu of %2d, after p50 %6.1f ms, at most %6.1f ms\n", end.name,
-                taken.size(), times(), taken[taken.size() / 2], taken.back());
+                times_to_stand.size(), times(), times_to_stand[times_to_stand.size() / 2],
+                times_to_stand.back());
     std::fflush(stdout);
   }
 }

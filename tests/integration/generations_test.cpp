@@ -97,7 +97,7 @@ TEST_F(Generations, ThatCannotBeMadeAnyMoreArePassedOverAtOnce) {
 }
 
 TEST_F(Generations, OfAFileWhoseCodeCrashesWhenItIsMadeAreNone) {
-  if (!rt::kGuardsFaults) GTEST_SKIP() << "a sanitizer tells of a crash in its own way";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "a sanitizer reports a crash in its own way";
   std::string file(kTrial);
   const std::string type = R"("trial/unit",)";
   file.replace(file.find(type), type.size(), type + R"( "core": "trial/crashing_constructor",)");
@@ -247,7 +247,7 @@ class FullDisk {
   pid_t process_;
 };
 
-TEST_F(Generations, AreToldToBeNotSavedWhenTheDiskIsFull) {
+TEST_F(Generations, AreReportedAsNotSavedWhenTheDiskIsFull) {
   TrialDaemon daemon(kTrial, options());
   ASSERT_EQ(daemon.ask("param.set", gain(3.0))["saved"], true);
   const auto intact = TempDir::read(file("2"));
@@ -322,7 +322,7 @@ TEST_F(Generations, CannotBeRolledBackToWhenTheyAreNotKept) {
 
 using Audit = Generations;
 
-TEST_F(Audit, TellsWhoChangedWhatAndWhy) {
+TEST_F(Audit, RecordsWhoChangedWhatAndWhy) {
   TrialDaemon daemon(kTrial, options());
   auto params = gain(3.0);
   params["reason"] = "too slow";
@@ -340,7 +340,7 @@ TEST_F(Audit, TellsWhoChangedWhatAndWhy) {
   EXPECT_EQ(line["saved"], true);
 }
 
-TEST_F(Audit, TellsWhatWasRefusedAlsoBeforeAnybodyLookedAtIt) {
+TEST_F(Audit, RecordsWhatWasRefusedAlsoBeforeTheCoordinatorServedIt) {
   TrialDaemon daemon(kTrial, options());
 
   static_cast<void>(daemon.ask("param.set", {{"valeus", 1}}));
@@ -368,11 +368,11 @@ TEST_F(Audit, LosesNoRefusalOfTheLastSecondBeforeAnOrderlyEnd) {
   daemon.process().signal(SIGTERM);
   ASSERT_EQ(daemon.process().wait(), 0) << daemon.errors();
 
-  std::uint64_t told = 0;
+  std::uint64_t counted = 0;
   for (const auto& line : audit_lines()) {
-    told += line["outcome"] == "refused" ? line.value("count", 1U) : 0U;
+    counted += line["outcome"] == "refused" ? line.value("count", 1U) : 0U;
   }
-  EXPECT_EQ(told, kRefusals);
+  EXPECT_EQ(counted, kRefusals);
 }
 
 TEST_F(Audit, GoesOnInTheSameFileAfterARestart) {

@@ -8,7 +8,7 @@ namespace {
 using testing::HasSubstr;
 using Json = protocol::Json;
 
-TEST(Graph, TellsAllElementsInOneLook) {
+TEST(Graph, ListsAllElementsInOneAnswer) {
   TrialDaemon daemon;
 
   const auto graph = daemon.ask("architecture.graph");

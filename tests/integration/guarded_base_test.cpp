@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// A base that drives on at the last speed it was told, and a mauved that cannot tell it any more:
+// A base that drives on at the last speed it was sent, and a mauved that cannot send another one:
 // the bytes on its line are looked at from outside.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ class GuardedBase : public testing::Test {
     daemon_.emplace(file, std::move(more));
     ASSERT_TRUE(daemon_->up()) << daemon_->errors();
   }
-  /// It was told to drive since this was asked last.
+  /// It got an order to drive since this was asked last.
   [[nodiscard]] bool drives() {
     return eventually([&] {
       const std::string& all = base_.bytes();
@@ -37,7 +37,7 @@ class GuardedBase : public testing::Test {
       return driven;
     });
   }
-  /// The last that it was told is to stand.
+  /// Its last order is to stand.
   [[nodiscard]] bool stands() {
     return eventually([&] {
       const std::string& all = base_.bytes();
@@ -92,7 +92,7 @@ TEST_F(GuardedBase, StandsWhileMauvedStandsStillAndUntilSomebodyStartsIt) {
   EXPECT_TRUE(stands());
   daemon_->process().signal(SIGCONT);
 
-  EXPECT_TRUE(daemon_->says("all components are told to stop"));
+  EXPECT_TRUE(daemon_->says("all components are ordered to stop"));
   EXPECT_TRUE(eventually([&] {
     const Json status = daemon_->ask({"status"});
     return status["components"][0]["state"] == "stopped" &&

@@ -241,7 +241,7 @@ TEST_F(GuardianProgram, RefusesAnOrderThatCannotBeOne) {
   EXPECT_EQ(stand_in_->hold(wire::kMostOutputs, order("first", "x"), outlet_.opened()).done, 0U);
 }
 
-TEST_F(GuardianProgram, RefusesAPageThatCouldBeTakenAway) {
+TEST_F(GuardianProgram, RefusesAPageThatCouldBeRemoved) {
   stand_in_.emplace(guardian_, F_SEAL_GROW);
 
   EXPECT_EQ(stand_in_->greet().done, 0U);

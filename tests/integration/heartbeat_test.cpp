@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// The service manager's watchdog: it is told that all is well, and only then.
+// The service manager's watchdog: it gets a sign of life while all is well, and only then.
 #include <csignal>
 #include <cstdlib>
 
@@ -12,8 +12,8 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A service manager that wants to hear of mauved every second, and a resource that never tells its
-/// value while a file is there.
+/// A service manager that wants to hear of mauved every second, and a resource that never returns
+/// its value while a file is there.
 class Heartbeats : public Generations {
  protected:
   void SetUp() override {
@@ -34,7 +34,7 @@ class Heartbeats : public Generations {
     for (;;) {
       const auto message = manager_.next();
       if (message.empty()) {
-        ADD_FAILURE() << "nothing more is told, not " << text;
+        ADD_FAILURE() << "no further notification came, not " << text;
         return beats;
       }
       if (message.find(text) != std::string::npos) {
@@ -58,12 +58,12 @@ class Heartbeats : public Generations {
   std::unique_ptr<TrialDaemon> daemon_;
 };
 
-TEST_F(Heartbeats, AreToldWhileAllIsWellAndNotWhileControlHangs) {
+TEST_F(Heartbeats, AreSentWhileAllIsWellAndNotWhileControlHangs) {
   EXPECT_EQ(beats_until("WATCHDOG=1"), 0);
   EXPECT_EQ(beats_until("WATCHDOG=1"), 0);
 
   const auto asking = hang_control();
-  static_cast<void>(beats_until("is not told that all is well: [control] does not answer"));
+  static_cast<void>(beats_until("no sign of life is sent: [control] does not answer"));
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(beats_until("[control] does not answer"), 0);
   }

@@ -9,7 +9,7 @@ namespace mauve::test {
 namespace {
 
 /// `second` notes the sign of what `first` writes, as a driver writes to its device; `mute` does
-/// not tell its value while a file is there, and whoever asks for it holds [control] so long.
+/// not return its value while a file is there, and whoever asks for it holds [control] so long.
 class HeldUp : public Generations {
  protected:
   void SetUp() override {
@@ -52,7 +52,7 @@ TEST_F(HeldUp, AStopIsCarriedOutAndAnsweredAllTheSame) {
 
   EXPECT_EQ(stopped["state"], "applied") << stopped;
   EXPECT_EQ(stopped["directly"], true);
-  ASSERT_EQ(stopped["warnings"].size(), 1U) << "other commands wait, and the user is told";
+  ASSERT_EQ(stopped["warnings"].size(), 1U) << "other commands wait, and a warning says so";
   ASSERT_EQ(stopped["components"].size(), 1U);
   EXPECT_EQ(stopped["components"][0]["name"], "first");
   EXPECT_TRUE(is_noted("-")) << "the driver, which was not stopped, acts on the safe value";

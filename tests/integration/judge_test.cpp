@@ -60,7 +60,7 @@ TEST_F(Judging, OutlivesAConstructorThatDoesNotReturn) {
 
 /// In mauved itself, where they are no part of a file.
 TEST_F(Judging, HooksThatCrashOrLeaveAreRefusedAndTheDaemonRunsOn) {
-  if (!rt::kGuardsFaults) GTEST_SKIP() << "a sanitizer tells of a crash in its own way";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "a sanitizer reports a crash in its own way";
   const std::vector<std::pair<std::string, std::string>> hooks = {
       {"trial/crashing_hook", "on_configure crashed: SIGSEGV at address 0x0"},
       {"trial/leaving_hook", "on_configure called exit()"},
@@ -81,7 +81,7 @@ TEST_F(Judging, OutlivesAConstructorThatEndsTheProcess) {
 }
 
 TEST_F(Judging, OutlivesAConstructorThatCrashes) {
-  if (!rt::kGuardsFaults) GTEST_SKIP() << "a sanitizer tells of a crash in its own way";
+  if (!rt::kGuardsFaults) GTEST_SKIP() << "a sanitizer reports a crash in its own way";
   expect_refused("trial/crashing_constructor", "plugin_refused", "SIGSEGV");
 }
 

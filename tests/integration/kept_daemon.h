@@ -34,8 +34,8 @@ class Generations : public testing::Test {
     Json found;
     static_cast<void>(eventually([&] {
       for (const auto& line : audit_lines()) {
-        const auto told = line.value("error", line.value("outcome", ""));
-        if (line.value("method", "") == method && told == outcome) {
+        const auto result = line.value("error", line.value("outcome", ""));
+        if (line.value("method", "") == method && result == outcome) {
           found = line;
         }
       }
@@ -57,8 +57,8 @@ inline Json newest(TrialDaemon& daemon) { return daemon.ask("config.history")["i
 
 inline bool was_logged(TrialDaemon& daemon, const std::string& event) {
   return eventually([&] {
-    const auto told = daemon.ask("log.tail", {{"n", 1000}});
-    return std::any_of(told["records"].begin(), told["records"].end(),
+    const auto log = daemon.ask("log.tail", {{"n", 1000}});
+    return std::any_of(log["records"].begin(), log["records"].end(),
                        [&](const Json& record) { return record["event"] == event; });
   });
 }

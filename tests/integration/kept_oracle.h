@@ -22,7 +22,7 @@ namespace mauve::test {
 /// `either`: nothing was answered about it yet, so it may be confirmed by now or not.
 enum class Worth : std::uint8_t { unconfirmed, confirmed, either };
 
-/// A generation as the answers tell of it.
+/// A generation as the answers describe it.
 struct Kept {
   using Json = protocol::Json;
 

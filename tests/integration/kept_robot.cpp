@@ -57,7 +57,7 @@ Step Robot::of(std::string method, Json params, std::function<void(Json&)> makes
   if (way == 1) params["probation"] = "9000000";
   if (way > 1) params["probation"] = "off";
   return {std::move(method), std::move(params), std::move(makes),
-          way > 1 ? Step::Kind::taken : Step::Kind::trial};
+          way > 1 ? Step::Kind::applied : Step::Kind::trial};
 }
 
 Step Robot::set() {
@@ -135,7 +135,7 @@ void Robot::account(const Step& step, const Json& result) {
     step.makes(next.content);
     if (!order) open(step, result, next.content);
   }
-  if (step.kind == Step::Kind::taken && open_.empty()) next.worth = Worth::confirmed;
+  if (step.kind == Step::Kind::applied && open_.empty()) next.worth = Worth::confirmed;
   if (order) {
     next.worth = its;
     open_.order();

@@ -30,7 +30,7 @@ struct Step {
   std::string method;
   Json params = Json::object();
   std::function<void(Json&)> makes = [](Json&) {};
-  enum class Kind : std::uint8_t { trial, taken, order, undo, confirm, other } kind = Kind::other;
+  enum class Kind : std::uint8_t { trial, applied, order, undo, confirm, other } kind = Kind::other;
 };
 
 /// One run of mauved, with the system as its answers describe it.

@@ -191,7 +191,7 @@ inline std::vector<Way> ways_of_files() {
   return ways;
 }
 
-inline std::vector<Way> ways_of_plugins_and_ways_back() {
+inline std::vector<Way> ways_of_plugins_and_rollbacks() {
   const Json tried = {{"values", {{"first.core.gain", 3.0}}}, {"confirm_within", "600s"}};
   const Json cut = {{"port", "second.ports.input"}, {"confirm_within", "600s"}};
   const Json place = {{"component", "first"}, {"core", "trial/other"}, {"in_place", true}};
@@ -235,7 +235,7 @@ inline std::vector<Way> ways_of_plugins_and_ways_back() {
 inline std::vector<Way> all_ways() {
   std::vector<Way> all;
   for (auto ways : {ways_of_single_changes(), ways_of_steps(), ways_of_files(),
-                    ways_of_plugins_and_ways_back()}) {
+                    ways_of_plugins_and_rollbacks()}) {
     for (Way& way : ways) all.push_back(std::move(way));
   }
   return all;

@@ -121,7 +121,7 @@ class HostileClient {
     }
   }
   /// On a slow machine a ping waits for requests before it, which are served in turn. An answer
-  /// that is late is told from one that never comes.
+  /// that is late is distinguished from one that never comes.
   bool read_to(const std::string& last, const std::string& lines) {
     const auto begin = steady_clock::now();
     bool late = false;
@@ -249,7 +249,7 @@ class MutatedRequests : public testing::Test {
     if (!realtime_) return;
     EXPECT_EQ(daemon.ask("trace.start", {{"seconds", 12}})["on"], true);
   }
-  /// Looks at what the trace tells until the requests are sent.
+  /// Reads the trace until the requests are sent.
   void witness(TrialDaemon& daemon, const std::atomic<bool>& end) {
     LossWitness releases;
     const auto file = (place_ / "slice.mtrace").string();

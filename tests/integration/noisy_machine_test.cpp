@@ -75,12 +75,12 @@ Json swap_to(const std::string& core, const std::string& uses, const std::string
           {"probation", jobs}};
 }
 
-/// The end of its probation, as the log tells it; empty: it goes on.
+/// The end of its probation, as the log reports it; empty: it goes on.
 std::string end_of_probation(TrialDaemon& daemon) {
   std::string end;
   static_cast<void>(eventually([&] {
-    const auto told = daemon.ask("log.tail", {{"n", 1000}});
-    for (const auto& record : told["records"]) {
+    const auto log = daemon.ask("log.tail", {{"n", 1000}});
+    for (const auto& record : log["records"]) {
       const std::string event = record["event"];
       if (event == "rolled_back" || event == "probation_passed") end = record["text"];
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The changes on probation, as the answers tell of them: which of them a change joins, which one
+/// The changes on probation, as the answers describe them: which of them a change joins, which one
 /// it ends, and where an undo rolls back to.
 #pragma once
 
@@ -43,7 +43,7 @@ class OpenChanges {
   void order() {
     for (auto& one : open_) one.ordered = true;
   }
-  /// The notes of its answer tell which probations a change joins, and which it ends. One that has
+  /// The notes of its answer state which probations a change joins, and which it ends. One that has
   /// no probation of its own (not `tried`) is on probation when it joins another.
   void add(OpenChange fresh, const Json& notes, bool tried) {
     bool joins = false;

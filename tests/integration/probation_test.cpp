@@ -60,7 +60,7 @@ TEST(Probation, OnlyTheCoreThatFailedIsQuarantined) {
   EXPECT_EQ(daemon.ask("core.swap", swap_to("trial/other"))["state"], "applied");
 }
 
-TEST(Probation, ToleratesAsManyLateJobsAsItIsTold) {
+TEST(Probation, ToleratesAsManyLateJobsAsTheRequestSays) {
   TrialDaemon daemon;
 
   EXPECT_EQ(daemon.ask("core.swap", swap_to("trial/other", {{"misses", "2/64"}}))["state"],
@@ -102,15 +102,15 @@ TEST(Probation, UndoAnswersWhenEverythingIsBack) {
   EXPECT_EQ(again["data"].value("hint", ""), "") << "nothing is kept that could be rolled back to";
 }
 
-TEST(Probation, UndoTellsWhatItTakesBackBeforeAndAfter) {
+TEST(Probation, UndoShowsWhatItRollsBackBeforeAndAfter) {
   TrialDaemon daemon;
   ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/other"))["state"], "applied");
   ASSERT_EQ(daemon.ask("param.set", {{"values", {{"first.core.gain", 3.0}}}})["state"], "applied");
 
-  const auto foretold = daemon.ask("change.undo", {{"dry_run", true}});
-  EXPECT_EQ(foretold["generation"], 3) << foretold;
-  EXPECT_EQ(foretold["undone"]["generations"], Json({2, 3}));
-  EXPECT_EQ(foretold["undone"]["components"], Json({"first"}));
+  const auto planned = daemon.ask("change.undo", {{"dry_run", true}});
+  EXPECT_EQ(planned["generation"], 3) << planned;
+  EXPECT_EQ(planned["undone"]["generations"], Json({2, 3}));
+  EXPECT_EQ(planned["undone"]["components"], Json({"first"}));
   EXPECT_EQ(daemon.component("first")["core"], "trial/other");
 
   const auto undone = daemon.ctl({"undo"}).out;
@@ -121,7 +121,7 @@ TEST(Probation, UndoTellsWhatItTakesBackBeforeAndAfter) {
   EXPECT_EQ(daemon.ask("change.undo", {{"dry_run", true}})["data"]["name"], "wrong_state");
 }
 
-TEST(Probation, ConfirmTellsAllThatItConfirms) {
+TEST(Probation, ConfirmListsAllThatItConfirms) {
   TrialDaemon daemon;
   ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/other"))["state"], "applied");
   ASSERT_EQ(daemon.ask("param.set", {{"values", {{"second.core.gain", 3.0}}}})["state"], "applied");
@@ -222,8 +222,8 @@ TEST(Probation, OffLeavesNothingToTolerateOrToConfirm) {
 Json record_of(TrialDaemon& daemon, const std::string& event) {
   Json found;
   static_cast<void>(eventually([&] {
-    const auto told = daemon.ask("log.tail", {{"n", 1000}});
-    for (const auto& record : told["records"]) {
+    const auto log = daemon.ask("log.tail", {{"n", 1000}});
+    for (const auto& record : log["records"]) {
       if (record["event"] == event) {
         found = record;
       }
@@ -233,7 +233,7 @@ Json record_of(TrialDaemon& daemon, const std::string& event) {
   return found;
 }
 
-TEST(Probation, AnUndoIsToldAsWhatItIs) {
+TEST(Probation, AnUndoIsReportedAsUndo) {
   TrialDaemon daemon;
   ASSERT_EQ(daemon.ask("core.swap", swap_to("trial/other"))["state"], "applied");
   ASSERT_EQ(daemon.ask("change.undo")["generation"], 3);
@@ -241,7 +241,7 @@ TEST(Probation, AnUndoIsToldAsWhatItIs) {
   const auto undone = record_of(daemon, "undone");
   EXPECT_EQ(undone["level"], "info") << undone;
   EXPECT_EQ(undone["text"],
-            "generation 2 was taken back, 3 is in force: undone by request "
+            "generation 2 was rolled back, 3 is in force: undone by request "
             "~ first.core: trial/other -> trial/steady");
   const auto change = record_of(daemon, "change_applied");
   EXPECT_EQ(change["text"],

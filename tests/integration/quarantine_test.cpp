@@ -158,7 +158,7 @@ TEST_F(Quarantine, HoldsForAStartFromASavedGeneration) {
   EXPECT_TRUE(was_logged(daemon, "generation_unusable"));
 }
 
-TEST_F(Quarantine, OfACoreThatTheFileNamesIsToldAtTheStart) {
+TEST_F(Quarantine, OfACoreThatTheFileNamesIsReportedAtTheStart) {
   TrialDaemon daemon(kTrial, options());
   fail();
   ASSERT_NO_FATAL_FAILURE(quarantine(daemon, "first", brittle()));

@@ -124,18 +124,18 @@ TEST(ReloadOnProbation, LeadsResourcesBackToo) {
   EXPECT_TRUE(logs(daemon, "unloaded: its reload was rolled back")) << daemon.errors();
 }
 
-TEST(ReloadOnProbation, IsForetoldByADryRunThatChangesNothing) {
+TEST(ReloadOnProbation, IsShownByADryRunThatChangesNothing) {
   TrialDaemon daemon;
   static_cast<void>(daemon.client());
   daemon.install(2);
 
   auto params = kTrialAgain;
   params["dry_run"] = true;
-  const auto foretold = daemon.ask("plugin.reload", params);
+  const auto planned = daemon.ask("plugin.reload", params);
 
-  EXPECT_EQ(foretold["dry_run"], true) << foretold;
-  EXPECT_EQ(foretold["lines"][0]["kind"], "plugin") << foretold;
-  EXPECT_EQ(foretold["components"].size(), 2U) << foretold;
+  EXPECT_EQ(planned["dry_run"], true) << planned;
+  EXPECT_EQ(planned["lines"][0]["kind"], "plugin") << planned;
+  EXPECT_EQ(planned["components"].size(), 2U) << planned;
   EXPECT_EQ(daemon.ask("status.get")["generation"], 1);
   EXPECT_EQ(daemon.value("first.core.number"), 1);
   EXPECT_EQ(daemon.ask("plugin.reload", kTrialAgain)["state"], "applied");

@@ -85,7 +85,7 @@ TEST(Reload, ConvertsTheStateOfAnOlderRevisionAndUnmapsItsCode) {
   EXPECT_GT(daemon.value("first.core.count"), 50);
 }
 
-TEST(Reload, RefusesToLoseAStateUnlessItIsToldTo) {
+TEST(Reload, RefusesToLoseAStateUnlessTheRequestSaysDrop) {
   TrialDaemon daemon;
   static_cast<void>(daemon.client());
   daemon.install(3);
@@ -331,7 +331,7 @@ TEST(Unload, UnmapsAPluginThatNothingUses) {
   EXPECT_EQ(daemon.ask("plugin.list")["items"].size(), 0U);
 }
 
-TEST(Unload, SaysThatAPluginIsOnlyKeptForTheWayBack) {
+TEST(Unload, SaysThatAPluginIsOnlyKeptForARollback) {
   TrialDaemon daemon;
   const std::string empty =
       R"({ "schema": "mauve/architecture/1", "name": "trial", "plugins": ["trial"] })";
@@ -340,7 +340,7 @@ TEST(Unload, SaysThatAPluginIsOnlyKeptForTheWayBack) {
   const auto error = daemon.ask("plugin.unload", {{"plugin", "trial"}});
 
   EXPECT_THAT(error["message"].get<std::string>(),
-              HasSubstr("kept for the way back until generation 2"));
+              HasSubstr("kept for the rollback until generation 2"));
   EXPECT_EQ(error["data"]["hint"], "mauvectl confirm ends that at once");
   ASSERT_EQ(daemon.ask("change.confirm")["changed"], true);
   EXPECT_TRUE(eventually([&] {

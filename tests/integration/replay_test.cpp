@@ -168,7 +168,8 @@ TEST_F(Replay, CountsAndSkipsDamagedSentencesAndUsesTheNextGoodOne) {
 
 TEST_F(Replay, PublishesNothingWhileDisconnectedAndGoesOnAfterwards) {
   EXPECT_EQ(daemon_->ask({"disconnect", "gnss.ports.fix"})["state"], "applied");
-  // Seven satellites tell it from all that was sent before: it is read while nothing is connected.
+  // Seven satellites distinguish it from all that was sent before: it is read while nothing is
+  // connected.
   send(writer_.compose({3.0, 3.0, 3.0, 3.0, 1.0, 3, 7}, 0.0, 0.0));
   ASSERT_TRUE(eventually([this] { return daemon_->value("gnss.core.satellites") == 7; }));
   EXPECT_EQ(daemon_->ask({"connect", "gnss.ports.fix", "fix.write"})["state"], "applied");
@@ -223,7 +224,7 @@ TEST(Rover, TwoOnOneMachineHearTheirOwnReceivers) {
     EXPECT_EQ(daemon->value("gnss.core.bad_frames"), 0);
     EXPECT_EQ(daemon->value("gnss.core.device_errors"), 0);
     daemon->process().signal(SIGTERM);
-    EXPECT_EQ(daemon->process().wait(), 0) << "its line is taken down in order";
+    EXPECT_EQ(daemon->process().wait(), 0) << "its line is closed in order";
   }
 }
 

@@ -261,7 +261,7 @@ TEST_F(BaseInHand, IsWaitedForWhenItIsNotThereAtTheStart) {
   EXPECT_EQ(late.observe("base", "reopened"), 1.0);
 }
 
-TEST_F(BaseInHand, IsToldToStandWhenItsDriverIsCleanedUp) {
+TEST_F(BaseInHand, GetsTheOrderToStandWhenItsDriverIsCleanedUp) {
   ASSERT_TRUE(system_->deployed());
   command_ = rover::Velocity{0.2, 0.0};
   EXPECT_TRUE(hears(200, 200));

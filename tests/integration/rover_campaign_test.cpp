@@ -75,7 +75,7 @@ std::uint64_t look_at_slice(const DaemonProcess& rover, const std::string& file,
     (lost.disturbed ? losses.with_machine : losses.alone)[lost.component] += lost.count;
   }
   const auto verdict = mauve::ctl::mtrace::check(*slice);
-  EXPECT_EQ(slice->header.lost, 0U) << "and with them what they told";
+  EXPECT_EQ(slice->header.lost, 0U) << "and with them their facts";
   EXPECT_TRUE(verdict.holds()) << verdict.found << ", the first: " << verdict.first->message;
   return verdict.checked.responses;
 }

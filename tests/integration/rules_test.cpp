@@ -89,7 +89,7 @@ TEST(Rules, DisconnectAndAreArmedAgain) {
   EXPECT_EQ(daemon.events("transaction_applied",
                           "deaf by rule loud (second.core.input is 6): applied, generation 3"),
             1U);
-  EXPECT_EQ(daemon.events("change_applied", "loud"), 0U) << "one event tells all of it";
+  EXPECT_EQ(daemon.events("change_applied", "loud"), 0U) << "one event reports all of it";
 
   daemon.ask("port.connect", {{"port", "second.ports.input"}, {"service", "signal.read"}});
   EXPECT_TRUE(daemon.fired("loud", 2)) << daemon.rule("loud");
@@ -383,9 +383,9 @@ TEST(Rules, SayWhenTheyFiredAndHowLongAgo) {
   const auto row = daemon.rule("same");
   const auto after = daemon.ask("status.get")["t_ns"].get<std::int64_t>();
 
-  const auto told = row["fired_ns"].get<std::int64_t>() + row["ago_ns"].get<std::int64_t>();
-  EXPECT_LE(before, told) << row;
-  EXPECT_LE(told, after) << row;
+  const auto reported = row["fired_ns"].get<std::int64_t>() + row["ago_ns"].get<std::int64_t>();
+  EXPECT_LE(before, reported) << row;
+  EXPECT_LE(reported, after) << row;
 }
 
 }  // namespace

@@ -151,7 +151,7 @@ TEST(Service, ClearsTheSocketOfOneThatWasKilled) {
   EXPECT_EQ(daemon.component("first")["state"], "running");
 }
 
-TEST(Service, TellsAllErrorsOfAFileAndStartsNothing) {
+TEST(Service, ReportsAllErrorsOfAFileAndStartsNothing) {
   TrialDaemon daemon(R"({
     "schema": "mauve/architecture/1", "name": "bad", "plugins": ["trial", "nothere"],
     "components": { "a": { "type": "trial/unit", "core": "trial/stedy", "tsk": {} } }

@@ -102,7 +102,7 @@ TEST(ConnectReplace, ExchangesTheConnectionInOneChange) {
   EXPECT_TRUE(eventually([&] { return daemon.value("spare.read").is_number(); }));
 }
 
-TEST(GetOfAWritePort, TellsWhereItLeadsAndTheLastValue) {
+TEST(GetOfAWritePort, ShowsWhereItLeadsAndTheLastValue) {
   Operated daemon;
   ASSERT_TRUE(eventually([&] { return daemon.value("signal.read").is_number(); }));
 
@@ -159,7 +159,7 @@ TEST(ChangeOfSteps, SetsNothingWhileParamsAreLocked) {
   EXPECT_EQ(daemon.value("first.core.gain"), 1.0);
 }
 
-TEST(DryRun, TellsTheLinesOfEveryChangeAndChangesNothing) {
+TEST(DryRun, ShowsTheLinesOfEveryChangeAndChangesNothing) {
   Operated daemon(wide());
   ASSERT_EQ(daemon.ctl({"stop", "second"}).exit, 0);
   const auto before = generation(daemon);

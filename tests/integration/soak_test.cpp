@@ -57,7 +57,7 @@ Usage median(const std::vector<Usage>& samples, double from, double to) {
 
 /// The kinds of changes that end well or are refused. A core that hangs costs its thread, and while
 /// that lives nothing that it may be in is freed; a hook that crashes costs the memory that it
-/// held. Both are told, and neither is a leak of mauved.
+/// held. Both are reported, and neither is a leak of mauved.
 ChangeableSystem sound_system() {
   auto system = trial_system();
   system.hangs.clear();

@@ -53,7 +53,7 @@ TEST(Socket, AnswersAClientThatSendsOneLineAndClosesItsSide) {
   EXPECT_TRUE(client.closed_by_peer());
 }
 
-TEST(Socket, TellsStatusInTheFormThatIsPromised) {
+TEST(Socket, AnswersStatusInTheFormThatIsPromised) {
   TrialDaemon daemon;
 
   const auto status = daemon.ask("status.get");
@@ -123,7 +123,7 @@ TEST(Socket, RefusesBadRequestsAndChangesNothing) {
   EXPECT_EQ(daemon.component("first")["state"], "running");
 }
 
-TEST(Socket, ChecksAFileAndTellsAllItsErrorsWithTheirPlace) {
+TEST(Socket, ChecksAFileAndReportsAllItsErrorsWithTheirPlace) {
   TrialDaemon daemon;
 
   const auto good = daemon.ask("config.check", {{"text", kTrial}});
@@ -204,7 +204,7 @@ TEST(Watch, ShowsPropertiesAndObservablesWhenTheyChange) {
   }
 }
 
-TEST(Watch, TellsAValueAgainOnlyWhenItChanged) {
+TEST(Watch, SendsAValueAgainOnlyWhenItChanged) {
   constexpr int kCounts = 10;
   TrialDaemon daemon;
   auto client = daemon.client();

@@ -304,7 +304,7 @@ TEST(Change, WaitsForTheOneUnderWayWhileReadsAreServed) {
   EXPECT_EQ(second.json()["result"]["generation"], 3);
 }
 
-TEST(Change, IsGivenUpWhenItsDeadlinePassesBeforeItBegins) {
+TEST(Change, IsRefusedWhenItsDeadlinePassesBeforeItBegins) {
   TrialDaemon daemon;
 
   const auto error = daemon.ask(

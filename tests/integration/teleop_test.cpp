@@ -31,7 +31,7 @@ using mauve::test::InputEvents;
 using mauve::test::TempDir;
 using rover::Velocity;
 
-// The pilot sees no scan, so it lets the robot turn and reverse only: that is enough to tell who
+// The pilot sees no scan, so it lets the robot turn and reverse only: that is enough to show who
 // drives.
 constexpr const char* kArchitecture = R"({
   "schema": "mauve/architecture/1",
@@ -80,21 +80,21 @@ class Teleop : public testing::Test {
       if (!writer_.open()) deployer_->run_for(100ms);  // it is looked for
       return writer_.open();
     }));
-    ASSERT_TRUE(told(before, sizeof(input_event)));
+    ASSERT_TRUE(has_arrived(before, sizeof(input_event)));
   }
   void unplug() {
     const auto before = observe("joystick", "received");
     writer_ = drivers::Descriptor();
-    ASSERT_TRUE(told(before, sizeof(input_event)));
+    ASSERT_TRUE(has_arrived(before, sizeof(input_event)));
   }
   void send(const InputEvents& events) {
     const auto before = observe("joystick", "received");
     const std::string& bytes = events.bytes();
     ASSERT_EQ(write(writer_.number(), bytes.data(), bytes.size()),
               static_cast<ssize_t>(bytes.size()));
-    ASSERT_TRUE(told(before, bytes.size()));
+    ASSERT_TRUE(has_arrived(before, bytes.size()));
   }
-  bool told(std::int64_t before, std::size_t bytes) {
+  bool has_arrived(std::int64_t before, std::size_t bytes) {
     const auto enough = before + static_cast<std::int64_t>(bytes);
     return eventually([&] { return observe("joystick", "received") >= enough; });
   }

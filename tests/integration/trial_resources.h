@@ -128,7 +128,7 @@ struct MuteInterface : mauve::Interface<MuteCore> {
   mauve::ReadService<double> read{*this, "read", &MuteCore::value};
 };
 
-/// A resource whose value is computed by code that fails as it is told.
+/// A resource whose value is computed by code that fails as its property says.
 class FailingCore final : public mauve::Core<mauve::EmptyShell> {
  public:
   double value() {

@@ -43,9 +43,9 @@ Watched watch(RawClient& client) {
   const auto done = client.ask("watch.subscribe", {{"addresses", {"signal.read"}}});
   double before = -1;
   while (done.contains("result") && watched.values < kValues) {
-    const auto told = client.notification("value");
-    if (told.is_null()) return watched;
-    const auto value = told["params"]["value"].get<double>();
+    const auto notification = client.notification("value");
+    if (notification.is_null()) return watched;
+    const auto value = notification["params"]["value"].get<double>();
     if (value == 0) continue;
     if (value <= before) ++watched.backwards;
     before = value;
@@ -55,7 +55,7 @@ Watched watch(RawClient& client) {
   return watched;
 }
 
-/// Asks for statistics and status in turn; the answers that tell of both components.
+/// Asks for statistics and status in turn; the answers that list both components.
 int ask(RawClient& client) {
   int answers = 0;
   for (int i = 0; i < kAnswers; ++i) {
@@ -79,7 +79,7 @@ TEST(Watchers, ThirtyTwoAtOnceCostNoRelease) {
   const TempDir place;
   TrialDaemon daemon(counting(), {"--realtime", "prefer"},
                      Crowd(place.path(), MAUVE_BIN_DIR "/mauved").program());
-  // While it is on there are probes, which tell what something foreign held up.
+  // While it is on there are probes, which measure what something foreign held up.
   ASSERT_EQ(daemon.ask("trace.start", {{"seconds", 60}})["on"], true);
   const auto before = daemon.ask("status.get");
   std::deque<RawClient> clients;
@@ -112,11 +112,11 @@ TEST(Watchers, ThirtyTwoAtOnceCostNoRelease) {
                 .wait(),
             0);
   const auto since = before["t_ns"].get<std::int64_t>();
-  const auto told = missed_releases(trace, since, kLongestPeriod);
-  ASSERT_LE(told.from, since) << "the trace does not reach back to where they began";
-  EXPECT_EQ(told.missed, 0U) << told.disturbed << " more were disturbed";
-  EXPECT_EQ(missed(after) - missed(before), told.missed + told.disturbed)
-      << "each that is counted is told";
+  const auto traced = missed_releases(trace, since, kLongestPeriod);
+  ASSERT_LE(traced.from, since) << "the trace does not reach back to where they began";
+  EXPECT_EQ(traced.missed, 0U) << traced.disturbed << " more were disturbed";
+  EXPECT_EQ(missed(after) - missed(before), traced.missed + traced.disturbed)
+      << "each that is counted is in the trace";
 }
 
 TEST(Watchers, WithAllTheirSubscriptionsDoNotHoldUpAStop) {

@@ -53,7 +53,7 @@ class WholeRover : public testing::Test {
   std::string core() { return rover_.ask({"show", "control"})["core"]; }
   bool gnss_is_used() { return rover_.ask({"show", "gnss.ports.fix"})["service"] != nullptr; }
   void set(const std::string& assignment) {
-    // A host that stands still makes jobs late, and a change on probation would be taken back.
+    // A host that stands still makes jobs late, and a change on probation would be rolled back.
     const json answer = rover_.ask({"set", assignment, "--probation", "off"});
     ASSERT_EQ(answer.value("state", ""), "applied") << answer;
   }

@@ -34,7 +34,7 @@ Json why(TrialDaemon& daemon, const std::string& cause) {
   return said;
 }
 
-std::string told(TrialDaemon& daemon) { return daemon.ctl({"why", "first"}).out; }
+std::string why_first(TrialDaemon& daemon) { return daemon.ctl({"why", "first"}).out; }
 
 TEST(Why, NothingFailedSaysSince) {
   TrialDaemon daemon;
@@ -45,7 +45,7 @@ TEST(Why, NothingFailedSaysSince) {
   EXPECT_EQ(said["change"], nullptr);
   EXPECT_EQ(said["hints"], Json::array());
   EXPECT_THAT(said["since"].get<std::string>(), HasSubstr("T"));
-  EXPECT_THAT(told(daemon), HasSubstr("nothing failed since mauved began"));
+  EXPECT_THAT(why_first(daemon), HasSubstr("nothing failed since mauved began"));
   EXPECT_EQ(daemon.ask("component.why", {{"component", "frst"}})["data"]["name"], "unknown_name");
 }
 
@@ -64,8 +64,9 @@ TEST(Why, ACoreThrewAndItsComponentWasParked) {
   EXPECT_EQ(failure["times"], 1);
   EXPECT_EQ(said["change"], nullptr) << "it began so";
   EXPECT_THAT(hints(said), Contains(HasSubstr("mauvectl start first --reset")));
-  EXPECT_THAT(told(daemon), HasSubstr("threw: division by something, in state update, job 1, core "
-                                      "trial/throwing_job (build "));
+  EXPECT_THAT(why_first(daemon),
+              HasSubstr("threw: division by something, in state update, job 1, core "
+                        "trial/throwing_job (build "));
 
   ASSERT_EQ(
       daemon.ask("component.start", {{"components", {"first"}}, {"reason", "again"}})["state"],
@@ -90,7 +91,7 @@ TEST(Why, AFreshCoreThatFailsAtOnceIsRestartedUntilItsBudgetIsUsedUp) {
   EXPECT_GT(waits["recovery"]["in_ns"].get<std::int64_t>(), 200'000'000) << "of 800 ms";
   EXPECT_EQ(waits["fault"], "division by something");
   EXPECT_THAT(daemon.ctl({"status"}).out, HasSubstr("restarts with a fresh core"));
-  EXPECT_THAT(told(daemon), HasSubstr("1 restart left"));
+  EXPECT_THAT(why_first(daemon), HasSubstr("1 restart left"));
   EXPECT_EQ(daemon.ask("object.get", {{"address", "first"}})["state"], "recovering");
   ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }));
   EXPECT_EQ(daemon.component("first")["releases"], 4) << "one job of each core";
@@ -126,7 +127,7 @@ TEST(Why, AStartWithAFreshCoreKeepsTheRestartPolicy) {
   const auto started = daemon.ask("component.start", {{"components", {"first"}}, {"reset", true}});
 
   EXPECT_EQ(started["state"], "applied") << started;
-  EXPECT_FALSE(started.contains("probation")) << "a way back would only stop it again";
+  EXPECT_FALSE(started.contains("probation")) << "a rollback would only stop it again";
   EXPECT_TRUE(eventually([&] { return daemon.component("first")["releases"] == 3; }));
   ASSERT_TRUE(eventually([&] { return daemon.component("first")["state"] == "faulted"; }))
       << daemon.component("first");
@@ -147,7 +148,7 @@ TEST(Why, ACoreHungAndItsFallbackTookOver) {
   EXPECT_EQ(failure["core_after"], "trial/other");
   EXPECT_EQ(failure["fsm_state"], "update");
   EXPECT_THAT(hints(said), Contains(HasSubstr("mauvectl swap-core first trial/hanging")));
-  EXPECT_THAT(told(daemon), HasSubstr("its fallback core trial/other took over"));
+  EXPECT_THAT(why_first(daemon), HasSubstr("its fallback core trial/other took over"));
 }
 
 TEST(Why, AChangeWasRolledBackAndItsCoreIsKeptOut) {

@@ -101,7 +101,7 @@ Result<Rooms> rooms_for(const ServiceBase& service, const Json& given, Json& kep
   return rooms;
 }
 
-/// The result of a call, where there is one; a type that cannot be held or told is refused.
+/// The result of a call, where there is one; a type that cannot be held or printed is refused.
 Result<std::unique_ptr<Room>> room_for_result(const ServiceBase& service) {
   const auto* type = service.signature().result;
   if (type == nullptr || type->construct == nullptr) {
@@ -145,7 +145,7 @@ Status check_writer(const Running& running, const ServiceBase& service) {
                 "mauvectl disconnect " + writer + " first, or write where its component reads");
 }
 
-Status not_taken(const ServiceBase& service) {
+Status not_accepted(const ServiceBase& service) {
   const bool poisoned = service.resource().lock().poisoned();
   return refuse(poisoned ? Errc::wrong_state : Errc::timed_out, service.address(),
                 poisoned ? "its resource is poisoned and takes nothing"
@@ -158,14 +158,14 @@ Status use(const Running& running, ServiceBase& service, const Rooms& rooms, voi
   for (const auto& room : rooms) {
     arguments.push_back(room->data());
   }
-  const auto taken = use_outside(service, result, arguments.data());
-  if (!taken && service.resource().lock().poisoned()) {
-    running.log.write(logging::Event::read_poisoned, {{"text", to_string(taken.error())}});
+  const auto accepted = use_outside(service, result, arguments.data());
+  if (!accepted && service.resource().lock().poisoned()) {
+    running.log.write(logging::Event::read_poisoned, {{"text", to_string(accepted.error())}});
   }
-  if (!taken) {
-    return taken.error();
+  if (!accepted) {
+    return accepted.error();
   }
-  return *taken ? ok() : not_taken(service);
+  return *accepted ? ok() : not_accepted(service);
 }
 
 }  // namespace

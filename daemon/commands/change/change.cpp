@@ -15,7 +15,7 @@ namespace mauve::daemon {
 
 namespace {
 
-/// A start or a stop brings nothing that could be tried out, and a way back from a start would only
+/// A start or a stop brings nothing that could be tried out, and a rollback from a start would only
 /// stop the component again. That holds for a start with a fresh core of the same type too.
 bool changes_modes_only(const Running& running, const Change& change) {
   return !change.changes_rules && change.new_components.empty() && change.new_resources.empty() &&
@@ -67,8 +67,9 @@ void put_in_force(Running& running, const CallPtr& call, ChangeRequestPtr reques
                 });
 }
 
-/// [control] Ends a dry run: the answer tells the prepared change, and [factory] frees it.
-void tell(Running& running, const CallPtr& call, ChangeRequestPtr request, Ticket ticket) {
+/// [control] Ends a dry run: the answer shows the prepared change, and [factory] frees it.
+void answer_dry_run(Running& running, const CallPtr& call, ChangeRequestPtr request,
+                    Ticket ticket) {
   auto result = to_json(running.deployer.foresee(**request->prepared));
   result["dry_run"] = true;
   say_sync(request->prepared, result);
@@ -109,8 +110,8 @@ std::string state_after(const Error& error) {
 
 void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
            std::shared_ptr<ChangeHooks> hooks) {
-  if (auto free = may_begin(running, change); !free) {
-    return answer(running, *call, free.error());
+  if (auto allowed = may_begin(running, change); !allowed) {
+    return answer(running, *call, allowed.error());
   }
   auto probation = probation_of(call->params);
   if (!probation) {
@@ -129,7 +130,7 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
   prepare_then(
       running, call, std::move(request), std::move(ticket),
       [&running, &edits] { return running.deployer.prepare(edits); },
-      dry_run ? tell : put_in_force);
+      dry_run ? answer_dry_run : put_in_force);
 }
 
 Edit edit_of(std::string_view component) {

@@ -33,7 +33,7 @@ class ChangeHooks {
   virtual void complete(Json& result) = 0;
   /// [control] All differences that the change makes; none: arch::lines_of() finds them in it.
   [[nodiscard]] virtual std::optional<std::vector<arch::Line>> lines() const { return {}; }
-  /// The change is prepared, told and dropped.
+  /// The change is prepared, shown and dropped.
   [[nodiscard]] virtual bool dry_run() const { return false; }
 };
 

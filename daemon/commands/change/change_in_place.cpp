@@ -107,8 +107,8 @@ void apply_in_place(Running& running, const CallPtr& call, Ticket ticket, Edit e
   request->hooks = std::move(hooks);
   request->change.edits.push_back(std::move(edit));
   request->change.probation = *probation;
-  if (auto free = may_begin(running, request->change); !free) {
-    return answer(running, *call, free.error());
+  if (auto allowed = may_begin(running, request->change); !allowed) {
+    return answer(running, *call, allowed.error());
   }
   request->stops = stops_of(call->stops ? *call->stops : running.stops, request->change);
   auto& only = request->change.edits[0];

@@ -124,9 +124,9 @@ std::uint64_t stops_of(const std::map<std::string, std::uint64_t>& stops, const 
 }
 
 Status may_begin(const Running& running, const Change& change) {
-  auto free = may_change(running, change);
-  free = free ? check_quarantine(running, change) : free;
-  return free ? check_abandoned_in(running, change) : free;
+  auto allowed = may_change(running, change);
+  allowed = allowed ? check_quarantine(running, change) : allowed;
+  return allowed ? check_abandoned_in(running, change) : allowed;
 }
 
 void prepare_then(Running& running, const CallPtr& call, ChangeRequestPtr request, Ticket ticket,

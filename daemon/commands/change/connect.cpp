@@ -73,8 +73,8 @@ void connect(Running& running, const CallPtr& call, Ticket ticket) {
   if (!max_age) {
     return answer(running, *call, max_age.error());
   }
-  if (auto free = replace_connection(running, call->params, port, *edit); !free) {
-    return answer(running, *call, free.error());
+  if (auto allowed = replace_connection(running, call->params, port, *edit); !allowed) {
+    return answer(running, *call, allowed.error());
   }
   edit->connect.push_back({port, text_or(call->params, "service"), *max_age});
   apply(running, call, std::move(ticket), {{*std::move(edit)}});

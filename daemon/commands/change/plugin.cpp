@@ -42,17 +42,17 @@ void finish_load(Running& running, const Call& call, Load& load) {
   }
   const auto info = (*load.loaded)->info();
   const std::vector lines = {arch::make_line("plugin", info.name, {}, info.name)};
-  if (auto free = may_change(running, call, lines); !free) {
-    return answer(running, call, free.error());
+  if (auto allowed = may_change(running, call, lines); !allowed) {
+    return answer(running, call, allowed.error());
   }
   if (flag(call.params, "dry_run")) {
-    Json foretold{{"plugin", info.name},
-                  {"version", info.version},
-                  {"warnings", info.warnings},
-                  {"dry_run", true},
-                  {"generation", running.generation.load()}};
-    say_lines(lines, foretold);
-    return answer(running, call, std::move(foretold));
+    Json planned{{"plugin", info.name},
+                 {"version", info.version},
+                 {"warnings", info.warnings},
+                 {"dry_run", true},
+                 {"generation", running.generation.load()}};
+    say_lines(lines, planned);
+    return answer(running, call, std::move(planned));
   }
   auto done = running.catalog.commit(std::move(**load.loaded));
   if (!done) {
@@ -94,7 +94,7 @@ Error why_in_use(const Running& running, const std::string& plugin, Error error)
   if (error.code != Errc::wrong_state || !running.deployer.on_probation() || in_force) {
     return error;
   }
-  error.message += ", which does not run any more: it is kept for the way back until generation " +
+  error.message += ", which does not run any more: it is kept for the rollback until generation " +
                    std::to_string(running.generation.load()) + " has proved itself";
   error.hint = "mauvectl confirm ends that at once";
   return error;
@@ -137,12 +137,12 @@ namespace {
 
 /// [control] No remains of the changes before this one hold the library any more.
 void unload_settled(Running& running, const CallPtr& call, const std::string& name, Ticket ticket) {
-  auto free = check_conditions(running, *call);
-  if (free) {
-    free = may_change(running, *call, {line_of_unloading(name)});
+  auto allowed = check_conditions(running, *call);
+  if (allowed) {
+    allowed = may_change(running, *call, {line_of_unloading(name)});
   }
-  if (!free) {
-    return answer(running, *call, free.error());
+  if (!allowed) {
+    return answer(running, *call, allowed.error());
   }
   auto library = running.catalog.remove(name);
   if (!library) {
@@ -173,9 +173,9 @@ void unload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
         return running.deployer.settled() || std::chrono::steady_clock::now() > patience;
       },
       [&running, call, ticket = std::move(ticket)]() mutable {
-        auto free = std::make_shared<Retired>(running.deployer.collect());
+        auto retired = std::make_shared<Retired>(running.deployer.collect());
         running.control.in_factory(
-            [free] { static_cast<void>(free->release()); },
+            [retired] { static_cast<void>(retired->release()); },
             [&running, call, ticket = std::move(ticket)]() mutable {
               unload_settled(running, call, text_or(call->params, "plugin"), std::move(ticket));
             },

@@ -137,8 +137,8 @@ Status may_go_on(Running& running, const Call& call, Reload& reload) {
     return met;
   }
   const auto build_of = [&](const std::string&) { return (*reload.loaded)->info().build_id; };
-  if (auto free = check_quarantine(running, reload.change, build_of); !free) {
-    return free;
+  if (auto allowed = check_quarantine(running, reload.change, build_of); !allowed) {
+    return allowed;
   }
   if (auto good = running.catalog.check_types(**reload.loaded); !good) {
     return good;
@@ -147,7 +147,7 @@ Status may_go_on(Running& running, const Call& call, Reload& reload) {
   return may_change(running, call, reload.lines);
 }
 
-/// [control] The names change hands last, since that cannot be taken back.
+/// [control] The names change hands last, since that cannot be undone.
 Status hand_names_over(Running& running, Reload& reload) {
   auto old = running.catalog.exchange(std::move(**reload.loaded));
   if (!old) {
@@ -156,14 +156,15 @@ Status hand_names_over(Running& running, Reload& reload) {
   if (reload.change.probation && reload.receipt && *old) {
     keep_former(running, **std::move(old));
     reload.unmapped = {false, "generation " + std::to_string(reload.receipt->generation) +
-                                  " is on probation, and its way back leads there"};
+                                  " is on probation, and its rollback leads there"};
     return ok();
   }
   reload.old = *std::move(old);
   return ok();
 }
 
-/// [factory] Messages of the old code are text in the old code: they are told before it goes.
+/// [factory] Messages of the old code are text in the old code: they are reported before it is
+/// unloaded.
 void free_old(Running& running, Reload& reload, bool in_force) {
   static_cast<void>(reload.retired->release());
   reload.prepared.reset();
@@ -242,7 +243,7 @@ void end_when_settled(Running& running, const CallPtr& call, ReloadPtr reload, T
       });
 }
 
-/// [control] Ends a dry run: the answer tells the prepared reload, and [factory] frees it.
+/// [control] Ends a dry run: the answer shows the prepared reload, and [factory] frees it.
 void answer_dry_reload(Running& running, const CallPtr& call, ReloadPtr reload, Ticket ticket) {
   Receipt nothing;
   nothing.generation = running.deployer.generation();
@@ -372,8 +373,8 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
     return answer(running, *call, probation.error());
   }
   running.report_outcomes();  // a probation that has ended keeps nothing
-  if (auto free = check_former(running, reload->name); !free) {
-    return answer(running, *call, free.error());
+  if (auto allowed = check_former(running, reload->name); !allowed) {
+    return answer(running, *call, allowed.error());
   }
   Question question{arch::to_json_text(described(running))};
   question.loads = true;
@@ -385,8 +386,8 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
             if (!reload->change.edits.empty()) {
               reload->change.probation = probation;
             }
-            if (auto free = check_abandoned_in(running, reload->change); !free) {
-              return answer(running, *call, free.error());
+            if (auto allowed = check_abandoned_in(running, reload->change); !allowed) {
+              return answer(running, *call, allowed.error());
             }
             reload_in_factory(running, call, reload, ticket);
           });

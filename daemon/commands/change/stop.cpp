@@ -76,8 +76,8 @@ std::shared_ptr<void> until_over(Running& running, std::shared_ptr<StopOrder> or
 }
 
 /// The answer to a dry run of a stop.
-Json foretold(const Running& running, const std::vector<arch::Line>& lines,
-              const std::vector<std::string>& stopped) {
+Json planned(const Running& running, const std::vector<arch::Line>& lines,
+             const std::vector<std::string>& stopped) {
   Receipt nothing;
   nothing.generation = running.deployer.generation();
   auto result = to_json(nothing);
@@ -142,7 +142,7 @@ void stop(Running& running, const CallPtr& call, Ticket /*none: it waits for no 
     }
   }
   if (flag(call->params, "dry_run")) {
-    return answer(running, *call, foretold(running, lines, stopped));
+    return answer(running, *call, planned(running, lines, stopped));
   }
   note_place_failures(running);
   for (const auto& name : *names) {

@@ -119,7 +119,7 @@ class Properties final : public ChangeHooks {
 };
 
 /// The old core lets go before the new one begins: nothing could be prepared and dropped, and the
-/// way back takes as long as the swap, so that a late job does not roll back.
+/// rollback takes as long as the swap, so that a late job does not roll back.
 Status may_be_in_place(const Json& params) {
   if (flag(params, "dry_run")) {
     return refuse(
@@ -130,7 +130,7 @@ Status may_be_in_place(const Json& params) {
   }
   if (params.contains("misses")) {
     return refuse(Errc::invalid_value, "misses",
-                  "the way back from a swap in place stops the component as long as the swap did, "
+                  "the rollback from a swap in place stops the component as long as the swap did, "
                   "so only a failure rolls back, not late jobs",
                   "leave out misses, or in_place");
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A log record as it is told on the wire.
+/// A log record as it is sent on the wire.
 #pragma once
 
 #include "commands/command.h"

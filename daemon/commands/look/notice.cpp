@@ -36,7 +36,7 @@ Failure failure_of(const Running& running, const std::string& component, const I
   failure.text = incident.text;
   failure.fsm_state = incident.state;
   failure.job = incident.job;
-  // The build that ran is known by now only if no other one has taken its place.
+  // The build that ran is known by now only if no other one has replaced it.
   failure.culprit = running.failures.running(component);
   if (failure.culprit.core != incident.core) {
     failure.culprit = {incident.core, build_of(running, incident.core)};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Ports, services and state machines as they are told on the wire. [control]
+/// Ports, services and state machines as they are sent on the wire. [control]
 #pragma once
 
 #include "commands/model.h"
@@ -10,7 +10,7 @@ namespace mauve::daemon {
 /// {"name","kind","type","service"}; the service is null where it is not connected.
 [[nodiscard]] Json port_row(const Element& element, const PortBase& port);
 
-/// So it can be told how fresh its value is: other services would run their core for it.
+/// So the age of its value is known: other services would run their core for it.
 [[nodiscard]] bool reads_shared_data(const Element& element, const PortBase& port);
 
 /// {"name","kind","type"}
@@ -18,7 +18,7 @@ namespace mauve::daemon {
 [[nodiscard]] Json service_rows(const ResourceBase& resource);
 
 /// {"initial","states":[{"name","kind","wait_ns","transitions":[{"to","guarded","guard"}]}]};
-/// transitions in the order in which guards are asked, what is taken when none is true last.
+/// transitions in the order in which guards are asked, the transition that needs no guard last.
 [[nodiscard]] Json machine_json(const FsmBase& fsm);
 
 /// [{"address","text"}]: connections of what runs that may be a mistake. [control]

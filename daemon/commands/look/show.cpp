@@ -38,7 +38,7 @@ Json observable_row(const std::string& name, const ObservableBase& observable) {
           {"text", observable.text()}};
 }
 
-/// What only a look at one element or port tells.
+/// Facts that only a request for one element or port shows.
 Json whole_port_row(const Element& element, const PortBase& port) {
   auto row = port_row(element, port);
   row["max_age"] = max_age_of(connection(element, port));

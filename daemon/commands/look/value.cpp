@@ -46,7 +46,7 @@ Result<Json> read_service(const Running& running, const std::string& address,
         (kind == PortKind::event ? "is an " : "is a ") + word + " service, it has no value to read",
         service.taps() != nullptr
             ? "mauvectl get " + service.resource().name() + ".read has the last value"
-            : "mauvectl show " + address + " tells its types");
+            : "mauvectl show " + address + " shows its types");
   }
   if (service.resource().type().name == arch::kRingBuffer) {
     return refuse(Errc::unsupported, address, "is a queue: reading would take an item away",

@@ -124,8 +124,8 @@ void add_outcomes(Page& page, const Counts& counts, const std::vector<ComponentS
        {"fallbacks_total", "Faults after which the fallback core took over.",
         Outcome::Kind::fell_back},
        {"rollbacks_total",
-        "Changes that were taken back, by the component at fault; empty: somebody asked, or nobody "
-        "confirmed.",
+        "Changes that were rolled back, by the component at fault; empty: by an undo, or without a "
+        "confirmation.",
         Outcome::Kind::rolled_back}}};
   for (const auto& counter : kCounters) {
     page.family(counter.name, "counter", counter.help);

@@ -61,13 +61,13 @@ void note_abandoned_in(Running& running, const std::vector<std::string>& compone
 Status check_abandoned_in(const Running& running, const Change& change) {
   MAUVE_ON_THREAD(control);
   for (const auto& edit : change.edits) {
-    if (auto free = check_name(running, edit.component); !free) {
-      return free;
+    if (auto allowed = check_name(running, edit.component); !allowed) {
+      return allowed;
     }
   }
   for (const auto& name : change.remove) {
-    if (auto free = check_name(running, name); !free) {
-      return free;
+    if (auto allowed = check_name(running, name); !allowed) {
+      return allowed;
     }
   }
   return ok();

@@ -49,7 +49,7 @@ Status check_former(const Running& running, const std::string& plugin) {
   }
   return refuse(Errc::conflict, plugin,
                 "was reloaded in generation " + std::to_string(found->second.generation) +
-                    ", which is on probation: the build before is kept for its way back, and one "
+                    ", which is on probation: the build before is kept for its rollback, and one "
                     "only can be kept",
                 "mauvectl confirm, or mauvectl undo, then reload again");
 }

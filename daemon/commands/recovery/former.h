@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The code that a reload replaced. It stays in memory as long as the reload is on probation, since
-/// the way back leads to it, and gets its names back when the reload is rolled back.
+/// the rollback leads to it, and gets its names back when the reload is rolled back.
 #pragma once
 
 #include <chrono>

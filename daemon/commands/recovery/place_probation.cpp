@@ -93,7 +93,7 @@ void end(Running& running, RollbackPtr way, Ticket ticket, const Status& done) {
   free_in_factory(running, std::move(way), std::move(ticket));
 }
 
-/// A hook did not return. Its thread goes on with the way back, which is its own from now on.
+/// A hook did not return. Its thread goes on with the rollback, which is its own from now on.
 void abandon(Running& running, const PlaceProbation& place, const std::string& hook) {
   const auto& name = place.component;
   note_abandoned_in(running, {name}, hook, true);

@@ -32,7 +32,7 @@ struct FailureMark {
   std::optional<Instant> before = std::nullopt;  ///< none: it was neither faulted nor recovering
 };
 
-/// [control] Taken before the change is in force.
+/// [control] Recorded before the change is in force.
 [[nodiscard]] FailureMark mark_failure(const Running& running, const std::string& component);
 
 /// [control] The failure of a core that came into force after the mark; none: it has not failed.
@@ -81,7 +81,7 @@ void note_place_failures(Running& running);
 /// rollback goes on. False: no swap in place was open.
 [[nodiscard]] bool confirm_places(Running& running);
 
-/// Names a swap in place, and the core that its way back leads to.
+/// Names a swap in place, and the core that its rollback leads to.
 struct PlaceTarget {
   std::uint64_t generation = 0;
   std::string component;
@@ -92,12 +92,12 @@ struct PlaceTarget {
 [[nodiscard]] std::optional<PlaceTarget> newest_place(const Running& running, std::uint64_t than);
 
 /// [control] Begins to put the core before in force again; the log shows `reason`. The log, the
-/// audit log and the history tell the end of the way back, as they do for every probation. The call
-/// is refused while another change is being prepared.
+/// audit log and the history record the end of the rollback, as they do for every probation. The
+/// call is refused while another change is being prepared.
 [[nodiscard]] Status undo_place(Running& running, const PlaceTarget& target,
                                 const std::string& reason);
 
-/// [control] After the way back: whether the core before has taken over.
+/// [control] After the rollback: whether the core before has taken over.
 [[nodiscard]] Status is_back(const Running& running, const PlaceTarget& target);
 
 /// [control] Some swap in place is being rolled back.

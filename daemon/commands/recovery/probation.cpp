@@ -55,7 +55,7 @@ Status nothing_else(const Json& params) {
 }
 
 /// What to do instead, where anything is kept.
-Error no_way_back(const Running& running, Error error) {
+Error no_rollback(const Running& running, Error error) {
   const auto now = running.deployer.generation();
   error.hint.clear();
   if (running.store == nullptr) {
@@ -113,7 +113,7 @@ Tried newest_of(const Running& running) {
   return newest;
 }
 
-/// The answer to `undo` of these changes, before they are taken back.
+/// The answer to `undo` of these changes, before they are rolled back.
 Json undone_json(const Running& running, const Tried& newest) {
   return {{"lines", running.rollback_lines.back_from(newest.changes)},
           {"undone", tried_json(newest)},
@@ -142,7 +142,7 @@ void answer_undone(Running& running, const Call& call, Json result) {
   answer(running, call, std::move(result));
 }
 
-void answer_foretold(Running& running, const Call& call, Json result) {
+void answer_plan(Running& running, const Call& call, Json result) {
   result["generation"] = running.generation.load();
   result["changed"] = false;
   result["state"] = "unchanged";
@@ -172,11 +172,11 @@ void begin_undo(Running& running, const CallPtr& call) {
   }
   const auto newest = newest_of(running);
   auto result = undone_json(running, newest);
-  if (auto free = may_undo(running, *call, newest, result["lines"]); !free) {
-    return answer(running, *call, free.error());
+  if (auto allowed = may_undo(running, *call, newest, result["lines"]); !allowed) {
+    return answer(running, *call, allowed.error());
   }
   if (flag(call->params, "dry_run") && !newest.changes.empty()) {
-    return answer_foretold(running, *call, std::move(result));
+    return answer_plan(running, *call, std::move(result));
   }
   const auto reason = text_or(call->params, "reason");
   const auto text = std::string(kUndone) + (reason.empty() ? " by request" : ": " + reason);
@@ -185,7 +185,7 @@ void begin_undo(Running& running, const CallPtr& call) {
   }
   auto begun = running.deployer.undo(text);
   if (!begun) {
-    return answer(running, *call, no_way_back(running, begun.error()));
+    return answer(running, *call, no_rollback(running, begun.error()));
   }
   const auto before = running.deployer.generation();
   running.control.await(

@@ -119,10 +119,10 @@ void restore_quarantine(Running& running) {
 
 Status check_quarantine(const Running& running, const Change& change, const BuildOf& build) {
   MAUVE_ON_THREAD(control);
-  auto free = ok();
+  auto allowed = ok();
   const auto look_at = [&](const std::string& at, const std::string& core) {
-    if (free) {
-      free = check_core(running, at, core, build ? build(core) : build_of(running, core));
+    if (allowed) {
+      allowed = check_core(running, at, core, build ? build(core) : build_of(running, core));
     }
   };
   for (const auto& edit : change.edits) {
@@ -142,7 +142,7 @@ Status check_quarantine(const Running& running, const Change& change, const Buil
       look_at(component.name() + ".fallback_core", fallback->core.name);
     }
   }
-  return free;
+  return allowed;
 }
 
 void CoresInQuarantine::replace(Names names) {

@@ -13,7 +13,7 @@ bool is_of_same(const Json& a, const Json& b) {
   return a["kind"] == b["kind"] && a["address"] == b["address"];
 }
 
-/// Only the value at the end counts. Of a change to which no way back belongs (a start or a stop)
+/// Only the value at the end counts. Of a change to which no rollback belongs (a start or a stop)
 /// only addresses count that an earlier one changed.
 void add_later(const Json& line, bool rolls_back, Json& all) {
   const auto earlier =

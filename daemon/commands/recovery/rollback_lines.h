@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The differences that changes on probation made, kept so that the way back can be told in the
+/// The differences that changes on probation made, kept so that the rollback can be shown in the
 /// lines of `plan`: before a user takes it, and when the system took it by itself.
 #pragma once
 

@@ -30,7 +30,7 @@ void begin_start(Running& running, std::uint64_t replaces, unsigned crashes) {
 
 namespace {
 
-/// Who changed something and went back before the start was confirmed runs the start again.
+/// A user who changed something and went back before the start was confirmed runs the start again.
 void look_at_start(Running& running) {
   auto& started = running.started;
   const auto ran = std::chrono::steady_clock::now() - started.since;

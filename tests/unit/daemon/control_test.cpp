@@ -176,7 +176,7 @@ TEST_F(ControlTest, LetsUsersTakeTurnsWithTheirChanges) {
   EXPECT_THAT(noted(), testing::ElementsAre("a1", "b1", "a2"));
 }
 
-TEST_F(ControlTest, BeginsTheNextChangeAlsoWhenOneIsGivenUp) {
+TEST_F(ControlTest, BeginsTheNextChangeAlsoWhenOneIsDropped) {
   ASSERT_TRUE(control.change([](const Control::Ticket&) {}));
   ASSERT_TRUE(control.change([&](const Control::Ticket&) { note("second"); }));
 

@@ -30,7 +30,7 @@ class DeadlinesTest : public Front<ramp::One<ramp::Up>> {
   std::vector<server::Outcome> answers;
 };
 
-TEST_F(DeadlinesTest, OfAChangeThatWaitsAreKeptAndItIsGivenUp) {
+TEST_F(DeadlinesTest, OfAChangeThatWaitsAreKeptAndItIsRefused) {
   const auto call = watched({{"deadline_ms", 100}});
   look_after(std::chrono::milliseconds(100));
   EXPECT_TRUE(answers.empty());

@@ -122,7 +122,7 @@ struct ServedSocket {
     static_cast<void>(out.line());
     return out;
   }
-  /// Why clients went, as the log tells it.
+  /// Why clients went, as the log reports it.
   [[nodiscard]] std::string log_text() {
     log.flush();
     std::string out;

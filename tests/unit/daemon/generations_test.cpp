@@ -82,7 +82,7 @@ TEST_F(GenerationsTest, AreMarkedWithoutLosingAnythingElse) {
   EXPECT_FALSE(kept->mark(2, Confirmation::confirmed));
 }
 
-TEST_F(GenerationsTest, KeepTheirMakerAndMarkWhenTheirTextIsSavedAnew) {
+TEST_F(GenerationsTest, KeepTheirAuthorAndConfirmationWhenTheirTextIsSavedAnew) {
   ASSERT_TRUE(kept->save(numbered(1, Confirmation::unconfirmed), "{}"));
   auto load = numbered(1);
   load.command = "plugin.load";

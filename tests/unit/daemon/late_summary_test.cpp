@@ -13,7 +13,7 @@ RuntimeEvent missed(Instant time, int releases, int in_all, const std::string& c
           std::to_string(releases) + " releases missed, " + std::to_string(in_all) + " in all"};
 }
 
-TEST(LateSummary, TellsTheFirstMissAtOnceAndTheOthersInOneLine) {
+TEST(LateSummary, ReportsTheFirstMissAtOnceAndTheOthersInOneLine) {
   LateSummary summary;
   EXPECT_TRUE(summary.pass(missed(kSummarySecond, 1, 1)));
   for (int i = 0; i < 8; ++i) {
@@ -40,7 +40,7 @@ TEST(LateSummary, ComesEachTenSecondsWhileAComponentIsLateAllTheTime) {
   EXPECT_EQ(lines, 6U) << "of 6000";
 }
 
-TEST(LateSummary, TellsASingleMissNowAndThenAtOnce) {
+TEST(LateSummary, ReportsASingleMissNowAndThenAtOnce) {
   LateSummary summary;
   for (Instant now = 0; now < 100 * kSummarySecond; now += 10 * kSummarySecond) {
     EXPECT_TRUE(summary.pass(missed(now, 1, 1)));

@@ -47,7 +47,7 @@ TEST(Levels, GoBackToWhatWasSetForGood) {
   EXPECT_EQ(over[0].component, "arm");
   EXPECT_EQ(over[0].level, Level::warn);
   EXPECT_EQ(levels.of("arm"), Level::warn);
-  EXPECT_TRUE(levels.expire(kNow + 1h).empty()) << "told once";
+  EXPECT_TRUE(levels.expire(kNow + 1h).empty()) << "reported once";
 }
 
 TEST(Levels, GoBackToTheUsualOne) {
@@ -95,7 +95,7 @@ TEST(LogLevels, LetOneComponentSayMoreThanTheOthers) {
   EXPECT_EQ(records[1].text, "d");
 }
 
-TEST(LogLevels, AreToldAtAnyLevelWhenTheyRevert) {
+TEST(LogLevels, AreReportedAtAnyLevelWhenTheyRevert) {
   Log log(Level::error);
   log.levels().set("arm", Level::debug, std::chrono::steady_clock::now());
   log.start();
@@ -135,7 +135,7 @@ TEST(History, FindsByTimeAndText) {
   EXPECT_TRUE(history.tail(9, filter).empty()) << "a text, no pattern";
 }
 
-TEST(History, TellsWhatIsMissing) {
+TEST(History, CountsWhatIsMissing) {
   History history(3);
   for (std::uint64_t i = 1; i <= 4; ++i) history.add(numbered(i, static_cast<int>(i), "x"));
   auto lost = make_record(Event::events_lost, {{"count", std::int64_t{7}}, {"source", "arm"}});

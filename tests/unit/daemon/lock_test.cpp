@@ -80,7 +80,7 @@ TEST_F(LocksAndRoles, JudgeAChangeByTheRoleThatItsDifferencesNeed) {
   }
 }
 
-/// An administrator's change of the elements is on probation; to take it back is such a change too.
+/// An administrator's change of the elements is on probation; to undo it is such a change too.
 TEST_F(LocksAndRoles, LetAnOperatorUndoNothingThatNeedsAnAdmin) {
   const std::string more = R"({"schema": "mauve/architecture/1", "name": "empty", "resources":
       {"more": {"type": "shared_data", "data": "double"}}})";

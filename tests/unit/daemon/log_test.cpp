@@ -17,7 +17,7 @@ namespace {
 
 using test::TempDir;
 
-/// Keeps what it gets, or fails as long as it is told to.
+/// Keeps what it gets, or fails as long as the test says so.
 struct FakeSink final : Sink {
   struct Seen {
     std::mutex mutex;
@@ -110,7 +110,7 @@ TEST(Printable, IsOneLineThatNoTerminalObeys) {
       << "everything else stays as it is";
 }
 
-TEST(Record, TellsTheTimeInUtc) {
+TEST(Record, StatesTheTimeInUtc) {
   EXPECT_EQ(utc(std::chrono::system_clock::time_point(std::chrono::microseconds(1'500'000))),
             "1970-01-01T00:00:01.500000Z");
 }
@@ -215,7 +215,7 @@ TEST_F(LogTest, GivesFollowersWhatIsKeptAndThenEveryNewRecord) {
   EXPECT_THAT(followed, testing::ElementsAre("listening on b"));
 }
 
-TEST_F(LogTest, HoldsNobodyUpWhileAFollowerIsTold) {
+TEST_F(LogTest, HoldsNoWriterUpWhileAFollowerIsNotified) {
   std::size_t found = 0;
   const auto following = log.history().follow(0, {}, [&](const Record& /*record*/) {
     found = log.history().tail(10, {}).size();  // of another thread it would wait likewise

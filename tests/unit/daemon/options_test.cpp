@@ -101,7 +101,7 @@ TEST(Options, RefuseWrongUseWithTwo) {
   EXPECT_THAT(left({}).text, testing::HasSubstr("hint: mauved --help"));
 }
 
-TEST(Options, TellTheVersion) {
+TEST(Options, PrintTheVersion) {
   const auto leave = left({"--version"});
 
   EXPECT_EQ(leave.exit, 0);

@@ -15,9 +15,9 @@ TEST(Outbox, CountsTheBytesThatWait) {
   const auto sub = outbox.open();
   ASSERT_TRUE(sub);
 
-  ASSERT_TRUE(outbox.push(*sub, "", "told", kNothing));
+  ASSERT_TRUE(outbox.push(*sub, "", "value", kNothing));
   const auto one = outbox.bytes();
-  ASSERT_TRUE(outbox.push(*sub, "", "told", kNothing));
+  ASSERT_TRUE(outbox.push(*sub, "", "value", kNothing));
   EXPECT_EQ(outbox.bytes(), 2 * one);
 
   const auto line = outbox.take();
@@ -28,14 +28,14 @@ TEST(Outbox, CountsTheBytesThatWait) {
   EXPECT_EQ(outbox.bytes(), 0U);
 }
 
-TEST(Outbox, HasRoomAgainForWhatIsTaken) {
+TEST(Outbox, HasRoomAgainAfterALineIsRead) {
   constexpr int kRounds = 100;
   Outbox outbox(1000, 1, [] {});
   const auto sub = outbox.open();
   ASSERT_TRUE(sub);
 
   for (int i = 0; i < kRounds; ++i) {
-    ASSERT_TRUE(outbox.push(*sub, "", "told", kNothing));
+    ASSERT_TRUE(outbox.push(*sub, "", "value", kNothing));
     ASSERT_TRUE(outbox.take());
   }
 

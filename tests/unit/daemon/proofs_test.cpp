@@ -38,7 +38,7 @@ TEST(Proofs, DoNotWaitForANewerChangeThatIsOpen) {
   EXPECT_THAT(proofs.passed(end_of({5}, 6, 6)), ElementsAre(5)) << "what is in force holds 6";
 }
 
-TEST(Proofs, AreNeverOfAGenerationThatHoldsAChangeWhichWasTakenBack) {
+TEST(Proofs, AreNeverOfAGenerationThatHoldsAChangeWhichWasRolledBack) {
   Proofs proofs;
   EXPECT_THAT(proofs.passed(end_of({6}, 6, 5)), IsEmpty());
   proofs.rolled_back(end_of({5}, 7, 0));

@@ -27,7 +27,7 @@ TEST(Refusals, AreWrittenTwentyTimesASecondForEachUserAndCountedBeyond) {
   ASSERT_EQ(counted.size(), 1U);
   EXPECT_EQ(counted[0].uid, 1U);
   EXPECT_EQ(counted[0].count, 68'253U - Refusals::kPerSecond);
-  EXPECT_TRUE(refusals.take_counted(begin + 9s).empty()) << "told once";
+  EXPECT_TRUE(refusals.take_counted(begin + 9s).empty()) << "reported once";
   EXPECT_EQ(written(refusals, 1, 30, begin + 1s), Refusals::kPerSecond) << "a new second";
 }
 
@@ -36,7 +36,7 @@ TEST(Refusals, ThatWereCountedAreNotForgottenWhenNobodyAskedInTime) {
   const Refusals::Time begin{};
   written(refusals, 1, 25, begin);
 
-  EXPECT_FALSE(refusals.may_write(1, begin + 2s)) << "the count is told first";
+  EXPECT_FALSE(refusals.may_write(1, begin + 2s)) << "the count is reported first";
 
   EXPECT_EQ(refusals.take_counted(begin + 2s)[0].count, 6U);
   EXPECT_TRUE(refusals.may_write(1, begin + 2s));

@@ -59,7 +59,7 @@ TEST(Server, RefusesAnUnknownArgumentBeforeTheDispatcherSeesIt) {
   EXPECT_EQ(served.dispatcher.served(), 0U);
 }
 
-TEST(Server, TellsTheDispatcherWhichChangesItRefusedItself) {
+TEST(Server, ReportsToTheDispatcherWhichChangesItRefusedItself) {
   const ServedSocket served;
   auto client = served.client();
 
@@ -144,7 +144,7 @@ TEST(Server, SendsAnAnswerLargerThanTheHardLimit) {
   EXPECT_EQ(answer["result"]["architecture"].get<std::string>().size(), 3U * 1024 * 1024);
 }
 
-TEST(Server, TellsTheDispatcherOnceThatAClientHasGone) {
+TEST(Server, ReportsToTheDispatcherOnceThatAClientHasGone) {
   ServedSocket served;
   {
     auto client = served.client();
@@ -199,7 +199,7 @@ TEST(Server, ClosesTheRestWhenTheGraceIsOver) {
   EXPECT_TRUE(client.closed_by_peer());
 }
 
-TEST(Server, LetsAUserWhosePlacesAreTakenStopButNothingElse) {
+TEST(Server, LetsAUserWhoseSlotsAreInUseStopButNothingElse) {
   server::Limits limits;
   limits.clients_per_uid = 2;
   limits.reserved_for_root = 0;
@@ -237,7 +237,7 @@ TEST(Server, NeverRefusesAConnectionThatMayOnlyStop) {
   EXPECT_EQ(served.server->clients().size(), 2U) << "one of each user";
 }
 
-TEST(Server, GivesTheOldestPlaceForAStopToAFurtherUserWhenTheReserveIsUsedUp) {
+TEST(Server, GivesTheOldestSlotForAStopToAFurtherUserWhenTheReserveIsUsedUp) {
   if (geteuid() != 0) GTEST_SKIP() << "SKIPPED: needs root, for clients of other users";
   server::Limits limits;
   limits.clients = 2;
@@ -284,7 +284,7 @@ TEST(Server, KnowsAGroupThatWasMadeAfterItsStart) {
   EXPECT_EQ(client.json()["params"]["role"], "viewer");
 }
 
-TEST(Server, GivesAnAdminThePlaceOfTheOldestViewerWhenAllAreTaken) {
+TEST(Server, GivesAnAdminTheSlotOfTheOldestViewerWhenAllAreInUse) {
   if (geteuid() != 0) GTEST_SKIP() << "SKIPPED: needs root, for clients of another user";
   server::Limits limits;
   limits.clients = 2;

@@ -160,9 +160,9 @@ TEST_F(StateStoreTest, SaysThatADamagedListOfCoresInQuarantineIsLost) {
     open();
     EXPECT_TRUE(store->quarantined().empty()) << text;
     log.flush();
-    const auto told = log.history().tail(1, {});
-    ASSERT_EQ(told.size(), 1U);
-    EXPECT_EQ(told[0].event, logging::Event::quarantine_lost) << text;
+    const auto records = log.history().tail(1, {});
+    ASSERT_EQ(records.size(), 1U);
+    EXPECT_EQ(records[0].event, logging::Event::quarantine_lost) << text;
   }
 }
 
@@ -199,9 +199,9 @@ TEST_F(StateStoreTest, SaysThatNothingWasSavedAndGoesOn) {
 
   EXPECT_TRUE(store->saved());
   log.flush();
-  const auto told = log.history().tail(100, {});
+  const auto records = log.history().tail(100, {});
   const auto count = [&](logging::Event event) {
-    return std::count_if(told.begin(), told.end(),
+    return std::count_if(records.begin(), records.end(),
                          [&](const logging::Record& one) { return one.event == event; });
   };
   EXPECT_EQ(count(logging::Event::generation_not_saved), 1);

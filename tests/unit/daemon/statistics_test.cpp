@@ -27,19 +27,19 @@ class Statistics : public Front<ramp::Two<ramp::Up>> {
     deployer.run_for(100ms);
   }
 
-  Json told(const std::string& method, Json params = Json::object()) {
+  Json answer(const std::string& method, Json params = Json::object()) {
     auto outcome = ask(Role::operator_, method, std::move(params));
     const auto* result = std::get_if<Json>(&outcome);
     EXPECT_NE(result, nullptr) << method;
     return result == nullptr ? Json() : *result;
   }
   std::uint64_t jobs(const char* component) {
-    return told("stats.get", {{"address", component}})["components"][0]["lateness"]["count"];
+    return answer("stats.get", {{"address", component}})["components"][0]["lateness"]["count"];
   }
 };
 
-TEST_F(Statistics, TellAllComponentsWithoutTheirStates) {
-  const auto result = told("stats.get");
+TEST_F(Statistics, ListAllComponentsWithoutTheirStates) {
+  const auto result = answer("stats.get");
 
   ASSERT_EQ(result["components"].size(), 2U);
   const auto& left = result["components"][0];
@@ -55,9 +55,9 @@ TEST_F(Statistics, TellAllComponentsWithoutTheirStates) {
   EXPECT_EQ(left["lock_waits"], (Json{{"count", 0}, {"sum_ns", 0}, {"max_ns", nullptr}}));
 }
 
-TEST_F(Statistics, TellOneComponentWithItsStatesOrOneOfThem) {
-  const auto whole = told("stats.get", {{"address", "left"}})["components"][0];
-  const auto state = told("stats.get", {{"address", "left.update"}})["components"][0];
+TEST_F(Statistics, ShowOneComponentWithItsStatesOrOneOfThem) {
+  const auto whole = answer("stats.get", {{"address", "left"}})["components"][0];
+  const auto state = answer("stats.get", {{"address", "left.update"}})["components"][0];
 
   ASSERT_EQ(whole["states"].size(), 1U);
   EXPECT_EQ(whole["states"], state["states"]);
@@ -80,11 +80,11 @@ TEST_F(Statistics, AreResetByAnOperatorOfOneOrAll) {
   EXPECT_EQ(refused(Role::operator_, "stats.reset", {{"component", "lefd"}}).name, "unknown_name");
   EXPECT_EQ(jobs("left"), 10U);
 
-  const auto one = told("stats.reset", {{"component", "left"}});
+  const auto one = answer("stats.reset", {{"component", "left"}});
   EXPECT_EQ(one["components"], Json::parse(R"([{"name": "left"}])"));
   EXPECT_EQ(jobs("left"), 0U);
   EXPECT_EQ(jobs("right"), 10U);
-  EXPECT_EQ(told("stats.reset")["components"].size(), 2U);
+  EXPECT_EQ(answer("stats.reset")["components"].size(), 2U);
   EXPECT_EQ(jobs("right"), 0U);
 }
 
@@ -92,10 +92,10 @@ TEST_F(Statistics, AreResetUnderAnyLockAndThatIsNoChange) {
   running.failures.changed({"left"}, {7, "now", "param.set", 1000, "faster"});
   running.lock = Lock::all;
 
-  EXPECT_EQ(told("stats.reset")["state"], "applied");
+  EXPECT_EQ(answer("stats.reset")["state"], "applied");
 
   EXPECT_EQ(jobs("left"), 0U);
-  const auto change = told("component.why", {{"component", "left"}})["change"];
+  const auto change = answer("component.why", {{"component", "left"}})["change"];
   EXPECT_EQ(change["method"], "param.set") << change;
 }
 
@@ -143,7 +143,7 @@ struct Exposition {
 };
 
 TEST_F(Statistics, AreMetricsThatPrometheusReads) {
-  const Exposition page(told("metrics.get")["text"]);
+  const Exposition page(answer("metrics.get")["text"]);
 
   EXPECT_EQ(page.samples.at(R"(mauve_releases_total{component="left"})"), 10);
   EXPECT_EQ(page.samples.at(R"(mauve_component_running{component="right"})"), 1);
@@ -158,7 +158,7 @@ TEST_F(Statistics, AreMetricsThatPrometheusReads) {
 }
 
 TEST_F(Statistics, CountEachBucketOfAMetricWithThoseBefore) {
-  const Exposition page(told("metrics.get")["text"]);
+  const Exposition page(answer("metrics.get")["text"]);
   const std::string begin = R"(mauve_start_lateness_seconds_bucket{component="left",le=")";
   std::map<double, double> buckets;
   for (const auto& [key, value] : page.samples) {
@@ -193,14 +193,14 @@ TEST_F(Statistics, EscapeLabelsOfMetrics) {
 }
 
 /// Each of 1000 jobs is as long as one of four, which no bucket puts together.
-TEST_F(Statistics, TellHowLongTheLongestOfEachShareTook) {
-  static_cast<void>(told("stats.reset"));
+TEST_F(Statistics, ShowHowLongTheLongestOfEachShareTook) {
+  static_cast<void>(answer("stats.reset"));
   auto& response = architecture.left.bundle()->measured->here().response;
   for (const auto& [jobs, time] : {std::pair{600, 1ms}, {350, 2ms}, {45, 4ms}, {5, 8ms}}) {
     for (int i = 0; i < jobs; ++i) response.add(Duration{time}.count());
   }
 
-  const auto left = told("stats.get", {{"address", "left"}})["components"][0]["response"];
+  const auto left = answer("stats.get", {{"address", "left"}})["components"][0]["response"];
 
   const auto near = [&](const char* key, double milliseconds) {
     EXPECT_NEAR(left[key].get<double>(), milliseconds * 1e6, milliseconds * 0.04e6) << key;
@@ -212,8 +212,8 @@ TEST_F(Statistics, TellHowLongTheLongestOfEachShareTook) {
 }
 
 TEST_F(Statistics, MetricsCountRequestsRefusalsAndWhatTheSystemDidByItself) {
-  static_cast<void>(told("status.get"));
-  static_cast<void>(told("status.get"));
+  static_cast<void>(answer("status.get"));
+  static_cast<void>(answer("status.get"));
   static_cast<void>(refused(Role::viewer, "stats.get", {{"address", "lefd"}}));
   for (const auto kind : {Outcome::Kind::rolled_back, Outcome::Kind::rolled_back,
                           Outcome::Kind::fell_back, Outcome::Kind::restarted}) {
@@ -223,7 +223,7 @@ TEST_F(Statistics, MetricsCountRequestsRefusalsAndWhatTheSystemDidByItself) {
     running.counts.note(outcome);
   }
 
-  auto page = Exposition(told("metrics.get")["text"]).samples;
+  auto page = Exposition(answer("metrics.get")["text"]).samples;
 
   EXPECT_EQ(page.at(R"(mauve_commands_total{method="status.get"})"), 2);
   EXPECT_EQ(page.at(R"(mauve_commands_total{method="stats.get"})"), 1);

@@ -29,7 +29,7 @@ class StopperTest : public testing::Test {
         std::move(components), [applies] { return applies; },
         [this](const DirectStop& direct) {
           run_still = direct.run_still();
-          ++told;
+          ++reports;
         });
   }
   [[nodiscard]] bool stops(const char* component) {
@@ -41,8 +41,8 @@ class StopperTest : public testing::Test {
   Deployer deployer{architecture, {.realtime = Realtime::off}};
   logging::Log log{logging::Level::debug};
   Stopper stopper{log};
-  Names run_still{"nothing told"};
-  std::atomic<int> told{0};
+  Names run_still{"no report"};
+  std::atomic<int> reports{0};
 };
 
 TEST_F(StopperTest, CarriesOutAStopThatIsNeverServedAlsoWhileControlDoesOtherThings) {
@@ -50,11 +50,11 @@ TEST_F(StopperTest, CarriesOutAStopThatIsNeverServedAlsoWhileControlDoesOtherThi
   stopper.watch(stop);
 
   EXPECT_TRUE(stops("left")) << "each look of eventually() is one of [control]";
-  EXPECT_TRUE(test::eventually([&] { return told == 1; }));
+  EXPECT_TRUE(test::eventually([&] { return reports == 1; }));
   EXPECT_THAT(run_still, IsEmpty());
   EXPECT_THAT(stop->stopped_directly(), ElementsAre("left"));
   EXPECT_EQ(deployer.status("right").state, ComponentState::running);
-  EXPECT_TRUE(stop->begin()) << "[control] is told that it was carried out";
+  EXPECT_TRUE(stop->begin()) << "[control] learns that it was carried out";
 }
 
 TEST_F(StopperTest, CarriesOutAStopThatIsServedButNotLookedAfter) {
@@ -62,7 +62,7 @@ TEST_F(StopperTest, CarriesOutAStopThatIsServedButNotLookedAfter) {
   EXPECT_FALSE(stop->begin());
   stopper.watch(stop);
 
-  ASSERT_TRUE(test::eventually([&] { return told == 1; }));
+  ASSERT_TRUE(test::eventually([&] { return reports == 1; }));
   EXPECT_THAT(run_still, IsEmpty());
   EXPECT_THAT(stop->stopped_directly(), ElementsAre("left", "right")) << "none named: all";
 }
@@ -75,7 +75,7 @@ TEST_F(StopperTest, LeavesAloneWhatIsOverOrWouldBeRefused) {
   const auto last = order({"left"});
   for (const auto& one : {over, refused, last}) stopper.watch(one);
 
-  ASSERT_TRUE(test::eventually([&] { return told == 1; }));
+  ASSERT_TRUE(test::eventually([&] { return reports == 1; }));
   EXPECT_THAT(over->stopped_directly(), IsEmpty());
   EXPECT_THAT(refused->stopped_directly(), IsEmpty());
   EXPECT_EQ(deployer.status("right").state, ComponentState::running);
@@ -84,7 +84,7 @@ TEST_F(StopperTest, LeavesAloneWhatIsOverOrWouldBeRefused) {
 TEST_F(StopperTest, KeepsComponentsParkedUntilControlHasDoneTheBooks) {
   const auto stop = order({"left"});
   stopper.watch(stop);
-  ASSERT_TRUE(test::eventually([&] { return told == 1; }));
+  ASSERT_TRUE(test::eventually([&] { return reports == 1; }));
   ASSERT_TRUE(stops("left"));
   static_cast<void>(deployer.start({"left"}));
   EXPECT_EQ(deployer.status("left").state, ComponentState::stopped);
@@ -97,16 +97,16 @@ TEST_F(StopperTest, KeepsComponentsParkedUntilControlHasDoneTheBooks) {
 }
 
 /// [stop] looks at all of them many times before it carries out the second one.
-TEST_F(StopperTest, TellsOnceOfEachStop) {
+TEST_F(StopperTest, ReportsEachStopOnce) {
   stopper.watch(order({"left"}));
-  ASSERT_TRUE(test::eventually([&] { return told == 1; }));
+  ASSERT_TRUE(test::eventually([&] { return reports == 1; }));
 
   const auto later = std::make_shared<std::atomic<int>>(0);
   stopper.watch(std::make_shared<StopOrder>(
       Names{"right"}, [] { return true; }, [later](const DirectStop&) { ++*later; }));
   ASSERT_TRUE(test::eventually([&] { return *later == 1; }));
 
-  EXPECT_EQ(told, 1);
+  EXPECT_EQ(reports, 1);
 }
 
 }  // namespace

@@ -164,7 +164,7 @@ TEST_F(TableTest, LooksForAdminsOnlyAtPluginsThatAreNotLoaded) {
   EXPECT_EQ(errors[0]["code"], "plugin_refused");
 }
 
-TEST_F(TableTest, TellsEveryErrorOfAFileThatIsRefused) {
+TEST_F(TableTest, ReportsEveryErrorOfAFileThatIsRefused) {
   const std::string text =
       R"({"schema": "mauve/architecture/1", "name": "empty", "plugins": ["a", "a", "B"]})";
 
@@ -175,7 +175,7 @@ TEST_F(TableTest, TellsEveryErrorOfAFileThatIsRefused) {
   EXPECT_EQ(fault.state, "unchanged");
 }
 
-TEST_F(TableTest, TellsTheGenerationWithEveryRefusal) {
+TEST_F(TableTest, StatesTheGenerationWithEveryRefusal) {
   const auto fault = refused(Role::admin, "param.get", {{"address", "nothing.here"}});
 
   EXPECT_EQ(fault.generation, 7U);
@@ -254,14 +254,14 @@ TEST_F(TableTest, ListsNoGenerationsWhenNoneAreKept) {
   EXPECT_EQ(refused(Role::admin, "config.rollback", {{"generation", 1}}).name, "unsupported");
 }
 
-TEST_F(TableTest, TellsAViewerWhatItsProcessWasGranted) {
+TEST_F(TableTest, ShowsAViewerWhatItsProcessWasGranted) {
   const auto outcome = ask(Role::viewer, "daemon.doctor");
 
   ASSERT_TRUE(std::holds_alternative<Json>(outcome));
-  const auto& told = std::get<Json>(outcome);
-  EXPECT_EQ(told["pid"], getpid());
-  EXPECT_EQ(told["state_dir"], nullptr);
-  EXPECT_FALSE(told["threads"].empty());
+  const auto& answer = std::get<Json>(outcome);
+  EXPECT_EQ(answer["pid"], getpid());
+  EXPECT_EQ(answer["state_dir"], nullptr);
+  EXPECT_FALSE(answer["threads"].empty());
 }
 
 TEST_F(TableTest, FindsRecordsByTimeTextAndLevel) {

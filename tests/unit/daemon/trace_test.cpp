@@ -155,7 +155,7 @@ class FlightsTest : public testing::Test {
     recording.why = word + " control";
     flights.write(recording, word, component, "boot");
   }
-  [[nodiscard]] std::size_t told(logging::Event event) {
+  [[nodiscard]] std::size_t events_of(logging::Event event) {
     log_.flush();
     std::size_t count = 0;
     for (const auto& one : log_.history().tail(1000, {})) {
@@ -183,7 +183,7 @@ TEST_F(FlightsTest, AreFilesWithTheirReasonInTheName) {
   EXPECT_EQ((*page)["records"].size(), 3U);
   EXPECT_EQ((*page)["end"], true);
   EXPECT_EQ((*page)["header"]["architecture"], "rover");
-  EXPECT_EQ(told(logging::Event::flight_recorded), 1U);
+  EXPECT_EQ(events_of(logging::Event::flight_recorded), 1U);
 }
 
 TEST_F(FlightsTest, ComeInPagesThatGoOnWhereTheLastOneEnded) {
@@ -289,13 +289,13 @@ TEST(FlightAllowance, IsUsedUpUntilItsSpanHasPassed) {
   EXPECT_TRUE(allowance.take(begin + seconds(14)));
 }
 
-TEST_F(FlightsTest, WhatTheDiskDoesNotTakeIsToldOnce) {
+TEST_F(FlightsTest, AWriteThatFailsIsReportedOnce) {
   const auto missing = place_ / "missing";
   Flights flights(missing.string(), log_);
   write(flights);
   write(flights);
   EXPECT_TRUE(flights.list().empty());
-  EXPECT_EQ(told(logging::Event::flight_not_kept), 1U);
+  EXPECT_EQ(events_of(logging::Event::flight_not_kept), 1U);
 
   std::filesystem::create_directory(missing);
   write(flights);

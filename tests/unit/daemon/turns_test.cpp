@@ -71,7 +71,7 @@ TEST(Turns, AreAwaitedByAClientThatHasClosedItsSendingSide) {
   EXPECT_EQ(client.json()["id"], 2);
 }
 
-TEST(Turns, ThatAreNotTakenAnyMoreKeepNoServerFromEnding) {
+TEST(Turns, ThatNoThreadTakesUpAnyMoreKeepNoServerFromEnding) {
   ServedSocket served;
   std::vector<RawClient> clients;
   for (int i = 0; i < 4; ++i) {

@@ -20,7 +20,7 @@ for unit in mauve-guardian mauved; do
   systemd-analyze security --offline=true --threshold=10 "$work/$unit.service" | tail -1
 done
 
-# With the drop-ins in force (comment signs taken away) it must still be understood.
+# With the drop-ins in force (comment signs removed) it must still be understood.
 for drop_in in capabilities devices; do
   mkdir -p "$work/mauved.service.d"
   sed -E 's/^#(\[|[A-Z][A-Za-z]+=)/\1/' "$1/systemd/mauved-$drop_in.conf" \

@@ -139,7 +139,7 @@ TEST(FaultOf, ChoosesTheExitCodeOfTheClient) {
   EXPECT_EQ(fault_of(kUnknownMethod, "").exit, 2);
 }
 
-TEST(ServerMessage, TellsAnswersFromNotifications) {
+TEST(ServerMessage, DistinguishesAnswersFromNotifications) {
   const auto answer = parse_server_message(to_line(make_response(5, {{"pong", true}})));
   const auto hello = parse_server_message(to_line(make_notification("hello", {{"role", "admin"}})));
 

@@ -111,7 +111,7 @@ TEST(Methods, HaveEffectsWithWordsAndSentences) {
   EXPECT_EQ(to_string(Lane::change), "change");
 }
 
-TEST(Types, AreToldInWords) {
+TEST(Types, AreNamedInWords) {
   EXPECT_EQ(in_words(row::or_null(row::ns)), "integer in ns or null");
   EXPECT_EQ(in_words(row::list(row::text)), "list of text");
   EXPECT_EQ(in_words(row::map(row::value)), "map of value");

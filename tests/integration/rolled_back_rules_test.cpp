@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// Rules, transactions and permissions belong to a change like components: they go when it is taken
+// Rules, transactions and permissions belong to a change like components: they go when it is rolled
 // back, and no generation is saved with half of it.
 #include "kept_daemon.h"
 
@@ -8,7 +8,7 @@ namespace {
 
 using testing::HasSubstr;
 
-class TakenBack : public Generations {
+class RolledBack : public Generations {
  protected:
   void SetUp() override { ASSERT_EQ(daemon_.ask("change.confirm")["saved"], true); }
 
@@ -34,7 +34,7 @@ class TakenBack : public Generations {
   TrialDaemon daemon_{kTrial, options()};
 };
 
-TEST_F(TakenBack, RulesAreWhatTheyWereAfterAnUndo) {
+TEST_F(RolledBack, RulesAreWhatTheyWereAfterAnUndo) {
   const Json before = exported(daemon_);
   Json wanted = supervised();
   wanted["components"]["first"]["properties"]["core.gain"] = 2.0;
@@ -49,7 +49,7 @@ TEST_F(TakenBack, RulesAreWhatTheyWereAfterAnUndo) {
   EXPECT_EQ(daemon_.ask("rules.list")["items"].size(), 0U);
 }
 
-TEST_F(TakenBack, RulesThatAreAllThatChangesAreAGenerationOnProbation) {
+TEST_F(RolledBack, RulesThatAreAllThatChangesAreAGenerationOnProbation) {
   const Json before = exported(daemon_);
 
   const Json applied = apply(supervised(), {{"confirm_within", "50ms"}});
@@ -63,7 +63,7 @@ TEST_F(TakenBack, RulesThatAreAllThatChangesAreAGenerationOnProbation) {
   EXPECT_FALSE(saved("3").contains("rules"));
 }
 
-TEST_F(TakenBack, RulesStayWhenTheirChangeIsConfirmed) {
+TEST_F(RolledBack, RulesStayWhenTheirChangeIsConfirmed) {
   ASSERT_EQ(apply(supervised())["generation"], 2);
   const Json with_rules = exported(daemon_);
 
@@ -77,7 +77,7 @@ TEST_F(TakenBack, RulesStayWhenTheirChangeIsConfirmed) {
   EXPECT_EQ(exported(daemon_), with_rules);
 }
 
-TEST_F(TakenBack, RulesOfAComponentThatLeavesAgainKeepNoGenerationFromStarting) {
+TEST_F(RolledBack, RulesOfAComponentThatLeavesAgainKeepNoGenerationFromStarting) {
   Json wanted = supervised("more.core.gain");
   wanted["components"]["more"] = wanted["components"]["first"];
   wanted["components"]["more"].erase("may_request");
@@ -93,7 +93,7 @@ TEST_F(TakenBack, RulesOfAComponentThatLeavesAgainKeepNoGenerationFromStarting) 
   EXPECT_EQ(daemon_.value("first.core.gain"), 3.0) << daemon_.errors();
 }
 
-TEST_F(TakenBack, PluginsAloneAreNoChangeThatCouldBe) {
+TEST_F(RolledBack, PluginsAloneAreNoChangeThatCouldBe) {
   std::filesystem::copy_file(MAUVE_PLUGIN_DIR "/demo.so", daemon_.plugins() / "demo.so");
   Json wanted = plain();
   wanted["plugins"].push_back("demo");

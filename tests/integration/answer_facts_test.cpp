@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// What the answer to a change tells besides: who does not run, what has another value now.
+// Further facts in the answer to a change: components that do not run, values that differ now.
 #include "base/duration.h"
 #include "mauve/host/value.h"
 #include "trial_daemon.h"
@@ -13,7 +13,7 @@ Json swap_first(const std::string& core, const std::string& probation = "3000") 
   return {{"component", "first"}, {"core", core}, {"probation", probation}};
 }
 
-TEST(Swap, KeepsTheValuesInForceUnlessItIsToldToBeginWithDefaults) {
+TEST(Swap, KeepsTheValuesInForceUnlessTheRequestSaysDefaults) {
   TrialDaemon daemon;
   static_cast<void>(daemon.ask("param.set", {{"values", {{"first.core.gain", 3.0}}}}));
 
@@ -22,9 +22,9 @@ TEST(Swap, KeepsTheValuesInForceUnlessItIsToldToBeginWithDefaults) {
   EXPECT_EQ(daemon.value("first.core.gain"), 3.0);
   auto defaults = swap_first("trial/steady");
   defaults["defaults"] = true;
-  const auto told = daemon.ask("core.swap", defaults);
-  EXPECT_EQ(told["defaults"], Json::array({{{"name", "gain"}, {"before", 3.0}, {"after", 1.0}}}))
-      << told;
+  const auto answer = daemon.ask("core.swap", defaults);
+  EXPECT_EQ(answer["defaults"], Json::array({{{"name", "gain"}, {"before", 3.0}, {"after", 1.0}}}))
+      << answer;
   defaults = swap_first("trial/other");
   defaults["defaults"] = true;
   defaults["set"] = {{"gain", 4.0}};
@@ -39,10 +39,10 @@ TEST(Swap, SaysWhichStateItDropsInItsAnswerAndInTheLog) {
   auto drop = swap_first("trial/other");
   drop["state"] = "drop";
 
-  const auto told = daemon.ask("core.swap", drop);
-  const std::string state = told["components"][0]["dropped"];
-  EXPECT_FALSE(state.empty()) << told;
-  EXPECT_GT(told["components"][0]["dropped_bytes"], 0);
+  const auto answer = daemon.ask("core.swap", drop);
+  const std::string state = answer["components"][0]["dropped"];
+  EXPECT_FALSE(state.empty()) << answer;
+  EXPECT_GT(answer["components"][0]["dropped_bytes"], 0);
   EXPECT_TRUE(eventually([&] {
     return daemon.errors().find("first (its state " + state + ", ") != std::string::npos;
   })) << daemon.errors();

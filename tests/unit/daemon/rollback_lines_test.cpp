@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// The differences that the way back from changes on probation makes.
+// The differences that a rollback of changes on probation makes.
 #include "commands/recovery/rollback_lines.h"
 
 #include <gtest/gtest.h>
