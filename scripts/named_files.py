@@ -5,7 +5,7 @@
 Usage: named_files.py [ROOT]    prints one line for each violation: where: what, and what to do instead
 
 In a document a file is named by its whole path in backquotes. A function belongs to a file when both stand together:
-"`Class::function()`, `folder/file.cpp`". CHANGELOG.md and docs/decisions/ tell of the past and are not read. A comment
+"`Class::function()`, `folder/file.cpp`". CHANGELOG.md and docs/decisions/ describe the past and are not read. A comment
 names a file by the end of its path: "see job.h", "exec/task/job_runner.h".
 """
 import pathlib

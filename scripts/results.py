@@ -19,7 +19,7 @@ import sys
 import xml.etree.ElementTree
 
 MOST_UNSTEADY = 5  # of one stage; with more it is not the tests that are unsteady
-FIRST_WORDS, LAST_WORDS = 12, 20  # lines of a test that failed, in the summary
+FIRST_LINES, LAST_LINES = 12, 20  # lines of a test that failed, in the summary
 # In ctest's words; what it calls otherwise is a crash, a hang, or was not run at all. In a real-time runtime a hang is
 # the bug itself.
 EXCUSABLE = ("Failed",)
@@ -51,10 +51,10 @@ def words_of_failure(case):
     """The first failure that GoogleTest printed, and the last lines."""
     lines = output_of(case).splitlines()
     first = next((at for at, line in enumerate(lines) if line.endswith(": Failure")), None)
-    begin = max(0, len(lines) - LAST_WORDS)
+    begin = max(0, len(lines) - LAST_LINES)
     if first is None or first >= begin:
         return lines[begin:]
-    return lines[first:min(first + FIRST_WORDS, begin)] + lines[begin:]
+    return lines[first:min(first + FIRST_LINES, begin)] + lines[begin:]
 
 
 def entries_of(ledger):
@@ -83,7 +83,7 @@ def check_ledger(ledger, tests):
 
 
 def beside(text, failed):
-    """The tests that began shortly before and after those that failed, as ctest's log tells it."""
+    """The tests that began shortly before and after those that failed, as ctest's log lists them."""
     begun = re.findall(r"^ *Start +\d+: (.+)$", text, re.M)
     near = set()
     for at, name in enumerate(begun):
@@ -93,7 +93,7 @@ def beside(text, failed):
 
 
 def run_again(junit, log, ledger):
-    """ctest's report does not tell a crash from a failure, but the list at the end of its log does."""
+    """ctest's report does not distinguish a crash from a failure, but the list at the end of its log does."""
     text = pathlib.Path(log).read_text(encoding="utf-8", errors="replace")
     ends = re.findall(r"^\t *\d+ - (.+?) +\(([^)]+)\)", text.rpartition("The following tests FAILED:")[2],
                       re.M)

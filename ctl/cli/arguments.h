@@ -28,7 +28,7 @@ inline constexpr Argument kConfirmWithin = maybe(
     "--confirm-within", "rolled back unless confirmed in this time, such as 30s", Kind::duration);
 
 inline constexpr Argument kDryRun =
-    flag("--dry-run", "tell what the change would do; it is prepared and dropped");
+    flag("--dry-run", "show what the change would do; it is prepared and dropped");
 
 inline constexpr Argument kList[] = {maybe(
     "KIND",
@@ -144,13 +144,14 @@ inline constexpr Argument kRules[] = {
     maybe("RULE", "only this one, with all its parts", Kind::rule)};
 inline constexpr Argument kWhy[] = {kComponent};
 inline constexpr Argument kCheck[] = {one("FILE", "an architecture file", Kind::file)};
-inline constexpr Argument kApply[] = {one("FILE", "an architecture file", Kind::file),
-                                      flag("--dry-run", "prepare and tell, but change nothing"),
-                                      kState,
-                                      kSync,
-                                      kProbation,
-                                      kMisses,
-                                      kConfirmWithin};
+inline constexpr Argument kApply[] = {
+    one("FILE", "an architecture file", Kind::file),
+    flag("--dry-run", "prepare and show the change, but change nothing"),
+    kState,
+    kSync,
+    kProbation,
+    kMisses,
+    kConfirmWithin};
 inline constexpr Argument kPlan[] = {one("FILE", "an architecture file", Kind::file), kState, kSync,
                                      kProbation};
 inline constexpr Argument kHistory[] = {
@@ -165,7 +166,7 @@ inline constexpr Argument kRollback[] = {
     kProbation,
     kMisses,
     kConfirmWithin};
-inline constexpr Argument kUndo[] = {flag("--dry-run", "tell which changes it takes back")};
+inline constexpr Argument kUndo[] = {flag("--dry-run", "show which changes it rolls back")};
 inline constexpr Argument kTrace[] = {
     one_of("ACTION", "start, stop, status, list or dump", "start stop status list dump"),
     maybe("RECORDING", "of dump: one of the list; unsaid: what is traced now", Kind::recording),

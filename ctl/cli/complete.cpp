@@ -93,11 +93,11 @@ Candidates options_of(const Command* command) {
 }
 
 const Argument* next_positional(const Typed& typed) {
-  std::size_t place = typed.positionals.size();
+  std::size_t index = typed.positionals.size();
   for (const Argument& one : typed.command->arguments) {
     if (one.is_option()) continue;
-    if (one.many || place == 0) return &one;
-    --place;
+    if (one.many || index == 0) return &one;
+    --index;
   }
   return nullptr;
 }
@@ -157,10 +157,10 @@ class Live {
     const Words loaded = names("plugin.list");
     Words result;
     const Json doctor = ask("daemon.doctor", Json::object());
-    for (const Json& place : list_in(doctor, "plugin_dirs")) {
+    for (const Json& folder : list_in(doctor, "plugin_dirs")) {
       std::error_code ignored;
       for (const auto& file :
-           std::filesystem::directory_iterator(text_in(place, "path"), ignored)) {
+           std::filesystem::directory_iterator(text_in(folder, "path"), ignored)) {
         std::string name = file.path().stem().string();
         const bool is_loaded = std::find(loaded.begin(), loaded.end(), name) != loaded.end();
         if (file.path().extension() == ".so" && !is_loaded) result.push_back(std::move(name));
@@ -224,12 +224,12 @@ class Live {
 
 /// The component that was named, or nothing.
 std::string component_named(const Typed& typed) {
-  std::size_t place = 0;
+  std::size_t index = 0;
   for (const Argument& one : typed.command->arguments) {
     if (one.is_option()) continue;
-    if (place >= typed.positionals.size()) break;
-    if (one.kind == Kind::component) return typed.positionals[place];
-    ++place;
+    if (index >= typed.positionals.size()) break;
+    if (one.kind == Kind::component) return typed.positionals[index];
+    ++index;
   }
   return {};
 }

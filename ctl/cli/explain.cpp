@@ -69,7 +69,7 @@ int explain_event(Session& session, const EventRow& event) {
   return 0;
 }
 
-/// What plugin.list tells of each plugin, and how one of these is called.
+/// The facts of plugin.list about each plugin, and how one of these is called.
 constexpr std::pair<const char*, std::string_view> kBrought[] = {{"cores", "a core"},
                                                                  {"fsms", "a state machine"},
                                                                  {"components", "a component"},

@@ -7,18 +7,18 @@
 
 namespace mauve::ctl {
 
-void report_output(Session& session, const std::string& told, Json facts,
+void report_output(Session& session, const std::string& report, Json facts,
                    const std::string& remarks) {
   const std::string file = session.arguments.one("-o,--output");
   if (file.empty()) {
-    if (!told.empty()) session.screen.err << told << "\n" << remarks << std::flush;
+    if (!report.empty()) session.screen.err << report << "\n" << remarks << std::flush;
     return;
   }
   facts["file"] = file;
-  session.print(facts, (told.empty() ? "" : told + " to " + file + "\n") + remarks);
+  session.print(facts, (report.empty() ? "" : report + " to " + file + "\n") + remarks);
 }
 
-int write_output(Session& session, const std::string& text, const std::string& told, Json facts,
+int write_output(Session& session, const std::string& text, const std::string& report, Json facts,
                  const std::string& remarks) {
   const std::string file = session.arguments.one("-o,--output");
   if (file.empty()) {
@@ -26,7 +26,7 @@ int write_output(Session& session, const std::string& text, const std::string& t
   } else if (const Status done = write_file(file, [&](std::ostream& out) { out << text; }); !done) {
     return session.fail(bad_file(done.error()));
   }
-  report_output(session, told, std::move(facts), remarks);
+  report_output(session, report, std::move(facts), remarks);
   return 0;
 }
 

@@ -8,12 +8,12 @@
 
 namespace mauve::ctl {
 
-/// To the file of --output, or to standard output; then tells of it. Returns the exit code.
-int write_output(Session& session, const std::string& text, const std::string& told = {},
+/// To the file of --output, or to standard output; then reports it. Returns the exit code.
+int write_output(Session& session, const std::string& text, const std::string& report = {},
                  Json facts = Json::object(), const std::string& remarks = {});
 /// "drew 12 values to drive.svg", or with --json the facts and the file; remarks are lines below.
 /// Where standard output is the picture, to standard error.
-void report_output(Session& session, const std::string& told, Json facts,
+void report_output(Session& session, const std::string& report, Json facts,
                    const std::string& remarks = {});
 
 }  // namespace mauve::ctl

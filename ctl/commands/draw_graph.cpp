@@ -37,7 +37,7 @@ std::variant<Form, Fault> form_of(const Arguments& given) {
   }
   const std::string file = given.one("-o,--output");
   if (said == 0 && !file.empty() && !is_known_form(file)) {
-    return fault_of(protocol::kUsage, "the name of the file does not tell its form", file,
+    return fault_of(protocol::kUsage, "the name of the file does not say its form", file,
                     "end it with .svg, .mmd, .mermaid, .dot or .gv, or give --svg, --mermaid or "
                     "--dot");
   }
@@ -68,7 +68,7 @@ std::optional<Fault> unknown_name(const Graph& graph, const std::vector<std::str
   return std::nullopt;
 }
 
-/// Told where the picture goes into a file.
+/// The report, when the picture goes into a file.
 std::string reported_for(const Session& session, const std::string& drawn) {
   return session.arguments.has("-o,--output") ? "drew " + drawn : std::string();
 }

@@ -36,9 +36,10 @@ int follow(Session& session, const Json& subscription, std::string_view method, 
     auto arrived = session.next();
     if (const auto* fault = std::get_if<Fault>(&arrived)) return session.fail(*fault);
     auto& notification = std::get<Notification>(arrived);
-    const std::string& told = notification.method;
-    if (told != method && told != "dropped" && told != "replaced") continue;
-    if (is_about(notification.params, subscription)) print(std::move(notification.params), told);
+    const std::string& arrived_as = notification.method;
+    if (arrived_as != method && arrived_as != "dropped" && arrived_as != "replaced") continue;
+    if (is_about(notification.params, subscription))
+      print(std::move(notification.params), arrived_as);
   }
 }
 

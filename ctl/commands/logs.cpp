@@ -39,8 +39,8 @@ std::variant<Json, Fault> params_of(const Arguments& given) {
 
 /// What a reader would else not know to be missing.
 struct Dropped {
-  std::uint64_t lost = 0;  ///< told by nobody: rings and queues were full
-  std::uint64_t gone = 0;  ///< told once, not kept
+  std::uint64_t lost = 0;  ///< never recorded: rings and queues were full
+  std::uint64_t gone = 0;  ///< recorded once, not kept
   std::uint64_t slow = 0;  ///< by this reader
 
   void report(Session& session) const {
@@ -53,7 +53,7 @@ struct Dropped {
     const auto add = [&](std::uint64_t count, const char* what) {
       if (count > 0) join(text, std::to_string(count) + " " + what);
     };
-    add(lost, "were never recorded: too much was told at once");
+    add(lost, "were never recorded: too many were reported at once");
     add(gone, "older ones are not kept any more");
     add(slow, "were dropped: this reader was too slow");
     session.screen.err << painted("events missing here: " + text, Paint::yellow,
@@ -119,8 +119,8 @@ int run_logs(Session& session) {
   for (const Json& record : list_in(result, "records")) {
     session.print(record, render_record(record, session.look()));
   }
-  const Json told = result.is_object() ? result.value("dropped", Json()) : Json();
-  Dropped dropped{whole_number(told, "lost"), whole_number(told, "gone")};
+  const Json counted = result.is_object() ? result.value("dropped", Json()) : Json();
+  Dropped dropped{whole_number(counted, "lost"), whole_number(counted, "gone")};
   std::optional<Fault> fault;
   if (session.arguments.has("-f,--follow")) {
     fault = go_on(session, result.is_object() ? result.value("sub", Json()) : Json(), dropped);

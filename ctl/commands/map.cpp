@@ -57,7 +57,7 @@ class Drawing {
     picture.way.push_back({*at, number(pose, "heading"), now_, number(pose, "variance_x"),
                            number(pose, "variance_y"), number(pose, "covariance_xy")});
   }
-  /// The first one that is told was in force before as well.
+  /// The first mode that arrives was in force before as well.
   void set_mode(const std::string& mode) {
     if (now_.empty()) {
       for (MapPicture::Step& step : picture.way) step.mode = mode;

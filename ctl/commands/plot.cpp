@@ -19,7 +19,7 @@ double value_of(const Json& value) {
   return value.is_number() ? value.get<double>() : kGap;
 }
 
-/// A value holds until the next one of its address: what does not change is told once.
+/// A value holds until the next one of its address: a value that does not change arrives once.
 void hold_to_the_end(std::vector<Series>& all, double end) {
   for (Series& series : all) {
     if (!series.points.empty()) series.points.push_back({end, series.points.back().y});

@@ -13,7 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 using protocol::fault_of;
 
-/// Fields within fields are told apart by their path; lists stay whole.
+/// The path distinguishes fields within fields; lists stay whole.
 void add_channels(const Json& fields, Channel prefix, std::vector<Channel>& channels) {
   for (const Json& field : fields) {
     Channel channel = prefix;

@@ -24,5 +24,5 @@ if [[ ${funcstack[1]} == _mauvectl ]]; then
   _mauvectl "$@"
 else
   compdef _mauvectl mauvectl
-  compdef _gnu_generic mauved  # its options, as its --help tells them
+  compdef _gnu_generic mauved  # its options, as its --help lists them
 fi

@@ -63,10 +63,10 @@ Used used_cpus(const Facts& facts) {
 }
 
 /// In the first set and not in the second.
-std::vector<int> without(const std::set<int>& all, const std::vector<int>& taken) {
+std::vector<int> without(const std::set<int>& all, const std::vector<int>& excluded) {
   std::vector<int> rest;
   for (const int cpu : all) {
-    if (std::find(taken.begin(), taken.end(), cpu) == taken.end()) rest.push_back(cpu);
+    if (std::find(excluded.begin(), excluded.end(), cpu) == excluded.end()) rest.push_back(cpu);
   }
   return rest;
 }

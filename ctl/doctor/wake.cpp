@@ -134,10 +134,11 @@ Finding judge_wakes(const std::vector<Wakes>& all) {
   const std::int64_t longest = worst(all, 100);
   std::string found = "p99 " + time(usual) + ", longest " + time(longest);
   if (!all_fifo(all)) {
-    return doubt(found + " of ordinary threads, which tells little of real-time ones",
+    return doubt(found + " of ordinary threads, which says little about real-time ones",
                  "run it as root, or with the rights that `rtprio of you` names");
   }
-  const std::string remedy = "see the other findings; keep the machine idle to tell load from it";
+  const std::string remedy =
+      "see the other findings; keep the machine idle to distinguish load from it";
   if (usual > kWorst) return bad(found + ": no release at 1 kHz is kept", remedy);
   if (usual > kUsual) return doubt(found + ": releases at 1 kHz come late", remedy);
   if (longest > kWorst) return doubt(found + ": at 1 kHz releases are lost now and then", remedy);

@@ -14,7 +14,7 @@ std::optional<std::size_t> find(const std::vector<Machine::State>& states,
   return static_cast<std::size_t>(found - states.begin());
 }
 
-/// Guards are asked in order; what is left is taken when none is true.
+/// Guards are asked in order; the remaining transition is followed when none is true.
 void add_transitions(const Json& rows, const std::vector<Machine::State>& states,
                      Machine::State& state) {
   for (std::size_t i = 0; i < rows.size(); ++i) {

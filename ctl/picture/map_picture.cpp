@@ -83,7 +83,7 @@ std::string_view fill_of(int cell) {
   return cell >= 50 ? "#57606a" : "";
 }
 
-/// Runs of equal cells as one thick line each: a cell is too small to be told apart.
+/// Runs of equal cells as one thick line each: a cell is too small to be distinguished.
 void draw_grid(Svg& svg, const Frame& frame, const Grid& grid) {
   const std::string width = concat(
       {"stroke-width=\"", std::to_string(grid.resolution * frame.scale + 0.3), "\" stroke=\""});

@@ -36,7 +36,7 @@ std::string with_space(std::string_view attributes) {
   return attributes.empty() ? std::string{} : concat({" ", attributes});
 }
 
-/// The rest of an element, with what a pointer over it is told.
+/// The rest of an element, with the text of its tooltip.
 std::string end_of(std::string_view element, std::string_view title) {
   if (title.empty()) return "/>\n";
   return concat({"><title>", escaped_markup(title), "</title></", element, ">\n"});

@@ -17,10 +17,10 @@ struct Place {
 /// A text between the tags of markup, or in its quotes: no letter of it means anything there.
 [[nodiscard]] std::string escaped_markup(std::string_view text);
 
-/// The colours of lines that are to be told apart, over and over.
+/// The colours of lines that must be distinguished, over and over.
 [[nodiscard]] std::string_view line_colour(std::size_t index);
 
-/// A picture in pixels, y downwards. Texts are escaped, attributes are taken as they are.
+/// A picture in pixels, y downwards. Texts are escaped, attributes are written as they are.
 class Svg {
  public:
   Svg(double width, double height) : width_(width), height_(height) {}

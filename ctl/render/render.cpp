@@ -136,7 +136,7 @@ std::string troubles(const Json& status, Look look) {
   const Json& poisoned = member(status, "poisoned");
   for (const Json& name : poisoned.is_array() ? poisoned : Json::array()) {
     add(harmless(compact(name)) +
-        ": is poisoned: a core was thrown out of it, and it refuses its users until it has a new "
+        ": is poisoned: a call was aborted in it, and it refuses its users until it has a new "
         "core");
   }
   const Json& left = member(status, "abandoned_threads");

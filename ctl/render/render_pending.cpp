@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The pending things that `status` tells: changes on probation, a start after a crash, cores in
+/// The pending things that `status` shows: changes on probation, a start after a crash, cores in
 /// quarantine, unknown values that rules need, connections that may be a mistake.
 #include "render/render.h"
 #include "render/table.h"

@@ -30,7 +30,7 @@ std::string render_plugin(std::string_view done, const Json& result, Look look) 
   std::string text(done);
   if (unmapped == "true") text += ", the old code is out of memory";
   Json receipt = result;
-  if (receipt.is_object()) receipt.erase("warnings");  // told below
+  if (receipt.is_object()) receipt.erase("warnings");  // printed below
   text = render_receipt(text, receipt, look);
   if (const auto why = word(result, "why"); unmapped == "false" && !why.empty()) {
     text += wrapped("  the old code stays in memory: " + why, look.width, 4) + "\n";

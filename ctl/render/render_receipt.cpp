@@ -34,7 +34,7 @@ std::string lines_of(const Json& receipt, const char* list, Look look, const F& 
   return text;
 }
 
-/// The lines of the change tell the values.
+/// The lines of the change state the values.
 std::string defaults(const Json& receipt, Look look) {
   std::string names;
   for (const Json& one : list_in(receipt, "defaults")) join(names, word(one, "name"));

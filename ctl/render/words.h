@@ -65,7 +65,8 @@ void join(std::string& all, std::string_view next, std::string_view between = ",
 /// A count as written, or nothing.
 [[nodiscard]] std::optional<std::uint64_t> count_of(std::string_view text);
 
-/// When this one of the transitions of a state is taken: "[has_goal]" with the name of its guard,
+/// When this one of the transitions of a state is followed: "[has_goal]" with the name of its
+/// guard,
 /// "[2]" with its place where the guard has none, "[else]"; empty: always.
 [[nodiscard]] std::string mark_of_transition(const Json& transitions, std::size_t index);
 

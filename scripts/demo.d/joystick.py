@@ -47,7 +47,7 @@ def events(what):
 
 
 def parsed(text):
-    """(time, what); the bytes are tried so that a wrong step is told before anything moves."""
+    """(time, what); the bytes are tried so that a wrong step is reported before anything moves."""
     moment, _, what = text.partition(":")
     if what != "unplug":
         events(what)

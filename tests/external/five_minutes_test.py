@@ -72,7 +72,7 @@ def judge(home, code, output):
         "the reload": r"^reloaded my_core",
         "the values of pose.read": r"pose\.read .*heading",
     }
-    wrong += [f"not told: {what}" for what, text in wanted.items()
+    wrong += [f"not shown: {what}" for what, text in wanted.items()
               if not re.search(text, output, re.M)]
     if code == 0:
         cache = read(core, "build", "CMakeCache.txt")

@@ -40,7 +40,7 @@ class NamedFiles(unittest.TestCase):
         self.assertIn("daemon/there.cpp:1: gate.h is not there", output)
         self.assertEqual(output.count("not there"), 1)
 
-    def test_does_not_read_what_tells_of_the_past(self):
+    def test_does_not_read_documents_of_the_past(self):
         self.assertEqual(self.check("`daemon/gone.cpp`", "docs/decisions/0001-past.md")[0], 0)
 
 

@@ -101,7 +101,7 @@ class Results(unittest.TestCase):
         self.assertIn("FAILED  asan: A.B. It had said:\nFAILED  asan: C.D. It had said:\n", output)
         self.assertEqual(self.results("--sum", "counts"), (0, "0 passed, 2 failed, 0 skipped\n"))
 
-    def test_tells_the_first_failure_and_the_last_lines_of_a_test_that_failed(self):
+    def test_reports_the_first_failure_and_the_last_lines_of_a_test_that_failed(self):
         said = "\n".join(["a.cpp:7: Failure", "does not load", *["between"] * 40, "the end"])
         self.write("first.xml", junit([("A.B", "fail", said)]))
         output = self.results("asan", "first.xml", "counts")[1]

@@ -126,7 +126,7 @@ class Reader(unittest.TestCase):
 
 
 class Figures(unittest.TestCase):
-    def test_tell_medians_and_the_largest(self):
+    def test_print_medians_and_the_largest(self):
         output = io.StringIO()
         with tree_of({"man/a.h": "class A {\n void f();\n void g();\n};\n", "man/b.cpp": "void A::f() {}\n"}) as tree, \
                 contextlib.redirect_stdout(output):

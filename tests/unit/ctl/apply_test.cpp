@@ -123,7 +123,7 @@ TEST(Apply, SendsTheTextOfTheFileAndWhatWasSaid) {
   EXPECT_EQ(scene.outcome.exit, 0);
 }
 
-TEST(Apply, ToldToTryOnlyIsAPlan) {
+TEST(Apply, WithDryRunIsAPlan) {
   for (const Scene& scene :
        {Scene({"apply", kFile, "--dry-run"}, kResult), Scene({"plan", kFile}, kResult)}) {
     EXPECT_EQ(scene.asked[0].method, "architecture.apply");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A server that misbehaves as it is told, on a socket in a folder of its own.
+/// A server that misbehaves as a test says, on a socket in a folder of its own.
 #pragma once
 
 #include <unistd.h>

@@ -207,7 +207,7 @@ Json circle_of(int count) {
   return answer;
 }
 
-TEST(GraphAsSvg, OfACircleHasOneWayBack) {
+TEST(GraphAsSvg, OfACircleHasOneEdgeBack) {
   const Graph graph = graph_of(circle_of(12));
   std::vector<Wire> wires;
   for (const auto& link : graph.links) {
@@ -390,7 +390,7 @@ TEST(GraphCommand, RefusesWhatItCannotDo) {
   EXPECT_EQ(unknown.outcome.exit, 4);
   EXPECT_THAT(unknown.outcome.err, HasSubstr("control"));
   EXPECT_EQ(run("/nowhere", {"graph", "--dot", "--svg"}).exit, 2);
-  EXPECT_THAT(run("/nowhere", {"graph", "-o", "a.b/rover.png"}).err, HasSubstr("tell its form"));
+  EXPECT_THAT(run("/nowhere", {"graph", "-o", "a.b/rover.png"}).err, HasSubstr("say its form"));
   EXPECT_EQ(run("/nowhere", {"graph", "control", "--fsm", "control"}).exit, 2);
   EXPECT_EQ(Scene({"graph", "-o", "/nowhere/a.svg"}, kAnswer).outcome.exit, 2);
 }

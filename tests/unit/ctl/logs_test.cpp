@@ -60,9 +60,10 @@ TEST(Logs, SayAtTheEndWhatIsMissing) {
   const Json answer = {{"records", {kRecord}}, {"dropped", {{"lost", 12}, {"gone", 3}}}};
 
   const Scene people({"logs"}, answer);
-  EXPECT_THAT(people.outcome.err,
-              HasSubstr("events missing here: 12 were never recorded: too much was told at once, "
-                        "3 older ones are not kept any more"));
+  EXPECT_THAT(
+      people.outcome.err,
+      HasSubstr("events missing here: 12 were never recorded: too many were reported at once, "
+                "3 older ones are not kept any more"));
   EXPECT_THAT(people.outcome.out, Not(HasSubstr("missing")));
   const Scene scripts({"--json", "logs"}, answer);
   EXPECT_EQ(scripts.outcome.err, "");

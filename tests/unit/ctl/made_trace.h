@@ -189,7 +189,7 @@ class MadeTrace {
                           change.members.end();
       if (!member || change.number <= task.change || task.next < change.instant) continue;
       task.change = change.number;
-      report(now, name, Event::taken, "change", change.instant, change.number);
+      report(now, name, Event::applied, "change", change.instant, change.number);
     }
     task.released = task.next;
     report(now, name, Event::release, {}, task.released, task.change);

@@ -69,7 +69,7 @@ int exit_of(std::vector<std::string> words) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-/// A server that tells when it heard a request, and does not answer.
+/// A server that notes when it heard a request, and does not answer.
 struct Silent {
   std::promise<void> heard;
   FakeServer server{[this](Peer& peer) {

@@ -96,19 +96,19 @@ TEST(Record, SaysThatAFileCannotBeWritten) {
   EXPECT_THAT(shown.outcome.err, HasSubstr("No such file or directory"));
 }
 
-TEST(Output, IsToldOfWhereItIsNotInTheWay) {
+TEST(Output, IsReportedWhereTheReportIsNotInTheWay) {
   const test::TempDir place;
   const std::string file = (place / "drive.svg").string();
   const std::vector<std::pair<std::string, std::string>> all = {
       {"plot", "drew 3 values"}, {"map", "drew 1 place, 0.0 m of way"}};
-  for (const auto& [command, told] : all) {
+  for (const auto& [command, report] : all) {
     const Shown bare({command, "pose.read"}, kPose, {pose_at(1, 1, 2)});
     const Shown filed({command, "pose.read", "-o", file}, kPose, {pose_at(1, 1, 2)});
     const Shown json({"--json", command, "pose.read", "-o", file}, kPose, {pose_at(1, 1, 2)});
 
     EXPECT_THAT(bare.outcome.out, StartsWith("<svg "));
-    EXPECT_THAT(bare.outcome.err, StartsWith(told + "\n"));
-    EXPECT_EQ(filed.outcome.out, told + " to " + file + "\n");
+    EXPECT_THAT(bare.outcome.err, StartsWith(report + "\n"));
+    EXPECT_EQ(filed.outcome.out, report + " to " + file + "\n");
     EXPECT_THAT(test::TempDir::read(file), StartsWith("<svg "));
     const std::string line = json.outcome.out.substr(0, json.outcome.out.find('\n'));
     EXPECT_EQ(Json::parse(line)["file"], file);

@@ -28,7 +28,7 @@ TEST(RenderPending, IsEmptyWhenAllIsSettled) {
   EXPECT_EQ(render_pending(with("recovered", nullptr), {}), "");
 }
 
-TEST(RenderPending, TellsHowLongAChangeIsOnProbationAndWhatLeadsBack) {
+TEST(RenderPending, ShowsHowLongAChangeIsOnProbationAndWhatCausesARollback) {
   EXPECT_EQ(render_pending(with("probations", probation("watching", 6e9)), {}),
             "generations 3 to 4 (control, base): on probation for 6 s still, or 3000 jobs: a "
             "failure, or mauvectl undo, rolls back\n");

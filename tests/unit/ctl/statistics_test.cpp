@@ -72,7 +72,7 @@ TEST(RenderStatistics, LeavesColumnsOutWhereTheTerminalIsNarrow) {
   EXPECT_EQ(render_statistics(answer(), {80, false}).find("PREEMPTED"), std::string::npos);
 }
 
-TEST(RenderStatistics, TellsEverythingOfOneWithItsStates) {
+TEST(RenderStatistics, ShowsAllFiguresOfOneWithItsStates) {
   Json one = component("control");
   one["budget_ns"] = 120'000;
   one["lock_waits"] = {{"count", 2}, {"sum_ns", 9000}, {"max_ns", 5000}};

@@ -52,7 +52,7 @@ TEST(TopRows, BringStateAndStatisticsTogether) {
   EXPECT_FALSE(rows().at(3).execution_last) << "it never ran";
 }
 
-TEST(TopRows, TellHowBusyItWasSinceTheLastLook) {
+TEST(TopRows, ShowHowBusyItWasSinceTheLastAnswer) {
   const TopData before = top_answers();
   TopData now = before;
   now.statistics["t_ns"] = number_of(before.statistics, "t_ns") + 1e9;
@@ -66,7 +66,7 @@ TEST(TopRows, TellHowBusyItWasSinceTheLastLook) {
   EXPECT_NEAR(top_rows(anew, before)[0].busy.value(), 0.3, 1e-9) << "with what came between";
 }
 
-TEST(TopRows, TellHowOftenAComponentReallyRuns) {
+TEST(TopRows, ShowHowOftenAComponentReallyRuns) {
   const TopData before = top_answers();
   TopData now = before;
   now.statistics["t_ns"] = number_of(before.statistics, "t_ns") + 1e9;
@@ -216,7 +216,7 @@ TEST(TopFrame, KeepsTheSelectedRowInSight) {
   EXPECT_EQ(text.find("laser"), std::string::npos) << text;
 }
 
-TEST(TopFrame, TellsWhatIsChosen) {
+TEST(TopFrame, ShowsWhatIsChosen) {
   TopView view;
   view.interval = "1 s";
   type(view, "pBfla");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// Why a component failed, as it is told to people.
+// Why a component failed, as users read it.
 #include <string>
 
 #include <gmock/gmock.h>
@@ -11,7 +11,7 @@
 namespace mauve::ctl {
 namespace {
 
-const Json kLastWords = Json::parse(R"({"seq": 7, "t": "2026-01-01T09:59:59.000000Z",
+const Json kLastRecord = Json::parse(R"({"seq": 7, "t": "2026-01-01T09:59:59.000000Z",
   "level": "warn", "component": "control", "event": "core_message", "text": "no scan"})");
 
 const Json kWhy = Json::parse(R"({"component": "control", "state": "faulted", "core": "g/gap",
@@ -25,9 +25,9 @@ const Json kWhy = Json::parse(R"({"component": "control", "state": "faulted", "c
     "reason": "try it"}, "poisoned": ["world"], "quarantine": [],
   "hints": ["mauvectl start control --reset: again"]})");
 
-TEST(Why, IsToldInAFewLines) {
+TEST(Why, IsAnsweredInAFewLines) {
   Json answer = kWhy;
-  answer["records"] = Json::array({kLastWords});
+  answer["records"] = Json::array({kLastRecord});
   const Scene scene({"why", "control"}, answer);
 
   EXPECT_EQ(scene.asked[0].method, "component.why");
@@ -43,7 +43,7 @@ TEST(Why, IsToldInAFewLines) {
             "poisoned  world\n"
             "next      mauvectl start control --reset: again\n"
             "its last records\n" +
-                render_record(kLastWords, {}));
+                render_record(kLastRecord, {}));
 }
 
 TEST(Why, DoesNotSayThatAStoppedComponentRunsAgain) {

@@ -136,7 +136,7 @@ TEST(MethodsPage, IsMadeFromTheTable) {
   EXPECT_THAT(page, HasSubstr("\n" + protocol::methods_in_markdown()));
 }
 
-TEST(ManPages, NameEveryEventThatTheProtocolTells) {
+TEST(ManPages, NameEveryEventOfTheProtocol) {
   const std::string events =
       section(test::TempDir::read("daemon/protocol/README.md"), "Notifications");
   const std::string page = page_of("mauve-protocol.7");

@@ -55,7 +55,7 @@ TEST(Roff, FindsASection) {
   EXPECT_EQ(section(text, "D"), "");
 }
 
-TEST(SchemaKeys, TellKindLimitsAndDefault) {
+TEST(SchemaKeys, StateKindLimitsAndDefault) {
   const std::string text = schema_keys(R"({
     "required": ["name"],
     "properties": {
