@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// lock.set: freezes the robot against changes, during a mission say. At once, also beside a change
-/// that is prepared, which is then refused.
+/// lock.set: locks the robot against changes, for example during a mission. At once, also beside a
+/// change that is prepared, which is then refused.
 #include <algorithm>
 #include <array>
 

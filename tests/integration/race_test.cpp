@@ -195,5 +195,32 @@ TEST(Race, APluginIsUnloadedWhenTheChangeThatWasPreparedWithItIsRefused) {
   EXPECT_EQ(daemon.ask("status.get")["generation"], 1);
 }
 
+TEST(Generation, IsAskedForByEveryChange) {
+  TrialDaemon daemon;
+  ASSERT_EQ(daemon.ask("param.set", gain("first", 3.0))["generation"], 2);
+  std::vector<std::pair<std::string, Json>> changes = {
+      {"param.set", gain("first", 3.0)},
+      {"component.start", {{"components", {"first"}}}},
+      {"component.stop", {{"components", {"first"}}}},
+      {"core.swap", {{"component", "first"}, {"core", "trial/other"}}},
+      {"port.connect", {{"port", "second.ports.input"}, {"service", "signal.read"}}},
+      {"port.disconnect", {{"port", "second.ports.input"}}},
+      {"plugin.load", {{"plugin", "trial"}}},
+      {"plugin.unload", {{"plugin", "trial"}}},
+      {"plugin.reload", {{"plugin", "trial"}}},
+      {"config.rollback", {{"generation", 1}}},
+      {"lock.set", {{"lock", "all"}}}};
+
+  for (auto& [method, params] : changes) {
+    params["if_generation"] = 1;
+    const auto error = daemon.ask(method, params);
+    EXPECT_EQ(error["data"]["exit"], 6) << method << error;
+    EXPECT_THAT(
+        error["message"].get<std::string>(),
+        HasSubstr("2 is running, made by uid " + std::to_string(geteuid()) + " with param.set"));
+  }
+  EXPECT_EQ(daemon.ask("status.get")["generation"], 2);
+}
+
 }  // namespace
 }  // namespace mauve::test
