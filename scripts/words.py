@@ -4,7 +4,11 @@
 
 Usage: words.py [ROOT]     prints one line for each violation: file:line: word; write the word of the glossary instead
 
-Identifiers, comments, JSON keys and messages count alike. CHANGELOG.md and docs/decisions/ tell of the past.
+Identifiers, comments, JSON keys, messages and names of files count alike. A word in the form `word` is found where it
+stands alone, exactly as it is written. A word in the form `*some_word*` is also found within compounds: in each
+identifier with several parts, whatever its style (was_some_word_by, kSomeWord, SomeWordThing), and in names of files. So a
+word of ordinary English may be retired from identifiers and stay in prose. CHANGELOG.md and docs/decisions/ describe the
+past.
 """
 import pathlib
 import re
@@ -15,21 +19,66 @@ SUFFIXES = {".cpp", ".def", ".h", ".in", ".json", ".md", ".py", ".sh", ".txt"}
 FOLDERS = ("ctl", "daemon", "docs", "etc", "guardian", "libruntime", "man", "plugins", "scripts", "tests")
 PAST = ("CHANGELOG.md", "docs/decisions/", GLOSSARY)
 QUOTED = re.compile(r"`([^`]+)`")
+IDENTIFIER = re.compile(r"[A-Za-z_]\w*")
+PART = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 
 
-def retired_words(glossary):
-    """retired word: the word in its place, from the tables whose last column is headed 'retired'."""
-    retired, inside = {}, False
-    for line in glossary.splitlines():
-        cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
-        if not line.startswith("|"):
-            inside = False
-        elif cells[-1] == "retired":
-            inside = True
-        elif inside:
-            for word in QUOTED.findall(cells[-1]):
-                retired[word] = cells[0]
-    return retired
+def parts_of(name):
+    """The words of a compound, in lower case: one_old_word, kOldWord and old-word all hold "old", "word"."""
+    return tuple(part.lower() for part in PART.findall(name))
+
+
+def holds(parts, word):
+    return any(parts[at:at + len(word)] == word for at in range(len(parts) - len(word) + 1))
+
+
+def is_compound(identifier):
+    return "_" in identifier or len(parts_of(identifier)) > 1
+
+
+class Glossary:
+    """The retired words, from the tables whose last column is headed 'retired'."""
+
+    def __init__(self, text):
+        self.instead, self.compounds, inside = {}, {}, False
+        for line in text.splitlines():
+            cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
+            if not line.startswith("|"):
+                inside = False
+            elif cells[-1] == "retired":
+                inside = True
+            elif inside:
+                for word in QUOTED.findall(cells[-1]):
+                    self.retire(word, cells[0])
+        self.alone = re.compile(r"(?<!\w)(" + "|".join(map(re.escape, self.instead)) + r")(?!\w)")
+
+    def retire(self, word, instead):
+        if word.startswith("*") and word.endswith("*"):
+            word = word.strip("*")
+            self.compounds[parts_of(word)] = instead
+            if not is_compound(word):
+                return
+        self.instead[word] = instead
+
+    def within(self, name):
+        """The word in place of the one that this compound holds; None: it holds no retired word."""
+        parts = parts_of(name)
+        return next((instead for word, instead in self.compounds.items() if holds(parts, word)), None)
+
+    def in_line(self, line):
+        """(word, the word in its place) for each retired word of the line."""
+        found = {word: self.instead[word] for word in self.alone.findall(line)}
+        for name in filter(is_compound, IDENTIFIER.findall(line)):
+            if name not in found and (instead := self.within(name)):
+                found[name] = instead
+        return found.items()
+
+    def in_file_name(self, path):
+        """(name, the word in its place) when the name of a file holds a retired word."""
+        stem = pathlib.PurePath(path).stem
+        alone = [instead for word, instead in self.instead.items() if parts_of(word) == parts_of(stem)]
+        instead = alone[0] if alone else self.within(stem)
+        return [(stem, instead)] if instead else []
 
 
 def files(root):
@@ -41,17 +90,18 @@ def files(root):
 
 
 def problems(root):
-    retired = retired_words((root / GLOSSARY).read_text("utf-8"))
-    if not retired:
+    glossary = Glossary((root / GLOSSARY).read_text("utf-8"))
+    if not glossary.instead and not glossary.compounds:
         yield f"{GLOSSARY}: no table has a column 'retired'"
         return
-    pattern = re.compile(r"(?<!\w)(" + "|".join(map(re.escape, retired)) + r")(?!\w)")
     for name in files(root):
         if name.startswith(PAST):
             continue
+        for word, instead in glossary.in_file_name(name):
+            yield f"{name}: a file is named {word}, which is retired; write '{instead}', see {GLOSSARY}"
         for number, line in enumerate((root / name).read_text("utf-8", errors="replace").splitlines(), 1):
-            for word in pattern.findall(line):
-                yield f"{name}:{number}: {word} is retired; write '{retired[word]}', see {GLOSSARY}"
+            for word, instead in glossary.in_line(line):
+                yield f"{name}:{number}: {word} is retired; write '{instead}', see {GLOSSARY}"
 
 
 def main():

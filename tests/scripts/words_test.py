@@ -13,6 +13,7 @@ GLOSSARY = """# Glossary
 | word | meaning | retired |
 |---|---|---|
 | standby core | takes over | `Oldword` `oldword_of` |
+| slot | has one owner | `*spot*` `*long_gone*` `*Bygone*` |
 
 | key | other table |
 |---|---|
@@ -44,6 +45,28 @@ class Words(unittest.TestCase):
                            ("README.md", "`oldword_of` is"), ("scripts/a.py", "# Oldword")):
             with self.subTest(name):
                 self.assertEqual(self.check({name: text})[0], 1)
+
+    def test_refuses_a_marked_word_within_an_identifier_of_any_style(self):
+        for name in ("was_long_gone_by", "kLongGone", "LongGone", "long_gone", "is_spot", "spot_", "FreeSpot", "kSpot",
+                     "BygoneThing", "is_bygone"):
+            with self.subTest(name):
+                code, output = self.check({"daemon/a.h": f"int {name};\n"})
+                self.assertEqual(code, 1)
+                self.assertIn(f"daemon/a.h:1: {name} is retired; write 'slot'", output)
+
+    def test_accepts_a_marked_word_of_ordinary_english_in_prose_and_within_other_words(self):
+        self.assertEqual(self.check({"daemon/a.h": "/// The spot is bygone. Spot on: long gone, spotless, spots.\n"
+                                                   "int spotless, is_spotless, FreeSpots, gone_long;\n"})[0], 0)
+
+    def test_refuses_a_retired_word_in_the_name_of_a_file(self):
+        for name in ("ctl/spot_test.cpp", "docs/long-gone.md", "ctl/oldword.cpp", "ctl/oldword_of.h", "ctl/spot.h"):
+            with self.subTest(name):
+                code, output = self.check({name: "\n"})
+                self.assertEqual(code, 1)
+                self.assertIn(f"{name}: a file is named", output)
+
+    def test_accepts_the_names_of_other_files(self):
+        self.assertEqual(self.check({"ctl/spotless.cpp": "\n", "ctl/gone_long.cpp": "\n"})[0], 0)
 
     def test_leaves_the_past_as_it_was(self):
         past = {"CHANGELOG.md": "Oldword", "docs/decisions/0001-a.md": "Oldword"}
