@@ -165,23 +165,43 @@ TEST(PlaceProbation, DoesNotStartAComponentThatWasStoppedAfterItsNewCoreFailed) 
   EXPECT_EQ(daemon.ask("quarantine.list")["cores"][0]["core"], "trial/brittle");
 }
 
+/// Begins the swap of `second`, and returns while its new core is configured.
+[[nodiscard]] bool begin_slow_swap(TrialDaemon& daemon, RawClient& client, Json more) {
+  const auto configures = daemon.place() / "configures";
+  Json params = {
+      {"component", "second"}, {"core", "trial/slow"}, {"set", {{"marker", configures.string()}}}};
+  params.update(more);
+  return client.send(protocol::to_line(protocol::make_request(1, "core.swap", params)) + '\n') &&
+         eventually([&] { return std::filesystem::exists(configures); });
+}
+
 /// The change under way may be one whose answer its user has: what it retired is freed after that.
 TEST(PlaceProbation, IsUndoneWhenTheChangeUnderWayHasEnded) {
   TrialDaemon daemon;
   auto client = daemon.client();
-  const auto configures = daemon.place() / "configures";
   ASSERT_EQ(daemon.ask("core.swap", place_swap("trial/other"))["state"], "applied");
-  const Json params = {
-      {"component", "second"}, {"core", "trial/slow"}, {"set", {{"marker", configures.string()}}}};
-  static_cast<void>(
-      client.send(protocol::to_line(protocol::make_request(1, "core.swap", params)) + '\n'));
-  ASSERT_TRUE(eventually([&] { return std::filesystem::exists(configures); }));
+  ASSERT_TRUE(begin_slow_swap(daemon, client, {{"probation", "off"}}));
 
   const auto undone = daemon.ask("change.undo");
 
   EXPECT_EQ(undone["state"], "applied") << undone;
   EXPECT_EQ(daemon.component("first")["core"], "trial/steady");
   EXPECT_EQ(client.json()["result"]["state"], "applied");
+  EXPECT_EQ(daemon.component("second")["core"], "trial/slow");
+}
+
+TEST(PlaceProbation, IsNotUndoneWhenAnotherChangeBecomesTheNewestMeanwhile) {
+  TrialDaemon daemon;
+  auto client = daemon.client();
+  ASSERT_EQ(daemon.ask("core.swap", place_swap("trial/other"))["state"], "applied");
+  ASSERT_TRUE(begin_slow_swap(daemon, client, Json::object()));
+
+  const auto refused = daemon.ask("change.undo");
+
+  EXPECT_EQ(refused["data"]["name"], "conflict") << refused;
+  EXPECT_THAT(refused["message"].get<std::string>(),
+              HasSubstr("generation 3 is the newest change on probation now"));
+  EXPECT_EQ(daemon.component("first")["core"], "trial/other");
   EXPECT_EQ(daemon.component("second")["core"], "trial/slow");
 }
 

@@ -165,12 +165,27 @@ void undo_in_place(Running& running, const CallPtr& call, const PlaceTarget& tar
                         });
 }
 
-/// Judges and begins what undo() asks for, at the moment at which it may begin.
-void begin_undo(Running& running, const CallPtr& call) {
+/// A change came into force while an undo waited: its user did not ask for the undo of that one.
+Error not_the_newest(const Tried& wanted, const Tried& newest) {
+  const auto now = newest.changes.empty() ? std::string("no change is on probation now")
+                                          : "generation " + std::to_string(newest.changes.back()) +
+                                                " is the newest change on probation now";
+  return refuse(Errc::conflict, "change.undo",
+                "another change ended while undo waited: generation " +
+                    std::to_string(wanted.changes.back()) + " was to be rolled back, but " + now +
+                    "; nothing is rolled back",
+                "mauvectl undo --dry-run shows what undo rolls back now");
+}
+
+/// Judges and begins the undo of the change that was the newest when the user asked for it.
+void begin_undo(Running& running, const CallPtr& call, const Tried& wanted) {
   if (auto met = check_conditions(running, *call); !met) {
     return answer(running, *call, met.error());
   }
   const auto newest = newest_of(running);
+  if (newest.changes != wanted.changes) {
+    return answer(running, *call, not_the_newest(wanted, newest));
+  }
   auto result = undone_json(running, newest);
   if (auto allowed = may_undo(running, *call, newest, result["lines"]); !allowed) {
     return answer(running, *call, allowed.error());
@@ -267,15 +282,16 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
 // The undo of a swap in place is a change, so it waits for the end of one that is under way: also
 // of one that is answered, while [factory] frees the elements that it retired.
 void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
-  const auto until = std::chrono::steady_clock::now() + running.control.prepare_within();
-  auto may_begin = [&running, until] {
-    return !newest_of(running).place || !running.control.busy() ||
-           std::chrono::steady_clock::now() >= until;
-  };
-  if (may_begin()) {
-    return begin_undo(running, call);
+  auto wanted = newest_of(running);
+  if (!wanted.place || !running.control.busy()) {
+    return begin_undo(running, call, wanted);
   }
-  running.control.await(std::move(may_begin), [&running, call] { begin_undo(running, call); });
+  const auto until = std::chrono::steady_clock::now() + running.control.prepare_within();
+  running.control.await(
+      [&running, until] {
+        return !running.control.busy() || std::chrono::steady_clock::now() >= until;
+      },
+      [&running, call, wanted = std::move(wanted)] { begin_undo(running, call, wanted); });
 }
 
 }  // namespace mauve::daemon
