@@ -72,14 +72,20 @@ function(mauve_test_headers name)
     return()  # each source proves that it includes the headers that it uses
   endif()
   if(NOT TARGET precompiled_headers)
+    add_library(json_once STATIC "${PROJECT_SOURCE_DIR}/tests/support/json_once.cpp")
+    target_compile_options(json_once PRIVATE -O0)
+    target_link_libraries(json_once PRIVATE nlohmann_json::nlohmann_json)
     file(CONFIGURE OUTPUT "${CMAKE_BINARY_DIR}/precompiled_headers.cpp" CONTENT "int main() {}\n")
     add_executable(precompiled_headers "${CMAKE_BINARY_DIR}/precompiled_headers.cpp")
     target_compile_options(precompiled_headers PRIVATE -O0)
-    target_link_libraries(precompiled_headers PRIVATE GTest::gmock nlohmann_json::nlohmann_json mauve_warnings)
-    target_precompile_headers(precompiled_headers PRIVATE <gmock/gmock.h> <gtest/gtest.h> <nlohmann/json.hpp>
+    target_link_libraries(precompiled_headers PRIVATE
+      json_once GTest::gmock nlohmann_json::nlohmann_json mauve_warnings)
+    target_precompile_headers(precompiled_headers PRIVATE
+      <gmock/gmock.h> <gtest/gtest.h> "${PROJECT_SOURCE_DIR}/tests/support/json_once.h"
       <algorithm> <chrono> <filesystem> <fstream> <functional> <memory> <sstream> <string> <thread> <vector>)
   endif()
   target_precompile_headers(${name} REUSE_FROM precompiled_headers)
+  target_link_libraries(${name} PRIVATE json_once)
 endfunction()
 
 # mauve_test(NAME SOURCES ... LINKS ... [LABELS ...] [TIMEOUT s] [ENVIRONMENT A=b ...] [DEPENDS target ...]
