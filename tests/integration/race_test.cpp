@@ -31,7 +31,7 @@ using Json = protocol::Json;
   return client;
 }
 
-Json gain(const std::string& component, double value, const Json& more = Json::object()) {
+Json gain_of(const std::string& component, double value, const Json& more = Json::object()) {
   Json params = {{"values", {{component + ".core.gain", value}}}};
   params.update(more);
   return params;
@@ -123,8 +123,8 @@ TEST(Race, TwoClientsAreServedOneAfterTheOther) {
 TEST(Race, OneOfTwoClientsWinsWhenBothExpectTheSameGeneration) {
   TrialDaemon daemon;
   auto busy = slow_swap(daemon, "1s");  // both wait behind it, whoever comes first
-  auto one = asking(daemon, "param.set", gain("second", 2.0, {{"if_generation", 2}}));
-  auto other = asking(daemon, "param.set", gain("second", 3.0, {{"if_generation", 2}}));
+  auto one = asking(daemon, "param.set", gain_of("second", 2.0, {{"if_generation", 2}}));
+  auto other = asking(daemon, "param.set", gain_of("second", 3.0, {{"if_generation", 2}}));
 
   EXPECT_EQ(busy.json()["result"]["generation"], 2);
   const auto first = one.json();
@@ -149,7 +149,7 @@ TEST(Race, AChangeWhoseClientIsKilledIsCarriedOutAndTheNextOneWorks) {
   client.signal(SIGKILL);
   EXPECT_EQ(client.wait(), 128 + SIGKILL) << "it was still waiting";
 
-  EXPECT_EQ(daemon.ask("param.set", gain("second", 2.0))["generation"], 3);
+  EXPECT_EQ(daemon.ask("param.set", gain_of("second", 2.0))["generation"], 3);
   EXPECT_EQ(daemon.component("first")["core"], "trial/slow");
   EXPECT_EQ(daemon.component("first")["state"], "running");
 }
@@ -197,9 +197,9 @@ TEST(Race, APluginIsUnloadedWhenTheChangeThatWasPreparedWithItIsRefused) {
 
 TEST(Generation, IsAskedForByEveryChange) {
   TrialDaemon daemon;
-  ASSERT_EQ(daemon.ask("param.set", gain("first", 3.0))["generation"], 2);
+  ASSERT_EQ(daemon.ask("param.set", gain_of("first", 3.0))["generation"], 2);
   std::vector<std::pair<std::string, Json>> changes = {
-      {"param.set", gain("first", 3.0)},
+      {"param.set", gain_of("first", 3.0)},
       {"component.start", {{"components", {"first"}}}},
       {"component.stop", {{"components", {"first"}}}},
       {"core.swap", {{"component", "first"}, {"core", "trial/other"}}},

@@ -245,9 +245,9 @@ TEST(Log, IsJsonLinesInAFile) {
   std::ifstream lines(log);
   std::vector<std::string> events;
   for (std::string line; std::getline(lines, line);) {
-    const auto json = protocol::parse_json(line);
-    ASSERT_TRUE(json) << line;
-    events.push_back((*json)["event"]);
+    const auto record = protocol::parse_json(line);
+    ASSERT_TRUE(record) << line;
+    events.push_back((*record)["event"]);
   }
 
   EXPECT_EQ(events.front(), "daemon_starting");

@@ -21,7 +21,7 @@ constexpr int kAnswers = 100;  // of each who asks
 
 /// The first component writes a gain of 0, and then the number of its job. Both are above other
 /// people's real-time threads, which a probe above all does not see.
-std::string counting() {
+std::string counting_first() {
   auto architecture = Json::parse(std::string(kTrial));
   architecture["components"]["first"]["core"] = "trial/counting";
   architecture["components"]["first"]["properties"]["core.gain"] = 0.0;
@@ -77,7 +77,7 @@ TEST(Watchers, ThirtyTwoAtOnceCostNoRelease) {
   if (!Crowd::possible()) GTEST_SKIP() << "SKIPPED: " << Crowd::kNotPossible;
   constexpr std::size_t kHalf = 16;
   const TempDir place;
-  TrialDaemon daemon(counting(), {"--realtime", "prefer"},
+  TrialDaemon daemon(counting_first(), {"--realtime", "prefer"},
                      Crowd(place.path(), MAUVE_BIN_DIR "/mauved").program());
   // While it is on there are probes, which measure what something foreign held up.
   ASSERT_EQ(daemon.ask("trace.start", {{"seconds", 60}})["on"], true);
@@ -122,7 +122,7 @@ TEST(Watchers, ThirtyTwoAtOnceCostNoRelease) {
 TEST(Watchers, WithAllTheirSubscriptionsDoNotHoldUpAStop) {
   constexpr std::size_t kClients = 7;
   constexpr int kSubscriptions = support::kSanitized ? 16 : 64;
-  TrialDaemon daemon(counting());
+  TrialDaemon daemon(counting_first());
   std::deque<RawClient> clients;
   for (std::size_t i = 0; i < kClients; ++i) clients.push_back(daemon.client());
   std::atomic<int> open{0};
