@@ -139,10 +139,10 @@ endif()
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${properties}")
 endfunction()
 
-# mauve_bench(NAME SOURCES ... LINKS ...): a program in build/PRESET/bench/, run by scripts/bench.
+# mauve_bench(NAME SOURCES ... LINKS ...): a program in build/PRESET/bench/, built and run by scripts/bench.
 function(mauve_bench name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;DEPENDS" ${ARGN})
-  add_executable(bench_${name} ${ARG_SOURCES})
+  add_executable(bench_${name} EXCLUDE_FROM_ALL ${ARG_SOURCES})
   target_link_libraries(bench_${name} PRIVATE ${ARG_LINKS} mauve_warnings)
   target_include_directories(bench_${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
   set_target_properties(bench_${name} PROPERTIES
