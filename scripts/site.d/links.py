@@ -1,0 +1,75 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Fails when a page of a site links to a page or an anchor that is not there, or loads anything from the network.
+
+Usage: links.py SITE    prints one line for each violation: page: what
+"""
+import html.parser
+import pathlib
+import posixpath
+import re
+import sys
+import urllib.parse
+
+LOADS = {"script": "src", "img": "src", "link": "href", "iframe": "src", "source": "src", "object": "data"}
+NETWORK = re.compile(r"(?:[a-z]+:)?//", re.IGNORECASE)
+STYLE = re.compile(r"(?:url\(|@import)\s*['\"]?((?:https?:)?//[^'\")\s]+)")
+
+
+class Page(html.parser.HTMLParser):
+    """Anchors, links and loaded files of one page."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.anchors, self.links, self.loads = {"", "top", "__skip"}, set(), set()
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        values = dict(attrs)
+        self.anchors |= {values[key] for key in ("id", "name") if values.get(key)}
+        if tag in ("a", "area") and values.get("href"):
+            self.links.add(values["href"])
+        load = values.get(LOADS.get(tag))
+        if load and values.get("rel") not in ("canonical", "alternate", "prev", "next"):
+            self.loads.add(load)
+
+
+def problems(site):
+    pages = {path.relative_to(site).as_posix(): Page(path.read_text("utf-8", errors="replace"))
+             for path in sorted(site.rglob("*.html"))}
+    for name, page in pages.items():
+        for target in sorted(page.links | page.loads):
+            if NETWORK.match(target):
+                if target in page.loads:
+                    yield f"{name}: loads {target} from the network"
+                continue
+            if re.match(r"[a-z]+:", target):
+                continue
+            path, _, anchor = target.partition("#")
+            path, anchor = urllib.parse.unquote(path.partition("?")[0]), urllib.parse.unquote(anchor)
+            # 404.html is shown in place of any page, so that its paths begin at the root of the site.
+            to = posixpath.normpath(posixpath.join(posixpath.dirname(name), path)) if path else name
+            to = to.lstrip("/")
+            if to.startswith("..") or not (site / to).exists():
+                yield f"{name}: {target} is not there"
+            elif (site / to).is_dir() and not (site / to / "index.html").is_file():
+                yield f"{name}: {target} is a folder without a page"
+            elif anchor and to in pages and anchor not in pages[to].anchors:
+                yield f"{name}: {target}: that page has no such anchor"
+    for path in sorted(site.rglob("*.css")):
+        for target in STYLE.findall(path.read_text("utf-8", errors="replace")):
+            yield f"{path.relative_to(site)}: loads {target} from the network"
+
+
+def main():
+    if len(sys.argv) != 2:
+        print(__doc__)
+        return 2
+    site = pathlib.Path(sys.argv[1])
+    found = list(problems(site))
+    print("\n".join(found) if found else f"site: the links of {len(list(site.rglob('*.html')))} pages lead to pages")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
