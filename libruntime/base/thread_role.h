@@ -10,7 +10,7 @@
 
 namespace mauve {
 
-/// See docs/threads.md for the work and the limits of each.
+/// See docs/concepts/threads.md for the work and the limits of each.
 enum class ThreadRole : std::uint8_t {
   none,
   answer,
