@@ -3,6 +3,7 @@
 #pragma once
 
 #include <mauve/core.h>
+#include <mauve/detail/call_port.h>
 #include <mauve/detail/converts.h>
 #include <mauve/fsm.h>
 #include <mauve/interface.h>

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Ports that call a method of a resource: CallPort with an answer, EventPort without one.
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <type_traits>
+
+#include <mauve/detail/port_base.h>
+#include <mauve/service.h>
+
+namespace mauve {
+
+template <typename Signature>
+class CallPort;
+
+/// Calls a connected service: `std::optional<MotionState> s = shell().predict_at(0.1);`, empty
+/// when nothing answers. For R = void it returns whether it was called.
+template <typename R, typename... P>
+class CallPort<R(P...)> final : public PortBase {
+ public:
+  CallPort(Shell& shell, std::string_view name, Need need = Need::usual)
+      : PortBase(shell, name, mauve::Signature::call<R, P...>(), need) {}
+
+  auto operator()(std::remove_cvref_t<P>... arguments) {
+    void* pointers[sizeof...(P) + 1] = {&arguments..., nullptr};
+    const TracedCall call = call_begins();
+    const Binding* connection = binding();
+    if constexpr (std::is_void_v<R>) {
+      const bool done = connection != nullptr && connection->service().invoke(nullptr, pointers);
+      if (!done) count_failure();
+      return call.ended(done);
+    } else {
+      std::optional<R> result{std::in_place};
+      if (connection == nullptr || !connection->service().invoke(&*result, pointers)) {
+        count_failure();
+        result.reset();
+      }
+      call.ended(result.has_value());
+      return result;
+    }
+  }
+};
+
+/// Triggers an action of a connected service; not connected: nothing happens.
+template <typename... P>
+class EventPort final : public PortBase {
+ public:
+  EventPort(Shell& shell, std::string_view name, Need need = Need::usual)
+      : PortBase(shell, name, Signature::event<P...>(), need) {}
+
+  bool operator()(std::remove_cvref_t<P>... arguments) {
+    void* pointers[sizeof...(P) + 1] = {&arguments..., nullptr};
+    const TracedCall call = call_begins();
+    const Binding* connection = binding();
+    const bool done = connection != nullptr && connection->service().invoke(nullptr, pointers);
+    if (!done) count_failure();
+    return call.ended(done);
+  }
+};
+
+}  // namespace mauve
