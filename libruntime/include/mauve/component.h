@@ -27,13 +27,13 @@ class Measured;
 
 /// Everything a component runs with. Immutable once published; a change makes another one.
 struct Bundle {
-  std::shared_ptr<Shell> shell;
-  std::shared_ptr<CoreBase> core;
-  std::shared_ptr<FsmBase> fsm;
-  std::shared_ptr<const Bindings> bindings;
-  TaskAttributes task;
-  CoreType core_type;  ///< how the core was made; keeps its library loaded
-  FsmType fsm_type;
+  std::shared_ptr<Shell> shell;              ///< its ports and properties
+  std::shared_ptr<CoreBase> core;            ///< its algorithm
+  std::shared_ptr<FsmBase> fsm;              ///< its state machine
+  std::shared_ptr<const Bindings> bindings;  ///< its connections
+  TaskAttributes task;                       ///< how its thread is scheduled
+  CoreType core_type;                        ///< how the core was made; keeps its library loaded
+  FsmType fsm_type;                          ///< how the state machine was made
   /// What its jobs took; bundles with the same code share it.
   std::shared_ptr<rt::Measured> measured;
 };
@@ -41,28 +41,32 @@ struct Bundle {
 /// What the runtime sees of a component. Owned by an Architecture; touched by [control] only.
 class ComponentBase {
  public:
+  /// Makes the elements; made() holds the error of a constructor that throws.
   ComponentBase(std::string name, ComponentType type, CoreType core);
   ComponentBase(const ComponentBase&) = delete;
   ComponentBase& operator=(const ComponentBase&) = delete;
   virtual ~ComponentBase();
 
-  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::string& name() const { return name_; }  ///< in its architecture
+  /// Names and makers of its elements.
   [[nodiscard]] const ComponentType& type() const { return type_; }
 
   /// The elements in force. [control]
   [[nodiscard]] const std::shared_ptr<const Bundle>& bundle() const { return bundle_; }
-  [[nodiscard]] Shell& shell() const { return *bundle_->shell; }
-  [[nodiscard]] CoreBase& core() const { return *bundle_->core; }
-  [[nodiscard]] FsmBase& fsm() const { return *bundle_->fsm; }
+  [[nodiscard]] Shell& shell() const { return *bundle_->shell; }   ///< of the bundle in force
+  [[nodiscard]] CoreBase& core() const { return *bundle_->core; }  ///< of the bundle in force
+  [[nodiscard]] FsmBase& fsm() const { return *bundle_->fsm; }     ///< of the bundle in force
 
   /// Task attributes, before deployment.
   TaskAttributes& task();
+  /// Of the bundle in force.
   [[nodiscard]] const TaskAttributes& task() const { return bundle_->task; }
 
   /// Shell, core, fsm in this order; a failure undoes what this call had configured.
   Status configure();
   /// The other way round.
   Status cleanup();
+  /// Between configure() and cleanup().
   [[nodiscard]] bool configured() const { return configured_; }
 
   /// Paper's Listing 6 on a component that is not deployed or is stopped: the fsm is cleaned with
@@ -70,6 +74,7 @@ class ComponentBase {
   Status cleanup_core();
   /// Puts another core in place of a cleaned one; refused when the contract differs.
   Status replace_core(const CoreType& core);
+  /// The same with a core of a known class.
   template <typename T>
   Status replace_core() {
     return replace_core(CoreType::of<T>(class_name(typeid(T))));
@@ -78,10 +83,12 @@ class ComponentBase {
   /// What takes the core's place when that fails (`fallback_core` in the file), and the properties
   /// it is given; none: empty name. [control]
   struct Fallback {
-    CoreType core;
-    std::vector<std::pair<std::string, Value>> properties;
+    CoreType core;                                          ///< the core that takes over
+    std::vector<std::pair<std::string, Value>> properties;  ///< names and values
   };
+  /// None: its task says what follows a fault.
   [[nodiscard]] const std::optional<Fallback>& fallback() const { return fallback_; }
+  /// Declares the fallback core, before deployment. [control]
   void fall_back_to(std::optional<Fallback> fallback) { fallback_ = std::move(fallback); }
 
   /// Makes the elements anew when a constructor failed; the error of the last attempt. Runtime
@@ -96,6 +103,7 @@ class ComponentBase {
   /// Runtime only: before deployment the connection table is edited in place.
   Status connect(std::string_view port, ServiceBase& service, std::shared_ptr<void> keep_alive,
                  Duration max_age = Duration{0});
+  /// Runtime only: the same for a connection that ends.
   Status disconnect(std::string_view port);
 
  private:
@@ -109,18 +117,22 @@ class ComponentBase {
   bool configured_ = false;
 };
 
-/// A component of known classes, as a member of an Architecture:
-/// `mauve::Component<ControlShell, PotentialField, ControlFsm> control{*this, "control"};`
+/// A component of known classes, as a member of an Architecture, for programs and tests. A plugin
+/// registers its classes with Plugin::component() instead. A wrong combination of shell, core and
+/// state machine does not compile. [control], before deployment.
+/// @snippet api_examples.cpp Component
 template <typename ShellT, typename CoreT, typename FsmT>
 class Component final : public ComponentBase {
  public:
-  Component(Architecture& architecture, std::string name);
+  Component(Architecture& architecture, std::string name);  ///< joins the architecture
 
+  /// For connections and properties.
   [[nodiscard]] ShellT& shell() const { return static_cast<ShellT&>(ComponentBase::shell()); }
   /// The contract class: the concrete core may have been replaced.
   [[nodiscard]] auto& core() const {
     return static_cast<typename detail::ContractOf<CoreT>::type&>(ComponentBase::core());
   }
+  /// For the durations of its waits.
   [[nodiscard]] FsmT& fsm() const { return static_cast<FsmT&>(ComponentBase::fsm()); }
 };
 

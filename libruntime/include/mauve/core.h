@@ -28,7 +28,7 @@ class CoreBase : public Configurable {
   virtual void warm() {}
 
  protected:
-  [[nodiscard]] Shell& bound_shell() const { return *shell_; }
+  [[nodiscard]] Shell& bound_shell() const { return *shell_; }  ///< of the component or resource
 
  private:
   friend class SlowStateBase;
@@ -41,13 +41,19 @@ class CoreBase : public Configurable {
   bool stateless_ = false;
 };
 
+/// Base of the algorithm of a component or resource. Its execution methods run on the thread of the
+/// component [rt], or of the caller of the resource, one at a time; on_configure() and on_cleanup()
+/// run beside the system [factory]. The runtime owns the object. An exception, a crash or an
+/// endless loop in a job ends the job and is a fault of the component.
+///
 /// Derive from Core<YourShell>. For cores that can replace one another put a contract class with
 /// the virtual methods between: `class GuidanceCore : public mauve::Core<ControlShell>` with
 /// `using Contract = GuidanceCore; static constexpr const char* contract = "guidance/core/1";`.
+/// @snippet api_examples.cpp Core
 template <typename ShellT>
 class Core : public CoreBase {
  public:
-  using ShellType = ShellT;
+  using ShellType = ShellT;  ///< the shell that the core sees
 
  protected:
   /// Bound before on_configure(); not in constructors.

@@ -1,16 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Clock-based state machines: when a component does what (paper 3.4, Listing 3).
-///
-///   struct ControlFsm : mauve::Fsm<GuidanceCore> {
-///     Exec wait_goal{*this, "wait_goal", &GuidanceCore::poll_goal};
-///     Sync idle{*this, "idle", 100ms};
-///     mauve::Status on_configure() override {
-///       start_at(wait_goal);
-///       wait_goal.when("has_goal", &GuidanceCore::has_goal, reach_goal).then(idle);
-///       idle.then(wait_goal);
-///       return mauve::ok();
-///     }
-///   };
 #pragma once
 
 #include <string_view>
@@ -31,26 +20,29 @@ class FsmBase;
 /// component's clock has advanced by a duration.
 class FsmState {
  public:
+  /// Whether a state runs code or waits.
   enum class Kind : std::uint8_t { execution, synchronization };
 
   /// A transition: followed when its guard is true; the first true one wins.
   struct Transition {
-    Method<bool()> guard;
-    FsmState* target;
+    Method<bool()> guard;   ///< a method of the core
+    FsmState* target;       ///< the next state
     std::string_view name;  ///< of the guard, for pictures and tables; empty: the author gave none
   };
 
+  /// Registers itself. Authors declare Exec and Sync.
   FsmState(FsmBase& fsm, std::string_view name, Kind kind);
   FsmState(const FsmState&) = delete;
   FsmState& operator=(const FsmState&) = delete;
   virtual ~FsmState() = default;
 
-  [[nodiscard]] std::string_view name() const { return name_; }
-  [[nodiscard]] Kind kind() const { return kind_; }
-  [[nodiscard]] std::size_t index() const { return index_; }
-  [[nodiscard]] std::uint32_t trace_name() const { return trace_name_; }
+  [[nodiscard]] std::string_view name() const { return name_; }  ///< the same word as the member
+  [[nodiscard]] Kind kind() const { return kind_; }              ///< execution or synchronization
+  [[nodiscard]] std::size_t index() const { return index_; }     ///< in the order of declaration
+  [[nodiscard]] std::uint32_t trace_name() const { return trace_name_; }  ///< see trace_name_id()
+  /// In the order in which they are asked.
   [[nodiscard]] const std::vector<Transition>& transitions() const { return transitions_; }
-  [[nodiscard]] FsmState* successor() const { return successor_; }
+  [[nodiscard]] FsmState* successor() const { return successor_; }  ///< when no guard is true
 
   /// The successor when no guard is true.
   FsmState& then(FsmState& target) {
@@ -72,6 +64,7 @@ class FsmState {
   }
 
  protected:
+  /// Adds a transition after those that were added before.
   void add(std::string_view name, Method<bool()> guard, FsmState& target) {
     transitions_.push_back({guard, &target, name});
   }
@@ -90,15 +83,17 @@ class FsmState {
 /// What the runtime sees of a state machine.
 class FsmBase : public Configurable {
  public:
+  /// In the order of declaration.
   [[nodiscard]] const std::vector<FsmState*>& states() const { return states_; }
-  [[nodiscard]] FsmState* initial() const { return initial_; }
-  [[nodiscard]] FsmState* find_state(std::string_view name) const;
+  [[nodiscard]] FsmState* initial() const { return initial_; }      ///< the state of the first job
+  [[nodiscard]] FsmState* find_state(std::string_view name) const;  ///< null: there is none
   /// Greatest common divisor of all waits: the grid on which the component may be started.
   [[nodiscard]] Duration grid() const;
   /// The shortest wait: the bound of every wait for a resource.
   [[nodiscard]] Duration shortest_wait() const;
 
  protected:
+  /// In on_configure(): the state of the first job.
   void start_at(FsmState& state) { initial_ = &state; }
   /// After on_configure(): initial state set, every state has a successor, all reachable, no wait
   /// of zero, no cycle of execution states (it would never wait and starve everything below).
@@ -153,30 +148,38 @@ struct WrongSync {
 
 }  // namespace detail
 
-/// Derive from Fsm<YourContract>; states are members.
+/// Base of a state machine: decides when a component does what. Derive from Fsm<YourContract>;
+/// states are members; on_configure() sets the start and the transitions [factory]. configure()
+/// refuses a machine without a start, with an unreachable state, or with a cycle that never waits.
+/// Guards run on the thread of the component [rt].
+/// @snippet api_examples.cpp Fsm
 template <typename CoreT>
 class Fsm : public FsmBase {
  public:
-  using CoreType = CoreT;
+  using CoreType = CoreT;  ///< the contract class
 
   /// States that take guards of this core.
   template <typename Derived>
   class Guarded : public FsmState {
    public:
-    using FsmState::FsmState;
+    using FsmState::FsmState;  ///< see FsmState
     /// A guard with a name, which `show` and `graph --fsm` show: a text that lives with the code.
     Derived& when(std::string_view name, bool (CoreT::*guard)(), FsmState& target) {
       add(name, Method<bool()>(guard), target);
       return static_cast<Derived&>(*this);
     }
+    /// The same with a const method.
     Derived& when(std::string_view name, bool (CoreT::*guard)() const, FsmState& target) {
       add(name, Method<bool()>(guard), target);
       return static_cast<Derived&>(*this);
     }
+    /// The same without a name.
     Derived& when(bool (CoreT::*guard)(), FsmState& target) { return when({}, guard, target); }
+    /// The same with a const method, without a name.
     Derived& when(bool (CoreT::*guard)() const, FsmState& target) {
       return when({}, guard, target);
     }
+    /// Refuses to compile, with one sentence.
     template <typename Guard, typename Target>
     requires(!detail::kIsGuard<CoreT, Guard, Target>) Derived& when(Guard, Target&) {
       static_assert(sizeof(Guard) == 0,
@@ -189,8 +192,10 @@ class Fsm : public FsmBase {
   /// Execution state.
   class Exec final : public Guarded<Exec> {
    public:
+    /// `method` runs each time the machine enters the state. [rt]
     Exec(FsmBase& fsm, std::string_view name, void (CoreT::*method)())
         : Guarded<Exec>(fsm, name, FsmState::Kind::execution), method_(method) {}
+    /// Refuses to compile, with one sentence.
     template <typename... Wrong>
     requires(!detail::kMakesExec<CoreT, Wrong...>) explicit Exec(Wrong&&...)
         : Exec(detail::WrongExec<Wrong...>::fsm(), {}, nullptr) {}
@@ -203,10 +208,12 @@ class Fsm : public FsmBase {
   /// Synchronization state; its duration is a property of the same name.
   class Sync final : public Guarded<Sync> {
    public:
+    /// Waits for `duration`, at least 10 us, from the release of the job before.
     Sync(FsmBase& fsm, std::string_view name, Duration duration, std::string_view text = {})
         : Guarded<Sync>(fsm, name, FsmState::Kind::synchronization),
           duration_(fsm, name, duration, text,
                     {.min = Duration{std::chrono::microseconds(10)}, .max = {}}) {}
+    /// Refuses to compile, with one sentence.
     template <typename... Wrong>
     requires(!detail::kMakesSync<Wrong...>) explicit Sync(Wrong&&...)
         : Sync(detail::WrongSync<Wrong...>::fsm(), {}, Duration{0}) {}
@@ -222,11 +229,13 @@ class Fsm : public FsmBase {
   };
 };
 
-/// The usual machine: one `update` every `period` (property `fsm.period`).
+/// The usual machine: one CoreT::update() every `period` (property `fsm.period`).
+/// @snippet api_examples.cpp PeriodicFsm
 template <typename CoreT>
 class PeriodicFsm final : public Fsm<CoreT> {
  public:
-  typename Fsm<CoreT>::Exec update{*this, "update", &CoreT::update};
+  typename Fsm<CoreT>::Exec update{*this, "update", &CoreT::update};  ///< runs CoreT::update()
+  /// 10 ms unless the file says so
   typename Fsm<CoreT>::Sync period{*this, "period", 10ms, "time between two updates"};
 
  private:

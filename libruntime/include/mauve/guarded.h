@@ -28,12 +28,14 @@ struct SafeOrder {
   bool drop_unsent = true;
 };
 
-/// Declared as a member of a core or shell: `mauve::Guarded stand{*this, "stand"};`. No code of the
+/// An output that the guardian makes safe. Declared as a member of a core or shell. No code of the
 /// plugin runs in the guardian: it has a copy of the descriptor and of the bytes. Without a
 /// guardian (mauved --guardian off, a simulation, another program) nothing happens. [factory], or
 /// an ordinary thread of the plugin; never [rt].
+/// @snippet api_examples.cpp Guarded
 class Guarded {
  public:
+  /// Holds nothing yet.
   Guarded(const Configurable& owner, std::string_view name) : owner_(owner), name_(name) {}
   ~Guarded() { drop(); }
   Guarded(const Guarded&) = delete;

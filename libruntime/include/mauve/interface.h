@@ -19,8 +19,9 @@ class ServiceBase;
 /// What the runtime sees of an interface.
 class InterfaceBase : public Configurable {
  public:
+  /// In the order of declaration.
   [[nodiscard]] const std::vector<ServiceBase*>& services() const { return services_; }
-  [[nodiscard]] ServiceBase* find_service(std::string_view name) const;
+  [[nodiscard]] ServiceBase* find_service(std::string_view name) const;  ///< null: there is none
 
   /// Runtime only, once.
   void bind(ResourceBase& resource, std::shared_ptr<CoreBase> core) {
@@ -32,7 +33,8 @@ class InterfaceBase : public Configurable {
     core_.store(core.get(), std::memory_order_release);
     kept_ = std::move(core);
   }
-  [[nodiscard]] ResourceBase& resource() const { return *resource_; }
+  [[nodiscard]] ResourceBase& resource() const { return *resource_; }  ///< whose interface this is
+  /// That serves callers now.
   [[nodiscard]] CoreBase& core() const { return *core_.load(std::memory_order_acquire); }
 
  private:
@@ -47,11 +49,14 @@ class InterfaceBase : public Configurable {
   std::shared_ptr<CoreBase> kept_;
 };
 
-/// Derive from Interface<YourCore> and declare services as members.
+/// Base of the services of a resource. Derive from Interface<YourCore> and declare services as
+/// members. A service runs on the thread of its caller, under the resource lock. The runtime owns
+/// the object.
+/// @snippet api_examples.cpp Interface
 template <typename CoreT>
 class Interface : public InterfaceBase {
  public:
-  using CoreType = CoreT;
+  using CoreType = CoreT;  ///< the class whose methods are services
 };
 
 }  // namespace mauve

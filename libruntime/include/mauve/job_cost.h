@@ -40,7 +40,7 @@ namespace mauve {
 struct JobCost {
   std::optional<std::uint64_t> heap_calls;    ///< malloc, calloc, realloc, aligned_alloc, free
   std::optional<std::uint64_t> system_calls;  ///< reading the clock is none
-  std::uint64_t page_faults = 0;
+  std::uint64_t page_faults = 0;              ///< of this thread, minor and major
 };
 
 namespace detail {

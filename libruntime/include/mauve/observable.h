@@ -20,21 +20,22 @@ class ObservableBase {
   ObservableBase& operator=(const ObservableBase&) = delete;
   virtual ~ObservableBase() = default;
 
-  [[nodiscard]] std::string_view name() const { return name_; }
-  [[nodiscard]] std::string_view text() const { return text_; }
-  [[nodiscard]] std::string_view unit() const { return unit_; }
-  [[nodiscard]] std::string address() const;
-  [[nodiscard]] const DataType& type() const { return *type_; }
-  [[nodiscard]] virtual Value value() const = 0;
+  [[nodiscard]] std::string_view name() const { return name_; }  ///< of the member
+  [[nodiscard]] std::string_view text() const { return text_; }  ///< for people
+  [[nodiscard]] std::string_view unit() const { return unit_; }  ///< may be empty
+  [[nodiscard]] std::string address() const;                     ///< such as "gnss.core.bad_frames"
+  [[nodiscard]] const DataType& type() const { return *type_; }  ///< of the value
+  [[nodiscard]] virtual Value value() const = 0;                 ///< the value now [any but rt]
   /// Takes over the value of the same observable of a predecessor. [rt] at a swap, bounded.
   void continue_from(const ObservableBase& other) {
     bits_.store(other.bits_.load(std::memory_order_relaxed), std::memory_order_relaxed);
   }
 
  protected:
+  /// Registers itself with its owner.
   ObservableBase(Configurable& owner, std::string_view name, std::string_view text,
                  std::string_view unit, const DataType& type);
-  std::atomic<std::uint64_t> bits_{0};
+  std::atomic<std::uint64_t> bits_{0};  ///< the bytes of the value
 
  private:
   Configurable& owner_;
@@ -44,29 +45,34 @@ class ObservableBase {
   const DataType* type_;
 };
 
-/// Declared as a member: `mauve::Observable<int> bad_frames{*this, "bad_frames", 0, "refused"};`
-/// With a unit: `mauve::Observable<double> sigma{*this, "sigma", 0.0, "of the place", "m"};`
-/// Written by the component's own thread ([rt], wait-free), read by anyone.
+/// A number or a boolean that a core shows to people, rules and tools. Declared as a member.
+/// Written by the component's own thread ([rt], wait-free), read by any thread. A swap continues
+/// the value of the observable of the same name and type.
+/// @snippet api_examples.cpp Observable
 template <typename T>
 class Observable final : public ObservableBase {
   static_assert(std::is_arithmetic_v<T>, "an observable is a number or a boolean");
 
  public:
+  /// `text` says for people what it is, `unit` in which unit; both are literals.
   Observable(Configurable& owner, std::string_view name, T value = {}, std::string_view text = {},
              std::string_view unit = {})
       : ObservableBase(owner, name, text, unit, data_type<T>()) {
     *this = value;
   }
 
-  [[nodiscard]] T get() const { return unpack(bits_.load(std::memory_order_relaxed)); }
-  operator T() const { return get(); }
+  [[nodiscard]] T get() const { return unpack(bits_.load(std::memory_order_relaxed)); }  ///< [any]
+  operator T() const { return get(); }                                                   ///< [any]
+  /// [rt] by one thread, wait-free.
   Observable& operator=(T value) {
     bits_.store(pack(value), std::memory_order_relaxed);
     return *this;
   }
+  /// As get() + value.
   Observable& operator+=(T value) { return *this = static_cast<T>(get() + value); }
-  Observable& operator++() { return *this += T{1}; }
+  Observable& operator++() { return *this += T{1}; }  ///< as += 1
 
+  /// See ObservableBase.
   [[nodiscard]] Value value() const override { return Codec<T>::encode(get()); }
 
  private:

@@ -16,6 +16,7 @@
 #include <mauve/host/version.h>
 
 #if defined(__GNUC__)
+/// Keeps the one symbol of a plugin visible.
 #define MAUVE_EXPORT __attribute__((visibility("default")))
 #else
 #define MAUVE_EXPORT
@@ -25,13 +26,21 @@ namespace mauve {
 
 /// What a plugin offers, filled by its MAUVE_PLUGIN block when it is loaded. Names are completed
 /// with the plugin's own: core "potential_field" of plugin "guidance" is
-/// "guidance/potential_field".
+/// "guidance/potential_field". A name that occurs twice, and a default core of another contract,
+/// refuse the plugin. [factory]
+///
+///   MAUVE_PLUGIN(plugin) {
+///     plugin.type<Velocity>();
+///     plugin.core<PotentialField>("potential_field");
+///     plugin.component<ControlShell, ControlFsm>("control", "potential_field");
+///   }
 class Plugin {
  public:
+  /// Of the loader, or of a program that has plugins linked in.
   explicit Plugin(std::string name, std::uint64_t build = 0)
       : name_(std::move(name)), build_(build) {}
 
-  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::string& name() const { return name_; }  ///< of the file, without .so
   /// The checksum of its file; 0: it is part of the program.
   [[nodiscard]] std::uint64_t build() const { return build_; }
 
@@ -77,11 +86,11 @@ class Plugin {
     types.push_back(&data_type<T>());
   }
 
-  std::vector<CoreType> cores;
-  std::vector<FsmType> fsms;
-  std::vector<ComponentType> components;
-  std::vector<ResourceType> resources;
-  std::vector<const DataType*> types;
+  std::vector<CoreType> cores;            ///< as they were registered
+  std::vector<FsmType> fsms;              ///< too
+  std::vector<ComponentType> components;  ///< too
+  std::vector<ResourceType> resources;    ///< too
+  std::vector<const DataType*> types;     ///< too
 
  private:
   [[nodiscard]] std::string qualified(std::string_view name) const {
@@ -132,9 +141,11 @@ constexpr PluginManifest make_manifest(const char* name, const char* version) {
 }  // namespace mauve
 
 #ifndef MAUVE_PLUGIN_NAME
+/// Set by mauve_add_plugin() of CMake.
 #define MAUVE_PLUGIN_NAME "unnamed"
 #endif
 #ifndef MAUVE_PLUGIN_VERSION
+/// Set by mauve_add_plugin() of CMake.
 #define MAUVE_PLUGIN_VERSION "0"
 #endif
 

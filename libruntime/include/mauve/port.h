@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Ports: how a shell reaches services of resources (paper 3.3.2). Never an exception, never a
-/// crash when nothing is connected.
+/// Ports for values: how a shell reaches services of resources (paper 3.3.2). Never an exception,
+/// never a crash when nothing is connected.
 #pragma once
 
 #include <memory>
@@ -17,20 +17,25 @@
 namespace mauve {
 
 /// Reads the value of a connected service. `read()` by value up to 4 kB; larger data is read into
-/// the caller's storage or looked at in place.
+/// the caller's storage or looked at in place. Never throws. Use is [rt] by the thread of the
+/// component, or under the lock of the resource, that owns the shell. The first eight readers of a
+/// SharedData never wait; another read waits at most the shortest wait of its component.
+/// @snippet api_examples.cpp ReadPort
 template <typename T>
 class ReadPort final : public PortBase {
  public:
-  static constexpr std::size_t kMaxByValue = 4096;
+  static constexpr std::size_t kMaxByValue = 4096;  ///< bytes
 
   /// `fallback` is what a read returns while there is no data. `Writers::one`: the value moves
   /// something, so one port at most may write into each service of the resource that it comes from.
   ReadPort(Shell& shell, std::string_view name, T fallback = T{}, Need need = Need::usual,
            Writers writers = Writers::many)
       : PortBase(shell, name, Signature::read<T>(), need, writers), default_(std::move(fallback)) {}
+  /// The same with T{} as fallback.
   ReadPort(Shell& shell, std::string_view name, Need need, Writers writers = Writers::many)
       : ReadPort(shell, name, T{}, need, writers) {}
 
+  /// The value, or the fallback; status() tells which. [rt], wait-free on a SharedData.
   [[nodiscard]] T read() {
     static_assert(sizeof(T) <= kMaxByValue, "over 4 kB: use read(into) or look()");
     T value = default_;
@@ -112,23 +117,29 @@ class ReadPort final : public PortBase {
   std::unique_ptr<T> shown_ = sizeof(T) > kMaxByValue ? std::make_unique<T>() : nullptr;
   DataStatus status_ = DataStatus::no_data;
 };
+
 /// The value to write when the component stops or faults, or the port is disconnected.
 template <typename T>
 struct Safe {
-  T value;
+  T value;  ///< given out in its place
 };
 template <typename T>
-Safe(T) -> Safe<T>;
+Safe(T) -> Safe<T>;  ///< from its value
 
 /// Writes to a connected service; not connected: counted and dropped. So is what is not plausible:
-/// a core on probation is then rolled back.
+/// a core on probation is then rolled back. Never throws. Use is [rt] by the thread of the
+/// component. The first writer of a SharedData never waits.
+/// @snippet api_examples.cpp WritePort
 template <typename T>
 class WritePort final : public PortBase {
  public:
+  /// Without a safe value: the last value stays when the component stops.
   WritePort(Shell& shell, std::string_view name, Need need = Need::usual)
       : PortBase(shell, name, Signature::write<T>(), need) {}
+  /// With a safe value.
   WritePort(Shell& shell, std::string_view name, Safe<T> safe, Need need = Need::usual)
       : PortBase(shell, name, Signature::write<T>(), need), safe_(std::move(safe.value)) {}
+  /// With a safe value, and a check of each value before it goes out.
   WritePort(Shell& shell, std::string_view name, Safe<T> safe, Plausible<T> plausible,
             Need need = Need::usual)
       : PortBase(shell, name, Signature::write<T>(), need),
@@ -156,10 +167,12 @@ class WritePort final : public PortBase {
     return call.ended(counted(connection != nullptr && connection->service().fill(Filler(into))));
   }
 
+  /// Runtime only: see PortBase.
   void write_safe(const Binding& connection, bool by_owner) const override {
     if (!safe_) return;
     by_owner ? connection.write(&*safe_) : connection.service().write(&*safe_);
   }
+  /// It was declared with Safe.
   [[nodiscard]] bool has_safe_value() const override { return safe_.has_value(); }
 
  private:

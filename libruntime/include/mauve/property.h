@@ -15,9 +15,9 @@ namespace mauve {
 /// Optional limits and unit of a property: `{.unit = "m/s", .min = 0.0, .max = 2.0}`.
 template <typename T>
 struct Limits {
-  std::string_view unit = {};
-  std::optional<T> min = {};
-  std::optional<T> max = {};
+  std::string_view unit = {};  ///< for people, such as "m/s"
+  std::optional<T> min = {};   ///< the smallest value; empty: none
+  std::optional<T> max = {};   ///< the largest value; empty: none
   /// Of a path: where it must lie when a request sets it, as words with spaces between them.
   /// "/dev/" is a directory, "./" that of the architecture, and "pty:" the beginning of a name that
   /// has no slash. Every property whose value is opened or created as a file declares this. The
@@ -32,17 +32,17 @@ class PropertyBase {
   PropertyBase& operator=(const PropertyBase&) = delete;
   virtual ~PropertyBase() = default;
 
-  [[nodiscard]] std::string_view name() const { return name_; }
-  [[nodiscard]] std::string_view text() const { return text_; }
-  [[nodiscard]] std::string_view unit() const { return unit_; }
-  [[nodiscard]] std::string address() const;
-  [[nodiscard]] const DataType& type() const { return *type_; }
+  [[nodiscard]] std::string_view name() const { return name_; }  ///< of the member
+  [[nodiscard]] std::string_view text() const { return text_; }  ///< for people
+  [[nodiscard]] std::string_view unit() const { return unit_; }  ///< may be empty
+  [[nodiscard]] std::string address() const;                     ///< such as "control.core.gain"
+  [[nodiscard]] const DataType& type() const { return *type_; }  ///< of the value
 
   /// Values as text-like trees; null where there is none (no limit, type without description).
   [[nodiscard]] virtual Value value() const = 0;
-  [[nodiscard]] virtual Value default_value() const = 0;
-  [[nodiscard]] virtual Value min() const { return {}; }
-  [[nodiscard]] virtual Value max() const { return {}; }
+  [[nodiscard]] virtual Value default_value() const = 0;  ///< as declared
+  [[nodiscard]] virtual Value min() const { return {}; }  ///< null: none
+  [[nodiscard]] virtual Value max() const { return {}; }  ///< null: none
   /// Where a path must lie that a request sets, see Limits; empty: this is no path.
   [[nodiscard]] virtual std::string_view within() const { return {}; }
 
@@ -53,13 +53,14 @@ class PropertyBase {
   [[nodiscard]] virtual Status accepts(const Value& value) const = 0;
 
  protected:
+  /// Registers itself with its owner.
   PropertyBase(Configurable& owner, std::string_view name, std::string_view text,
                std::string_view unit, const DataType& type);
   /// An error when the owner is configured.
   [[nodiscard]] Status writable() const;
   /// Keeps an error for the owner's next configure().
   void defer(Error error);
-  virtual Status assign(const Value& value) = 0;
+  virtual Status assign(const Value& value) = 0;  ///< converts, checks and stores the value
 
  private:
   Configurable& owner_;
@@ -88,25 +89,29 @@ struct WrongProperty {
 
 }  // namespace detail
 
-/// Declared as a member: `mauve::Property<double> gain{*this, "gain", 0.2, "pull, 1/s"};`
-/// Reading is [any]; real-time code reads it as a plain value.
+/// A value that the architecture file and `mauvectl set` give. Declared as a member. It changes
+/// only while its element is not configured: a change of a running component makes a new element
+/// beside it. Reading is [any]; real-time code reads it as a plain value.
+/// @snippet api_examples.cpp Property
 template <typename T>
 class Property final : public PropertyBase {
  public:
+  /// `text` says for people what it is; texts are literals.
   Property(Configurable& owner, std::string_view name, T value, std::string_view text = {},
            Limits<T> limits = {})
       : PropertyBase(owner, name, text, limits.unit, data_type<T>()),
         default_(value),
         value_(std::move(value)),
         limits_(std::move(limits)) {}
+  /// Refuses to compile, with one sentence.
   template <typename... Wrong>
   requires(!detail::kMakesProperty<T, Wrong...>) explicit Property(Wrong&&...)
       : Property(detail::WrongProperty<Wrong...>::owner(), {}, T{}) {}
 
-  operator const T&() const { return value_; }
-  [[nodiscard]] const T& get() const { return value_; }
-  const T& operator*() const { return value_; }
-  const T* operator->() const { return &value_; }
+  operator const T&() const { return value_; }           ///< [any]
+  [[nodiscard]] const T& get() const { return value_; }  ///< [any]
+  const T& operator*() const { return value_; }          ///< [any]
+  const T* operator->() const { return &value_; }        ///< [any]
 
   /// In code: `shell().device = "/dev/ttyS0"`. A refused value (element configured, out of range)
   /// changes nothing and is reported by the element's next configure().
@@ -123,8 +128,11 @@ class Property final : public PropertyBase {
   }
 
   [[nodiscard]] Value value() const override { return encode(value_); }
+  /// See PropertyBase.
   [[nodiscard]] Value default_value() const override { return encode(default_); }
+  /// See PropertyBase.
   [[nodiscard]] Value min() const override { return limits_.min ? encode(*limits_.min) : Value(); }
+  /// See PropertyBase.
   [[nodiscard]] Value max() const override { return limits_.max ? encode(*limits_.max) : Value(); }
   [[nodiscard]] std::string_view within() const override { return limits_.within; }
   [[nodiscard]] Status accepts(const Value& value) const override {
@@ -133,6 +141,7 @@ class Property final : public PropertyBase {
   }
 
  protected:
+  /// See PropertyBase.
   Status assign(const Value& value) override {
     T decoded = value_;
     if (Status done = decode(value, decoded); !done) return done;

@@ -21,27 +21,31 @@ class Tap;
 /// What the runtime sees of a resource. Owned by an Architecture.
 class ResourceBase {
  public:
+  /// Makes the elements; made() holds the error of a constructor that throws.
   ResourceBase(std::string name, ResourceType type);
   ResourceBase(const ResourceBase&) = delete;
   ResourceBase& operator=(const ResourceBase&) = delete;
   virtual ~ResourceBase();
 
-  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::string& name() const { return name_; }  ///< in its architecture
+  /// Names and makers of its elements.
   [[nodiscard]] const ResourceType& type() const { return type_; }
-  [[nodiscard]] Shell& shell() const { return *shell_; }
-  [[nodiscard]] CoreBase& core() const { return *core_; }
-  [[nodiscard]] InterfaceBase& interface() const { return *interface_; }
+  [[nodiscard]] Shell& shell() const { return *shell_; }   ///< its ports and properties
+  [[nodiscard]] CoreBase& core() const { return *core_; }  ///< its data and algorithm
+  [[nodiscard]] InterfaceBase& interface() const { return *interface_; }  ///< its services
+  /// Null: there is none.
   [[nodiscard]] ServiceBase* find_service(std::string_view name) const {
     return interface_->find_service(name);
   }
-  [[nodiscard]] ResourceLock& lock() { return lock_; }
-  [[nodiscard]] const ResourceLock& lock() const { return lock_; }
+  [[nodiscard]] ResourceLock& lock() { return lock_; }              ///< one caller at a time
+  [[nodiscard]] const ResourceLock& lock() const { return lock_; }  ///< one caller at a time
 
   /// Shell, core, interface in this order; a failure undoes what this call had configured.
   Status configure();
-  Status cleanup();
+  Status cleanup();  ///< the other way round
+  /// Between configure() and cleanup().
   [[nodiscard]] bool configured() const { return configured_; }
-  [[nodiscard]] const Status& made() const { return made_; }
+  [[nodiscard]] const Status& made() const { return made_; }  ///< the error of a constructor
 
   /// Elements stay alive (and their library mapped) while anything holds this.
   [[nodiscard]] std::shared_ptr<void> keep_alive() const { return interface_; }
@@ -49,7 +53,7 @@ class ResourceBase {
   /// Connects a port of the resource's own shell (a resource that writes on). [control]
   Status connect(std::string_view port, ServiceBase& service, std::shared_ptr<void> keep_alive,
                  Duration max_age = Duration{0});
-  Status disconnect(std::string_view port);
+  Status disconnect(std::string_view port);  ///< ends it [control]
   /// The connections in force. [control]
   [[nodiscard]] const Bindings& bindings() const { return *bindings_; }
 
@@ -59,7 +63,9 @@ class ResourceBase {
   void meet(const std::shared_ptr<CoreBase>& core, const std::shared_ptr<const Bindings>& bindings);
   /// Runtime only: what callers meet is what the model shows. [control]
   void install(std::shared_ptr<CoreBase> core, std::shared_ptr<const Bindings> bindings);
+  /// That callers meet.
   [[nodiscard]] const std::shared_ptr<CoreBase>& shared_core() const { return core_; }
+  /// Those that callers meet.
   [[nodiscard]] const std::shared_ptr<const Bindings>& shared_bindings() const { return bindings_; }
 
  private:
@@ -76,15 +82,20 @@ class ResourceBase {
   bool configured_ = false;
 };
 
-/// A resource of known classes, as a member of an Architecture:
-/// `mauve::Resource<EkfShell, EkfCore, EkfInterface> localization{*this, "localization"};`
+/// A resource of known classes, as a member of an Architecture, for programs and tests. A plugin
+/// registers its classes with Plugin::resource() instead. Its code runs on the thread of the
+/// caller, one caller at a time. [control], before deployment.
+/// @snippet api_examples.cpp Resource
 template <typename ShellT, typename CoreT, typename InterfaceT>
 class Resource final : public ResourceBase {
  public:
-  Resource(Architecture& architecture, std::string name);
+  Resource(Architecture& architecture, std::string name);  ///< joins the architecture
 
+  /// For connections and properties.
   [[nodiscard]] ShellT& shell() const { return static_cast<ShellT&>(ResourceBase::shell()); }
+  /// Before deployment.
   [[nodiscard]] CoreT& core() const { return static_cast<CoreT&>(ResourceBase::core()); }
+  /// Its services, to which ports are connected.
   [[nodiscard]] InterfaceT& interface() const {
     return static_cast<InterfaceT&>(ResourceBase::interface());
   }

@@ -38,7 +38,7 @@ enum class Errc {
 
 /// One refusal: what kind, where (a dotted address, or file:line:column), what, and how to get on.
 struct Error {
-  Errc code = Errc::invalid_value;
+  Errc code = Errc::invalid_value;  ///< what kind
   std::string at;       ///< address of the thing refused; may be filled by an outer layer
   std::string message;  ///< one sentence, lower case, no full stop
   std::string hint;     ///< one suggestion, may be empty
@@ -47,24 +47,27 @@ struct Error {
 /// "control.core.gain: must be positive (hint)". For logs and exceptions; clients format the parts.
 [[nodiscard]] std::string to_string(const Error& error);
 
-/// Either a T or an Error. Same member names as std::expected, which C++20 does not have.
+/// Either a T or an Error. Same member names as std::expected, which C++20 does not have. Makes
+/// text on the heap: not for real-time code. [any but rt]
+/// @snippet api_examples.cpp Result
 template <typename T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : content_(std::in_place_index<0>, std::move(value)) {}
-  Result(Error error) : content_(std::in_place_index<1>, std::move(error)) {}
+  Result(T value) : content_(std::in_place_index<0>, std::move(value)) {}      ///< success
+  Result(Error error) : content_(std::in_place_index<1>, std::move(error)) {}  ///< a refusal
 
-  [[nodiscard]] bool has_value() const { return content_.index() == 0; }
-  explicit operator bool() const { return has_value(); }
-  [[nodiscard]] T& value() & { return std::get<0>(content_); }
-  [[nodiscard]] const T& value() const& { return std::get<0>(content_); }
-  [[nodiscard]] T&& value() && { return std::get<0>(std::move(content_)); }
-  T& operator*() & { return value(); }
-  const T& operator*() const& { return value(); }
-  T&& operator*() && { return std::move(*this).value(); }
-  T* operator->() { return &value(); }
-  const T* operator->() const { return &value(); }
-  [[nodiscard]] Error& error() { return std::get<1>(content_); }
+  [[nodiscard]] bool has_value() const { return content_.index() == 0; }     ///< success
+  explicit operator bool() const { return has_value(); }                     ///< success
+  [[nodiscard]] T& value() & { return std::get<0>(content_); }               ///< only after success
+  [[nodiscard]] const T& value() const& { return std::get<0>(content_); }    ///< only after success
+  [[nodiscard]] T&& value() && { return std::get<0>(std::move(content_)); }  ///< only after success
+  T& operator*() & { return value(); }                                       ///< as value()
+  const T& operator*() const& { return value(); }                            ///< as value()
+  T&& operator*() && { return std::move(*this).value(); }                    ///< as value()
+  T* operator->() { return &value(); }                                       ///< as value()
+  const T* operator->() const { return &value(); }                           ///< as value()
+  [[nodiscard]] Error& error() { return std::get<1>(content_); }  ///< only after a refusal
+  /// Only after a refusal.
   [[nodiscard]] const Error& error() const { return std::get<1>(content_); }
 
  private:
@@ -75,19 +78,19 @@ class [[nodiscard]] Result {
 template <>
 class [[nodiscard]] Result<void> {
  public:
-  Result() = default;
-  Result(Error error) : error_(std::move(error)) {}
+  Result() = default;                                ///< success
+  Result(Error error) : error_(std::move(error)) {}  ///< a refusal
 
-  [[nodiscard]] bool has_value() const { return !error_.has_value(); }
-  explicit operator bool() const { return has_value(); }
-  [[nodiscard]] Error& error() { return *error_; }
-  [[nodiscard]] const Error& error() const { return *error_; }
+  [[nodiscard]] bool has_value() const { return !error_.has_value(); }  ///< success
+  explicit operator bool() const { return has_value(); }                ///< success
+  [[nodiscard]] Error& error() { return *error_; }                      ///< only after a refusal
+  [[nodiscard]] const Error& error() const { return *error_; }          ///< only after a refusal
 
  private:
   std::optional<Error> error_;
 };
 
-using Status = Result<void>;
+using Status = Result<void>;  ///< the answer of each hook
 
 /// Success.
 [[nodiscard]] inline Status ok() { return {}; }

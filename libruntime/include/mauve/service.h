@@ -30,22 +30,24 @@ class Interface;
 /// signatures, so the casts are safe. Calls are [any] but not from inside the same resource.
 class ServiceBase {
  public:
+  /// Registers itself with the interface.
   ServiceBase(InterfaceBase& owner, std::string_view name, Signature signature,
               Writers writers = Writers::many);
   ServiceBase(const ServiceBase&) = delete;
   ServiceBase& operator=(const ServiceBase&) = delete;
   virtual ~ServiceBase() = default;
 
-  [[nodiscard]] std::string_view name() const { return name_; }
+  [[nodiscard]] std::string_view name() const { return name_; }  ///< of the member
+  /// Kind and types, compared at connect.
   [[nodiscard]] const Signature& signature() const { return signature_; }
-  [[nodiscard]] Writers writers() const { return writers_; }
-  [[nodiscard]] ResourceBase& resource() const;
+  [[nodiscard]] Writers writers() const { return writers_; }  ///< how many ports may write
+  [[nodiscard]] ResourceBase& resource() const;               ///< that it belongs to
   /// Dotted address, such as "scan.read".
   [[nodiscard]] std::string address() const;
 
   /// Called at connect and disconnect: a reader may get a private slot. [control]
   virtual unsigned attach() { return 0; }
-  virtual void detach(unsigned /*slot*/) {}
+  virtual void detach(unsigned /*slot*/) {}  ///< gives the slot back
 
   /// Copies the value into `into`; leaves it alone when there is none.
   virtual DataStatus read(void* /*into*/, Cursor& /*cursor*/) { return DataStatus::no_data; }
@@ -64,9 +66,9 @@ class ServiceBase {
   virtual bool invoke(void* /*result*/, void* const* /*arguments*/) { return false; }
 
  protected:
-  [[nodiscard]] InterfaceBase& owner() const { return owner_; }
-  [[nodiscard]] CoreBase& core() const;
-  [[nodiscard]] ResourceLock& lock() const;
+  [[nodiscard]] InterfaceBase& owner() const { return owner_; }  ///< whose member it is
+  [[nodiscard]] CoreBase& core() const;                          ///< that serves callers now
+  [[nodiscard]] ResourceLock& lock() const;                      ///< of the resource
 
  private:
   InterfaceBase& owner_;
@@ -75,14 +77,17 @@ class ServiceBase {
   Writers writers_;
 };
 
-/// `ReadService<Pose> predict{*this, "predict", &EkfCore::predict};` The method may return
-/// std::optional<T>: empty means no data.
+/// A value that a method of the core computes at each read, on the thread of the reader and under
+/// the resource lock. The method may return std::optional<T>: empty means no data.
+/// @snippet api_examples.cpp ReadService
 template <typename T>
 class ReadService final : public ServiceBase {
  public:
+  /// `method` always has a value.
   template <typename C>
   ReadService(Interface<C>& owner, std::string_view name, std::type_identity_t<T (C::*)()> method)
       : ServiceBase(owner, name, Signature::read<T>()), always_(Method<T()>(method)) {}
+  /// `method` may have no value: no_data.
   template <typename C>
   ReadService(Interface<C>& owner, std::string_view name,
               std::type_identity_t<std::optional<T> (C::*)()> method)
@@ -114,11 +119,13 @@ class ReadService final : public ServiceBase {
   std::optional<Method<std::optional<T>()>> maybe_;
 };
 
-/// `WriteService<Imu> update_imu{*this, "update_imu", &EkfCore::update_imu};` One that moves
-/// something: `{*this, "drive", &Motor::drive, mauve::Writers::one}`.
+/// A method of the core that takes each value written, on the thread of the writer and under the
+/// resource lock. One that moves something: `{*this, "drive", &Motor::drive, mauve::Writers::one}`.
+/// @snippet api_examples.cpp WriteService
 template <typename T>
 class WriteService final : public ServiceBase {
  public:
+  /// `method` gets each value that is written.
   template <typename C>
   WriteService(Interface<C>& owner, std::string_view name,
                std::type_identity_t<void (C::*)(const T&)> method, Writers writers = Writers::many)
@@ -140,13 +147,17 @@ class WriteService final : public ServiceBase {
   Method<void(const T&)> method_;
 };
 
+/// Of a signature `R(P...)`, see its specialization.
 template <typename Signature>
 class CallService;
 
-/// `CallService<MotionState(double)> predict_at{*this, "predict_at", &EkfCore::predict_at};`
+/// A method of the core with arguments and an answer, on the thread of the caller and under the
+/// resource lock.
+/// @snippet api_examples.cpp CallService
 template <typename R, typename... P>
 class CallService<R(P...)> final : public ServiceBase {
  public:
+  /// `method` answers each call.
   template <typename C>
   CallService(Interface<C>& owner, std::string_view name,
               std::type_identity_t<R (C::*)(P...)> method, Writers writers = Writers::many)
@@ -174,10 +185,12 @@ class CallService<R(P...)> final : public ServiceBase {
   Method<R(P...)> method_;
 };
 
-/// `EventService<> reset{*this, "reset", &EkfCore::reset};`
+/// A method of the core without an answer, on the thread of the caller and under the resource lock.
+/// @snippet api_examples.cpp EventService
 template <typename... P>
 class EventService final : public ServiceBase {
  public:
+  /// `method` runs at each event.
   template <typename C>
   EventService(Interface<C>& owner, std::string_view name,
                std::type_identity_t<void (C::*)(P...)> method)

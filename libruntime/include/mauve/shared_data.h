@@ -17,24 +17,28 @@ struct DataType;
 /// connected; further readers and writers acquire the resource's lock. It keeps 21 values.
 class SharedDataBase : public ResourceBase {
  public:
-  static constexpr unsigned kReaders = 8;
+  static constexpr unsigned kReaders = 8;  ///< places of readers that never wait
 
   /// `initial` (may be null) is what readers get before the first write.
   SharedDataBase(std::string name, const DataType& data, const void* initial = nullptr,
                  std::shared_ptr<void> library = nullptr);
 
+  /// For read ports.
   [[nodiscard]] ServiceBase& read_service() const { return *find_service("read"); }
+  /// For write ports.
   [[nodiscard]] ServiceBase& write_service() const { return *find_service("write"); }
 };
 
-/// In code: `mauve::SharedData<LaserScan> scan{*this, "scan"};`, then
-/// `control.shell().scan.connect(scan.read_service());`
+/// The latest value of one type, as a member of an Architecture. In a file it is the type
+/// "shared_data".
+/// @snippet api_examples.cpp SharedData
 template <typename T>
 class SharedData final : public SharedDataBase {
   static_assert(std::is_trivially_copyable_v<T>, "exchanged data has fixed size: no heap inside");
 
  public:
-  SharedData(Architecture& architecture, std::string name);
+  SharedData(Architecture& architecture, std::string name);  ///< no data at first
+  /// Readers get `initial` before the first write.
   SharedData(Architecture& architecture, std::string name, const T& initial);
 };
 

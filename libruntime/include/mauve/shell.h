@@ -13,14 +13,18 @@ namespace mauve {
 
 class PortBase;
 
-/// Derive, and declare ports and properties as members.
+/// Base of the outside of a component or resource. Derive, and declare ports and properties as
+/// members. The runtime owns the object, and it stays when the core is replaced.
+/// @snippet api_examples.cpp Shell
 class Shell : public Configurable {
  public:
+  /// In the order of declaration.
   [[nodiscard]] const std::vector<PortBase*>& ports() const { return ports_; }
-  [[nodiscard]] PortBase* find_port(std::string_view name) const;
+  [[nodiscard]] PortBase* find_port(std::string_view name) const;  ///< null: there is none
 
   /// Runtime only. The connections in force; exchanged by the component's own thread.
   [[nodiscard]] const Bindings* bindings() const { return bindings_; }
+  /// Runtime only: these connections from now on. [rt] of the component.
   void use(const Bindings* bindings) {
     ++version_;  // also for the same ones: others may have used them meanwhile
     bindings_ = bindings;

@@ -31,14 +31,14 @@ class SlowStateBase : public Capsule {
 
   /// Runtime only: the hand-over. The other may be running with its object meanwhile.
   void share(const SlowStateBase& old) { object_ = old.object_; }
-  void convert(const SlowStateBase& old, const ConvertsBase& by);
+  void convert(const SlowStateBase& old, const ConvertsBase& by);  ///< the same from another type
   /// Runtime only: the objects made from now on keep the library alive that makes them.
   void keep_alive(std::shared_ptr<void> library) { library_ = std::move(library); }
 
  protected:
-  SlowStateBase(CoreBase& owner, const DataType& type);
-  [[nodiscard]] const void* object() const { return object_.get(); }
-  Status replace(std::shared_ptr<void> object);
+  SlowStateBase(CoreBase& owner, const DataType& type);  ///< registers itself with the core
+  [[nodiscard]] const void* object() const { return object_.get(); }  ///< null: nothing was set
+  Status replace(std::shared_ptr<void> object);                       ///< refused in a job
 
  private:
   [[nodiscard]] virtual std::shared_ptr<void> make() const = 0;
@@ -48,13 +48,18 @@ class SlowStateBase : public Capsule {
   std::shared_ptr<const void> object_;  ///< immutable: shared with the cores before and after
 };
 
+/// Large data that is constant while its core runs. Declared as a member. It is shared with the
+/// next core, never copied; the last core that holds it frees it. [factory] sets it, [rt] reads it.
+/// @snippet api_examples.cpp SlowState
 template <typename T>
 class SlowState final : public SlowStateBase {
  public:
+  /// Holds nothing yet.
   explicit SlowState(CoreBase& owner) : SlowStateBase(owner, data_type<T>()) {}
 
   /// Only when there is one. [any]
   const T& operator*() const { return *static_cast<const T*>(object()); }
+  /// Only when there is one [any]
   const T* operator->() const { return static_cast<const T*>(object()); }
 
   /// In on_configure(); refused in a job. Cores before this one keep theirs. [factory]

@@ -28,35 +28,40 @@ class StateBase : public Capsule {
   [[nodiscard]] const void* data() const { return object_.get(); }
 
  protected:
+  /// Registers itself with the core.
   StateBase(CoreBase& owner, const DataType& type, std::shared_ptr<void> object);
-  [[nodiscard]] void* object() const { return object_.get(); }
+  [[nodiscard]] void* object() const { return object_.get(); }  ///< owned by the state
 
  private:
   std::shared_ptr<void> object_;
 };
 
-/// Declared as a member: `mauve::State<Guidance> state{*this};`, used as `state->goal`. Cores that
-/// share the state type hand it over in a swap; one of another type says how it converts it
-/// (converts.h). Describe T, so that its layout is compared field by field: a state without
-/// description or name (type.h) is handed over within one build of its plugin only. Do not keep
-/// references into it.
+/// The data of a core that must survive a change. Declared as a member, one for each core, used as
+/// `state->goal` on the thread of the component [rt]. Cores that share the state type hand it over
+/// in a swap; one of another type says how it converts it (converts.h). Describe T, so that its
+/// layout is compared field by field: a state without description or name (type.h) is handed over
+/// within one build of its plugin only. Do not keep references into it: a swap exchanges the
+/// object. A change that would lose it is refused.
+/// @snippet api_examples.cpp State
 template <typename T>
 class State final : public StateBase {
  public:
+  /// `initial` is what a core begins with to which nothing is handed over.
   explicit State(CoreBase& owner, T initial = T{})
       : StateBase(owner, data_type<T>(), std::make_shared<T>(std::move(initial))) {}
 
-  T& operator*() { return *static_cast<T*>(object()); }
-  T* operator->() { return static_cast<T*>(object()); }
-  const T& operator*() const { return *static_cast<const T*>(object()); }
-  const T* operator->() const { return static_cast<const T*>(object()); }
+  T& operator*() { return *static_cast<T*>(object()); }                    ///< [rt]
+  T* operator->() { return static_cast<T*>(object()); }                    ///< [rt]
+  const T& operator*() const { return *static_cast<const T*>(object()); }  ///< [rt]
+  const T* operator->() const { return static_cast<const T*>(object()); }  ///< [rt]
 };
 
-/// Declared as a member by a core that has nothing to hand over: `mauve::Stateless
-/// stateless{*this};`
+/// Declared as a member by a core that has nothing to hand over. A reaction to a fault may then
+/// bring the core in place of one that has a state.
+/// @snippet api_examples.cpp Stateless
 class Stateless {
  public:
-  explicit Stateless(CoreBase& owner);
+  explicit Stateless(CoreBase& owner);  ///< registers itself with the core
 };
 
 }  // namespace mauve

@@ -28,6 +28,7 @@ namespace mauve {
 /// The far ends of all ports of one shell: a value to read, a place to write to, an answer to give.
 class PortBench {
  public:
+  /// Connects each port of plain data.
   explicit PortBench(Shell& shell) {
     for (PortBase* port : shell.ports()) {
       const Signature& signature = port->signature();
@@ -89,7 +90,8 @@ class PortBench {
   std::vector<std::unique_ptr<ServiceBase>> answers_;
 };
 
-/// One core with its shell; its methods are called by the test.
+/// One core with its shell; its methods are called by the test, on the thread of the test.
+/// @snippet api_examples.cpp CoreBench
 template <typename ShellT, typename CoreT>
 class CoreBench {
  public:
@@ -104,8 +106,8 @@ class CoreBench {
     this_job().start = 0;
   }
 
-  [[nodiscard]] ShellT& shell() { return shell_; }
-  [[nodiscard]] CoreT& core() { return core_; }
+  [[nodiscard]] ShellT& shell() { return shell_; }  ///< of the core
+  [[nodiscard]] CoreT& core() { return core_; }     ///< under test
 
   /// Shell, then core; the ports are connected from now on.
   Status configure() {
@@ -115,14 +117,17 @@ class CoreBench {
     if (Status done = shell_.configure(); !done) return done;
     return core_.configure();
   }
+  /// What the port reads from now on.
   template <typename T>
   void give(const ReadPort<T>& port, const T& value) {
     ports_.give(port, value);
   }
+  /// The last value written; empty: none.
   template <typename T>
   [[nodiscard]] std::optional<T> written(const WritePort<T>& port) {
     return ports_.written(port);
   }
+  /// Before configure(): what a call port gets.
   template <typename R, typename... P>
   void answer(CallPort<R(P...)>& port, std::function<R(P...)> function) {
     ports_.answer(port, std::move(function));
@@ -144,19 +149,23 @@ class CoreBench {
   Bindings bindings_;
 };
 
-/// One component with its state machine, on simulated time: `bench.run_for(100ms)`.
+/// One component with its state machine, on simulated time and without threads.
+/// @snippet api_examples.cpp ComponentBench
 template <typename ShellT, typename CoreT, typename FsmT>
 class ComponentBench : public Architecture {
  public:
-  [[nodiscard]] ShellT& shell() { return component_.shell(); }
+  [[nodiscard]] ShellT& shell() { return component_.shell(); }  ///< of the component
+  /// In force.
   [[nodiscard]] CoreT& core() { return static_cast<CoreT&>(component_.ComponentBase::core()); }
-  [[nodiscard]] FsmT& fsm() { return component_.fsm(); }
-  [[nodiscard]] PortBench& ports() { return ports_; }
-  [[nodiscard]] Deployer& deployer() { return deployer_; }
+  [[nodiscard]] FsmT& fsm() { return component_.fsm(); }    ///< of the component
+  [[nodiscard]] PortBench& ports() { return ports_; }       ///< the far ends of its ports
+  [[nodiscard]] Deployer& deployer() { return deployer_; }  ///< for changes
+  /// Counts, state, times.
   [[nodiscard]] ComponentStatus status() const { return deployer_.status("component"); }
 
   /// Configures and releases at T0 of the simulated clock.
   Status deploy() { return deployer_.deploy(); }
+  /// Runs all jobs that are released in this time, on the calling thread.
   void run_for(Duration duration) {
     cost_ = cost_of([&] { deployer_.run_for(duration); }, true);
   }

@@ -28,7 +28,7 @@ enum class TraceMode : std::uint8_t {
 
 /// From the next event on. [any]
 void set_trace_mode(TraceMode mode);
-[[nodiscard]] TraceMode trace_mode();
+[[nodiscard]] TraceMode trace_mode();  ///< [any]
 
 /// What happened; what the name and the numbers of a record mean stands in
 /// daemon/protocol/README.md.
@@ -59,16 +59,16 @@ enum class TraceKind : std::uint8_t {
   disturbed,
   lost,
 };
-[[nodiscard]] std::string_view to_string(TraceKind kind);
+[[nodiscard]] std::string_view to_string(TraceKind kind);  ///< "release", "begin", ...
 
 /// One record, as it is collected. Names are numbers, see trace_name().
 struct TraceRecord {
-  Instant time = 0;  ///< since T0
-  TraceKind kind = TraceKind::lost;
-  std::uint32_t thread = 0;
-  std::uint32_t name = 0;  ///< 0: none
-  std::int64_t a = 0;
-  std::int64_t b = 0;  ///< of `user` the bits of a double
+  Instant time = 0;                  ///< since T0
+  TraceKind kind = TraceKind::lost;  ///< what happened
+  std::uint32_t thread = 0;          ///< which thread, as a number
+  std::uint32_t name = 0;            ///< 0: none
+  std::int64_t a = 0;                ///< see the table of the kind
+  std::int64_t b = 0;                ///< of `user` the bits of a double
 };
 
 /// The number of a name, the same for equal names, for the life of the process; 0 when there are
@@ -79,31 +79,33 @@ struct TraceRecord {
 
 /// What a trace is about: one component as it is now.
 struct TracedComponent {
+  /// One state of its machine.
   struct State {
-    std::string name;
+    std::string name;    ///< of the state
     bool waits = false;  ///< a synchronization state
-    Duration wait{0};
+    Duration wait{0};    ///< how long it waits
   };
-  std::string name;
-  std::string type;
-  std::string core;
-  std::uint64_t change = 0;  ///< the number of the change that made it so; 0: as it was deployed
-  int priority = 0;
-  std::vector<int> cpus;
-  bool realtime = false;
-  Duration period{0};  ///< of its grid
-  Duration offset{0};
-  Duration deadline{0};
-  Duration budget{0};
-  Duration bound{0};  ///< on its response times; zero: none was found
-  std::vector<State> states;
-  std::string initial;
+  std::string name;           ///< of the component
+  std::string type;           ///< "plugin/name"
+  std::string core;           ///< "plugin/name"
+  std::uint64_t change = 0;   ///< the number of the change that made it so; 0: as it was deployed
+  int priority = 0;           ///< SCHED_FIFO
+  std::vector<int> cpus;      ///< empty: any
+  bool realtime = false;      ///< the system really runs it so
+  Duration period{0};         ///< of its grid
+  Duration offset{0};         ///< as declared
+  Duration deadline{0};       ///< as declared
+  Duration budget{0};         ///< as declared
+  Duration bound{0};          ///< on its response times; zero: none was found
+  std::vector<State> states;  ///< in the order of declaration
+  std::string initial;        ///< the first state
 };
+/// What a trace is about: the system.
 struct TracedSystem {
-  std::string architecture;
-  Instant t0 = 0;
-  std::vector<TracedComponent> components;
-  std::vector<std::string> resources;
+  std::string architecture;                 ///< name
+  Instant t0 = 0;                           ///< monotonic
+  std::vector<TracedComponent> components;  ///< all
+  std::vector<std::string> resources;       ///< names
 };
 
 namespace detail {
@@ -118,9 +120,12 @@ void trace_call(std::uint32_t port, Instant began, DataStatus status);
 
 }  // namespace detail
 
-/// An event of a core's own, with a number. Outside a job it does nothing.
+/// An event of a core's own, with a number, in the trace of its thread. Declared as a member.
+/// Outside a job it does nothing.
+/// @snippet api_examples.cpp TraceEvent
 class TraceEvent {
  public:
+  /// Takes the number of the name, a literal or not. [factory]
   TraceEvent(Configurable& /*owner*/, std::string_view name) : name_(trace_name_id(name)) {}
   TraceEvent(const TraceEvent&) = delete;
   TraceEvent& operator=(const TraceEvent&) = delete;
@@ -137,6 +142,7 @@ class TraceEvent {
 /// Runtime only: one use of a port.
 class TracedCall {
  public:
+  /// It begins.
   explicit TracedCall(std::uint32_t port)
       : port_(port), began_(detail::traces(TraceMode::detail) ? detail::trace_time() : 0) {}
   /// At its end.
@@ -144,6 +150,7 @@ class TracedCall {
     if (began_ != 0) detail::trace_call(port_, began_, status);
     return status;
   }
+  /// At its end.
   bool ended(bool done) const {
     ended(done ? DataStatus::new_data : DataStatus::no_data);
     return done;

@@ -38,23 +38,24 @@ namespace mauve {
 /// What the runtime knows of a type at run time. Two plugins mean the same type when name and
 /// layout are equal. Lives as long as the library that instantiated it.
 struct DataType {
-  std::string name;      ///< "velocity/1", "double", or a compiler's name when not described
-  std::size_t size = 0;  ///< bytes
-  std::size_t alignment = 0;
+  std::string name;           ///< "velocity/1", "double", or a compiler's name when not described
+  std::size_t size = 0;       ///< bytes
+  std::size_t alignment = 0;  ///< bytes
   /// Hash of names, kinds, offsets and sizes of all fields; of a type without description: of its
   /// size, its name and the build of its plugin.
   std::uint64_t layout = 0;
   bool vouched = true;  ///< described, or named by its author: same in all builds of a revision
   bool flat = false;    ///< trivially copyable: may be exchanged as bytes
-  Value (*to_value)(const void* data) = nullptr;  ///< null: not described
-  Status (*from_value)(const Value& value, void* data) = nullptr;
+  Value (*to_value)(const void* data) = nullptr;                   ///< null: not described
+  Status (*from_value)(const Value& value, void* data) = nullptr;  ///< null: not described
   Value (*describe)() = nullptr;              ///< fields with kinds and units, for people and tools
   void (*construct)(void* memory) = nullptr;  ///< default value; null for void
   /// The type it can be made from, and how; null: none. `now` is a default value.
   const DataType& (*before)() = nullptr;
-  void (*convert)(const void* old, void* now) = nullptr;
+  void (*convert)(const void* old, void* now) = nullptr;  ///< null with before
 };
 
+/// Equal name and layout.
 [[nodiscard]] inline bool same_type(const DataType& a, const DataType& b) {
   return a.layout == b.layout && a.name == b.name;
 }

@@ -11,17 +11,23 @@
 
 namespace mauve {
 
+/// Of a signature `R(P...)`, see its specialization.
 template <typename Signature>
 class CallPort;
 
 /// Calls a connected service: `std::optional<MotionState> s = shell().predict_at(0.1);`, empty
-/// when nothing answers. For R = void it returns whether it was called.
+/// when nothing answers. For R = void it returns whether it was called. The method runs on the
+/// thread of the caller.
+/// @snippet api_examples.cpp CallPort
 template <typename R, typename... P>
 class CallPort<R(P...)> final : public PortBase {
  public:
+  /// Registers itself with the shell.
   CallPort(Shell& shell, std::string_view name, Need need = Need::usual)
       : PortBase(shell, name, mauve::Signature::call<R, P...>(), need) {}
 
+  /// Calls on this thread, under the resource lock. Empty or false: not connected, no lock in time,
+  /// or a poisoned resource. [rt]
   auto operator()(std::remove_cvref_t<P>... arguments) {
     void* pointers[sizeof...(P) + 1] = {&arguments..., nullptr};
     const TracedCall call = call_begins();
@@ -43,12 +49,15 @@ class CallPort<R(P...)> final : public PortBase {
 };
 
 /// Triggers an action of a connected service; not connected: nothing happens.
+/// @snippet api_examples.cpp EventPort
 template <typename... P>
 class EventPort final : public PortBase {
  public:
+  /// Registers itself with the shell.
   EventPort(Shell& shell, std::string_view name, Need need = Need::usual)
       : PortBase(shell, name, Signature::event<P...>(), need) {}
 
+  /// False: nothing was triggered, for the same reasons as a call. [rt]
   bool operator()(std::remove_cvref_t<P>... arguments) {
     void* pointers[sizeof...(P) + 1] = {&arguments..., nullptr};
     const TracedCall call = call_begins();

@@ -26,6 +26,7 @@ class Configurable {
 
   /// Dotted address, such as "control.core". Empty until a component or resource adopts it.
   [[nodiscard]] const std::string& address() const { return address_; }
+  /// Between configure() and cleanup().
   [[nodiscard]] bool configured() const { return configured_.load(std::memory_order_acquire); }
 
   /// Calls on_configure(), then checks the element. What the hook throws becomes an Error.
@@ -34,9 +35,12 @@ class Configurable {
   /// Calls on_cleanup() when configured. An exception of the hook is swallowed and returned.
   Status cleanup();
 
+  /// In the order of declaration.
   [[nodiscard]] const std::vector<PropertyBase*>& properties() const { return properties_; }
+  /// In the order of declaration.
   [[nodiscard]] const std::vector<ObservableBase*>& observables() const { return observables_; }
-  [[nodiscard]] PropertyBase* find_property(std::string_view name) const;
+  [[nodiscard]] PropertyBase* find_property(std::string_view name) const;  ///< null: there is none
+  /// null: there is none
   [[nodiscard]] ObservableBase* find_observable(std::string_view name) const;
 
   /// Runtime only: gives the element its address, and reports it to the observer. [factory]

@@ -29,11 +29,12 @@ class ConvertsBase {
   ConvertsBase& operator=(const ConvertsBase&) = delete;
   virtual ~ConvertsBase() = default;
 
-  [[nodiscard]] const DataType& from() const { return from_; }
+  [[nodiscard]] const DataType& from() const { return from_; }  ///< the type that it converts
   /// Of a state [rt], of a slow state [factory].
   virtual void run(const void* old, void* now) const = 0;
 
  protected:
+  /// Registers itself with the state.
   ConvertsBase(Capsule& into, const DataType& from) : from_(from) {
     into.converters_.push_back(this);
   }
@@ -42,6 +43,8 @@ class ConvertsBase {
   const DataType& from_;
 };
 
+/// Declared as a member of the new core, after its state.
+/// @snippet api_examples.cpp Converts
 template <typename Old, typename Now>
 class Converts final : public ConvertsBase {
  public:

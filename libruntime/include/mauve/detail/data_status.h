@@ -20,7 +20,7 @@ enum class DataStatus : std::uint8_t {
               ///< returned
 };
 
-[[nodiscard]] std::string_view to_string(DataStatus status);
+[[nodiscard]] std::string_view to_string(DataStatus status);  ///< "no_data", ...
 
 /// Did the read deliver a value?
 [[nodiscard]] constexpr bool has_value(DataStatus status) {
@@ -35,7 +35,7 @@ struct Cursor {
   Instant stamp = 0;       ///< when the value read was written (start of the writing job)
   /// The value itself, held still, in an exchange in which the reader has a slot of its own.
   const void* data = nullptr;
-  static constexpr std::uint64_t kNone = ~0ULL;
+  static constexpr std::uint64_t kNone = ~0ULL;  ///< no word was read yet
   std::uint64_t word = kNone;  ///< of that exchange; the same: `data` is still its newest value
 };
 

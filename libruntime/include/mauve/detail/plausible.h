@@ -42,11 +42,14 @@ template <typename T>
 /// std::abs(v - last) < 0.1; }`. A NaN or an infinity in a described field is not plausible either,
 /// unless `finite` is false; `accepts` is asked only afterwards. `Plausible<T>{}` asks for finite
 /// numbers alone. A port without Plausible checks nothing, and pays nothing.
+/// @snippet api_examples.cpp Plausible
 template <typename T>
 struct Plausible {
+  /// asked last; empty: accepts all
   std::function<bool(const T& value, const T& last)> accepts = {};
-  bool finite = true;
+  bool finite = true;  ///< refuses NaN and infinity
 
+  /// Whether the port lets the value out. [rt]
   [[nodiscard]] bool operator()(const T& value, const T& last) const {
     return (!finite || detail::all_finite(value)) && (!accepts || accepts(value, last));
   }

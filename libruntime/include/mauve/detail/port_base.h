@@ -22,21 +22,26 @@ class Shell;
 
 /// How important a connection is. `mauved --check`, a start and `status` name ports without one
 /// that are required, and those that have a safe value unless they are optional.
-enum class Need : std::uint8_t { usual, optional, required };
+enum class Need : std::uint8_t {
+  usual,     ///< named when it has a safe value
+  optional,  ///< may be left open
+  required,  ///< named when it is left open
+};
 
 /// The result of PortBase::connect(). When the caller does not examine an error, the next
 /// configure() of the shell reports it, as it reports a refused value of a property.
 class Connected {
  public:
+  /// Of a port of this shell.
   Connected(Shell& shell, Status done) : shell_(shell), done_(std::move(done)) {}
   Connected(const Connected&) = delete;
   Connected& operator=(const Connected&) = delete;
   ~Connected();
 
-  explicit operator bool() const { return examine().has_value(); }
-  [[nodiscard]] bool has_value() const { return examine().has_value(); }
-  operator Status() const { return examine(); }
-  [[nodiscard]] const Error& error() const { return examine().error(); }
+  explicit operator bool() const { return examine().has_value(); }        ///< success
+  [[nodiscard]] bool has_value() const { return examine().has_value(); }  ///< success
+  operator Status() const { return examine(); }                           ///< for a return
+  [[nodiscard]] const Error& error() const { return examine().error(); }  ///< only after a refusal
 
  private:
   const Status& examine() const {
@@ -52,29 +57,32 @@ class Connected {
 /// What the runtime sees of a port. Use is [rt] by the component's own thread.
 class PortBase {
  public:
+  /// Registers itself with the shell.
   PortBase(Shell& shell, std::string_view name, Signature signature, Need need = Need::usual,
            Writers writers = Writers::many);
   PortBase(const PortBase&) = delete;
   PortBase& operator=(const PortBase&) = delete;
   virtual ~PortBase() = default;
 
-  [[nodiscard]] std::string_view name() const { return name_; }
+  [[nodiscard]] std::string_view name() const { return name_; }  ///< of the member
+  /// kind and type, compared at connect
   [[nodiscard]] const Signature& signature() const { return signature_; }
-  [[nodiscard]] std::size_t index() const { return index_; }
+  [[nodiscard]] std::size_t index() const { return index_; }  ///< in the order of declaration
   /// Dotted address, such as "control.ports.scan".
   [[nodiscard]] std::string address() const;
 
   /// Connects in code, before deployment: `shell().scan.connect(scan.interface().read)`. The caller
   /// may ignore the result: configure() of the shell then reports the error.
   Connected connect(ServiceBase& service, Duration max_age = Duration{0});
-  [[nodiscard]] bool connected() const;
-  [[nodiscard]] Need need() const { return need_; }
+  [[nodiscard]] bool connected() const;              ///< to a service
+  [[nodiscard]] Need need() const { return need_; }  ///< as declared
   /// Of a read port: how many ports may write the value that it reads.
   [[nodiscard]] Writers writers() const { return writers_; }
 
   /// Writes the declared safe value, if any: at stop, fault and disconnect. `by_owner`: on the
   /// thread of its component, or of its replacement. [any]
   virtual void write_safe(const Binding& /*connection*/, bool /*by_owner*/) const {}
+  /// It was declared with Safe.
   [[nodiscard]] virtual bool has_safe_value() const { return false; }
   /// Accesses that found no connection, or a resource busy beyond the bound. [any]
   [[nodiscard]] std::uint64_t failures() const { return failures_.load(std::memory_order_relaxed); }
@@ -93,16 +101,17 @@ class PortBase {
       return false;
     return !detail::traces(TraceMode::detail) && version_ == direct_version_;
   }
-  [[nodiscard]] Exchange& exchange() const { return *exchange_; }
+  [[nodiscard]] Exchange& exchange() const { return *exchange_; }  ///< only when is_direct()
   /// Taps that were attached while a value was written directly get it; true. [rt]
   bool notify_taps(const void* value);
   /// There is more to do: it is never at hand.
   void always_call() { calls_ = true; }
   /// How old a value may be; zero: no limit.
   [[nodiscard]] Duration max_age() const { return max_age_; }
-  void count_failure() { failures_.fetch_add(1, std::memory_order_relaxed); }
+  void count_failure() { failures_.fetch_add(1, std::memory_order_relaxed); }  ///< see failures()
+  /// The trace record of one use.
   [[nodiscard]] TracedCall call_begins() const { return TracedCall(trace_name_); }
-  Cursor cursor_;
+  Cursor cursor_;  ///< its place in the values of the service
 
  private:
   const std::uint64_t& version_;      // of the connections of the shell

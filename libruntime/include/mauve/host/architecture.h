@@ -26,33 +26,41 @@
 
 namespace mauve {
 
-/// Used by one thread, [control]; it alone owns the model.
+/// A system of components and resources: derive from it and declare them as members, or let a file
+/// build one. Used by one thread, [control]; it alone owns the model. It outlives its Deployer.
+/// @snippet api_examples.cpp Architecture
 class Architecture {
  public:
-  explicit Architecture(std::string name = "architecture") : name_(std::move(name)) {}
+  explicit Architecture(std::string name = "architecture") : name_(std::move(name)) {}  ///< empty
   Architecture(const Architecture&) = delete;
   Architecture& operator=(const Architecture&) = delete;
   virtual ~Architecture();
 
-  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::string& name() const { return name_; }  ///< as given
+  /// In the order in which they were added.
   [[nodiscard]] const std::vector<ComponentBase*>& components() const { return components_; }
+  /// In the order in which they were added.
   [[nodiscard]] const std::vector<ResourceBase*>& resources() const { return resources_; }
+  /// Null: there is none.
   [[nodiscard]] ComponentBase* find_component(std::string_view name) const;
-  [[nodiscard]] ResourceBase* find_resource(std::string_view name) const;
+  [[nodiscard]] ResourceBase* find_resource(std::string_view name) const;  ///< null: there is none
   /// "scan.read" -> the service, or an error with the nearest name.
   Result<ServiceBase*> find_service(std::string_view address) const;
 
   /// Members register themselves; elements made from a file are owned.
   void add(ComponentBase& component) { components_.push_back(&component); }
+  /// The same for a resource.
   void add(ResourceBase& resource) { resources_.push_back(&resource); }
-  ComponentBase& own(std::shared_ptr<ComponentBase> component);
-  ResourceBase& own(std::shared_ptr<ResourceBase> resource);
+  ComponentBase& own(std::shared_ptr<ComponentBase> component);  ///< an element made from a file
+  ResourceBase& own(std::shared_ptr<ResourceBase> resource);     ///< an element made from a file
   /// Takes an element out: what owned it, or null for a member of a derived class.
   std::shared_ptr<ComponentBase> take_out(ComponentBase& component);
+  /// The same for a resource.
   std::shared_ptr<ResourceBase> take_out(ResourceBase& resource);
   /// Runtime only: keeps the element alive as long as it is held; null: the element is a member of
   /// a derived architecture, which outlives it.
   [[nodiscard]] std::shared_ptr<void> owner_of(const ComponentBase& component) const;
+  /// The same for a resource.
   [[nodiscard]] std::shared_ptr<void> owner_of(const ResourceBase& resource) const;
   /// Runtime only: the same of all elements. To be freed from the last one to the first.
   [[nodiscard]] std::vector<std::shared_ptr<void>> owners() const;
@@ -60,7 +68,8 @@ class Architecture {
   /// Runs on_configure(), checks the wiring, then configures resources and components in their
   /// order; a failure undoes all and says where.
   Status configure();
-  Status cleanup();
+  Status cleanup();  ///< the other way round
+  /// Between configure() and cleanup().
   [[nodiscard]] bool configured() const { return configured_; }
 
  protected:

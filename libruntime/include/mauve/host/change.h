@@ -44,14 +44,14 @@ struct Edit {
   std::optional<ResourceType> resource = {};
   /// "core.gain", "fsm.pace", "shell.device" -> value.
   std::vector<std::pair<std::string, Value>> properties;
-  std::vector<NewConnection> connect;
+  std::vector<NewConnection> connect;   ///< ports that get another service
   std::vector<std::string> disconnect;  ///< names of ports
   std::optional<TaskAttributes> task;   ///< all of them; `start` is not looked at, see `mode`
   /// Of a resource: the longest that one call keeps its lock; zero takes the declaration back.
   std::optional<Duration> lock_budget = {};
-  Mode mode = Mode::keep;
-  StatePolicy state = StatePolicy::keep;
-  Values values = Values::keep;
+  Mode mode = Mode::keep;                 ///< starts, stops, or neither
+  StatePolicy state = StatePolicy::keep;  ///< what becomes of the state
+  Values values = Values::keep;           ///< properties that are not named
   /// Asked for each of `properties` before the property gets its value and before any hook runs; a
   /// refusal refuses the change. None: every value that the property accepts. [factory]
   std::function<Status(const PropertyBase&, const Value&)> allows = {};
@@ -60,31 +60,32 @@ struct Edit {
 /// A resource or component that joins: made, its properties set, neither configured nor connected.
 /// Its ports may be connected to what is there after the change.
 struct NewResource {
-  std::shared_ptr<ResourceBase> resource;
-  std::vector<NewConnection> connect;
-  StatePolicy state = StatePolicy::keep;  ///< of what leaves under its name, at a barrier
+  std::shared_ptr<ResourceBase> resource;  ///< made, with its properties set
+  std::vector<NewConnection> connect;      ///< of its own ports
+  StatePolicy state = StatePolicy::keep;   ///< of what leaves under its name, at a barrier
 };
+/// The same for a component.
 struct NewComponent {
-  std::shared_ptr<ComponentBase> component;
-  std::vector<NewConnection> connect;
+  std::shared_ptr<ComponentBase> component;  ///< made, with its properties set
+  std::vector<NewConnection> connect;        ///< of its ports
 };
 
 /// Another core, or none, that takes over when the one of this component fails.
 struct NewFallback {
-  std::string component;  ///< one that is changed
-  std::optional<ComponentBase::Fallback> fallback;
+  std::string component;                            ///< one that is changed
+  std::optional<ComponentBase::Fallback> fallback;  ///< none: takes it away
 };
 
 /// All of it takes effect at one logical instant, or nothing does.
 struct Change {
-  std::vector<Edit> edits;
-  std::vector<NewResource> new_resources = {};
-  std::vector<NewComponent> new_components = {};
+  std::vector<Edit> edits;                        ///< of components and resources that stay
+  std::vector<NewResource> new_resources = {};    ///< that join
+  std::vector<NewComponent> new_components = {};  ///< that join
   /// Components and resources that leave. A name that leaves may join again as something else.
   std::vector<std::string> remove = {};
-  std::optional<Probation> probation = {};
-  Sync sync = Sync::cut;
-  std::vector<NewFallback> fallbacks = {};
+  std::optional<Probation> probation = {};  ///< none: no rollback
+  Sync sync = Sync::cut;                    ///< how members meet
+  std::vector<NewFallback> fallbacks = {};  ///< of components that stay
   /// Something outside of the runtime changes with it, for instance rules: a change that is empty
   /// otherwise makes a generation too, and may be on probation.
   bool changes_rules = false;

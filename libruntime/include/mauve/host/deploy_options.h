@@ -32,14 +32,15 @@ class CoresKeptOut {
   [[nodiscard]] virtual bool contains(const std::string& core) const = 0;
 };
 
+/// How a Deployer runs its architecture.
 struct DeployOptions {
-  Realtime realtime = Realtime::prefer;
+  Realtime realtime = Realtime::prefer;  ///< see there
   /// No threads: the caller moves a manual clock with run_for(), jobs run in its own thread in the
   /// order of release and priority.
   bool simulated = false;
-  Admission admission = Admission::warn;
-  MachineCosts machine = {};           ///< what admission assumes of the machine
-  std::uint64_t first_generation = 1;  ///< the number after deploy(); each change adds one
+  Admission admission = Admission::warn;  ///< see there
+  MachineCosts machine = {};              ///< what admission assumes of the machine
+  std::uint64_t first_generation = 1;     ///< the number after deploy(); each change adds one
   /// May change: a core that stands by already is withdrawn at the next look. Null: each may stand
   /// by. It outlives the deployer.
   const CoresKeptOut* kept_out = nullptr;

@@ -38,9 +38,12 @@ namespace exec {
 class System;
 }
 
-/// All calls are [control] unless they say otherwise; none may be made from a component's thread.
+/// Runs an Architecture and changes it while it runs. All calls are [control] unless they say
+/// otherwise; none may be made from a component's thread. A refusal changes nothing.
+/// @snippet api_examples.cpp Deployer
 class Deployer {
  public:
+  /// Deploys nothing yet. The architecture must outlive the deployer.
   explicit Deployer(Architecture& architecture, DeployOptions options = {});
   /// Shuts down.
   ~Deployer();
@@ -54,14 +57,15 @@ class Deployer {
   /// on its behalf; the names of such components are returned.
   std::vector<std::string> shutdown(Duration bound = 2s);
 
-  [[nodiscard]] Instant t0() const;
-  [[nodiscard]] const Clock& clock() const;
-  [[nodiscard]] std::uint64_t generation() const;
+  [[nodiscard]] Instant t0() const;                ///< the common T0, monotonic
+  [[nodiscard]] const Clock& clock() const;        ///< of the releases
+  [[nodiscard]] std::uint64_t generation() const;  ///< in force
   /// True when every component runs with the policy it asked for.
   [[nodiscard]] bool realtime() const;
   /// What could not be had in Realtime::prefer, and what the deployer decided (CPUs), in words.
   [[nodiscard]] const std::vector<std::string>& warnings() const;
-  [[nodiscard]] std::vector<ComponentStatus> status() const;
+  [[nodiscard]] std::vector<ComponentStatus> status() const;  ///< of all components
+  /// Of one component; with an empty name when there is no such component.
   [[nodiscard]] ComponentStatus status(std::string_view component) const;
   /// Response times of what runs now; takes some milliseconds. Of what was not admitted by
   /// Admission::warn at deployment, `warnings()` reports.
@@ -69,6 +73,7 @@ class Deployer {
 
   /// What jobs took; with an empty name when there is no such component.
   [[nodiscard]] std::vector<ComponentStatistics> statistics() const;
+  /// The same of one component.
   [[nodiscard]] ComponentStatistics statistics(std::string_view component) const;
   /// Counts anew from the next job on; without a name of all components.
   Status reset_statistics(std::string_view component = {});
@@ -93,7 +98,7 @@ class Deployer {
   /// Back to before the newest change on probation, and those it joined, at the next releases of
   /// all their members. tend() reports the end.
   Status undo(const std::string& reason = "undone by request");
-  [[nodiscard]] bool on_probation() const;
+  [[nodiscard]] bool on_probation() const;  ///< some change is
   /// Set off, but some member is not back yet.
   [[nodiscard]] bool going_back() const;
   /// Those that are open or roll back, the oldest first.
@@ -124,10 +129,12 @@ class Deployer {
   /// Components park at the end of their job. One that does not end it gets its safe values
   /// written on its behalf, and parks as soon as it does: Errc::partly.
   Result<Receipt> stop(const std::vector<std::string>& components);
+  /// Stop() in steps: see Ongoing.
   Result<std::shared_ptr<Ongoing>> begin_stop(const std::vector<std::string>& components);
   /// Stops all components, writers of safe values before their readers, so that a driver still
   /// acts on them. What hangs does not hold up the rest.
   Result<Receipt> stop_all(Duration bound = 2s);
+  /// Stop_all() in steps: see Ongoing.
   [[nodiscard]] std::shared_ptr<Ongoing> begin_stop_all(Duration bound = 2s);
   /// For when [control] is held up: these components (none: all) park at the end of their job with
   /// their safe values written, a job may take 2 s more, and they stay parked whatever change
@@ -135,14 +142,17 @@ class Deployer {
   /// end_direct_stop(). An unknown name is null. [any], no component's thread.
   [[nodiscard]] std::unique_ptr<DirectStop> begin_direct_stop(
       const std::vector<std::string>& components);
+  /// Ends begin_direct_stop().
   void end_direct_stop(const std::vector<std::string>& components);
   /// Grows while [control] looks after what is under way. [any]
   [[nodiscard]] std::uint64_t looks() const;
   /// While it stands still no look takes a change further, so the architecture stays as it is. Each
   /// call with true needs one with false.
   void stand_still(bool still);
+  /// Replaces the core of a component while it runs.
   Result<Receipt> swap_core(std::string_view component, const CoreType& core,
                             StatePolicy state = StatePolicy::keep);
+  /// The same with a core of a known class.
   template <typename T>
   Result<Receipt> swap_core(std::string_view component) {
     return swap_core(component, CoreType::of<T>(class_name(typeid(T))));
@@ -153,6 +163,7 @@ class Deployer {
   /// `max_age`, of read ports only: values older than this are `stale`; zero: no limit.
   Result<Receipt> connect(std::string_view port, std::string_view service,
                           Duration max_age = Duration{0});
+  /// The port gets no service; its safe value is written.
   Result<Receipt> disconnect(std::string_view port);
 
   /// The paper's way, for hardware that one core only can hold: stop, clean up, configure, start
@@ -160,8 +171,11 @@ class Deployer {
   /// park [control], exchange [factory], resume [control]. When the new core cannot be configured
   /// the old one is configured again and resumed, and the error of the new one is returned.
   Result<Receipt> swap_core_in_place(const Edit& edit);
+  /// Parks the component. [control]
   [[nodiscard]] std::shared_ptr<Ongoing> begin_in_place_park(PreparedChange& change);
+  /// Cleans up the old core and configures the new one. [factory]
   Status in_place_exchange(PreparedChange& change);
+  /// Resumes the component, with the old core if `exchanged` is an error. [control]
   Result<std::shared_ptr<Ongoing>> begin_in_place_resume(PreparedChange& change,
                                                          const Status& exchanged);
   /// Step 1 of a swap in place: makes the elements but does not configure them. [factory]

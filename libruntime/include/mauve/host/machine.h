@@ -19,15 +19,15 @@ struct MachineCosts {
   Duration activation{3us};  ///< the switches to a thread and back
   Duration interrupt{15us};  ///< one timer interrupt; threads released together share it
   Duration kernel{140us};    ///< ticks of kernel and host, and mauve's probe, in each `window`
-  static constexpr Duration window = 4ms;
+  static constexpr Duration window = 4ms;  ///< see `kernel`
 
-  bool operator==(const MachineCosts&) const = default;
+  bool operator==(const MachineCosts&) const = default;  ///< of all costs
 };
 
 /// Wake-ups of the probe of one CPU: a thread above all components that wakes up 250 times a
 /// second.
 struct WakeNoise {
-  int cpu = 0;
+  int cpu = 0;               ///< its number
   Duration span{0};          ///< how far the distribution reaches back: the last one to two minutes
   Distribution late;         ///< from the instant asked for until the probe ran
   std::uint64_t beyond = 0;  ///< wake-ups of `late` that were later than MachineCosts::wake

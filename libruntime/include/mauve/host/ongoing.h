@@ -37,7 +37,7 @@ class DirectStop {
   virtual bool advance() = 0;
   /// Components that ran when it began, and those of them that run still.
   [[nodiscard]] virtual const std::vector<std::string>& ran() const = 0;
-  [[nodiscard]] virtual const std::vector<std::string>& run_still() const = 0;
+  [[nodiscard]] virtual const std::vector<std::string>& run_still() const = 0;  ///< see ran()
 };
 
 }  // namespace mauve

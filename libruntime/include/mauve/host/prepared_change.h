@@ -17,14 +17,15 @@ class PreparedChange {
   /// `elements`: all of the architecture that it was prepared against. Its connections lead to some
   /// of them, so they stay alive with it, although a rollback may take them out meanwhile.
   explicit PreparedChange(std::unique_ptr<Content> content, Retired elements = {});
-  PreparedChange(PreparedChange&&) noexcept;
+  PreparedChange(PreparedChange&&) noexcept;  ///< leaves an empty one
+  /// Drops what this one held.
   PreparedChange& operator=(PreparedChange&& other) noexcept {
     content_ = std::move(other.content_);  // connections go before the resources they lead to
     elements_ = std::move(other.elements_);
     return *this;
   }
   ~PreparedChange();
-  [[nodiscard]] Content& content() { return *content_; }
+  [[nodiscard]] Content& content() { return *content_; }  ///< runtime only
   /// Runtime only.
   [[nodiscard]] std::shared_ptr<Content> share() const { return content_; }
 

@@ -21,8 +21,8 @@ namespace mauve {
 /// which is what was proven last. A change that also changes resources ends it early instead.
 struct Probation {
   std::uint64_t activations = 3000;  ///< rule of three: fails less than once in 1000 at 95 %
-  Duration time{10s};
-  Duration confirm_within{0};  ///< zero: nobody needs to confirm
+  Duration time{10s};                ///< the other end of it
+  Duration confirm_within{0};        ///< zero: nobody needs to confirm
   /// Late jobs of a member that are tolerated in `window` jobs of it. At least 1: a single late job
   /// is no evidence.
   unsigned misses = 2;
@@ -34,8 +34,8 @@ struct OpenProbation {
   std::vector<std::uint64_t> changes;   ///< the generations they made, the oldest first
   std::vector<std::string> components;  ///< that are rolled back when one of them fails
   Duration passed{0};                   ///< since the newest of the changes
-  Probation rules;
-  bool rolls_back = false;  ///< a failure, or undo(), has set it off
+  Probation rules;                      ///< of the newest change
+  bool rolls_back = false;              ///< a failure, or undo(), has set it off
 };
 
 }  // namespace mauve

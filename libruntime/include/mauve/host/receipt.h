@@ -14,26 +14,33 @@ namespace mauve {
 
 /// What a change cost one component.
 struct MemberReceipt {
-  std::string name;
+  std::string name;          ///< of the component or resource
   Duration pause{0};         ///< measured on its thread: its next job begins at most so much later
   std::uint64_t missed = 0;  ///< releases lost between the instant and its first job after it
   std::size_t bytes = 0;     ///< size of the state handed over
   /// The types of the states that were dropped, "a and b", and the size of their objects.
   std::string dropped = {};
-  std::size_t dropped_bytes = 0;
+  std::size_t dropped_bytes = 0;  ///< of those objects
 };
 
-enum class ChangeState : std::uint8_t { unchanged, applied, rolled_back, safe };
+/// The state in which a change leaves the system.
+enum class ChangeState : std::uint8_t {
+  unchanged,    ///< as before
+  applied,      ///< the change is in force
+  rolled_back,  ///< the bundles from before are in force again
+  safe,         ///< outputs have their safe values
+};
+/// "unchanged", "applied", ...
 [[nodiscard]] std::string_view to_string(ChangeState state);
 
 /// Answer to every change.
 struct Receipt {
-  std::uint64_t generation = 0;  ///< in force now
-  ChangeState state = ChangeState::unchanged;
-  Duration commit{0};     ///< logical instant of the change, since T0
-  unsigned attempts = 0;  ///< tries until the coordinator met its instant
-  std::vector<MemberReceipt> components;
-  std::vector<std::string> warnings = {};  ///< why it was not admitted, see Admission::warn
+  std::uint64_t generation = 0;                ///< in force now
+  ChangeState state = ChangeState::unchanged;  ///< of the system
+  Duration commit{0};                          ///< logical instant of the change, since T0
+  unsigned attempts = 0;                       ///< tries until the coordinator met its instant
+  std::vector<MemberReceipt> components;       ///< those that took part
+  std::vector<std::string> warnings = {};      ///< why it was not admitted, see Admission::warn
   /// Consequences for probations that are open: which this change joins, which it ends early.
   std::vector<std::string> notes = {};
 };

@@ -13,28 +13,30 @@
 
 namespace mauve {
 
+/// Whether a component runs jobs.
 enum class ComponentState : std::uint8_t {
-  not_configured,
-  stopped,
-  running,
-  faulted,     ///< its core failed; it stays parked until somebody starts or changes it
-  recovering,  ///< its core failed, its outputs are safe; another core takes over by itself
+  not_configured,  ///< no hook has run yet
+  stopped,         ///< parked, its safe values are written
+  running,         ///< runs a job at each release
+  faulted,         ///< its core failed; it stays parked until somebody starts or changes it
+  recovering,      ///< its core failed, its outputs are safe; another core takes over by itself
 };
-[[nodiscard]] std::string_view to_string(ComponentState state);
+[[nodiscard]] std::string_view to_string(ComponentState state);  ///< "stopped", ...
 
 /// How a component recovers whose core failed.
 struct Recovery {
+  /// The next step.
   enum class Way : std::uint8_t {
-    none,
+    none,      ///< it stays as it is
     restart,   ///< with a fresh core, as soon as that stands by and the back-off has passed
     fallback,  ///< with its fallback core, as soon as that stands by
     rollback,  ///< the change on probation is rolled back
   };
-  Way way = Way::none;
+  Way way = Way::none;            ///< the next step
   std::size_t restarts_left = 0;  ///< of a restart: this one and those after it, within its window
   Duration in{0};                 ///< of a restart: the rest of the back-off
 };
-[[nodiscard]] std::string_view to_string(Recovery::Way way);
+[[nodiscard]] std::string_view to_string(Recovery::Way way);  ///< "restart", ...
 
 /// A failure of a component: the thread of the component recorded all of it when it happened.
 struct Incident {
@@ -51,13 +53,13 @@ struct Incident {
 
 /// A look at one component; numbers may be some jobs apart.
 struct ComponentStatus {
-  std::string name;
-  std::string type;
-  std::string core;
-  std::string fsm_state;
-  ComponentState state = ComponentState::not_configured;
-  int priority = 0;
-  std::vector<int> cpus;
+  std::string name;                                       ///< in the architecture
+  std::string type;                                       ///< "plugin/name"
+  std::string core;                                       ///< in force, "plugin/name"
+  std::string fsm_state;                                  ///< now or last
+  ComponentState state = ComponentState::not_configured;  ///< see there
+  int priority = 0;                                       ///< as declared
+  std::vector<int> cpus;                                  ///< as placed
   bool realtime = false;          ///< the system really runs it with SCHED_FIFO
   std::uint64_t releases = 0;     ///< jobs that ran
   std::uint64_t missed = 0;       ///< releases that never ran, also those that are passing just now
@@ -65,13 +67,13 @@ struct ComponentStatus {
   std::uint64_t faults = 0;       ///< jobs that threw, crashed or did not return
   std::uint64_t over_budget = 0;  ///< jobs longer than the declared budget, on the wall clock
   Duration lateness_max{0};       ///< of job starts
-  Duration lateness_last{0};
-  Duration execution_max{0};  ///< of jobs, on the wall clock
-  Duration execution_last{0};
-  Duration next_release{0};  ///< since T0
-  Duration period{0};        ///< the grid that its releases lie on
-  Duration watchdog{0};      ///< a job that runs longer is interrupted, or its thread is abandoned
-  bool changing = false;     ///< a change, or an order to stop, waits for the end of its job
+  Duration lateness_last{0};      ///< of the last job
+  Duration execution_max{0};      ///< of jobs, on the wall clock
+  Duration execution_last{0};     ///< of the last job
+  Duration next_release{0};       ///< since T0
+  Duration period{0};             ///< the grid that its releases lie on
+  Duration watchdog{0};   ///< a job that runs longer is interrupted, or its thread is abandoned
+  bool changing = false;  ///< a change, or an order to stop, waits for the end of its job
   /// How long ago the job under way should have ended, once that is more than its longest wait;
   /// else zero. A core that hangs is running and late.
   Duration late{0};
@@ -84,16 +86,17 @@ struct ComponentStatus {
 
 /// Something that happened on a real-time thread, as reported to the [log] thread.
 struct RuntimeEvent {
-  Instant time = 0;  ///< monotonic
-  LogLevel level = LogLevel::info;
-  std::string component;
-  std::string event;  ///< "swapped", "overrun", "missed", "faulted", "log", ...
-  std::string text;   ///< formatted for people
+  Instant time = 0;                 ///< monotonic
+  LogLevel level = LogLevel::info;  ///< importance
+  std::string component;            ///< empty: none
+  std::string event;                ///< "swapped", "overrun", "missed", "faulted", "log", ...
+  std::string text;                 ///< formatted for people
 };
 
 /// What the system did by itself: a probation that is over, or a core that took over from one that
 /// failed.
 struct Outcome {
+  /// The kinds of outcomes.
   enum class Kind : std::uint8_t {
     passed,        ///< the change on probation stays
     overtaken,     ///< so it does: a newer change ended its probation early
@@ -102,7 +105,7 @@ struct Outcome {
     restarted,     ///< a fresh core took over
     stays_failed,  ///< no other core takes over from one that failed: its component is faulted
   };
-  Kind kind = Kind::passed;
+  Kind kind = Kind::passed;      ///< which of them
   std::uint64_t began = 0;       ///< generation it happened to; of a probation: its first change
   std::uint64_t generation = 0;  ///< in force now
   std::string component;         ///< whose fault it was; empty: nobody's
@@ -119,6 +122,6 @@ struct Outcome {
   /// so that all that runs has proved itself.
   std::uint64_t oldest_open = 0;
 };
-[[nodiscard]] std::string_view to_string(Outcome::Kind kind);
+[[nodiscard]] std::string_view to_string(Outcome::Kind kind);  ///< "passed", ...
 
 }  // namespace mauve

@@ -14,8 +14,9 @@ namespace mauve {
 /// run user code: [factory].
 class Retired {
  public:
-  Retired() = default;
-  Retired(Retired&&) = default;
+  Retired() = default;           ///< empty
+  Retired(Retired&&) = default;  ///< leaves an empty one
+  /// Releases what this one held.
   Retired& operator=(Retired&& other) noexcept {
     static_cast<void>(release());
     elements_.swap(other.elements_);
@@ -35,8 +36,9 @@ class Retired {
   void add(std::shared_ptr<Configurable> element) { elements_.push_back(std::move(element)); }
   /// Runtime only: freed after the elements, the last one first; keep_longest(): after all others.
   void keep(std::shared_ptr<void> owner);
-  void keep_longest(std::shared_ptr<void> owner);
-  void merge(Retired&& other);
+  void keep_longest(std::shared_ptr<void> owner);  ///< see keep()
+  void merge(Retired&& other);                     ///< adds all of the other
+  /// Nothing to release.
   [[nodiscard]] bool empty() const { return elements_.empty() && owners_.empty(); }
 
  private:

@@ -17,21 +17,21 @@ namespace mauve {
 /// A tree of null, bool, integer, number, string, array and object (order kept, as written).
 class Value {
  public:
-  using Array = std::vector<Value>;
-  using Object = std::vector<std::pair<std::string, Value>>;
+  using Array = std::vector<Value>;                           ///< of any values
+  using Object = std::vector<std::pair<std::string, Value>>;  ///< members in their order
 
-  Value() = default;
-  Value(bool value) : content_(value) {}
-  Value(std::int64_t value) : content_(value) {}
-  Value(int value) : content_(static_cast<std::int64_t>(value)) {}
-  Value(double value) : content_(value) {}
-  Value(std::string value) : content_(std::move(value)) {}
-  Value(std::string_view value) : content_(std::string(value)) {}
-  Value(const char* value) : content_(std::string(value)) {}
-  Value(Array value) : content_(std::move(value)) {}
-  Value(Object value) : content_(std::move(value)) {}
+  Value() = default;                                                ///< null
+  Value(bool value) : content_(value) {}                            ///< a boolean
+  Value(std::int64_t value) : content_(value) {}                    ///< an integer
+  Value(int value) : content_(static_cast<std::int64_t>(value)) {}  ///< an integer
+  Value(double value) : content_(value) {}                          ///< a number
+  Value(std::string value) : content_(std::move(value)) {}          ///< a string
+  Value(std::string_view value) : content_(std::string(value)) {}   ///< a string
+  Value(const char* value) : content_(std::string(value)) {}        ///< a string
+  Value(Array value) : content_(std::move(value)) {}                ///< an array
+  Value(Object value) : content_(std::move(value)) {}               ///< an object
 
-  [[nodiscard]] bool is_null() const { return content_.index() == 0; }
+  [[nodiscard]] bool is_null() const { return content_.index() == 0; }  ///< no value
   /// The content as this alternative, or null when it is another one.
   template <typename T>
   [[nodiscard]] const T* get_if() const {
@@ -47,7 +47,7 @@ class Value {
     return std::visit(std::forward<F>(f), content_);
   }
 
-  friend bool operator==(const Value&, const Value&) = default;
+  friend bool operator==(const Value&, const Value&) = default;  ///< equal kind and content
 
  private:
   std::variant<std::monostate, bool, std::int64_t, double, std::string, Array, Object> content_;

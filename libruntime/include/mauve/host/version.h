@@ -6,12 +6,13 @@
 #error "mauve needs C++20: compile with -std=c++20, or use mauve_add_plugin() of CMake"
 #endif
 
+/// The interface of the runtime, for authors of components and for programs that embed it.
 namespace mauve {
 
-inline constexpr int kVersionMajor = 0;
-inline constexpr int kVersionMinor = 1;
-inline constexpr int kVersionPatch = 0;
-inline constexpr const char* kVersion = "0.1.0";
+inline constexpr int kVersionMajor = 0;           ///< of semantic versioning
+inline constexpr int kVersionMinor = 1;           ///< of semantic versioning
+inline constexpr int kVersionPatch = 0;           ///< of semantic versioning
+inline constexpr const char* kVersion = "0.1.0";  ///< as text
 
 /// Raised with every change of a public class that a compiled plugin can see.
 inline constexpr int kAbi = 6;
