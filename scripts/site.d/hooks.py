@@ -4,6 +4,7 @@
 A document links to a file by its path in the tree. In the site, a Markdown file outside docs/ is the page source/PATH,
 a public header is its page of the programming interface, and any other file or folder is a page that shows it.
 """
+import json
 import pathlib
 import posixpath
 import re
@@ -16,7 +17,7 @@ FENCE = re.compile(r"^(```.*?^```[^\n]*$)", re.MULTILINE | re.DOTALL)
 CODE = re.compile(r"(`[^`\n]+`)")
 ITEM = re.compile(r"^(- |\d+\. )")
 HEADERS = "libruntime/include/mauve"
-SKIPPED = {"build", ".git", ".cache"}
+SKIPPED = {"build", ".git", ".cache", "site.d"}
 LANGUAGES = {".cpp": "cpp", ".h": "cpp", ".def": "cpp", ".json": "json", ".py": "python", ".service": "ini", "": "sh"}
 
 
@@ -36,7 +37,11 @@ class Tree:
         if not index.is_file():
             return {}
         files = xml.etree.ElementTree.parse(index).getroot().findall("compound[@kind='file']")
-        return {f"libruntime/include/{at.findtext('path')}{at.findtext('name')}": at.findtext("filename") for at in files}
+        pages = {}
+        for file in files:
+            header = pathlib.Path(file.findtext("path"), file.findtext("name"))
+            pages[header.relative_to(self.root).as_posix()] = file.findtext("filename")
+        return pages
 
     def in_tree(self, page):
         """Path in the source tree of a page of the site."""
@@ -183,3 +188,14 @@ def on_page_markdown(markdown, page, config, files):
         return before + posixpath.relpath(at, posixpath.dirname(page.file.src_path) or ".") + anchor
 
     return prose(markdown, lambda text: separate_lists(LINK.sub(lead, text)))
+
+
+def on_post_build(config):
+    """Leaves code out of the search, which a browser would take seconds to prepare for."""
+    index = pathlib.Path(config["site_dir"]) / "search" / "search_index.json"
+    if not index.is_file():
+        return
+    content = json.loads(index.read_text("utf-8"))
+    shown = re.compile(r"^source/.*\.(?:cpp|h|def|json|py)\.html")
+    content["docs"] = [part for part in content["docs"] if not shown.match(part["location"])]
+    index.write_text(json.dumps(content, ensure_ascii=False, separators=(",", ":")), "utf-8")

@@ -35,6 +35,7 @@ class Page(html.parser.HTMLParser):
 
 
 def problems(site):
+    files = {path.relative_to(site).as_posix() for path in site.rglob("*") if path.is_file()}
     pages = {path.relative_to(site).as_posix(): Page(path.read_text("utf-8", errors="replace"))
              for path in sorted(site.rglob("*.html"))}
     for name, page in pages.items():
@@ -50,10 +51,8 @@ def problems(site):
             # 404.html is shown in place of any page, so that its paths begin at the root of the site.
             to = posixpath.normpath(posixpath.join(posixpath.dirname(name), path)) if path else name
             to = to.lstrip("/")
-            if to.startswith("..") or not (site / to).exists():
+            if to not in files and posixpath.normpath(posixpath.join(to, "index.html")) not in files:
                 yield f"{name}: {target} is not there"
-            elif (site / to).is_dir() and not (site / to / "index.html").is_file():
-                yield f"{name}: {target} is a folder without a page"
             elif anchor and to in pages and anchor not in pages[to].anchors:
                 yield f"{name}: {target}: that page has no such anchor"
     for path in sorted(site.rglob("*.css")):
