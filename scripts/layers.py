@@ -27,12 +27,13 @@ MAY_USE = {
     "guardian": "rt",
     "ctl": "public base rt protocol log",
     "plugins": "public",
+    "examples": "public",
     "man": RUNTIME + " protocol log daemon ctl",
     "tests": RUNTIME + " protocol log daemon ctl plugins man guardian",
 }
 # Folder: its layer. The longest match counts; a folder below libruntime that is not here is an error.
 FOLDERS = {"libruntime/include": "public", "daemon/protocol": "protocol", "daemon/log": "log",
-           "daemon": "daemon", "guardian": "guardian", "ctl": "ctl", "man": "man", "plugins": "plugins", "tests": "tests", "scripts": "tests",
+           "daemon": "daemon", "guardian": "guardian", "ctl": "ctl", "examples": "examples", "man": "man", "plugins": "plugins", "tests": "tests", "scripts": "tests",
            **{f"libruntime/{name}": name for name in RUNTIME.split()[1:]}}
 # A layer in rooms: its folders from the lowest to the highest. A room includes those before it, and no other.
 STAIRS = {"libruntime/rt": "process thread time machine ring guardian",
@@ -69,7 +70,7 @@ ROOMS = {
     "systemd/": "daemon/",
     "iostream": "daemon/ ctl/",
     "syslog.h": "",
-    "gtest/": "",
+    "gtest/": "examples/",
     "gmock/": "",
     "benchmark/": "",
 }
@@ -158,7 +159,7 @@ def check_file(root, path):
 
 
 def sources(root):
-    for top in ("libruntime", "daemon", "ctl", "man", "plugins", "tests", "scripts"):
+    for top in ("libruntime", "daemon", "ctl", "man", "plugins", "examples", "tests", "scripts"):
         for path in sorted((root / top).rglob("*")):
             if path.suffix in SUFFIXES and path.is_file():
                 yield path.relative_to(root).as_posix()

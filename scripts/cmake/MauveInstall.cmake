@@ -100,6 +100,10 @@ endif()
 # A plugin to begin with: README.md copies it from here.
 install(DIRECTORY "${mauve_sources}/plugins/template" DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve")
 
+# Whole projects outside the tree, to be read and copied.
+install(DIRECTORY "${mauve_sources}/examples" DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve"
+  PATTERN build EXCLUDE)
+
 # The services. The prefix is known only at install time; the units in the sources say /usr.
 foreach(name mauved mauve-guardian)
   set(unit "${PROJECT_BINARY_DIR}/package/${name}.service")
