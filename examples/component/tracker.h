@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// Component kind "tracker/filter": an alpha-beta filter. It reads noisy positions and writes
+/// position and speed, every 10 ms.
+#pragma once
+
+#include <mauve/plugin.h>
+
+namespace tracker {
+
+/// The data type that travels on the port. It has a fixed size and no pointer.
+struct Motion {
+  double position = 0.0;  ///< m
+  double speed = 0.0;     ///< m/s
+};
+
+}  // namespace tracker
+
+/// Name and fields of the type: JSON, recordings and the check of the layout come from them.
+template <>
+struct mauve::Described<tracker::Motion> {
+  static constexpr std::string_view name = "tracker_motion/1";
+  static constexpr auto fields() {
+    using tracker::Motion;
+    return std::tuple{field("position", &Motion::position, "m"),
+                      field("speed", &Motion::speed, "m/s")};
+  }
+};
+
+namespace tracker {
+
+struct Shell : mauve::Shell {
+  mauve::ReadPort<double> measured{*this, "measured"};  // m
+  mauve::WritePort<Motion> motion{*this, "motion"};
+};
+
+class Filter final : public mauve::Core<Shell> {
+ public:
+  mauve::Property<double> alpha{*this,
+                                "alpha",
+                                0.5,
+                                "share of the error that corrects the position",
+                                {.min = 0.0, .max = 1.0}};
+  mauve::Property<double> beta{
+      *this, "beta", 0.1, "share of the error that corrects the speed", {.min = 0.0, .max = 2.0}};
+  /// Survives a change of the core: the next build continues with the same estimate.
+  mauve::State<Motion> state{*this};
+  mauve::Observable<int> without_data{*this, "without_data", 0, "jobs without a new measurement"};
+
+  /// [rt] every period
+  void update() {
+    constexpr double kPeriod = 0.01;  // s, the period of the state machine
+    state->position += state->speed * kPeriod;
+    const double measured = shell().measured.read();
+    if (shell().measured.status() == mauve::DataStatus::new_data) {
+      const double error = measured - state->position;
+      state->position += alpha * error;
+      state->speed += beta * error / kPeriod;
+    } else {
+      ++without_data;
+    }
+    shell().motion.write(*state);
+  }
+};
+
+}  // namespace tracker
