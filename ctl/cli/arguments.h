@@ -212,6 +212,11 @@ inline constexpr Argument kConvertTrace[] = {
     choice("--format", "chrome, ctf or mtrace, whatever the name of the output is",
            "chrome ctf mtrace")};
 
+inline constexpr Argument kNew[] = {
+    one_of("KIND", "what the project brings: a core, a component, a resource or a driver",
+           "core component resource driver"),
+    one("NAME", "of the plugin and its folder: small letters, digits and _, such as my_core",
+        Kind::none)};
 inline constexpr Argument kHelp[] = {maybe("COMMAND", "name of a command", Kind::command)};
 inline constexpr Argument kProtocol[] = {
     maybe("METHOD", "only this method, with all its parameters and the fields of its answer",

@@ -130,6 +130,8 @@ constexpr Command kCommands[] = {
      "mauvectl check-trace drive.mtrace", kCheckTrace, false, run_check_trace},
     {"convert-trace", "Convert a trace for Perfetto and Chrome, or babeltrace2 and Trace Compass",
      "mauvectl convert-trace drive.mtrace -o drive.json", kConvertTrace, false, run_convert_trace},
+    {"new", "Write a project of your own that builds and passes its test into a new folder",
+     "mauvectl new core my_core", kNew, false, run_new},
     {"help", "Print help for a command, or list all commands", "mauvectl help swap-core", kHelp,
      false, run_help},
     {"protocol",

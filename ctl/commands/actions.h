@@ -42,6 +42,7 @@ int run_ping(Session& session);
 int run_doctor(Session& session);
 int run_help(Session& session);
 int run_protocol(Session& session);
+int run_new(Session& session);
 /// Of any command with a method that needs no arguments: its answer as its row describes it.
 int run_answer(Session& session);
 int run_completion(Session& session);

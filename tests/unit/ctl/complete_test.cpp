@@ -135,6 +135,7 @@ TEST(Completion, OffersTheWordsThatAnOptionTakes) {
   EXPECT_EQ(completed({"reload", "a", "--state", ""}), Words{"drop"});
   EXPECT_EQ(completed({"logs", "--level=w"}), Words{"--level=warn"});
   EXPECT_EQ(completed({"completion", ""}), (Words{"bash", "fish", "zsh"}));
+  EXPECT_EQ(completed({"new", "co"}), (Words{"component", "core"}));
   EXPECT_EQ(completed({"trace", "st"}), (Words{"start", "status", "stop"}));
   EXPECT_EQ(completed({"log", ""}), Words{"level"});
   EXPECT_EQ(completed({"log", "level", "d"}), (Words{"debug", "default"}));

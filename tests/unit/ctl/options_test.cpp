@@ -93,6 +93,7 @@ TEST(Options, RefuseValuesThatNothingTakes) {
                              {"log", "lvl"},
                              {"quarantine", "free"},
                              {"completion", "csh"},
+                             {"new", "plugin", "a"},
                              {"convert-trace", "f", "-o", "g", "--format", "vcd"},
                              {"status", "--color", "pink"}}) {
     const Misuse misuse = refused(words);
