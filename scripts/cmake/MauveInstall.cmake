@@ -97,10 +97,7 @@ if(EXISTS "${mauve_sources}/etc/minimal.json")
     endif()")
 endif()
 
-# A plugin to begin with: README.md copies it from here.
-install(DIRECTORY "${mauve_sources}/plugins/template" DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve")
-
-# Whole projects outside the tree, to be read and copied.
+# Whole projects, to be read, copied, and written under another name by `mauvectl new`.
 install(DIRECTORY "${mauve_sources}/examples" DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve"
   PATTERN build EXCLUDE)
 
