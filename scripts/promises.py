@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Every promise of README has a figure and a command, and tests that exist. Usage: promises.py [ROOT]"""
+"""Every promise of docs/promises.md has a figure and a command, and tests that exist. Usage: promises.py [ROOT]"""
 import pathlib
 import re
 import sys
 
-SECTION = "## What you can rely on"
+PAGE = "docs/promises.md"
+SECTION = "## Promises"
 TEST = re.compile(r"^TEST(?:_F|_P)?\((\w+),\s*(\w+)\)", re.MULTILINE)
 
 COMMAND = re.compile(r"`[^`]+`")
@@ -24,9 +25,9 @@ def rows_without_figure(section):
 
 def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).parents[1])
-    text = (root / "README.md").read_text(encoding="utf-8")
+    text = (root / PAGE).read_text(encoding="utf-8")
     if SECTION not in text:
-        print(f"README.md: there is no section '{SECTION}'")
+        print(f"{PAGE}: there is no section '{SECTION}'")
         return 1
     section = text.split(SECTION)[1].split("\n## ")[0]
     promised = re.findall(r"`(\w+\.\w+)`", section)
@@ -35,10 +36,10 @@ def main():
         there |= {f"{suite}.{name}" for suite, name in TEST.findall(file.read_text(encoding="utf-8"))}
     missing = [name for name in promised if name not in there]
     for name in missing:
-        print(f"README.md: promises {name}, and there is no such test")
+        print(f"{PAGE}: promises {name}, and there is no such test")
     unfounded = list(rows_without_figure(section))
     for row in unfounded:
-        print(f"README.md: {row}")
+        print(f"{PAGE}: {row}")
     print(f"promises: {len(promised)} tests are named, {len(missing)} are missing; "
           f"{len(unfounded)} rows have no figure")
     return 1 if missing or unfounded or not promised else 0

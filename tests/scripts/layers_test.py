@@ -121,8 +121,8 @@ class Lines(unittest.TestCase):
 
 class Promises(unittest.TestCase):
     def check(self, row):
-        head = "# mauve\n## What you can rely on\n| promise | figure and command | tests |\n|---|---|---|\n"
-        return run("promises.py", {"README.md": head + row + "\n\n## Next\n",
+        head = "# What you can rely on\n## Promises\n| promise | figure and command | tests |\n|---|---|---|\n"
+        return run("promises.py", {"docs/promises.md": head + row + "\n\n## Next\n",
                                    "tests/a_test.cpp": "TEST(Swap, Works) {\n}\n"})
 
     def refused(self, row, words):
