@@ -332,7 +332,7 @@ TEST_F(Audit, RecordsWhoChangedWhatAndWhy) {
   const auto line = audit_line("param.set", "applied");
   EXPECT_EQ(line["uid"], geteuid());
   EXPECT_EQ(line["pid"], getpid());
-  EXPECT_EQ(line["program"], "generations_tes") << "as the kernel knows it";
+  EXPECT_EQ(line["program"], "integration_tes") << "as the kernel knows it";
   EXPECT_EQ(line["reason"], "too slow");
   EXPECT_THAT(line["params"].get<std::string>(), HasSubstr("first.core.gain"));
   EXPECT_EQ(line["before"], 1);
