@@ -112,7 +112,7 @@ constexpr Command kCommands[] = {
     {"lock", "Lock the system against changes, except stop and confirm",
      "mauvectl lock all --reason mission", kLock, true, run_lock},
     {"logs", "Print the last events", "mauvectl logs -f gnss --level warn", kLogs, false, run_logs},
-    {"explain", "Explain an event of the log, or a name that a plugin brings",
+    {"explain", "Explain a message: an event, a refusal, a failure; or a name of a plugin",
      "mauvectl explain rule_fired", kExplain, false, run_explain},
     {"trace", "Record what every thread does when, and read flight recordings",
      "mauvectl trace dump -o now.mtrace", kTrace, false, run_trace},

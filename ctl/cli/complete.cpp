@@ -288,7 +288,7 @@ Words names_of(const Typed& typed, const Argument& argument, const std::string& 
     case Kind::plugin:
       return Live(typed).names("plugin.list");
     case Kind::explained:
-      return event_names();
+      return message_names();
     case Kind::rule:
       return Live(typed).names("rules.list");
     case Kind::service:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// explain: what an event of the log means and what to do about it, for which no daemon is needed;
-/// and what a name is that a loaded plugin brings.
+/// explain: the meaning of an event of the log, of a reason to refuse a command, or of a failure,
+/// and what to do about it, without a daemon; and the plugin that brings a name.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -15,24 +15,38 @@ namespace {
 
 using protocol::fault_of;
 
-struct EventRow {
+struct Message {
+  std::string_view kind;
   std::string_view name;
-  std::string_view level;
+  std::string_view level;  ///< of an event
   std::string_view text;
   std::string_view advice;
 };
 
-constexpr EventRow kEvents[] = {
-#define MAUVE_EVENT(number, name, level, text, advice) {#name, #level, text, advice},
+constexpr Message kMessages[] = {
+#define MAUVE_EVENT(number, name, level, text, advice) {"event", #name, #level, text, advice},
 #include "log/events.def"
 #undef MAUVE_EVENT
+#define MAUVE_ERROR(name, meaning, advice) {"refusal", #name, "", meaning, advice},
+#define MAUVE_FAILURE(name, meaning, advice) {"failure", #name, "", meaning, advice},
+#include "protocol/errors.def"
+#undef MAUVE_FAILURE
+#undef MAUVE_ERROR
 };
 
-Json json_of(const EventRow& event) {
-  return {{"event", event.name},
-          {"level", event.level},
-          {"text", event.text},
-          {"advice", event.advice}};
+Json json_of(const Message& message) {
+  Json json = {{"kind", message.kind},
+               {"name", message.name},
+               {"text", message.text},
+               {"advice", message.advice}};
+  if (!message.level.empty()) json["level"] = message.level;
+  return json;
+}
+
+/// "event, warn", "refusal".
+std::string kind_of(const Message& message) {
+  return std::string(message.kind) +
+         (message.level.empty() ? "" : ", " + std::string(message.level));
 }
 
 std::string first_sentence(std::string_view text) {
@@ -50,22 +64,27 @@ std::string part(std::string title, std::string_view content, const Session& ses
   return wrapped("  " + title + ": " + harmless(content), session.screen.width, 11) + "\n";
 }
 
-int list_events(Session& session) {
+int list_messages(Session& session) {
   Json items = Json::array();
   std::string text;
-  for (const EventRow& event : kEvents) {
-    items.push_back(json_of(event));
-    text += bold(event.name, session) + " (" + std::string(event.level) + ")\n" +
-            wrapped("    " + first_sentence(event.advice), session.screen.width, 4) + "\n";
+  for (const Message& message : kMessages) {
+    items.push_back(json_of(message));
+    const bool event = message.kind == "event";
+    text += bold(message.name, session) + " (" + kind_of(message) + ")\n" +
+            wrapped("    " + first_sentence(event ? message.advice : message.text),
+                    session.screen.width, 4) +
+            "\n";
   }
   session.print({{"items", std::move(items)}}, text);
   return 0;
 }
 
-int explain_event(Session& session, const EventRow& event) {
-  session.print(json_of(event),
-                bold(event.name, session) + "\n" + part("level", event.level, session) +
-                    part("text", event.text, session) + part("meaning", event.advice, session));
+int explain_message(Session& session, const Message& message) {
+  const bool event = message.kind == "event";
+  session.print(json_of(message), bold(message.name, session) + "\n" +
+                                      part("kind", kind_of(message), session) +
+                                      part(event ? "text" : "meaning", message.text, session) +
+                                      part(event ? "meaning" : "advice", message.advice, session));
   return 0;
 }
 
@@ -96,8 +115,8 @@ Json brought_as(const Json& plugins, const std::string& name, std::vector<std::s
 }
 
 int explain_brought(Session& session, const std::string& name) {
-  std::vector<std::string> known = event_names();
-  std::string list = "mauvectl explain lists all events";
+  std::vector<std::string> known = message_names();
+  std::string list = "mauvectl explain lists all messages";
   const auto answer = session.call("plugin.list", Json::object());
   if (const auto* plugins = std::get_if<Json>(&answer)) {
     if (const Json found = brought_as(*plugins, name, known); !found.is_null()) {
@@ -113,26 +132,25 @@ int explain_brought(Session& session, const std::string& name) {
   }
   const std::string near = did_you_mean(name, known, "'");
   return session.fail(
-      fault_of(refuse(Errc::unknown_name, name, "no event and nothing of a plugin has this name",
+      fault_of(refuse(Errc::unknown_name, name, "no message and nothing of a plugin has this name",
                       near.empty() ? list : near + " " + list)));
 }
 
 }  // namespace
 
-std::vector<std::string> event_names() {
+std::vector<std::string> message_names() {
   std::vector<std::string> names;
-  for (const EventRow& event : kEvents) names.emplace_back(event.name);
+  for (const Message& message : kMessages) names.emplace_back(message.name);
   return names;
 }
 
 int run_explain(Session& session) {
   const Arguments& given = session.arguments;
   const std::string name = given.has("NAME") ? given.one("NAME") : given.one("COMPONENT");
-  if (name.empty()) return list_events(session);
-  const auto* found = std::find_if(std::begin(kEvents), std::end(kEvents),
-                                   [&](const EventRow& event) { return event.name == name; });
-  return found == std::end(kEvents) ? explain_brought(session, name)
-                                    : explain_event(session, *found);
+  if (name.empty()) return list_messages(session);
+  const auto* found = std::ranges::find(kMessages, name, &Message::name);
+  return found == std::end(kMessages) ? explain_brought(session, name)
+                                      : explain_message(session, *found);
 }
 
 }  // namespace mauve::ctl

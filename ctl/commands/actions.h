@@ -13,7 +13,7 @@ namespace mauve::ctl {
 void add_options(const Session& session, Json& params);
 
 /// The names of all events, in the order of events.def.
-[[nodiscard]] std::vector<std::string> event_names();
+[[nodiscard]] std::vector<std::string> message_names();
 
 int run_status(Session& session);
 int run_list(Session& session);

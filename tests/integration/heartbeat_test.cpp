@@ -63,7 +63,8 @@ TEST_F(Heartbeats, AreSentWhileAllIsWellAndNotWhileControlHangs) {
   EXPECT_EQ(beats_until("WATCHDOG=1"), 0);
 
   const auto asking = hang_control();
-  static_cast<void>(beats_until("no sign of life is sent to the watchdog: [control] does not answer"));
+  static_cast<void>(
+      beats_until("no sign of life is sent to the watchdog: [control] does not answer"));
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(beats_until("[control] does not answer"), 0);
   }

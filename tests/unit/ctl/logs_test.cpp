@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // Logs: what is asked for, what is missing, and the level.
 #include <cstdlib>
+#include <set>
 #include <string>
 
 #include <gmock/gmock.h>
 
 #include "commands/log_time.h"
 #include "mauve/log.h"
+#include "mauve/result.h"
 #include "render/render.h"
 #include "unit/ctl/scene.h"
 
@@ -121,25 +123,41 @@ TEST(LogLevel, StandsInTheStatus) {
   EXPECT_THAT(render_status(status, {}), HasSubstr("log level debug for 1 min still"));
 }
 
-TEST(Explain, PrintsTheAdviceOfEveryEventWithoutADaemon) {
+TEST(Explain, PrintsTheAdviceOfEveryMessageWithoutADaemon) {
   const Json all = Json::parse(run("/nowhere", {"--json", "explain"}).out)["items"];
   ASSERT_GT(all.size(), 60U);
-  for (const Json& event : all) {
-    const auto name = event["event"].get<std::string>();
+  std::set<std::string> names;
+  for (const Json& message : all) {
+    const auto name = message["name"].get<std::string>();
+    EXPECT_TRUE(names.insert(name).second) << name << " has two meanings";
     const Outcome outcome = run("/nowhere", {"explain", name});
     EXPECT_EQ(outcome.exit, 0) << name;
-    EXPECT_THAT(outcome.out, HasSubstr(event["advice"].get<std::string>())) << name;
+    EXPECT_THAT(outcome.out, HasSubstr(message["advice"].get<std::string>())) << name;
     EXPECT_EQ(run("/nowhere", {"logs", "--explain", name}).out, outcome.out) << name;
   }
   EXPECT_EQ(run("/nowhere", {"logs", "--explain"}).out, run("/nowhere", {"explain"}).out);
 }
 
-TEST(Explain, NamesTheNearestEventAndTheList) {
+/// The names on the wire are those of mauve::Errc, which ends where to_string() knows no name.
+TEST(Explain, KnowsEachReasonToRefuse) {
+  std::vector<std::string> refusals;
+  const Json all = Json::parse(run("/nowhere", {"--json", "explain"}).out)["items"];
+  for (const Json& message : all) {
+    if (message["kind"] == "refusal") refusals.push_back(message["name"]);
+  }
+  std::vector<std::string> names;
+  for (int code = 0; to_string(static_cast<Errc>(code)) != "unknown"; ++code) {
+    names.emplace_back(to_string(static_cast<Errc>(code)));
+  }
+  EXPECT_THAT(refusals, testing::UnorderedElementsAreArray(names));
+}
+
+TEST(Explain, NamesTheNearestMessageAndTheList) {
   const Outcome outcome = run("/nowhere", {"logs", "--explain", "rule_fierd"});
 
   EXPECT_EQ(outcome.exit, 4);
   EXPECT_THAT(outcome.err, HasSubstr("did you mean 'rule_fired'?"));
-  EXPECT_THAT(outcome.err, HasSubstr("mauvectl explain lists all events"));
+  EXPECT_THAT(outcome.err, HasSubstr("mauvectl explain lists all messages"));
 }
 
 TEST(Explain, SaysWhichPluginBringsAName) {
