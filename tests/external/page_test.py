@@ -8,11 +8,19 @@ is an installed mauve, which the home folder of the test holds as "mauve".
 A block ```console of the page has commands ("$ " begins one, "> " continues it) and output below
 them. A command without output on the page must succeed. In output a line "..." stands for any
 lines, and "..." in a line for any text. Each time ("61 ns") stands for any other time, and each number
-of missed releases for any other one: a test asserts nothing about them.
+of missed releases for any other one: a test asserts nothing about them. The number of attempts of a change
+is left out.
+
+A page writes files, too. The line "Write this into `FOLDER/FILE`:" above a block means that the file in the
+home folder has the text of the block. "Change `FOLDER/FILE`:" stands above a block ```diff: its lines with
+" " and "-" are in the file once and together, and become those with " " and "+"; "@@" separates two places.
+"The file `FOLDER/FILE` contains:" compares the block with the file, like output of a command.
+A page with the words "Begin with the files of [TEXT](PAGE)" begins with all that PAGE writes.
 """
 import contextlib
 import os
 import re
+import shlex
 import shutil
 import signal
 import subprocess
@@ -20,9 +28,12 @@ import sys
 import tempfile
 
 PREPARE = re.compile(r"^```sh\n(.*?)^```", re.M | re.S)
-CONSOLE = re.compile(r"^```console\n(.*?)^```", re.M | re.S)
+BLOCK = re.compile(r"^(?:(Write this into|Change|The file) `([^`\n]+)`(?: contains)?:\n)?```(\w*)[^\n]*\n(.*?)^```", re.M | re.S)
+EARLIER = re.compile(r"\bBegin\s+with\s+the\s+files\s+of\s+\[[^\]]*\]\(([^)]+)\)")
+ATTEMPTS = re.compile(r", \d+ attempts")
 VARIES = re.compile(r"(?<![\w.])\d+(\.\d+)? ?(ns|us|ms|s|sec)\b|\d+ releases? missed")
 MARK = "\x01"
+CHANGE_FILE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "change_file.py")
 
 
 def read(path):
@@ -30,10 +41,10 @@ def read(path):
         return file.read()
 
 
-def steps(page):
-    """(command, output on the page) in their order."""
+def commands(block):
+    """[command, output on the page] of a block ```console, in their order."""
     result = []
-    for line in "".join(CONSOLE.findall(page)).splitlines():
+    for line in block.splitlines():
         if line.startswith("$ "):
             result.append([line[2:], []])
         elif line.startswith("> ") and not result[-1][1]:
@@ -41,6 +52,40 @@ def steps(page):
         else:
             result[-1][1].append(line)
     return result
+
+
+def edit(order, file, text):
+    """[command, output on the page]: does to a file what the page says."""
+    target = "~/" + shlex.quote(file)
+    if order == "The file":
+        return [f"cat {target}", text.splitlines()]
+    if order == "Change":
+        does = f"{shlex.quote(sys.executable)} {shlex.quote(CHANGE_FILE)} {target}"
+    else:
+        does = f"mkdir -p $(dirname {target}) && cat >{target}"
+    return [f"{does} <<'END OF THE BLOCK'\n{text}END OF THE BLOCK", []]
+
+
+def steps(page):
+    """[command, output on the page] in their order; an edit of a file is a command, too."""
+    result = []
+    for order, file, language, text in BLOCK.findall(page):
+        if order:
+            result.append(edit(order, file, text))
+        elif language == "console":
+            result += commands(text)
+    return result
+
+
+def earlier_edits(page):
+    """The edits of the pages that this page, a path, continues."""
+    found = EARLIER.search(read(page))
+    if not found:
+        return []
+    before = os.path.join(os.path.dirname(page), found.group(1))
+    edits = [edit(order, file, text) for order, file, _, text in BLOCK.findall(read(before))
+             if order in ("Write this into", "Change")]
+    return earlier_edits(before) + edits
 
 
 def pattern_of(lines):
@@ -55,8 +100,8 @@ def pattern_of(lines):
 
 
 def even(text):
-    """Without times and the widths of columns, which follow from them."""
-    return re.sub(" +", " ", VARIES.sub("#", text))
+    """Without times, attempts and the widths of columns, which follow from them."""
+    return re.sub(" +", " ", VARIES.sub("#", ATTEMPTS.sub("", text)))
 
 
 def agrees(lines, output):
@@ -106,7 +151,7 @@ def judge(page_steps, done):
 
 def main():
     index, page, prefix = sys.argv[1:]
-    page_steps = steps(read(page))
+    page_steps = earlier_edits(page) + steps(read(page))
     home = tempfile.mkdtemp(prefix="mauve_home_")
     try:
         os.symlink(prefix, os.path.join(home, "mauve"))
