@@ -88,6 +88,11 @@ def earlier_edits(page):
     return earlier_edits(before) + edits
 
 
+def steps_of(page):
+    """All steps of a page, a path."""
+    return earlier_edits(page) + steps(read(page))
+
+
 def pattern_of(lines):
     """The regular expression that the output of a command matches."""
     parts = []
@@ -151,7 +156,7 @@ def judge(page_steps, done):
 
 def main():
     index, page, prefix = sys.argv[1:]
-    page_steps = earlier_edits(page) + steps(read(page))
+    page_steps = steps_of(page)
     home = tempfile.mkdtemp(prefix="mauve_home_")
     try:
         os.symlink(prefix, os.path.join(home, "mauve"))
