@@ -21,7 +21,7 @@ SUFFIXES = (".cpp", ".h", ".md")
 PAST = ("CHANGELOG.md", "docs/decisions/")
 MOST_WORDS = 30
 NO_SUBJECT = re.compile(r"(What|Who|Whoever|Whatever)\b")
-END = re.compile(r"(?<=[.!?:;])\s+(?=[A-Z`*\"(\[])")
+END = re.compile(r"(?<=[.!?:;])\s+(?=[A-Z`*\"(\[]|mauve)")
 WORD = re.compile(r"[A-Za-z0-9`][\w`'’./:<>()+-]*")
 
 
