@@ -8,7 +8,6 @@ namespace mauve::test {
 namespace {
 
 using testing::HasSubstr;
-using Json = protocol::Json;
 
 /// Gives up after a second. While the file `gate` is there, the stuck cores of "trial" are stuck.
 class Abandoned : public testing::Test {

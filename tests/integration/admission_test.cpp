@@ -8,7 +8,6 @@ namespace {
 
 using testing::HasSubstr;
 using testing::IsEmpty;
-using Json = protocol::Json;
 
 const std::vector<std::string> kStrict{"--realtime", "off", "--admission", "strict"};
 

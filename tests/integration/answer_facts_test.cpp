@@ -7,8 +7,6 @@
 namespace mauve::test {
 namespace {
 
-using Json = protocol::Json;
-
 Json swap_first(const std::string& core, const std::string& probation = "3000") {
   return {{"component", "first"}, {"core", core}, {"probation", probation}};
 }

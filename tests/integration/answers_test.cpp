@@ -10,8 +10,6 @@
 namespace mauve::test {
 namespace {
 
-using Json = protocol::Json;
-
 /// With a rule and a transaction, so that their records are answered too.
 std::string with_a_rule() {
   std::string text(kTrial);

@@ -9,7 +9,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-using Json = protocol::Json;
 
 /// The trial architecture with one piece of its text replaced.
 std::string with(const std::string& what, const std::string& by, std::string text = kTrial) {

@@ -12,8 +12,6 @@
 namespace mauve::test {
 namespace {
 
-using Json = protocol::Json;
-
 struct Question {
   std::string method;
   Json params;

@@ -6,7 +6,6 @@ namespace mauve::test {
 namespace {
 
 using testing::HasSubstr;
-using Json = protocol::Json;
 
 /// "first" writes into a resource that counts.
 std::string counting() {

@@ -23,7 +23,6 @@
 namespace mauve::test {
 namespace {
 
-using Json = protocol::Json;
 using std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kApart{25};

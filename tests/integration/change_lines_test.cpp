@@ -10,7 +10,6 @@ namespace mauve::test {
 namespace {
 
 using testing::HasSubstr;
-using Json = protocol::Json;
 
 Json with_gain(double value) { return {{"values", {{"first.core.gain", value}}}}; }
 

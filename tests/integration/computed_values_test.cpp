@@ -7,7 +7,6 @@ namespace mauve::test {
 namespace {
 
 using testing::HasSubstr;
-using Json = protocol::Json;
 
 /// `broken` computes its value, and fails as its property says.
 std::string with_broken(const std::string& how) {

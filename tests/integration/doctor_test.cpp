@@ -6,8 +6,6 @@
 namespace mauve::test {
 namespace {
 
-using Json = protocol::Json;
-
 /// What `mauvectl doctor` finds, by check.
 Json findings_of(TrialDaemon& daemon) {
   static_cast<void>(daemon.ask("ping"));

@@ -6,7 +6,6 @@ namespace mauve::test {
 namespace {
 
 using testing::HasSubstr;
-using Json = protocol::Json;
 
 TEST(SwapInPlace, ExchangesTheCoresOfAParkedComponent) {
   TrialDaemon daemon;

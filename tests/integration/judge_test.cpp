@@ -10,7 +10,6 @@ namespace mauve::test {
 namespace {
 
 using testing::HasSubstr;
-using Json = protocol::Json;
 
 /// The architecture of the test with this core in `first`.
 std::string with_core(const std::string& core) {

@@ -9,8 +9,6 @@
 
 namespace mauve::test {
 
-using Json = protocol::Json;
-
 /// A daemon that keeps what it does in a directory of the test.
 class Generations : public testing::Test {
  protected:

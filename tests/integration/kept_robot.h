@@ -23,8 +23,6 @@
 
 namespace mauve::test {
 
-using Json = protocol::Json;
-
 /// A request, and the change that it makes to the system when mauved answers that it is applied.
 struct Step {
   std::string method;

@@ -7,8 +7,6 @@
 namespace mauve::test {
 namespace {
 
-using Json = protocol::Json;
-
 /// `second` notes in `file` the sign of what `first` writes; `mute` never returns its value.
 std::string with_a_driver(const std::string& file) {
   auto architecture = Json::parse(std::string(kTrial));

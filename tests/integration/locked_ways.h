@@ -12,8 +12,6 @@
 
 namespace mauve::test {
 
-using Json = protocol::Json;
-
 /// The differences that a way makes. Locks judge these, and nothing else.
 enum Effect : unsigned {
   kNothing = 0,

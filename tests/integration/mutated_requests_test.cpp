@@ -26,7 +26,6 @@
 namespace mauve::test {
 namespace {
 
-using Json = protocol::Json;
 using std::chrono::steady_clock;
 
 constexpr std::size_t kOfOneRole = 8;

@@ -19,7 +19,6 @@ namespace mauve::test {
 namespace {
 
 using testing::HasSubstr;
-using Json = protocol::Json;
 
 #ifdef MAUVE_WHOLE
 /// MAUVE_CAMPAIGN_SECONDS shortens the campaign, of which 600 are the whole.

@@ -6,7 +6,6 @@ namespace mauve::test {
 namespace {
 
 using testing::HasSubstr;
-using Json = protocol::Json;
 
 Json place_swap(const std::string& core, const Json& more = Json::object()) {
   Json params = {{"component", "first"}, {"core", core}, {"in_place", true}};

@@ -7,7 +7,6 @@ namespace mauve::test {
 namespace {
 
 using testing::HasSubstr;
-using Json = protocol::Json;
 
 Json swap_to(const std::string& core, Json more = Json::object()) {
   Json params = {{"component", "first"}, {"core", core}};

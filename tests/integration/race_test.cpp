@@ -10,7 +10,6 @@ namespace mauve::test {
 namespace {
 
 using testing::HasSubstr;
-using Json = protocol::Json;
 
 /// A request that nobody waits for yet.
 [[nodiscard]] RawClient asking(TrialDaemon& daemon, const std::string& method, const Json& params) {

@@ -8,7 +8,6 @@ namespace mauve::test {
 namespace {
 
 using testing::HasSubstr;
-using Json = protocol::Json;
 
 /// The old code goes at once: reload_probation_test.cpp is about the others.
 Json without_probation() { return {{"plugin", "trial"}, {"probation", "off"}}; }

@@ -8,7 +8,6 @@ namespace mauve::test {
 namespace {
 
 using testing::HasSubstr;
-using Json = protocol::Json;
 
 /// `second` reads what `first` writes: its gain. Deaf it reads 0.5.
 std::string supervised(const std::string& rules, const std::string& may_request = "[]") {

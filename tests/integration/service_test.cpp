@@ -10,7 +10,6 @@ namespace mauve::test {
 namespace {
 
 using testing::HasSubstr;
-using Json = protocol::Json;
 using Clock = std::chrono::steady_clock;
 
 TEST(Service, IsReadyWhenClientsAreServedAndSaysWhenItStops) {

@@ -7,7 +7,6 @@ namespace mauve::test {
 namespace {
 
 using testing::HasSubstr;
-using Json = protocol::Json;
 
 /// With a second place to write to, a resource that takes values with its own code, and one that
 /// hangs when it is given 4.

@@ -17,7 +17,6 @@
 namespace mauve::test {
 namespace {
 
-using Json = protocol::Json;
 using std::chrono::steady_clock;
 
 /// The length from which the tight bounds hold: a short form has not warmed up.

@@ -11,7 +11,6 @@ namespace mauve::test {
 namespace {
 
 using testing::HasSubstr;
-using Json = protocol::Json;
 
 TEST(Socket, GreetsWithGenerationRoleAndLimits) {
   TrialDaemon daemon;

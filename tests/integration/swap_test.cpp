@@ -9,7 +9,6 @@ namespace mauve::test {
 namespace {
 
 using testing::HasSubstr;
-using Json = protocol::Json;
 Json swap(const std::string& core, const std::string& probation = "3000") {
   return {{"component", "first"}, {"core", core}, {"probation", probation}};
 }

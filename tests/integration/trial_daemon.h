@@ -17,6 +17,8 @@
 
 namespace mauve::test {
 
+using Json = protocol::Json;
+
 inline constexpr const char* kTrial = R"({
   "schema": "mauve/architecture/1",
   "name": "trial",
@@ -50,8 +52,6 @@ inline void expect_answer_of_its_row(std::string_view name, const protocol::Json
 
 class TrialDaemon {
  public:
-  using Json = protocol::Json;
-
   explicit TrialDaemon(const std::string& architecture = kTrial,
                        std::vector<std::string> more = {"--realtime", "off"},
                        std::string program = MAUVE_BIN_DIR "/mauved")

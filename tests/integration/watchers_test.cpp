@@ -13,8 +13,6 @@
 namespace mauve::test {
 namespace {
 
-using Json = protocol::Json;
-
 constexpr std::int64_t kLongestPeriod = 5'000'000;
 constexpr int kValues = 300;   // of each who watches
 constexpr int kAnswers = 100;  // of each who asks

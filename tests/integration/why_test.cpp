@@ -7,7 +7,6 @@ namespace {
 
 using testing::Contains;
 using testing::HasSubstr;
-using Json = protocol::Json;
 
 /// "first" runs with this core, and with these attributes.
 std::string trial_with(const std::string& core, const std::string& task,
