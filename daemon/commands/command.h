@@ -124,8 +124,8 @@ struct Running {
   /// [any] The same for the change under way: see commands/change/trial.h.
   std::function<void(const Question&, std::function<void(Result<Json>)>)> try_out = {};
   Stopper* stopper = nullptr;  ///< [any]; null: stops are served by [control] only
-  /// [control] Reports and saves what the system did by itself since the last look, rollbacks above
-  /// all: before a change that came later is saved.
+  /// [control] Reports and saves the outcomes that the system reached by itself since the last
+  /// call, such as rollbacks, before a later change is saved.
   std::function<void()> report_outcomes = [] {};
   /// [control] Reports and saves one more outcome, which the deployer does not know of.
   std::function<void(const Outcome&)> settle = [](const Outcome&) {};

@@ -37,7 +37,7 @@ class Levels {
   /// What differs from the usual one; all first, then by name.
   [[nodiscard]] std::vector<Setting> list() const;
 
-  /// Ends what is over, and reports the level in force there now.
+  /// Ends the settings whose time is over, and returns the level in force after each of them.
   std::vector<Setting> expire(Time now);
 
  private:

@@ -75,7 +75,7 @@ void let_others_act(const System& system, Instant until) {
   while (!acted() && system.runner->now() < until) std::this_thread::sleep_for(1ms);
 }
 
-/// What nobody has read yet, as it lies there.
+/// Writes the events that no thread has read yet to standard error.
 void report_events(System& system) {
   rt::Event event;
   for (Deployed& deployed : system.deployed) {
