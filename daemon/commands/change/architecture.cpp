@@ -303,7 +303,8 @@ void apply_file(Running& running, const CallPtr& call, Ticket ticket) {
 void diff_architecture(Running& running, const CallPtr& call, Ticket /*none*/) {
   auto question = question_of(running, *call);
   question.running = arch::to_json_text(described(running));
-  running.judge(asker_of(*call), question, [&running, call](Result<Json> judged) {
+  const auto compared = running.deployer.generation();  // a later one may run when the answer comes
+  running.judge(asker_of(*call), question, [&running, call, compared](Result<Json> judged) {
     if (!judged) {
       return answer(running, *call, judged.error());
     }
@@ -311,7 +312,7 @@ void diff_architecture(Running& running, const CallPtr& call, Ticket /*none*/) {
       return refuse_file(running, *call, (*judged)["errors"]);
     }
     judged->erase("errors");
-    (*judged)["generation"] = running.generation.load();
+    (*judged)["generation"] = compared;
     answer(running, *call, std::move(judged));
   });
 }
