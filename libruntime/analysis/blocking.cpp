@@ -167,7 +167,7 @@ std::int64_t simple_bound(const std::vector<Use>& uses, const Group& group) {
                   std::accumulate(columns.begin(), columns.end(), std::int64_t{0}));
 }
 
-/// What the lower tasks of a group can do to those of `level`.
+/// The longest blocking that the lower tasks of a group can cause to those of `level`.
 std::int64_t blocking_by(const Group& group, std::size_t level) {
   std::vector<bool> used_above(group.resources, false);
   for (const Use& use : group.uses) {

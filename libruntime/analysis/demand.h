@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What tasks and the kernel ask of one processor, in numbers.
+/// The demand of tasks and of the kernel on one processor, in numbers.
 #pragma once
 
 #include <cstdint>
@@ -51,7 +51,7 @@ class Kernel {
   std::int64_t counted_ = 0;  // expiries_ holds for windows up to here
 };
 
-/// What may delay a task: grows as priorities go down.
+/// The work that may delay a task. It grows as the view goes down the priorities.
 class Interference {
  public:
   /// `in_turn`: tasks there only before or after the change do not run together. The demands

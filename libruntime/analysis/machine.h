@@ -32,15 +32,15 @@ struct Machine {
 [[nodiscard]] Machine::State running(std::string name, Duration execution, Source source,
                                      std::vector<std::size_t> next);
 
-/// What the architecture says of all jobs of a component; 0: nothing.
+/// The limits that the architecture sets for all jobs of a component. 0: no limit.
 struct JobLimits {
   Duration deadline{0};
   Duration budget{0};  ///< declared execution time of a job; replaces the sum over its states
 };
 
-/// The graph of a machine: a vertex for each pair of waits of which the second can follow the first
-/// through execution states only, with the longest such path as its execution time. [any]
-/// Refused: an initial state or a target that is not there (unknown_name), a wait of zero
+/// The graph of a machine. A vertex stands for each pair of waits of which the second can follow
+/// the first through execution states only. Its execution time is the longest such path. [any]
+/// Refused: an initial state or a target that does not exist (unknown_name), a wait of zero
 /// (invalid_value), execution states that can follow each other for ever (cycle).
 [[nodiscard]] Result<Graph> to_graph(const Machine& machine, const JobLimits& limits = {});
 

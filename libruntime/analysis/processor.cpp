@@ -167,7 +167,7 @@ bool Processor::each(Visit visit) {
 }
 
 bool Processor::passes() {
-  // What is asked for in the busiest second is no less than what is asked for in the long run.
+  // The demand of the busiest second is at least the demand of the long run.
   if (whole_line().rate * kSecond > static_cast<double>(kSecondLimit.count())) return false;
   const bool in_time = each([this](const Demand& demand, const Interference& others) {
     for (std::size_t i = 0; i < demand.costs.size(); ++i) {

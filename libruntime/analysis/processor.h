@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Processor: response times of the tasks on one CPU, under SCHED_FIFO.
 ///
-/// The response of a job is the least w that satisfies
-///   w = wake-up + its work + blocking + work of all tasks of its priority or above in w
-///       + interrupts and ticks in w
-/// Its own earlier jobs need no term: they ended before its release. A task of equal priority
-/// counts as a higher one; first in, first out does not do worse than that. The wake-up stands
-/// inside the window, like blocking: while it lasts, others are released.
+/// The response of a job is the least w that satisfies this equation:
+///   `w = wake-up + its work + blocking + work of all tasks of its priority or above in w
+///       + interrupts and ticks in w`.
+/// The earlier jobs of the task need no term: they ended before the release of this job. A task of
+/// equal priority counts as a higher one; first in, first out does not do worse than that. The
+/// wake-up is part of the window, like blocking: while it lasts, other jobs are released.
 #pragma once
 
 #include <string_view>

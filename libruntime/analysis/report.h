@@ -20,8 +20,8 @@ struct JobReport {
   Duration response{0};    ///< from release to end, at most; may be kUnbounded
   Duration deadline{0};    ///< never later than the next release
   Duration separation{0};  ///< until the next release, at least
-  /// Only of a job that may be late: the longest execution time with which it would not be; 0 or
-  /// less when none would do, for those above it take all the time.
+  /// Only of a job that may be late: the longest execution time with which the job meets its
+  /// deadline. No execution time suffices when it is 0 or less: the tasks above take all the time.
   Duration needed_execution{0};
 
   [[nodiscard]] bool late() const { return response > deadline; }

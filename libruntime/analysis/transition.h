@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a system may ask for while it changes: old, then new, and old again after a rollback.
+/// The demand of a system while it changes: old, then new, and old again after a rollback.
 #pragma once
 
 #include "analysis/graph.h"
@@ -8,8 +8,9 @@
 namespace mauve::analysis {
 
 /// The jobs of a component that is changed at any instant and perhaps rolled back at any later one.
-/// The wait that is under way at a change is kept; the job after it is the new version's from the
-/// state of the same name, or its first job when there is no such state, and takes `change` longer.
+/// The wait that is under way at a change is kept. The job after it belongs to the new version: it
+/// starts in the state of the same name, or is the first job when no such state exists. It takes
+/// `change` longer.
 [[nodiscard]] Graph transition(const Graph& before, const Graph& after, Duration change);
 
 /// One task set for the change from `before` to `after`: changed tasks with their transitions,

@@ -10,7 +10,7 @@
 namespace mauve {
 namespace {
 
-/// What compilers add and no author wrote.
+/// Parts of a name that compilers add and no author wrote.
 constexpr std::string_view kAdded[] = {"(anonymous namespace)::", "__cxx11::"};
 
 std::string as_written(std::string name) {

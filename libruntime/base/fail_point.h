@@ -15,7 +15,7 @@
 
 namespace mauve {
 
-/// What a test in the same program does at each point.
+/// The action of a test in the same program at each point.
 inline std::function<void(std::string_view)>& at_fail_point() {
   static std::function<void(std::string_view)> action;
   return action;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Mutex, MutexLock and ConditionVariable: std::mutex and its companions, with annotations that
-/// clang checks at compile time (-Wthread-safety): data that is guarded by a mutex is used only
-/// while the mutex is held. Not for real-time threads, which use rt::PiMutex.
+/// clang checks at compile time (-Wthread-safety). A thread uses data that a mutex guards only
+/// while it holds the mutex. Not for real-time threads, which use rt::PiMutex.
 ///
 /// See "Thread Safety Analysis" in the manual of clang, where the names of the macros come from.
 #pragma once
@@ -57,8 +57,8 @@ class MAUVE_THREAD_ATTRIBUTE(scoped_lockable) MutexLock {
   std::unique_lock<std::mutex> lock_;
 };
 
-/// What a thread that holds the lock waits for; each wait gives the mutex up meanwhile. A predicate
-/// is a lambda with MAUVE_REQUIRES(its mutex).
+/// A condition that a thread with the lock waits for; each wait releases the mutex meanwhile. A
+/// predicate is a lambda with MAUVE_REQUIRES(its mutex).
 class ConditionVariable {
  public:
   void notify_one() { condition_.notify_one(); }

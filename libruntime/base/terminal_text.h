@@ -8,9 +8,9 @@
 
 namespace mauve {
 
-/// The length of the UTF-8 sequence at the beginning of `text` if a terminal obeys it: a control
-/// character (C0, DEL, C1), a line or paragraph separator, a mark that reorders what follows. 0: it
-/// is shown. [any]
+/// The length of the UTF-8 sequence at the beginning of `text` if a terminal obeys it. 0: the
+/// terminal shows it. A terminal obeys control characters (C0, DEL, C1), line and paragraph
+/// separators, and marks that reorder the text behind them. [any]
 [[nodiscard]] std::size_t terminal_command(std::string_view text);
 
 /// The same JSON, in which DEL, C1 controls, separators and marks are written as "\u202e". JSON has

@@ -101,7 +101,7 @@ class Builder {
     }
   }
 
-  // What the deployer would refuse on this machine.
+  // Reports the CPUs that the deployer would refuse on this machine.
   void check_cpus(const ComponentSpec& spec) {
     for (const int cpu : spec.task.cpus.value) {
       Status usable = rt::check_cpu(cpu, spec.name + ".task.cpus");

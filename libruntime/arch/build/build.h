@@ -15,16 +15,17 @@ class Catalog;
 
 namespace mauve::arch {
 
-/// Makes all elements, sets properties and task attributes and connects ports. Everything that
-/// does not fit goes to `problems`, all of it in one pass: unknown plugins, types, cores, state
-/// machines, data, properties, ports and services (with the nearest name), what check_rules()
-/// refuses, values of the wrong
-/// type or out of range, contracts, names in an element that
-/// are illegal or used twice, state machines that cannot run, kinds and types of ports that differ,
-/// cycles of resources, CPUs that this machine does not have (the deployer refuses them, so a file
-/// for another machine may be good there). Null when `problems` is not empty afterwards; else
-/// `supervision`, when it is asked for, gets the rules. Runs constructors of plugins, and of hooks
-/// only those of state machines, which build their transitions there. [control]
+/// Makes all elements, sets properties and task attributes and connects ports. One pass reports
+/// all errors to `problems`: unknown plugins, types, cores, state machines, data, properties, ports
+/// and services, each with the nearest name. It reports rules that check_rules() refuses, values of
+/// the wrong type or out of range, and contracts that do not fit. It reports names in an element
+/// that are illegal or used twice, state machines that cannot run, kinds and types of ports that
+/// differ, and cycles of resources. It also reports CPUs that this machine does not have: the
+/// deployer refuses them, so a file for another machine may be good there.
+///
+/// Null when `problems` is not empty afterwards; else `supervision`, when it is asked for, gets the
+/// rules. Runs constructors of plugins, and of hooks only those of state machines, which build
+/// their transitions there. [control]
 [[nodiscard]] std::unique_ptr<Architecture> build(const Spec& spec, const plugin::Catalog& catalog,
                                                   Problems& problems,
                                                   rules::Supervision* supervision = nullptr);

@@ -15,11 +15,10 @@ class Catalog;
 
 namespace mauve::arch {
 
-/// Everything that does not fit goes to `problems`: addresses in conditions and steps (with the
-/// nearest name), kinds of values, words that a value never is, cores that do not fit, values that
-/// a property would refuse, names of transactions. What concerns an element that was refused
-/// already is passed over. The result is whole when `problems` is empty. Runs constructors of
-/// plugins, no hooks. [control]
+/// Every error goes to `problems`: addresses in conditions and steps (with the nearest name), kinds
+/// of values, words that a value never is, cores that do not fit. So do refused values of
+/// properties, and names of transactions. References to a refused element are passed over. The
+/// result is whole when `problems` is empty. Runs constructors of plugins, no hooks. [control]
 [[nodiscard]] rules::Supervision check_rules(const Spec& spec, const Architecture& architecture,
                                              const plugin::Catalog& catalog, Problems& problems);
 

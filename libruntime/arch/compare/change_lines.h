@@ -18,10 +18,10 @@ namespace mauve::arch {
 /// Does this component run now?
 using Runs = std::function<bool(const ComponentBase&)>;
 
-/// Compares the elements in force with those that the change brings, in the words of compare():
-/// values of properties, cores, state machines, connections, task attributes, elements that join
-/// and leave, starts and stops. Empty: the change makes the same elements anew. Call it between
-/// prepare and commit. [control]
+/// Compares the elements in force with those that the change brings, in the words of compare(). The
+/// lines name values of properties, cores, state machines, connections, task attributes, elements
+/// that join and leave, starts and stops. Empty: the change makes the same elements anew. Call it
+/// between prepare and commit. [control]
 [[nodiscard]] std::vector<Line> lines_of(const PreparedChange::Content& change, const Runs& runs);
 
 /// Does the line say that a property has another value, also one of a fallback core?

@@ -123,7 +123,7 @@ class Differ {
     values_of_another_type(*now, then);
   }
 
-  /// What has the same name and type in both has its own line when its value differs.
+  /// A property with the same name and type in both has its own line when its value differs.
   template <typename Element>
   void values_of_another_type(const Element& now, const Element& then) {
     const Parts before = parts_of(now);
@@ -145,8 +145,8 @@ class Differ {
     say(kind, now.name(), title_of(now), {});
   }
 
-  /// Last: until then the others are connected to what joins. What stays in `wanted` loses its
-  /// connections too, or it would hold services that are in force.
+  /// Runs last: until then the other elements are connected to those that join. The elements that
+  /// stay in `wanted` lose their connections too, or they would hold services that are in force.
   void take_out() {
     const std::vector<ComponentBase*> components = wanted_.components();
     const std::vector<ResourceBase*> resources = wanted_.resources();

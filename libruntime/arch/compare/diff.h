@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What has to change so that a running architecture becomes the one of another file.
+/// The change that turns a running architecture into the one of another file.
 #pragma once
 
 #include <cstdint>
@@ -52,13 +52,14 @@ struct Difference {
 /// and it owns its elements. Those that join are moved out of it; it is left without connections,
 /// and can be freed by any thread.
 ///
-/// A component of another type leaves and joins again under its name; so does a resource of another
-/// type or data, or with another shell or interface, whose properties cannot change while it runs.
-/// Every port at such a resource is connected anew. A core of another type begins with its
-/// defaults, so all its other properties are in the change; a state machine takes over what the old
-/// one has by the same name. Lines come in the order of `wanted`, resources first, each followed by
-/// what leaves. A new name of the architecture is a line, and no change. Without `parked`, the
-/// attribute `start` of what runs decides. [control]
+/// A component of another type leaves and joins again under its name. A resource leaves and joins
+/// again when its type, its data, or the properties of its shell or interface differ: these
+/// properties cannot change while it runs. Every port at such a resource is connected anew. A core
+/// of another type begins with its defaults, so all its other properties are in the change. A state
+/// machine takes over the values of the old one by the same name. Lines come in the order of
+/// `wanted`, resources first, each followed by the elements that leave. A new name of the
+/// architecture is a line, and no change. Without `parked`, the attribute `start` decides which
+/// components run. [control]
 [[nodiscard]] Difference compare(const Architecture& running, Architecture& wanted,
                                  const Parked& parked = {});
 

@@ -29,7 +29,7 @@ constexpr std::array<std::pair<std::string_view, Kind>, 10> kStatistics{{
     {"execution_max", Kind::duration},
 }};
 
-/// What the description of a type says it is; nothing for structures and sequences.
+/// The kind that the description of a type names; none for structures and sequences.
 std::optional<Kind> kind_of_type(const Value& described) {
   const auto* name = described.get_if<std::string>();
   if (name == nullptr) return std::nullopt;

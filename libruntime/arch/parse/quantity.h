@@ -12,12 +12,12 @@
 
 namespace mauve::arch {
 
-/// Where the value behind an address comes from:
-///   control.missed, control.state            a statistic of a component
-///   control.core.gain, fix.read              a property, observable or service, by find_target()
-///   control.ports.scan                       what a read port gets
-///   control.ports.scan.status, fix.read.age  how fresh that is
-///   fix.read.position.x                      a field of any of these values
+/// The source of the value behind an address:
+///   `control.missed`, `control.state`: a statistic of a component.
+///   `control.core.gain`, `fix.read`: a property, observable or service, by find_target().
+///   `control.ports.scan`: the value that a read port gets.
+///   `control.ports.scan.status`, `fix.read.age`: the status and the age of that value.
+///   `fix.read.position.x`: a field of any of these values.
 struct Quantity {
   enum class Aspect : std::uint8_t { value, status, age };
 

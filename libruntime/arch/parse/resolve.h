@@ -15,7 +15,7 @@ class Catalog;
 
 namespace mauve::arch {
 
-/// What a component is made of. What is absent was refused, and that is reported.
+/// The types of the elements of a component. An absent one was refused and is reported.
 struct ComponentParts {
   std::optional<ComponentType> type;
   std::optional<CoreType> core;
@@ -24,7 +24,7 @@ struct ComponentParts {
   [[nodiscard]] bool complete() const { return type && core && fsm; }
 };
 
-/// What a resource is made of: a type of a plugin, or the data of a built-in one.
+/// The types of a resource: a type of a plugin, or the data of a built-in one.
 struct ResourceParts {
   std::optional<ResourceType> type;
   std::shared_ptr<const DataType> data;

@@ -52,7 +52,7 @@ struct ConnectionSpec {
   Position service_where;
 };
 
-/// What a component and a resource have in common.
+/// The part of the description that components and resources share.
 struct ElementSpec {
   std::string name;
   Position where;

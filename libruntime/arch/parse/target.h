@@ -41,7 +41,7 @@ struct Element {
 [[nodiscard]] Result<ComponentBase*> find_component(const Architecture& architecture,
                                                     std::string_view name);
 
-/// What an address of a value means; exactly one is set.
+/// The thing that an address of a value names; exactly one member is set.
 struct Target {
   Element element;
   PropertyBase* property = nullptr;

@@ -15,9 +15,10 @@ class Catalog;
 
 namespace mauve::arch {
 
-/// The steps merged into one edit a component. What is so already is left out, so that a
+/// The steps merged into one edit a component. A step without effect is left out, so that a
 /// transaction can be applied twice: a port connected as wanted, a core in force, a component that
-/// runs or stands. The result may be empty. Refused: a name that is not there (any more). [control]
+/// runs or stands. The result may be empty. Refused: a name that does not exist (any more).
+/// [control]
 [[nodiscard]] Result<Change> change_of(const rules::Steps& steps, const Architecture& architecture,
                                        const Deployer& deployer, const plugin::Catalog& catalog);
 

@@ -14,7 +14,7 @@ namespace {
 
 // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while parsing
 // value - unexpected ']'; last read: '[]'" becomes "syntax error while parsing value - unexpected
-// ']'". What was read may hold any bytes and is shown by the place already.
+// ']'". The last read text is left out: it may hold any bytes, and the place already shows it.
 std::string plain_message(std::string text) {
   if (const std::size_t prefix = text.find("] "); prefix != std::string::npos) {
     text.erase(0, prefix + 2);

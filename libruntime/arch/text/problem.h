@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What is wrong in a file: every item has a place, and a file has as many items as it needs.
+/// The errors of a file: every one has a place, and a file has as many as it needs.
 #pragma once
 
 #include <cstddef>
