@@ -127,7 +127,7 @@ bool has(const std::vector<Problem>& problems, const Problem& problem) {
   });
 }
 
-/// What nobody declared is said once, in one line.
+/// One line names all jobs whose execution time nobody declared.
 std::vector<std::string> warnings_of(const std::vector<Problem>& problems) {
   std::vector<Problem> others;
   std::string unknown;
@@ -151,7 +151,8 @@ std::vector<Problem> problems_of(const analysis::TaskSet& set) {
   return analysis::problems(analysis::analyze(set));
 }
 
-/// What was so before is not the doing of a change, not even while it leads away from it.
+/// A change is not to blame for a problem that existed before it, not even while it removes that
+/// problem.
 std::vector<Problem> problems_brought(const analysis::TaskSet& before,
                                       const analysis::TaskSet& after) {
   const auto known = problems_of(before);

@@ -29,9 +29,9 @@ class Placement {
     std::vector<int> cpus;
     std::string why;  ///< empty: the task names them
   };
-  /// Where the task says; else where those are with whom it shares a lock, also by way of others,
-  /// since priority inheritance holds on one CPU; else where the fewest are so far. It is there
-  /// from now on.
+  /// The CPUs that the task names. Else the CPU of the components that share a lock with it, also
+  /// by way of others, since priority inheritance holds on one CPU only. Else the CPU with the
+  /// fewest components so far. The component counts as placed there from now on.
   Seat seat(const std::string& name, const Bundle& bundle);
 
  private:

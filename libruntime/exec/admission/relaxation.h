@@ -11,8 +11,9 @@
 
 namespace mauve::exec {
 
-/// The error of a problem, with a hint that holds for the whole set: an execution time of one of
-/// these tasks, or that none of them would do and which task prevents it. [any]
+/// The error of a problem, with a hint that holds for the whole set. The hint names a sufficient
+/// execution time of one of these tasks, or says that none suffices and which task prevents it.
+/// [any]
 [[nodiscard]] Error refusal_of(const analysis::Problem& problem, const analysis::TaskSet& set,
                                const std::vector<std::string>& tasks,
                                const analysis::Passes& passes);

@@ -30,7 +30,7 @@ analysis::Machine machine_of(const FsmBase& fsm) {
   return machine;
 }
 
-/// What was measured is not the worst that can be.
+/// The longest measured time is not the worst possible one.
 Duration with_margin(Duration measured) { return measured + measured / 5; }
 
 /// Counted for every kind of job of the component: the runtime does not distinguish them.

@@ -41,7 +41,7 @@ class TimingModel {
   [[nodiscard]] const analysis::TaskSet& set() const { return set_; }
   /// How long their resources are held: declared, or measured with that margin.
   [[nodiscard]] std::vector<LockTiming> locks() const;
-  /// What is not in the set, or was measured rather than declared.
+  /// The times that are not in the set, or were measured rather than declared.
   [[nodiscard]] std::vector<std::string> notes() const;
 
  private:

@@ -23,7 +23,7 @@ namespace mauve::exec {
 /// The assumed costs of the machine, in words.
 [[nodiscard]] std::string assumption_of(const MachineCosts& machine);
 
-/// What follows for the components of the model, and how the machine behaves. [control]
+/// The results of the model for its components, and the behaviour of the machine. [control]
 [[nodiscard]] Timing report_of(const System& system, const TimingModel& model);
 
 }  // namespace mauve::exec

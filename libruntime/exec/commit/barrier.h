@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Barrier: the change of a contract between members. All that run wait at their first release at
-/// or after an instant; once the last one is there nobody is inside a resource of the change, and
-/// what leaves hands over to what joins under its name. Then everybody goes on at once.
+/// or after an instant. Once the last one waits, no job is inside a resource of the change. Then
+/// each resource that leaves hands its state over to the one that joins under its name, and all
+/// members go on at once.
 ///
-///   [control]                             [rt]
-///   publish `wait` at tc ---------------> boundary r >= tc: no job any more
-///   all wait, and the resources are free
-///     hand over; publish the new bundles
-///     as an order at tc2 ---------------> take it; first release >= tc2, on the grid as it was
-///   somebody does not come in time
-///     publish `go_on` ------------------> the same, with what it runs with
+///   `[control]                             [rt]`
+///   `publish 'wait' at tc ---------------> boundary r >= tc: no job any more`
+///   `all wait, and the resources are free`
+///   `  hand over; publish the new bundles`
+///   `  as an order at tc2 ---------------> take it; first release >= tc2, on the grid as it was`
+///   `a member does not come in time`
+///   `  publish 'go_on' ------------------> the same, with the bundle it runs with`
 ///
 /// Bystanders, which reach a resource of the change only through another one, wait and go on too.
 #pragma once
@@ -50,14 +51,14 @@ class Barrier {
   /// Only when all wait; from here on nothing can fail. False: somebody is inside a resource, and
   /// it is called off.
   bool hand_over(const std::vector<PreparedResource>& changed);
-  /// What lets the bystanders go on together with the members.
+  /// The members that let the bystanders go on together with the members of the change.
   [[nodiscard]] std::vector<Member> go_on() const;
   /// Nobody waits any more.
   void end();
 
   /// Why it was called off.
   [[nodiscard]] const Error& refusal() const { return refusal_; }
-  /// What it cost bystanders, what was handed over, and the attempts.
+  /// Enters the lost releases of bystanders, the state that was handed over, and the attempts.
   void report(Receipt& receipt) const;
 
  private:

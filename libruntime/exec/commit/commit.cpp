@@ -137,7 +137,7 @@ Status Commit::check(TwoPhaseCommit::Kind kind) {
       continue;
     }
     deployed_.push_back(system_.find(*member.component));
-    // What was rolled back but is not in the books yet can be ordered to park.
+    // A member that was rolled back can be ordered to park before its rollback is in the books.
     const bool there = deployed_.back() != nullptr &&
                        (kind == TwoPhaseCommit::Kind::order || !deployed_.back()->hidden);
     if (!there) {
@@ -185,7 +185,7 @@ Status Commit::check_probations(TwoPhaseCommit::Kind kind) {
   return ok();
 }
 
-/// What the change before changed, and this one does not, goes back with the members of this one.
+/// The members that only the change before changed are rolled back with the members of this one.
 Status Commit::follow(const ProbationPeriod& before) {
   if (!content_->probation) content_->probation = before.content().probation;
   for (std::size_t i = 0; i < before.members().size(); ++i) {

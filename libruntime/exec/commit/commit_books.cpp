@@ -41,7 +41,7 @@ void Commit::enter(std::size_t index) {
   system_.runner->look_again();
   // Where a lost thread is inside, it is freed when that has ended: see collect().
   const bool lost = system_.runner->has_abandoned(deployed_[index]->task.get());
-  // What the rollback may need is looked at when the change joins the one before: see adopt().
+  // adopt() deals with the elements that a rollback may need, when the change joins the one before.
   if (heritage_.origin_of(*member.component) == nullptr) {
     retire(*member.base, *member.next, lost ? system_.retired : retired_);
   }
@@ -190,7 +190,8 @@ bool Commit::all_went_back() {
   return true;
 }
 
-/// What joined is part of the architecture now, what left is not; it stays alive with the content.
+/// Enters elements that joined into the architecture, and takes out those that left; the content
+/// keeps the latter alive.
 void Commit::change_membership() {
   ++system_.revision;
   for (std::size_t i = 0; i < deployed_.size(); ++i) {

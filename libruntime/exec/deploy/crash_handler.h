@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a system still does when the process must die of a fault.
+/// The last actions of a system when the process must die of a fault.
 #pragma once
 
 #include "exec/system/system.h"

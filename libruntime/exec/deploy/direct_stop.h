@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Direct stop: parks components when [control] is held up. It uses the list of tasks, under its
-/// lock, and nothing else of the model: each task writes its safe values and parks by itself
-/// (Task::halt), and a job that does not end is ended by the guard. An ordinary stop does the books
-/// when [control] goes on.
+/// Direct stop: parks components when [control] is held up. Of the model it uses only the list of
+/// tasks, under its lock. Each task writes its safe values and parks by itself (Task::halt), and
+/// the guard ends a job that does not end. An ordinary stop does the books when [control] goes on.
 #pragma once
 
 #include <memory>

@@ -86,7 +86,7 @@ Result<PreparedChange> prepare_back_in_place(System& system, std::string_view co
 
 std::shared_ptr<Ongoing> begin_in_place_park(System& system, PreparedChange& change) {
   PreparedMember& member = change.content().members.front();
-  // What the operator had stopped, or what had faulted, stays where it is.
+  // A component that the operator had stopped, or that had faulted, keeps its state.
   const ComponentState state = state_of(system, *member.component);
   const bool runs = state == ComponentState::running || state == ComponentState::recovering;
   member.resume = runs || (member.restores && state == ComponentState::faulted);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Stop: parks components at the end of the job they are in. It cannot be refused and does not need
-/// the component to be well: a late one gets its safe values written from here, and
-/// parks as soon as its job ends.
+/// the component to be well. [control] writes the safe values of a late component, which parks as
+/// soon as its job ends.
 #pragma once
 
 #include <set>

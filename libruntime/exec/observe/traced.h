@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the records of a trace are about.
+/// The components and other objects that the records of a trace refer to.
 #pragma once
 
 #include <mauve/trace.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What there is after a change, while it is prepared.
+/// The elements after a change, while the change is prepared.
 #pragma once
 
 #include <string_view>
@@ -15,7 +15,7 @@ struct Change;
 
 namespace mauve::exec {
 
-/// What there will be after the change, for everything that is connected by name. [factory]
+/// The elements after the change, for everything that is connected by name. [factory]
 class Afterwards {
  public:
   Afterwards(System& system, const Change& change) : system_(system), change_(change) {}

@@ -16,7 +16,7 @@
 namespace mauve::exec {
 namespace {
 
-/// What becomes of the state when one core replaces the other.
+/// The fate of the state when one core replaces the other.
 MemberReceipt row_of(const std::string& name, const CoreBase& from, const CoreBase& into,
                      StatePolicy policy) {
   MemberReceipt row{name, Duration{0}, 0, 0};

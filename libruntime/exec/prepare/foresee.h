@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a prepared change would do, to be shown before it takes effect.
+/// The effects of a prepared change, to be shown before it takes effect.
 #pragma once
 
 #include "exec/system/prepared.h"

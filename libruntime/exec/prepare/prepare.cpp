@@ -217,7 +217,7 @@ Result<PreparedChange> prepare_change(System& system, const Change& change, bool
   auto preparation = std::make_unique<Preparation>(system, whole);
   auto prepared = prepare_locked(system, change, whole, *preparation, configure);
   if (prepared) return prepared;
-  // What is dropped runs user code, without lock.
+  // The destructors of dropped elements run user code, without lock.
   static_cast<void>(drop_elements(system.architecture.name(), [&] {
     preparation.reset();
     whole = {};

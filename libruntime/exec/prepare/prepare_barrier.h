@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What is handed over at a barrier.
+/// The state transfers of a barrier.
 #pragma once
 
 #include <vector>

@@ -13,7 +13,7 @@ class Afterwards;
 Result<PreparedMember> prepare_member(const Afterwards& after, const Edit& edit,
                                       ComponentBase& component, bool configure);
 
-/// What takes over from what this member brings, made from that.
+/// The standby core for the elements that this member brings, made from them.
 Result<PreparedMember> prepare_standby(const Afterwards& after, const Edit& edit,
                                        const PreparedMember& brings);
 

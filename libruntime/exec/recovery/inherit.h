@@ -29,7 +29,8 @@ struct MemberRollback;
 [[nodiscard]] bool can_join(const PreparedChange::Content& change,
                             const PreparedChange::Content& before);
 
-/// What a change that joins others takes over from them, while it takes effect.
+/// The members, origins and changes that a change takes over from the changes it joins, while it
+/// takes effect.
 class Heritage {
  public:
   void add(ProbationPeriod& before);
@@ -61,8 +62,8 @@ class Heritage {
 void adopt(PreparedChange::Content& before, PreparedChange::Content& heir,
            const std::vector<MemberRollback>& members, Retired& retired);
 
-/// What the change means for probations that are open now, in sentences: which it joins, and which
-/// it ends early. [control]
+/// The consequences of the change for open probations, in sentences: which it joins, and which it
+/// ends early. [control]
 [[nodiscard]] std::vector<std::string> notes_of(const System& system,
                                                 const PreparedChange::Content& change);
 

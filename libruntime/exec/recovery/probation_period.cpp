@@ -261,7 +261,7 @@ bool ProbationPeriod::may_let_go() const {
   return true;
 }
 
-/// What callers and threads use again is what the model shows.
+/// The model shows the elements that callers and threads use again.
 void ProbationPeriod::install_old() {
   ++system_.revision;
   Architecture& architecture = system_.architecture;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Probation: after a commit the old bundles stay ready, and the rollback to them is prepared, so
-/// that a member that fails leads all members back at their next release without asking anybody.
+/// Probation: after a commit the old bundles stay ready, and the rollback to them is prepared. So a
+/// member that fails leads all members back at their next release without asking anybody.
 #pragma once
 
 #include <memory>

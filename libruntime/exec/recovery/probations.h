@@ -12,7 +12,7 @@ namespace mauve::exec {
 [[nodiscard]] ProbationPeriod* probation_of(const System& system, const Rollback& rollback);
 /// Tasks go back, or are back already, to bundles that the model does not show yet.
 [[nodiscard]] bool is_rolled_back(const System& system);
-/// What is over is kept until no thread looks at it any more.
+/// Keeps ended probations until no thread looks at them any more.
 void let_fade(System& system);
 
 }  // namespace mauve::exec

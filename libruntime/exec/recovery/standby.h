@@ -16,12 +16,12 @@
 
 namespace mauve::exec {
 
-/// What would take over from the core of this component; nothing: no policy, or its budget of
-/// restarts is used up. [control]
+/// The changes that prepare the missing standby cores. A component has none without a policy, or
+/// when its budget of restarts is used up. [control]
 [[nodiscard]] std::vector<Change> wanted_standby_cores(System& system);
 
-/// What would take over from what this member of the change brings; nothing: no policy, or its
-/// elements stay as they are. [factory], under System::model
+/// The edit that would replace the elements that this member of the change brings. Nothing: no
+/// policy, or its elements stay as they are. [factory], under System::model
 [[nodiscard]] std::optional<Edit> standby_of(System& system, const PreparedChange::Content& change,
                                              const PreparedMember& member);
 

@@ -47,7 +47,7 @@ class Runner {
   virtual Status reschedule(Task& task, int priority, const std::vector<int>& cpus) = 0;
   /// Ends the task's thread; false when it does not end by `deadline` and was abandoned.
   virtual bool end(Task& task, Instant deadline) = 0;
-  /// What a job may take has changed.
+  /// The time bound of a job has changed, so the guard of the threads looks again.
   virtual void look_again() {}
   /// Abandoned threads and may still be in elements of this task, or of any.
   [[nodiscard]] virtual bool has_abandoned(const Task* /*task*/ = nullptr) const { return false; }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The change of one resource. A resource has no thread: the first caller whose job is released at
-/// or after the instant takes the change under the resource's own lock, or the
-/// coordinator does when nobody comes.
+/// or after the instant applies the change under the resource's own lock. The coordinator does so
+/// when nobody comes.
 #pragma once
 
 #include <atomic>
@@ -54,7 +54,7 @@ class ResourceUpdate final : public PendingUpdate {
   }
   [[nodiscard]] State state() const { return state_.load(std::memory_order_acquire); }
   [[nodiscard]] ResourceBase& resource() const { return resource_; }
-  /// What it had before; valid when in force.
+  /// The parts that the update replaced; valid when it is in force.
   [[nodiscard]] const ResourceParts& replaced() const { return replaced_; }
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
   /// Its state was not converted: it is in force and poisoned.

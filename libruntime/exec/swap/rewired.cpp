@@ -205,7 +205,8 @@ bool clash(const Architecture& architecture, const Content& change, const Conten
   return !wiring.check();
 }
 
-/// What a resource writes on into after the change only, it is an edit of.
+/// The resources that the change edits or removes, and those whose connections lead to one of them.
+/// The bindings of now suffice: a resource with new bindings is one that the change edits.
 std::set<const ResourceBase*> resources_touched(const Architecture& architecture,
                                                 const Content& change) {
   std::set<const ResourceBase*> resources(change.leaving_resources.begin(),

@@ -197,7 +197,8 @@ void TwoPhaseCommit::stop_waiting() {
                                                                     : SwapResult::State::partly;
 }
 
-/// What its thread has claimed it runs with, or is about to, or it gave it back and lets it lie.
+/// If revoke() fails, the task has claimed the update: it runs it, will run it, or has returned it
+/// unused.
 void TwoPhaseCommit::stop_waiting(Member& member, bool committed) {
   stopped_waiting_ = true;
   if (member.task->mailbox().revoke(*member.update)) {

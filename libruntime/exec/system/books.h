@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the model, the scheduler and the receipt get when a change is in force or goes back.
+/// The books: the updates of the model, the scheduler and the receipt at a commit and at a
+/// rollback.
 #pragma once
 
 #include <cstdint>

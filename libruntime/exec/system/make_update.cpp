@@ -60,8 +60,9 @@ void add_safe_writes(const PreparedMember& member, TaskUpdate& next) {
 
 Duration bound_of(const Bundle& bundle) {
   // Virtual machines hold healthy threads up for tens of milliseconds. After 950 ms of a second the
-  // kernel stops all real-time threads of a CPU for the rest of it (sched_rt_runtime_us), also more
-  // urgent ones: a job that loops is to end long before, beside others that use half of the CPU.
+  // kernel stops all real-time threads of a CPU for the rest of it (sched_rt_runtime_us). That
+  // includes more urgent threads, so a job that loops must end long before, beside others that use
+  // half of the CPU.
   constexpr Duration kShortest = 100ms;
   constexpr Duration kLongest = 400ms;
   const TaskAttributes& task = bundle.task;
@@ -71,7 +72,7 @@ Duration bound_of(const Bundle& bundle) {
   }
   Duration longest{0};
   for (const FsmState* state : bundle.fsm->states()) longest = std::max(longest, state->duration());
-  // What declares nothing may use a whole wait of a second, nearly.
+  // A component without a declared budget may use nearly a whole wait of a second.
   return std::clamp(10 * longest, kShortest, std::clamp(longest, kLongest, 2 * kLongest));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a task takes at a change is worked out beforehand, so that taking it is a few pointer
+/// The coordinator works out an update beforehand, so that the task takes it with a few pointer
 /// stores.
 #pragma once
 
@@ -20,14 +20,14 @@ namespace mauve::exec {
 /// A job that runs longer never returns.
 [[nodiscard]] Duration bound_of(const Bundle& bundle);
 
-/// What the task of a component that joins, or is deployed, begins with.
+/// The first update of the task of a component that joins or is deployed.
 [[nodiscard]] std::unique_ptr<TaskUpdate> first_bundle(const ComponentBase& component, Mode mode);
 
-/// What the task of this member is handed.
+/// The update of the task of this member.
 [[nodiscard]] std::unique_ptr<TaskUpdate> make_update(const PreparedMember& member);
 /// Where it was.
 [[nodiscard]] Origin origin_of(const PreparedMember& member, bool was_running);
-/// What leads it back there.
+/// The update that leads the task of this member back there.
 [[nodiscard]] std::unique_ptr<TaskUpdate> make_rollback(const PreparedMember& member,
                                                         const Origin& origin);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What prepare() leaves for commit().
+/// The result of prepare(), for commit().
 #pragma once
 
 #include <cstdint>
@@ -50,7 +50,7 @@ struct PreparedMember {
   bool resume = false;    ///< in place: it ran before it was parked
   bool restores = false;  ///< in place: back to the core before, so a faulted component runs again
   Retired made;           ///< its new elements, cleaned up and freed unless they get in force
-  /// What takes over should `next` fail, from its first job on; null: nothing.
+  /// The standby core that takes over when `next` fails, from its first job on; null: none.
   std::shared_ptr<PreparedChange::Content> standby;
 };
 
@@ -66,7 +66,7 @@ struct PreparedResource {
   Retired made;
 };
 
-/// What a change at a barrier needs besides.
+/// The additional parts of a change at a barrier.
 struct PreparedBarrier {
   /// A resource that joins under the name of one that leaves.
   struct Replacement {
@@ -87,8 +87,8 @@ struct PreparedBarrier {
 /// A part of a change that leaves everything as it is but for the mode.
 [[nodiscard]] PreparedMember member_of(ComponentBase& component, Mode mode);
 
-/// Other code, not just another object: another class, or the same one of another build. What was
-/// measured of the one says nothing about the other.
+/// Other code, not just another object: another class, or the same one of another build.
+/// Measurements of the one say nothing about the other.
 [[nodiscard]] bool is_other_code(const Configurable& before, const Configurable& after);
 
 /// Keeps alive all that the content refers to.

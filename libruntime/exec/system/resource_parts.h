@@ -12,7 +12,7 @@ class CoreBase;
 
 namespace mauve::exec {
 
-/// What a resource is to have; null: stays.
+/// The new parts of a resource; null: the part stays.
 struct ResourceParts {
   std::shared_ptr<CoreBase> core;
   std::shared_ptr<const Bindings> bindings;

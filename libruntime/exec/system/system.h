@@ -115,13 +115,13 @@ class System {
   [[nodiscard]] Deployed* find(std::string_view component);
   /// Also one that is hidden.
   [[nodiscard]] Deployed* find(const ComponentBase& component);
-  /// What nothing refers to any more goes to `retired`.
+  /// Departed elements to which nothing refers any more go to `retired`.
   void forget_departed();
   /// The component of this name, or an error with the nearest one.
   Result<ComponentBase*> component(std::string_view name) const;
 };
 
-/// What runs the tasks of such a deployment.
+/// The runner of the tasks of such a deployment: threads, or a simulation.
 [[nodiscard]] std::unique_ptr<Runner> make_runner(const DeployOptions& options);
 [[nodiscard]] std::shared_ptr<Task> new_task(const System& system, const ComponentBase& component);
 Status start_thread(System& system, Deployed& deployed);

@@ -62,7 +62,7 @@ bool Boundary::serve() {
   return true;
 }
 
-/// The change takes effect, but a direct stop has the last word: then the component does not run,
+/// The change takes effect, but a direct stop has the last word. Then the component does not run,
 /// and its outputs, which may be others, have their safe values before the coordinator goes on.
 bool Boundary::take_early(TaskUpdate& next, Instant begin) {
   if (!take(next, begin)) return false;
@@ -113,9 +113,9 @@ void Boundary::drop_missed(Instant now) {
                     static_cast<std::int64_t>(missed));
 }
 
-/// What take() touches was written by the coordinator, often on another CPU, from where each cache
-/// line takes 100 ns, or was not used since the last job. It is brought here while the old bundle
-/// is still in force.
+/// The coordinator wrote the data that take() touches, often on another CPU, from where each cache
+/// line takes 100 ns, or the data was not used since the last job. This function brings it here
+/// while the old bundle is still in force.
 void Boundary::fetch(const TaskUpdate& next) const {
   if (next.barrier != TaskUpdate::Barrier::none) return;
   rt::touch(&next, sizeof next);
@@ -251,7 +251,7 @@ void Boundary::keep_bundle(TaskUpdate& next) const {
   next.has_safe_values = current.has_safe_values;
 }
 
-/// What stood ready for the old bundle is of no use for another one.
+/// A standby core for the old bundle is of no use for another bundle.
 MAUVE_RUNS_AT_A_SWAP void Boundary::put_in_place(TaskUpdate& next) {
   Mailbox& mailbox = task_.mailbox;
   Counters& counters = task_.report.counters();

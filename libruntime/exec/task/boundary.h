@@ -24,9 +24,9 @@ class Boundary {
  public:
   Boundary(TaskContext& task, FaultReaction& faults) : task_(task), faults_(faults) {}
 
-  /// Takes an update that need not wait for a boundary: an aborted one is given back; a decided one
-  /// is applied now when no job lies between its instant and the armed release.
-  /// False: as of meet().
+  /// Takes an update that need not wait for a boundary. It gives an aborted one back, and applies a
+  /// decided one now when no job lies between its instant and the armed release. False: as of
+  /// meet().
   [[nodiscard]] bool serve();
   /// The boundary before the job that is due. False: this thread was abandoned meanwhile, and has
   /// no part in the task any more.

@@ -43,7 +43,7 @@ class FaultReaction {
   /// Is the task rolled back by the change on probation, or will it be?
   [[nodiscard]] bool rolls_back() const;
   /// A failed core waits while the rollback is under way, or while its policy promises another
-  /// core: the standby core is there already, or [control] makes it, or says that there is none.
+  /// core. The standby core exists already, or [control] makes it or says that there is none.
   [[nodiscard]] bool may_recover() const;
 
  private:

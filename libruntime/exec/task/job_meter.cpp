@@ -30,9 +30,10 @@ void JobMeter::begin(rt::JobTimes& times, Instant start, Instant lateness, bool 
     times.since.store(start, std::memory_order_relaxed);
   }
   times.lateness.add(lateness);
-  // A system call, so only where it counts: on probation, where the core is judged by it; without a
-  // budget, where measured times stand in for it, and the longest job may be just the one that is
-  // preempted; and after a preempted job, as the next one may be preempted as well.
+  // A system call, so only where it counts. It counts on probation, where the core is judged by it.
+  // It counts without a budget: there measured times stand in for it, and the longest job may be
+  // just the preempted one. It counts after a preempted job, as the next one may be preempted as
+  // well.
   const bool ask = judged || !has_budget || (preempted_ && rt::preemption_is_reported());
   cpu_before_ = ask && simulated_ == nullptr ? rt::cpu_time() : Duration{0};
   waits_before_ = judged && simulated_ == nullptr ? rt::waits_so_far() : kUnknown;
@@ -61,9 +62,9 @@ std::optional<Duration> JobMeter::end(const JobUse& job, bool preempted, bool ju
   return used;
 }
 
-/// For how long the machine may have been held up during this job: twice as long as a probe saw,
-/// since a hold-up begins before the instant at which the probe was due. A job that was released
-/// before such a job ended had to wait behind it, and has the same excuse.
+/// The longest time that the machine may have held up this job. It is twice the time that a probe
+/// saw, since a hold-up begins before the instant at which the probe was due. A job released before
+/// such a job ended had to wait behind it, and has the same excuse.
 Duration JobMeter::excuse(Instant released, Instant end) {
   Duration held_up = 2 * held_up_since(released);
   if (held_up == Duration{0} && released < excused_until_) held_up = excused_;

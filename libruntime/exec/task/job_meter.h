@@ -31,8 +31,8 @@ class JobMeter {
   /// `judged`, since the job is on probation, or without a budget.
   void begin(rt::JobTimes& times, Instant start, Instant lateness, bool judged, bool has_budget);
   /// The job ended. Returns the processor time of the job itself, without the threads that
-  /// preempted it and the time that the host reports as stolen; none: the job was preempted, and
-  /// its processor time was not read.
+  /// preempted it and without the time that the host reports as stolen. None: the job was
+  /// preempted, and its processor time was not read.
   [[nodiscard]] std::optional<Duration> end(const JobUse& job, bool preempted, bool judged,
                                             Counters& counters);
   /// How the job ended that the core is judged by. `wait`: until its next release.

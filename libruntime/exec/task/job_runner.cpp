@@ -38,7 +38,7 @@ void record_state(TraceKind kind, const FsmState& state, Instant time, bool pree
 
 }  // namespace
 
-/// What user code leaves; on the stack of the job, since the task may go on without it.
+/// The outcome of user code; on the stack of the job, since the task may go on without it.
 struct JobRunner::JobEnd {
   JobRunner& runner;
   Instant at = 0;             ///< start of the job; then when its last state ended

@@ -28,8 +28,8 @@ class JobWatch {
   /// Takes the component away from the thread whose job began then, since the job never returns.
   /// False: the job has ended, or the thread must keep it. The thread must not end meanwhile.
   [[nodiscard]] bool take_from_thread(Instant since);
-  /// The lock of the resource in whose service the job of the lost thread hangs; null: in its own
-  /// code. What the thread held is poisoned and free.
+  /// The lock of the resource in whose service the job of the abandoned thread hangs; null: the job
+  /// hangs in its own code. The locks that the thread held are poisoned and free.
   [[nodiscard]] const ResourceLock* cut_off_thread();
 
   // --- [any] ------------------------------------------------------------------------------------

@@ -49,11 +49,11 @@ class Task {
   [[nodiscard]] Duration bound(bool realtime) const;
   /// When its next job is due (monotonic); far away: it does not run.
   [[nodiscard]] Instant known_release() const;
-  /// The job that began then never returns: its thread has no part in the component any more, what
-  /// it holds is poisoned, and the task is the caller's until another thread goes on with it.
-  /// False: the job has ended. The thread must not end meanwhile.
+  /// The job that began then never returns, so its thread has no part in the component any more.
+  /// The resources that the thread holds are poisoned, and the task is the caller's until another
+  /// thread goes on with it. False: the job has ended. The thread must not end meanwhile.
   bool lose_thread(Instant since);
-  /// What the lost thread still uses.
+  /// The bundles that the abandoned thread still uses.
   [[nodiscard]] std::vector<std::shared_ptr<const Bundle>> bundles() const;
   /// Its thread had another priority or other CPUs than its component asked for.
   void count_restored() { add<std::uint64_t>(context_.report.counters().restored, 1); }

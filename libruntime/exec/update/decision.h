@@ -29,7 +29,7 @@ class Decision {
  public:
   enum class State : std::uint32_t { prepared, committed, aborted };
 
-  /// What a member does about it at a boundary.
+  /// The reaction of a member at a boundary.
   enum class Verdict : std::uint8_t { go_on, give_back, take };
 
   explicit Decision(Instant instant, State state = State::prepared)
@@ -92,7 +92,7 @@ class Decision {
 ///      the decision, it begins again at step 3.
 ///
 /// A member that comes to a boundary at or after the instant aborts a decision that is still
-/// prepared and goes on; when the decision is committed the member goes back.
+/// prepared, and goes on. When the decision is committed the member goes back.
 class Rollback {
  public:
   [[nodiscard]] Decision& decision() { return decision_; }

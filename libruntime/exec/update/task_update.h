@@ -30,11 +30,11 @@ class PrefetchSet;
 /// The reason why a task applied an update, as a trace records it.
 enum class AppliedAs : std::uint8_t { change, back, standby, barrier };
 
-/// What a change hands to one task: the new bundle, and everything worked out beforehand so that
-/// taking it is a few pointer stores. Immutable after publication but for the answer.
+/// All that a change hands to one task: the new bundle, and the data that lets the task take it
+/// with a few pointer stores. Immutable after publication but for the answer.
 struct TaskUpdate {
-  /// At a barrier: no job from the instant on; until the next one, which may also be a change. The
-  /// task keeps what it runs with, and is not seen to be stopped.
+  /// At a barrier, `wait` suspends the task: it runs no job from the instant on. `go_on`, or the
+  /// next change, resumes it. The task keeps its bundle, and is not seen to be stopped.
   enum class Barrier : std::uint8_t { none, wait, go_on };
 
   std::shared_ptr<const Bundle> bundle;  ///< null: of a barrier
