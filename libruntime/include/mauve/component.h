@@ -34,11 +34,12 @@ struct Bundle {
   TaskAttributes task;                       ///< how its thread is scheduled
   CoreType core_type;                        ///< how the core was made; keeps its library loaded
   FsmType fsm_type;                          ///< how the state machine was made
-  /// What its jobs took; bundles with the same code share it.
+  /// Measurements of its jobs; bundles with the same code share them.
   std::shared_ptr<rt::Measured> measured;
 };
 
-/// What the runtime sees of a component. Owned by an Architecture; touched by [control] only.
+/// The base class of components, through which the runtime uses them. Owned by an Architecture;
+/// touched by [control] only.
 class ComponentBase {
  public:
   /// Makes the elements; made() holds the error of a constructor that throws.
@@ -80,8 +81,8 @@ class ComponentBase {
     return replace_core(CoreType::of<T>(class_name(typeid(T))));
   }
 
-  /// What takes the core's place when that fails (`fallback_core` in the file), and the properties
-  /// it is given; none: empty name. [control]
+  /// The core that takes the core's place when that fails (`fallback_core` in the file), and the
+  /// properties that it is given; none: empty name. [control]
   struct Fallback {
     CoreType core;                                          ///< the core that takes over
     std::vector<std::pair<std::string, Value>> properties;  ///< names and values

@@ -10,7 +10,7 @@ class Shell;
 class SlowStateBase;
 class StateBase;
 
-/// What the runtime sees of a core.
+/// The base class of cores, through which the runtime uses them.
 class CoreBase : public Configurable {
  public:
   /// Runtime only: before configure().
@@ -18,7 +18,7 @@ class CoreBase : public Configurable {
 
   /// The state handed over in a swap; null when none is declared.
   [[nodiscard]] StateBase* state() const { return state_; }
-  /// What is shared with the next core before it is configured; null when none is declared.
+  /// The state shared with the next core before that is configured; null when none is declared.
   [[nodiscard]] SlowStateBase* slow_state() const { return slow_state_; }
   /// Declared as having nothing to hand over.
   [[nodiscard]] bool stateless() const { return stateless_; }

@@ -80,7 +80,7 @@ class FsmState {
   FsmState* successor_ = nullptr;
 };
 
-/// What the runtime sees of a state machine.
+/// The base class of state machines, through which the runtime uses them.
 class FsmBase : public Configurable {
  public:
   /// In the order of declaration.
@@ -110,7 +110,8 @@ class FsmBase : public Configurable {
 
 namespace detail {
 
-// What a state is declared with, so that a wrong declaration is one sentence of the compiler.
+// The forms of the arguments that declare a state: a wrong declaration is one sentence of the
+// compiler.
 template <typename CoreT, typename Guard, typename Target>
 inline constexpr bool kIsGuard = std::is_convertible_v<Target&, FsmState&> &&
                                  (std::is_convertible_v<Guard, bool (CoreT::*)()> ||
@@ -149,10 +150,9 @@ struct WrongSync {
 }  // namespace detail
 
 /// Base of a state machine: decides when a component does what. Derive from Fsm<YourContract>;
-/// states are members; on_configure() sets the start and the transitions [factory]. configure()
+/// states are members; on_configure() sets the start and the transitions [factory]. `configure()`
 /// refuses a machine without a start, with an unreachable state, or with a cycle that never waits.
-/// Guards run on the thread of the component [rt].
-/// @snippet api_examples.cpp Fsm
+/// Guards run on the thread of the component [rt]. @snippet api_examples.cpp Fsm
 template <typename CoreT>
 class Fsm : public FsmBase {
  public:

@@ -15,7 +15,7 @@
 
 namespace mauve {
 
-/// What is sent to a device, and how.
+/// An order to a device: the bytes, and the way in which they are sent.
 struct SafeOrder {
   /// 1 to 256; the same at any time, so no protocol with a counter or a time in its frames.
   std::string_view bytes;

@@ -16,7 +16,7 @@ namespace mauve {
 class ResourceBase;
 class ServiceBase;
 
-/// What the runtime sees of an interface.
+/// The base class of interfaces, through which the runtime uses them.
 class InterfaceBase : public Configurable {
  public:
   /// In the order of declaration.

@@ -4,7 +4,7 @@
 /// by functions that count, and otherwise call those of the C library.
 ///
 /// System calls are counted by "syscall user dispatch" of Linux 5.11 (prctl(2)), which needs no
-/// rights: the kernel delivers SIGSYS to the thread, whose handler counts the call and makes it.
+/// rights. The kernel delivers SIGSYS to the thread, whose handler counts the call and makes it.
 #pragma once
 
 #include <sys/prctl.h>

@@ -13,7 +13,7 @@
 
 namespace mauve {
 
-/// What the runtime sees of an observable.
+/// The base class of observables, through which the runtime uses them.
 class ObservableBase {
  public:
   ObservableBase(const ObservableBase&) = delete;

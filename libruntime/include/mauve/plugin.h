@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a plugin author includes: everything an element is made of, and MAUVE_PLUGIN.
+/// The header that a plugin author includes: all types of elements, and MAUVE_PLUGIN.
 ///
 ///   MAUVE_PLUGIN(plugin) { plugin.core<PotentialField>("potential_field"); }
 #pragma once
@@ -24,8 +24,8 @@
 
 namespace mauve {
 
-/// What a plugin offers, filled by its MAUVE_PLUGIN block when it is loaded. Names are completed
-/// with the plugin's own: core "potential_field" of plugin "guidance" is
+/// The names and types that a plugin offers, filled by its MAUVE_PLUGIN block when it is loaded.
+/// Names are completed with the plugin's own: core "potential_field" of plugin "guidance" is
 /// "guidance/potential_field". A name that occurs twice, and a default core of another contract,
 /// refuse the plugin. [factory]
 ///

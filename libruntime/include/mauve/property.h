@@ -25,7 +25,7 @@ struct Limits {
   std::string_view within = {};
 };
 
-/// What the runtime sees of a property, whatever its type.
+/// The base class of properties of all types, through which the runtime uses them.
 class PropertyBase {
  public:
   PropertyBase(const PropertyBase&) = delete;

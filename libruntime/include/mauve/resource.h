@@ -18,7 +18,7 @@ class Architecture;
 class ServiceBase;
 class Tap;
 
-/// What the runtime sees of a resource. Owned by an Architecture.
+/// The base class of resources, through which the runtime uses them. Owned by an Architecture.
 class ResourceBase {
  public:
   /// Makes the elements; made() holds the error of a constructor that throws.

@@ -26,8 +26,9 @@ class TapList;
 template <typename CoreT>
 class Interface;
 
-/// What a port sees of a service. Data moves through untyped pointers; connect() has compared the
-/// signatures, so the casts are safe. Calls are [any] but not from inside the same resource.
+/// The base class of services, through which ports use them. Data moves through untyped pointers;
+/// connect() has compared the signatures, so the casts are safe. Calls are [any] but not from
+/// inside the same resource.
 class ServiceBase {
  public:
   /// Registers itself with the interface.

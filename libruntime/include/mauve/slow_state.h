@@ -9,7 +9,7 @@
 ///   }
 ///
 /// The next core shares the same object, or converts it (converts.h), before it is configured and
-/// while this one still runs; the boundary has nothing to do. What a job changes belongs in a
+/// while this one still runs; the boundary has nothing to do. Data that a job changes belongs in a
 /// State, which may be of any size: its object is moved, never copied.
 #pragma once
 
@@ -23,7 +23,8 @@ namespace mauve {
 
 class CoreBase;
 
-/// What the runtime sees of a slow state. [factory], but for reading it.
+/// The base class of slow states, through which the runtime uses them. [factory], but for reading
+/// it.
 class SlowStateBase : public Capsule {
  public:
   /// A state was set, or adopted from the core before. [any]

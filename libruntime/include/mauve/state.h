@@ -11,7 +11,7 @@ namespace mauve {
 
 class CoreBase;
 
-/// What the runtime sees of a state.
+/// The base class of states, through which the runtime uses them.
 class StateBase : public Capsule {
  public:
   /// The hand-over: the two cores exchange their state objects. [rt], two pointer stores.

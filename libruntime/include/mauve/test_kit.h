@@ -41,7 +41,7 @@ class PortBench {
     }
   }
 
-  /// What the port reads from now on, written now.
+  /// The port reads this value from now on; the value is written now.
   template <typename T>
   void give(const ReadPort<T>& port, const T& value) {
     ends_[port.index()]->write_service().write(&value);
@@ -117,7 +117,7 @@ class CoreBench {
     if (Status done = shell_.configure(); !done) return done;
     return core_.configure();
   }
-  /// What the port reads from now on.
+  /// The port reads this value from now on.
   template <typename T>
   void give(const ReadPort<T>& port, const T& value) {
     ports_.give(port, value);
@@ -134,7 +134,7 @@ class CoreBench {
   }
   /// Moves the clock that ages of read values are measured with; it starts at one second.
   void advance(Duration by) { this_job().start = (now_ += by.count()); }
-  /// What `code`, such as a call of the core, asks of heap and kernel. The first call of a function
+  /// The heap and kernel use of `code`, such as a call of the core. The first call of a function
   /// may cost more than later ones, since it touches its memory for the first time.
   template <typename Code>
   JobCost cost(Code&& code) {
@@ -169,7 +169,7 @@ class ComponentBench : public Architecture {
   void run_for(Duration duration) {
     cost_ = cost_of([&] { deployer_.run_for(duration); }, true);
   }
-  /// What the jobs of the last run_for() asked of heap and kernel; page faults are those of the
+  /// The heap and kernel use of the jobs of the last run_for(); page faults are those of the
   /// simulation too.
   [[nodiscard]] const JobCost& cost() const { return cost_; }
 

@@ -30,8 +30,8 @@ enum class TraceMode : std::uint8_t {
 void set_trace_mode(TraceMode mode);
 [[nodiscard]] TraceMode trace_mode();  ///< [any]
 
-/// What happened; what the name and the numbers of a record mean stands in
-/// daemon/protocol/README.md.
+/// The kind of an event. The page daemon/protocol/README.md explains the name and the numbers of a
+/// record.
 enum class TraceKind : std::uint8_t {
   release,
   begin,
@@ -77,7 +77,7 @@ struct TraceRecord {
 /// Empty for 0 and what is no number of a name. Stays valid. [any but rt]
 [[nodiscard]] std::string_view trace_name(std::uint32_t id);
 
-/// What a trace is about: one component as it is now.
+/// A component that a trace refers to, as it is now.
 struct TracedComponent {
   /// One state of its machine.
   struct State {
@@ -100,7 +100,7 @@ struct TracedComponent {
   std::vector<State> states;  ///< in the order of declaration
   std::string initial;        ///< the first state
 };
-/// What a trace is about: the system.
+/// The system that a trace refers to.
 struct TracedSystem {
   std::string architecture;                 ///< name
   Instant t0 = 0;                           ///< monotonic

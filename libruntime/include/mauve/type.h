@@ -13,9 +13,9 @@
 /// author vouches that all builds of that revision lay it out alike. A type with neither counts
 /// as the same in code of one build only.
 ///
-/// A type that follows another one may say how it is made from it, which is kept beside it under
-/// its old description; then shared_data and ring_buffer keep what they hold when a change gives
-/// them the new type:
+/// A type that replaces an older one may declare a conversion from it. Its author keeps the older
+/// type beside the new one, under its old description. Then shared_data and ring_buffer keep their
+/// values when a change gives them the new type:
 ///
 ///     using Before = VelocityV1;
 ///     static void convert(const VelocityV1& old, Velocity& now) noexcept;
@@ -35,8 +35,8 @@
 
 namespace mauve {
 
-/// What the runtime knows of a type at run time. Two plugins mean the same type when name and
-/// layout are equal. Lives as long as the library that instantiated it.
+/// The description of a type at run time. Two plugins mean the same type when name and layout are
+/// equal. Lives as long as the library that instantiated it.
 struct DataType {
   std::string name;           ///< "velocity/1", "double", or a compiler's name when not described
   std::size_t size = 0;       ///< bytes

@@ -46,8 +46,9 @@ class Wiring {
 
     bool operator==(const Note&) const = default;
   };
-  /// Ports without a connection that are required, or have a safe value and are not optional, and
-  /// services for one value at a time (not of ring buffers) into which several ports write.
+  /// The notes concern ports without a connection that are required, or have a safe value and are
+  /// not optional. They also concern services for one value at a time (not of ring buffers) into
+  /// which several ports write.
   [[nodiscard]] std::vector<Note> notes() const;
 
  private:

@@ -2,12 +2,11 @@
 /// Hand-over: what a core gives to the one that takes its place. One rule for components, resources
 /// and the rollback.
 ///
-///   the new core's state has the same name, revision and layout    moved: the objects change owner
-///   it has a converter from the old type                           converted at the boundary
-///   the state is to be dropped, or only offered to a core that
-///   is stateless                                                    nothing
-///   anything else                                                  refused before anything happens
-/// A poisoned resource hands nothing over: what it holds may be half written.
+///   `the new core's state has the same name, revision and layout`: the objects change owner.
+///   `it has a converter from the old type`: the state is converted at the boundary.
+///   `the state is to be dropped, or only offered to a stateless core`: nothing is handed over.
+///   `anything else`: the change is refused before anything happens.
+/// A poisoned resource hands nothing over: its data may be half written.
 #pragma once
 
 #include <cstddef>

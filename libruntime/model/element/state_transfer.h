@@ -2,11 +2,11 @@
 /// StateTransfer: what a resource that joins takes over from the one that leaves under its name,
 /// while nobody uses either of them.
 ///
-///   cores of authors               the rule of hand_over.h; when there may be a rollback, a state
-///                                  that would be moved is copied, or refused if not plain bytes
-///   shared_data and ring_buffer    values of the same type are copied with their age, those of the
-///                                  type before it converted (Described<T>::convert)
-///   anything else                  refused before anything happens, unless the state is dropped
+///   `cores of authors`: the rule of hand_over.h. When there may be a rollback, a state that would
+///     be moved is copied, or refused if not plain bytes.
+///   `shared_data and ring_buffer`: values of the same type are copied with their age. Values of
+///     the type before it are converted (Described<T>::convert).
+///   `anything else`: the change is refused before anything happens, unless the state is dropped.
 #pragma once
 
 #include <functional>
@@ -20,7 +20,8 @@
 
 namespace mauve {
 
-/// What the cores of shared_data and ring_buffer are besides: places for plain values.
+/// A second base class of the cores of shared_data and ring_buffer, through which a state transfer
+/// reads and writes their values.
 class ValueStore {
  public:
   using Visit = std::function<void(const void* value, Instant stamp)>;

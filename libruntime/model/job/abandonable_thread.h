@@ -11,10 +11,10 @@
 
 namespace mauve {
 
-/// Where the thread is, seen from the model, which other threads use too:
-///   outside    in user code, or at objects of its own: it can be abandoned
-///   inside     it uses the model, for a bounded time: a caller of abandon() tries again
-///   abandoned  for ever
+/// The place of the thread, seen from the model, which other threads use too:
+///   `outside`: in user code, or at objects of its own, so it can be abandoned.
+///   `inside`: it uses the model, for a bounded time, so a caller of abandon() tries again.
+///   `abandoned`: for ever.
 class AbandonableThread {
  public:
   /// False: it is inside just now. [control]

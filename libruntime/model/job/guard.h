@@ -22,7 +22,7 @@ inline const char* text_of(const std::exception& error) noexcept {
 
 namespace detail {
 
-/// What a hook leaves.
+/// The body and the result of a hook.
 template <typename Body>
 struct HookRun {
   const std::string& at;
@@ -51,8 +51,8 @@ struct HookRun {
 
 }  // namespace detail
 
-/// Runs `body` (returning Status). Whatever it throws becomes an Error that names the hook, and so
-/// does a crash in its own code, or a call that would end the process. A return to a thread that
+/// Runs `body` (returning Status). An exception becomes an Error that names the hook. So does a
+/// crash in the hook's own code, or a call that would end the process. A return to a thread that
 /// was abandoned in it is an Error too: its caller must not touch the model. `watched`: see
 /// rt::run_guarded().
 template <typename Body>

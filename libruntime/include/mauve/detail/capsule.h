@@ -10,7 +10,7 @@ namespace mauve {
 
 class ConvertsBase;
 
-/// What states and slow states have in common.
+/// The common base class of states and slow states.
 class Capsule {
  public:
   Capsule(const Capsule&) = delete;

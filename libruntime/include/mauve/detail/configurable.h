@@ -29,7 +29,7 @@ class Configurable {
   /// Between configure() and cleanup().
   [[nodiscard]] bool configured() const { return configured_.load(std::memory_order_acquire); }
 
-  /// Calls on_configure(), then checks the element. What the hook throws becomes an Error.
+  /// Calls on_configure(), then checks the element. An exception of the hook becomes an Error.
   /// Already configured: nothing happens. [control] or [factory], never a real-time thread.
   Status configure();
   /// Calls on_cleanup() when configured. An exception of the hook is swallowed and returned.

@@ -18,11 +18,11 @@
 
 namespace mauve {
 
-/// What is converted at a boundary may be no larger, bytes. To copy so much into another layout
-/// takes under 300 ns; what the converter computes comes on top, in the component's own time.
+/// The largest object that is converted at a boundary, bytes. To copy so much into another layout
+/// takes under 300 ns; the computation of the converter comes on top, in the component's own time.
 inline constexpr std::size_t kMaxConverted = 4096;
 
-/// What the runtime sees of a converter.
+/// The base class of converters, through which the runtime uses them.
 class ConvertsBase {
  public:
   ConvertsBase(const ConvertsBase&) = delete;

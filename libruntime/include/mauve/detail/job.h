@@ -34,7 +34,7 @@ struct Job {
   std::atomic<bool> no_ports{false};
   [[nodiscard]] bool has_no_ports() const { return no_ports.load(std::memory_order_relaxed); }
   rt::TraceRing* trace = nullptr;  ///< where this thread records its actions; null: nowhere
-  /// What this job waited for resources that others held.
+  /// The waits of this job for resources that others held.
   struct LockWaits {
     std::uint32_t count = 0;
     Duration sum{0};

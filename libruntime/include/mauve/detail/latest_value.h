@@ -3,10 +3,10 @@
 /// number of readers. Runtime only; ports use it without a call.
 ///
 /// One word says which slot is the newest, and which readers have claimed it. A reader that finds
-/// itself there still holds that slot; else it adds itself, and so gives back the one before. Who
-/// publishes replaces the word, owns the slot that was the newest, and knows who holds it. With one
-/// reader this is the triple buffer, at its cost: nothing moves between CPUs but the word and the
-/// value.
+/// itself there still holds that slot; else it adds itself, and so gives back the one before. A
+/// writer that publishes replaces the word, owns the slot that was the newest, and knows which
+/// readers hold it. With one reader this is the triple buffer, at its cost: nothing moves between
+/// CPUs but the word and the value.
 #pragma once
 
 #include <array>
@@ -30,7 +30,7 @@ class LatestValue {
   static constexpr unsigned kInTurn = 0;
   static constexpr unsigned kFirstReader = 1;
 
-  /// What a slot holds besides the value.
+  /// The data of a slot besides the value.
   struct Header {
     std::uint64_t sequence = 0;  ///< of no other value; below kFirstSequence: no value
     Instant stamp = 0;           ///< when it was written
@@ -152,8 +152,8 @@ class LatestValue {
     return (word >> (kReaderShift + 2 * reader) & 3U) != 0;
   }
 
-  /// What a writer owns: the slot for its next value, and for each reader another one, which that
-  /// one may hold. Those that hold the same one leave some free. All in one line of the cache.
+  /// The slots of a writer: one for its next value, and for each reader another one, which that
+  /// reader may hold. Readers that hold the same slot leave some free. All in one cache line.
   struct Lane {
     Slots free = 0;
     std::uint8_t next = 0;

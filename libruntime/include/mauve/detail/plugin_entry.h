@@ -25,7 +25,8 @@ struct PluginManifest {
   std::uint64_t reserved[6] = {};
 };
 
-/// What changes the shape of classes beside headers and compiler. Values are fixed for all times.
+/// Build options that change the shape of classes beside headers and compiler. Values are fixed for
+/// all times.
 namespace build_option {
 inline constexpr std::uint64_t kNewStrings = 1;        ///< _GLIBCXX_USE_CXX11_ABI=1
 inline constexpr std::uint64_t kDebugContainers = 2;   ///< _GLIBCXX_DEBUG

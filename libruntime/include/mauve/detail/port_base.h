@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What all ports have in common.
+/// The members that all ports share.
 #pragma once
 
 #include <atomic>
@@ -54,7 +54,8 @@ class Connected {
   mutable bool examined_ = false;
 };
 
-/// What the runtime sees of a port. Use is [rt] by the component's own thread.
+/// The base class of ports, through which the runtime uses them. Use is [rt] by the component's own
+/// thread.
 class PortBase {
  public:
   /// Registers itself with the shell.
@@ -92,9 +93,9 @@ class PortBase {
  protected:
   /// The connection in force, or null. Forgets where it stood when it changed. [rt]
   [[nodiscard]] const Binding* binding();
-  /// Whether the value can be read or written in exchange() without a call: connected as at the
-  /// last use, to a SharedData in which this port has a slot of its own, and nothing to trace.
-  /// [rt]
+  /// Whether exchange() can read or write the value without a call. It can at a port that is
+  /// connected as at the last use, to a SharedData in which this port has a slot of its own, with
+  /// nothing to trace. [rt]
   [[nodiscard, gnu::always_inline]] bool is_direct() const {
     // An abandoned thread must not touch the port: its replacement owns it.
     if (this_job().has_no_ports()) [[unlikely]]

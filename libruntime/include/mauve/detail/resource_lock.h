@@ -64,7 +64,7 @@ class ResourceLock {
   /// Only code of the runtime and of the caller runs under it, so a caller that fails there fails
   /// by itself. Before its first caller.
   void blame_caller() { blames_caller_ = true; }
-  /// What its resource is called in a trace.
+  /// The name of its resource in a trace.
   void name_in_trace(std::uint32_t name) { trace_name_ = name; }
   [[nodiscard]] bool timed() const { return timed_; }
 

@@ -55,8 +55,8 @@ class TapList {
   /// Refused when all slots are claimed, or the lock cannot be acquired in time. [control]
   Status attach(std::shared_ptr<Tap> tap, ResourceLock& lock);
   /// Closes the tap and gives it up. When the lock cannot be acquired in time (a writer hangs), the
-  /// list keeps it until the next attach or detach, or its own end, so that the writer may still
-  /// look at it. [control]
+  /// list keeps the tap, so that the writer may still look at it. It keeps the tap until the next
+  /// attach or detach, or its own end. [control]
   void detach(Tap& tap, ResourceLock& lock);
   /// Nobody listens. [any]
   [[nodiscard]] bool empty() const { return count_.load() == 0; }

@@ -6,7 +6,7 @@
 
 namespace mauve {
 
-/// What happens to the state of a core that is replaced.
+/// The fate of the state of a core that is replaced.
 enum class StatePolicy : std::uint8_t {
   keep,   ///< hand it over; refused when the new core can neither take nor convert it
   offer,  ///< the same, but a core that is `Stateless` may leave it: of reactions to a fault
@@ -26,13 +26,13 @@ enum class Values : std::uint8_t {
 enum class Sync : std::uint8_t {
   /// Each at its own first release at or after the instant; nobody waits for anybody.
   cut,
-  /// All members wait at a boundary until the last one is there; then a resource that leaves hands
+  /// All members wait at a boundary until the last one is there. Then a resource that leaves hands
   /// its state to the one that joins under its name, and all go on at their next releases. For
   /// changes of a contract between members.
   barrier,
 };
 
-/// What one component is to do after the change.
+/// The mode of one component after the change.
 enum class Mode : std::uint8_t { keep, run, park };
 
 }  // namespace mauve

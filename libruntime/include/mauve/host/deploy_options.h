@@ -9,15 +9,15 @@
 
 namespace mauve {
 
-/// What to do when the process may not use SCHED_FIFO or lock memory.
+/// The reaction when the process may not use SCHED_FIFO or lock memory.
 enum class Realtime : std::uint8_t {
   require,  ///< refuse to deploy
   prefer,   ///< run without, and say so once (`Deployer::warnings`)
   off,      ///< ordinary threads
 };
 
-/// What to do when it is not proved that every job meets its deadline: at deployment, and before
-/// each change, for the change at any instant and for the rollback from it.
+/// The reaction when it is not proved that every job meets its deadline. The proof is due at
+/// deployment and before each change, for the change at any instant and for the rollback from it.
 enum class Admission : std::uint8_t {
   strict,  ///< refuse; the error names the job and the smallest relaxation
   warn,    ///< go on, and say so (`Deployer::warnings`, `Receipt::warnings`)

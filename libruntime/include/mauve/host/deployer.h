@@ -62,7 +62,8 @@ class Deployer {
   [[nodiscard]] std::uint64_t generation() const;  ///< in force
   /// True when every component runs with the policy it asked for.
   [[nodiscard]] bool realtime() const;
-  /// What could not be had in Realtime::prefer, and what the deployer decided (CPUs), in words.
+  /// The real-time rights that were missing under Realtime::prefer, and the deployer's own
+  /// decisions (CPUs), in words.
   [[nodiscard]] const std::vector<std::string>& warnings() const;
   [[nodiscard]] std::vector<ComponentStatus> status() const;  ///< of all components
   /// Of one component; with an empty name when there is no such component.
@@ -71,9 +72,9 @@ class Deployer {
   /// Admission::warn at deployment, `warnings()` reports.
   [[nodiscard]] Timing analyze() const;
 
-  /// What jobs took; with an empty name when there is no such component.
+  /// The statistics of jobs, of all components.
   [[nodiscard]] std::vector<ComponentStatistics> statistics() const;
-  /// The same of one component.
+  /// The same of one component; with an empty name when there is no such component.
   [[nodiscard]] ComponentStatistics statistics(std::string_view component) const;
   /// Counts anew from the next job on; without a name of all components.
   Status reset_statistics(std::string_view component = {});
@@ -106,7 +107,7 @@ class Deployer {
   /// Looks after what goes on by itself: probations, rollbacks, cores that took over. Call it some
   /// times a second; what became free goes to `retired`.
   std::vector<Outcome> tend(Retired& retired);
-  /// What became free, without the outcomes.
+  /// The elements that became free, without the outcomes.
   Retired collect();
   /// No thread can still be looking at elements that a probation kept, or at a core that stood by
   /// for one of them.
@@ -131,15 +132,15 @@ class Deployer {
   Result<Receipt> stop(const std::vector<std::string>& components);
   /// Stop() in steps: see Ongoing.
   Result<std::shared_ptr<Ongoing>> begin_stop(const std::vector<std::string>& components);
-  /// Stops all components, writers of safe values before their readers, so that a driver still
-  /// acts on them. What hangs does not hold up the rest.
+  /// Stops all components, writers of safe values before their readers, so that a driver still acts
+  /// on them. A component that hangs does not hold up the rest.
   Result<Receipt> stop_all(Duration bound = 2s);
   /// Stop_all() in steps: see Ongoing.
   [[nodiscard]] std::shared_ptr<Ongoing> begin_stop_all(Duration bound = 2s);
-  /// For when [control] is held up: these components (none: all) park at the end of their job with
-  /// their safe values written, a job may take 2 s more, and they stay parked whatever change
-  /// [control] goes on with, until a stop of the same ones has begun there, or
-  /// end_direct_stop(). An unknown name is null. [any], no component's thread.
+  /// For when [control] is held up. These components (none: all) park at the end of their job with
+  /// their safe values written; a job may take 2 s more. They stay parked whatever change [control]
+  /// goes on with, until a stop of the same ones has begun there, or end_direct_stop(). An unknown
+  /// name is null. [any], no component's thread.
   [[nodiscard]] std::unique_ptr<DirectStop> begin_direct_stop(
       const std::vector<std::string>& components);
   /// Ends begin_direct_stop().
@@ -192,7 +193,8 @@ class Deployer {
   /// One caller, some times a second: rings overwrite what nobody collects, and the loss is a
   /// record.
   std::size_t drain_trace(const std::function<void(const TraceRecord&)>& visit);
-  /// What these records are about, as it is now; takes some milliseconds.
+  /// The components and resources that these records refer to, as they are now; takes some
+  /// milliseconds.
   [[nodiscard]] TracedSystem traced() const;
 
   /// Simulated deployments: runs all jobs due in this time.

@@ -19,9 +19,9 @@ class Ongoing {
   /// Looks how far it is and takes the next step; never waits. True when there is an answer; that
   /// comes in bounded time, if advance() is called now and then.
   virtual bool advance() = 0;
-  /// The answer. A generation that the system makes by itself after that of this change, by a
-  /// rollback or a fallback core, enters the architecture when result() was asked, or when nobody
-  /// has this any more: so each generation can be looked at.
+  /// The answer. The system may make a later generation than that of this change by itself, by a
+  /// rollback or a fallback core. Such a generation enters the architecture when result() was
+  /// asked, or when nobody holds this object any more, so that each generation can be looked at.
   [[nodiscard]] virtual Result<Receipt> result() const = 0;
   /// Elements that are no longer in force.
   virtual Retired& retired() = 0;

@@ -17,8 +17,8 @@ namespace mauve {
 /// some jobs while a core is under suspicion.
 ///
 /// A change of other components leaves a probation as it is. A newer change of the same components
-/// joins it: the time begins anew, and a failure leads all of them back to before the first change,
-/// which is what was proven last. A change that also changes resources ends it early instead.
+/// joins it. The time begins anew, and a failure leads all of them back to before the first change,
+/// which is the last proven state. A change that also changes resources ends it early instead.
 struct Probation {
   std::uint64_t activations = 3000;  ///< rule of three: fails less than once in 1000 at 95 %
   Duration time{10s};                ///< the other end of it

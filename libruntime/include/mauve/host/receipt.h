@@ -12,7 +12,7 @@
 
 namespace mauve {
 
-/// What a change cost one component.
+/// The cost of a change for one component.
 struct MemberReceipt {
   std::string name;          ///< of the component or resource
   Duration pause{0};         ///< measured on its thread: its next job begins at most so much later

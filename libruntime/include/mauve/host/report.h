@@ -93,8 +93,8 @@ struct RuntimeEvent {
   std::string text;                 ///< formatted for people
 };
 
-/// What the system did by itself: a probation that is over, or a core that took over from one that
-/// failed.
+/// An action of the system by itself: a probation that is over, or a core that took over from one
+/// that failed.
 struct Outcome {
   /// The kinds of outcomes.
   enum class Kind : std::uint8_t {

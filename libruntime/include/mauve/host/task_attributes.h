@@ -12,7 +12,7 @@
 
 namespace mauve {
 
-/// What happens to releases that a component could not serve in time.
+/// The treatment of releases that a component could not serve in time.
 enum class OnOverrun : std::uint8_t {
   catch_up,  ///< run every missed release back to back (paper Fig. 9)
   skip,      ///< run the newest missed release at once, drop the older ones
@@ -21,7 +21,7 @@ enum class OnOverrun : std::uint8_t {
 };
 [[nodiscard]] std::string_view to_string(OnOverrun value);  ///< "skip", ...
 
-/// What happens to a component whose core threw, crashed or did not return.
+/// The treatment of a component whose core threw, crashed or did not return.
 struct FaultPolicy {
   /// The reaction to a fault.
   enum class Action : std::uint8_t {
@@ -53,7 +53,7 @@ struct TaskAttributes {
   FaultPolicy on_fault;  ///< see there
   /// A job that runs longer is treated as one that never returns: it is interrupted, or its thread
   /// is abandoned (see on_fault). Zero: ten budgets, else ten times the longest wait, at least 100
-  /// ms and at most 400 ms (two budgets, or a wait of up to 800 ms), so that a job that loops ends
+  /// ms and at most 400 ms (two budgets, or a wait of up to 800 ms). So a job that loops ends
   /// before the kernel throttles all real-time threads of its CPU.
   Duration watchdog{0};
   bool start = true;  ///< false: parked after deployment
