@@ -17,14 +17,14 @@
 
 namespace mauve::rules {
 
-/// What a condition says now. Unknown: an address has no value, so nothing may be done about it.
+/// The truth of a condition now. Unknown: an address has no value, so nothing may be done about it.
 enum class Truth : std::uint8_t { no, yes, unknown };
 [[nodiscard]] Truth operator!(Truth truth);
 
 enum class Compare : std::uint8_t { less, less_equal, greater, greater_equal, equal, not_equal };
 [[nodiscard]] std::string_view to_string(Compare compare);
 
-/// What the value behind an address can be compared with.
+/// The kind of operand that the value behind an address can be compared with.
 enum class Kind : std::uint8_t { truth, number, duration, word };
 /// "true or false", "a number", "a duration", "a word".
 [[nodiscard]] std::string_view to_string(Kind kind);
@@ -65,7 +65,7 @@ class Condition {
   /// unknown. A value of another kind than the operand is unknown as well.
   [[nodiscard]] Truth evaluate(const Read& read, std::string& error) const;
 
-  /// What stands behind each address now; null where there is nothing.
+  /// The value behind each address now; null where there is none.
   [[nodiscard]] Values values(const Read& read) const;
 
  private:

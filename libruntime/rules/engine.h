@@ -16,7 +16,7 @@
 
 namespace mauve::rules {
 
-/// What is known of a rule, for people.
+/// The state of a rule, for people.
 struct Report {
   State state = State::armed;
   Values values;                ///< of all addresses of the condition
@@ -45,7 +45,7 @@ class Engine {
   [[nodiscard]] const std::vector<SightChange>& changes() const { return changes_; }
   /// All values that are unknown now and were reported as such.
   [[nodiscard]] std::vector<SightChange> lost() const;
-  /// What came of the firing: "applied", "refused: ...". `again`: it was not its time, so the rule
+  /// The result of the firing: "applied", "refused: ...". `again`: it was not its time, so the rule
   /// tries again while its condition holds.
   void answered(std::size_t rule, std::string answer, bool again = false);
 

@@ -16,8 +16,8 @@ namespace mauve::rules {
 [[nodiscard]] bool is_known(const Result<Value>& value);
 
 /// Decides when a change between known and unknown is reported. A value that was known is lost at
-/// once; one that was never known is lost after kSettled, so that a start reports nothing; a lost
-/// value is known again after it was known for kSettled, so that a value which comes and goes
+/// once. A value that was never known is lost after kSettled, so that a start reports nothing. A
+/// lost value is known again after it was known for kSettled. So a value which comes and goes
 /// reports at most two changes in that time. [control]
 class Sight {
  public:

@@ -37,7 +37,7 @@ using Steps = std::vector<Step>;
 /// The component that a step changes: the first name of its subject.
 [[nodiscard]] std::string_view element_of(const Step& step);
 
-/// What a rule does while its condition is unknown.
+/// The action of a rule while its condition is unknown.
 enum class Unknown : std::uint8_t { hold, fire };
 /// "hold", "fire".
 [[nodiscard]] std::string_view to_string(Unknown answer);

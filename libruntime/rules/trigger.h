@@ -39,8 +39,8 @@ class Trigger {
 
   /// True: fires now. `rearm` is the condition under which it may fire again; `free`: it may.
   [[nodiscard]] bool step(Instant now, Truth when, Truth rearm, bool free = true);
-  /// Nothing came of the firing: it fires again when it has cooled down, at least for a second,
-  /// should the condition still hold; and this time does not count for the hour.
+  /// The firing had no effect: the rule fires again when it has cooled down, at least for a second,
+  /// if the condition still holds then. This time does not count for the hour.
   void try_again();
 
   /// As of the last step.

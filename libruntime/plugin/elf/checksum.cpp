@@ -20,7 +20,7 @@ std::uint64_t hash(std::span<const std::byte> bytes, std::uint64_t seed) {
   return detail::hash({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, seed);
 }
 
-/// What may change after the file was stamped, in the order of the file.
+/// The bytes that may change after the file was stamped, in the order of the file.
 std::array<Range, 3> left_out(std::size_t manifest) {
   const std::size_t own = manifest + offsetof(PluginManifest, checksum);
   std::array<Range, 3> ranges = {{{offsetof(Elf64_Ehdr, e_shoff), offsetof(Elf64_Ehdr, e_flags)},

@@ -101,9 +101,9 @@ bool read_at(const ElfFile& file, GElf_Addr address, Entry& entry) {
 
 constexpr const char* kBadVersions = "the versions of its symbols lead outside";
 
-/// The highest number of a version that the plugin needs: a list of libraries, each with a list of
-/// versions (System V gABI as extended by Solaris, and in the Linux Standard Base, "Symbol
-/// Versioning").
+/// The highest number of a version that the plugin needs. The file has a list of libraries, each
+/// with a list of versions. See the System V gABI as extended by Solaris, and "Symbol Versioning"
+/// in the Linux Standard Base.
 Result<std::uint32_t> highest_version(const ElfFile& file) {
   std::uint32_t highest = 1;  // 0 and 1 are local and global
   GElf_Addr library = file.dynamic(DT_VERNEED).value_or(0);

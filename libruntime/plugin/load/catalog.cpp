@@ -14,7 +14,7 @@ namespace mauve::plugin {
 
 namespace {
 
-/// What needs no plugin: everything that fits into a shared_data as it is.
+/// The types that need no plugin: all that fit into a shared_data as they are.
 const ByName<const DataType*>& built_in_types() {
   static const ByName<const DataType*> types = [] {
     ByName<const DataType*> all;

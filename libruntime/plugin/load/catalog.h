@@ -20,8 +20,9 @@ class Catalog {
  public:
   /// Plugins are looked for as NAME.so in these directories, in this order, and nowhere else.
   explicit Catalog(std::vector<std::string> directories = {});
-  /// The same names of the same libraries, which stay mapped while the copy is there: for building
-  /// something beside what runs. What is loaded into a copy is in no other one. [control]
+  /// The same names of the same libraries, which stay mapped while the copy exists: for building
+  /// something beside the running system. A plugin that is loaded into a copy is in no other one.
+  /// [control]
   Catalog(const Catalog&) = default;
   Catalog& operator=(const Catalog&) = default;
   ~Catalog();

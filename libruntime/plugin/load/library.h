@@ -53,7 +53,7 @@ class Library {
   /// As the plugin wrote it. Only hold.cpp may call its makers.
   [[nodiscard]] const Plugin& declared() const { return *declared_; }
 
-  /// What still needs the code: addresses of elements, states, data types. [any but rt]
+  /// The addresses of elements, states and data types that still need the code. [any but rt]
   [[nodiscard]] std::vector<std::string> users() const;
 
   /// From now on nothing new is made from it: a newer version took its names. [control]

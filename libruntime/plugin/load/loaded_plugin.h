@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What one plugin offers, checked, and wrapped so that what it makes keeps its code.
+/// The names that one plugin offers, checked, and wrapped so that the objects it makes keep its
+/// code.
 #pragma once
 
 #include <map>
@@ -16,9 +17,10 @@ namespace mauve::plugin {
 template <typename T>
 using ByName = std::map<std::string, T, std::less<>>;
 
-/// A plugin that is mapped and checked, but whose names may not be in the catalog yet. What its
-/// types make keeps the library mapped; copies of the types do not, and throw std::runtime_error
-/// when used after a newer version took over or the plugin was unloaded: look the name up again.
+/// A plugin that is mapped and checked, but whose names may not be in the catalog yet. The objects
+/// that its types make keep the library mapped. Copies of the types do not: they throw
+/// std::runtime_error when used after a newer version took over or the plugin was unloaded. Then
+/// look the name up again.
 class LoadedPlugin {
  public:
   /// Refused: a name twice, a name that is not "PLUGIN/name", a default core of another contract.

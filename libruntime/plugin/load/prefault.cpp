@@ -33,7 +33,8 @@ bool holds(const dl_phdr_info& object, std::uintptr_t address) {
 
 int visit(dl_phdr_info* object, std::size_t /*size*/, void* address) {
   if (!holds(*object, reinterpret_cast<std::uintptr_t>(address))) return 0;
-  // What the linker made read-only after relocation cannot be populated for writing, and need not.
+  // Pages that the linker made read-only after relocation cannot be populated for writing, and need
+  // not be.
   std::uintptr_t sealed = 0;
   for (int i = 0; i < object->dlpi_phnum; ++i) {
     const ElfW(Phdr)& part = object->dlpi_phdr[i];

@@ -12,10 +12,10 @@
 
 namespace mauve::plugin {
 
-/// Trusted are root, the user the process runs as, and whoever can replace libmauve itself (its
-/// owner and the owners of the directories above it, and groups that may write there): they need
-/// no plugin to run code here. So a developer's tree works under sudo, and an installed runtime
-/// takes plugins from root only.
+/// Trusted are root, the user the process runs as, and all who can replace libmauve itself: they
+/// need no plugin to run code here. Those are its owner, the owners of the directories above it,
+/// and groups that may write there. So a developer's tree works under sudo, and an installed
+/// runtime takes plugins from root only.
 struct Trust {
   std::set<uid_t> owners;
   std::set<gid_t> groups;
@@ -29,10 +29,10 @@ struct Trust {
   /// may be writable (/tmp): what it holds is checked for itself.
   [[nodiscard]] Status check(const struct stat& status, const std::string& path) const;
 
-  /// The same of `path`, which is absolute, and of each directory above it: who may write one of
-  /// them chooses what the path leads to. A symbolic link on the way counts by its owner, and is
-  /// followed. What is not there yet is not judged, the directories above it are. The error is at
-  /// the file or directory that is to blame. [any but rt]
+  /// The same of `path`, which is absolute, and of each directory above it: a user who may write
+  /// one of them chooses where the path leads. A symbolic link on the way counts by its owner, and
+  /// is followed. A file or directory that does not exist yet is not judged, but the directories
+  /// above it are. The error is at the file or directory that is to blame. [any but rt]
   [[nodiscard]] Status check_path(const std::string& path) const;
 };
 

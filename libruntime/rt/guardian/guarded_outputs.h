@@ -17,7 +17,7 @@
 
 namespace mauve::rt {
 
-/// What becomes of an output that no guardian holds.
+/// The fate of an output that no guardian holds.
 enum class GuardianUse : std::uint8_t {
   off,     ///< no guardian is looked for
   prefer,  ///< it works without one

@@ -41,7 +41,7 @@ struct GuardianState {
   int process = 0;    ///< its number, when it is there
 };
 
-/// What happens between the two.
+/// An event between mauved and its guardian.
 struct GuardianNews {
   enum class What : std::uint8_t {
     found,   ///< it holds the outputs from now on

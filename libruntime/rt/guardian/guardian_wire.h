@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What mauved and its guardian say to each other (guardian/README.md): messages on a
-/// SOCK_SEQPACKET socket between processes of one machine and one build, and a page that both see.
+/// The protocol between mauved and its guardian (guardian/README.md): messages on a SOCK_SEQPACKET
+/// socket between processes of one machine and one build, and a page that both see.
 #pragma once
 
 #include <linux/futex.h>
@@ -38,7 +38,7 @@ static_assert(std::is_standard_layout_v<Page>);
   return static_cast<std::uint32_t>(thread) | FUTEX_WAITERS;
 }
 
-/// What puts an output into its safe state.
+/// The bytes that put an output into its safe state.
 struct Order {
   std::array<char, 64> name{};  ///< for the log; ends with a zero
   std::array<std::uint8_t, kMostBytes> bytes{};

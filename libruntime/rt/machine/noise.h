@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Noise: the lateness of probes while components run. It measures for how long the machine held up
-/// a CPU, so that no core is blamed for that time, and how late threads wake up, so that an
-/// assumption about the machine can be compared with it.
+/// a CPU, so that no core is blamed for that time. It also measures how late threads wake up, so
+/// that an assumption about the machine can be compared with it.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 
 namespace mauve::rt {
 
-/// What one probe reports. Written by its thread, read by anyone meanwhile.
+/// The report of one probe. Written by its thread, read by any thread meanwhile.
 class NoiseOfCpu {
  public:
   /// A probe that ran later than this, and than twice the assumed time, was held up.

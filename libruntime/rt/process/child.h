@@ -16,7 +16,7 @@
 
 namespace mauve::rt {
 
-/// What the calling process may use from now on.
+/// The limits of the calling process from now on.
 struct ChildLimits {
   std::uint64_t memory = 0;  ///< bytes of its own writable memory
   std::uint64_t file = 0;    ///< bytes of the longest file that it writes
@@ -50,10 +50,10 @@ struct ChildEnd {
 /// Runs one child after another.
 class ChildRunner {
  public:
-  /// Runs `command` (its first word is the path of the program) with `input` on its standard input,
-  /// no other descriptor, default signals and ordinary scheduling, and waits until it ends, at most
-  /// `within`: then it gets SIGTERM, SIGKILL 200 ms later, with all processes of its group. Refused
-  /// when it cannot be started. [one thread]
+  /// Runs `command` (its first word is the path of the program) and waits until it ends, at most
+  /// `within`. The child gets `input` on its standard input, no other descriptor, default signals
+  /// and ordinary scheduling. After `within` it gets SIGTERM, and SIGKILL 200 ms later, with all
+  /// processes of its group. Refused when it cannot be started. [one thread]
   [[nodiscard]] Result<ChildEnd> run(const std::vector<std::string>& command,
                                      const std::string& input, Duration within);
   /// Kills the child that runs now and each later one. [any]

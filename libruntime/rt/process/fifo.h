@@ -11,8 +11,8 @@
 
 namespace mauve::rt {
 
-/// What decides about SCHED_FIFO. The kernel asks for the capability or the limit first, then for
-/// run time of the control group (only where it was built with RT_GROUP_SCHED).
+/// The facts that decide about SCHED_FIFO. The kernel asks for the capability or the limit first,
+/// then for run time of the control group (only where it was built with RT_GROUP_SCHED).
 struct FifoFacts {
   int priority = 0;                  ///< that was asked for
   bool nice_capability = false;      ///< CAP_SYS_NICE is effective

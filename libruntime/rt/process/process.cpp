@@ -46,7 +46,7 @@ std::string policy_named(int policy) {
   }
 }
 
-/// What follows `title` in the line that begins with it.
+/// The rest of the line that begins with `title`.
 std::string_view after(std::string_view text, std::string_view title) {
   while (!text.empty()) {
     const std::string_view line = text.substr(0, text.find('\n'));

@@ -40,7 +40,7 @@ struct ThreadFacts {
 [[nodiscard]] std::vector<ThreadFacts> threads_of(const std::filesystem::path& root,
                                                   std::string_view process);
 
-/// What decides whether a process can be a real-time one.
+/// The facts that decide whether a process can be a real-time one.
 struct ProcessFacts {
   bool root = false;                                       ///< the effective user is 0
   bool nice_capability = false;                            ///< CAP_SYS_NICE is effective
@@ -52,7 +52,7 @@ struct ProcessFacts {
   std::optional<std::int64_t> group_runtime_us = std::nullopt;  ///< none: not to be read
 };
 
-/// What cannot be read is as if it were not granted.
+/// A fact that cannot be read counts as not granted.
 [[nodiscard]] ProcessFacts process_facts(const std::filesystem::path& root,
                                          std::string_view process);
 

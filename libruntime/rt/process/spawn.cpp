@@ -11,7 +11,7 @@
 namespace mauve::rt {
 namespace {
 
-/// What posix_spawn needs to know; it owns memory.
+/// The settings that posix_spawn needs; the object owns memory.
 class SpawnSettings {
  public:
   explicit SpawnSettings(const std::vector<int>& descriptors) {

@@ -67,7 +67,8 @@ bool LatestValue::replace(std::uint64_t& word) {
   if (!word_.compare_exchange_strong(word, after, std::memory_order_acq_rel)) return false;
   take_back(alone_, before);
   ahead_ = slot(alone_.next);
-  // What the first reader holds is free when it takes another one, unless it is not alone with it.
+  // The slot of the first reader is free when that reader takes another one, unless others hold it
+  // too.
   if (has_claimed(before, kFirstReader)) {
     const bool shared = (before & kReaders & ~kFirst) != 0;
     unusual_.store(shared ? kReaders : kReaders & ~kFirst, std::memory_order_relaxed);

@@ -18,8 +18,8 @@ class EndHandlers {
 
   /// The calling thread is given none of these signals from now on. Returns its mask before.
   static sigset_t keep_away_from_this_thread();
-  /// A call of exit(0) or _exit(0) while one of these lives ends the process with this status, so
-  /// that a service manager sees that nobody asked for it. 0, the default: it stays 0. [any]
+  /// A call of exit(0) or _exit(0) while one of these lives ends the process with this status. So a
+  /// service manager sees that nobody asked for that end. 0, the default: the status stays 0. [any]
   static void set_unexpected_status(int status);
 };
 

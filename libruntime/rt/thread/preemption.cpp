@@ -12,7 +12,7 @@
 namespace mauve::rt {
 namespace {
 
-/// What a sequence begins with and ends in; never executed.
+/// The beginning and the end of a sequence; never executed.
 constexpr std::array<std::uint32_t, 3> kNoCode{RSEQ_SIG, RSEQ_SIG, RSEQ_SIG};
 
 /// A sequence of one byte that no thread is ever in; the kernel wants the signature before the

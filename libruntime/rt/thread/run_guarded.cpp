@@ -135,8 +135,8 @@ void on_fault(int signal, siginfo_t* info, void* context) {
 void on_interrupt(int signal, siginfo_t* /*info*/, void* context) {
   const std::uintptr_t at = instruction_of(context);
   if (code.system.contain(at) || code.runtime.contain(at)) return;
-  // The job may be in a body within its own, whose caller has to know that it did not end: that one
-  // ends first, and the job when the guard signals it again.
+  // The job may run a nested body, whose caller must learn that the body did not end. So the nested
+  // body ends first, and the job ends when the guard signals it again.
   for (const Frame* frame = this_frame(); frame != nullptr; frame = frame->outer) {
     const Instant wanted = frame->watched->interrupt.load();
     const bool meant = wanted != 0 && wanted == frame->watched->busy_since.load();

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Rescue: a fault of user code (SIGSEGV, SIGBUS, SIGFPE, SIGILL) ends the body it happened in, not
-/// the process; and a guard may end a body that does not return. No destructor of what was on the
-/// stack runs. Not where the fault lies in code of the system, which may hold locks of its own, and
-/// not when the code itself aborts (SIGABRT): there the crash handler writes the safe values and
-/// the process dies.
+/// Guarded run: a fault of user code (SIGSEGV, SIGBUS, SIGFPE, SIGILL) ends the body it happened
+/// in, not the process. A guard may also end a body that does not return. No destructor of an
+/// object on the stack runs. This does not hold for a fault in code of the system, which may hold
+/// locks of its own, nor when the code itself aborts (SIGABRT). Then the crash handler writes the
+/// safe values and the process dies.
 #pragma once
 
 #include <array>
@@ -46,7 +46,7 @@ struct Fault {
 /// last word.
 void describe(const Fault& fault, char* text, std::size_t room);
 
-/// What a guard sees of a thread that runs bodies.
+/// The view of a guard on a thread that runs bodies.
 struct Watched {
   std::atomic<Instant> busy_since{0};     ///< when the body began, never the same twice; 0: idle
   std::atomic<Instant> interrupt{0};      ///< the body that began then shall not go on

@@ -94,7 +94,7 @@ bool& started_by_user_code() {
   return started;
 }
 
-/// What such a thread begins with.
+/// The arguments that such a thread begins with.
 struct Start {
   void* (*function)(void*);
   void* argument;

@@ -22,9 +22,9 @@ struct CodeRange {
 /// The object that `address` lies in; nothing: empty. Not on a real-time thread.
 [[nodiscard]] CodeRange code_around(const void* address);
 
-/// The names of threads that are still running and that code of this range started, in a job or a
-/// hook, itself or by a thread of such a kind. libmauve sees each pthread_create(), and looks who
-/// called; under a sanitizer it does not. Not on a real-time thread.
+/// The names of threads that still run and that code of this range started, in a job or a hook. The
+/// code started them itself, or a thread of such a kind did. libmauve sees each pthread_create()
+/// and its caller; under a sanitizer it does not. Not on a real-time thread.
 [[nodiscard]] std::vector<std::string> threads_started_by(const CodeRange& range);
 
 }  // namespace mauve::rt

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the jobs of one component took: written by its thread, read by anyone meanwhile.
+/// The times of the jobs of one component: written by its thread, read by any thread meanwhile.
 #pragma once
 
 #include <array>
@@ -73,9 +73,9 @@ struct JobTimes {
   std::vector<StateTimes> states;  ///< by index
 };
 
-/// The times that are counted now. To count anew, [control] shows another block, cleared before;
-/// the writer goes over to it with its next job, so there is no moment with two writers, and no
-/// work for the writer.
+/// The times that are counted now. To count anew, [control] shows another block, which it cleared
+/// before. The writer goes over to it with its next job, so there is no moment with two writers,
+/// and no work for the writer.
 class Measured {
  public:
   explicit Measured(std::size_t state_count);
