@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the guardian's process may do, and how urgent it is.
+/// The rights of the guardian's process, and its priority.
 #pragma once
 
 namespace mauve::guardian {

@@ -44,7 +44,7 @@ int descriptor_in(msghdr& message) {
   return first;
 }
 
-/// Receives one message, with the descriptor that came along (-1: none). What recvmsg(2) returns.
+/// Receives one message, with the descriptor that came along (-1: none). Returns the result of recvmsg(2).
 ssize_t receive(int socket, wire::Request& request, int& descriptor) {
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> room{};
   iovec part{&request, sizeof request};

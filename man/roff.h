@@ -24,7 +24,7 @@ namespace mauve::man {
 [[nodiscard]] std::string roff(std::string_view markdown);
 /// The cells of a line of a table, which begins with '|'; a bar inside of `code` parts none.
 [[nodiscard]] std::vector<std::string> cells_of(std::string_view line);
-/// What stands below the heading `## NAME`, up to the next one; empty when there is none.
+/// The text below the heading `## NAME`, up to the next heading; empty when there is none.
 [[nodiscard]] std::string section(std::string_view markdown, std::string_view name);
 
 }  // namespace mauve::man

@@ -32,7 +32,7 @@ std::string joined(const std::vector<std::string>& words, const char* last) {
   return text;
 }
 
-/// What may stand there: "duration", "array of name", "\"stop\" or \"fallback\"".
+/// The values that the schema permits: "duration", "array of name", "\"stop\" or \"fallback\"".
 std::string kind_of(const Json& schema) {
   if (const std::string name = reference(schema); !name.empty()) return italic(name);
   std::vector<std::string> words;

@@ -36,8 +36,9 @@ class Image {
 };
 
 /// Makes a memory file constant for ever. The kernel refuses that as busy when another part of the
-/// kernel holds a reference to a page of the file for 150 ms, for example to move it or in a pipe.
-/// So the call is repeated for about 1.5 s. `before_retry` is called in between. [factory]
+/// kernel holds a reference to a page of the file for 150 ms. Such references come from pages that
+/// it moves, and from pipes. So the call is repeated for about 1.5 s. `before_retry` is called in
+/// between. [factory]
 [[nodiscard]] Status seal_file(
     int file, const std::function<void()>& before_retry = [] {});
 
