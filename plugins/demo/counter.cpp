@@ -9,7 +9,7 @@
 
 namespace demo {
 
-/// What the cores hand over: the count goes on where the other one left it.
+/// The state that the cores hand over: the count goes on where the other core left it.
 struct Count {
   std::int64_t value = 0;
 };

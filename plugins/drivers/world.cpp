@@ -27,7 +27,8 @@ struct mauve::Described<world::Disc> {
 
 namespace drivers {
 
-/// What survives a change of the world: the robot goes on where it is, among other obstacles.
+/// The state that survives a change of the world: the robot goes on where it is, among other
+/// obstacles.
 struct Moving {
   world::Robot robot{1};
   world::Random random{1};

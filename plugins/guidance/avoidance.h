@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Finite-time avoidance as a pure function; the plugin around it is finite_time.cpp.
 ///
-/// A reconstruction from what is known of Guerra, Efimov, Zheng, Perruquetti (Autonomous Robots 41,
-/// 2017): a unicycle with disturbed inputs, a supervisor over two controls, every law regulating
-/// the heading in finite time.
+/// A reconstruction from the known parts of Guerra, Efimov, Zheng, Perruquetti (Autonomous Robots
+/// 41, 2017). It has a unicycle with disturbed inputs and a supervisor over two controls. Every law
+/// regulates the heading in finite time.
 ///
-///   GO      straight to the goal, until something nearer than d_obs would be passed within d_safe
-///   AVOID   along it at d_safe, one side chosen; past what stands beside it too, as close as
-///           squeeze * d_safe where there is no other way on (a door). Until the way to the goal is
-///           free again and the robot nearer to it than at the start; the other way round when
-///           this one leads away.
+///   `GO`     straight to the goal, until an obstacle nearer than d_obs would be passed within
+///            d_safe.
+///   `AVOID`  along that obstacle at d_safe, on one chosen side, and past obstacles beside it too.
+///            The distance is as small as squeeze * d_safe where there is no other way on (a door).
+///            AVOID lasts until the way to the goal is free again and the robot is nearer to it
+///            than at the start. It goes the other way round when this one leads away.
 #pragma once
 
 #include "guidance.h"

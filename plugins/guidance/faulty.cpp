@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Plugin "guidance_faulty": cores that go wrong half a second after they take over, to see what
-/// becomes of the rover then:
-///   mauvectl load guidance_faulty
-///   mauvectl swap-core control guidance_faulty/throwing                   # rolled back by itself
-///   mauvectl swap-core control guidance_faulty/endless --probation off    # its fallback core
-///   takes over
-///   mauvectl swap-core control guidance_faulty/slow       # uses 5 ms a job, and is rolled back
+/// Plugin "guidance_faulty": cores that go wrong half a second after they take over, to show the
+/// recovery of the rover:
+///   `mauvectl load guidance_faulty`
+///   `mauvectl swap-core control guidance_faulty/throwing`                  rolled back by itself
+///   `mauvectl swap-core control guidance_faulty/endless --probation off`   its fallback core takes
+///                                                                          over
+///   `mauvectl swap-core control guidance_faulty/slow`                      uses 5 ms a job, and is
+///                                                                          rolled back
 #include <chrono>
 #include <cstdint>
 #include <stdexcept>

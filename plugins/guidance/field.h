@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The potential field as pure functions; the plugin around it is potential_field.cpp.
 ///
-/// The equations are a reconstruction with the properties that the abstract of Guerra, Efimov,
-/// Zheng, Perruquetti (Control Engineering Practice 55, 2016) states: the goal attracts, obstacle
-/// centres are repelling equilibria, saddles sit on the obstacle borders, and a bounded extra input
-/// leaves them.
+/// The equations are a reconstruction. They have the properties that the abstract of Guerra,
+/// Efimov, Zheng, Perruquetti (Control Engineering Practice 55, 2016) states. The goal attracts,
+/// obstacle centres are repelling equilibria, saddles sit on the obstacle borders, and a bounded
+/// extra input leaves them.
 #pragma once
 
 #include "guidance.h"

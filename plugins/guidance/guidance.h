@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What all guidance cores share: the state they hand over in a swap, and the last step of every
-/// law.
+/// The state that all guidance cores hand over in a swap, and the last step of every law.
 #pragma once
 
 #include <algorithm>
@@ -19,8 +18,8 @@ using rover::Point2D;
 using rover::Pose2D;
 using rover::Velocity;
 
-/// What survives a change of core: where the robot is going and how it is just moving, so that the
-/// new law goes on from the very command the old one gave.
+/// The state that survives a change of core: the goal of the robot and its present motion. So the
+/// new law goes on from the very command that the old one gave.
 struct Guidance {
   Point2D goal;
   Velocity command;           ///< the last one given

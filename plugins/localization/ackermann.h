@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A vehicle that steers its front wheels and measures one rear wheel: what it says of its motion.
-/// A steering wheel that is not straight and a worn tyre are left to the filter (`curvature` and
-/// `scale` in models.h): a wrong angle e turns by speed * e / wheelbase too much.
+/// A vehicle that steers its front wheels and measures one rear wheel: its motion as it measures
+/// it. A steering wheel that is not straight and a worn tyre are left to the filter (`curvature`
+/// and `scale` in models.h). A wrong angle e turns by speed * e / wheelbase too much.
 #pragma once
 
 #include <cmath>

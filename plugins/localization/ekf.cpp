@@ -76,7 +76,7 @@ Matrix process_noise(const Parameters& p, const State& state, double dt) {
   return noise;
 }
 
-/// What a measurement says against what the filter expects.
+/// The difference between a measurement and the expectation of the filter.
 template <int N>
 struct Innovation {
   Column<N> value;

@@ -86,7 +86,7 @@ void correct(const Parameters& parameters, const rover::Twist& twist, Estimate& 
 void correct(const Parameters& parameters, const rover::Imu& imu, Estimate& estimate);
 void correct(const Parameters& parameters, const rover::Pose& pose, Estimate& estimate);
 
-/// The estimate as others want it. What is not known yet has a large variance. [rt]
+/// The estimate as others want it. An unknown value has a large variance. [rt]
 [[nodiscard]] rover::MotionState motion_state(const Estimate& estimate);
 
 }  // namespace localization

@@ -39,14 +39,15 @@ struct Memory {
 /// Forgets all measurements, but not how many there were. [rt]
 void start(const Estimate& estimate, Memory& memory);
 
-/// Takes a measurement; those up to `window` seconds older than the newest are replayed, those that
-/// claim to be over `window` seconds after `now` are refused, those of a minute before are of
-/// another clock and dropped. At most kCapacity steps. [rt]
+/// Takes a measurement. A measurement up to `window` seconds older than the newest is put in
+/// between, and the later ones are replayed. One that claims to be over `window` seconds after
+/// `now` is refused. One of a minute before is of another clock and dropped. At most kCapacity
+/// steps. [rt]
 void add(const Parameters& parameters, const Measurement& measurement, double now, double window,
          Memory& memory);
 
-/// What is known of the time: the newest estimate carried on, or what was known then. The memory
-/// stays as it is. [rt]
+/// The estimate of this time: the newest one carried on, or the one known then. The memory stays as
+/// it is. [rt]
 [[nodiscard]] Estimate predicted(const Parameters& parameters, double time, const Memory& memory);
 
 }  // namespace localization

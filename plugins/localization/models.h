@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the filter believes of motion and sensors: each model with its Jacobian. Pure functions.
+/// The filter's models of motion and sensors, each with its Jacobian. Pure functions.
 ///
-/// The wheels err in three ways that GNSS distinguishes: in all speeds by the same share (`scale`:
-/// worn tyres), in all turns by the same share (`turn_scale`: the track or the wheelbase is not
-/// what one believes), and to one side in proportion to the speed (`curvature`: a steering that is
-/// not straight, wheels of unequal size).
+/// The wheels err in three ways that GNSS distinguishes. All speeds err by the same share (`scale`:
+/// worn tyres). All turns err by the same share (`turn_scale`: a wrong value of the track or the
+/// wheelbase). The turn errs to one side in proportion to the speed (`curvature`: a steering that
+/// is not straight, wheels of unequal size).
 #pragma once
 
 #include <Eigen/Core>
@@ -59,7 +59,7 @@ inline Model<kStates> moved(const State& state, double dt) {
   return model;
 }
 
-/// What the wheels say: speed and turn rate. [rt]
+/// The expected measurement of the wheels: speed and turn rate. [rt]
 inline Model<2> seen_by_wheels(const State& state) {
   Model<2> model{{(1.0 + state[kScale]) * state[kSpeed],
                   (1.0 + state[kTurnScale]) * state[kTurn] + state[kCurvature] * state[kSpeed]},
@@ -73,7 +73,7 @@ inline Model<2> seen_by_wheels(const State& state) {
   return model;
 }
 
-/// What a gyroscope says. [rt]
+/// The expected measurement of a gyroscope. [rt]
 inline Model<1> seen_by_gyroscope(const State& state) {
   Model<1> model{Column<1>(state[kTurn] + state[kGyroBias]), Rows<1>::Zero()};
   model.jacobian[kTurn] = 1.0;
@@ -81,14 +81,15 @@ inline Model<1> seen_by_gyroscope(const State& state) {
   return model;
 }
 
-/// What a compass says. [rt]
+/// The expected measurement of a compass. [rt]
 inline Model<1> seen_by_compass(const State& state) {
   Model<1> model{Column<1>(state[kHeading]), Rows<1>::Zero()};
   model.jacobian[kHeading] = 1.0;
   return model;
 }
 
-/// What satellites say of an antenna that is mounted at `mount` in the robot's frame. [rt]
+/// The expected satellite measurement of an antenna that is mounted at `mount` in the robot's
+/// frame. [rt]
 inline Model<2> seen_by_antenna(const State& state, const rover::Point2D& mount) {
   const double cosine = std::cos(state[kHeading]);
   const double sine = std::sin(state[kHeading]);

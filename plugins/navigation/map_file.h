@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Maps as robots keep them (ROS map_server): a YAML file with image, resolution, origin, negate,
-/// occupied_thresh, free_thresh and mode, and beside it a PGM image (P5 or P2) whose first row is
+/// occupied_thresh, free_thresh and mode. Beside it is a PGM image (P5 or P2) whose first row is
 /// the top of the map. A level v is p = (255 - v) / 255, with `negate` v / 255; p above
 /// occupied_thresh is occupied (100), below free_thresh free (0), else unknown (-1). Modes other
 /// than trinary, and images with more than 8 bits, are refused.
@@ -19,7 +19,7 @@ namespace navigation {
 
 using rover::OccupancyGrid;
 
-/// What the YAML file says.
+/// The content of the YAML file.
 struct MapDescription {
   std::string image;  ///< as written; relative to the folder of the YAML file
   double resolution = 0.0;

@@ -127,8 +127,8 @@ bool Navigation::look_at_map() {
 }
 
 /// Remembers obstacles that are not on the map. A scan is older than the pose, by some jobs on a
-/// machine that stands still now and then: while the robot turns, and just after, the walls of the
-/// map would be seen beside their place, and close a door for as long as they are remembered. The
+/// machine that stands still now and then. So while the robot turns, and just after, the walls of
+/// the map would be seen beside their place, and would close a door while they are remembered. The
 /// same happens after a pause of the machine during which the robot drove on.
 void Navigation::look_at_scan() {
   planner_->forget(now_);

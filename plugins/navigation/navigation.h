@@ -3,11 +3,11 @@
 /// after the other (paper 5.1.1). Its state machine is like that of the guidance: wait for a goal,
 /// follow the way, stand at the goal.
 ///
-/// It plans anew when the robot has strayed from the path, when the scan shows something on it that
-/// is not on the map, when the robot does not get on, and for another goal or map. When there is no
-/// way the target is where the robot is, so it stands; `answer` says why, and it tries again every
-/// `fsm.retry`. A plan takes as long as the map is large (README.md): give the component a priority
-/// below everybody who is in a hurry.
+/// It plans anew when the robot has strayed from the path or does not get on, and for another goal
+/// or map. It also does when the scan shows an obstacle on the path that is not on the map. When
+/// there is no way the target is where the robot is, so it stands; `answer` says why, and it tries
+/// again every `fsm.retry`. A plan takes as long as the map is large (README.md): give the
+/// component a priority below all components with a short deadline.
 #pragma once
 
 #include <bit>

@@ -34,7 +34,7 @@ class Numbers {
     text_.remove_prefix(static_cast<std::size_t>(at - text_.data()));
     return number;
   }
-  /// What follows the one blank after the header.
+  /// The text after the one blank behind the header.
   [[nodiscard]] std::string_view rest() const { return text_.empty() ? text_ : text_.substr(1); }
 
  private:

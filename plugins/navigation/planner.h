@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Planner: the shortest way through a map that keeps away from what is occupied.
 ///
-/// A* (Hart, Nilsson and Raphael 1968) on the 8-connected grid, with whole-numbered costs of 12 and
-/// 17 (17 / 12 is the root of two but for 0.2 %), so that the open cells lie in 64 buckets and no
-/// step costs more than a few stores. A diagonal step needs both cells beside it. What is left are
+/// A* (Hart, Nilsson and Raphael 1968) on the 8-connected grid. The costs are whole numbers, 12 and
+/// 17 (17 / 12 is the root of two but for 0.2 %). So the open cells lie in 64 buckets, and no step
+/// costs more than a few stores. A diagonal step needs both cells beside it. The path keeps only
 /// the farthest places that see each other. No heap and no clock; the same question has the same
-/// answer. Each cell is closed once, so a plan costs at most what the map has cells: the figures
-/// stand in README.md.
+/// answer. Each cell is closed once, so a plan costs at most the number of cells of the map: the
+/// figures stand in README.md.
 #pragma once
 
 #include <array>
@@ -70,7 +70,7 @@ class Planner {
   static constexpr std::size_t kBuckets = 64;  // more than an estimate grows in a step
   static constexpr int kWidestRadius = 64;     // cells
 
-  /// What the search knows of a cell; 16 bytes.
+  /// The search state of a cell; 16 bytes.
   struct Node {
     std::uint32_t cost;
     std::uint32_t next;  // in its bucket

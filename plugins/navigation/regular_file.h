@@ -21,9 +21,9 @@ inline constexpr const char* kWherePathsBegin =
     "a path is relative to the folder of the architecture, that of an image to the file that names "
     "it";
 
-/// Reads a regular file of at most `most` bytes. The hook that calls this never waits: a FIFO, a
-/// device and a socket are refused without a read, since whoever holds their other end would decide
-/// when the hook returns. `what` names the file in errors: "map". [factory]
+/// Reads a regular file of at most `most` bytes. The hook that calls this never waits. A FIFO, a
+/// device and a socket are refused without a read, since the process at their other end would
+/// decide when the hook returns. `what` names the file in errors: "map". [factory]
 inline mauve::Result<std::string> read_regular_file(const std::string& path, std::size_t most,
                                                     const char* what) {
   using mauve::Errc;

@@ -13,7 +13,7 @@
 
 namespace navigation {
 
-/// What survives a change.
+/// The state that survives a change.
 struct Route {
   rover::Path path;
   rover::Point2D goal;
@@ -43,9 +43,9 @@ struct Route {
   return (at.x - to.x) * (to.x - from.x) + (at.y - to.y) * (to.y - from.y) > 0.0;
 }
 
-/// Goes on to the way point that the robot should drive to now: the next one when this one is
-/// within `reach`, or passed, and the next is in sight; when it stands right before it in any case.
-/// [rt]
+/// Goes on to the way point that the robot should drive to now. That is the next one when this one
+/// is within `reach`, or passed, and the next is in sight. A robot right before this one goes on in
+/// any case. [rt]
 template <typename InSight>
 void advance(Route& route, const rover::Pose2D& pose, double reach, InSight in_sight) {
   constexpr double kBeforeIt = 0.2;  // m; the guidance stops a little nearer

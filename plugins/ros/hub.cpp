@@ -60,8 +60,8 @@ void introduce() {
   pthread_sigmask(SIG_BLOCK, &all, nullptr);
 }
 
-/// What roscpp throws costs that one step: this is a thread of its own, where it would end the
-/// process. False: it threw.
+/// An exception of roscpp costs that one step only. Uncaught it would end the process, since this
+/// is a thread of its own. False: `f` threw.
 template <typename F>
 bool guarded(F&& f) {
   try {
@@ -72,7 +72,7 @@ bool guarded(F&& f) {
   }
 }
 
-/// What the master is to us.
+/// The state of the master, as we see it.
 enum class Master : std::uint8_t { away, knows_us, knows_nothing };
 
 class Hub {

@@ -51,7 +51,7 @@ class Channel {
   std::atomic<bool> wanted_{true};
 };
 
-/// Who we are in ROS, and where its master is.
+/// Our node in ROS, and the address of its master.
 struct Node {
   std::string name;
   std::string master;  ///< "http://host:port"

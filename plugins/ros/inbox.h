@@ -20,7 +20,8 @@ class Inbox {
   Inbox() : slots_(std::make_unique<std::array<Slot, 3>>()) {}
 
   /// Lets `fill(T&)` write on top of some older value, and shows it when that returned true.
-  /// `stamp` must grow. What the reader never saw is replaced: then `replaced` is true. [ros]
+  /// `stamp` must grow. A value that the reader never saw is replaced: then `replaced` is true.
+  /// [ros]
   template <typename F>
   bool put(mauve::Instant stamp, F&& fill, bool& replaced) {
     Slot& slot = (*slots_)[back_];

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Resource kinds "ros/publish_TYPE": what is written to service `write` goes out on a topic of ROS
-/// (paper, Listing 4). The writer puts it into a queue and goes on; the ROS thread of this plugin
-/// converts and publishes it within some 5 ms. What the queue does not hold is dropped and counted.
+/// Resource kinds "ros/publish_TYPE": a value that is written to service `write` goes out on a
+/// topic of ROS (paper, Listing 4). The writer puts it into a queue and goes on; the ROS thread of
+/// this plugin converts and publishes it within some 5 ms. A value that the queue has no room for
+/// is dropped and counted.
 /// Example: "pose_topic": { "type": "ros/publish_pose", "properties": { "shell.topic": "/pose" } }
 #include <ros/node_handle.h>
 #include <ros/publisher.h>

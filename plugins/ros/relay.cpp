@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Component kinds "ros/relay_TYPE": each new message of a subscriber triggers another resource:
-/// read from port `from`, written to port `to`, on this component's own real-time thread, so that
-/// neither ROS nor its thread ever calls into the robot. Example: "joy": { "type": "ros/relay_joy",
-/// "ports": { "from": "joy_topic.read", "to": "teleop.joystick" } }
+/// Component kinds "ros/relay_TYPE": each new message of a subscriber triggers another resource.
+/// The message is read from port `from` and written to port `to`, on this component's own real-time
+/// thread. So neither ROS nor its thread ever calls into the robot. Example: "joy": { "type":
+/// "ros/relay_joy", "ports": { "from": "joy_topic.read", "to": "teleop.joystick" } }
 #include <cstdint>
 #include <type_traits>
 
@@ -16,7 +16,8 @@
 namespace ros_bridge {
 namespace {
 
-/// What moves the robot stands still when the relay stops; of nothing else a default is safe.
+/// A value that moves the robot becomes a standstill when the relay stops. No default of another
+/// type is safe.
 template <typename T>
 mauve::WritePort<T> port_to(mauve::Shell& shell) {
   if constexpr (std::is_same_v<T, rover::Velocity> || std::is_same_v<T, rover::Joystick>) {

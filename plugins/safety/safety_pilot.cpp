@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Plugin "safety". Component kind "safety/pilot": lets a command through as far as the way is
-/// free. Nearer than `slow_distance` it halves the forward speed, nearer than `stop_distance` it
-/// lets the robot only turn and reverse, as it does without a fresh scan, or with one that says
-/// nothing (zones.h, blind). Without a command, or with one that is not a number, the robot stands.
-/// Component kind "safety/cruise": a steady command, to try the pilot without a robot.
+/// free. Nearer than `slow_distance` it halves the forward speed. Nearer than `stop_distance` it
+/// lets the robot only turn and reverse, as it does without a fresh scan, or with a blind one
+/// (zones.h). Without a command, or with one that is not a number, the robot stands. Component kind
+/// "safety/cruise": a steady command, to try the pilot without a robot.
 #include <cmath>
 #include <cstdint>
 
@@ -16,7 +16,7 @@
 
 namespace safety {
 
-/// What survives a change.
+/// The state that survives a change.
 struct PilotState {
   std::uint8_t zone = 0;
 };

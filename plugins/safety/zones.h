@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What stands in front of the robot, and how far it may go on.
+/// The obstacles in front of the robot, and the way that it may go on.
 #pragma once
 
 #include <cstdint>
@@ -27,10 +27,10 @@ struct Limits {
 /// Range of the nearest return in the corridor ahead; range_max when there is none. [rt]
 [[nodiscard]] double free_way(const rover::LaserScan& scan, double half_width);
 
-/// Does the scan say nothing about the way? It is so when it has no beam that is a return, or
-/// looked as far as range_max and found nothing: an empty scan, or one of error codes only, comes
-/// from a scanner that is covered, dazzled or broken. So is one whose geometry is not a number.
-/// [rt]
+/// Does the scan say nothing about the way? It does when no beam is a return, and no beam looked as
+/// far as range_max and found nothing. An empty scan, or one of error codes only, comes from a
+/// scanner that is covered, dazzled or broken. A scan whose geometry is not a number says nothing
+/// either. [rt]
 [[nodiscard]] bool blind(const rover::LaserScan& scan);
 
 /// The zone that follows `before` with that much free way. [rt]

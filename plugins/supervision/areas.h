@@ -21,7 +21,7 @@ constexpr int kOutside = 0;   ///< in none of the areas
 
 /// The number of the first area that holds the pose, from 1. The area `before` is left only when
 /// the pose is `margin` metres outside of it, so that a robot on a border does not change its area
-/// all the time. kNowhere for a pose that is not a number. [rt]
+/// all the time. The result is kNowhere for a pose that is not a number. [rt]
 [[nodiscard]] int area_of(const rover::Pose2D& pose, std::span<const Area> areas, int before,
                           double margin);
 
@@ -32,8 +32,8 @@ struct Sighting {
 };
 
 /// The area of a robot whose pose lies in `area` now, or is not known (kNowhere). While the pose is
-/// not known, the robot counts as in its last area, for `remember` at most: a short pause of the
-/// whole machine leaves the pose unknown for some jobs. [rt]
+/// not known, the robot counts as in its last area, for `remember` at most. The reason is a short
+/// pause of the whole machine, which leaves the pose unknown for some jobs. [rt]
 [[nodiscard]] int follow(Sighting& last, int area, mauve::Duration remember, mauve::Instant now);
 
 }  // namespace supervision

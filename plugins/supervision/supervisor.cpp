@@ -22,7 +22,7 @@ struct mauve::Described<supervision::Area> {
 
 namespace supervision {
 
-/// What survives a change.
+/// The state that survives a change.
 struct Watched {
   Sighting seen;
   Progress progress;

@@ -14,14 +14,14 @@
 
 namespace teleop {
 
-/// What an axis of the device says at its two ends.
+/// The values of an axis of the device at its two ends.
 struct AxisRange {
   std::int32_t min = -32767;
   std::int32_t max = 32767;
 };
 
-/// Reads events a piece at a time, cut anywhere. What an event says counts when the report it
-/// belongs to is complete. All of it is [rt].
+/// Reads events a piece at a time, cut anywhere. An event counts when the report it belongs to is
+/// complete. All of it is [rt].
 class EventReader {
  public:
   /// Codes of the axes, in the order in which a Joystick has them: both sticks with their triggers,

@@ -18,8 +18,8 @@
 
 namespace teleop {
 
-/// What only the thread of the line can know comes as events of this type between the others: no
-/// device sends it.
+/// A fact that only the thread of the line can know comes as an event of this type between the
+/// others: no device sends it.
 struct Mark {
   static constexpr std::uint16_t kType = 0xffff;
   static constexpr std::uint16_t kThere = 0;        ///< from here on it is there, all let go
@@ -30,7 +30,8 @@ struct Mark {
 
 class InputDevice final : public drivers::LineEnd {
  public:
-  /// What reopen() opens; while nobody writes into a FIFO it is looked for each `retry`. [factory]
+  /// The path that reopen() opens; while nobody writes into a FIFO it is looked for each `retry`.
+  /// [factory]
   void choose(const std::string& path, std::chrono::nanoseconds retry);
 
   [[nodiscard]] int number() const override { return device_.number(); }

@@ -11,8 +11,8 @@
 #include "parts.h"
 #include "selection.h"
 
-/// What survives a change: who said what and when. Opaque to tools; raise the revision when
-/// anything in it changes.
+/// The state that survives a change: the last command of each source, and its time. Opaque to
+/// tools; raise the revision when anything in it changes.
 template <>
 struct mauve::Described<teleop::Sources> {
   static constexpr std::string_view name = "teleop_sources/1";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Who drives: the most urgent source that still speaks.
+/// The choice of the source that drives: the most urgent one that still speaks.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace teleop {
 /// The more urgent, the greater.
 enum class Source : std::uint8_t { none, command, teleop };
 
-/// What one source said last.
+/// The last command of one source.
 struct Said {
   rover::Velocity velocity;
   mauve::Instant at = 0;
@@ -36,10 +36,10 @@ struct Sources {
 /// False, and nothing happens: it is not a number. [rt]
 bool hear(Said& source, const rover::Velocity& velocity, mauve::Instant now);
 
-/// Who drives now. [rt]
+/// The source that drives now. [rt]
 [[nodiscard]] Source choose(const Sources& sources, const Timeouts& timeouts, mauve::Instant now);
 
-/// What that source said; empty for none. [rt]
+/// The last command of that source; empty for none. [rt]
 [[nodiscard]] std::optional<rover::Velocity> said_by(Source source, const Sources& sources);
 
 }  // namespace teleop

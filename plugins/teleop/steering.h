@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a joystick wants the robot to do.
+/// The command that a joystick gives to the robot.
 #pragma once
 
 #include <optional>

@@ -11,7 +11,7 @@
 
 namespace teleop {
 
-/// What survives a change.
+/// The state that survives a change.
 struct TeleopState {
   bool steering = false;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a satellite navigation receiver says once an epoch: gnss_fix/1.
+/// The report of a satellite navigation receiver once an epoch: gnss_fix/1.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What an inertial measurement unit says of a ground robot: imu/1.
+/// The measurement of an inertial measurement unit on a ground robot: imu/1.
 #pragma once
 
 #include <cstdint>

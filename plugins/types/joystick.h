@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a joystick says: joystick/1.
+/// The report of a joystick: joystick/1.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the localization takes and gives: twist/1, pose/1, motion_state/1. Metres, radians, x east,
-/// y north, in the local frame. Times are seconds on the monotonic clock; 0 stands for now.
+/// The inputs and the output of the localization: twist/1, pose/1, motion_state/1. Metres, radians,
+/// x east, y north, in the local frame. Times are seconds on the monotonic clock; 0 stands for now.
 #pragma once
 
 #include <mauve/type.h>

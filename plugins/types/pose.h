@@ -22,7 +22,7 @@ struct Point2D {
   double y = 0.0;
 };
 
-/// What the wheels say: the pose dead-reckoned since the start, and the speeds now.
+/// The measurement of the wheels: the pose dead-reckoned since the start, and the speeds now.
 struct Odometry {
   double time = 0.0;  ///< s, monotonic clock
   double x = 0.0;

@@ -4,11 +4,11 @@
 /// `odometry`, `pose` and `twist`, and sends the wheels their speeds. Times of `twist` are on the
 /// monotonic clock. Example: mauvectl watch base.core.mode
 ///
-/// The base itself drives on for ever at the last speed it was sent. So the driver sends zero as
-/// soon as there is no command, a stale one, one older than `command_timeout`, or one that is not a
-/// number, and when it is cleaned up. A driver that is stopped, faulted or gone cannot do that:
-/// connect its port `brake` to a resource "drivers/create_brake", which the runtime calls then.
-/// When mauved itself is killed or stands still, its guardian sends that zero (`stand`).
+/// The base itself drives on for ever at the last speed it was sent. So the driver sends zero when
+/// the command is missing, stale, older than `command_timeout`, or no number, and when it is
+/// cleaned up. A driver that is stopped, faulted or gone cannot do that: connect its port `brake`
+/// to a resource "drivers/create_brake", which the runtime calls then. When mauved itself is killed
+/// or stands still, its guardian sends that zero (`stand`).
 ///
 /// While the bumper is pressed the base is not driven forward. When a wheel drops or a cliff is
 /// there the base stops by itself and obeys no more (`mode` 1): it is armed again by `mauvectl
@@ -29,7 +29,7 @@
 
 namespace drivers {
 
-/// What survives a change: bytes read and not used yet, the frame begun, and where the wheels are.
+/// The state that survives a change: unused bytes, the frame begun, and the wheel odometry.
 struct BaseLine {
   LineBytes bytes;
   create::ReportReader reports;
@@ -101,7 +101,7 @@ class CreateOi final : public BaseCore {
     line_.guard(stand, {.bytes = {standing.data(), standing.size()}, .times = 3, .apart = 20ms});
     return line_.open(device, baud, SerialPort::Use::both);
   }
-  /// Who has handed its state over to a successor does not stop the base under it.
+  /// A core that has handed its state over to a successor does not stop the base under it.
   void on_cleanup() override {
     if (state->begun) send_speeds({});
     line_.close(state->bytes);

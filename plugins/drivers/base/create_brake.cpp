@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Resource kind "drivers/create_brake": orders a Create 2 to stand, whatever is written to it, on
 /// a descriptor of its own. Connect port `brake` of "drivers/create" to `write`: nothing is written
-/// while the driver works; when it is stopped or faulted, and when the process ends, the runtime
-/// writes the safe value, and the base, which would drive on, stops.
+/// while the driver works. When the driver is stopped or faulted, and when the process ends, the
+/// runtime writes the safe value. So the base stops, which else would drive on.
 ///
-/// A component that runs a job leaves the line to a thread of the brake's own. Whoever else writes
-/// is there because the component ends, hangs or the process dies, and does it itself: nothing else
-/// may be alive afterwards. The line of the driver may: what it has not written yet it never does.
+/// A component that runs a job leaves the line to a thread of the brake's own. Any other thread
+/// writes because the component ends or hangs, or the process dies. It writes to the device itself,
+/// since no other thread may be alive afterwards. The line of the driver may live on: its unwritten
+/// bytes are never written.
 #include <atomic>
 #include <cstddef>
 #include <cstdint>

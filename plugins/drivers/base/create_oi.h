@@ -28,7 +28,7 @@ enum class Mode : std::uint8_t { off, passive, safe, full };
 /// Seconds between two frames of the stream.
 inline constexpr double kStreamPeriod = 0.015;
 
-/// What a frame of our stream says: packets 7, 35, 43 and 44.
+/// The content of a frame of our stream: packets 7, 35, 43 and 44.
 struct Report {
   std::uint8_t contacts = 0;  ///< bits: bump right, bump left, wheel dropped right, left
   Mode mode = Mode::off;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Component kind "drivers/create_sim": a Create 2 at the far end of a serial line. It obeys the
 /// Open Interface (create_oi.h) on a pseudo-terminal, whose other end is the device named by
-/// `line`, drives in the simulated world and streams its encoders, so that the real driver runs on
-/// it. Like the real one it drives on at the last speed it was sent. List it before the driver.
+/// `line`. It drives in the simulated world and streams its encoders, so that the real driver runs
+/// on it. Like the real one it drives on at the last speed it was sent. List it before the driver.
 #include <array>
 #include <chrono>
 #include <cmath>

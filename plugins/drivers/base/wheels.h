@@ -28,8 +28,8 @@ struct WheelSpeeds {
   double right = 0.0;
 };
 
-/// Both reduced alike when one would be too fast, so that the robot stays on its curve. What is not
-/// a number stands still. [rt]
+/// Both speeds are reduced alike when one would be too fast, so that the robot stays on its curve.
+/// A wheel stands still when its speed would be no number. [rt]
 [[nodiscard]] WheelSpeeds wheel_speeds(const rover::Velocity& velocity, const Wheels& wheels);
 /// The way back. [rt]
 [[nodiscard]] rover::Velocity velocity_of(const WheelSpeeds& speeds, const Wheels& wheels);

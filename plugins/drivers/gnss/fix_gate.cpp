@@ -15,7 +15,7 @@ constexpr double kRadius = 6'371'000.0;  // m, of the earth
 constexpr double kRadians = std::numbers::pi / 180.0;
 constexpr double kCompare = 5.0;  // s until both clocks are compared
 
-// What is odd on a line that damages its frames.
+// The limits beyond which a fix is suspect, on a line that damages its frames.
 constexpr double kStray = 0.5;  // m from where it was going, and half as much each second
 constexpr double kTurn = 0.3;   // of the way
 constexpr double kRise = 1.0;   // m of height, and as much each second

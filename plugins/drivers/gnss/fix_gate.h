@@ -7,7 +7,7 @@
 
 namespace drivers {
 
-/// What is known of a fix beside itself.
+/// The knowledge about a fix beside the fix itself.
 struct FixContext {
   double separation = 0.0;  ///< m, geoid above ellipsoid, or whatever else stays as it is
   bool confirmed = false;   ///< another sentence said the same time and place
@@ -23,14 +23,13 @@ struct TimedFix {
   FixContext context;
 };
 
-/// A fix is refused when the receiver would have moved faster than the limit since the last one
-/// that was let through, or when its time is out of step with ours. What is refused can be right (a
-/// wrong first fix, a long tunnel): three in a row that agree with each other are the truth from
-/// then on.
+/// A fix is refused when the receiver would have moved faster than the limit since the last
+/// admitted one, or when its time is out of step with ours. A refused fix can be right (a wrong
+/// first fix, a long tunnel): three in a row that agree with each other are the truth from then on.
 ///
-/// On a line that damages its frames a fix is refused, too, when anything in it is not as the last
-/// ones let expect; two in a row that agree that closely are the truth, and so is the first. An
-/// undamaged line never loses a fix that way. All of it is [rt].
+/// On a line that damages its frames a fix is also refused when any value in it differs from that
+/// which the last ones let expect. Two fixes in a row that agree that closely are the truth, and so
+/// is the first. An undamaged line never loses a fix that way. All of it is [rt].
 class FixGate {
  public:
   static constexpr int kPersists = 3;     ///< that many agree: not damage

@@ -14,7 +14,7 @@
 
 namespace drivers {
 
-/// What survives a change: bytes read and not used yet, the frame begun, and what the gate knows.
+/// The state that survives a change: unused bytes, the frame begun, and the memory of the gate.
 struct GnssLine {
   GnssStream stream;
   GnssReader reader;

@@ -12,9 +12,9 @@
 
 namespace drivers {
 
-/// Once a NAV-PVT was understood, GGA is not heard until there was none for 2 s: a receiver that
-/// sends both reports each epoch once, by the message that has all of it in one frame. All of it is
-/// [rt].
+/// After an understood NAV-PVT, GGA is ignored until no NAV-PVT came for 2 s. So each epoch of a
+/// receiver that sends both is reported once, by the message that has all of it in one frame. All
+/// of it is [rt].
 class GnssReader {
  public:
   static constexpr double kSilence = 2.0;  ///< s without NAV-PVT until GGA is heard again
@@ -28,8 +28,8 @@ class GnssReader {
     implausible,  ///< an epoch that FixGate refuses
   };
 
-  /// What `stream` just found. `now` in seconds of a clock that never jumps; `speed_limit` as in
-  /// FixGate.
+  /// Reads the frame that `stream` just found. `now` in seconds of a clock that never jumps;
+  /// `speed_limit` as in FixGate.
   Event read(GnssStream::Event found, const GnssStream& stream, double now, double speed_limit);
   /// The last epoch that came through.
   [[nodiscard]] const rover::GnssFix& fix() const { return fix_; }

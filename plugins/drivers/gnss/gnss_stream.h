@@ -11,8 +11,8 @@
 
 namespace drivers {
 
-/// What is no UBX message is looked through for NMEA, so neither is found inside the other. All of
-/// it is [rt].
+/// Bytes of no UBX message are searched for NMEA, so neither is found inside the other. All of it
+/// is [rt].
 class GnssStream {
  public:
   enum class Event : std::uint8_t {

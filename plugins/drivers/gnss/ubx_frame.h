@@ -20,7 +20,7 @@ struct UbxFormat {
 
 using UbxFrames = BinaryFrames<UbxFormat>;
 
-/// What a frame carries.
+/// The payload of a frame.
 [[nodiscard]] constexpr Bytes ubx_payload(Bytes frame) {
   return frame.subspan(UbxFormat::kHeader, frame.size() - UbxFormat::kAround);
 }

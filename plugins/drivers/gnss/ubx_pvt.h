@@ -15,8 +15,9 @@ namespace drivers {
 /// Is this frame a NAV-PVT?
 [[nodiscard]] bool is_pvt(Bytes frame);
 
-/// What it says; nothing when its fields cannot be. 84 bytes of payload (protocol 14) or 92. `hdop`
-/// is the receiver's PDOP, the only dilution in the message: never better than the horizontal one.
+/// The fix in the message; nothing when its fields cannot be. 84 bytes of payload (protocol 14) or
+/// 92. `hdop` is the receiver's PDOP, the only dilution in the message: never better than the
+/// horizontal one.
 [[nodiscard]] std::optional<rover::GnssFix> read_pvt(Bytes frame);
 
 /// Metres from mean sea level to the ellipsoid, of a message that read_pvt() understood.

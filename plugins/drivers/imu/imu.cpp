@@ -29,7 +29,7 @@ class ImuCore : public FrameCore<ImuShell> {
   static constexpr int kBaud = 115'200;
 };
 
-/// What survives a change: bytes read and not used yet, the frame begun, and the unit's clock.
+/// The state that survives a change: unused bytes, the frame begun, and the unit's clock.
 struct ImuLine {
   XbusStream stream;
   ImuReader reader;

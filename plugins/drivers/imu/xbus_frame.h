@@ -42,7 +42,7 @@ class XbusStream {
   BinaryFrames<XbusFormat> frames_;
 };
 
-/// What a frame carries.
+/// The payload of a frame.
 [[nodiscard]] constexpr Bytes xbus_data(Bytes frame) {
   return frame.subspan(XbusFormat::kHeader, frame.size() - XbusFormat::kAround);
 }

@@ -57,7 +57,7 @@ double SampleClock::time(std::uint32_t ticks, double now) {
   return sample_ + offset_;
 }
 
-/// What one message held.
+/// The values of one message.
 struct ImuReader::Sample {
   rover::Imu imu;
   bool rate = false;

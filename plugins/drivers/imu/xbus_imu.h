@@ -12,8 +12,8 @@
 
 namespace drivers {
 
-/// The unit's clock, ticks of 0.1 ms, in our time. What arrives late does not count as measured
-/// late: the quickest way of a measurement to us counts for all. [rt]
+/// The unit's clock, ticks of 0.1 ms, in our time. A late arrival is no late measurement: the
+/// quickest way of a measurement to us counts for all. [rt]
 class SampleClock {
  public:
   /// When the sample was measured, s; `now` is when it came.

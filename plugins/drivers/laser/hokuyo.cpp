@@ -4,14 +4,14 @@
 /// on (BM) and asked for scans without end (MD). One write to port `scan` for each undamaged scan,
 /// its time the monotonic clock. Example: mauvectl get laser.core.empty_scans
 ///
-/// A value below DMIN is an error code and becomes the range 0, which is no valid return; one at or
-/// beyond DMAX stays and means that nothing is in sight. A scan of nothing but error codes is
+/// A value below DMIN is an error code and becomes the range 0, which is no valid return. A value
+/// at or beyond DMAX stays and means that nothing is in sight. A scan of nothing but error codes is
 /// published as well and counted in `empty_scans`: the scanner is covered, dazzled or broken.
 ///
-/// What has not answered for `answer_timeout`, or sends no scan for so long, is asked everything
-/// again (timeouts). A device that is not there, or goes away, is opened as soon as it is (back)
-/// there (device_errors, reopened; state wait_device meanwhile). The scanner is left switched on
-/// when the core goes: its successor in a change reads on.
+/// A scanner that has not answered for `answer_timeout`, or sends no scan for so long, is asked
+/// everything again (timeouts). A device that is not there, or goes away, is opened as soon as it
+/// is (back) there (device_errors, reopened; state wait_device meanwhile). The scanner is left
+/// switched on when the core goes: its successor in a change reads on.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -27,7 +27,8 @@
 
 namespace drivers {
 
-/// What survives a change: bytes read and not used yet, the reply begun, and how far we asked.
+/// The state that survives a change: unused bytes, the reply begun, and the number of answered
+/// requests.
 struct ScannerLine {
   LineBytes bytes;
   scip::ReplyReader replies;
@@ -156,7 +157,7 @@ class HokuyoScip final : public LaserCore {
            kRequests[state->asked];
   }
 
-  /// "02" in reply to BM: it is on already. What QT says does not matter.
+  /// "02" in reply to BM: the laser is on already. The reply to QT does not matter.
   void take_answer() {
     const std::string_view status = state->replies.status();
     const bool granted =

@@ -11,7 +11,7 @@
 
 namespace drivers {
 
-/// What survives a change.
+/// The state that survives a change.
 struct ReplayPosition {
   std::uint64_t next = 0;
 };

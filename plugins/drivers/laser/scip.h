@@ -27,7 +27,7 @@ void encode(std::uint32_t value, std::span<char> into);
 /// The number in 2, 3 or 4 characters; nothing when one of them is out of range. [rt]
 [[nodiscard]] std::optional<std::uint32_t> decode(std::string_view characters);
 
-/// What the scanner says of itself in reply to PP.
+/// The limits that the scanner states in reply to PP.
 struct Limits {
   int dmin = 0;  ///< mm; a smaller value is an error code, not a range
   int dmax = 0;  ///< mm
@@ -98,7 +98,7 @@ class ReplyReader {
     bad,    ///< damaged, or a scan that nobody asked for
   };
 
-  /// What scans are to look like from now on.
+  /// The form of the scans from now on.
   void expect(const Request& request) { request_ = request; }
   Event push(char byte);
 

@@ -19,8 +19,8 @@ class ReplyWriter {
   std::string_view reply(std::string_view echo, std::string_view status);
   /// In reply to PP.
   std::string_view limits(std::string_view echo, const Limits& limits);
-  /// One scan; `steps` are all that were asked for, in millimetres. What is too large for its
-  /// characters is cut to the largest.
+  /// One scan; `steps` are all that were asked for, in millimetres. A value that is too large for
+  /// its characters is cut to the largest.
   std::string_view scan(const Request& request, std::uint32_t stamp,
                         std::span<const std::uint32_t> steps);
 
@@ -34,8 +34,8 @@ class ReplyWriter {
   std::size_t size_ = 0;
 };
 
-/// What a scanner with these limits would measure of a LaserScan, one value a step: nothing in
-/// sight is `nothing`, what is no range 0. Returns how many steps that are. [rt]
+/// The measurement by a scanner with these limits of a LaserScan, one value a step. Nothing in
+/// sight is `nothing`; a value that is no range is 0. Returns the number of steps. [rt]
 std::size_t measure(const rover::LaserScan& scan, std::uint32_t nothing,
                     std::span<std::uint32_t> steps);
 /// The limits of a scanner whose steps are the beams of the scan. [rt]

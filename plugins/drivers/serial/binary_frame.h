@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Finds the frames of a binary protocol in a stream of bytes; what they look like is `Format`:
+/// Finds the frames of a binary protocol in a stream of bytes. `Format` describes the frames:
 ///
-///   static constexpr std::size_t kLongest;  // of a whole frame; nothing longer is waited for
-///   static std::size_t size(Bytes begun);   // of the frame that begins here, as far as it is
-///   known:
-///                                           // 0 none does, above kLongest never trusted
-///   static bool intact(Bytes frame);        // its checksum
+///   `static constexpr std::size_t kLongest;`  is the length of the longest whole frame that the
+///                                             reader waits for.
+///   `static std::size_t size(Bytes begun);`   is the length of the frame that begins here, as far
+///                                             as it is known. 0: none begins; a length above
+///                                             kLongest is never trusted.
+///   `static bool intact(Bytes frame);`        checks the checksum.
 #pragma once
 
 #include <algorithm>

@@ -35,7 +35,8 @@ class DeviceLine {
   }
   /// One that is not there is waited for: then lost() is true. [factory]
   mauve::Status open(const std::string& device, int baud, SerialPort::Use use);
-  /// What was sent before is written first. Then nobody writes into `line` any more. [factory]
+  /// Bytes that were sent before are written first. Then nobody writes into `line` any more.
+  /// [factory]
   void close(LineBytes& line);
   [[nodiscard]] bool lost() const { return lost_; }
   /// Asks for it. False: it is still away, as far as the last call made it known. [rt]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What drivers of devices that send frames on a serial line have in common: the contract, the
-/// state machine (paper 5.2, Fig. 12), and the reading.
+/// The common part of drivers of devices that send frames on a serial line: the contract, the state
+/// machine (paper 5.2, Fig. 12), and the reading.
 #pragma once
 
 #include <mauve/plugin.h>

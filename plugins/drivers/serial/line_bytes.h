@@ -9,9 +9,9 @@
 
 namespace drivers {
 
-/// The bytes that came from a device and were not used yet. They are part of a core's state, so
-/// that they survive a change: the successor reads on here, and its own line goes on writing them
-/// once the line of its predecessor has let go.
+/// The unused bytes from a device. They are part of a core's state, so that they survive a change.
+/// The successor reads on here, and its own line goes on writing them once the line of its
+/// predecessor has let go.
 struct LineBytes {
   ByteRing<16'384> ring;
   std::uint64_t filler = 0;  // the line they are offered to; plus one: the line that writes them
@@ -19,9 +19,9 @@ struct LineBytes {
   std::uint64_t home = 0;    // where this is: a copy has no filler
 };
 
-/// The part of a line that fills bytes: a component offers them in each job, the thread of the
-/// line takes them, and lets go of them when another line wants them. A mark in the bytes states
-/// which line may write into them, so that it is never more than one.
+/// The part of a line that fills bytes. A component offers them in each job; the thread of the line
+/// takes them, and lets go of them when another line wants them. A mark in the bytes states which
+/// line may write into them, so that it is never more than one.
 class LineFiller {
  public:
   LineFiller() = default;

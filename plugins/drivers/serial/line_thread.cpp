@@ -60,7 +60,7 @@ struct LineThread::Device {
   [[nodiscard]] Order newest() const { return std::bit_cast<Order>(order.load()); }
 };
 
-/// What no other line can find is its own: nothing.
+/// The state that all lines of one device share; null for an end that no other line can find.
 std::shared_ptr<LineThread::Device> LineThread::device_of(const LineEnd& end) {
   static std::mutex mutex;
   static std::map<std::string, std::weak_ptr<Device>, std::less<>> devices;
@@ -202,7 +202,7 @@ void LineThread::tune() {
   if (device_ != nullptr && device_->tuned != id() && end_->tune()) device_->tuned = id();
 }
 
-/// What waited was for the device that is gone.
+/// Waiting bytes were for the device that is gone.
 void LineThread::open_again() {
   if (open()) return;
   drop_waiting();

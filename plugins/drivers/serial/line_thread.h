@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The thread that reads and writes a serial line, so that no real-time thread has to: in the
-/// kernel a read of a terminal can wait for a worker of ordinary priority, and a write for whoever
-/// writes to the same one.
+/// The thread that reads and writes a serial line, so that no real-time thread has to. In the
+/// kernel a read of a terminal can wait for a worker of ordinary priority. A write can wait for a
+/// thread that writes to the same terminal.
 #pragma once
 
 #include <pthread.h>
@@ -23,12 +23,12 @@
 namespace drivers {
 
 /// Serves one end of a line from start() to stop(). A line reads only into bytes that it fills, and
-/// no more than find room there: what is beyond that waits in the kernel, and a core that does not
-/// run takes nothing from the one that does. Of all lines of one device only that one reads whose
-/// component ran last, at its speed: a core that is no more leaves nothing behind to read for it.
+/// only as many as find room there. Further bytes wait in the kernel, and a core that does not run
+/// takes none from the one that does. Of all lines of one device only the line whose component ran
+/// last reads, at its speed: a core that is gone leaves no line behind that reads for it.
 class LineThread {
  public:
-  /// What becomes of an end that failed: it waits for reopen(), or is opened when something is
+  /// The treatment of an end that failed: it waits for reopen(), or is opened when something is
   /// sent.
   enum class Lost : bool { waits, opened_to_send };
 
@@ -58,9 +58,9 @@ class LineThread {
   /// All of it is sent later, or nothing and false: too much waits already. Of what a device that
   /// was lost heard a half, one that is opened to send hears all again. [rt]
   bool send(std::string_view bytes);
-  /// An order (7 bytes at most) counts for more than all that was sent to the device before it, by
-  /// whomever: of that, what waits is dropped, and what is just going out is followed by the order.
-  /// Who gives it sends it as well, afterwards. Any thread may. [rt]
+  /// An order (7 bytes at most) overrules all that any line sent to the device before it. Of that,
+  /// bytes that wait are dropped, and bytes that are just going out are followed by the order. The
+  /// caller sends the order as well, afterwards. Any thread may call this. [rt]
   void overrule(std::string_view order);
   /// Read it before looking for bytes: those that came before it failed are there then. [rt]
   [[nodiscard]] bool open() const { return open_.load(std::memory_order_acquire); }

@@ -42,7 +42,7 @@ speed_t speed_of(int baud) {
   return B0;
 }
 
-/// False with errno set. What is no terminal needs no settings. [rt]
+/// False with errno set. A file or a FIFO, which is no terminal, needs no settings. [rt]
 bool set_raw(int descriptor, int baud) {
   termios settings{};
   if (tcgetattr(descriptor, &settings) != 0) return true;

@@ -48,7 +48,7 @@ class LineEnd {
   virtual void close() = 0;
   /// The same once more, after it failed or was closed. Takes no memory.
   virtual bool reopen() = 0;
-  /// What others may have open, too; empty: nobody can.
+  /// The name under which others may open the same device; empty: nobody can.
   [[nodiscard]] virtual std::string name() const { return {}; }
   /// Gives the device the settings of this end, whatever others did; false when it has none.
   virtual bool tune() { return false; }
@@ -58,9 +58,9 @@ class LineEnd {
 /// not apply.
 class SerialPort final : public LineEnd {
  public:
-  /// What open() makes of a device that is not there.
+  /// The treatment of a device that is not there, by open().
   enum class Missing : bool { refused, accepted };
-  /// What is no terminal is never written to: a request would damage a recording.
+  /// A device that is no terminal is never written to: a request would damage a recording.
   enum class Use : bool { reading, both };
 
   /// Opens `device` (see line_path) raw and non-blocking, at the speed it has until tune(); `baud`
@@ -120,7 +120,7 @@ class PseudoTerminal final : public LineEnd {
   [[nodiscard]] std::size_t send_some(std::string_view bytes) const;
   /// The same; what does not fit is lost, as on a real line nobody listens to. False: lost some.
   bool send(std::string_view bytes) const { return send_some(bytes) == bytes.size(); }
-  /// What the other end wrote, as far as it fits; 0 when there is nothing.
+  /// The bytes that the other end wrote, as far as they fit; 0 when there are none.
   [[nodiscard]] std::size_t receive(std::span<char> into) const;
 
  private:

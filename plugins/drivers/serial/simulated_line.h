@@ -28,7 +28,7 @@ class SimulatedLine {
 
   /// All of it, or nothing and false: nobody reads the line, and much waits already. [rt]
   bool send(std::string_view bytes) { return thread_.send(bytes); }
-  /// What the other end wrote, as far as it fits. [rt]
+  /// The bytes that the other end wrote, as far as they fit. [rt]
   [[nodiscard]] std::size_t receive(std::span<char> into) {
     thread_.fill(bytes_);
     const std::span<const char> there = bytes_.ring.there();
