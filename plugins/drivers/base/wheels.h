@@ -29,7 +29,7 @@ struct WheelSpeeds {
 };
 
 /// Both speeds are reduced alike when one would be too fast, so that the robot stays on its curve.
-/// A wheel stands still when its speed would be no number. [rt]
+/// Both wheels stand still when a speed is not a number. [rt]
 [[nodiscard]] WheelSpeeds wheel_speeds(const rover::Velocity& velocity, const Wheels& wheels);
 /// The way back. [rt]
 [[nodiscard]] rover::Velocity velocity_of(const WheelSpeeds& speeds, const Wheels& wheels);
