@@ -9,9 +9,10 @@
 
 namespace mauve::daemon {
 
-/// [any] The answer, or the refusal with the generation in force. `state` is what the system is in
-/// after a refusal. A mutation leaves its audit line in the log and in the state directory; the
-/// answer of one that was applied comes from [control] only, and says whether it was saved too.
+/// [any] The answer, or the refusal with the generation in force. `state` is the state of the
+/// system after a refusal. A mutation leaves its audit line in the log and in the state directory.
+/// The answer of an applied mutation comes from [control] only, and says whether the change was
+/// saved too.
 void answer(Running& running, const Call& call, Result<Json> result,
             const std::string& state = "unchanged");
 

@@ -24,7 +24,7 @@ std::int64_t number(std::uint64_t value) { return static_cast<std::int64_t>(valu
 
 std::string bounded(const std::string& text) { return text.substr(0, kLongest); }
 
-/// What both kinds of line begin with.
+/// The first fields of both kinds of line.
 struct Line {
   logging::Fields fields;
   Json json;
@@ -53,7 +53,7 @@ Line begin(const Call& call) {
   if (!reason.empty()) {
     line.add("reason", bounded(reason));
   }
-  // What the daemon does by itself has its reason: "by rule gnss_lost".
+  // A change that the daemon makes by itself gives its reason: "by rule gnss_lost".
   const bool by_itself = call.method->name == kSupervision && !reason.empty();
   line.fields.push_back(
       {"by", by_itself ? bounded(reason) : "by uid " + std::to_string(call.caller.peer.uid)});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a command is, and what it works on.
+/// The description of a command, and the state that commands work on.
 #pragma once
 
 #include <sys/types.h>
@@ -68,7 +68,7 @@ struct Unproven {
   std::uint64_t replaces = 0;  ///< a saved one that goes when this one is confirmed; 0: none
 };
 
-/// What this run began with.
+/// The beginning of this run.
 struct Started {
   std::uint64_t generation = 0;
   std::chrono::steady_clock::time_point since = {};
@@ -141,8 +141,8 @@ struct Call {
   std::uint64_t before = 0;  ///< the generation that the request met
   /// How often each component was stopped by request when this one began: see Running::stops.
   std::optional<std::map<std::string, std::uint64_t>> stops = std::nullopt;
-  /// Of the generation that it makes; nothing: that of the one before. What only stops or starts
-  /// components proves nothing about them.
+  /// Of the generation that it makes; nothing: that of the one before. A change that only stops or
+  /// starts components proves nothing about them.
   std::optional<Confirmation> mark = std::nullopt;
   /// See check_conditions(). Copies share it.
   std::shared_ptr<std::atomic<Stage>> stage = std::make_shared<std::atomic<Stage>>(Stage::waiting);

@@ -47,9 +47,8 @@ using arch::Target;
   return json;
 }
 
-/// For as long as it lives the architecture stays as it is: elements that a change adds or takes
-/// away, also one that the system takes back by itself, come and go afterwards. It holds no thread
-/// up.
+/// While this object lives, no element joins or leaves the architecture. A change, or a rollback of
+/// the system, adds and removes its elements afterwards. It blocks no thread.
 class StandStill {
  public:
   explicit StandStill(const Running& running) : deployer_(running.deployer) {

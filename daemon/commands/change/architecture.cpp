@@ -2,12 +2,12 @@
 /// architecture.apply and architecture.diff. The latter is judged in a process of its own; the
 /// former:
 ///
-///   [trial]   make everything in a process of its own, in case that it crashes or hangs
-///   [factory] parse, load plugins beside the running ones, make all elements
-///   [control] compare with what runs
-///   [factory] prepare what is new
-///   [control] put it in force; names of new plugins come into the catalog
-///   [factory] free the rest
+///   [trial]   make everything in a process of its own, in case that it crashes or hangs.
+///   [factory] parse, load plugins beside the running ones, make all elements.
+///   [control] compare the wanted system with the running one.
+///   [factory] prepare the new elements.
+///   [control] put the change in force; names of new plugins come into the catalog.
+///   [factory] free the elements that are not needed.
 #include "commands/change/architecture.h"
 
 #include "base/thread_role.h"
@@ -44,7 +44,8 @@ class Application final : public ChangeHooks {
  public:
   Application(Running& running, std::string text, bool dry_run)
       : running_(running), text_(std::move(text)), catalog_(running.catalog), dry_run_(dry_run) {}
-  /// What elements logged last is text in the code of their plugin.
+  /// The texts that the elements logged last lie in the code of their plugin, so the elements go
+  /// first.
   ~Application() override {
     wanted_.reset();
     difference_ = {};

@@ -16,7 +16,8 @@
 
 namespace mauve::daemon {
 
-/// What else belongs to a change. Destroyed on [factory], after the elements of the change.
+/// The part of a change that its command adds, for example new rules. Destroyed on [factory], after
+/// the elements of the change.
 class ChangeHooks {
  public:
   ChangeHooks() = default;
@@ -45,7 +46,7 @@ void apply(Running& running, const CallPtr& call, Ticket ticket, Change change,
 void when_answered(Running& running, std::shared_ptr<Ongoing> ongoing,
                    std::function<void(Ongoing&)> then);
 
-/// What the system is in after a change that was refused with this.
+/// The state of the system after a change that was refused with this error.
 [[nodiscard]] std::string state_after(const Error& error);
 
 /// [control] The differences that a prepared change makes.
@@ -60,7 +61,7 @@ void say_kept(const Running& running, const Change& change, Json& result);
 [[nodiscard]] bool overtaken_by_stop(const Running& running, const Call& call,
                                      const Change& change);
 
-/// What a change of this component or resource starts from.
+/// The edit of this component or resource with which a change begins.
 [[nodiscard]] Edit edit_of(std::string_view component);
 
 /// The reason of a rollback that somebody asked for begins with this.

@@ -3,11 +3,10 @@
 /// transaction. The old code stays in memory while the change is on probation (see former.h);
 /// without a probation it is unmapped at once, or it is said why not.
 ///
-///   [judge]   make everything that runs from the new file in a process of its own
-///   [factory] map the new file, make and configure the new elements
-///   [control] the names change hands, all members swap at one instant; with resources at a barrier
-///   [factory] without a probation: the old elements are cleaned up and freed, the old code
-///   unmapped
+///   [judge]   make everything that runs from the new file in a process of its own.
+///   [factory] map the new file, make and configure the new elements.
+///   [control] give the names to the new code, and swap all members; with resources at a barrier.
+///   [factory] without a probation: clean up and free the old elements, and unmap the old code.
 #include <algorithm>
 #include <iterator>
 #include <optional>
@@ -178,7 +177,7 @@ void free_old(Running& running, Reload& reload, bool in_force) {
   }
 }
 
-/// What is said of a reload that is in force, but for what became of the old code.
+/// The answer for a reload that is in force, without the fate of the old code.
 Json result_of(Running& running, Reload& reload) {
   auto result = reload.receipt ? to_json(*reload.receipt) : to_json(Receipt{});
   say_sync(reload.prepared, result);

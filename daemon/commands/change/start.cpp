@@ -20,7 +20,7 @@ Edit edit_to_start(const Running& running, const std::string& name, bool reset) 
   return edit;
 }
 
-/// What runs already is named in the answer.
+/// The answer names the components that run already.
 class Already final : public ChangeHooks {
  public:
   explicit Already(std::vector<std::string> names) : names_(std::move(names)) {}

@@ -112,7 +112,7 @@ void watch_over_stop(Running& running, const CallPtr& call) {
       reply(std::move(outcome));
     }
   };
-  // What [stop] uses of the call nobody changes any more.
+  // [stop] uses a copy of the call that no other thread changes.
   const std::shared_ptr<const Call> asked = std::make_shared<Call>(*call);
   call->order = std::make_shared<StopOrder>(
       names_in(call->params, "components"), [&running, asked] { return applies(running, *asked); },

@@ -22,7 +22,8 @@ std::string property_path(const std::string& key) {
   return key.find('.') == std::string::npos ? "core." + key : key;
 }
 
-/// What a job of the new core may use of the processor; as it was when it is not said.
+/// The budget is the processor time that a job of the new core may use. It stays as it was when the
+/// request does not set it.
 Status declare_budget(const ComponentBase& component, const Json& params, Edit& edit) {
   if (!params.contains("budget")) {
     return ok();
@@ -70,8 +71,8 @@ Result<Edit> edit_from(const Running& running, const Json& params) {
   return edit;
 }
 
-/// What became of the properties of the core before: values that are others now, since the defaults
-/// of the new core were asked for, and properties that the new core does not have.
+/// Reports two kinds of properties of the core before. Some differ now, since the request asked for
+/// the defaults of the new core; the new core does not have the others.
 class Properties final : public ChangeHooks {
  public:
   Properties(const Running& running, const ComponentBase& component, const Edit& edit)
@@ -118,8 +119,8 @@ class Properties final : public ChangeHooks {
   std::vector<std::pair<std::string, Value>> before_;
 };
 
-/// The old core lets go before the new one begins: nothing could be prepared and dropped, and the
-/// rollback takes as long as the swap, so that a late job does not roll back.
+/// The old core releases its devices before the new one begins, so a dry run has nothing to prepare
+/// and drop. The rollback takes as long as the swap, so a late job does not trigger it.
 Status may_be_in_place(const Json& params) {
   if (flag(params, "dry_run")) {
     return refuse(

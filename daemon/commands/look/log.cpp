@@ -18,8 +18,9 @@ constexpr std::size_t kLongestGrep = 256;
 
 using WallTime = std::chrono::system_clock::time_point;
 
-/// Of the time that the answer is about: since when it was asked for, else since the first record
-/// that was found; when fewer were found than asked for, all that was ever logged.
+/// The losses since the time that the request names. Without such a time they count from the first
+/// record that was found. If fewer records were found than requested, the losses of the whole log
+/// count.
 Json dropped_json(const Running& running, const logging::Filter& filter, std::size_t count,
                   std::size_t found, std::optional<WallTime> first) {
   const auto since = filter.since ? *filter.since : found >= count && first ? *first : WallTime();

@@ -18,7 +18,7 @@ using std::chrono::steady_clock;
 constexpr const char* kUsual = "default";
 constexpr Duration kLongestLevel = std::chrono::hours(24);
 
-/// What is asked for; the level is nothing for the usual one.
+/// The level that the request asks for; no level stands for the usual one.
 struct Wanted {
   std::optional<logging::Level> level;
   std::string component;

@@ -47,7 +47,7 @@ Json whole_port_row(const Element& element, const PortBase& port) {
   return row;
 }
 
-/// What `get` says of it, where there is something to get.
+/// Adds the fields of the answer of `get` for this address, where `get` has an answer.
 void add_value(Json& object, const Running& running, const std::string& address,
                const Target& target, std::initializer_list<const char*> keys) {
   const auto now = sample(running, address, target);

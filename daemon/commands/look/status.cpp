@@ -46,7 +46,7 @@ Json row_of(const PlaceProbation& place) {
           {"jobs", confirms ? Json() : Json(place.rules.activations)}};
 }
 
-/// What waits to prove itself or to be confirmed, the oldest first.
+/// The changes that are on probation or wait for a confirmation, the oldest first.
 Json probations(const Running& running) {
   Json rows = Json::array();
   for (const auto& one : running.deployer.probations()) {

@@ -74,7 +74,8 @@ Result<Json> read_service(const Running& running, const std::string& address,
   return out;
 }
 
-/// What the port knows more than the service: where its values come from and how old they may be.
+/// The facts that the port knows in addition to the service: the origin of its values, and how old
+/// they may be.
 void add_connection(Json& out, const Binding& binding) {
   out["service"] = binding.service().address();
   out["max_age"] = max_age_of(&binding);

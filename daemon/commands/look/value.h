@@ -12,8 +12,8 @@ namespace mauve::daemon {
 [[nodiscard]] Result<Json> sample(const Running& running, const std::string& address,
                                   const Target& target);
 
-/// What a condition compares: null when there is none now. Runs no code of a resource: refused
-/// where the value is not stored.
+/// The value that a condition compares; null when there is none now. The function runs no code of a
+/// resource, so it refuses a value that is not stored.
 [[nodiscard]] Result<Value> read(const Running& running, const arch::Quantity& quantity);
 
 /// As sample(), of anything that has a value: also a statistic (control.missed, control.core), a

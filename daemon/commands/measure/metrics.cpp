@@ -112,7 +112,8 @@ void add_commands(Page& page, const Counts& counts) {
   }
 }
 
-/// What the system did by itself. An empty component: somebody asked, or nobody confirmed.
+/// The outcomes that the system caused by itself. The component of a rollback is empty when a user
+/// asked for it, or nobody confirmed the change.
 void add_outcomes(Page& page, const Counts& counts, const std::vector<ComponentStatus>& all) {
   struct Counter {
     const char* name;

@@ -82,7 +82,7 @@ Json quarantine_of(const Running& running, const Failure* failure) {
   return cores;
 }
 
-/// What was done about it decides what can be done next.
+/// The next steps depend on the reaction of the system to the failure.
 void add_next_steps(const Running& running, const std::string& name, const Failure& failure,
                     Json& hints) {
   const auto& core = failure.culprit.core;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The probation of a swap in place. Both cores want the same device, so the core before cannot
-/// stand ready: when the new one fails, its component has its safe values until the core before is
-/// configured again, on [factory].
+/// stand ready. When the new core fails, its component has its safe values until [factory] has
+/// configured the core before again.
 #pragma once
 
 #include <chrono>

@@ -43,7 +43,7 @@ Status read_misses(const std::string& text, Probation& probation) {
   return ok();
 }
 
-/// What a change without a probation would silently not do.
+/// Refuses options that would have no effect in a change without a probation.
 Status nothing_else(const Json& params) {
   for (const char* option : {"misses", "confirm_within"}) {
     if (params.contains(option)) {
@@ -54,7 +54,7 @@ Status nothing_else(const Json& params) {
   return ok();
 }
 
-/// What to do instead, where anything is kept.
+/// The error with the rollback to a saved generation as its hint, if one is saved.
 Error no_rollback(const Running& running, Error error) {
   const auto now = running.deployer.generation();
   error.hint.clear();
@@ -279,8 +279,8 @@ void confirm(Running& running, const CallPtr& call, Ticket /*none*/) {
               {"confirmed", std::move(confirmed)}});
 }
 
-// The undo of a swap in place is a change, so it waits for the end of one that is under way: also
-// of one that is answered, while [factory] frees the elements that it retired.
+// The undo of a swap in place is a change, so it waits for the end of the change under way. That
+// change may have its answer already, while [factory] frees the elements that it retired.
 void undo(Running& running, const CallPtr& call, Ticket /*none*/) {
   auto wanted = newest_of(running);
   if (!wanted.place || !running.control.busy()) {

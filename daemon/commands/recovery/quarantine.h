@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Quarantine: a new core that failed and was rolled back is not put in force again, nor does it
-/// stand by as a fallback core, until somebody releases it, or its plugin is another build. No
-/// other core of that change is kept out; nor is any when a change is undone, or not confirmed. A
-/// component that runs the core already goes on with it. The state directory keeps the list.
+/// Quarantine: a new core that failed and was rolled back is not put in force again, and does
+/// not stand by as a fallback core. It leaves quarantine when somebody releases it, or when its
+/// plugin is another build. The other cores of that change do not enter quarantine. An undone
+/// change, and one that nobody confirmed, bring no core into quarantine. A component that runs the
+/// core already goes on with it. The state directory keeps the list.
 #pragma once
 
 #include <functional>

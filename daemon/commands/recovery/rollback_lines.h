@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The differences that changes on probation made, kept so that the rollback can be shown in the
-/// lines of `plan`: before a user takes it, and when the system took it by itself.
+/// The differences that changes on probation made. They are kept so that the rollback can be shown
+/// in the lines of `plan`, before a user asks for it and after the system did it by itself.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// New code without a probation, from a start or a reload without one: nothing rolls back, but
-/// its generation is started after a crash only when it ran for a while, or somebody confirmed it.
+/// New code that a start, or a reload without a probation, put in force: no failure rolls it back.
+/// After a crash, mauved starts its generation only when it ran for a while, or somebody confirmed
+/// it.
 #pragma once
 
 #include "commands/command.h"
@@ -20,8 +21,8 @@ void begin_start(Running& running, std::uint64_t replaces, unsigned crashes);
 /// the generation before it goes on; when it ends well, both are confirmed.
 void carry_unproven(Running& running, std::uint64_t generation);
 
-/// [control] Confirms it when none of its components failed for as long as a probation lasts. What
-/// came after it decides about itself.
+/// [control] Confirms it when none of its components failed for as long as a probation lasts. Later
+/// generations are confirmed by their own rules.
 void look_at_unproven(Running& running);
 
 /// [control] By hand. False: what is in force is no such generation.
