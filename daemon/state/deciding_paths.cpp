@@ -41,7 +41,8 @@ std::vector<DecidingPath> deciding_paths(const Options& options) {
 }
 
 std::optional<Error> distrust_of(const DecidingPath& deciding) {
-  // What somebody put into a sticky directory beforehand is his.
+  // The deepest path is checked, because another user may put a directory of his own into a sticky
+  // directory beforehand.
   const std::string deepest =
       deciding.what == kState ? deciding.path + "/generations" : deciding.path;
   const auto trusted = plugin::Trust::of_this_process().check_path(deepest);

@@ -20,8 +20,9 @@ struct DecidingPath {
 /// Of these options. [main], before mauved changes its working directory
 [[nodiscard]] std::vector<DecidingPath> deciding_paths(const Options& options);
 
-/// Why somebody who is neither root nor the user of this process may exchange the path or what is
-/// in it, at the file or directory that is to blame; nothing: nobody may. [any but rt]
+/// The reason why a user other than root and the user of this process may exchange the path or its
+/// content. The error names the file or directory to blame. Nothing is returned when no other user
+/// may. [any but rt]
 [[nodiscard]] std::optional<Error> distrust_of(const DecidingPath& deciding);
 
 /// Writes a warning for each that is not trusted. With `Realtime::require`, as a service runs, the

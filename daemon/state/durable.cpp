@@ -41,7 +41,7 @@ Status write_all(int fd, std::string_view content, const path& file) {
   return ok();
 }
 
-/// What a directory lists is on the disk only then.
+/// Only after this call the entries of a directory are on the disk.
 Status sync_directory(const path& directory) {
   const Descriptor fd(::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!fd || ::fsync(fd.get()) != 0) {

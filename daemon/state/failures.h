@@ -22,7 +22,7 @@ struct Attempt {
   std::string reason;
 };
 
-/// What the system did about a failure.
+/// The reaction of the system to a failure.
 enum class Reaction : std::uint8_t { parked, rolled_back, fell_back, restarted };
 /// "parked", "rolled_back", "fell_back", "restarted".
 [[nodiscard]] std::string_view to_string(Reaction reaction);
@@ -56,10 +56,10 @@ class Failures {
  public:
   static constexpr std::size_t kRecords = 20;
 
-  /// What runs in the component now: the next failure is one of it.
+  /// Records the core that runs in the component now; the next failure counts for it.
   void runs(const std::string& component, CoreBuild core);
   [[nodiscard]] CoreBuild running(const std::string& component) const;
-  /// It is in force in all of these.
+  /// Records that this change is in force in all these components.
   void changed(const std::vector<std::string>& components, const Attempt& attempt);
   [[nodiscard]] const Attempt* last_change(const std::string& component) const;
 

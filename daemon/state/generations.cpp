@@ -37,7 +37,7 @@ std::uint64_t checksum(std::string_view text, std::uint64_t sum = 0xcbf29ce48422
   return sum;
 }
 
-/// What the checksum of a file covers: all but itself.
+/// The checksum covers the text and the header, except the checksum itself.
 std::uint64_t checksum_of(Json about, std::string_view text) {
   about.erase("checksum");
   return checksum(text, checksum(protocol::to_line(about)));

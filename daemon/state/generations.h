@@ -17,7 +17,7 @@
 
 namespace mauve::daemon {
 
-/// What is known of a generation. Only a confirmed one is started after a crash.
+/// The confirmation of a generation. Only a confirmed one is started after a crash.
 enum class Confirmation : std::uint8_t { unconfirmed, confirmed, rolled_back };
 
 /// "unconfirmed", "confirmed", "rolled_back".

@@ -20,7 +20,7 @@ std::string folder_of(const std::string& file) {
   return std::filesystem::absolute(file).parent_path().string();
 }
 
-/// What a start with it would come to.
+/// The result of a start with this generation.
 struct StartTrial {
   Status survived = ok();  ///< code of a plugin crashed, hung or ended the process
   Status good = ok();      ///< the first error of the file
@@ -43,10 +43,10 @@ Status check_cores(const Json& cores, const Json& quarantined) {
   return ok();
 }
 
-/// Made once in a process of its own: code of a plugin that crashes there does not take mauved with
-/// it, and of a generation that cannot be made nothing stays behind. When there is no such process
-/// to be had, or it was late outside of any hook, as on a machine that is busy, the start itself
-/// will show it.
+/// The trial makes all elements once, in a process of its own. Code of a plugin that crashes there
+/// does not end mauved, and a generation that cannot be made leaves nothing behind. If the process
+/// cannot be started, or is late outside of any hook, as on a busy machine, the trial says nothing
+/// and the start itself decides.
 StartTrial tried(const Origin& origin, const Options& options, const Json& quarantined) {
   Question question{origin.text};
   question.loads = true;
@@ -79,8 +79,8 @@ std::string folder_of(const Generation& one, const Options& options) {
                                                          : folder_of(options.architecture);
 }
 
-/// The crash counts for the newest confirmed generation of the architecture that was started. What
-/// was never confirmed is not started anyway.
+/// The crash counts for the newest confirmed generation of the architecture that was started. A
+/// generation that was never confirmed needs no count, because it is not started again anyway.
 void count_crash(Generations& generations, std::uint64_t started, logging::Log& log) {
   const auto ran = generations.text(started);
   if (!ran) {

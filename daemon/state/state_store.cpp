@@ -29,7 +29,8 @@ std::filesystem::path marker_in(const std::string& directory) {
   return std::filesystem::path(directory) / "running";
 }
 
-// What the marker says, but for a run that began not long ago: "machine RUN started GENERATION".
+// The contents of the marker. A run that began not long ago has another marker: "machine RUN
+// started GENERATION".
 constexpr std::string_view kEnded = "ended";
 constexpr std::string_view kRanLong = "ran long";
 constexpr std::string_view kRefused = "refused after a crash";
@@ -88,7 +89,8 @@ Result<std::unique_ptr<StateStore>> StateStore::open(const std::string& director
   return store;
 }
 
-/// What was saved by a run whose marker is lost counts as a crash, since an end leaves one.
+/// A run that saved generations and left no marker counts as a crash, since an orderly end writes
+/// one.
 void StateStore::read_marker() {
   const auto marker =
       arch::read_file(marker_in(directory_).string(), &plugin::Trust::of_this_process());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What outlives a run of mauved, in its state directory: generations, audit log, and whether the
-/// last run came to its end. Written on [disk], a thread of its own: a slow disk delays no change.
+/// The data that outlive a run of mauved, in its state directory: generations, audit log, and
+/// whether the last run came to its end. The thread [disk] writes them, so a slow disk delays no
+/// change.
 #pragma once
 
 #include <atomic>
