@@ -47,7 +47,7 @@ void print_line(const std::array<std::string, 9>& cells) {
   std::cout << line.data() << "\n";
 }
 
-/// What the table comes to.
+/// The verdict on the table.
 std::string verdict(const Timing& timing) {
   if (!timing.factor) {
     return "not proved: some execution times are not declared, or some components float";

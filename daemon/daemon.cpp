@@ -359,7 +359,8 @@ int Daemon::shut_down(const std::string& cause) {
 }
 
 /// On [control], before everything that waits there, so that no change is under way meanwhile; none
-/// can follow. What [control] does not come to, the reaper ends; the components stop at once.
+/// can follow. If [control] does not reach this stop, [stop] stops the components at once, and the
+/// reaper ends the process.
 std::vector<std::string> Daemon::stop_components() {
   std::promise<std::vector<std::string>> stopped;
   const auto order = std::make_shared<StopOrder>(std::vector<std::string>(), nullptr, nullptr);

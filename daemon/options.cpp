@@ -97,7 +97,7 @@ std::string machine_text() {
   return text;
 }
 
-/// What CLI11 says when it is refused.
+/// The message of CLI11 for a time that is refused.
 std::string is_some_time(const std::string& text) {
   const auto time = parse_duration(text);
   if (!time) {
@@ -137,7 +137,7 @@ void declare_admission(CLI::App& app, Options& options) {
       ->default_str(machine_text());
 }
 
-/// What outlives a run.
+/// The options for files that outlive a run.
 void declare_records(CLI::App& app, Options& options) {
   app.add_option("--log-file", options.log_file, "Also write the log as JSON lines to this file")
       ->type_name("FILE");

@@ -36,7 +36,7 @@ class StartGuard {
   /// The start is over; the signal that came meanwhile, if any.
   [[nodiscard]] std::optional<std::string> finish();
 
-  /// What the start still gets after a signal.
+  /// The time that the start still has after a signal.
   static constexpr std::chrono::milliseconds kPatience{3'000};
 
  private:
@@ -63,7 +63,7 @@ class Reaper {
   Reaper(const Reaper&) = delete;
   Reaper& operator=(const Reaper&) = delete;
 
-  /// What an orderly end still gets after a second signal.
+  /// The time that an orderly end still has after a second signal.
   static constexpr std::chrono::milliseconds kHurry{300};
 
  private:

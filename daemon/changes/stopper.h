@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// [stop]: a stop does not depend on [control]. Each one goes to [control] as ever and is watched
-/// from here; when [control] is held up (by code of a plugin, a lock, a bug), the components are
-/// stopped without it, and it does the books when it goes on.
+/// [stop]: a stop does not depend on [control]. Each stop request goes to [control] like any other
+/// request, and [stop] watches it. If [control] is held up (by code of a plugin, a lock, a bug),
+/// [stop] stops the components itself; [control] updates its records when it goes on.
 #pragma once
 
 #include <chrono>

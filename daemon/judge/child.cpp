@@ -64,7 +64,7 @@ void end_after(Duration time) {
   setitimer(ITIMER_REAL, &once, nullptr);
 }
 
-/// What a plugin prints goes nowhere. Returns the descriptor for the answer.
+/// The output of plugins is discarded. Returns the descriptor for the answer.
 int keep_streams() {
   const int answer = dup(STDOUT_FILENO);
   its_errors = dup(STDERR_FILENO);
@@ -96,7 +96,7 @@ Json error_json(const Error& error) {
           {"hint", error.hint}};
 }
 
-/// What it has to say has a bound too.
+/// The length of the answer is bounded.
 std::string line_of(const Json& said) {
   auto line = protocol::to_line(said);
   if (line.size() <= kLongestAnswer) {

@@ -68,7 +68,7 @@ class Judge {
 /// against the file. [any]
 [[nodiscard]] bool died(const Error& verdict);
 
-/// What the end of that process says: its answer, or why it gave none. [any]
+/// The answer of the process that has ended, or the reason why it gave none. [any]
 [[nodiscard]] Result<Json> verdict_of(const rt::ChildEnd& end, Duration within);
 
 }  // namespace mauve::daemon

@@ -26,7 +26,7 @@ bool is_loaded(const Question& question, const std::string& plugin) {
   return std::ranges::find(question.loaded, plugin) != question.loaded.end();
 }
 
-/// What the caller may not have loaded is an error at its place, and is not loaded.
+/// A plugin that the caller may not load is an error at its place in the file, and is not loaded.
 void leave_out_unloaded(const Question& question, arch::Spec& spec, arch::Problems& problems) {
   if (question.loads) {
     return;

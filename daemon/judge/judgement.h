@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What can be said about an architecture file before anything of it runs. Making its elements runs
-/// code of plugins, so this is done in a process of its own: see judge.h.
+/// The judgement of an architecture file before any part of it runs. Making the elements runs code
+/// of plugins, so a process of its own judges the file: see judge.h.
 #pragma once
 
 #include <optional>

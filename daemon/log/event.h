@@ -73,8 +73,9 @@ struct Record {
 /// [any] "2024-05-01T12:00:00.123456Z".
 [[nodiscard]] std::string utc(std::chrono::system_clock::time_point time);
 
-/// [any] The same back again, also without the fraction, with an offset in place of Z, or as a day
-/// alone; nothing when it is no such time, or not of 1970 to 2200.
+/// [any] The instant that such a text names. The text may have no fraction, an offset in place of
+/// Z, or the day alone. Nothing is returned for any other text, and for years outside of 1970 to
+/// 2200.
 [[nodiscard]] std::optional<std::chrono::system_clock::time_point> time_from(std::string_view text);
 
 /// [any] The record as one line of JSON, without the line end. Always valid UTF-8.

@@ -41,7 +41,7 @@ class History {
   /// The newest `count` records that pass, oldest first.
   [[nodiscard]] std::vector<Record> tail(std::size_t count, const Filter& filter) const;
 
-  /// What is not there any more, or never was.
+  /// The records that are missing from the history.
   struct Losses {
     std::uint64_t lost = 0;  ///< events that never became records: too many were reported
     std::uint64_t gone = 0;  ///< records older than the oldest one that is kept
@@ -50,7 +50,7 @@ class History {
   [[nodiscard]] Losses losses(std::chrono::system_clock::time_point since,
                               const std::string& component) const;
 
-  /// What follow() begins with.
+  /// The state with which follow() begins.
   struct Following {
     std::uint64_t id = 0;
     std::vector<Record> kept;  ///< as tail() gives them

@@ -11,9 +11,9 @@ namespace mauve::logging {
 /// broken plugin can still be read by every tool.
 [[nodiscard]] std::string json_string(std::string_view text);
 
-/// [any] `text` as one line that no terminal obeys: control characters, and those that turn the
-/// direction of writing, are written as escapes ("\\n", "\\u001b"); bytes that are not UTF-8 become
-/// U+FFFD.
+/// [any] `text` as one line without effect on a terminal. Control characters, and those that turn
+/// the direction of writing, are written as escapes ("\\n", "\\u001b"). Bytes that are not UTF-8
+/// become U+FFFD.
 [[nodiscard]] std::string printable(std::string_view text);
 
 }  // namespace mauve::logging

@@ -34,7 +34,7 @@ class Levels {
     Level level = Level::info;
     std::optional<Time> until;
   };
-  /// What differs from the usual one; all first, then by name.
+  /// The settings that differ from the usual level: first the one for all components, then by name.
   [[nodiscard]] std::vector<Setting> list() const;
 
   /// Ends the settings whose time is over, and returns the level in force after each of them.

@@ -328,7 +328,7 @@ void HealthMonitor::make_standby_cores() {
             }
           }
           making_ = false;
-          // What did not stand by is freed where it was made.
+          // A core that did not become a standby core is freed on [factory], where it was made.
           running_->control.in_factory([prepared] { prepared->clear(); }, [ticket] {});
         },
         [this, wanted](const std::string& hook) {

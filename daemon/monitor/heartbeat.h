@@ -41,8 +41,8 @@ class Heartbeat {
   const std::shared_ptr<Answers> answers_ = std::make_shared<Answers>();
 };
 
-/// The components that run, and whose release is overdue by more than the bound of a job and a
-/// second: so the guard, which would have ended that job, does not work either. [control]
+/// The running components whose release is overdue by more than the bound of a job and a second.
+/// The guard would have ended that job, so the guard does not work either. [control]
 [[nodiscard]] std::string overdue(const Running& running);
 
 }  // namespace mauve::daemon

@@ -21,9 +21,9 @@ class LateSummary {
   [[nodiscard]] static bool concerns(const RuntimeEvent& happening);
   /// False: it is only counted. Times of one component never go back.
   [[nodiscard]] bool pass(const RuntimeEvent& happening);
-  /// What was counted, once its time is over.
+  /// The counts whose time is over.
   [[nodiscard]] std::vector<RuntimeEvent> due(Instant now);
-  /// What was counted of this component, at once: it has stopped.
+  /// The counts of this component, at once, because it has stopped.
   [[nodiscard]] std::vector<RuntimeEvent> finish(const std::string& component, Instant now);
 
  private:

@@ -69,7 +69,7 @@ logging::Record ignored_request(const RuntimeEvent& happening, std::uint64_t ign
                                {"count", static_cast<std::int64_t>(ignored)}});
 }
 
-/// What programs ask for, out of the sentence for people.
+/// The fields for programs, taken out of the sentence for people.
 logging::Fields fields_of(const RuntimeEvent& happening) {
   const std::string& text = happening.text;
   std::int64_t count = 0;

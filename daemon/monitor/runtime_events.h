@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What real-time threads report, as log records.
+/// The reports of real-time threads, as log records.
 #pragma once
 
 #include "log/log.h"

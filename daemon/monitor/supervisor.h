@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the daemon changes by itself: rules that fire, and transactions that components request.
+/// The changes that the daemon makes by itself: rules that fire, and transactions that components
+/// request.
 #pragma once
 
 #include <atomic>
@@ -17,8 +18,8 @@
 namespace mauve::daemon {
 
 /// Looks at the rules 100 times a second on [control], while there are any. Transactions go the way
-/// of every change: one at a time, so a change under way delays them. What became of each is an
-/// event.
+/// of every change: one at a time, so a change under way delays them. An event reports the outcome
+/// of each.
 class Supervisor {
  public:
   explicit Supervisor(Control& control) : control_(control) {}
@@ -26,8 +27,8 @@ class Supervisor {
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
 
-  /// What the file says. Rules begin anew, armed. `generation`: of the change that brings it.
-  /// [main] before start(), then [control]
+  /// The rules of the architecture file and the permissions of components. Rules begin anew, armed.
+  /// `generation`: of the change that brings it. [main] before start(), then [control]
   void adopt(rules::Supervision supervision, std::uint64_t generation = 0);
   /// The changes that made these generations were rolled back: what they replaced is in force
   /// again, if they replaced anything, with its rules armed. [control]

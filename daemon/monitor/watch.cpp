@@ -23,7 +23,7 @@ std::size_t capacity_for(const DataType& data) {
   return std::clamp<std::size_t>(kTapBytes / std::max<std::size_t>(data.size, 1), 16, 2048);
 }
 
-/// What makes two samples the same.
+/// Two samples are the same when value, status and time are equal.
 bool same_sample(const Json& a, const Json& b) {
   return a.is_object() && b.is_object() && a["value"] == b["value"] && a["status"] == b["status"] &&
          a.value("t_ns", Json()) == b.value("t_ns", Json());

@@ -63,7 +63,7 @@ Json take(Json& object, const char* key, Json otherwise) {
   return found == object.end() ? std::move(otherwise) : std::move(*found);
 }
 
-/// What is wrong with the envelope, empty when nothing is.
+/// The fault of the envelope; empty when there is none.
 std::string envelope_fault(const Json& line) {
   if (line.is_array()) return "batches are not accepted, send one request a line";
   if (!line.is_object()) return "a request is a JSON object";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the server needs from the daemon behind it.
+/// The interface through which the server calls the daemon.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,8 @@
 
 namespace mauve::server {
 
-/// Who asks. A copy may be kept; the outbox stays valid (and deaf) after the client has gone.
+/// The client that sent a request. A copy may be kept; the outbox stays valid (and deaf) after the
+/// client has gone.
 struct Caller {
   std::uint64_t client = 0;  ///< number of the connection, never used again
   Peer peer;

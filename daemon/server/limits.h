@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What one client may cost the daemon.
+/// The limits to the load that one client may cause in the daemon.
 #pragma once
 
 #include <chrono>

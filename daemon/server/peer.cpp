@@ -32,7 +32,7 @@ Error system_error(const char* what) {
   return refuse(Errc::system, "client", std::string(what) + ": " + std::strerror(errno));
 }
 
-/// What the process calls itself. A sandboxed daemon does not see it.
+/// The name that the process gives itself. A sandboxed daemon does not see it.
 std::string program_of(pid_t pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/comm");
   std::string name;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Who is at the other end of a connection, by the word of the kernel, and what he may do.
+/// The identity of the process at the other end of a connection, as the kernel reports it, and its
+/// role.
 #pragma once
 
 #include <sys/types.h>
@@ -29,7 +30,7 @@ struct Peer {
 /// [io] SO_PEERCRED and SO_PEERGROUPS of a connected Unix socket.
 [[nodiscard]] Result<Peer> peer_of(int socket);
 
-/// Who has which role. A group that does not exist on this machine gives no role.
+/// The rules that give a role to a user. A group that does not exist on this machine gives no role.
 struct RoleRules {
   uid_t own_uid = 0;  ///< the user the daemon runs as: admin, since he could attach a debugger
   std::optional<gid_t> viewers;

@@ -108,7 +108,7 @@ void Session::serve_lines() {
     if (!line) {
       break;
     }
-    // What follows this line, if anything, has its own time from now on.
+    // The next line, if there is one, has a time limit of its own that begins now.
     partial_since_ = Clock::now();
     if (served == kLinesAtOnce || line->size() > kLongLine) {
       return serve_in_turn(*std::move(line));

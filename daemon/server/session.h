@@ -20,7 +20,7 @@
 
 namespace mauve::server {
 
-/// What all sessions of a server share; it outlives them.
+/// The objects that all sessions of a server share; they outlive the sessions.
 struct SessionContext {
   const Limits& limits;
   Dispatcher& dispatcher;

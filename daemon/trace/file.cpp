@@ -98,7 +98,8 @@ Json page_of(const Recording& recording, std::size_t from, std::size_t count) {
   return {{"records", std::move(records)}, {"next", next}, {"end", next == total}};
 }
 
-/// What somebody put in its place is not waited for.
+/// A FIFO or link that a user puts in place of the file does not block the reader: it reads regular
+/// files only.
 std::string part_of(const std::filesystem::path& file, std::size_t from, std::size_t most) {
   const rt::Descriptor fd(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOFOLLOW));
   struct stat status {};

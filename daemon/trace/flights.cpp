@@ -47,7 +47,8 @@ std::string text_in(const Json& json, const char* key) {
   return found != json.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
-/// What its first and last line say; nothing: it is none of ours, or damaged.
+/// The flight that the first and the last line of the file describe. Nothing is returned for a
+/// damaged file and for one that mauved did not write.
 std::optional<Flight> look_at(const std::filesystem::path& file) {
   constexpr unsigned long long kMostFlights = 1'000'000'000'000;
   Flight flight;
@@ -132,8 +133,9 @@ void Flights::write(const Recording& recording, const std::string& word,
              {{"component", component}, {"why", flight.why}, {"recording", flight.name}});
 }
 
-/// The oldest of a missed release while more than some of those are kept: a machine that is often
-/// late must not push the recordings of faults out, nor faults the last ones of misses.
+/// While more than kKeptOfMisses recordings of a missed release are kept, the oldest of them is the
+/// least wanted. So a machine that is often late does not push out the recordings of faults, and
+/// faults do not push out the last ones of misses.
 std::vector<Flight>::iterator Flights::least_wanted() {
   const auto of_miss = [](const Flight& one) { return one.why.starts_with("missed"); };
   const auto misses = std::count_if(flights_.begin(), flights_.end(), of_miss);

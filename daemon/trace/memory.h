@@ -12,7 +12,7 @@
 
 namespace mauve::daemon {
 
-/// What was recorded in some time, by time; of each thread in its order.
+/// The records of a span of time, sorted by time; the records of each thread stay in its order.
 struct Recording {
   TracedSystem about;
   std::string why;

@@ -20,7 +20,7 @@ class Probe {
 
   /// Refused without the rights for it.
   Status start() { return probe_.start(); }
-  /// What was noted since the last time. One caller.
+  /// Hands the records since the last call to `visit`. Only one thread may call it.
   template <typename Visit>
   void drain(Instant t0, Visit&& visit) {
     const auto thread = trace_name_id("[probe]");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The recorder: collects the records of all threads, keeps the last seconds, and writes a flight
+/// The recorder collects the records of all threads and keeps the last seconds. It writes a flight
 /// recording by itself when a release was missed, a core failed, or a change was rolled back.
 #pragma once
 
