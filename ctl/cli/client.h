@@ -39,7 +39,7 @@ class Client {
   /// away, "timed_out" when there is none before the deadline.
   [[nodiscard]] std::variant<Notification, Fault> next(Deadline deadline = Deadline::max());
 
-  /// What the daemon said of itself.
+  /// The greeting in which the daemon describes itself.
   [[nodiscard]] const Json& greeting() const { return greeting_; }
 
  private:

@@ -15,7 +15,8 @@ namespace mauve::ctl {
 
 class Session;
 
-/// What an argument is: what completion offers for it, and its placeholder in help.
+/// The kind of an argument decides the names that completion offers for it, and its placeholder in
+/// help.
 enum class Kind {
   none,
   component,
@@ -51,7 +52,7 @@ struct Argument {
 
   [[nodiscard]] bool is_option() const { return name.starts_with('-'); }
   [[nodiscard]] std::vector<std::string> words() const;
-  /// What stands for the value of an option in help and manual: "DURATION", "FILE", "cut|barrier".
+  /// The word for the value of an option in help and manual: "DURATION", "FILE", "cut|barrier".
   [[nodiscard]] std::string placeholder() const;
 };
 
@@ -68,7 +69,7 @@ struct Command {
 [[nodiscard]] std::span<const Command> commands();
 [[nodiscard]] const Command* find_command(std::string_view name);
 
-/// What `list` can list, and the method of the wire for it.
+/// A category that `list` can list, and the method of the wire for it.
 struct Category {
   std::string_view name;
   std::string_view method;
@@ -107,8 +108,8 @@ class Arguments {
   std::map<std::string, std::vector<std::string>, std::less<>> values_;
 };
 
-/// The words in which arguments.h is written: an argument that must be given, one that may be, and
-/// these of which several may be given; an option without value; a choice of words.
+/// The words in which arguments.h is written. They stand for an argument that must be given, an
+/// optional one, and both with several values; an option without value; a choice of words.
 namespace argument_table {
 
 constexpr Argument one(std::string_view name, std::string_view text, Kind kind) {

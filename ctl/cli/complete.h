@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a shell offers at TAB: commands and options from the table, live names from the daemon.
+/// The candidates that a shell offers at TAB: commands and options from the table, live names from
+/// the daemon.
 #pragma once
 
 #include <string>
@@ -8,7 +9,8 @@
 
 namespace mauve::ctl {
 
-/// What a shell may put in place of the word. One that ends with '=' or '.' is not complete yet.
+/// A candidate that a shell may put in place of the word. A candidate that ends with '=' or '.' is
+/// not complete yet.
 struct Candidate {
   std::string word;
   std::string text;  ///< what it means; empty where the word says it
@@ -23,8 +25,8 @@ struct Completion {
 /// empty). A daemon that does not answer within a moment adds nothing, and nothing is said.
 [[nodiscard]] Completion complete(const std::vector<std::string>& words);
 
-/// What `mauvectl __complete` prints for the scripts of all shells: a line for each candidate, its
-/// text after a tab, and ":files" where the shell shall add its own.
+/// The output of `mauvectl __complete` for the scripts of all shells. It has a line for each
+/// candidate, with its text after a tab, and ":files" where the shell must add its own file names.
 [[nodiscard]] std::string completion_lines(const Completion& completion);
 
 }  // namespace mauve::ctl

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// explain: the meaning of an event of the log, of a reason to refuse a command, or of a failure,
-/// and what to do about it, without a daemon; and the plugin that brings a name.
+/// and the remedy, without a daemon. It also names the plugin that brings a name.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -95,7 +95,8 @@ constexpr std::pair<const char*, std::string_view> kBrought[] = {{"cores", "a co
                                                                  {"types", "a type of data"},
                                                                  {"resources", "a resource"}};
 
-/// What the name is in the loaded plugins; null when none brings it. All names go to `known`.
+/// The kind of the name in the loaded plugins; null when no plugin brings it. All names go to
+/// `known`.
 Json brought_as(const Json& plugins, const std::string& name, std::vector<std::string>& known) {
   Json found;
   for (const Json& plugin : list_in(plugins, "items")) {

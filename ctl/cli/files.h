@@ -16,7 +16,7 @@ namespace mauve::ctl {
 /// The whole file.
 Status write_file(const std::string& path, const std::function<void(std::ostream&)>& write);
 
-/// What just failed, by errno.
+/// The error of the file operation that just failed, by errno.
 [[nodiscard]] Error not_written(const std::string& path);
 
 }  // namespace mauve::ctl

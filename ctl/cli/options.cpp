@@ -143,7 +143,7 @@ struct Parser {
 
 constexpr std::string_view kDurations[] = {"--budget", "--max-age", "--confirm-within"};
 
-/// What the daemon would refuse whatever runs in it is wrong use.
+/// A value that the daemon would refuse in every state is a wrong use of the command.
 std::optional<Fault> check_value(const Argument& argument, const std::string& value) {
   const std::string_view name = argument.name;
   if (std::ranges::find(kDurations, name) != std::end(kDurations)) {

@@ -35,7 +35,7 @@ struct Misuse {
 /// Options before or after any command, with a text each; completion offers them as well.
 [[nodiscard]] std::span<const Argument> global_options();
 
-/// What the exit codes mean, for help and manual.
+/// The meanings of the exit codes, for help and manual.
 struct ExitCode {
   int code = 0;
   std::string_view word;  ///< "refused"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a command makes: into the file of --output, or to standard output.
+/// The output of a command goes into the file of --output, or to standard output.
 #pragma once
 
 #include <string>

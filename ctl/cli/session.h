@@ -35,7 +35,8 @@ class Session {
   void print(const Json& value, std::string_view text);
   /// Prints the error in its four parts, or as JSON. Returns its exit code.
   int fail(const Fault& fault);
-  /// What the user asked, for messages: "swap-core arm"; of several things the one at `where`.
+  /// The request of the user, for messages: "swap-core arm"; of several arguments the one at
+  /// `where`.
   [[nodiscard]] std::string asked(std::string_view where) const;
   [[nodiscard]] Look look() const { return {screen.width, screen.colour_out}; }
 

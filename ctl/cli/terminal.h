@@ -11,8 +11,8 @@
 
 namespace mauve::ctl {
 
-/// While it lives the terminal shows another screen. What was there comes back with the end, also
-/// by a signal that ends the process.
+/// While this object lives, the terminal shows another screen. The screen from before comes back at
+/// the end, also when a signal ends the process.
 class Terminal {
  public:
   Terminal();
@@ -27,8 +27,8 @@ class Terminal {
   void draw(const std::vector<std::string>& lines);
 
   using Deadline = std::chrono::steady_clock::time_point;
-  /// What was typed; empty at the deadline and when the size changed. Nothing when the terminal is
-  /// gone.
+  /// The keys that the user typed; empty at the deadline and when the size changed. Nothing when
+  /// the terminal is gone.
   [[nodiscard]] std::optional<std::string> wait(Deadline deadline);
 
  private:

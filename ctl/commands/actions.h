@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the commands do: ask, print, and return the exit code. One function a row of the table.
+/// The functions of the commands: they ask, print, and return the exit code. One function a row of
+/// the table.
 #pragma once
 
 #include "cli/session.h"

@@ -37,7 +37,7 @@ std::variant<Json, Fault> params_of(const Arguments& given) {
   return params;
 }
 
-/// What a reader would else not know to be missing.
+/// The events that are missing from the output, which a reader would not notice otherwise.
 struct Dropped {
   std::uint64_t lost = 0;  ///< never recorded: rings and queues were full
   std::uint64_t gone = 0;  ///< recorded once, not kept

@@ -31,7 +31,7 @@ class Drawing {
         goal_(given.one("--goal")),
         mode_(given.one("--mode")) {}
 
-  /// What changes on the way.
+  /// The addresses of the values that change on the way.
   [[nodiscard]] std::vector<std::string> addresses() const {
     std::vector<std::string> all{pose_};
     for (const std::string& one : {scan_, path_, goal_, mode_}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What some addresses showed over a time: the source of CSV and pictures.
+/// The values of some addresses over a time: the source of CSV and pictures.
 #pragma once
 
 #include <functional>
@@ -23,7 +23,7 @@ struct Channel {
   [[nodiscard]] Json in(const Json& value) const;
 };
 
-/// What the address consists of, in the order of its description.
+/// The channels of the value at the address, in the order of its description.
 [[nodiscard]] std::variant<std::vector<Channel>, Fault> channels_of(Session& session,
                                                                     const std::string& address);
 

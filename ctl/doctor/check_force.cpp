@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What is in force in mauved: versions, policy, guard, locked memory.
+/// Checks of the settings in force in mauved: versions, policy, guard, locked memory.
 #include <algorithm>
 
 #include "doctor/checks.h"

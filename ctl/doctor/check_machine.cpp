@@ -19,7 +19,8 @@ constexpr std::size_t kEnoughCpus = 4;               // to set some apart
 constexpr double kHardlyStolen = 0.01;               // %, a tick now and then since the boot
 const std::string kCpus = "sys/devices/system/cpu/";
 
-/// What somebody holds the machine to, in us; nothing when only root may know.
+/// The longest wake-up time, in us, that a process requires of the machine. Nothing is returned
+/// when only root may read it.
 std::optional<std::int64_t> latency_asked(const Facts& facts) {
   std::ifstream device(facts.root / "dev/cpu_dma_latency", std::ios::binary);
   char bytes[sizeof(std::int32_t)];

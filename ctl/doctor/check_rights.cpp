@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What mauved and the caller are allowed: priorities, locked memory, run time of the control
-/// group.
+/// Checks of the rights of mauved and the caller: priorities, locked memory, run time of the
+/// control group.
 #include <algorithm>
 
 #include "doctor/checks.h"

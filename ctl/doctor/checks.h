@@ -17,7 +17,7 @@ struct Check {
 
 [[nodiscard]] std::span<const Check> checks();
 
-// What mauved and the caller are allowed.
+// The rights of mauved and the caller.
 Finding check_daemon(const Facts& facts);
 Finding check_versions(const Facts& facts);
 Finding check_priority_of_daemon(const Facts& facts);
@@ -25,7 +25,7 @@ Finding check_priority_of_caller(const Facts& facts);
 Finding check_locking_of_daemon(const Facts& facts);
 Finding check_locking_of_caller(const Facts& facts);
 Finding check_group(const Facts& facts);
-// What is in force in mauved.
+// The settings in force in mauved.
 Finding check_policy(const Facts& facts);
 Finding check_guard(const Facts& facts);
 Finding check_locked(const Facts& facts);

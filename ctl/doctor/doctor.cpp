@@ -83,8 +83,9 @@ std::string render(const Named& one, Look look) {
   return text;
 }
 
-/// What admission may assume of this machine, as mauved takes it: wake-ups as 99 % of them were,
-/// the rest as it is now. Not beside components: the measurement would hold them up.
+/// The costs that admission may assume of this machine, as a value of --machine. 99 % of the
+/// wake-ups took no longer than its `wake`; the other costs are measured now. The measurement does
+/// not run beside components, because it would delay them.
 std::optional<std::string> proposal(const Facts& facts, const std::vector<doctor::Wakes>& wakes) {
   if (wakes.empty() || !facts.status.is_null()) return std::nullopt;
   auto costs = rt::measure_machine(measured_cpus(facts), doctor::kWakePriority);

@@ -28,7 +28,7 @@ struct Facts {
 
   /// A file without the white space at its end; nothing when it cannot be read.
   [[nodiscard]] std::optional<std::string> text(std::string_view file) const;
-  /// What is in a folder, sorted.
+  /// The names in a folder, sorted.
   [[nodiscard]] std::vector<std::string> names(std::string_view folder) const;
   /// The folders of CPUs, in their order: "cpu0", "cpu1".
   [[nodiscard]] std::vector<std::string> cpu_folders() const;
@@ -40,7 +40,7 @@ struct Facts {
   [[nodiscard]] std::optional<std::string> boot_option(std::string_view name) const;
   /// The rows of components that asked for real-time threads.
   [[nodiscard]] std::vector<Json> components() const;
-  /// What mauved was started with; empty without one.
+  /// The option --realtime with which mauved was started; empty without a mauved.
   [[nodiscard]] std::string asked_realtime() const;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a check of `mauvectl doctor` comes to.
+/// The result of a check of `mauvectl doctor`.
 #pragma once
 
 #include <cstdint>

@@ -13,8 +13,8 @@
 namespace mauve::ctl::mtrace {
 namespace {
 
-/// What the machine takes to wake a thread, and what a disturbance does before and after it is
-/// seen.
+/// The time that the machine takes to wake a thread, and the time around a disturbance in which it
+/// has an effect, in ns.
 constexpr std::int64_t kWake = 200'000;
 constexpr std::int64_t kAround = 1'000'000;
 /// A probe looks each millisecond and does not see what holds it up for 200 us: a shorter
@@ -112,7 +112,8 @@ class OrderCheck {
     const bool together = waiting.instant() == job.instant();
     if (together) ++findings_.checked.orders;
     std::int64_t ready = waiting.instant();
-    // What ran before may have ended late; what is not seen may have as well.
+    // The urgent job before this one may have ended late. So may a job before the trace, which is
+    // not seen.
     if (next == 0 && !urgent_.whole) return;
     if (next > 0) ready = std::max(ready, urgent_.jobs[next - 1].end);
     if (waiting.excused || job.start() < ready + (together ? 0 : kWake)) return;

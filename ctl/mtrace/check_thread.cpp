@@ -294,7 +294,7 @@ class ThreadCheck {
     state_ = nullptr;
     held_.clear();
   }
-  /// What the header says is about what runs since the last change of the trace.
+  /// The header describes the components as they run since the last change of the trace.
   [[nodiscard]] bool last_epoch() const { return takes_left_ == 0; }
   /// Zero: not known, the header states that of a later core.
   [[nodiscard]] std::int64_t grid_now() const {

@@ -8,9 +8,9 @@
 
 namespace mauve::ctl::mtrace {
 
-/// One process, a thread for each component, the most urgent first: jobs with their states, waits
-/// for locks and holds as slices, arrows from each change to its members, values of users as
-/// counters.
+/// The output has one process, with a thread for each component, the most urgent first. Slices show
+/// jobs with their states, waits for locks and holds. Arrows lead from each change to its members;
+/// values of users are counters.
 void write_chrome(const Trace& trace, std::ostream& out);
 
 }  // namespace mauve::ctl::mtrace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Traces as text: a header, a record a line, an end. Whatever is sound in a file is read.
+/// Traces as text: a header, a record a line, an end. The reader keeps every sound part of a file.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ namespace mauve::ctl::mtrace {
 
 using protocol::Json;
 
-/// What is longer is no line of a trace, and is not kept.
+/// A longer line is no line of a trace, and is not kept.
 inline constexpr std::size_t kLongestLine = 1024 * 1024;
 
 /// Makes a Trace of a header and records as the wire or a file has them.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the parts of a check share: what they found, and what excuses it.
+/// The data that the parts of a check share: their findings, and the excuses.
 #pragma once
 
 #include <map>
@@ -26,7 +26,7 @@ struct SeenJob {
   [[nodiscard]] std::int64_t start() const { return release->time; }
 };
 
-/// What one thread did, after its own rules were checked.
+/// The jobs of one thread, after its own rules were checked.
 struct SeenThread {
   const Component* component = nullptr;
   std::vector<SeenJob> jobs;

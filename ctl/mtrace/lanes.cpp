@@ -7,8 +7,8 @@
 namespace mauve::ctl::mtrace {
 namespace {
 
-/// Goes through the records of one thread. What began before the trace has no beginning and is
-/// left out; what did not end lasts until the end.
+/// Goes through the records of one thread. A piece that began before the trace has no beginning and
+/// is left out; one that did not end lasts until the end.
 class Assembly {
  public:
   explicit Assembly(Lane& lane) : lane_(lane) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a timeline shows, before it is a picture: a window, rows, and pieces of execution.
+/// The content of a timeline, before it is a picture: a window, rows, and pieces of execution.
 #pragma once
 
 #include <string>

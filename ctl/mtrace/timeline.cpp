@@ -38,7 +38,7 @@ class Labels {
   std::vector<double> ends_ = std::vector<double>(kLabelLines, 0.0);
 };
 
-/// What happened to several components at once: changes, rollbacks, disturbances.
+/// The events that concern several components at once: changes, rollbacks, disturbances.
 class Happenings {
  public:
   Happenings(Page& page, const Trace& trace, Scene& scene)

@@ -11,7 +11,7 @@
 
 namespace mauve::ctl::mtrace {
 
-/// What to draw; what is not said is chosen.
+/// The part of the trace to draw; a part that the user does not give is chosen.
 struct View {
   std::optional<std::int64_t> from;
   std::optional<std::int64_t> to;

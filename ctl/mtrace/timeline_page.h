@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What surrounds the rows of a timeline: axis, colours, legend, title, notes.
+/// The surroundings of the rows of a timeline: axis, colours, legend, title, notes.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ namespace mauve::ctl::mtrace {
 inline constexpr double kLabelSize = 11.0;
 inline constexpr double kSmallSize = 10.5;
 
-/// What the legend explains, where it occurs.
+/// The signs that the legend explains, where they occur.
 enum class Sign : std::uint8_t {
   release,
   job,

@@ -239,7 +239,7 @@ void RowPicture::draw_missed(const Record& mark) {
   wrong(mark.time, std::to_string(mark.a) + " missed");
 }
 
-/// What went wrong, in red above the boxes, where there is room.
+/// Draws a failure in red above the boxes, where there is room.
 void RowPicture::wrong(std::int64_t time, std::string_view words) {
   const double x = page_.x(time) + 4;
   if (x < last_text_end_ || row_.dense) return;

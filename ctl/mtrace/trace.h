@@ -17,7 +17,7 @@ namespace mauve::ctl::mtrace {
 
 using Event = TraceKind;
 
-/// What the name and the numbers of an event mean; empty: it has none.
+/// The meaning of the name and the numbers of an event; empty: it has none.
 struct EventWords {
   std::string_view name;
   std::string_view a;

@@ -12,7 +12,7 @@
 
 namespace mauve::ctl {
 
-/// What becomes of data on a connection.
+/// The state of the data on a connection.
 enum class Flow {
   alive,
   resting,  ///< its component does not run

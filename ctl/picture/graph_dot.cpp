@@ -24,7 +24,7 @@ std::string row_of(const std::string& content) {
   return concat({"<TR><TD COLSPAN=\"2\">", content, "</TD></TR>"});
 }
 
-/// What lets data in stands on the left, what lets it out on the right.
+/// The ports and services that let data in stand on the left, those that let it out on the right.
 std::string dot_doors(const Graph::Node& node) {
   std::vector<std::string> left;
   std::vector<std::string> right;

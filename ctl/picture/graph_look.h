@@ -10,7 +10,7 @@
 
 namespace mauve::ctl {
 
-/// What leads nowhere, or failed.
+/// The colour of failed elements and of connections that lead nowhere.
 inline constexpr std::string_view kWrong = "#cf222e";
 
 struct NodeLook {

@@ -44,7 +44,7 @@ struct Spot {
   double below = 0.0;  ///< of the upper edge
 };
 
-/// What a box says and how large it is.
+/// The texts of a box, and its size.
 struct Card {
   struct Line {
     std::string text;

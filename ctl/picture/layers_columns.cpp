@@ -11,8 +11,9 @@ namespace {
 
 using Edge = std::pair<std::size_t, std::size_t>;
 
-/// Puts boxes in a row so that few wires lead back (Eades, Lin and Smyth): what nothing leads to
-/// first, what leads nowhere last, else whose more wires leave than enter.
+/// Puts boxes in a row so that few wires lead back (Eades, Lin and Smyth). Boxes without an
+/// incoming wire come first, boxes without an outgoing wire last. Otherwise the box comes first
+/// that more wires leave than enter.
 class Row {
  public:
   Row(std::size_t boxes, const std::vector<Edge>& edges)

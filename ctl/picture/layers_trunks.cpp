@@ -31,7 +31,7 @@ Span span_of(const Part& part, const Trunk& trunk) {
   return span;
 }
 
-/// What crosses when `a` runs to the left of `b`.
+/// The number of crossings when `a` runs to the left of `b`.
 int crossings(const Part& part, const Trunk& a, const Trunk& b) {
   int count = 0;
   const Span of_a = span_of(part, a);

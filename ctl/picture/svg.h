@@ -46,10 +46,10 @@ class Svg {
   /// A polyline with rounded corners; nothing for fewer than two places.
   void bent(const std::vector<Place>& places, double radius, std::string_view attributes);
   void polygon(const std::vector<Place>& places, std::string_view attributes);
-  /// What is drawn until close_group() belongs together; the title is shown where the mouse is.
+  /// The shapes drawn until close_group() belong together; the title is shown where the mouse is.
   void open_group(std::string_view attributes, std::string_view title = {});
   void close_group();
-  /// What is drawn until the next open() or close() is cut off outside of the rectangle.
+  /// The shapes drawn until the next open() or close() are cut off outside of the rectangle.
   void open_clip(Place corner, double width, double height);
   void close_clip();
 

@@ -127,7 +127,7 @@ std::string titled(const std::string& key, const std::string& block, Look look) 
   return painted(harmless(key), Paint::bold, look.colour) + "\n" + indented(block, 2);
 }
 
-/// What is amiss beside the components.
+/// The troubles of the system that no row of a component shows.
 std::string troubles(const Json& status, Look look) {
   std::string text;
   const auto add = [&](const std::string& line) {

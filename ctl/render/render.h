@@ -44,7 +44,7 @@ struct Look {
 [[nodiscard]] std::string render_record(const Json& record, Look look);
 
 /// "swapped control: pause 38 ns, 0 releases missed (generation 42)".
-/// What a change made different, a line each: "~ control.core.gain: 0.6 -> 0.8".
+/// The differences that a change made, a line each: "~ control.core.gain: 0.6 -> 0.8".
 [[nodiscard]] std::string change_lines(const Json& result, Look look);
 [[nodiscard]] std::string render_receipt(std::string_view done, const Json& receipt, Look look);
 /// States that nobody takes, one a line.
@@ -54,7 +54,7 @@ struct Look {
 /// "loaded extra (generation 43)", with what became of the old code, and warnings.
 [[nodiscard]] std::string render_plugin(std::string_view done, const Json& result, Look look);
 
-/// What is loaded and what each brings.
+/// The loaded plugins, and the types that each brings.
 [[nodiscard]] std::string render_plugins(const Json& result, Look look);
 
 /// The cores that fit a component, one row each, by the names that swap-core takes.
@@ -64,13 +64,15 @@ struct Look {
 [[nodiscard]] std::string render_history(const Json& result, Look look);
 /// Response times, one row a component, then what is not proved.
 [[nodiscard]] std::string render_analysis(const Json& result, Look look);
-/// What jobs took, one row a component; of one with its states: everything about it.
+/// The times that jobs took, one row a component; for one component with its states, all
+/// statistics.
 [[nodiscard]] std::string render_statistics(const Json& result, Look look);
 /// One component with its states; `now_ns` since T0.
 [[nodiscard]] std::string render_details(const Json& one, double now_ns, Look look);
 /// Why a component failed, what was done, what to do.
 [[nodiscard]] std::string render_why(const Json& why, Look look);
-/// What the rules wait for and did, one row each; the other: everything about the first.
+/// The conditions and the effects of the rules, one row each; render_rule() has all facts about the
+/// first.
 [[nodiscard]] std::string render_rules(const Json& result, Look look);
 [[nodiscard]] std::string render_rule(const Json& result, Look look);
 

@@ -65,7 +65,7 @@ std::string in_one_line(const OrderedJson& value) {
   return result + (value.is_object() ? " }" : "]");
 }
 
-/// What fits stands in one line, as a person would write it; the outer objects never.
+/// A value that fits stands in one line, as a person would write it; the outer objects never do.
 std::string in_lines(const OrderedJson& value, std::size_t begin, std::size_t depth) {
   const std::string line = in_one_line(value);
   const bool may_be_one = value.empty() || !value.is_object() || depth > 1;

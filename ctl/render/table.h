@@ -49,10 +49,10 @@ class Table {
   /// As many cells as columns.
   void add(std::vector<Cell> row) { rows_.push_back(std::move(row)); }
 
-  /// The titles, then the rows, each ended by a newline. No word is cut. With a width, columns with
-  /// a rank are left out, cells with several words take several lines, and columns that still do
-  /// not fit stand on indented lines below the first. Without a width a cell that is much longer
-  /// than a name does not widen its column.
+  /// The titles, then the rows, each ended by a newline. No word is cut. If there is a width,
+  /// columns with a rank are left out, and cells with several words take several lines. Columns
+  /// that still do not fit stand on indented lines below the first. Without a width a cell that is
+  /// much longer than a name does not widen its column.
   [[nodiscard]] std::string text(std::size_t width, bool colour) const;
 
  private:

@@ -43,7 +43,7 @@ std::variant<Pace, Fault> pace_of(const Arguments& given) {
   return pace;
 }
 
-/// What the daemon says, and said the time before.
+/// The newest answers of the daemon, and those of the time before.
 struct Watched {
   TopData now;
   TopData before;

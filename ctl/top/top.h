@@ -38,7 +38,7 @@ struct TopRow {
   double overruns = 0;
 };
 
-/// What the daemon said at one moment: answers of status.get and stats.get.
+/// The answers of the daemon at one moment, to status.get and stats.get.
 struct TopData {
   Json status;
   Json statistics;
@@ -59,7 +59,7 @@ inline constexpr std::array<std::pair<char, const char*>, 6> kTopSorts{{{'P', "p
                                                                         {'B', "busy"},
                                                                         {'M', "missed"}}};
 
-/// What the person at the terminal has chosen.
+/// The choices of the person at the terminal.
 struct TopView {
   TopSort sort = TopSort::priority;
   std::string filter;

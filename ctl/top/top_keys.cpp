@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What keys do.
+/// The effects of the keys.
 #include <algorithm>
 
 #include "top/top.h"

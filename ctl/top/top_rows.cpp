@@ -34,7 +34,7 @@ double used(const Json& statistics) {
          number(member(statistics, "preempted"), "sum_ns");
 }
 
-/// What was counted anew meanwhile is compared with nothing.
+/// Statistics that were reset meanwhile are compared with nothing.
 std::optional<double> busy_share(const Json& now, double now_ns, const Json& before,
                                  double before_ns) {
   const std::optional<double> since = maybe_time(now, "since_ns");
