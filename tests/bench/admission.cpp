@@ -41,7 +41,7 @@ analysis::TaskSet components(int count, const std::vector<int>& periods,
     const std::size_t which = random() % periods.size();
     const Duration period = std::chrono::microseconds(periods[which]);
     const Duration share = period * kLoad / 100 / of_a_cpu;
-    // What the machine needs for each job is part of the load.
+    // The time that the machine needs for each job is part of the load.
     const Duration execution = std::max<Duration>(share - set.overheads.activation, 1us);
     analysis::Task task;
     task.name = "component" + std::to_string(i);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the runtime adds to each state and to each job, against calling the same core methods one
-/// after the other. Releases are run back to back, on a clock that is moved forward by the wait
-/// instead of sleeping through it.
+/// The time that the runtime adds to each state and to each job, against calls of the same core
+/// methods one after the other. Releases run back to back: each wait moves the clock forward
+/// instead of sleeping.
 #include <deque>
 #include <memory>
 #include <string>

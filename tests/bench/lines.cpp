@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the drivers of serial lines need for their bytes, and the worst that a line can do to them.
+/// The time that the drivers of serial lines need for their bytes, and the worst line for them.
 #include <chrono>
 #include <cstdlib>
 #include <string>

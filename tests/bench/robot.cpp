@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the algorithms of the paper's robot reach and cost: `robot [PART...] [OPTIONS]`.
+/// The results and the cost of the algorithms of the paper's robot: `robot [PART...] [OPTIONS]`.
 #include "bench/robot.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The localization on the truck in Victoria Park: the satellites are cut out for half a minute at
-/// random, and what the filter then believes is compared with the positions it was not given.
+/// The localization on the truck in Victoria Park. The satellites are cut out for half a minute at
+/// random. The estimate of the filter is then compared with the positions that it did not get.
 #include <chrono>
 #include <cstdio>
 #include <fstream>

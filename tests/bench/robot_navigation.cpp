@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The planner of plugins/navigation on a million cells: the building of etc/maps drawn with 1000 x
-/// 1000, random places to go, and the worst there is: a goal behind walls, for which all is
-/// searched. And what the walls of the simulated world cost its laser.
+/// 1000, and random goals. The worst goal lies behind walls, so the planner searches all cells. The
+/// program also measures the cost of the walls of the simulated world for its laser.
 #include <algorithm>
 #include <chrono>
 #include <cmath>

@@ -38,7 +38,7 @@ Stamps& stamps() {
   return one;
 }
 
-/// What the output goes to.
+/// The valve that receives the output.
 struct Valve : mauve::Core<mauve::EmptyShell> {
   double opening = 0;
   void set(const double& value) {

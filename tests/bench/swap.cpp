@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The pause that a swap of a running core costs its real-time thread: what the receipts say,
-/// against a raw thread that takes a pointer out of an atomic word when it wakes.
+/// The pause of a real-time thread in a swap of its running core, as the receipts report it. The
+/// raw thread beside it takes a pointer out of an atomic word when it wakes.
 #include <array>
 #include <memory>
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What tracing costs: one event of a core, a state, and a job that does some work, with tracing
+/// The cost of tracing: one event of a core, a state, and a job that does some work, with tracing
 /// on and off in turn.
 #include <memory>
 #include <string>

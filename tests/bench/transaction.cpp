@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a transaction over 100 running components costs: the coordinator until the decision, each
-/// member, and all of it from the request until the last member is in force. Against a raw
-/// coordinator that fills 100 mailboxes and changes one word.
+/// The cost of a transaction over 100 running components: the time of the coordinator until the
+/// decision, and of each member. The whole lasts from the request until the last member is in
+/// force. The comparison is a raw coordinator that fills 100 mailboxes and changes one word.
 #include <algorithm>
 #include <array>
 #include <atomic>

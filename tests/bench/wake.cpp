@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// How late a 1 kHz component starts its job, against a raw thread of the same priority on the
-/// same CPU whose releases lie half a period off: both live through the same milliseconds.
+/// The lateness of a 1 kHz component at the start of its job. A raw thread of the same priority
+/// runs on the same CPU, with releases half a period off, so both live through the same
+/// milliseconds.
 #include <string>
 #include <thread>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Tables 5 and 6: SharedData through ports against what one would write by hand.
-///   sparse     as in the paper: write, 10 ms, read, 10 ms; the caches have forgotten all of it
-///   full rate  again and again, alone
-///   contended  a writer and a reader at full rate on two CPUs
+/// Tables 5 and 6: SharedData through ports against code written by hand.
+///   `sparse`     as in the paper: write, 10 ms, read, 10 ms; the caches hold none of it any more.
+///   `full rate`  again and again, alone.
+///   `contended`  a writer and a reader at full rate on two CPUs.
 #include "bench/support/exchange.h"
 
 #include <array>
@@ -68,7 +68,7 @@ struct Side {
   Table measured;
 };
 
-/// What one way takes when used seldom, ns.
+/// The times of one way that is used seldom, ns.
 struct Sparse {
   std::vector<double> write;
   std::vector<double> read;
@@ -229,7 +229,7 @@ void measure_ros(const Setting& setting, std::size_t column, std::array<Side, 2>
   sides[1].measured.add("roscpp, sparse, publish() to callback, median", column, median(arrived));
 }
 
-/// What was used stays, so that each round lies elsewhere in memory.
+/// Used objects stay allocated, so that each round lies elsewhere in memory.
 using Used = std::vector<std::shared_ptr<void>>;
 
 /// All sizes at full rate. One round takes a second: what the host does meanwhile spoils one.

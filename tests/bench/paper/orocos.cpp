@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The paper's Orocos rows, with Orocos RTT 2 (gnulinux):
-///   paper_orocos bg|prio|isolated CPU COUNT
-/// Two periodic TaskContexts as in Table 1, started A first by a deployer thread with less priority
-/// than both, with more, or on a CPU of its own. Prints "launch NAME instant" and, for each cycle,
-/// "NAME start end".
+///   `paper_orocos bg|prio|isolated CPU COUNT`.
+/// It has two periodic TaskContexts as in Table 1. A deployer thread starts A first. It has less
+/// priority than both, or more, or a CPU of its own. The program prints "launch NAME instant" and,
+/// for each cycle, "NAME start end".
 #include <cstdio>
 #include <cstdlib>
 #include <string>

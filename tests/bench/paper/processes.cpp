@@ -49,7 +49,7 @@ class Child {
     kill(child_, SIGKILL);  // nothing, when it has ended
     waitpid(child_, nullptr, 0);
   }
-  /// What it printed until it ended, or until then.
+  /// The output of the process until its end, or until the instant.
   [[nodiscard]] std::string all(Instant until) const {
     std::string text;
     char piece[4096];

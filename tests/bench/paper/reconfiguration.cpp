@@ -24,7 +24,7 @@ namespace {
 constexpr int kEvery = 2;  // jobs of B between two requests
 constexpr Duration kLong{250ms};
 
-/// What happened, noted by the threads of the tasks; read when they have ended.
+/// The events that the threads of the tasks note; they are read when these threads have ended.
 struct Notes {
   struct Job {
     Instant start;

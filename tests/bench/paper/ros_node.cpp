@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The paper's ROS column, with roscpp:
-///   paper_ros cycles NAME PERIOD_US TIME_US COUNT   a node with a loop and a ros::Rate, as in the
-///                                                   paper; prints "NAME start end" for each cycle
-///   paper_ros exchange SIZE COUNT                   a node that publishes to itself each 20 ms;
-///                                                   prints ns of publish() and until the callback
-/// Needs a master (ROS_MASTER_URI). No header of ours: nothing else is linked.
+///   `paper_ros cycles NAME PERIOD_US TIME_US COUNT`  a node with a loop and a ros::Rate, as in the
+///       paper; it prints "NAME start end" for each cycle.
+///   `paper_ros exchange SIZE COUNT`  a node that publishes to itself each 20 ms; it prints the ns
+///       of publish() and until the callback.
+/// The program needs a master (ROS_MASTER_URI). No header of ours: nothing else is linked.
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <std_msgs/UInt8MultiArray.h>

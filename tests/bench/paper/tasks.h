@@ -72,7 +72,7 @@ struct Run {
 /// A process for both: `PROGRAM VARIANT CPU COUNT` prints "launch NAME instant" too.
 [[nodiscard]] Run run_process(const std::string& program, const std::string& variant, int cpu,
                               Duration time);
-/// What a program prints.
+/// The output of a program.
 [[nodiscard]] std::string output_of(const std::vector<std::string>& words, int cpu);
 
 /// An ordinary process: every 10 ms it computes for 1 to 5 ms.

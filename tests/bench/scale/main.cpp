@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What grows with what, and how fast:
-///   scale [--smoke] [--out FOLDER] [components | cpus | payload | transactions | ports |
-///   clients]...
+/// The growth of each cost with the size of the system:
 #include <algorithm>
 #include <string>
 #include <utility>

@@ -60,7 +60,7 @@ struct Ports : mauve::Architecture {
   mauve::Component<Wide, Passing, mauve::PeriodicFsm<Passing>> component{*this, "passing"};
 };
 
-/// What its jobs took by the runtime's own statistics.
+/// The times of its jobs, from the runtime's own statistics.
 mauve::Distribution measure(int count, Duration time) {
   width = count;
   Ports architecture(mauve::rt::usable_cpus().back());

@@ -16,7 +16,7 @@ inline void must(const mauve::Status& done) {
   std::exit(1);
 }
 
-/// What a benchmark takes for granted of what it measures.
+/// A condition without which a benchmark measures nothing.
 inline void must_hold(bool condition, const char* what) {
   if (condition) return;
   std::cerr << "this measures nothing: " << what << "\n";

@@ -117,8 +117,8 @@ struct Contenders {
 [[nodiscard]] std::vector<double> alone(const std::vector<Operation>& operations, int times,
                                         int batches);
 
-/// Nanoseconds for each of two operations that run at the same time on two CPUs: medians of
-/// batches, since while one of the two is held up by the host the other one is alone.
+/// Nanoseconds for each of two operations that run at the same time on two CPUs. They are medians
+/// of batches, since one operation is alone while the host delays the other.
 [[nodiscard]] std::array<double, 2> together(const Operation& first, const Operation& second,
                                              int times);
 

@@ -23,8 +23,9 @@ using mauve::Instant;
 /// Monotonic clock, read directly.
 [[nodiscard]] Instant now();
 
-/// What the collector of traces does twice a second: without it their times come from the system.
-/// Takes a quarter of a second; holds for ten.
+/// Ties the ticks of the processor to the clock, as the collector of traces does twice a second.
+/// Without it, the times of ticks come from the system. The call takes a quarter of a second, and
+/// its effect lasts for ten.
 void tie_ticks();
 
 /// Processor time of this process so far, all its threads and what the kernel did for them.

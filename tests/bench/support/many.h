@@ -47,7 +47,7 @@ struct Many : mauve::Architecture {
   [[nodiscard]] std::uint64_t jobs() const;
 };
 
-/// What one deployment cost.
+/// The cost of one deployment.
 struct Deployment {
   double milliseconds = 0;  ///< deploy()
   double last_began = 0;    ///< us after T0

@@ -56,7 +56,7 @@ class RawLoop {
   mauve::rt::Thread thread_;
 };
 
-/// CPUs. What the coordinator wrote on another one has to come from there, line by line.
+/// CPUs. Each cache line that the coordinator wrote on another CPU must come from there.
 struct Places {
   int component;
   int coordinator;

@@ -22,7 +22,7 @@ struct Options {
 /// Ends the program with a usage text when it does not understand.
 [[nodiscard]] Options parse(int argc, char** argv);
 
-/// What is promised of a figure.
+/// The promise for a figure.
 struct Target {
   enum class Kind : unsigned char { none, at_most, above_raw, times_raw };
   Kind kind = Kind::none;

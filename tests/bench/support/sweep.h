@@ -34,7 +34,7 @@ class Sweep {
         grows_(std::move(grows)),
         columns_(std::move(columns)) {}
 
-  /// What one round measured at `x`, a value a column.
+  /// The values that one round measured at `x`, a value a column.
   void add(double x, const std::vector<double>& values);
   /// Table and files NAME.csv and NAME_slope.csv.
   void print(Book& book) const;
