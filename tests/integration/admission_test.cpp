@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a daemon says about response times, and what it refuses because of them.
+/// The answers of a daemon about response times, and the changes that it refuses because of them.
 #include "rt/thread/thread.h"
 #include "trial_daemon.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// A change costs no release, whatever the order of changes: MAUVE_CHANGES (150) of all kinds, 25
-/// ms apart, in an order that MAUVE_SEED decides. The trace is the witness. What was asked for, and
-/// what became of it, stands in a file that the test names.
+/// ms apart, in an order that MAUVE_SEED decides. The trace proves it. The requests and their
+/// outcomes stand in a file that the test names.
 #include <chrono>
 #include <cstdio>
 #include <deque>
@@ -34,7 +34,7 @@ constexpr std::uint64_t kProgress = 10'000;
 
 std::int64_t now_ns() { return steady_clock::now().time_since_epoch().count(); }
 
-/// What was asked for, when, and what became of it.
+/// A request, its time and its outcome.
 struct Asked {
   std::uint64_t number = 0;
   Json request;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// What real shells make of the scripts of `mauvectl completion`, with names of a running system.
+// Completion in real shells with the scripts of `mauvectl completion`, with names of a running
+// system.
 #include <filesystem>
 #include <sstream>
 
@@ -50,7 +51,7 @@ class CompletionIn : public testing::Test {
     })) << line;
     return words;
   }
-  /// What bash offers for a command line; the word that is completed is the last one.
+  /// The words that bash offers for a command line; the word that is completed is the last one.
   Words bash(const std::string& line) {
     return lines("bash", {"--norc", "--noprofile"},
                  ". $script; COMP_LINE='" + line + "'; COMP_WORDS=(" + line + "); " +
@@ -58,7 +59,8 @@ class CompletionIn : public testing::Test {
                      "COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _mauvectl; "
                      "printf '%s\\n' \"${COMPREPLY[@]}\"");
   }
-  /// What the function of zsh hands to its completion system, here functions of the test.
+  /// The words that the function of zsh hands to its completion system. Functions of the test stand
+  /// in for that system.
   Words zsh(const std::string& line) {
     return lines("zsh", {"-f"},
                  "compdef() { : }; . $script; compadd() { print -l -- ${(P)4} }; "

@@ -107,7 +107,8 @@ class DamagedStates : public Generations {
     }
     EXPECT_TRUE(daemon.process().running()) << damage << daemon.errors();
   }
-  /// What the next answers say is so: after a crash that runs which was answered as saved.
+  /// The next answers tell the truth: after a crash, mauved runs the architecture that an answer
+  /// called saved.
   void expect_honesty(TrialDaemon& daemon, const std::string& damage) {
     const Json released = daemon.ask("quarantine.release", {{"core", "trial/throwing_job"}});
     const bool free = released.value("saved", false);

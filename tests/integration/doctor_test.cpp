@@ -6,7 +6,7 @@
 namespace mauve::test {
 namespace {
 
-/// What `mauvectl doctor` finds, by check.
+/// The findings of `mauvectl doctor`, by check.
 Json findings_of(TrialDaemon& daemon) {
   static_cast<void>(daemon.ask("ping"));
   const auto result = Json::parse(daemon.ctl({"--json", "doctor"}).out, nullptr, false);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// What outlives a run: generations, the audit log, and what is started after a crash.
+// The data that outlive a run: generations, the audit log, and the choice of the start after a
+// crash.
 #include <sys/resource.h>
 
 #include <algorithm>

@@ -52,7 +52,7 @@ class Served {
   Process process_;
 };
 
-/// What a mauved says and shows to its guardian.
+/// Stands in for a mauved: it sends requests to the guardian, and shares a page with the guardian.
 class StandIn {
  public:
   explicit StandIn(const Served& guardian, int seals = kSeals) : socket_(guardian.connected()) {

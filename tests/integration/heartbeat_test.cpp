@@ -74,7 +74,7 @@ TEST_F(Heartbeats, AreSentWhileAllIsWellAndNotWhileControlHangs) {
   EXPECT_TRUE(was_logged(*daemon_, "watchdog_silent"));
 }
 
-/// What systemd does when the time is over.
+/// The test does the same as systemd when the time is over.
 TEST_F(Heartbeats, ThatStayAwayAreFollowedByTheLastConfirmedGeneration) {
   if (!rt::kGuardsFaults) GTEST_SKIP() << "a sanitizer handles SIGABRT in its own way";
   ASSERT_EQ(daemon_->ask("param.set", gain(4.0))["state"], "applied");

@@ -141,7 +141,7 @@ TEST_F(Judging, DoesNotHoldUpTheEnd) {
   EXPECT_EQ(daemon_->process().wait(), 0) << daemon_->errors();
 }
 
-/// What an apply would make is tried first.
+/// An apply first tries the elements that it would make.
 TEST_F(Judging, TriesTheElementsOfAnApplyBeforeTheyAreMadeInTheDaemon) {
   auto cores = std::vector<std::string>{"trial/exiting_constructor", "trial/stuck_constructor"};
   if (rt::kGuardsFaults) cores.emplace_back("trial/crashing_constructor");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What mauved must start next, from its answers alone: the rules of daemon/README.md, "What is
-/// kept", written a second time.
+/// The architecture that mauved must start next, from its answers alone. It is the rules of
+/// daemon/README.md, "What is kept", written a second time.
 #pragma once
 
 #include <gtest/gtest.h>

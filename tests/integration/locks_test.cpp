@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// A lock judges the change that would happen, never the method that asked for it: every method that
-// can change something stands in one table with the kind of difference that it makes, and is asked
-// under every lock.
+// A lock judges the change that would happen, never the method that asked for it. One table has
+// every method that can change something, with the kind of difference that it makes. The test calls
+// each method under every lock.
 #include <set>
 
 #include "kept_daemon.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// What a generation is worth after a crash, and which cores stay out.
+// The value of a generation after a crash, and the cores in quarantine.
 #include <atomic>
 #include <map>
 #include <thread>
@@ -248,7 +248,7 @@ TEST_F(Generations, ThatGoBackToAnUnconfirmedOneAreUnconfirmed) {
   EXPECT_EQ(exported(daemon), proved);
 }
 
-/// What the next change brings is not saved under the number of the one before.
+/// The content of the next change is not saved under the number of the one before.
 TEST_F(Generations, ThatGoBackKeepTheirContentBesideANewerChange) {
   TrialDaemon daemon(kTrial, options());
   auto client = daemon.client();

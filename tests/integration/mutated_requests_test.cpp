@@ -77,7 +77,7 @@ bool become(gid_t group, uid_t user) {
   return syscall(SYS_setgroups, 1, &group) == 0 && syscall(SYS_setresuid, -1, user, -1) == 0;
 }
 
-/// What all clients share.
+/// The data that all clients share.
 struct Flood {
   std::filesystem::path socket;
   std::uint64_t seed = 1;

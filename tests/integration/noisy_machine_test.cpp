@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The main job on a noisy machine: strict admission starts the shipped rover every time, and a
-/// core on probation is judged by its own time, alone and beside neighbours that take all they can.
+/// The main job on a noisy machine. Strict admission starts the shipped rover every time. A core on
+/// probation is judged by its own time, alone and beside neighbours that take all the time they can
+/// get.
 ///
 /// Compiled twice: a short form, and a campaign (MAUVE_WHOLE) that also drives the demo.
 #include <gmock/gmock.h>

@@ -227,7 +227,7 @@ TEST_F(ReloadOfResources, TheirShellPropertiesCanBeSet) {
   EXPECT_EQ(daemon.value("tally.core.gain"), 3.5);
 }
 
-/// What "first" logged so far: "one says 7".
+/// The texts that "first" has logged so far: "one says 7".
 std::vector<std::string> said(TrialDaemon& daemon) {
   std::vector<std::string> texts;
   const auto tail = daemon.ask("log.tail", {{"component", "first"}, {"n", 4096}});

@@ -45,7 +45,8 @@ class RequestMutator {
   }
 
  private:
-  /// What starts a process, moves all code, or keeps the system from running or changing is rare.
+  /// Methods are rare that start a process, move all code, or keep the system from running or
+  /// changing.
   const protocol::Method& some_method() {
     for (;;) {
       const auto& method = protocol::methods()[below(protocol::methods().size())];

@@ -120,7 +120,7 @@ class System {
       return condition();
     });
   }
-  /// What the test does every 10 ms.
+  /// The work that the test does every 10 ms.
   void meanwhile(std::function<void()> work) { meanwhile_ = std::move(work); }
   [[nodiscard]] bool reaches(const std::string& owner, const std::string& name, double least) {
     return run_until([=, this] { return observe(owner, name) >= least; });

@@ -196,7 +196,7 @@ TEST_F(Ros, ComesBackWithANewMasterWhileAllOthersGoOn) {
 
   start_master();
   ASSERT_TRUE(all_are_connected(true));
-  // Who comes later still gets the last goal, which the old master's topic had.
+  // A subscriber that comes later still gets the last goal, which the old master's topic had.
   EXPECT_NE(echo("/goal_out").find("x: 1.0\n"), std::string::npos);
   const auto before = value("goal.core.received");
   const auto tool = publish("/goal", 2.0, 0.0);

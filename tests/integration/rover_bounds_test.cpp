@@ -58,7 +58,7 @@ bool judged_enough(const json& verdict, std::size_t components) {
   return responses.size() == components && each && verdict["checked"]["responses"] >= kTogether;
 }
 
-/// What check-trace said as soon as it had judged enough, or found a violation.
+/// The verdict of check-trace as soon as it had judged enough, or found a violation.
 struct Judgement {
   json verdict;
   bool enough = false;

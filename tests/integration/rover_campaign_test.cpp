@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Ten minutes of the whole robot under load: it drives to and fro between the yard and the
-/// building, its rules change the core at each door, and no release is lost but to the machine
-/// itself. The trace is the witness, read in slices while it runs.
+/// Ten minutes of the whole robot under load. It drives to and fro between the yard and the
+/// building, and its rules change the core at each door. Only the machine itself costs releases.
+/// The test proves that from the trace, which it reads in slices while the robot runs.
 #include <gtest/gtest.h>
 
 #include <array>

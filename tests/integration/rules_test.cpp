@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// What a running daemon changes by itself: rules, and transactions that components request.
+// The changes that a running daemon makes by itself: rules, and transactions that components
+// request.
 #include <filesystem>
 
 #include "trial_daemon.h"

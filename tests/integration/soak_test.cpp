@@ -22,7 +22,7 @@ using std::chrono::steady_clock;
 /// The length from which the tight bounds hold: a short form has not warmed up.
 constexpr std::uint64_t kWarm = 600;
 
-/// What mauved holds at one moment.
+/// The memory, descriptors and threads of mauved at one moment.
 struct Usage {
   std::int64_t bytes = 0;
   std::int64_t descriptors = 0;

@@ -244,7 +244,7 @@ TEST(Stop, OfAllIsServedWhileALongChangeIsPrepared) {
   EXPECT_FALSE(slow.line(std::chrono::milliseconds(0)).has_value());
   EXPECT_EQ(daemon.component("first")["state"], "stopped");
   EXPECT_EQ(daemon.component("second")["state"], "stopped");
-  // What was prepared before the stop must not set anything going again.
+  // A change that was prepared before the stop must not start any component again.
   EXPECT_EQ(slow.json()["id"], 7);
   EXPECT_EQ(daemon.component("first")["state"], "stopped");
 }

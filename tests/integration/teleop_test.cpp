@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A joystick at the other end of a FIFO takes a driving robot over: the real plugins on a
-/// simulated clock, so that "within one period" is a count and not a measurement.
+/// A joystick at the other end of a FIFO takes over a driving robot. The real plugins run on a
+/// simulated clock, so "within one period" is a count and not a measurement.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>

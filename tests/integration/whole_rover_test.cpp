@@ -120,7 +120,7 @@ TEST_F(WholeRover, ObeysAJoystickAtOnceAndStandsWhenThatIsPulledOut) {
   EXPECT_TRUE(rover_.says("joystick: its joystick is gone")) << rover_.errors();
 }
 
-/// What ROS adds to the rover; `mission` leaves, rostopic says where to go.
+/// The rover with the elements of ROS. `mission` leaves; rostopic gives the goals.
 json with_ros(json system) {
   system["resources"].update(json::parse(R"({
     "ros_goal": { "type": "ros/subscribe_goal", "properties": { "shell.topic": "/goal" } },
@@ -170,7 +170,7 @@ TEST_F(WholeRoverWithRos, DrivesToAGoalFromRostopicAndGoesOnWhenTheMasterDies) {
   EXPECT_THAT(echo("/pose"), testing::ContainsRegex("position: \n    x: [45]\\."));
 }
 
-/// What a drive looks like to those who open its bag: two messages of its pose, and its scans.
+/// The content of the bag of a drive: two messages of its pose, and its scans.
 constexpr const char* kReadBag = R"(
 import rosbag, sys
 said = {"/pose": [], "/scan": []}
