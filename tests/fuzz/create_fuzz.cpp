@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// Any bytes as what a Create 2 streams, and as what it hears: every report that is believed stands
-// in the input as a whole frame, and the odometry stays a number.
+// Any bytes are the stream of a Create 2, and its input. Every report that is believed stands in
+// the stream as a whole frame, and the odometry stays a number.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// Any bytes in any pieces and any ranges: the same state comes out, every axis is within -1 to 1,
-// and what it wants of the robot is within its greatest speeds.
+// Any bytes come in any pieces, with any ranges. The same state comes out, every axis is within -1
+// to 1, and the command to the robot is within its greatest speeds.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

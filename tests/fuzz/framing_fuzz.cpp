@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// Any bytes in any pieces: the same lines come out, every line is a request or a refusal that can
-// be answered, a request that is accepted survives being written again, arguments are checked.
+// Any bytes come in any pieces. The same lines come out, and every line is a request or a refusal
+// that can be answered. An accepted request survives being written again, and its arguments are
+// checked.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

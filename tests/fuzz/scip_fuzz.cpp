@@ -26,7 +26,7 @@ void check_scan(const scip::ReplyReader& reader, const scip::Limits& limits) {
   scip::show(reader.request(), limits, values, scan);
   require(std::isfinite(scan.angle_min) && std::isfinite(scan.angle_increment));
   for (const float range : scan.ranges) require(std::isfinite(range) && range >= 0.0F);
-  // What was read is written as it was read.
+  // The writer writes a scan as it was read.
   if (reader.request().cluster != 1) return;
   scip::ReplyWriter writer;
   scip::ReplyReader again;

@@ -33,7 +33,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(!trace.error().message.empty());
     return 0;
   }
-  // What was read is written, and read again, as the same.
+  // A trace that is written and read again stays the same.
   std::ostringstream first;
   write(*trace, first);
   Reader again;

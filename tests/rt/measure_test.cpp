@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the runtime measures for admission: what a job uses, how long it holds a resource, what the
-/// machine takes for itself.
+/// The times that the runtime measures for admission: those of a job, those for which it holds a
+/// resource, and those that the machine takes for itself.
 #include <gtest/gtest.h>
 
 #include <chrono>

@@ -13,7 +13,7 @@ namespace {
 
 using test::eventually;
 
-/// What a job of this thread found.
+/// The findings of a job of this thread.
 struct Watch {
   std::atomic<long> faults{0};
   std::atomic<int> jobs{0};

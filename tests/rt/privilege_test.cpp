@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the deployer says and does without real-time privileges.
+/// The deployer without real-time privileges: its messages and its behaviour.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -21,7 +21,7 @@ namespace {
 
 using test::eventually;
 
-/// What `body` returns in a child process.
+/// The result of `body` in a child process.
 template <typename Body>
 int in_a_child(Body body) {
   const pid_t child = fork();

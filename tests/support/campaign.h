@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Campaigns: a thing is done very often under load, and not one release is missed. What is missed
-/// while the machine itself stood still is set apart, and a run in which it did so too often is
-/// repeated.
+/// Campaigns: the same operation is done very often under load, and not one release is missed.
+/// Releases that are missed while the machine itself stood still are counted apart. A run in which
+/// the machine stood still too often is repeated.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@
 
 namespace mauve::test {
 
-/// What one run of a campaign saw.
+/// The counts of one run of a campaign.
 struct Tally {
   std::uint64_t missed = 0;            ///< releases, while nothing disturbed the machine
   std::uint64_t missed_disturbed = 0;  ///< while the probe was late itself
@@ -36,7 +36,7 @@ class UnderLoad {
     missed_before_ = missed_();
   }
 
-  /// What was missed since the last call belongs to one window: disturbed, or not.
+  /// The releases missed since the last call belong to one window: disturbed, or not.
   void close_window() {
     const std::uint64_t missed_now = missed_();
     const std::uint64_t missed = missed_now - std::exchange(missed_before_, missed_now);

@@ -36,9 +36,9 @@ class DaemonProcess {
     return eventually(answers, within) && daemon_.running();
   }
   [[nodiscard]] Process& process() { return daemon_; }
-  /// What it said on standard error so far.
+  /// The text on standard error so far.
   [[nodiscard]] std::string errors() const { return TempDir::read(errors_); }
-  /// Waits until it has said this; the log is written a little later than things happen.
+  /// Waits until the log has this text; the log is written a little later than events happen.
   [[nodiscard]] bool says(const std::string& text) const {
     return eventually([&] { return errors().find(text) != std::string::npos; });
   }

@@ -59,7 +59,7 @@ inline Law widest_gap(const guidance::GapParameters& parameters = {}) {
                    Guidance& state) { return guidance::follow_gap(parameters, pose, scan, state); };
 }
 
-/// What guidance/control does around a law.
+/// The steps of guidance/control before and after a law.
 inline Driver driven_by(Law law) {
   return [law = std::move(law), obstacles = guidance::Obstacles()](
              const Pose2D& pose, const LaserScan& scan, Guidance& state) mutable {
@@ -80,7 +80,7 @@ struct World {
   }
 };
 
-/// What is the same for all drives of a table.
+/// The conditions that are the same for all drives of a table.
 struct Conditions {
   world::Disturbance disturbance{0.1, 0.5};
   double laser_noise = 0.0;               ///< m

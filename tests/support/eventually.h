@@ -7,8 +7,8 @@
 
 namespace mauve::test {
 
-/// Bound of an orderly end that is expected to succeed: a quarter of it is how long a component may
-/// take to come to its boundary, also on a machine that stands still meanwhile.
+/// Bound of an orderly end that is expected to succeed. A component may take a quarter of it to
+/// reach its boundary, also on a machine that stands still meanwhile.
 inline constexpr std::chrono::seconds kPatience{20};
 
 /// True as soon as `condition()` is; false when it was not within `limit`.

@@ -12,7 +12,7 @@
 
 namespace support {
 
-/// What gpsd reported between one GGA sentence and the next.
+/// The report of gpsd between one GGA sentence and the next.
 struct GpsdReport {
   int mode = 0;
   std::optional<double> latitude;

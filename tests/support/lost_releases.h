@@ -25,8 +25,8 @@ struct LostReleases {
 /// barrier, a swap in place) are marked "planned" in a trace and are not lost.
 class LossWitness {
  public:
-  /// The losses of a slice that no slice before contained. What is about to be recorded of its last
-  /// moment belongs to the next one.
+  /// The losses of a slice that no slice before contained. Records of the last moment of a slice
+  /// may still be missing, so this moment belongs to the next slice.
   std::vector<LostReleases> look(const ctl::mtrace::Trace& slice) {
     using ctl::mtrace::Event;
     const std::int64_t end = slice.last_time() - kUnreported;

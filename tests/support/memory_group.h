@@ -34,7 +34,8 @@ class MemoryGroup {
 
   /// Can there be one here?
   explicit operator bool() const { return !limit_.empty(); }
-  /// From now on the process may take so much more memory. What it has does not count.
+  /// From now on the process may take so much more memory. The memory that it has already does not
+  /// count.
   [[nodiscard]] bool take(pid_t process, std::size_t bytes) const {
     return write(limit_, std::to_string(bytes)) &&
            write(place_ / "cgroup.procs", std::to_string(process));

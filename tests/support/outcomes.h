@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a system did by itself.
+/// The outcomes that a system caused by itself.
 #pragma once
 
 #include <vector>

@@ -22,7 +22,7 @@ namespace mauve::test {
 /// A child process whose standard output can be read line by line without waiting.
 class Process {
  public:
-  /// What the child says on standard error goes to `errors`, or to nowhere.
+  /// The standard error of the child goes to the file `errors`, or is discarded.
   Process(std::vector<std::string> words, const std::string& errors = "/dev/null") {
     std::array<int, 2> pipe_ends{};
     if (pipe2(pipe_ends.data(), O_CLOEXEC) != 0) return;

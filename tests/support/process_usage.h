@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a process holds of the machine: memory, descriptors, threads.
+/// The resources of the machine that a process holds: memory, descriptors, threads.
 #pragma once
 
 #include <sys/types.h>

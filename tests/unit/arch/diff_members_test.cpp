@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// What joins, leaves and is replaced; any edits of a file.
+// The differences of elements that join, leave and are replaced; any edits of a file.
 #include <random>
 #include <string>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// What stays and becomes different: properties, cores, connections, attributes.
+// The differences of elements that stay: properties, cores, connections, attributes.
 #include "arch/compare/diff.h"
 
 #include <limits>

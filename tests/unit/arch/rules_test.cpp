@@ -57,7 +57,7 @@ class RulesInFiles : public testing::Test {
     EXPECT_EQ(load(text, catalog_, problems), nullptr);
     return problems.sorted();
   }
-  /// What is wrong with one rule or step, as a sentence.
+  /// The fault of one rule or step, as a sentence.
   std::string refusal(const std::string& what, const std::string& by) {
     const auto problems = refused(sample::with(what, by, supervised()));
     EXPECT_EQ(problems.size(), 1U) << by;

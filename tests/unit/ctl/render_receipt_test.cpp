@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// What a receipt says besides its sentence.
+// The lines of a receipt besides its sentence.
 #include <gtest/gtest.h>
 
 #include "render/render.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a daemon with four components answers to top.
+/// The answers of a daemon with four components to top.
 #pragma once
 
 #include "render/words.h"

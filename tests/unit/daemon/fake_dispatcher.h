@@ -71,7 +71,7 @@ class FakeDispatcher final : public server::Dispatcher {
     return kept_.size();
   }
   std::size_t served() const { return served_; }
-  /// What never came to dispatch(): "param.set: limit".
+  /// The requests that never reached dispatch(): "param.set: limit".
   std::vector<std::string> refused_ones() const {
     const std::lock_guard lock(mutex_);
     return refused_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// What is logged, what is found again, and what is said to be missing.
+// The records that are logged, those that are found again, and the count of the missing ones.
 #include "log/levels.h"
 
 #include <gmock/gmock.h>

@@ -67,7 +67,7 @@ TEST_F(StopperTest, CarriesOutAStopThatIsServedButNotLookedAfter) {
   EXPECT_THAT(stop->stopped_directly(), ElementsAre("left", "right")) << "none named: all";
 }
 
-/// What [stop] looks at after both of them shows that it is done with both.
+/// [stop] reports the third order, which came after both others. So it is done with both.
 TEST_F(StopperTest, LeavesAloneWhatIsOverOrWouldBeRefused) {
   const auto over = order({"right"});
   over->end(deployer);

@@ -17,7 +17,7 @@ namespace {
 
 using test::eventually;
 
-/// What holds the hooks of this file up.
+/// While this is true, the hooks of this file do not return.
 std::atomic<bool>& closed() {
   static std::atomic<bool> closed{true};
   return closed;

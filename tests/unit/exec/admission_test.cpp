@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What is admitted to run, and what is not, on a clock that is moved by hand.
+/// The architectures that are admitted to run, and those that are not, on a clock that is moved by
+/// hand.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What built-in resources keep when a change at a barrier gives them another type.
+/// The values that built-in resources keep when a change at a barrier gives them another type.
 #include <gtest/gtest.h>
 
 #include <mauve/host/architecture.h>

@@ -154,7 +154,7 @@ TEST_F(Guard, PutsBackThePriorityAndCpusThatACoreChanged) {
   EXPECT_LE(deployer.status("left").restored, 2u) << "its priority, and perhaps then its CPUs";
 }
 
-/// What the job under way has not come to yet.
+/// The releases that the job under way has missed count before it returns.
 TEST_F(Guard, CountsReleasesThatPassWhileAJobDoesNotReturn) {
   TwoWatched<Blocked> architecture;
   architecture.left.task().watchdog = 1h;

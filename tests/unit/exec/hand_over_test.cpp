@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What becomes of the state of a running core that is replaced.
+/// The state of a running core that is replaced.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a task records of a failure, and that two failures of one component are not mixed.
+/// The record of a failure that a task makes. The records of two failures of one component are not
+/// mixed.
 #include <gtest/gtest.h>
 
 #include "support/outcomes.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// A coordinator that is held up between looking at the clock and deciding, until the instant has
-/// passed: on a clock that is moved by hand, with the fail points of
+/// The coordinator is held up between looking at the clock and deciding, until the instant has
+/// passed. The tests move the clock by hand, with the fail points of
 /// exec/swap/two_phase_commit.cpp.
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What happens to releases that come too late. The core itself moves the manual clock.
+/// The treatment of releases that come too late. The core itself moves the manual clock.
 #include <gtest/gtest.h>
 
 #include "exec/task/task.h"

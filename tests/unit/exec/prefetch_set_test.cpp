@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What a job asks the cache for when it begins.
+/// The cache lines that a job asks for when it begins.
 #include "exec/update/prefetch_set.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What takes over by itself when a core fails, on a clock that is moved by hand.
+/// The cores that take over by themselves when a core fails, on a clock that is moved by hand.
 #include <gtest/gtest.h>
 
 #include "support/outcomes.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What jobs and states took, on a clock that is moved by hand. Something may really come between,
-/// so clean and preempted ones are counted together.
+/// The times of jobs and states, on a clock that is moved by hand. Another thread may really
+/// preempt a job, so clean and preempted jobs are counted together.
 #include <gtest/gtest.h>
 
 #include <future>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What real-time threads need before they are let go.
+/// The preparation of real-time threads before their first release.
 #include <gtest/gtest.h>
 
 #include <cerrno>

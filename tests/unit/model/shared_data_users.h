@@ -10,7 +10,7 @@
 
 namespace mauve {
 
-/// What a reader that comes now gets.
+/// The value that a new reader gets now.
 inline double value_of(SharedDataBase& data) {
   double value = -1;
   Cursor cursor;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// What `mauvectl record` writes comes back as the values that it was.
+// Values that `mauvectl record` writes are the same when they are read back.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -33,7 +33,7 @@ struct Reading {
   std::uint64_t implausible = 0;
 };
 
-/// What the driver makes of the bytes when they come at `rate` bytes a second.
+/// The reading that the driver makes of the bytes when they come at `rate` bytes a second.
 Reading read(std::string_view bytes, double rate) {
   GnssStream stream;
   GnssReader reader;
@@ -158,7 +158,7 @@ std::string damaged(std::string bytes, Damage damage, std::uint64_t seed) {
   return bytes;
 }
 
-/// What became of the epochs of damaged recordings.
+/// The fate of the epochs of damaged recordings.
 struct Toll {
   std::size_t sent = 0;
   std::size_t used = 0;

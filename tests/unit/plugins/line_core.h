@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What the tests of lines share: the side of a core, and the far end of its device.
+/// The parts that the tests of lines share: the side of a core, and the far end of its device.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -54,7 +54,7 @@ struct Core {
   LineThread line;
 };
 
-/// What the far end hears until it is as long as that.
+/// The bytes that the far end receives, until there are `size` of them.
 inline std::string heard(const PseudoTerminal& far, std::size_t size) {
   std::string all;
   EXPECT_TRUE(eventually([&] {

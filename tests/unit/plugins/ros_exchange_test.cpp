@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// What passes between real-time threads and the ROS thread; needs no ROS.
+/// The exchange between real-time threads and the ROS thread; needs no ROS.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -28,7 +28,7 @@ using Values = std::vector<std::uint32_t>;
 /// A URG-04LX, as its manual shows it.
 constexpr Limits kUrg{20, 5600, 1024, 44, 725, 384, 600};
 
-/// What came out of a stream: scans, replies and how much was damaged.
+/// The output of a stream: scans, replies and the count of damaged ones.
 struct Heard {
   std::vector<Values> scans;
   std::vector<std::string> replies;

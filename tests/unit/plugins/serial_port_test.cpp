@@ -86,7 +86,7 @@ TEST(SerialPort, FindsTheLineOfItsOwnProcessByName) {
   EXPECT_EQ(drivers::line_path("/dev/ttyACM0"), "/dev/ttyACM0");
 }
 
-/// What line_path("pty:test") says after the number of the process.
+/// The rest of line_path("pty:test") after the number of the process.
 std::string start_in(const std::string& path) { return path.substr(path.rfind('-')); }
 
 TEST(SerialPort, NamesItsOwnLineAfterTheStartOfItsProcessSinceNumbersAreUsedAgain) {

@@ -51,7 +51,7 @@ std::string changed_pvt(std::size_t place, std::initializer_list<int> bytes,
   return {all.begin(), all.end()};
 }
 
-/// What comes out of a line; the gate is open.
+/// The output of a line; the gate is open.
 struct Line {
   GnssStream stream;
   GnssReader reader;

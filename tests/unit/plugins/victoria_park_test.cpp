@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The filter on the truck in Victoria Park: how far off it is when the satellites have been gone
-/// for half a minute, whether it knows, and what it makes of positions that jump.
+/// The filter on the truck in Victoria Park. The tests check its error after half a minute without
+/// satellites, its own estimate of that error, and its reaction to positions that jump.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -46,8 +46,8 @@ Frame message(std::uint8_t id, const Frame& data) {
   return frame;
 }
 
-/// What an MTi-300 sent: counter, sample time, quaternion, acceleration, delta velocity, free
-/// acceleration, rate of turn, delta quaternion, status.
+/// The packet that an MTi-300 sent: counter, sample time, quaternion, acceleration, delta velocity,
+/// free acceleration, rate of turn, delta quaternion, status.
 const char* const kRecorded =
     "10 20 02 8D 90 10 60 04 00 54 DB F1 20 10 10 3F 7F 89 11 BC 11 1D FA 3B A0 CE F0 BD 73 25 73 "
     "40 20 0C BD DC F9 D0 BE 3C 86 19 41 1D 0B 47 40 10 0C B9 8D B0 00 B9 F1 48 00 3C C9 04 30 "

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// What mauved says of itself: rights, what is in force, directories.
+// The facts that mauved reports about itself: rights, settings in force, directories.
 #include <sys/stat.h>
 
 #include "unit/ctl/doctor/machine.h"
