@@ -358,9 +358,9 @@ int Daemon::shut_down(const std::string& cause) {
   return 0;
 }
 
-/// On [control], before everything that waits there, so that no change is under way meanwhile; none
-/// can follow. If [control] does not reach this stop, [stop] stops the components at once, and the
-/// reaper ends the process.
+/// The stop runs on [control] before all requests that wait there, so no change is under way
+/// meanwhile, and none can follow. If [control] does not reach this stop, [stop] stops the
+/// components at once, and the reaper ends the process.
 std::vector<std::string> Daemon::stop_components() {
   std::promise<std::vector<std::string>> stopped;
   const auto order = std::make_shared<StopOrder>(std::vector<std::string>(), nullptr, nullptr);

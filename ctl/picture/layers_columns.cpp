@@ -12,8 +12,8 @@ namespace {
 using Edge = std::pair<std::size_t, std::size_t>;
 
 /// Puts boxes in a row so that few wires lead back (Eades, Lin and Smyth). Boxes without an
-/// incoming wire come first, boxes without an outgoing wire last. Otherwise the box comes first
-/// that more wires leave than enter.
+/// incoming wire come first, boxes without an outgoing wire last. If every remaining box has both,
+/// the one with the largest surplus of outgoing wires comes next.
 class Row {
  public:
   Row(std::size_t boxes, const std::vector<Edge>& edges)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Components that stamp which job ran with the core of which transaction. The check is that a
+/// Components that stamp which job ran with the core of which transaction. A check shows that each
 /// transaction is a consistent cut: jobs before its instant are old everywhere, all others new.
 #pragma once
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// The paper's Orocos rows, with Orocos RTT 2 (gnulinux):
 ///   `paper_orocos bg|prio|isolated CPU COUNT`.
-/// It has two periodic TaskContexts as in Table 1. A deployer thread starts A first. It has less
-/// priority than both, or more, or a CPU of its own. The program prints "launch NAME instant" and,
-/// for each cycle, "NAME start end".
+/// The program has two periodic TaskContexts as in Table 1. A deployer thread starts A first. This
+/// thread has less priority than both, or more, or a CPU of its own. The program prints
+/// "launch NAME instant" and, for each cycle, "NAME start end".
 #include <cstdio>
 #include <cstdlib>
 #include <string>
