@@ -24,9 +24,9 @@ struct Use {
 };
 
 /// For each task the longest blocking by lower tasks of the same processor. `level` of a task:
-/// equal for equal priorities, larger for lower ones. The result is exact for small groups of tasks
-/// and resources that are linked by their uses. For larger groups it is an upper bound: the smaller
-/// of two sums, over the longest use of each resource and over the longest use by each task.
+/// equal for equal priorities, larger for lower ones. The result is exact where few tasks and
+/// resources are linked by their uses. For larger groups it is an upper bound: the smaller of two
+/// sums, over the longest use of each resource and over the longest use by each task.
 [[nodiscard]] std::vector<std::int64_t> blocking(const std::vector<std::size_t>& level,
                                                  const std::vector<Use>& uses);
 

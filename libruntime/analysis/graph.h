@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Graph: what one component can ask of its processor, as a digraph of jobs (Stigge, Ekberg, Guan
-/// and Yi, 2011). A vertex is a job, an edge says which job may follow and how soon after.
+/// Graph: the demand that one component can make of its processor, as a digraph of jobs (Stigge,
+/// Ekberg, Guan and Yi, 2011). A vertex is a job, an edge says which job may follow and how soon
+/// after.
 #pragma once
 
 #include <cstdint>
@@ -61,7 +62,7 @@ struct Graph {
 /// One job each `period`; its deadline is the period.
 [[nodiscard]] Graph periodic(Duration period, Duration execution);
 
-/// The adjacency of a graph, in nanoseconds: what the algorithms walk on.
+/// The adjacency of a graph, in nanoseconds, on which the algorithms walk.
 class Arcs {
  public:
   struct Arc {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Relaxation: what would make a system pass that does not. [any]
+/// Relaxation: the times with which a failing system would pass. [any]
 #pragma once
 
 #include <functional>

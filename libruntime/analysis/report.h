@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Report: what the analysis found; facts only, the caller decides what to do with them.
+/// Report: the findings of the analysis. They are facts only; the caller decides on the
+/// consequences.
 #pragma once
 
 #include <optional>
@@ -92,7 +93,7 @@ struct Problem {
   /// Names the task, its job, what it needs; the hint says with what this task would pass, others
   /// apart.
   Error error;
-  std::string aside;  ///< what the hint ends with: what would help besides
+  std::string aside;  ///< the end of the hint: another remedy
 };
 
 /// A little less, in the three digits that messages show.

@@ -17,9 +17,9 @@ struct Overheads {
   Duration wake{60us};       ///< lambda: from a timer's instant until the thread could run
   Duration activation{3us};  ///< c_act: the switches to a job and back
   Duration interrupt{15us};  ///< c_irq: a timer's interrupt; one for all jobs released together
-  Duration tick{30us};       ///< c_tick: what the kernel takes at each of its ticks
+  Duration tick{30us};       ///< c_tick: the time of the kernel at each of its ticks
   Duration tick_period{4ms};
-  Duration change{5us};  ///< what taking a change adds to the first job with it
+  Duration change{5us};  ///< the time that taking a change adds to the first job with it
 };
 
 /// All of 0: for the examples of textbooks.

@@ -14,7 +14,8 @@ namespace mauve {
 inline constexpr std::size_t kLongestName = 64;
 inline constexpr std::size_t kLongestAddress = 255;
 
-/// True for ^[a-z][a-z0-9_]{0,63}$: what every element, port, property and state is called. [any]
+/// True for ^[a-z][a-z0-9_]{0,63}$: the form of the name of every element, port, property and
+/// state. [any]
 [[nodiscard]] bool is_name(std::string_view text);
 
 /// True for a name, or two names with one slash between them: "shared_data", "drivers/laser_sim".

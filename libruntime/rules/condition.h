@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Condition: what a rule watches for, such as `pose.core.sigma >= 2.5 and not gnss.core.fixed`.
+/// Condition: the expression that a rule watches, such as
+/// `pose.core.sigma >= 2.5 and not gnss.core.fixed`.
 #pragma once
 
 #include <cstddef>
@@ -55,7 +56,8 @@ class Condition {
   static constexpr std::size_t kDeepest = 32;      ///< parentheses and `not` within each other
   static constexpr std::size_t kComparisons = 64;  ///< in one condition
 
-  /// Refused: what is no condition. The message says at which character; `at` is empty. [any]
+  /// Refused: a text that is no condition. The message says at which character; `at` is empty.
+  /// [any]
   [[nodiscard]] static Result<Condition> parse(std::string_view text);
 
   [[nodiscard]] const std::string& text() const { return text_; }

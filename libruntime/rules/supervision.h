@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Supervision: what may change a running system by itself. Named transactions, the rules that
-/// apply them, and the components that may ask for them. Plain data, as written in the file.
+/// Supervision: the automatic changes of a running system. Named transactions, the rules that apply
+/// them, and the components that may ask for them. Plain data, as written in the file.
 #pragma once
 
 #include <cstdint>

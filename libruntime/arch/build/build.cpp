@@ -124,7 +124,7 @@ class Builder {
     problems_.add(where, error);
   }
 
-  // A component that cannot be made: what is known of it is checked all the same.
+  // A component that cannot be made: its known parts are checked all the same.
   void check_parts(const ComponentSpec& spec, ComponentParts& parts) {
     std::shared_ptr<Shell> shell;
     std::shared_ptr<CoreBase> core;

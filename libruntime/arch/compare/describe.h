@@ -37,11 +37,10 @@ using Parked = std::function<bool(const ComponentBase&)>;
 [[nodiscard]] Value describe_connection(const Binding* binding);
 [[nodiscard]] Value describe_fallback(const std::optional<ComponentBase::Fallback>& fallback);
 
-/// The architecture as its file would be written: what has its default is left out. Reading the
-/// result (parse, build) gives the same system: elements, cores, state machines, property values,
-/// connections, task attributes and supervision. Without `parked`, the task attribute `start`
-/// decides.
-/// [control]
+/// The architecture as its file would be written: a key with its default value is left out. Reading
+/// the result (parse, build) gives the same system: elements, cores, state machines, property
+/// values, connections, task attributes and supervision. Without `parked`, the task attribute
+/// `start` decides. [control]
 [[nodiscard]] Value describe(const Architecture& architecture, const plugin::Catalog& catalog,
                              const Parked& parked = {}, const rules::Supervision& supervision = {});
 

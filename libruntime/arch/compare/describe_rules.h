@@ -9,7 +9,7 @@ namespace mauve::arch {
 
 /// `"drop_gnss": [...]` and so on.
 [[nodiscard]] Value::Object describe_transactions(const rules::Supervision& supervision);
-/// One object a rule; what has its default is left out.
+/// One object a rule; a key with its default value is left out.
 [[nodiscard]] Value::Array describe_rules(const rules::Supervision& supervision);
 
 }  // namespace mauve::arch

@@ -73,7 +73,7 @@ struct FallbackSpec {
   std::vector<PropertySpec> properties;
 };
 
-/// The task attributes; what is absent has the deployer's default.
+/// The task attributes; an absent attribute has the deployer's default.
 struct TaskSpec {
   Position where;
   std::optional<Placed<int>> priority;

@@ -38,7 +38,7 @@ class Problems {
 
   [[nodiscard]] bool empty() const { return found_.empty(); }
   [[nodiscard]] std::size_t size() const { return found_.size(); }
-  /// In the order of the file; what has no place comes last.
+  /// In the order of the file; a problem without a place comes last.
   [[nodiscard]] std::vector<Problem> sorted() const;
 
  private:

@@ -12,7 +12,7 @@
 
 namespace mauve::exec {
 
-/// Before the first release; what is not proved goes to the warnings of the system. [control]
+/// Before the first release; a missing proof goes to the warnings of the system. [control]
 Status admit_deployment(System& system);
 
 /// A prepared change: the warnings for its receipt, or the first problem. A barrier only moves

@@ -175,8 +175,8 @@ bool Barrier::hand_over(const std::vector<PreparedResource>& changed) {
   return true;
 }
 
-/// All, or nothing: what was moved before one fails is moved back. A converter that does not return
-/// fails too: members wait for it, and so does each request to [control].
+/// All states are handed over, or none: states moved before one fails are moved back. A converter
+/// that does not return fails too: members wait for it, and so does each request to [control].
 bool Barrier::hand_over() {
   MAUVE_ON_THREAD(control);
   const rt::Deadline deadline(kLongestWait);

@@ -86,7 +86,7 @@ class Commit final : public Ongoing, public std::enable_shared_from_this<Commit>
   std::vector<Deployed*> deployed_;  // by member
   std::vector<std::uint64_t> missed_before_;
   std::vector<bool> entered_;
-  std::vector<StandbyCore> standby_cores_;  // by member: what comes with it
+  std::vector<StandbyCore> standby_cores_;  // by member: the one that comes with it
   std::unique_ptr<Barrier> barrier_;        // null: the cut
   std::unique_ptr<TwoPhaseCommit> swap_;    // null: not yet past the barrier
   std::shared_ptr<Rollback> rollback_;      // null: no probation

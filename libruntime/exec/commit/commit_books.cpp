@@ -15,7 +15,7 @@
 
 namespace mauve::exec {
 
-/// The member's thread has answered: what it runs is what the model shows.
+/// The member's thread has answered, so the model shows the bundle that it runs.
 void Commit::enter(std::size_t index) {
   const Member& settled = swap_->members()[index];
   const SwapResult::State state = swap_->result().state;

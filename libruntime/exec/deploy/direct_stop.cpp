@@ -13,8 +13,8 @@
 namespace mauve::exec {
 namespace {
 
-/// For the end of the jobs under way: what a task allows, and what the guard needs to judge and to
-/// end one that goes on.
+/// The time for the jobs under way to end. It is the time that a task allows, and the time that the
+/// guard needs to judge and to end a job that goes on.
 constexpr Duration kParkingMayTake = Task::kHaltedJob + 500ms;
 /// For those that read the safe values; a slower one is not waited for.
 constexpr Duration kActingMayTake = 500ms;
@@ -25,7 +25,7 @@ bool is_one_of(const std::vector<std::string>& names, const Deployed& deployed) 
          std::find(names.begin(), names.end(), deployed.task->name()) != names.end();
 }
 
-/// Keeps names, not tasks: what leaves meanwhile is freed as ever, and has parked.
+/// Keeps names, not tasks: a component that leaves meanwhile is freed as ever, and has parked.
 class Halt final : public DirectStop {
  public:
   Halt(System& system, std::vector<std::string> names)

@@ -50,7 +50,7 @@ class ProbationPeriod {
   /// A newer change is in force, to which the rollback gave way.
   void overtake();
   /// A newer change is in force that leads its members back from now on. Elements that neither it
-  /// nor the rollback needs are freed with this; what it replaced is the heir's.
+  /// nor the rollback needs are freed with this; the elements that it replaced are the heir's.
   void pass_on_to(Content& heir, const std::vector<MemberRollback>& members);
   /// As long as the caller holds this it does not end, except by a failure or undo().
   [[nodiscard]] std::shared_ptr<const void> hold();

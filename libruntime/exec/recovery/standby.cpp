@@ -44,7 +44,7 @@ std::size_t recent_restarts(const System& system, const Deployed* deployed,
                     [&](Instant restart) { return now - restart <= policy.per.count(); }));
 }
 
-/// It took over: what the task runs is what the model shows.
+/// The standby core took over, so the model shows the bundle that the task runs.
 void take_note(System& system, Deployed& deployed) {
   const StandbyCore used = std::exchange(deployed.standby, {});
   const FaultRecord& fault = used.answer->fault;

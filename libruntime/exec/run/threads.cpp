@@ -144,7 +144,7 @@ class Threads final : public Runner {
     Task& task;
     rt::ThreadAttributes attributes;
     std::atomic<bool> quit{false};
-    std::vector<std::shared_ptr<const Bundle>> inside;  // once lost: what it may still use
+    std::vector<std::shared_ptr<const Bundle>> inside;  // once lost: the bundles it may use
     bool ending = false;
     Instant judged = 0;       // when the job began that the next two are about
     Duration used_before{0};  // of the processor, when its last tenth began

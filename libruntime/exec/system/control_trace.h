@@ -19,7 +19,7 @@ class ControlTrace {
   static constexpr std::size_t kCapacity = 4096;
 
   void add(const TraceRecord& record);
-  /// In order; what was dropped since the last time comes first, as `lost`.
+  /// In order; the number of records dropped since the last time comes first, as `lost`.
   [[nodiscard]] std::vector<TraceRecord> take();
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// System: a deployed architecture; what the deployer's operations work on.
+/// System: a deployed architecture, on which the deployer's operations work.
 #pragma once
 
 #include <atomic>
@@ -83,8 +83,8 @@ class System {
   std::list<Deployed> deployed;
   /// Let go. A holder of this may still refer to one; emptied when there is none. [control]
   std::shared_ptr<std::list<Deployed>> departed = std::make_shared<std::list<Deployed>>();
-  /// Held while a change is prepared, which reads the model on [factory]: what the system did by
-  /// itself gets into the books afterwards.
+  /// Held while a change is prepared, which reads the model on [factory]. Actions of the system by
+  /// itself get into the books afterwards.
   ModelLock model;
   Mutex members;
   std::vector<RuntimeEvent> last_events

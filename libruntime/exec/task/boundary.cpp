@@ -220,7 +220,7 @@ void Boundary::wait_or_go_on(TaskUpdate& step) {
     task_.running = true;
     step.answer->pause = skip_gap(step.decision->instant());
   }
-  // After a direct stop: what was written during a hand-over that came to nothing may be lost.
+  // After a direct stop, values written during a hand-over that came to nothing may be lost.
   const bool stands = !task_.running && !task_.waiting;
   if (stands && task_.mailbox.halted()) faults_.write_safe_values();
   step.answer->progress.store(TaskUpdate::Progress::done, std::memory_order_release);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// FaultReaction: what a task does about a core that fails, or that does not prove itself on
+/// FaultReaction: the reaction of a task to a core that fails, or that does not prove itself on
 /// probation. Safe values are written before the fault is recorded. [rt]
 #pragma once
 

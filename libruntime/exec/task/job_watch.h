@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// JobWatch: what the guard sees of a task: the job under way, the time it may take, and the thread
-/// that runs it.
+/// JobWatch: the view of the guard on a task. It has the job under way, the time it may take, and
+/// the thread that runs it.
 #pragma once
 
 #include <atomic>

@@ -29,7 +29,7 @@ class Task {
   /// `noise`: the noise of the machine; null: it is not known.
   Task(std::string name, const Clock& clock, std::shared_ptr<const rt::Noise> noise = nullptr);
 
-  /// Before the first release: what to run, and the common T0. [control]
+  /// Before the first release: the update to run with, and the common T0. [control]
   void begin(std::unique_ptr<TaskUpdate> first, Instant t0);
 
   [[nodiscard]] const std::string& name() const { return context_.report.name(); }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// TaskReport: what a task reports of itself while it runs: counters, log events, requests of its
-/// jobs, trace records and the record of its last fault. One thread writes; no record waits.
+/// TaskReport: the reports of a task about itself while it runs: counters, log events, requests of
+/// its jobs, trace records and the record of its last fault. One thread writes; no record waits.
 #pragma once
 
 #include <atomic>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// PrefetchSet: what a job is about to touch. A component that sleeps for milliseconds finds the
-/// caches cold, and goes from port to connection to resource by pointers: each line would be waited
-/// for in its turn. Asked for together when a job begins, they come in the time of one or two.
+/// PrefetchSet: the memory that a job is about to touch. A component that sleeps for milliseconds
+/// finds the caches cold, and goes from port to connection to resource by pointers: each line would
+/// be waited for in its turn. Requested together when a job begins, all lines come in the time of
+/// one or two.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +13,8 @@
 
 namespace mauve::exec {
 
-/// Only addresses: what is gone meanwhile is not looked at, and asking for it harms nobody.
+/// Only addresses: an object that is gone meanwhile is not read, and a prefetch of its address does
+/// no harm.
 class PrefetchSet {
  public:
   explicit PrefetchSet(const Bundle& bundle);

@@ -46,7 +46,7 @@ struct TaskUpdate {
   bool mode_only = false;  ///< whatever the task runs with stays: it may be back at an older bundle
   bool restart = false;    ///< begin at the initial state, on the next instant of the grid
   bool offset_changes = false;
-  bool other_core = false;       ///< other code: what was measured is not about it
+  bool other_core = false;       ///< other code: no measurement is about it
   bool has_safe_values = false;  ///< of the bundle, on connected ports
   bool count_gap = false;        ///< releases that passed while parked count as missed (in place)
   Duration grid{0};
@@ -78,7 +78,7 @@ struct TaskUpdate {
     Duration pause{0};  ///< this and the next: valid when done
     std::size_t bytes = 0;
     bool failed = false;  ///< its state was not converted; also valid when done
-    FaultRecord fault;    ///< of a standby core: what it took over from; also valid when done
+    FaultRecord fault;    ///< of a standby core: the one it took over from; also valid when done
     /// The last word the task writes: it touches neither this nor the transaction afterwards, but
     /// for what it runs with.
     std::atomic<Progress> progress{Progress::published};

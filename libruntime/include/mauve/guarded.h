@@ -24,7 +24,7 @@ struct SafeOrder {
   int times = 1;
   /// From one time to the next; all of them within 100 ms.
   Duration apart{0};
-  /// Of a terminal: what waits to be sent is dropped first, so that no older command follows.
+  /// Of a terminal: bytes that wait to be sent are dropped first, so that no older command follows.
   bool drop_unsent = true;
 };
 

@@ -61,7 +61,7 @@ class ResourceBase {
   /// as before. The interface keeps its services. The model keeps what they met before alive until
   /// install(). [any]
   void meet(const std::shared_ptr<CoreBase>& core, const std::shared_ptr<const Bindings>& bindings);
-  /// Runtime only: what callers meet is what the model shows. [control]
+  /// Runtime only: the model shows from now on the elements that callers meet. [control]
   void install(std::shared_ptr<CoreBase> core, std::shared_ptr<const Bindings> bindings);
   /// That callers meet.
   [[nodiscard]] const std::shared_ptr<CoreBase>& shared_core() const { return core_; }

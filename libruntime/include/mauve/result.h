@@ -36,7 +36,8 @@ enum class Errc {
 /// "invalid_value", "unknown_name", ...
 [[nodiscard]] std::string_view to_string(Errc code);
 
-/// One refusal: what kind, where (a dotted address, or file:line:column), what, and how to get on.
+/// One refusal: its kind, its place (a dotted address, or file:line:column), its reason, and the
+/// next step.
 struct Error {
   Errc code = Errc::invalid_value;  ///< what kind
   std::string at;       ///< address of the thing refused; may be filled by an outer layer

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Services: what a resource offers to ports (paper 3.5). Four kinds, like ports.
+/// Services: the functions that a resource offers to ports (paper 3.5). Four kinds, like ports.
 #pragma once
 
 #include <cstddef>

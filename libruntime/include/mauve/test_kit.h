@@ -55,7 +55,7 @@ class PortBench {
     ends_[port.index()]->read_service().detach(cursor.slot);
     return has_value(status) ? std::optional<T>(value) : std::nullopt;
   }
-  /// Before configure: what a call port gets as answer.
+  /// Before configure: `function` answers the calls of this port.
   template <typename R, typename... P>
   void answer(CallPort<R(P...)>& port, std::function<R(P...)> function) {
     answers_.push_back(std::make_unique<Answer<R, P...>>(std::move(function)));
@@ -127,7 +127,7 @@ class CoreBench {
   [[nodiscard]] std::optional<T> written(const WritePort<T>& port) {
     return ports_.written(port);
   }
-  /// Before configure(): what a call port gets.
+  /// Before configure(): `function` answers the calls of this port.
   template <typename R, typename... P>
   void answer(CallPort<R(P...)>& port, std::function<R(P...)> function) {
     ports_.answer(port, std::move(function));

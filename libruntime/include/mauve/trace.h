@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Tracing: what every real-time thread did when. Each writes into a ring of its own, wait-free;
-/// what is not collected in time is overwritten and counted. A core adds events of its own:
+/// Tracing: the actions of every real-time thread, with their times. Each thread writes into a ring
+/// of its own, wait-free; records that are not collected in time are overwritten and counted. A
+/// core adds events of its own:
 ///
 ///   mauve::TraceEvent gain{*this, "gain"};
 ///   ... gain(3.5);

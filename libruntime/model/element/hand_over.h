@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Hand-over: what a core gives to the one that takes its place. One rule for components, resources
-/// and the rollback.
+/// Hand-over: the state that a core gives to the one that takes its place. One rule for components,
+/// resources and the rollback.
 ///
 ///   `the new core's state has the same name, revision and layout`: the objects change owner.
 ///   `it has a converter from the old type`: the state is converted at the boundary.

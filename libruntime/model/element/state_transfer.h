@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// StateTransfer: what a resource that joins takes over from the one that leaves under its name,
-/// while nobody uses either of them.
+/// StateTransfer: the state that a joining resource takes over from the one that leaves under its
+/// name, while nobody uses either of them.
 ///
 ///   `cores of authors`: the rule of hand_over.h. When there may be a rollback, a state that would
 ///     be moved is copied, or refused if not plain bytes.

@@ -60,7 +60,7 @@ const Binding* PortBase::binding() {
   const bool as_before = direct_version_ == version_;
   direct_version_ = 0;  // a job that is aborted here begins anew
   std::atomic_signal_fence(std::memory_order_seq_cst);
-  // With the same connections too: what the cursor stood at may have been given back.
+  // With the same connections too: the slot of the cursor may have been given back.
   if (!as_before) cursor_.word = Cursor::kNone;
   if (binding != nullptr && binding->id() != seen_) {
     cursor_ = Cursor{binding->slot()};

@@ -21,7 +21,7 @@ struct ElfSymbol {
   GElf_Sym symbol;
 };
 
-/// "zoo::calls" of "_ZN3zoo5callsE"; what is no mangled name stays as it is.
+/// "zoo::calls" of "_ZN3zoo5callsE"; a text that is no mangled name stays as it is.
 [[nodiscard]] std::string readable_symbol(const std::string& symbol);
 
 /// "is damaged: " and in which way.

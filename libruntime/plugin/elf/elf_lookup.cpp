@@ -13,7 +13,7 @@ namespace {
 
 constexpr GElf_Xword kAll = std::numeric_limits<GElf_Xword>::max();
 
-/// A table of numbers of one size; what lies behind its end is not read.
+/// A table of numbers of one size; bytes behind its end are not read.
 template <typename Number>
 class Table {
  public:

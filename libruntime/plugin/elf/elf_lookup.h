@@ -8,8 +8,8 @@
 namespace mauve::plugin {
 
 /// Refused: a table of hashes, symbols or names that a lookup would leave. The dynamic linker
-/// follows them without a look at their ends; what lies behind differs from process to process, so
-/// a trial elsewhere proves nothing. [any]
+/// follows them without a look at their ends. The bytes behind them differ from process to process,
+/// so a trial elsewhere proves nothing. [any]
 Status check_lookup(const ElfFile& file);
 
 }  // namespace mauve::plugin

@@ -12,7 +12,8 @@
 
 namespace mauve::plugin {
 
-/// The bytes of a plugin file as they were when it was read: what is checked is what will run.
+/// The bytes of a plugin file as they were when it was read: the checked bytes are those that will
+/// run.
 struct PluginFile {
   std::string name;  ///< "guidance"
   std::string path;  ///< "/usr/lib/mauve/plugins/guidance.so"
@@ -21,9 +22,9 @@ struct PluginFile {
 
 inline constexpr std::size_t kLargestPlugin = std::size_t{256} << 20;
 
-/// Reads NAME.so from the first directory that has it. Refused: what is not a name, a symbolic
-/// link, a special file, more than 256 MiB, and what `trust` refuses, in the file or any directory
-/// above it. [factory]
+/// Reads NAME.so from the first directory that has it. Refused: a text that is not a name, a
+/// symbolic link, a special file, more than 256 MiB. Refused: a file that `trust` refuses, also for
+/// any directory above it. [factory]
 Result<PluginFile> read_plugin_file(const std::vector<std::string>& directories,
                                     std::string_view name, const Trust& trust);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Whose files may become code of this process, or decide what it starts and who reaches it.
+/// The users whose files may become code of this process, or decide what it starts and who reaches
+/// it.
 #pragma once
 
 #include <sys/stat.h>
@@ -25,8 +26,8 @@ struct Trust {
   /// Of the owner `user` and of those who can replace `library`, an absolute path.
   static Trust of(uid_t user, const std::string& library);
 
-  /// Refused: another owner, writable by an untrusted group or by everybody. A sticky directory
-  /// may be writable (/tmp): what it holds is checked for itself.
+  /// Refused: another owner, writable by an untrusted group or by everybody. A sticky directory may
+  /// be writable (/tmp): each file in it is checked for itself.
   [[nodiscard]] Status check(const struct stat& status, const std::string& path) const;
 
   /// The same of `path`, which is absolute, and of each directory above it: a user who may write

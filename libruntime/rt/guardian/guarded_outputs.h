@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// GuardedOutputs: what the guardian of this process holds for it (guardian/README.md).
+/// GuardedOutputs: the outputs that the guardian of this process holds for it (guardian/README.md).
 #pragma once
 
 #include <cstdint>

@@ -35,7 +35,7 @@ constexpr int kMargin = 2;
 
 Instant now() { return MonotonicClock().now(); }
 
-/// The third largest: what nearly all samples stay below.
+/// The third largest sample, below which nearly all samples stay.
 template <std::size_t N>
 Duration nearly_largest(std::array<Duration, N> samples) {
   static_assert(N > 2);

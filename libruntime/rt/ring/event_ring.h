@@ -21,7 +21,7 @@ enum class EventKind : std::uint8_t {
   aborted,  ///< a change that missed its instant was given back untouched
   overrun,  ///< a: how late in ns, b: overruns so far
   missed,   ///< a: releases that will never run, b: missed so far
-  faulted,  ///< a: the cause, text: what was thrown, or the like
+  faulted,  ///< a: the cause, text: the exception, or the like
 };
 
 /// Fixed size; `literal` points into a library that stays loaded while its events are undrained.

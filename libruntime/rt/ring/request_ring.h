@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// RequestRing: what a component asks for with mauve::request(). Wait-free, never blocks; a full
-/// ring accepts nothing, and push() returns false.
+/// RequestRing: the requests that a component makes with mauve::request(). Wait-free, never blocks;
+/// a full ring accepts nothing, and push() returns false.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// CrashHandler: what is still done when the process must die of a fault. The thread that failed
-/// only wakes others and waits for them, since in its handler next to nothing is allowed.
+/// CrashHandler: the last actions of a process that must die of a fault. The thread that failed
+/// only wakes others and waits for them, since its handler may do next to nothing.
 #pragma once
 
 #include <array>

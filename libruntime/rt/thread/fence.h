@@ -4,9 +4,10 @@
 
 namespace mauve::rt {
 
-/// Every thread of this process has passed a memory barrier when it returns: what one stored before
-/// is seen here, and what this thread stored before is seen there (membarrier(2)). Where a filter
-/// refuses the call it passes one itself and waits longer than any store takes. [guard, control]
+/// Every thread of this process has passed a memory barrier when this function returns
+/// (membarrier(2)). This thread sees the stores of the others before it, and they see the stores of
+/// this thread before it. Where a filter refuses the call this thread passes a barrier itself and
+/// waits longer than any store takes. [guard, control]
 void fence_all_threads();
 
 }  // namespace mauve::rt

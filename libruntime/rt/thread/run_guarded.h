@@ -68,8 +68,8 @@ inline const Watched kUnwatched;
 /// Ends the body that the calling thread runs with this fault; without one it returns.
 void end_body(const Fault& fault);
 
-/// While one lives, the process handles faults; what was handled before is handled again after the
-/// last one. Not on real-time threads.
+/// While one lives, the process handles faults; the handlers from before are back after the last
+/// one. Not on real-time threads.
 class FaultHandlers {
  public:
   FaultHandlers();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Processor time: what a thread itself used, however often it was preempted.
+/// Processor time: the time that a thread itself used, however often it was preempted.
 #pragma once
 
 #include <sys/resource.h>

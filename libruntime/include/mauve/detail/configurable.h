@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Configurable: what every shell, core, fsm and interface is (paper 3.2).
+/// Configurable: the base class of every shell, core, fsm and interface (paper 3.2).
 #pragma once
 
 #include <atomic>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Contract: what a core, a state machine and a shell of different plugins must agree on before one
-/// uses the other. Each plugin describes it as its own compiler saw it.
+/// Contract: the description on which a core, a state machine and a shell of different plugins must
+/// agree before one uses the other. Each plugin describes it as its own compiler saw it.
 #pragma once
 
 #include <cstddef>

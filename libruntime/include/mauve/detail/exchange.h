@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Exchange: what is inside a SharedData. Runtime only; a port that is connected to one reads and
-/// writes here without a call.
+/// Exchange: the inner part of a SharedData. Runtime only; a port that is connected to one reads
+/// and writes here without a call.
 #pragma once
 
 #include <cstddef>

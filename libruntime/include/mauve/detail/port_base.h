@@ -87,7 +87,7 @@ class PortBase {
   [[nodiscard]] virtual bool has_safe_value() const { return false; }
   /// Accesses that found no connection, or a resource busy beyond the bound. [any]
   [[nodiscard]] std::uint64_t failures() const { return failures_.load(std::memory_order_relaxed); }
-  /// Runtime only: what it is called in a trace, "control.scan". Off the real-time threads.
+  /// Runtime only: the name of the port in a trace, "control.scan". Off the real-time threads.
   void name_in_trace(std::string_view name) { trace_name_ = trace_name_id(name); }
 
  protected:

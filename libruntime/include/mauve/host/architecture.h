@@ -53,7 +53,7 @@ class Architecture {
   void add(ResourceBase& resource) { resources_.push_back(&resource); }
   ComponentBase& own(std::shared_ptr<ComponentBase> component);  ///< an element made from a file
   ResourceBase& own(std::shared_ptr<ResourceBase> resource);     ///< an element made from a file
-  /// Takes an element out: what owned it, or null for a member of a derived class.
+  /// Takes an element out. Returns its owner, or null for a member of a derived class.
   std::shared_ptr<ComponentBase> take_out(ComponentBase& component);
   /// The same for a resource.
   std::shared_ptr<ResourceBase> take_out(ResourceBase& resource);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// DeployOptions: what a deployer insists on.
+/// DeployOptions: the conditions on which a deployer insists.
 #pragma once
 
 #include <cstdint>

@@ -104,8 +104,8 @@ class Deployer {
   [[nodiscard]] bool going_back() const;
   /// Those that are open or roll back, the oldest first.
   [[nodiscard]] std::vector<OpenProbation> probations() const;
-  /// Looks after what goes on by itself: probations, rollbacks, cores that took over. Call it some
-  /// times a second; what became free goes to `retired`.
+  /// Looks after actions of the system by itself: probations, rollbacks, cores that took over. Call
+  /// it some times a second; elements that became free go to `retired`.
   std::vector<Outcome> tend(Retired& retired);
   /// The elements that became free, without the outcomes.
   Retired collect();

@@ -27,7 +27,7 @@ class Retired {
 
   /// Cleans up in the reverse order of dependency; the first error of a hook is returned.
   Status release();
-  /// Runtime only: what was added is in force now.
+  /// Runtime only: the added elements are in force now.
   void forget() {
     elements_.clear();
     owners_.clear();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Statistics: what the jobs of a component took, counted all the time by its own thread. They are
-/// about the code that runs now: another core, or another state machine, begins anew; a property
-/// does not.
+/// Statistics: the times of the jobs of a component, counted all the time by its own thread. They
+/// are about the code that runs now: another core, or another state machine, begins anew; a
+/// property does not.
 #pragma once
 
 #include <cstdint>
@@ -42,8 +42,8 @@ struct TimeTotal {
 /// An execution state. Its time goes on until the next state is chosen.
 struct StateStatistics {
   std::string name;        ///< of the state
-  Distribution execution;  ///< when nothing came between
-  TimeTotal preempted;     ///< when something did, which counts as well
+  Distribution execution;  ///< when the job was not preempted
+  TimeTotal preempted;     ///< when it was, with the time of the preempting threads
 };
 
 /// Numbers may be some jobs apart.
@@ -56,8 +56,8 @@ struct ComponentStatistics {
   std::uint64_t overruns = 0;           ///< jobs that ended after their wait or deadline
   std::uint64_t over_budget = 0;        ///< jobs longer than the budget, on the wall clock
   Distribution lateness;                ///< from a release to the start of its job: of all jobs
-  Distribution execution;               ///< of jobs that nothing came between
-  Distribution preempted;               ///< of the others: what came between counts as well
+  Distribution execution;               ///< of jobs that were not preempted
+  Distribution preempted;               ///< of the others, with the time of the preempting threads
   Distribution response;                ///< from a release to the end of its job
   TimeTotal lock_waits;                 ///< for resources that others held
   std::vector<StateStatistics> states;  ///< its execution states
