@@ -98,7 +98,7 @@ void Processor::unroll() {
   double jobs = 0;
   for (const Demand& demand : demands_) {
     for (std::size_t i = 0; i < demand.costs.size(); ++i) {
-      // As far as the next release: a later deadline may be what a late job needs.
+      // As far as the next release, since a late job may need a later deadline.
       const bool last = demand.separations[i] == kNever;
       longest = std::max(longest, last ? demand.deadlines[i] : demand.separations[i]);
     }

@@ -10,7 +10,7 @@
 
 namespace mauve::analysis {
 
-/// Is this set, as a whole, what was asked for?
+/// Does this set, as a whole, pass?
 using Passes = std::function<bool(const TaskSet&)>;
 
 /// The set with this time, declared, for every job of one task.

@@ -24,7 +24,7 @@ inline constexpr std::size_t kLongestAddress = 255;
 /// True for a name (or type name), a slash and a revision: "laser_scan/1", "guidance/core/1".
 [[nodiscard]] bool is_revised_name(std::string_view text);
 
-/// Refuses what is_name() refuses and says what a name looks like; `at` of the error is `at`.
+/// Refuses what is_name() refuses and states the form of a name; `at` of the error is `at`.
 [[nodiscard]] Status check_name(std::string_view text, std::string_view at);
 
 /// A valid dotted address of one or more names.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Texts of others, which may hold what a terminal obeys.
+/// Texts of others, which may hold characters that a terminal obeys.
 #pragma once
 
 #include <cstddef>

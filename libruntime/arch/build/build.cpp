@@ -142,7 +142,7 @@ class Builder {
     loose_.push_back({&spec, LooseShell(std::move(shell))});
   }
 
-  // It is made once: to see whether it can be, and what it makes of the values it is given.
+  // The fallback core is made once, to check that it can be made and that it accepts its values.
   std::optional<ComponentBase::Fallback> fallback(const ComponentSpec& spec,
                                                   const ComponentParts& parts) {
     if (!spec.fallback) return std::nullopt;

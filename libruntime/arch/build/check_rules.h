@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Rules, transactions and permissions of a Spec against what it builds.
+/// Checks rules, transactions and permissions of a Spec against the architecture that it builds.
 #pragma once
 
 #include "arch/parse/spec.h"

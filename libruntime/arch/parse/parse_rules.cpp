@@ -16,7 +16,7 @@ using rules::Action;
 constexpr Action kActions[] = {Action::disconnect, Action::connect, Action::swap,
                                Action::set,        Action::stop,    Action::start};
 
-/// How an address of what a step changes looks.
+/// The form of the address that a step changes.
 struct Shape {
   std::size_t names;
   std::string_view what;

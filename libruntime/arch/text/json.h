@@ -47,8 +47,8 @@ struct JsonLimits {
 /// Reads one JSON value that fills `text`. Comments are accepted. Refused, each with its place:
 /// syntax errors, invalid UTF-8, NaN and infinite numbers, integers beyond 64 bits signed, too much
 /// depth, too long a text; nothing is returned then. A key twice in one object is a problem too,
-/// but the tree is returned, with both members, so that what else is wrong can be said. Never
-/// throws. [any]
+/// but the tree is returned, with both members, so that other problems are found too. Never throws.
+/// [any]
 [[nodiscard]] std::optional<Node> parse_json(std::string_view text, Problems& problems,
                                              const JsonLimits& limits = {});
 

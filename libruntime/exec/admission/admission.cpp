@@ -31,7 +31,7 @@ analysis::Overheads overheads_of(const MachineCosts& machine) {
   return overheads;
 }
 
-/// Where it is not known what a job used, as long as it took.
+/// The longest processor time of a job, or its longest duration where that is not known.
 Duration measured(const Deployed& deployed) {
   const Counters& counters = deployed.task->counters();
   const std::int64_t used = counters.used_max.load(std::memory_order_relaxed);
@@ -90,7 +90,7 @@ Holds holds_after(const PreparedChange::Content& change) {
   return holds;
 }
 
-/// `standby`, when there is one, runs in place of what the change brings its component.
+/// `standby`, when there is one, runs in place of the bundle that the change brings its component.
 TimingModel model_after(System& system, const PreparedChange::Content& change,
                         const PreparedMember* standby = nullptr) {
   const auto next_of = [&](const PreparedMember& member) -> const Bundle& {
@@ -120,7 +120,7 @@ TimingModel model_after(System& system, const PreparedChange::Content& change,
   return model;
 }
 
-/// The same of the same, whatever its figures.
+/// The same kind of problem at the same address, with any figures.
 bool has(const std::vector<Problem>& problems, const Problem& problem) {
   return std::any_of(problems.begin(), problems.end(), [&](const Problem& other) {
     return other.kind == problem.kind && other.error.at == problem.error.at;
@@ -222,7 +222,7 @@ Result<std::vector<std::string>> admit_change(System& system,
     return with_assumption(refusal_of(problems.front(), after.set(), changed_tasks(change), passes),
                            system, after.set(), passes);
   }
-  // Of members it is said again what stays so.
+  // A problem that lasts is reported again when it concerns a member.
   for (const Problem& problem : lasting) {
     const bool of_member = std::any_of(
         change.members.begin(), change.members.end(),

@@ -16,12 +16,13 @@ namespace mauve::exec {
 Status admit_deployment(System& system);
 
 /// A prepared change: the warnings for its receipt, or the first problem. A barrier only moves
-/// releases apart, of members and of bystanders, so what is proved for the cut holds for it.
-/// [factory] or [control], under System::model.
+/// releases apart, of members and of bystanders, so the proof for the cut holds for it. [factory]
+/// or [control], under System::model.
 [[nodiscard]] Result<std::vector<std::string>> admit_change(System& system,
                                                             const PreparedChange::Content& change);
 
-/// May this take over from what the change brings its component? By Admission::strict only.
+/// May this standby core take over from the core that the change brings its component? By
+/// Admission::strict only.
 [[nodiscard]] bool admit_standby(System& system, const PreparedChange::Content& change,
                                  const PreparedMember& standby);
 
@@ -29,8 +30,9 @@ Status admit_deployment(System& system);
 [[nodiscard]] Timing analyze(System& system);
 /// Only the response of each component, where it is known: a small part of the work. [control]
 [[nodiscard]] std::map<std::string, Duration> responses(System& system);
-/// Of an architecture that is not deployed, from what it declares; where a component names no CPUs
-/// as a deployer would choose. Its state machines are configured, and cleaned up afterwards.
+/// The timing of an architecture that is not deployed, from its declared times. A component that
+/// names no CPUs gets those that a deployer would choose. Its state machines are configured, and
+/// cleaned up afterwards.
 [[nodiscard]] Timing analyze(Architecture& architecture, const MachineCosts& machine);
 
 }  // namespace mauve::exec

@@ -19,7 +19,7 @@ namespace mauve::exec {
 /// Errors: a CPU that is not there.
 [[nodiscard]] Status check_cpus(const TaskAttributes& task, const std::string& component);
 
-/// The CPUs of each task. Admission asks it what deployment will do.
+/// The CPUs of each task. Admission asks it for the CPUs that deployment will choose.
 class Placement {
  public:
   /// Of those that are there; their order counts.

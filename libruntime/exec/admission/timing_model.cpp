@@ -65,7 +65,7 @@ void TimingModel::add(const TimedComponent& component) {
   set_.tasks.push_back(std::move(task));
 }
 
-/// No longer than the whole job, which is what counts while nothing is known.
+/// No section is longer than the whole job, whose time counts while no other time is known.
 std::vector<analysis::Section> TimingModel::sections_of(const TimedComponent& component) {
   const Duration declared = component.bundle->task.budget;
   const Duration job = declared > Duration{0} ? declared : with_margin(component.measured);

@@ -35,7 +35,8 @@ class TimingModel {
     set_.overheads = overheads;
   }
 
-  /// A declared budget counts before what was measured; that counts with a margin of a fifth.
+  /// A declared budget counts before a measured time; a measured time counts with a margin of a
+  /// fifth.
   void add(const TimedComponent& component);
 
   [[nodiscard]] const analysis::TaskSet& set() const { return set_; }

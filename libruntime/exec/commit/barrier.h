@@ -44,7 +44,7 @@ class Barrier {
   /// True when all wait, or nobody does any more.
   bool advance();
   [[nodiscard]] bool all_wait() const { return phase_ == Phase::waiting; }
-  /// A waiting member goes on with what it runs with. Nothing once the hand-over has begun.
+  /// A waiting member goes on with its bundle. Without effect once the hand-over has begun.
   void call_off(Error why);
   /// Because a stop of this one was asked for.
   void give_way(const Deployed& stopped);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The books of a commit: the model shows what the members run, and what becomes of what they ran.
+/// The books of a commit: the model shows the bundles that the members run, and the bundles from
+/// before are retired.
 #include <utility>
 
 #include "exec/admission/membership.h"
@@ -141,7 +142,7 @@ void Commit::conclude() {
   }
 }
 
-/// Those that this change joins pass on what they roll back to; it ends the others early.
+/// The probations that this change joins pass on their origins; it ends the others early.
 void Commit::overtake_before() {
   for (const auto& before : before_) {
     ProbationPeriod* const one = probation_of(system_, *before);
@@ -203,7 +204,7 @@ void Commit::change_membership() {
       deployed_[i]->changing = false;
     }
   }
-  // A member that hangs may still use what was to leave.
+  // A member that hangs may still use the resources that were to leave.
   const bool whole = swap_->result().state == SwapResult::State::committed;
   for (ResourceBase* resource : content_->leaving_resources) {
     if (!whole) break;
@@ -240,7 +241,8 @@ void Commit::begin_probation() {
                                         std::move(retired_), back_number_, heritage_.changes()));
 }
 
-/// A member that hangs runs what the change before gave it. It goes back when it ends its job.
+/// A member that hangs runs the bundle that the change before gave it. It goes back when it ends
+/// its job.
 void Commit::lead_late_members_back() {
   for (std::size_t i = 0; i < rollbacks_.size(); ++i) {
     MemberRollback& member = rollbacks_[i];

@@ -27,7 +27,7 @@ namespace {
 
 constexpr int kDeployerPriority = 98;
 
-/// Checks what real time needs. Realtime::prefer turns a refusal into a warning.
+/// Checks the rights that real time needs. Realtime::prefer turns a refusal into a warning.
 Status check_privileges(System& system, int highest) {
   system.realtime = false;
   if (system.options.simulated || system.options.realtime == Realtime::off) return ok();

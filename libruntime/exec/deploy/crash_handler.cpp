@@ -57,7 +57,7 @@ unsigned make_safe(System& system, Instant until) {
   return safe;
 }
 
-/// A driver still acts on what it reads: all others get one more whole job.
+/// A driver still acts on the values that it reads, so all others get one more whole job.
 void let_others_act(const System& system, Instant until) {
   std::array<std::pair<const Counters*, std::uint64_t>, 64> others{};
   std::size_t count = 0;

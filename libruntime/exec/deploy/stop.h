@@ -20,8 +20,8 @@ using Stages = std::vector<std::vector<Deployed*>>;
 /// Components that write safe values stop before those that read them.
 [[nodiscard]] Stages in_order_of_safe_values(System& system);
 
-/// Stops all stages in turn. Between two, components of later stages that will soon read what just
-/// stopped get one more job to act on it.
+/// Stops all stages in turn. Between two stages, components of later stages that will soon read the
+/// outputs of the stopped ones get one more job to act on them.
 class Stop final : public Ongoing {
  public:
   /// `patience`: how long a component may take to end its job.

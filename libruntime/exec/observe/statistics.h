@@ -8,7 +8,7 @@
 
 namespace mauve::exec {
 
-/// Of what the model shows. [control]
+/// The statistics of the bundle that the model shows. [control]
 [[nodiscard]] ComponentStatistics statistics_of(const System& system, const Deployed& deployed);
 
 }  // namespace mauve::exec

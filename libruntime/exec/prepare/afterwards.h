@@ -20,7 +20,7 @@ class Afterwards {
  public:
   Afterwards(System& system, const Change& change) : system_(system), change_(change) {}
 
-  /// Of what stays or joins.
+  /// A service of a resource that stays or joins.
   [[nodiscard]] Result<ServiceBase*> find_service(std::string_view address) const;
   [[nodiscard]] bool leaves(std::string_view name) const;
   /// May a thread have this priority here?

@@ -18,7 +18,7 @@ Status copy_properties(const Configurable& from, Configurable& into);
 /// A core of another type: see Edit::values.
 Status keep_values(const Configurable& from, const Edit& edit, Configurable& into);
 
-/// Sets what the edit says of the element called `name`.
+/// Sets the properties that the edit gives for the element called `name`.
 Status set_properties(const Edit& edit, std::string_view name, Configurable& element);
 
 /// Refuses paths that lead to none of these elements.

@@ -186,7 +186,7 @@ class Preparation {
   std::unique_ptr<PreparedChange::Content> content_;
 };
 
-/// `whole` becomes what the change comes to.
+/// `whole` becomes the change with all its consequences.
 Result<PreparedChange> prepare_locked(System& system, const Change& change, Change& whole,
                                       Preparation& preparation, bool configure) {
   const ModelLock::Hold hold(system.model);

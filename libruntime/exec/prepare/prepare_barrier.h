@@ -16,7 +16,7 @@ namespace mauve::exec {
 
 class System;
 
-/// The replacement of what leaves under its name, before it is configured. Errors: as
+/// The replacement of the resource that leaves under its name, before it is configured. Errors: as
 /// plan_transfer().
 Status prepare_replacement(System& system, const NewResource& joining,
                            PreparedChange::Content& content);

@@ -8,9 +8,9 @@
 
 namespace mauve::exec {
 
-/// The change with each such edit put as what it comes to: the resource leaves, its replacement
-/// joins with the same values and connections, and its users are connected anew. On an error too
-/// `change` owns what was made. Under System::model. [factory]
+/// Replaces each such edit of the change by its steps: the resource leaves, its replacement joins
+/// with the same values and connections, and its users are connected anew. On an error too `change`
+/// owns the elements that were made. Under System::model. [factory]
 [[nodiscard]] Status put_as_replacements(const Architecture& architecture, Change& change);
 
 }  // namespace mauve::exec

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// From the record of a fault, as its task wrote it, to what users read.
+/// From the record of a fault, as its task wrote it, to the text that users read.
 #pragma once
 
 #include <mauve/host/report.h>

@@ -17,7 +17,7 @@
 namespace mauve::exec {
 namespace {
 
-/// Does the resource have what the change gave it?
+/// Does the resource have the parts that the change gave it?
 bool in_force(const PreparedResource& change) {
   const ResourceBase& resource = *change.resource;
   return (change.parts.core == nullptr || resource.shared_core() == change.parts.core) &&
@@ -252,7 +252,8 @@ bool ProbationPeriod::all_are_back() const {
                                 [](const auto& update) { return update->settled(); });
 }
 
-/// An order to park may be on its way to what joined; the task is parked, so that is over soon.
+/// An order to park may be on its way to a component that joined; its task is parked, so that is
+/// over soon.
 bool ProbationPeriod::may_let_go() const {
   for (std::size_t i = 0; i < content_->members.size(); ++i) {
     const bool leaves = members_[i].in_force && content_->members[i].part == Part::joins;

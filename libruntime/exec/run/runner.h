@@ -27,7 +27,8 @@ class Runner {
   [[nodiscard]] Instant now() const { return clock().now(); }
   /// The noise of the machine, as probes see it; null: time is simulated.
   [[nodiscard]] virtual std::shared_ptr<const rt::Noise> noise() const { return nullptr; }
-  /// Creates what runs the task, parked until open(). The task outlives the runner.
+  /// Creates the thread of the task, or its place in a simulation, parked until open(). The task
+  /// outlives the runner.
   virtual Status add(Task& task, const rt::ThreadAttributes& attributes) = 0;
   /// Waits until everything that was added is parked.
   virtual void settle() {}

@@ -175,8 +175,8 @@ void TwoPhaseCommit::settle(Member& member) {
   member.settled = true;
 }
 
-/// Some member does not come to a boundary, or does not end its first job after it: takes back
-/// what nobody has claimed.
+/// Some member does not come to a boundary, or does not end its first job after it. Takes back the
+/// updates that nobody has claimed.
 void TwoPhaseCommit::stop_waiting() {
   if (kind_ == Kind::order) {
     result_.state = SwapResult::State::waiting;

@@ -84,7 +84,7 @@ class TwoPhaseCommit {
   /// Settles the members that have answered; tries again after a missed instant; stops waiting when
   /// the time is over. Never waits. True when no member is left to wait for.
   bool advance();
-  /// Takes back what nobody has claimed yet, before the time is over.
+  /// Takes back the updates that nobody has claimed yet, before the time is over.
   void call_off() {
     if (result_.state == SwapResult::State::under_way) stop_waiting();
   }

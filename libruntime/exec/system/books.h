@@ -27,7 +27,7 @@ namespace mauve::exec {
 /// The elements of `old` that `now` does not use, in the order of dependency.
 void retire(const Bundle& old, const Bundle& now, Retired& retired);
 
-/// Makes what a committed bundle says of the thread true: priority and CPUs. [control]
+/// Gives the thread the priority and the CPUs of its committed bundle. [control]
 void schedule(System& system, Deployed& deployed);
 
 /// Of states that no core took, in the receipt of a member.

@@ -25,7 +25,8 @@ void add_hand_over(const PreparedMember& member, TaskUpdate& next) {
   if (const auto plan = plan_hand_over(*old.core, *member.next->core, member.state)) {
     next.hand_over = *plan;
   }
-  // Until its first job a core shows what the one before it showed last: no rule fires by a swap.
+  // Until its first job a core shows the last observables of the one before it, so that no rule
+  // fires by a swap.
   for (ObservableBase* observable : member.next->core->observables()) {
     const ObservableBase* same = old.core->find_observable(observable->name());
     if (same != nullptr && same_type(same->type(), observable->type())) {

@@ -48,7 +48,7 @@ struct WithdrawnStandby {
   std::uint64_t looks = 0;  ///< of the task, when it was withdrawn
 };
 
-/// One component and what runs it.
+/// One component and the task that runs it.
 struct Deployed {
   ComponentBase* component = nullptr;  ///< null: it was let go
   std::shared_ptr<Task> task;

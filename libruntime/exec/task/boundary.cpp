@@ -239,7 +239,7 @@ Duration Boundary::skip_gap(Instant until) {
   return Duration{next - armed};
 }
 
-/// It was made from what the model showed then; meanwhile the task may have gone back.
+/// The update was made from the model of that time; meanwhile the task may have gone back.
 void Boundary::keep_bundle(TaskUpdate& next) const {
   const TaskUpdate& current = *task_.current;
   if (next.bundle == current.bundle) return;

@@ -65,7 +65,7 @@ class Mailbox {
   [[nodiscard]] TaskUpdate* exchange_standby(std::unique_ptr<TaskUpdate> standby);
   /// The task does not use it any more; reclaim() returns it. Only the task's thread adds.
   void retire(TaskUpdate& unused);
-  /// The coordinator, which sees the new number, frees what was withdrawn before it.
+  /// The coordinator sees the new number and frees the updates that were withdrawn before it.
   void count_look() { quiescent_count_.store(quiescent_count_ + 1, std::memory_order_release); }
   /// Asks for the cache lines that a swap writes.
   void fetch() const { rt::ask_for(&back_, sizeof back_ + sizeof standby_); }

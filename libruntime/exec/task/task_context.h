@@ -66,7 +66,7 @@ struct TaskContext {
   void park(ComponentState as);
   /// Releases without a job. `planned`: a change lets them pass, no thread was late.
   void miss(std::uint64_t releases, Instant time, bool planned = false);
-  /// Asks for what a swap writes here.
+  /// Asks for the cache lines that a swap writes here.
   void fetch() const;
 };
 

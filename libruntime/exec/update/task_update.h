@@ -73,14 +73,14 @@ struct TaskUpdate {
     done,        ///< in force, and the first job with it has ended
     given_back,  ///< missed its instant, or made useless by another: the task never used it
   };
-  /// The answer of the task; it outlives what it is about.
+  /// The answer of the task; it outlives the update.
   struct Answer {
     Duration pause{0};  ///< this and the next: valid when done
     std::size_t bytes = 0;
     bool failed = false;  ///< its state was not converted; also valid when done
     FaultRecord fault;    ///< of a standby core: the one it took over from; also valid when done
-    /// The last word the task writes: it touches neither this nor the transaction afterwards, but
-    /// for what it runs with.
+    /// The last word that the task writes. Afterwards it touches neither this nor the transaction,
+    /// but for the bundle that it runs with.
     std::atomic<Progress> progress{Progress::published};
   };
   const std::shared_ptr<Answer> answer = std::make_shared<Answer>();

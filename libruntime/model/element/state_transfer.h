@@ -46,7 +46,7 @@ struct StateTransfer {
   /// fails. `watched`: see rt::run_guarded(). [control]
   [[nodiscard]] Result<std::size_t> run(const std::string& at,
                                         const rt::Watched& watched = rt::kUnwatched) const;
-  /// After run(): the old resource has again what was moved.
+  /// After run(): gives the moved state back to the old resource.
   void undo() const;
 };
 

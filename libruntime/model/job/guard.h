@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// The door behind which user constructors and hooks may throw what they like, crash, or never
+/// The guarded calls of user constructors and hooks, which may throw anything, crash, or never
 /// return.
 #pragma once
 

@@ -20,7 +20,7 @@ std::vector<const ResourceBase*> ways_of(const Bindings& bindings) {
 
 }  // namespace
 
-/// Depth first; the path is what a thread would hold.
+/// Depth first; the path has the locks that a thread would hold.
 class ResourceGraph::Walk {
  public:
   explicit Walk(const ResourceGraph& graph) : graph_(graph) {}

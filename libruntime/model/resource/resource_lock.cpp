@@ -56,8 +56,8 @@ bool ResourceLock::enter() MAUVE_NOT_ANALYSED {
   if (!lock.mutex.try_lock() && !wait_for(lock, waited)) return false;
   if (!hold(lock, waited)) return enter();
   // A thread that was abandoned while it waited changes nothing: a safe value may stand there. The
-  // guard that abandons a thread makes all processors pass a barrier before it looks at what is
-  // held.
+  // guard that abandons a thread makes all processors pass a barrier before it looks at the held
+  // locks.
   std::atomic_signal_fence(std::memory_order_seq_cst);
   const bool abandoned = job.running && job.has_no_ports();
   if (!abandoned && pending_.load(std::memory_order_acquire) != nullptr) apply_pending(job.release);

@@ -20,8 +20,9 @@ inline constexpr std::string_view kEntry = "mauve_plugin";
 [[nodiscard]] Result<std::size_t> find_manifest(const ElfFile& file);
 
 /// FNV-1a of the program headers and of all bytes that are mapped (PT_LOAD), without the checksum
-/// itself and without what names the section headers, which strip(1) changes. It notices damage;
-/// against an attacker, who can write a new one, the file is protected by its owner and mode.
+/// itself and the fields that locate the section headers, which strip(1) changes. It notices
+/// damage; against an attacker, who can write a new one, the file is protected by its owner and
+/// mode.
 [[nodiscard]] std::uint64_t checksum_of(const ElfFile& file, std::span<const std::byte> bytes,
                                         std::size_t manifest);
 

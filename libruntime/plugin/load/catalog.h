@@ -15,7 +15,7 @@
 
 namespace mauve::plugin {
 
-/// Names and what they mean now. Owned by [control], except prepare_load() and release().
+/// Names and their present meaning. Owned by [control], except prepare_load() and release().
 class Catalog {
  public:
   /// Plugins are looked for as NAME.so in these directories, in this order, and nowhere else.
@@ -62,8 +62,8 @@ class Catalog {
   /// A plugin that is part of the program. [control]
   Status add(Plugin plugin);
 
-  /// The same in one call, for programs with one thread for all this. load() refuses what is
-  /// loaded already; reload() leaves old instances on the old code, and says so.
+  /// The same in one call, for programs with one thread for all this. `load()` refuses a plugin
+  /// that is loaded already; reload() leaves old instances on the old code, and says so.
   Status load(std::string_view plugin);
   Result<Unmapped> unload(std::string_view plugin);
   Result<Unmapped> reload(std::string_view plugin);

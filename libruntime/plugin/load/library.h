@@ -62,8 +62,8 @@ class Library {
   void use_again() { retired_.store(false, std::memory_order_release); }
   [[nodiscard]] bool retired() const { return retired_.load(std::memory_order_acquire); }
 
-  /// Drops this reference and says what became of the code. Code whose threads still run stays
-  /// mapped for the life of the process. Null: nothing was mapped. [factory]
+  /// Drops this reference and says whether the code is still mapped. Code whose threads still run
+  /// stays mapped for the life of the process. Null: nothing was mapped. [factory]
   static Unmapped release(std::shared_ptr<Library> library);
 
  private:

@@ -44,7 +44,7 @@ bool readable_within(int descriptor, int milliseconds) {
 }
 
 /// Code in this process closed descriptors that it had not opened: no client is heard any more, and
-/// no device is what it was. The last words are spoken, and the process ends.
+/// a descriptor may belong to another device. The crash handler runs, and the process ends.
 [[noreturn]] void lose_all_descriptors() { std::abort(); }
 
 int process_behind(int socket) {

@@ -67,7 +67,7 @@ Duration with_margin(Duration measured) {
   return (kMargin * measured + kDigit - 1ns) / kDigit * kDigit;
 }
 
-/// Time that passed between readings of the clock until `end`, beyond what a reading takes.
+/// Time that passed between readings of the clock until `end`, beyond the time of a reading.
 Duration holes_until(Instant end) {
   Duration sum{0};
   for (Instant last = now(); last < end;) {
@@ -96,7 +96,7 @@ Duration measure_interrupt() {
   return samples[kExpiries / 2];
 }
 
-/// The median: its tick is in every window, what a host takes in some.
+/// The median: the tick of the kernel is in every window, the time that a host takes is in some.
 Duration measure_kernel() {
   std::array<Duration, kWindows> samples{};
   for (Duration& sample : samples) {

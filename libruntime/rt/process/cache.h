@@ -36,7 +36,7 @@ inline void touch(const void* object, std::size_t size) {
 /// would come from memory, for 100 ns; fetched together beforehand, it comes in the time of a few.
 #define MAUVE_RUNS_AT_A_SWAP [[gnu::section("mauve_swap_code")]]
 
-/// Returns when that code is near, and what was touched before. [rt]
+/// Returns when that code is in the cache, and so are the lines that were touched before. [rt]
 void touch_swap_code();
 
 }  // namespace mauve::rt

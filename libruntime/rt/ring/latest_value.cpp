@@ -46,7 +46,7 @@ void LatestValue::detach(unsigned reader) {
 void LatestValue::take_back(Lane& lane, std::uint64_t before) const {
   lane.next = index_of(before);
   if ((before & kReaders) == 0) return;
-  // A reader that took this slot has given back what it held of the lane before.
+  // A reader that took this slot has given back the slot of the lane that it held before.
   Slots all = lane.free | Slots{1} << lane.next;
   Slots held = 0;
   const unsigned readers = used_.load(std::memory_order_relaxed);

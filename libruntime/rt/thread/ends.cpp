@@ -150,7 +150,7 @@ void end_body_of_owner(const mauve::rt::Fault& fault) {
 }  // namespace
 
 // These stand before those of the C library. A job or hook that calls one of them ends, and not the
-// process; everywhere else they do what they always do, the last words first.
+// process. Everywhere else they work as ever, after the crash handler.
 extern "C" {
 
 void abort() noexcept {

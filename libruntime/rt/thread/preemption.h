@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// Preemption: did anything come between the code of a stretch? Then the time it took is not what
-/// it cost. Detected by the restartable sequences of Linux (rseq(2)): the kernel forgets a sequence
+/// Preemption: was the thread preempted within a stretch of code? Then the time it took is not its
+/// cost. Detected by the restartable sequences of Linux (rseq(2)): the kernel forgets a sequence
 /// that the thread is not in whenever it preempts, moves or signals it. A look costs some loads and
 /// stores; asking the kernel for the thread's processor time costs 0.4 us.
 #pragma once

@@ -24,7 +24,7 @@ Measured::Measured(std::size_t state_count)
 
 void Measured::reset() {
   const JobTimes* const shown = shown_.load(std::memory_order_relaxed);
-  // The writer has not come along yet, so what is shown is empty, and the other block is in use.
+  // The writer has not come along yet, so the shown block is empty, and the other block is in use.
   if (used_.load(std::memory_order_acquire) != shown) return;
   auto& other = blocks_.at(blocks_.front().get() == shown ? 1 : 0);
   if (other == nullptr) {

@@ -89,7 +89,7 @@ class Measured {
     return *shown;
   }
 
-  /// Counts anew. Until the writer comes along what is shown is empty. [control]
+  /// Counts anew. Until the writer comes along the shown block is empty. [control]
   void reset();
   [[nodiscard]] const JobTimes& shown() const { return *shown_.load(std::memory_order_acquire); }
   [[nodiscard]] std::size_t state_count() const { return blocks_.front()->states.size(); }
