@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 /// Probation: after a commit the old bundles stay ready, and the rollback to them is prepared. So a
-/// member that fails leads all members back at their next release without asking anybody.
+/// member that fails rolls all members back at their next release without asking anybody.
 #pragma once
 
 #include <memory>
@@ -49,7 +49,7 @@ class ProbationPeriod {
   bool pass(const std::string& reason, Outcome::Kind kind = Outcome::Kind::passed);
   /// A newer change is in force, to which the rollback gave way.
   void overtake();
-  /// A newer change is in force that leads its members back from now on. Elements that neither it
+  /// A newer change is in force, which rolls its members back from now on. Elements that neither it
   /// nor the rollback needs are freed with this; the elements that it replaced are the heir's.
   void pass_on_to(Content& heir, const std::vector<MemberRollback>& members);
   /// As long as the caller holds this it does not end, except by a failure or undo().

@@ -27,7 +27,7 @@ namespace mauve::exec {
 [[nodiscard]] std::unique_ptr<TaskUpdate> make_update(const PreparedMember& member);
 /// Where it was.
 [[nodiscard]] Origin origin_of(const PreparedMember& member, bool was_running);
-/// The update that leads the task of this member back there.
+/// The update that rolls the task of this member back there.
 [[nodiscard]] std::unique_ptr<TaskUpdate> make_rollback(const PreparedMember& member,
                                                         const Origin& origin);
 
