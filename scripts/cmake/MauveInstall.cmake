@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-# What `cmake --install` puts where. Only targets and files that exist are installed.
+# The files of `cmake --install`. Only targets and files that exist are installed. The component of each rule is
+# the Debian package that gets it (MauvePackage.cmake): runtime, dev, plugins, ros1, doc.
 include(CMakePackageConfigHelpers)
 set(mauve_sources "${PROJECT_SOURCE_DIR}")
 set(MAUVE_PLUGIN_SUBDIR "${CMAKE_INSTALL_LIBDIR}/mauve/plugins")
@@ -18,20 +19,27 @@ foreach(program mauved mauvectl mauve_stamp mauve_guardian)
   endif()
 endforeach()
 if(TARGET mauved)
-  install(TARGETS mauved mauve_guardian RUNTIME DESTINATION "${CMAKE_INSTALL_SBINDIR}")
+  install(TARGETS mauved mauve_guardian RUNTIME DESTINATION "${CMAKE_INSTALL_SBINDIR}" COMPONENT runtime)
 endif()
 if(TARGET mauvectl)
-  install(TARGETS mauvectl RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+  install(TARGETS mauvectl RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT runtime)
 endif()
 install(TARGETS mauve_runtime mauve_stamp EXPORT mauveTargets
-  LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+  LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT runtime NAMELINK_COMPONENT dev
+  RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT dev)
 
 # Plugins of plugins/, and the headers of their types and contracts.
 get_property(mauve_plugins GLOBAL PROPERTY MAUVE_PLUGIN_TARGETS)
 foreach(plugin ${mauve_plugins})
   get_target_property(folder ${plugin} SOURCE_DIR)
   if(folder MATCHES "^${mauve_sources}/plugins(/|$)")
-    install(TARGETS ${plugin} LIBRARY DESTINATION "${MAUVE_PLUGIN_SUBDIR}")
+    set(component plugins)
+    if(plugin STREQUAL ros)
+      set(component ros1)  # its libraries are wanted on robots with ROS 1 only
+    elseif(plugin STREQUAL demo)
+      set(component runtime)  # etc/minimal.json, which the service starts with, has a component of it
+    endif()
+    install(TARGETS ${plugin} LIBRARY DESTINATION "${MAUVE_PLUGIN_SUBDIR}" COMPONENT ${component})
   endif()
 endforeach()
 foreach(pattern types/*.h guidance/control.h guidance/guidance.h guidance/obstacles.h drivers/*/*driver*.h)
@@ -40,11 +48,11 @@ foreach(pattern types/*.h guidance/control.h guidance/guidance.h guidance/obstac
   foreach(header ${headers})
     get_filename_component(folder "${header}" DIRECTORY)
     install(FILES "${mauve_sources}/plugins/${header}"
-      DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/mauve-plugins/${folder}")
+      DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/mauve-plugins/${folder}" COMPONENT dev)
   endforeach()
 endforeach()
 
-# Debug information beside what was installed so far.
+# Debug information beside what was installed so far. Packages have none of it.
 if(CMAKE_OBJCOPY AND CMAKE_OBJDUMP)
   install(CODE "
     set(MAUVE_OBJCOPY \"${CMAKE_OBJCOPY}\")
@@ -54,8 +62,8 @@ endif()
 
 # The SDK.
 install(DIRECTORY "${mauve_sources}/libruntime/include/mauve"
-  DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h")
-install(EXPORT mauveTargets NAMESPACE mauve:: DESTINATION "${mauve_cmake_dir}")
+  DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT dev FILES_MATCHING PATTERN "*.h")
+install(EXPORT mauveTargets NAMESPACE mauve:: DESTINATION "${mauve_cmake_dir}" COMPONENT dev)
 configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/mauveConfig.cmake.in"
   "${PROJECT_BINARY_DIR}/package/mauveConfig.cmake" INSTALL_DESTINATION "${mauve_cmake_dir}"
   PATH_VARS CMAKE_INSTALL_INCLUDEDIR MAUVE_PLUGIN_SUBDIR)
@@ -64,22 +72,27 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/package/mauveConfigVersi
 install(FILES "${PROJECT_BINARY_DIR}/package/mauveConfig.cmake"
   "${PROJECT_BINARY_DIR}/package/mauveConfigVersion.cmake"
   "${CMAKE_CURRENT_LIST_DIR}/MauvePlugin.cmake" "${CMAKE_CURRENT_LIST_DIR}/mauve_plugin.map"
-  DESTINATION "${mauve_cmake_dir}")
+  DESTINATION "${mauve_cmake_dir}" COMPONENT dev)
 # The prefix is known only at install time (cmake --install --prefix), so mauve.pc is written then.
 install(CODE "
   set(CMAKE_INSTALL_FULL_LIBDIR \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}\")
   set(CMAKE_INSTALL_FULL_INCLUDEDIR \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}\")
   set(PROJECT_DESCRIPTION \"${PROJECT_DESCRIPTION}\")
   set(PROJECT_VERSION \"${PROJECT_VERSION}\")
-  configure_file(\"${CMAKE_CURRENT_LIST_DIR}/mauve.pc.in\" \"${PROJECT_BINARY_DIR}/package/mauve.pc\" @ONLY)")
-install(FILES "${PROJECT_BINARY_DIR}/package/mauve.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+  configure_file(\"${CMAKE_CURRENT_LIST_DIR}/mauve.pc.in\" \"${PROJECT_BINARY_DIR}/package/mauve.pc\" @ONLY)"
+  COMPONENT dev)
+install(FILES "${PROJECT_BINARY_DIR}/package/mauve.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT dev)
 
 # Example architectures and the schema. The service's own file is never overwritten.
 file(GLOB mauve_examples CONFIGURE_DEPENDS "${mauve_sources}/etc/*.json")
-install(FILES ${mauve_examples} DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve")
+set(mauve_plain ${mauve_examples})
+list(FILTER mauve_plain INCLUDE REGEX "/(minimal|architecture.schema)[.]json$")  # without a plugin of package plugins
+list(REMOVE_ITEM mauve_examples ${mauve_plain})
+install(FILES ${mauve_plain} DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve" COMPONENT runtime)
+install(FILES ${mauve_examples} DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve" COMPONENT plugins)
 foreach(folder maps samples)
   if(EXISTS "${mauve_sources}/etc/${folder}")
-    install(DIRECTORY "${mauve_sources}/etc/${folder}" DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve")
+    install(DIRECTORY "${mauve_sources}/etc/${folder}" DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve" COMPONENT plugins)
   endif()
 endforeach()
 if(EXISTS "${mauve_sources}/etc/minimal.json")
@@ -94,11 +107,11 @@ if(EXISTS "${mauve_sources}/etc/minimal.json")
     else()
       message(STATUS \"Installing: \${file}\")
       configure_file(\"${mauve_sources}/etc/minimal.json\" \"\${file}\" COPYONLY)
-    endif()")
+    endif()" COMPONENT runtime)
 endif()
 
 # Whole projects, to be read, copied, and written under another name by `mauvectl new`.
-install(DIRECTORY "${mauve_sources}/examples" DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve"
+install(DIRECTORY "${mauve_sources}/examples" DESTINATION "${CMAKE_INSTALL_DATADIR}/mauve" COMPONENT dev
   PATTERN build EXCLUDE)
 
 # The services. The prefix is known only at install time; the units in the sources say /usr.
@@ -107,8 +120,8 @@ foreach(name mauved mauve-guardian)
   install(CODE "
     file(READ \"${mauve_sources}/systemd/${name}.service\" unit)
     string(REPLACE /usr/sbin/ \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_SBINDIR}/\" unit \"\${unit}\")
-    file(WRITE \"${unit}\" \"\${unit}\")")
-  install(FILES "${unit}" DESTINATION "${MAUVE_SYSTEMD_DIR}/systemd/system")
+    file(WRITE \"${unit}\" \"\${unit}\")" COMPONENT runtime)
+  install(FILES "${unit}" DESTINATION "${MAUVE_SYSTEMD_DIR}/systemd/system" COMPONENT runtime)
 endforeach()
 foreach(pair "socket:systemd/system" "sysusers:sysusers.d" "tmpfiles:tmpfiles.d")
   string(REGEX MATCH "^([^:]+):(.+)$" pair "${pair}")
@@ -124,22 +137,22 @@ foreach(pair "socket:systemd/system" "sysusers:sysusers.d" "tmpfiles:tmpfiles.d"
     if(kind MATCHES "sysusers|tmpfiles")
       set(name "mauve.conf")
     endif()
-    install(FILES "${file}" DESTINATION "${folder}" RENAME "${name}")
+    install(FILES "${file}" DESTINATION "${folder}" COMPONENT runtime RENAME "${name}")
   endif()
 endforeach()
 
 file(GLOB mauve_drop_ins CONFIGURE_DEPENDS "${mauve_sources}/systemd/*.conf")
 if(mauve_drop_ins)
   # To be copied to /etc/systemd/system/mauved.service.d/ by those who need them.
-  install(FILES ${mauve_drop_ins} DESTINATION "${CMAKE_INSTALL_DOCDIR}/systemd")
+  install(FILES ${mauve_drop_ins} DESTINATION "${CMAKE_INSTALL_DOCDIR}/systemd" COMPONENT runtime)
 endif()
 
 # Completion, licence.
 set(scripts "${mauve_sources}/ctl/completion")
 install(FILES "${scripts}/mauvectl.bash"
-  DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" RENAME mauvectl)
+  DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" COMPONENT runtime RENAME mauvectl)
 install(FILES "${scripts}/mauvectl.zsh"
-  DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/site-functions" RENAME _mauvectl)
+  DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/site-functions" COMPONENT runtime RENAME _mauvectl)
 install(FILES "${scripts}/mauvectl.fish"
-  DESTINATION "${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d")
+  DESTINATION "${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d" COMPONENT runtime)
 install(FILES "${mauve_sources}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
