@@ -10,10 +10,11 @@ set(MAUVE_SYSTEMD_DIR "lib" CACHE STRING "Holds systemd/system, sysusers.d and t
 
 # Programs and libmauve. The programs of the build tree have the RUNPATH of the installed ones: CMake
 # lengthens one that it is to replace by a colon, and the empty part behind it is the working directory.
+# Packages have none (CMAKE_SKIP_INSTALL_RPATH): their build tree keeps that of CMake, which `--install` removes.
 set(mauve_runpath "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}" "$ORIGIN/../lib")
 list(REMOVE_DUPLICATES mauve_runpath)
 foreach(program mauved mauvectl mauve_stamp mauve_guardian)
-  if(TARGET ${program})
+  if(TARGET ${program} AND NOT CMAKE_SKIP_INSTALL_RPATH)
     set_target_properties(${program} PROPERTIES
       INSTALL_RPATH "${mauve_runpath}" BUILD_WITH_INSTALL_RPATH ON)
   endif()
