@@ -61,7 +61,8 @@ mauve_package(doc doc ""
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME mauve)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS mauve-plugins)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "mauve-dev, mauve-doc")
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA "${folder}/conffiles" "${folder}/triggers")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA
+  "${folder}/postinst" "${folder}/prerm" "${folder}/postrm" "${folder}/conffiles" "${folder}/triggers")
 set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS "cmake, g++, libgtest-dev, mauve-doc")
 set(CPACK_DEBIAN_DOC_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_DOC_PACKAGE_SHLIBDEPS OFF)
