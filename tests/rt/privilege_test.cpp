@@ -6,12 +6,14 @@
 #include <string_view>
 
 #include <linux/capability.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "rt/process/fifo.h"
+#include "rt/process/memory.h"
 #include "rt/thread/thread.h"
 #include "support/eventually.h"
 #include "support/ramp.h"
@@ -50,6 +52,18 @@ bool drop_nice() {
   if (setrlimit(RLIMIT_RTPRIO, &none) != 0 || syscall(SYS_capget, &header, sets) != 0) return false;
   sets[CAP_TO_INDEX(CAP_SYS_NICE)].effective &= ~CAP_TO_MASK(CAP_SYS_NICE);
   return syscall(SYS_capset, &header, sets) == 0;
+}
+
+/// Becomes a user who is not root, keeps only this capability, and gets a limit of 64 KiB of locked
+/// memory.
+bool become_user_with(unsigned capability) {
+  const rlimit small{65536, 65536};
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  __user_cap_data_struct sets[_LINUX_CAPABILITY_U32S_3]{};
+  sets[CAP_TO_INDEX(capability)].permitted = CAP_TO_MASK(capability);
+  sets[CAP_TO_INDEX(capability)].effective = CAP_TO_MASK(capability);
+  return setrlimit(RLIMIT_MEMLOCK, &small) == 0 && prctl(PR_SET_KEEPCAPS, 1) == 0 &&
+         setuid(65534) == 0 && syscall(SYS_capset, &header, sets) == 0;
 }
 
 bool has(const std::string& text, std::string_view part) {
@@ -104,6 +118,22 @@ TEST(Privilege, RootWithoutTheCapabilityIsWarnedOfThatAndNotAboutControlGroups) 
     return has(error.message + error.hint, "control group") ? 4 : 0;
   });
   EXPECT_EQ(answer, 0);
+}
+
+TEST(Privilege, OnlyTheCapabilityLocksMoreMemoryThanTheLimit) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can become a user with one capability";
+
+  EXPECT_EQ(in_a_child([] {
+              if (!become_user_with(CAP_IPC_LOCK)) return 98;
+              return rt::lock_memory() ? 0 : 1;
+            }),
+            0);
+  EXPECT_EQ(in_a_child([] {
+              if (!become_user_with(CAP_SYS_NICE)) return 98;
+              const Status refused = rt::lock_memory();
+              return !refused && has(refused.error().message, "RLIMIT_MEMLOCK is 64 KiB") ? 0 : 1;
+            }),
+            0);
 }
 
 TEST(Privilege, RequireRefusesAndSaysHowToGrantIt) {

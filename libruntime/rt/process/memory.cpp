@@ -8,9 +8,24 @@
 #include <malloc.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 namespace mauve::rt {
+
+namespace {
+
+/// Whether the limit does not hold for this process: only CAP_IPC_LOCK locks a page when it is 0.
+/// The flag in /proc would not do, as the capability of a user namespace counts for nothing here.
+bool may_exceed(const rlimit& limit) {
+  const rlimit none{0, limit.rlim_max};
+  const char page = 0;
+  if (setrlimit(RLIMIT_MEMLOCK, &none) != 0) return false;
+  const bool locked = mlock(&page, sizeof page) == 0;
+  if (locked) munlock(&page, sizeof page);
+  setrlimit(RLIMIT_MEMLOCK, &limit);
+  return locked;
+}
+
+}  // namespace
 
 Status lock_memory() {
   // A finite limit would make a later pthread_create or malloc fail in the middle of the night.
@@ -23,7 +38,7 @@ Status lock_memory() {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   return ok();  // the shadow memory of a sanitizer cannot be locked
 #endif
-  const bool limited = limit.rlim_cur != RLIM_INFINITY && geteuid() != 0;
+  const bool limited = limit.rlim_cur != RLIM_INFINITY && !may_exceed(limit);
   if (!limited && mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return ok();
   const std::string reason = limited ? "the limit is finite" : std::strerror(errno);
   munlockall();
