@@ -4,19 +4,15 @@
 #include "base/thread_role.h"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <future>
-#include <random>
 #include <utility>
 
 #include "arch/build/load.h"
 #include "arch/text/value_json.h"
 #include "base/mutex.h"
 #include "plugin/load/trust.h"
-#include "rt/process/process.h"
 #include "state/durable.h"
 
 namespace mauve::daemon {
@@ -24,37 +20,6 @@ namespace mauve::daemon {
 namespace {
 
 using logging::Event;
-
-std::filesystem::path marker_in(const std::string& directory) {
-  return std::filesystem::path(directory) / "running";
-}
-
-// The contents of the marker. A run that began not long ago has another marker: "machine RUN
-// started GENERATION".
-constexpr std::string_view kEnded = "ended";
-constexpr std::string_view kRanLong = "ran long";
-constexpr std::string_view kRefused = "refused after a crash";
-constexpr std::string_view kMachine = "machine ";
-constexpr std::string_view kStarted = " started ";
-
-/// Another one after each power cut or restart of the machine; empty: not known. A sandbox may hide
-/// the number of the system: then one in the directory that the service manager makes anew.
-std::string run_of_the_machine() {
-  if (auto number = rt::file_text("/proc/sys/kernel/random/boot_id")) {
-    return *std::move(number);
-  }
-  const char* directory = std::getenv("RUNTIME_DIRECTORY");
-  if (directory == nullptr) {
-    return "";
-  }
-  const auto file = std::filesystem::path(directory) / "machine";
-  if (auto number = rt::file_text(file)) {
-    return *std::move(number);
-  }
-  std::random_device random;
-  const auto number = std::to_string(random()) + "-" + std::to_string(random());
-  return replace_file(file, number + "\n") ? number : "";
-}
 
 std::filesystem::path quarantine_in(const std::string& directory) {
   return std::filesystem::path(directory) / "quarantine.json";
@@ -84,37 +49,9 @@ Result<std::unique_ptr<StateStore>> StateStore::open(const std::string& director
     return generations.error();
   }
   store->generations_ = std::move(*generations);
-  store->read_marker();
+  store->last_run_.read(!store->generations_->list().empty());
   store->read_quarantine();
   return store;
-}
-
-/// A run that saved generations and left no marker counts as a crash, since an orderly end writes
-/// one.
-void StateStore::read_marker() {
-  const auto marker =
-      arch::read_file(marker_in(directory_).string(), &plugin::Trust::of_this_process());
-  if (!marker && marker.error().code == Errc::not_permitted) {
-    report(Event::path_distrusted, marker.error());
-  }
-  std::string_view text = marker ? std::string_view(*marker) : std::string_view();
-  text = text.substr(0, text.find_last_not_of(" \t\r\n") + 1);
-  crashed_ = marker ? text != kEnded : !generations_->list().empty();
-  const auto started = text.rfind(kStarted);
-  if (!text.starts_with(kMachine) || started == std::string_view::npos) {
-    return;
-  }
-  const auto machine = text.substr(kMachine.size(), started - kMachine.size());
-  const bool ran_on = !machine.empty() && machine == run_of_the_machine();
-  const auto number = text.substr(started + kStarted.size());
-  std::uint64_t generation = 0;
-  std::from_chars(number.data(), number.data() + number.size(), generation);
-  crashed_generation_ = ran_on ? generation : 0;
-}
-
-void StateStore::try_generation(std::uint64_t generation) {
-  put_marker(std::string(kMachine) + run_of_the_machine() + std::string(kStarted) +
-             std::to_string(generation));
 }
 
 /// Damage keeps nothing from starting: a file where a folder belongs gets another name.
@@ -140,12 +77,12 @@ void StateStore::put_aside(const std::filesystem::path& folder) {
 void StateStore::begin(const Generation& first, const Value& architecture) {
   for (const auto& one : generations_->list()) {
     const bool by_itself = one.command.find('.') == std::string::npos;  // methods have one
-    if (crashed_ && by_itself && one.mark == Confirmation::unconfirmed) {
+    if (last_run_.crashed() && by_itself && one.mark == Confirmation::unconfirmed) {
       generations_->remove(one.number);  // else a crash loop would push out the others
     }
   }
   if (save(first, architecture)) {
-    try_generation(first.number);
+    last_run_.started(first.number);
   }
   first_ = first.number;
   disk_.start();
@@ -168,7 +105,7 @@ void StateStore::end_row_of_crashes() {
 void StateStore::end() {
   disk_.stop();
   end_row_of_crashes();
-  put_marker(kEnded);
+  last_run_.ended();
 }
 
 void StateStore::keep(Generation about, Value architecture, Json line,
@@ -284,15 +221,7 @@ void StateStore::confirm_start(std::uint64_t generation, std::uint64_t replaced)
 }
 
 void StateStore::ran_long() {
-  disk_.post_urgent([this] { put_marker(kRanLong); });
-}
-
-void StateStore::refused() { put_marker(crashed_ ? kRefused : kEnded); }
-
-void StateStore::put_marker(std::string_view text) {
-  if (auto put = replace_file(marker_in(directory_), std::string(text) + "\n"); !put) {
-    report(Event::generation_not_saved, put.error());
-  }
+  disk_.post_urgent([this] { last_run_.ran_long(); });
 }
 
 void StateStore::confirm_like(std::uint64_t generation, std::uint64_t earlier) {

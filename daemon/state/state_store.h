@@ -21,6 +21,7 @@
 #include "protocol/framing.h"
 #include "rt/process/descriptor.h"
 #include "state/generations.h"
+#include "state/last_run.h"
 
 namespace mauve::daemon {
 
@@ -33,13 +34,13 @@ class StateStore {
                                                                 logging::Log& log);
 
   /// [any] The run before this one did not come to its end: a crash, a power cut.
-  [[nodiscard]] bool crashed() const { return crashed_; }
+  [[nodiscard]] bool crashed() const { return last_run_.crashed(); }
   /// [any] What it had started with when it crashed soon after that, while the machine ran on; 0:
   /// nothing of that kind.
-  [[nodiscard]] std::uint64_t crashed_generation() const { return crashed_generation_; }
+  [[nodiscard]] std::uint64_t crashed_generation() const { return last_run_.crashed_generation(); }
   /// From now on an end without end() or refused() is a crash of this generation (0: of the file).
   /// [main], before any code of a plugin runs
-  void try_generation(std::uint64_t generation);
+  void try_generation(std::uint64_t generation) { last_run_.started(generation); }
   [[nodiscard]] const Generations& generations() const { return *generations_; }
   /// [main], before begin()
   [[nodiscard]] Generations& generations() { return *generations_; }
@@ -77,7 +78,7 @@ class StateStore {
   /// rt]
   void ran_long();
   /// The run is refused before it began. [main]
-  void refused();
+  void refused() { last_run_.refused(); }
   /// Runs this on [disk], after what waits there. [any but rt]
   void on_disk(std::function<void()> work) { disk_.post(std::move(work)); }
   /// Saves the list of cores in quarantine. [any but rt]
@@ -102,8 +103,6 @@ class StateStore {
   [[nodiscard]] Confirmation mark_before(std::uint64_t generation) const;
   bool mark_now(std::uint64_t generation, Confirmation mark);
   void put_aside(const std::filesystem::path& folder);
-  void read_marker();
-  void put_marker(std::string_view text);
   void read_quarantine();
   void write_waiting();
   [[nodiscard]] Status rotate_audit() const;
@@ -114,8 +113,7 @@ class StateStore {
   logging::Log& log_;
   rt::Descriptor held_;
   std::unique_ptr<Generations> generations_;
-  bool crashed_ = false;
-  std::uint64_t crashed_generation_ = 0;
+  LastRun last_run_{directory_, log_};
   Json quarantined_ = Json::array();
   std::atomic<bool> saved_{true};
   std::optional<Json> unsaved_cores_;  ///< [disk] in quarantine

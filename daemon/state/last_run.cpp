@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "state/last_run.h"
+
+#include <charconv>
+#include <cstdlib>
+#include <random>
+#include <utility>
+
+#include "arch/build/load.h"
+#include "plugin/load/trust.h"
+#include "rt/process/process.h"
+#include "state/durable.h"
+
+namespace mauve::daemon {
+
+namespace {
+
+using logging::Event;
+
+// The words in `running`. A run that began not long ago writes "machine RUN started GENERATION".
+constexpr std::string_view kEnded = "ended";
+constexpr std::string_view kRanLong = "ran long";
+constexpr std::string_view kRefused = "refused after a crash";
+constexpr std::string_view kMachine = "machine ";
+constexpr std::string_view kStarted = " started ";
+
+/// Another one after each power cut or restart of the machine; empty: not known. A sandbox may hide
+/// the number of the system: then one in the directory that the service manager makes anew.
+std::string run_of_the_machine() {
+  if (auto number = rt::file_text("/proc/sys/kernel/random/boot_id")) {
+    return *std::move(number);
+  }
+  const char* directory = std::getenv("RUNTIME_DIRECTORY");
+  if (directory == nullptr) {
+    return "";
+  }
+  const auto file = std::filesystem::path(directory) / "machine";
+  if (auto number = rt::file_text(file)) {
+    return *std::move(number);
+  }
+  std::random_device random;
+  const auto number = std::to_string(random()) + "-" + std::to_string(random());
+  return replace_file(file, number + "\n") ? number : "";
+}
+
+/// The file, if nobody else may have written it.
+Result<std::string> trusted(const std::filesystem::path& file, logging::Log& log) {
+  auto text = arch::read_file(file.string(), &plugin::Trust::of_this_process());
+  if (!text && text.error().code == Errc::not_permitted) {
+    log.write(Event::path_distrusted,
+              {{"text", to_string(text.error())}, {"file", text.error().at}});
+  }
+  return text;
+}
+
+}  // namespace
+
+LastRun::LastRun(const std::filesystem::path& directory, logging::Log& log)
+    : running_(directory / "running"), log_(log) {}
+
+void LastRun::read(bool generations_are_kept) {
+  const auto marker = trusted(running_, log_);
+  std::string_view text = marker ? std::string_view(*marker) : std::string_view();
+  text = text.substr(0, text.find_last_not_of(" \t\r\n") + 1);
+  crashed_ = marker ? text != kEnded : generations_are_kept;
+  const auto started = text.rfind(kStarted);
+  if (!text.starts_with(kMachine) || started == std::string_view::npos) {
+    return;
+  }
+  const auto machine = text.substr(kMachine.size(), started - kMachine.size());
+  const bool ran_on = !machine.empty() && machine == run_of_the_machine();
+  const auto number = text.substr(started + kStarted.size());
+  std::uint64_t generation = 0;
+  std::from_chars(number.data(), number.data() + number.size(), generation);
+  crashed_generation_ = ran_on ? generation : 0;
+}
+
+void LastRun::started(std::uint64_t generation) {
+  put(std::string(kMachine) + run_of_the_machine() + std::string(kStarted) +
+      std::to_string(generation));
+}
+
+void LastRun::ran_long() { put(kRanLong); }
+
+void LastRun::refused() { put(crashed_ ? kRefused : kEnded); }
+
+void LastRun::ended() { put(kEnded); }
+
+void LastRun::put(std::string_view text) {
+  if (auto put = replace_file(running_, std::string(text) + "\n"); !put) {
+    log_.write(Event::generation_not_saved,
+               {{"text", to_string(put.error())}, {"file", put.error().at}});
+  }
+}
+
+}  // namespace mauve::daemon

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+/// How the run before this one ended, and how far this one came: the file `running` of the state
+/// directory. All functions but those of [any] wait for the disk.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string_view>
+
+#include "log/log.h"
+
+namespace mauve::daemon {
+
+class LastRun {
+ public:
+  LastRun(const std::filesystem::path& directory, logging::Log& log);
+
+  /// If the file `running` is lost although generations are kept, the run counts as crashed, since
+  /// an end leaves this file. A file that others may have written is not believed. [main]
+  void read(bool generations_are_kept);
+
+  /// [any] The run did not come to its end: a crash, a power cut.
+  [[nodiscard]] bool crashed() const { return crashed_; }
+  /// [any] What the run had started with when it crashed soon after that, while the machine ran on;
+  /// 0: nothing of that kind.
+  [[nodiscard]] std::uint64_t crashed_generation() const { return crashed_generation_; }
+
+  /// From now on an end without ended() or refused() is a crash of this generation. [main]
+  void started(std::uint64_t generation);
+  /// The end of this run would be no crash soon after its start. [disk]
+  void ran_long();
+  /// This run is refused before it began: the next one starts with the same. [main]
+  void refused();
+  void ended();
+
+ private:
+  void put(std::string_view text);
+
+  const std::filesystem::path running_;
+  logging::Log& log_;
+  bool crashed_ = false;
+  std::uint64_t crashed_generation_ = 0;
+};
+
+}  // namespace mauve::daemon
