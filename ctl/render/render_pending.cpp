@@ -39,7 +39,8 @@ std::string render_pending(const Json& status, Look look) {
   }
   if (const auto recovered = word(status, "recovered"); number(status, "recovered") > 0) {
     add("this run began with generation " + recovered +
-        " after a crash, not with its file: an orderly end and a start begin with the file, as "
+        " after a crash or an upgrade, not with its file: an orderly end and a start begin with "
+        "the file, as "
         "does mauved --fresh");
   }
   if (const double cores = number(status, "quarantine"); cores > 0) {

@@ -56,9 +56,10 @@ Result<std::string> trusted(const std::filesystem::path& file, logging::Log& log
 }  // namespace
 
 LastRun::LastRun(const std::filesystem::path& directory, logging::Log& log)
-    : running_(directory / "running"), log_(log) {}
+    : running_(directory / "running"), continue_(directory / "continue"), log_(log) {}
 
 void LastRun::read(bool generations_are_kept) {
+  continues_ = trusted(continue_, log_).has_value();
   const auto marker = trusted(running_, log_);
   std::string_view text = marker ? std::string_view(*marker) : std::string_view();
   text = text.substr(0, text.find_last_not_of(" \t\r\n") + 1);
@@ -75,6 +76,12 @@ void LastRun::read(bool generations_are_kept) {
   crashed_generation_ = ran_on ? generation : 0;
 }
 
+void LastRun::try_generation(std::uint64_t generation) {
+  started(generation);
+  std::error_code ignored;  // the file above could not be written either, which the log says
+  std::filesystem::remove(continue_, ignored);
+}
+
 void LastRun::started(std::uint64_t generation) {
   put(std::string(kMachine) + run_of_the_machine() + std::string(kStarted) +
       std::to_string(generation));
@@ -82,7 +89,7 @@ void LastRun::started(std::uint64_t generation) {
 
 void LastRun::ran_long() { put(kRanLong); }
 
-void LastRun::refused() { put(crashed_ ? kRefused : kEnded); }
+void LastRun::refused() { put(crashed_ || continues_ ? kRefused : kEnded); }
 
 void LastRun::ended() { put(kEnded); }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-/// How the run before this one ended, and how far this one came: the file `running` of the state
-/// directory. All functions but those of [any] wait for the disk.
+/// How the run before this one ended, and how far this one came: the files `running` and `continue`
+/// of the state directory. All functions but those of [any] wait for the disk.
 #pragma once
 
 #include <cstdint>
@@ -21,10 +21,15 @@ class LastRun {
 
   /// [any] The run did not come to its end: a crash, a power cut.
   [[nodiscard]] bool crashed() const { return crashed_; }
+  /// [any] The file `continue` is there: this start goes on with the last confirmed generation,
+  /// although the run came to its end. An upgrade of the package leaves this file.
+  [[nodiscard]] bool continues() const { return continues_; }
   /// [any] What the run had started with when it crashed soon after that, while the machine ran on;
   /// 0: nothing of that kind.
   [[nodiscard]] std::uint64_t crashed_generation() const { return crashed_generation_; }
 
+  /// started(), and the file `continue` goes: it is for one start. [main]
+  void try_generation(std::uint64_t generation);
   /// From now on an end without ended() or refused() is a crash of this generation. [main]
   void started(std::uint64_t generation);
   /// The end of this run would be no crash soon after its start. [disk]
@@ -37,8 +42,10 @@ class LastRun {
   void put(std::string_view text);
 
   const std::filesystem::path running_;
+  const std::filesystem::path continue_;
   logging::Log& log_;
   bool crashed_ = false;
+  bool continues_ = false;
   std::uint64_t crashed_generation_ = 0;
 };
 

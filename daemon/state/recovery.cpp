@@ -129,14 +129,16 @@ std::optional<Origin> last_confirmed(const Options& options, StateStore& store, 
       usable = trial.survived ? trial.good : trial.survived;
     }
     if (usable) {
-      log.write(Event::generation_recovered,
+      log.write(store.crashed() ? Event::generation_recovered : Event::generation_continued,
                 {{"generation", number}, {"time", one.time}, {"file", options.architecture}});
       return origin;
     }
     log.write(Event::generation_unusable,
               {{"generation", number}, {"text", to_string(usable.error())}});
   }
-  log.write(Event::nothing_to_recover, {{"file", options.architecture}});
+  log.write(Event::nothing_to_recover,
+            {{"text", store.crashed() ? "the last run crashed" : "an upgrade restarted mauved"},
+             {"file", options.architecture}});
   return std::nullopt;
 }
 
@@ -146,7 +148,7 @@ Result<Origin> what_to_start(const Options& options, StateStore* store, logging:
   if (store != nullptr && store->crashed_generation() != 0) {
     count_crash(store->generations(), store->crashed_generation(), log);
   }
-  if (store != nullptr && store->crashed() && !options.fresh) {
+  if (store != nullptr && (store->crashed() || store->continues()) && !options.fresh) {
     if (auto origin = last_confirmed(options, *store, log)) {
       return *std::move(origin);
     }

@@ -22,10 +22,10 @@ struct Origin {
   std::uint64_t replaces = 0;    ///< itself a copy that an earlier recovery made; 0: it is not
 };
 
-/// After a crash: the newest confirmed generation that is whole and whose parts all exist. A
-/// generation whose last kMostCrashes runs in a row all crashed within kSoon is passed over.
-/// Otherwise, and with --fresh: the file of the command line. A crash is counted when the machine
-/// ran on. `store` may be null: nothing is kept. [main]
+/// After a crash or an upgrade: the newest confirmed generation that is whole and whose parts all
+/// exist. A generation whose last kMostCrashes runs in a row all crashed within kSoon is passed
+/// over. Otherwise, and with --fresh: the file of the command line. A crash is counted when the
+/// machine ran on. `store` may be null: nothing is kept. [main]
 [[nodiscard]] Result<Origin> what_to_start(const Options& options, StateStore* store,
                                            logging::Log& log);
 

@@ -35,12 +35,15 @@ class StateStore {
 
   /// [any] The run before this one did not come to its end: a crash, a power cut.
   [[nodiscard]] bool crashed() const { return last_run_.crashed(); }
+  /// [any] The file `continue` is there: this start goes on with the last confirmed generation,
+  /// although the run before it came to its end. An upgrade of the package leaves this file.
+  [[nodiscard]] bool continues() const { return last_run_.continues(); }
   /// [any] What it had started with when it crashed soon after that, while the machine ran on; 0:
   /// nothing of that kind.
   [[nodiscard]] std::uint64_t crashed_generation() const { return last_run_.crashed_generation(); }
   /// From now on an end without end() or refused() is a crash of this generation (0: of the file).
-  /// [main], before any code of a plugin runs
-  void try_generation(std::uint64_t generation) { last_run_.started(generation); }
+  /// Removes the file `continue`, which is for one start. [main], before any code of a plugin runs
+  void try_generation(std::uint64_t generation) { last_run_.try_generation(generation); }
   [[nodiscard]] const Generations& generations() const { return *generations_; }
   /// [main], before begin()
   [[nodiscard]] Generations& generations() { return *generations_; }

@@ -43,7 +43,7 @@ TEST(RenderPending, CountsDownToAConfirmation) {
 
 TEST(RenderPending, SaysThatTheFileWasNotStarted) {
   EXPECT_THAT(render_pending(with("recovered", 42), {}),
-              HasSubstr("began with generation 42 after a crash, not with its file"));
+              HasSubstr("began with generation 42 after a crash or an upgrade, not with its file"));
 }
 
 TEST(RenderPending, CountsCoresInQuarantine) {

@@ -84,6 +84,37 @@ TEST_F(StateStoreTest, KnowsACrashByAMissingEnd) {
   EXPECT_EQ(store->generations().newest(), 2U);
 }
 
+TEST_F(StateStoreTest, ContinuesForOneStartWhenTheFileContinueIsThere) {
+  store->begin(with_number(1), named("a"));
+  store->end();
+  static_cast<void>(dir.write("state/continue", ""));
+
+  open();
+
+  EXPECT_TRUE(store->continues());
+  EXPECT_FALSE(store->crashed());
+  store->try_generation(1);
+  static_cast<void>(dir.write("state/continue", ""));  // of an upgrade while this run goes on
+  store->begin(with_number(2), named("a"));
+  store->end();
+  EXPECT_TRUE(std::filesystem::exists(dir / "state/continue"));
+}
+
+TEST_F(StateStoreTest, ContinuesWithTheNextStartWhenOneIsRefused) {
+  store->begin(with_number(1), named("a"));
+  store->end();
+  static_cast<void>(dir.write("state/continue", ""));
+  open();
+  store->try_generation(1);
+  store->refused();
+
+  open();
+
+  EXPECT_FALSE(store->continues()) << "the file was for one start";
+  EXPECT_TRUE(store->crashed()) << "what ran before is tried again";
+  EXPECT_EQ(store->crashed_generation(), 0U) << "but it has not crashed";
+}
+
 TEST_F(StateStoreTest, TakesALostMarkerForACrashWhenSomethingWasSaved) {
   store->begin(with_number(1), named("a"));
   store->end();
