@@ -157,8 +157,8 @@ Status Daemon::load() {
                                       {"at", problem.error.at}});
   }
   if (architecture_ == nullptr) {
-    return refuse(Errc::invalid_value, origin_.file, "has " + counted(problems.size(), "error"),
-                  "mauved --check shows them again");
+    return refuse({Errc::invalid_value, "file_has_errors"}, origin_.file,
+                  "has " + counted(problems.size(), "error"), "mauved --check shows them again");
   }
   supervisor_.adopt(std::move(supervision));
   for (const auto* loaded : catalog_.plugins()) {
@@ -175,7 +175,8 @@ Status Daemon::enter_folder() {
   std::error_code failed;
   std::filesystem::current_path(origin_.folder, failed);
   if (failed) {
-    return refuse(Errc::system, origin_.folder, "cannot be entered: " + failed.message(),
+    return refuse({Errc::system, "folder_not_entered"}, origin_.folder,
+                  "cannot be entered: " + failed.message(),
                   "paths in the architecture begin there");
   }
   return ok();

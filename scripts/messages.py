@@ -5,13 +5,19 @@
 Usage: messages.py [ROOT]            writes the page
        messages.py --check [ROOT]    fails when the page is not the one that the tables make
 
-The tables are daemon/log/events.def and daemon/protocol/errors.def; `mauvectl explain NAME` prints the same texts.
+The tables are daemon/log/events.def, daemon/protocol/errors.def and daemon/protocol/refusals.def; `mauvectl explain
+NAME` prints the same texts. Each refusal of the code, {Errc::KIND, "NAME"}, has a row in refusals.def with this kind,
+and each row has a use. LEDGER counts the refusals of each file that have no name: they may only become fewer.
 """
+import collections
 import pathlib
 import re
 import sys
 
 PAGE = "docs/messages.md"
+TABLES = ("daemon/log/events.def", "daemon/protocol/errors.def", "daemon/protocol/refusals.def")
+CODE = ("libruntime", "daemon", "ctl", "guardian")
+LEDGER = {}
 HEAD = """# Messages
 
 mauved writes *events* into its log, answers commands with *refusals*, and names *failures* of components. Each message
@@ -23,6 +29,14 @@ In the text of an event, a word in braces stands for a value: `{cause}`.
 STRING = r'"((?:[^"\\]|\\.)*)"'
 ENTRY = re.compile(r"MAUVE_(EVENT|ERROR|FAILURE)\(((?:0x\w+, )?)(\w+), (?:(\w+),\s*)?"
                    rf"((?:{STRING}\s*)+),\s*((?:{STRING}\s*)+)\)")
+REFUSAL = re.compile(rf"MAUVE_REFUSAL\((\w+), (\w+), (\w+),\s*((?:{STRING}\s*)+),\s*((?:{STRING}\s*)+)\)")
+STATES = {"unchanged": "", "partly": "A part has changed.", "unknown": "It may still take effect.",
+          "start": "mauved does not start.", "apart": "mauved is not concerned."}
+NAMED = re.compile(r'\{\s*Errc::(\w+),\s*"(\w+)"\s*\}')
+RENAMED = re.compile(r'\.code = Errc::(\w+);\s*[\w.()]+\.id = "(\w+)"')
+# A kind that is compared, printed, numbered or passed on is no refusal.
+NAMELESS = re.compile(r"(?<![=!]= )(?<!case )(?<!to_string\()(?<!value_or\()(?<!-> )(?<!Errc code = )(?<!Reason\{)"
+                      r"\bErrc::\w+\b(?!, -\d)")
 GROUP = re.compile(r"^// (0\d)xx  (.*)$", re.M)
 
 
@@ -62,11 +76,62 @@ def table(text, wanted):
             yield f"| `{name}` | {cell(meaning)} | {cell(advice)} |\n"
 
 
+def refusals(text):
+    """(name, kind, state, meaning, advice) of each row."""
+    for found in REFUSAL.finditer(text):
+        yield *found.group(1, 2, 3), joined(found[4]), joined(found[6])
+
+
+def refusal_pages(text):
+    marks = list(re.finditer(r"^// ## (.*)$", text, re.M)) + [None]
+    for mark, after in zip(marks, marks[1:]):
+        yield f"\n### {mark[1]}\n\n| name | kind | meaning | advice |\n|---|---|---|---|\n"
+        for name, kind, state, meaning, advice in refusals(text[mark.end():after.start() if after else len(text)]):
+            meaning = f"{meaning} {STATES[state]}".strip()
+            yield f"| `{name}` | {kind} | {cell(meaning)} | {cell(advice)} |\n"
+
+
+def without_comments(text):
+    return re.sub(r"//.*", "", text)
+
+
+def problems(root):
+    """Names without a row, rows without a use, kinds that differ, and refusals without a name."""
+    rows = {name: kind for name, kind, *_ in refusals((root / TABLES[2]).read_text("utf-8"))}
+    others = [name for table in TABLES[:2] for _, name, *_ in entries((root / table).read_text("utf-8"))]
+    counted = collections.Counter(others + [row[0] for row in refusals((root / TABLES[2]).read_text("utf-8"))])
+    yield from (f"{name}: two messages have this name" for name, count in sorted(counted.items()) if count > 1)
+    used = set()
+    files = [file for folder in CODE for file in sorted((root / folder).rglob("*")) if file.suffix in (".h", ".cpp")]
+    for file in files:
+        text = without_comments(file.read_text("utf-8"))
+        for kind, name in NAMED.findall(text):
+            used.add(name)
+            if rows.get(name) != kind:
+                yield f"{file.relative_to(root)}: \"{name}\" has no row of kind {kind} in {TABLES[2]}"
+        for kind, name in RENAMED.findall(text):
+            used.add(name)
+            if rows.get(name) != kind:
+                yield f"{file.relative_to(root)}: \"{name}\" has no row of kind {kind} in {TABLES[2]}"
+        nameless = len(NAMELESS.findall(RENAMED.sub("", NAMED.sub("", text))))
+        allowed = LEDGER.get(str(file.relative_to(root)), 0)
+        if nameless > allowed:
+            yield f"{file.relative_to(root)}: {nameless} refusals without a name, {allowed} are allowed"
+        elif nameless < allowed:
+            yield f"{file.relative_to(root)}: {nameless} refusals without a name: lower the {allowed} of LEDGER"
+    yield from (f"{TABLES[2]}: nothing refuses with \"{name}\"" for name in sorted(set(rows) - used))
+
+
 def page(root):
     log = (root / "daemon/log/events.def").read_text("utf-8")
     errors = (root / "daemon/protocol/errors.def").read_text("utf-8")
-    parts = [HEAD, "\n## Refusals\n\nA refusal has changed nothing, with the exception of `partly`.\n",
+    named = (root / TABLES[2]).read_text("utf-8")
+    parts = [HEAD, "\n## Kinds of refusals\n\nA refusal has changed nothing, with the exception of `partly`. Its kind "
+             "is `name` on the wire.\n",
              *table(errors, "ERROR"),
+             "\n## Refusals\n\nA refusal has a name of its own, `id` on the wire, and `mauvectl` prints it below the "
+             "refusal. All components run\non as before, unless the entry says otherwise.\n",
+             *refusal_pages(named),
              "\n## Failures\n\nAfter each of these failures the outputs of the component have their safe values. A rollback, a "
              "standby core or a\nrestart follows, as the architecture file says.\n",
              *table(errors, "FAILURE"), "\n## Events\n", *events(log)]
@@ -75,8 +140,8 @@ def page(root):
 
 def rows(root):
     """How many rows the tables have: none may be lost because it is written in another way."""
-    return sum(len(re.findall(r"^MAUVE_(?:EVENT|ERROR|FAILURE)\(", (root / name).read_text("utf-8"), re.M))
-               for name in ("daemon/log/events.def", "daemon/protocol/errors.def"))
+    return sum(len(re.findall(r"^MAUVE_(?:EVENT|ERROR|FAILURE|REFUSAL)\(", (root / name).read_text("utf-8"), re.M))
+               for name in TABLES)
 
 
 def main(words):
@@ -88,13 +153,16 @@ def main(words):
     if lines != rows(root):
         print(f"messages: the tables have {rows(root)} rows, and {lines} could be read")
         return 1
+    found = list(problems(root))
+    for problem in found:
+        print(problem)
     if not checks:
         (root / PAGE).write_text(made, "utf-8")
     elif (root / PAGE).read_text("utf-8") != made:
         print(f"{PAGE}: differs from the tables; scripts/messages.py writes it")
         return 1
     print(f"messages: {lines} of the tables are on the page")
-    return 0
+    return 1 if found else 0
 
 
 if __name__ == "__main__":

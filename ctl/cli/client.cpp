@@ -30,7 +30,8 @@ constexpr std::string_view kHowToStart =
 
 Fault cannot_connect(const std::string& path, const error_code& error) {
   if (error == asio::error::no_permission || error == asio::error::access_denied) {
-    return fault_of(refuse(Errc::not_permitted, path, "not permitted to open the socket of mauved",
+    return fault_of(refuse({Errc::not_permitted, "socket_not_permitted"}, path,
+                           "not permitted to open the socket of mauved",
                            "ask to be added to the group 'mauve', then log in again"));
   }
   std::string message = "cannot connect to mauved: " + error.message();
@@ -125,7 +126,8 @@ std::variant<Json, Fault> Client::call(std::string_view method, const Json& para
   };
   const std::string line = protocol::to_line(protocol::make_request(++last_id_, method, params));
   if (line.size() > protocol::kMaxLine) {
-    return fault_of(refuse(Errc::limit, std::string(method), "the request is longer than 1 MiB"));
+    return fault_of(refuse({Errc::limit, "request_too_long"}, std::string(method),
+                           "the request is longer than 1 MiB"));
   }
   if (auto fault = send(line + "\n", deadline)) return lost(std::move(*fault));
   while (true) {
@@ -175,7 +177,8 @@ std::variant<std::string, Fault> Client::read_line(Deadline deadline) {
                                           received = size;
                                         });
     if (!connection_->finish(deadline)) {
-      return fault_of(refuse(Errc::timed_out, path_, "the daemon did not answer in time",
+      return fault_of(refuse({Errc::timed_out, "answer_late"}, path_,
+                             "the daemon did not answer in time",
                              "wait longer with --timeout, look with: mauvectl status"));
     }
     if (error) return gone();
@@ -189,8 +192,8 @@ std::optional<Fault> Client::send(const std::string& line, Deadline deadline) {
   asio::async_write(connection_->socket, asio::buffer(line),
                     [&](const error_code& result, std::size_t) { error = result; });
   if (!connection_->finish(deadline)) {
-    return fault_of(refuse(Errc::timed_out, path_, "the daemon does not take the request",
-                           "look with: mauvectl status"));
+    return fault_of(refuse({Errc::timed_out, "request_not_read"}, path_,
+                           "the daemon does not take the request", "look with: mauvectl status"));
   }
   // A daemon that refuses may close before it has read everything: its reason can still be read.
   if (error && error != asio::error::broken_pipe) return gone();

@@ -15,12 +15,33 @@ namespace {
 
 using protocol::fault_of;
 
+/// The state of the running system after a refusal: the third column of refusals.def.
+enum class Aftermath { unchanged, partly, unknown, start, apart };
+
+constexpr std::string_view state_after(Aftermath aftermath) {
+  switch (aftermath) {
+    case Aftermath::unchanged:
+      return "Nothing has changed: all components run on as before.";
+    case Aftermath::partly:
+      return "Only a part of the change happened. `mauvectl status` shows the components.";
+    case Aftermath::unknown:
+      return "The change may still take effect: `mauvectl history` shows whether it did.";
+    case Aftermath::start:
+      return "mauved does not start, and no component has moved.";
+    case Aftermath::apart:
+      return "mauved and its components are not concerned.";
+  }
+  return {};
+}
+
 struct Message {
   std::string_view kind;
   std::string_view name;
   std::string_view level;  ///< of an event
   std::string_view text;
   std::string_view advice;
+  std::string_view refusal = {};  ///< the kind of a refusal, such as conflict
+  std::string_view system = {};   ///< the state of the running system after a refusal
 };
 
 constexpr Message kMessages[] = {
@@ -32,6 +53,10 @@ constexpr Message kMessages[] = {
 #include "protocol/errors.def"
 #undef MAUVE_FAILURE
 #undef MAUVE_ERROR
+#define MAUVE_REFUSAL(name, kind, state, meaning, advice) \
+  {"refusal", #name, "", meaning, advice, #kind, state_after(Aftermath::state)},
+#include "protocol/refusals.def"
+#undef MAUVE_REFUSAL
 };
 
 Json json_of(const Message& message) {
@@ -40,13 +65,15 @@ Json json_of(const Message& message) {
                {"text", message.text},
                {"advice", message.advice}};
   if (!message.level.empty()) json["level"] = message.level;
+  if (!message.refusal.empty()) json["refusal"] = message.refusal;
+  if (!message.system.empty()) json["system"] = message.system;
   return json;
 }
 
-/// "event, warn", "refusal".
+/// "event, warn", "refusal, conflict", "refusal".
 std::string kind_of(const Message& message) {
-  return std::string(message.kind) +
-         (message.level.empty() ? "" : ", " + std::string(message.level));
+  const std::string_view more = message.level.empty() ? message.refusal : message.level;
+  return std::string(message.kind) + (more.empty() ? "" : ", " + std::string(more));
 }
 
 std::string first_sentence(std::string_view text) {
@@ -81,10 +108,11 @@ int list_messages(Session& session) {
 
 int explain_message(Session& session, const Message& message) {
   const bool event = message.kind == "event";
-  session.print(json_of(message), bold(message.name, session) + "\n" +
-                                      part("kind", kind_of(message), session) +
-                                      part(event ? "text" : "meaning", message.text, session) +
-                                      part(event ? "meaning" : "advice", message.advice, session));
+  const std::string system = message.system.empty() ? "" : part("system", message.system, session);
+  session.print(json_of(message),
+                bold(message.name, session) + "\n" + part("kind", kind_of(message), session) +
+                    part(event ? "text" : "meaning", message.text, session) + system +
+                    part(event ? "meaning" : "advice", message.advice, session));
   return 0;
 }
 
@@ -132,9 +160,9 @@ int explain_brought(Session& session, const std::string& name) {
     list += "; what plugins bring only a running mauved knows";
   }
   const std::string near = did_you_mean(name, known, "'");
-  return session.fail(
-      fault_of(refuse(Errc::unknown_name, name, "no message and nothing of a plugin has this name",
-                      near.empty() ? list : near + " " + list)));
+  return session.fail(fault_of(refuse({Errc::unknown_name, "unknown_message"}, name,
+                                      "no message and nothing of a plugin has this name",
+                                      near.empty() ? list : near + " " + list)));
 }
 
 }  // namespace

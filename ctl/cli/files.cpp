@@ -20,7 +20,7 @@ Result<std::ifstream> open_to_read(const std::string& path) {
   errno = folder ? EISDIR : 0;
   if (!folder) stream.open(path, std::ios::binary);
   if (stream.is_open()) return stream;
-  return refuse(Errc::system, path, "the file cannot be read: " + reason());
+  return refuse({Errc::system, "file_unreadable"}, path, "the file cannot be read: " + reason());
 }
 
 Status write_file(const std::string& path, const std::function<void(std::ostream&)>& write) {
@@ -33,7 +33,8 @@ Status write_file(const std::string& path, const std::function<void(std::ostream
 }
 
 Error not_written(const std::string& path) {
-  return refuse(Errc::system, path, "the file cannot be written: " + reason());
+  return refuse({Errc::system, "file_not_written"}, path,
+                "the file cannot be written: " + reason());
 }
 
 }  // namespace mauve::ctl

@@ -61,8 +61,8 @@ std::optional<Fault> unknown_name(const Graph& graph, const std::vector<std::str
   for (const Graph::Node& node : graph.nodes) known.push_back(node.name);
   for (const std::string& name : wanted) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    Fault fault = fault_of(refuse(Errc::unknown_name, name, "there is nothing of this name",
-                                  known_names(name, known)));
+    Fault fault = fault_of(refuse({Errc::unknown_name, "unknown_address"}, name,
+                                  "there is nothing of this name", known_names(name, known)));
     return fault;
   }
   return std::nullopt;

@@ -56,17 +56,19 @@ fs::path prefix() {
 
 Status check(const std::string& name) {
   if (!is_name(name)) {
-    return refuse(Errc::invalid_value, name, "this is no name of a plugin",
+    return refuse({Errc::invalid_value, "plugin_name_invalid"}, name, "this is no name of a plugin",
                   "begin with a small letter, go on with small letters, digits and single _, "
                   "such as my_core");
   }
   if (kReserved.find(" " + name + " ") != kReserved.npos) {
-    return refuse(Errc::invalid_value, name, "this word has a meaning in C++, CMake or mauve",
+    return refuse({Errc::invalid_value, "plugin_name_invalid"}, name,
+                  "this word has a meaning in C++, CMake or mauve",
                   "take another one, such as my_" + name);
   }
   std::error_code failed;
   if (fs::exists(fs::symlink_status(name, failed))) {
-    return refuse(Errc::duplicate, name, "there is a file or folder of this name already",
+    return refuse({Errc::duplicate, "file_exists"}, name,
+                  "there is a file or folder of this name already",
                   "take another name, or go to another folder");
   }
   return ok();
@@ -102,7 +104,8 @@ Status copy(const fs::path& file, const ProjectKind& kind, const std::string& na
 Status write(const std::vector<fs::path>& files, const ProjectKind& kind, const std::string& name) {
   std::error_code failed;
   if (!fs::create_directory(name, failed)) {
-    return refuse(Errc::system, name, "the folder cannot be made: " + failed.message());
+    return refuse({Errc::system, "file_not_written"}, name,
+                  "the folder cannot be made: " + failed.message());
   }
   for (const fs::path& file : files) {
     Status done = copy(file, kind, name);
@@ -152,8 +155,9 @@ int run_new(Session& session) {
   const fs::path example = prefix() / "share/mauve/examples" / kind->example;
   const std::vector<fs::path> files = files_of(example);
   if (files.empty()) {
-    return session.fail(fault_of(refuse(Errc::system, example, "the examples are not installed",
-                                        "install mauve with cmake --install")));
+    return session.fail(
+        fault_of(refuse({Errc::system, "examples_missing"}, example,
+                        "the examples are not installed", "install mauve with cmake --install")));
   }
   if (const Status done = write(files, *kind, name); !done) {
     return session.fail(fault_of(done.error()));

@@ -127,7 +127,8 @@ Status write_ctf(const Trace& trace, const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) {
-    return refuse(Errc::system, folder, "the folder cannot be made: " + error.message());
+    return refuse({Errc::system, "file_not_written"}, folder,
+                  "the folder cannot be made: " + error.message());
   }
   const std::filesystem::path place(folder);
   if (Status done =

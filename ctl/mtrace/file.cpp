@@ -89,11 +89,11 @@ Status Builder::header(const Json& header) {
   const auto version =
       header.is_object() ? integer(header.value("mauve_trace", Json())) : std::nullopt;
   if (!version) {
-    return refuse(Errc::invalid_value, {}, "this is no trace of mauve",
+    return refuse({Errc::invalid_value, "not_a_trace"}, {}, "this is no trace of mauve",
                   "mauvectl trace dump writes one");
   }
   if (*version != protocol::kTraceFormat) {
-    return refuse(Errc::unsupported, {},
+    return refuse({Errc::unsupported, "trace_other_version"}, {},
                   "this is a trace of version " + std::to_string(*version) +
                       ", and this mauvectl reads version " + std::to_string(protocol::kTraceFormat),
                   "use the mauvectl that belongs to the mauved that wrote it");

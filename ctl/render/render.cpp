@@ -312,7 +312,10 @@ std::string render_errors(std::string_view file, const Json& result, Look look) 
     const std::string line = std::string(file) + ":" + word(error, "line") + ":" +
                              word(error, "column") + ": error: " + (at.empty() ? "" : at + ": ") +
                              word(error, "message");
-    text += painted_word(wrapped(line, look.width, 2), "error:", look) + "\n";
+    const auto id = word(error, "id");
+    text += painted_word(wrapped(id.empty() ? line : line + " [" + id + "]", look.width, 2),
+                         "error:", look) +
+            "\n";
     if (const auto hint = word(error, "hint"); !hint.empty()) {
       text += wrapped("  hint: " + hint, look.width, 4) + "\n";
     }

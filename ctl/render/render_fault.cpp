@@ -30,13 +30,15 @@ std::string render_fault(std::string_view command, const Fault& fault, Look look
   const std::string first = wrapped(std::string(kError) + " " + message, look.width, 2);
   return painted(kError, Paint::red, look.colour) + first.substr(kError.size()) + "\n" +
          part("  where  : ", harmless(fault.where)) + part("  state  : ", state_in_words(fault)) +
-         part("  hint   : ", harmless(fault.hint));
+         part("  hint   : ", harmless(fault.hint)) +
+         part("  explain: ", fault.id.empty() ? "" : "mauvectl explain " + harmless(fault.id));
 }
 
 Json fault_json(const Fault& fault) {
   Json error = {{"code", fault.code},   {"name", fault.name},   {"message", fault.message},
                 {"state", fault.state}, {"where", fault.where}, {"hint", fault.hint},
                 {"exit", fault.exit},   {"generation", nullptr}};
+  if (!fault.id.empty()) error["id"] = fault.id;
   if (fault.generation) error["generation"] = *fault.generation;
   if (!fault.errors.is_null()) error["errors"] = fault.errors;
   return {{"error", std::move(error)}};

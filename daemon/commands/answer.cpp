@@ -140,7 +140,7 @@ void refuse_text(Running& running, const Call& call, const std::string& subject,
                  const std::string& hint, Json errors) {
   const auto count = errors.size();
   auto fault = protocol::fault_of(
-      refuse(Errc::invalid_value, text_or(call.params, "file", "text"),
+      refuse({Errc::invalid_value, "file_has_errors"}, text_or(call.params, "file", "text"),
              subject + " " + std::to_string(count) + (count == 1 ? " error" : " errors"), hint),
       "unchanged", running.generation.load());
   fault.errors = std::move(errors);
@@ -153,7 +153,7 @@ Status check_long_answers(const Running& running, const Call& call) {
   if (running.control.long_answers(uid) < Control::kLongAnswers) {
     return ok();
   }
-  return refuse(Errc::limit, "uid " + std::to_string(uid),
+  return refuse({Errc::limit, "too_many_answers"}, "uid " + std::to_string(uid),
                 "waits for " + std::to_string(Control::kLongAnswers) +
                     " long answers (such as log.tail and trace.read) already",
                 "send the next request when one of them has come");
@@ -167,7 +167,7 @@ Status check_conditions(const Running& running, const Call& call) {
   const auto wanted = call.params.find("if_generation");
   const auto generation = running.generation.load();
   if (wanted != call.params.end() && *wanted != generation) {
-    return refuse(Errc::conflict, std::string(call.method->name),
+    return refuse({Errc::conflict, "generation_differs"}, std::string(call.method->name),
                   "generation " + wanted->dump() + " was expected, " + std::to_string(generation) +
                       " is running" + made_by(running.author, generation),
                   "look at what was changed meanwhile, then try again");
@@ -189,7 +189,7 @@ std::optional<std::chrono::milliseconds> deadline_in(const Json& params) {
 }
 
 Error deadline_passed(const Call& call) {
-  return refuse(Errc::timed_out, std::string(call.method->name),
+  return refuse({Errc::timed_out, "deadline_passed"}, std::string(call.method->name),
                 "the deadline passed before the change could begin, so the change was dropped",
                 "another change was under way; try again");
 }

@@ -33,14 +33,14 @@ void answer_late(const Running& running, Call& call) {
   const auto generation = running.generation.load();
   if (expire(call)) {
     return call.reply(protocol::fault_of(
-        refuse(Errc::timed_out, method,
+        refuse({Errc::timed_out, "deadline_passed"}, method,
                deadline_of(call) +
                    " passed before the change could take effect, so the change is dropped",
                "the machine is busy, or a hook takes long: mauvectl status; then try again"),
         "unchanged", generation));
   }
   call.reply(protocol::fault_of(
-      refuse(Errc::timed_out, method,
+      refuse({Errc::timed_out, "outcome_unknown"}, method,
              deadline_of(call) + " passed while the change was taking effect; its outcome is not "
                                  "known yet",
              "mauvectl history shows its generation once it is over"),

@@ -40,7 +40,7 @@ bool only_stops(const Change& change) {
 }
 
 Error all_is_locked() {
-  return refuse(Errc::conflict, "lock",
+  return refuse({Errc::conflict, "locked"}, "lock",
                 "everything that runs is locked: components may be stopped and a change may be "
                 "confirmed, nothing else",
                 kHint);
@@ -52,7 +52,7 @@ Status check_role(const Call& call, const std::vector<arch::Line>& lines) {
   if (above == lines.end()) {
     return ok();
   }
-  return refuse(Errc::not_permitted, above->address,
+  return refuse({Errc::not_permitted, "role_missing"}, above->address,
                 "needs role " + std::string(server::to_string(role_for(*above))) +
                     " whichever command asks for it, you have " +
                     std::string(server::to_string(call.caller.role)) +
@@ -131,7 +131,7 @@ Status may_change(const Running& running, const Call& call, const std::vector<ar
     return ok();
   }
   return refuse(
-      Errc::conflict, held->address,
+      {Errc::conflict, "locked"}, held->address,
       rule_of(running.lock) + "; this change has: " + protocol::line_in_words(to_json(*held)),
       kHint);
 }
@@ -168,9 +168,10 @@ void set_lock(Running& running, const CallPtr& call, Ticket /*none: it waits for
   const auto word = text_or(call->params, "lock");
   const auto* found = std::find(kLocks.begin(), kLocks.end(), word);
   if (found == kLocks.end()) {
-    return answer(running, *call,
-                  refuse(Errc::invalid_value, "lock", "'" + word.substr(0, 64) + "' is no lock",
-                         "none, params, topology or all"));
+    return answer(
+        running, *call,
+        refuse({Errc::invalid_value, "not_a_choice"}, "lock",
+               "'" + word.substr(0, 64) + "' is no lock", "none, params, topology or all"));
   }
   if (auto met = check_conditions(running, *call); !met) {
     return answer(running, *call, met.error());

@@ -84,12 +84,12 @@ Status lies_within(const PropertyBase& property, const Value& value,
     return ok();
   }
   if (!failed && is_shared(path)) {
-    return refuse(Errc::not_permitted, property.address(),
+    return refuse({Errc::not_permitted, "path_not_allowed"}, property.address(),
                   "'" + *text + "' lies where every user may exchange a file for a link",
                   "name a device, or let mauved allow the directory: --allow-path DIR");
   }
   places.insert(places.end(), more.begin(), more.end());
-  return refuse(Errc::not_permitted, property.address(),
+  return refuse({Errc::not_permitted, "path_not_allowed"}, property.address(),
                 "'" + *text + "' is outside of " + listed(places),
                 "other paths are named in the architecture file, or allowed by mauved "
                 "--allow-path DIR");

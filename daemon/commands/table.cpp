@@ -31,7 +31,7 @@ std::string_view group_of(Role role) {
 }
 
 Error not_permitted(const protocol::Method& method, const server::Caller& caller) {
-  return refuse(Errc::not_permitted, std::string(method.name),
+  return refuse({Errc::not_permitted, "role_missing"}, std::string(method.name),
                 "needs role " + std::string(to_string(method.role)) + ", you have " +
                     std::string(to_string(caller.role)),
                 "join the group " + std::string(group_of(method.role)) + ", then log in again");
@@ -158,8 +158,8 @@ void CommandTable::run_as_change(const Command& command, const CallPtr& call) {
   const bool queued = running_.control.change(begin, asker_of(*call));
   if (!queued) {
     answer(running_, *call,
-           refuse(Errc::conflict, std::string(call->method->name), "too many changes wait already",
-                  "try again when they are done"));
+           refuse({Errc::conflict, "too_many_changes"}, std::string(call->method->name),
+                  "too many changes wait already", "try again when they are done"));
   }
 }
 

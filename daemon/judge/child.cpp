@@ -78,12 +78,13 @@ Result<Json> answer_to(const std::string& text, const Options& options) {
   try {
     const auto question = question_of(text);
     if (!question) {
-      return refuse(Errc::invalid_value, "--judge", "standard input holds no question",
+      return refuse({Errc::invalid_value, "judge_misused"}, "--judge",
+                    "standard input holds no question",
                     "mauved runs this by itself; to check a file: mauved --check FILE");
     }
     return judge(*question, plugin::Catalog(options.plugin_dirs));
   } catch (const std::bad_alloc&) {
-    return refuse(Errc::limit, "file",
+    return refuse({Errc::limit, "file_needs_too_much"}, "file",
                   "its elements need more than a quarter of the memory of this machine",
                   "a file of that size is checked with mauved --check FILE");
   }
@@ -93,7 +94,8 @@ Json error_json(const Error& error) {
   return {{"name", to_string(error.code)},
           {"where", error.at},
           {"message", error.message},
-          {"hint", error.hint}};
+          {"hint", error.hint},
+          {"id", error.id}};
 }
 
 /// The length of the answer is bounded.
@@ -102,9 +104,10 @@ std::string line_of(const Json& said) {
   if (line.size() <= kLongestAnswer) {
     return line;
   }
-  return protocol::to_line(Json{
-      {"refused", error_json(refuse(Errc::limit, kWholeFile, "there is more to say of it than fits",
-                                    "compare a smaller file"))}});
+  return protocol::to_line(
+      Json{{"refused",
+            error_json(refuse({Errc::limit, "judge_answer_too_long"}, kWholeFile,
+                              "there is more to say of it than fits", "compare a smaller file"))}});
 }
 
 void write_all(int file, const std::string& text) {

@@ -21,17 +21,18 @@ constexpr const char* kUntouched =
     "nothing of it came near the running system: mend the plugin, or take another file";
 
 /// "first.core constructor": the address becomes that of the refusal.
-Error lost(Errc code, const std::string& hook, const std::string& happened) {
+Error lost(Reason reason, const std::string& hook, const std::string& happened) {
   const auto space = hook.find(' ');
   const bool placed = space != std::string::npos;
   const std::string what = placed ? hook.substr(space + 1) : hook.empty() ? "its code" : hook;
-  return refuse(code, placed ? hook.substr(0, space) : kWholeFile, what + " " + happened,
+  return refuse(reason, placed ? hook.substr(0, space) : kWholeFile, what + " " + happened,
                 kUntouched);
 }
 
 Error error_of(const Json& said) {
-  return refuse(protocol::errc_named(said.value("name", "")).value_or(Errc::system),
-                said.value("where", ""), said.value("message", ""), said.value("hint", ""));
+  return {protocol::errc_named(said.value("name", "")).value_or(Errc::system),
+          said.value("where", ""), said.value("message", ""), said.value("hint", ""),
+          said.value("id", "")};
 }
 
 std::string signal_name(int signal) {
@@ -44,16 +45,17 @@ std::string signal_name(int signal) {
 Result<Json> verdict_of(const rt::ChildEnd& end, Duration within) {
   using Ended = rt::ChildEnd::How;
   if (end.how == Ended::cancelled) {
-    return refuse(Errc::wrong_state, "mauved", "is about to end, so the file was not judged");
+    return refuse({Errc::wrong_state, "mauved_ends"}, "mauved",
+                  "is about to end, so the file was not judged");
   }
   const bool by_its_timer = end.how == Ended::signalled && end.code == SIGALRM;
   if (end.how == Ended::late || by_its_timer) {
-    return lost(Errc::timed_out, end.errors,
+    return lost({Errc::timed_out, "hook_hung_apart"}, end.errors,
                 "did not return within " + format_duration(within) +
                     ", so the process in which it was tried was ended");
   }
   if (end.how == Ended::signalled) {
-    return lost(Errc::plugin_refused, end.errors,
+    return lost({Errc::plugin_refused, "code_died_apart"}, end.errors,
                 "ended the process in which it was tried: " + signal_name(end.code));
   }
   const auto said = Json::parse(end.output, nullptr, false);
@@ -64,7 +66,7 @@ Result<Json> verdict_of(const rt::ChildEnd& end, Duration within) {
     return error_of(said["refused"]);
   }
   return lost(
-      Errc::plugin_refused, end.errors,
+      {Errc::plugin_refused, "code_died_apart"}, end.errors,
       "ended the process in which it was tried, with exit code " + std::to_string(end.code));
 }
 
@@ -126,7 +128,7 @@ Status Judge::claim_slot(uid_t user) {
   const MutexLock lock(mutex_);
   auto& waiting = waiting_[user];
   if (waiting == kMostOfOneUser) {
-    return refuse(Errc::limit, "file",
+    return refuse({Errc::limit, "too_many_judged"}, "file",
                   std::to_string(kMostOfOneUser) + " files of yours are being judged already",
                   "try again when they are done");
   }

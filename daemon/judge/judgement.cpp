@@ -36,7 +36,7 @@ void leave_out_unloaded(const Question& question, arch::Spec& spec, arch::Proble
       return false;
     }
     problems.add(plugin.where,
-                 refuse(Errc::not_permitted, "plugins." + plugin.value,
+                 refuse({Errc::not_permitted, "plugin_not_yours"}, "plugins." + plugin.value,
                         "is not loaded, and its code runs for nobody but an admin",
                         "ask an admin to check the file or to load the plugin; mauved --check FILE "
                         "looks at it with your own rights"));
@@ -64,7 +64,7 @@ Result<Made> make_running(const std::string& text, plugin::Catalog& catalog) {
   }
   const auto first = problems.sorted().front().error;
   return refuse(
-      Errc::wrong_state, first.at,
+      {Errc::wrong_state, "plugin_files_changed"}, first.at,
       "what runs cannot be made again from the plugin files of now: " + first.message,
       "the files have changed since they were loaded: mauvectl reload takes the new ones");
 }
@@ -166,7 +166,8 @@ Json to_json(const arch::Problems& problems) {
                       {"at", problem.error.at},
                       {"code", to_string(problem.error.code)},
                       {"message", problem.error.message},
-                      {"hint", problem.error.hint}});
+                      {"hint", problem.error.hint},
+                      {"id", problem.error.id}});
   }
   return errors;
 }

@@ -62,7 +62,7 @@ class JournalSink final : public Sink {
     }
     const int rc = sd_journal_sendv(parts.data(), static_cast<int>(parts.size()));
     if (rc < 0) {
-      return refuse(Errc::system, "the journal", std::strerror(-rc));
+      return refuse({Errc::system, "log_not_written"}, "the journal", std::strerror(-rc));
     }
     return ok();
   }

@@ -58,7 +58,7 @@ class SpdlogSink : public Sink {
 
  private:
   [[nodiscard]] Status result() const {
-    return failure_.empty() ? ok() : refuse(Errc::system, target_, failure_);
+    return failure_.empty() ? ok() : refuse({Errc::system, "log_not_written"}, target_, failure_);
   }
 
   spdlog::logger logger_;
@@ -98,7 +98,7 @@ Result<std::unique_ptr<Sink>> file_sink(const std::filesystem::path& path) {
   // Made here with its mode and checked before spdlog opens it, which would answer by an exception.
   const int fd = open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOCTTY, 0640);
   if (fd < 0) {
-    return refuse(Errc::system, path.string(),
+    return refuse({Errc::system, "log_not_written"}, path.string(),
                   fmt::format("cannot open the log file: {}", std::strerror(errno)),
                   "name a file in an existing directory that this user may write to");
   }

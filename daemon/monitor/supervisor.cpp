@@ -219,15 +219,16 @@ void Supervisor::serve(const std::string& component, const std::string& transact
       names.push_back(name);
     }
     return refuse_request(
-        order, steps == nullptr
-                   ? refuse(Errc::unknown_name, transaction, "there is no such transaction",
-                            known_names(transaction, names))
-                   : refuse(Errc::not_permitted, component, "may not request this",
-                            "name it under \"may_request\" of " + component));
+        order,
+        steps == nullptr
+            ? refuse({Errc::unknown_name, "unknown_transaction"}, transaction,
+                     "there is no such transaction", known_names(transaction, names))
+            : refuse({Errc::not_permitted, "request_not_permitted"}, component,
+                     "may not request this", "name it under \"may_request\" of " + component));
   }
   if (!under_way_.emplace(component, transaction).second) {
-    return refuse_request(
-        order, refuse(Errc::conflict, transaction, "is under way already, by an earlier request"));
+    return refuse_request(order, refuse({Errc::conflict, "transaction_under_way"}, transaction,
+                                        "is under way already, by an earlier request"));
   }
   order.steps = *steps;
   order.done = [this, component, transaction](const std::string& /*answer*/, bool /*again*/) {
@@ -281,7 +282,8 @@ void Supervisor::carry_out(Order order) {
     apply(*running_, call, std::move(ticket), *std::move(change));
   });
   if (!queued) {
-    answer(*running_, *call, refuse(Errc::conflict, "", "too many changes wait already"));
+    answer(*running_, *call,
+           refuse({Errc::conflict, "too_many_changes"}, "", "too many changes wait already"));
   }
 }
 
@@ -331,7 +333,7 @@ Result<Json> Supervisor::list(const std::string& rule) const {
     }
   }
   if (!rule.empty() && rows.empty()) {
-    return refuse(Errc::unknown_name, rule, "there is no rule of this name",
+    return refuse({Errc::unknown_name, "unknown_rule"}, rule, "there is no rule of this name",
                   known_names(rule, names));
   }
   return Json{{"items", std::move(rows)}};

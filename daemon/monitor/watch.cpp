@@ -77,13 +77,14 @@ Result<std::uint64_t> Watches::subscribe(const Running& running, const server::C
                                          const std::vector<std::string>& addresses) {
   MAUVE_ON_THREAD(control);
   if (addresses.empty() || addresses.size() > kMaxAddresses) {
-    return refuse(Errc::limit, "addresses",
+    return refuse({Errc::limit, "too_many_subscriptions"}, "addresses",
                   "one subscription takes 1 to " + std::to_string(kMaxAddresses) + " addresses",
                   "use several subscriptions");
   }
   const auto sub = caller.outbox->open();
   if (!sub) {
-    return refuse(Errc::limit, "subscriptions", "this connection has too many", "end some of them");
+    return refuse({Errc::limit, "too_many_subscriptions"}, "subscriptions",
+                  "this connection has too many", "end some of them");
   }
   for (const auto& address : addresses) {
     if (auto added = add(running, address, {caller.client, *sub, caller.outbox}); !added) {
@@ -121,7 +122,7 @@ Status Watches::add(const Running& running, const std::string& address, const Su
 Status Watches::tap(const std::string& address, ServiceBase& service, const Subscriber& who) {
   const auto* data = service.signature().data;
   if (data == nullptr || data->to_value == nullptr) {
-    return refuse(Errc::unsupported, address, "its type has no description",
+    return refuse({Errc::unsupported, "type_not_described"}, address, "its type has no description",
                   "describe it: specialise mauve::Described");
   }
   const MutexLock lock(mutex_);
@@ -145,7 +146,8 @@ Result<Watches::FollowedLog> Watches::follow_log(
   MAUVE_ON_THREAD(control);
   const auto sub = caller.outbox->open();
   if (!sub) {
-    return refuse(Errc::limit, "subscriptions", "this connection has too many", "end some of them");
+    return refuse({Errc::limit, "too_many_subscriptions"}, "subscriptions",
+                  "this connection has too many", "end some of them");
   }
   auto following =
       log_.history().follow(count, filter,

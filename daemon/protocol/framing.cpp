@@ -59,7 +59,7 @@ class StrictReader final : public nlohmann::json_sax<Json> {
 
  private:
   bool fail(std::string message, std::string at) {
-    error_ = refuse(Errc::invalid_value, std::move(at), std::move(message),
+    error_ = refuse({Errc::invalid_value, "line_not_json"}, std::move(at), std::move(message),
                     "one JSON object a line, in UTF-8");
     return false;
   }
@@ -122,8 +122,8 @@ Status LineFramer::feed(std::string_view bytes) {
   }
   if (!overflown_) return ok();
   partial_ = {};
-  return refuse(Errc::limit, {}, "line longer than " + std::to_string(limit_) + " bytes",
-                "split the request");
+  return refuse({Errc::limit, "request_too_long"}, {},
+                "line longer than " + std::to_string(limit_) + " bytes", "split the request");
 }
 
 void LineFramer::finish_line() {

@@ -96,6 +96,7 @@ Fault fault_from_json(const Json& error) {
   if (auto state = text_of(*data, "state"); !state.empty()) fault.state = std::move(state);
   fault.where = text_of(*data, "where");
   fault.hint = text_of(*data, "hint");
+  fault.id = text_of(*data, "id");
   const auto exit = data->find("exit");
   if (exit != data->end() && exit->is_number_unsigned() && *exit >= 1 && *exit <= 9) {
     fault.exit = exit->get<int>();
@@ -110,7 +111,8 @@ Fault fault_from_json(const Json& error) {
 }
 
 Error not_ours(std::string what) {
-  return refuse(Errc::invalid_value, {}, std::move(what), "is this really a mauved socket?");
+  return refuse({Errc::invalid_value, "not_mauved"}, {}, std::move(what),
+                "is this really a mauved socket?");
 }
 
 }  // namespace
@@ -126,6 +128,7 @@ Fault fault_of(const Error& error, std::string state, std::optional<std::uint64_
   fault.message = error.message;
   fault.where = error.at;
   fault.hint = error.hint;
+  fault.id = error.id;
   fault.state = std::move(state);
   fault.generation = generation;
   if (fault.state == "safe") fault.exit = static_cast<int>(Exit::partly);
@@ -154,8 +157,8 @@ std::optional<Errc> errc_named(std::string_view name) {
 }
 
 Error error_of(const Fault& fault) {
-  return refuse(errc_named(fault.name).value_or(Errc::invalid_value), fault.where, fault.message,
-                fault.hint);
+  return {errc_named(fault.name).value_or(Errc::invalid_value), fault.where, fault.message,
+          fault.hint, fault.id};
 }
 
 std::variant<Request, Refusal> parse_request(std::string_view line) {
@@ -212,6 +215,7 @@ std::string NotificationText::line(std::string_view method, std::uint64_t sub) c
 Json to_json(const Fault& fault) {
   Json data = {{"name", fault.name},   {"exit", fault.exit}, {"state", fault.state},
                {"where", fault.where}, {"hint", fault.hint}, {"generation", nullptr}};
+  if (!fault.id.empty()) data["id"] = fault.id;
   if (fault.generation) data["generation"] = *fault.generation;
   if (!fault.errors.is_null()) data["errors"] = fault.errors;
   return {{"code", fault.code}, {"message", fault.message}, {"data", std::move(data)}};

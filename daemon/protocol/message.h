@@ -49,6 +49,7 @@ struct Fault {
   std::string state = "unchanged";  ///< what the robot is in now
   std::string where;                ///< address, or file:line:column
   std::string hint;
+  std::string id = {};  ///< name of its entry for `mauvectl explain`, may be empty
   std::optional<std::uint64_t> generation;  ///< the running one, where known
   /// Everything wrong in a file, else null: [{"line","column","at","code","message","hint"}].
   Json errors = nullptr;

@@ -25,7 +25,8 @@ constexpr mode_t kSocketUmask = 0117;  // leaves 0660
 constexpr int kBacklog = 64;
 
 Error system_error(const std::string& at, const std::string& what, std::string hint = {}) {
-  return refuse(Errc::system, at, what + ": " + std::strerror(errno), std::move(hint));
+  return refuse({Errc::system, "socket_failed"}, at, what + ": " + std::strerror(errno),
+                std::move(hint));
 }
 
 Result<sockaddr_un> address_of(const std::filesystem::path& path) {
@@ -33,8 +34,8 @@ Result<sockaddr_un> address_of(const std::filesystem::path& path) {
   address.sun_family = AF_UNIX;
   const auto& text = path.native();
   if (text.empty() || text.size() >= sizeof address.sun_path) {
-    return refuse(Errc::limit, text, "a socket path has 1 to 107 characters",
-                  "choose a shorter one");
+    return refuse({Errc::limit, "socket_path_too_long"}, text,
+                  "a socket path has 1 to 107 characters", "choose a shorter one");
   }
   std::memcpy(address.sun_path, text.c_str(), text.size() + 1);
   return address;
@@ -157,12 +158,13 @@ Status Endpoint::take_lock() {
     }
     close(std::exchange(lock_, -1));
     if (held) {
-      return refuse(Errc::conflict, path_.string(), "another mauved serves this socket",
+      return refuse({Errc::conflict, "socket_in_use"}, path_.string(),
+                    "another mauved serves this socket",
                     "stop it first, or choose another socket with --socket");
     }
   }
-  return refuse(Errc::conflict, path_.string(), "the lock of the socket changes all the time",
-                "start one mauved at a time");
+  return refuse({Errc::conflict, "socket_in_use"}, path_.string(),
+                "the lock of the socket changes all the time", "start one mauved at a time");
 }
 
 Status Endpoint::clear_dead_socket() const {
@@ -171,7 +173,8 @@ Status Endpoint::clear_dead_socket() const {
     return ok();
   }
   if (!S_ISSOCK(status.st_mode)) {
-    return refuse(Errc::conflict, path_.string(), "this is not a socket, and it is left alone",
+    return refuse({Errc::conflict, "socket_path_occupied"}, path_.string(),
+                  "this is not a socket, and it is left alone",
                   "remove it, or choose another place with --socket");
   }
   const auto address = address_of(path_);
@@ -184,7 +187,8 @@ Status Endpoint::clear_dead_socket() const {
   const int why = errno;
   close(probe);
   if (rc == 0 || why != ECONNREFUSED) {
-    return refuse(Errc::conflict, path_.string(), "somebody else listens at this socket",
+    return refuse({Errc::conflict, "socket_in_use"}, path_.string(),
+                  "somebody else listens at this socket",
                   "stop it first, or choose another socket with --socket");
   }
   return unlink(path_.c_str()) == 0 || errno == ENOENT

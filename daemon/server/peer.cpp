@@ -29,7 +29,8 @@ std::optional<gid_t> group_named(const char* name) {
 }
 
 Error system_error(const char* what) {
-  return refuse(Errc::system, "client", std::string(what) + ": " + std::strerror(errno));
+  return refuse({Errc::system, "socket_failed"}, "client",
+                std::string(what) + ": " + std::strerror(errno));
 }
 
 /// The name that the process gives itself. A sandboxed daemon does not see it.

@@ -49,7 +49,7 @@ Status Server::open(Endpoint endpoint) {
   boost::system::error_code error;
   acceptor_.assign(Protocol(), endpoint_->release_listener(), error);
   if (error) {
-    return refuse(Errc::system, endpoint_->path().string(), error.message());
+    return refuse({Errc::system, "socket_failed"}, endpoint_->path().string(), error.message());
   }
   log_.write(Event::listening, {{"socket", endpoint_->path().string()}});
   return ok();
@@ -192,7 +192,7 @@ void Server::admit(Protocol::socket socket) {
 /// when all connection slots of this user are in use.
 Result<Server::Entry> Server::entry_of(const Peer& peer, Role role) const {
   if (role == Role::none) {
-    return refuse(Errc::not_permitted, "uid " + std::to_string(peer.uid),
+    return refuse({Errc::not_permitted, "no_role"}, "uid " + std::to_string(peer.uid),
                   "this user has no role here",
                   "join the group mauve-view, mauve or mauve-admin, then log in again");
   }
@@ -204,7 +204,7 @@ Result<Server::Entry> Server::entry_of(const Peer& peer, Role role) const {
     if (may_stop) {
       return urgent_entry(occupancy);
     }
-    return refuse(Errc::limit, "uid " + std::to_string(peer.uid),
+    return refuse({Errc::limit, "too_many_clients"}, "uid " + std::to_string(peer.uid),
                   "this user has too many connections", "close some; mauvectl list clients");
   }
   if (occupancy.ordinary < limits.clients + extra) {
@@ -216,7 +216,7 @@ Result<Server::Entry> Server::entry_of(const Peer& peer, Role role) const {
   if (may_stop) {
     return urgent_entry(occupancy);
   }
-  return refuse(Errc::limit, "clients", "too many clients are connected",
+  return refuse({Errc::limit, "too_many_clients"}, "clients", "too many clients are connected",
                 "close some; operators, admins and root get the slots of viewers");
 }
 

@@ -145,7 +145,7 @@ void Session::dispatch(protocol::Request request) {
   }
   if (caller_.only_urgent && !method->when_full()) {
     const auto fault = protocol::fault_of(refuse(
-        Errc::limit, "uid " + std::to_string(caller_.peer.uid),
+        {Errc::limit, "too_many_clients"}, "uid " + std::to_string(caller_.peer.uid),
         "all connection slots are in use, so this connection may only stop, confirm and undo",
         "close other connections; mauvectl list clients"));
     return turn_down(*method, std::move(request), fault);
@@ -153,7 +153,7 @@ void Session::dispatch(protocol::Request request) {
   // Stopping is never refused for having been asked too often.
   if (method->mutation() && !method->out_of_band() &&
       !context_.rate.allow(caller_.peer.uid, Clock::now())) {
-    const auto fault = protocol::fault_of(refuse(Errc::limit, request.method,
+    const auto fault = protocol::fault_of(refuse({Errc::limit, "too_many_requests"}, request.method,
                                                  "too many changes a second from this user",
                                                  "put several values into one param.set"));
     return turn_down(*method, std::move(request), fault);

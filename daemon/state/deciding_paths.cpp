@@ -51,6 +51,7 @@ std::optional<Error> distrust_of(const DecidingPath& deciding) {
   }
   Error error = trusted.error();
   error.code = Errc::not_permitted;
+  error.id = "path_not_trusted";
   error.message += " (" + relation(error.at, deciding) + ")";
   return error;
 }

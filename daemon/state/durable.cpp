@@ -23,7 +23,8 @@ constexpr mode_t kFileMode = 0640;
 
 Error failed(const path& what, const std::string& doing) {
   const int code = errno;
-  return refuse(Errc::system, what.string(), "cannot " + doing + ": " + std::strerror(code),
+  return refuse({Errc::system, "state_not_written"}, what.string(),
+                "cannot " + doing + ": " + std::strerror(code),
                 "free the disk, or see to its owner and mode");
 }
 
@@ -85,7 +86,7 @@ Status make_directory(const path& directory) {
     return failed(directory, "make the directory");
   }
   if (::stat(directory.c_str(), &status) != 0 || !S_ISDIR(status.st_mode)) {
-    return refuse(Errc::system, directory.string(), "is no directory");
+    return refuse({Errc::system, "state_place_unfit"}, directory.string(), "is no directory");
   }
   return ok();
 }
@@ -96,8 +97,8 @@ Result<Descriptor> hold_directory(const path& directory) {
     return failed(directory, "open the directory");
   }
   if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0) {
-    return refuse(Errc::conflict, directory.string(), "another mauved keeps its generations here",
-                  "give each its own --state-dir");
+    return refuse({Errc::conflict, "state_in_use"}, directory.string(),
+                  "another mauved keeps its generations here", "give each its own --state-dir");
   }
   return fd;
 }
@@ -129,7 +130,8 @@ Status append_lines(const path& file, std::string_view lines) {
   }
   struct stat status {};
   if (::fstat(fd.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
-    return refuse(Errc::system, file.string(), "is not a regular file", "move it away");
+    return refuse({Errc::system, "state_place_unfit"}, file.string(), "is not a regular file",
+                  "move it away");
   }
   std::string text = ends_within_a_line(fd.get()) ? "\n" : "";
   text.append(lines).append("\n");

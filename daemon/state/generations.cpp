@@ -132,7 +132,8 @@ Result<Read> read_generation(const std::filesystem::path& file, std::uint64_t nu
       return read_of(*head, text);
     }
   }
-  return refuse(Errc::invalid_value, file.string(), "is damaged: its checksum does not fit");
+  return refuse({Errc::invalid_value, "state_damaged"}, file.string(),
+                "is damaged: its checksum does not fit");
 }
 
 /// The number in the name of a file: "000042.json".
@@ -208,7 +209,8 @@ Status Generations::save(const Generation& about, const std::string& text) {
 Status Generations::write(const Generation& about, const std::string& text) {
   const auto content = content_of(about, text);
   if (content.size() > arch::JsonLimits{}.bytes) {
-    return refuse(Errc::limit, file(about.number).string(), "the architecture is too long to save");
+    return refuse({Errc::limit, "architecture_too_long"}, file(about.number).string(),
+                  "the architecture is too long to save");
   }
   if (auto replaced = replace_file(file(about.number), content); !replaced) {
     return replaced;
@@ -320,8 +322,9 @@ Result<std::string> Generations::text(std::uint64_t number) const {
   {
     const MutexLock lock(mutex_);
     if (!known_.contains(number)) {
-      return refuse(Errc::unknown_name, "generation " + std::to_string(number),
-                    "is not kept (any more)", "mauvectl history lists those that are");
+      return refuse({Errc::unknown_name, "unknown_generation"},
+                    "generation " + std::to_string(number), "is not kept (any more)",
+                    "mauvectl history lists those that are");
     }
   }
   auto read = read_generation(file(number), number);

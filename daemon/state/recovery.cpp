@@ -32,7 +32,8 @@ Status check_cores(const Json& cores, const Json& quarantined) {
   for (const auto& one : cores) {
     for (const auto& out : quarantined) {
       if (out.value("core", "") == one["core"] && out.value("build_id", "") == one["build_id"]) {
-        return refuse(Errc::wrong_state, one["component"].get<std::string>() + ".core",
+        return refuse({Errc::wrong_state, "core_in_quarantine"},
+                      one["component"].get<std::string>() + ".core",
                       out.value("core", "") +
                           " is in quarantine, since it failed: " + out.value("reason", ""),
                       "load a corrected build, or release it: mauvectl quarantine release " +
@@ -64,7 +65,8 @@ StartTrial tried(const Origin& origin, const Options& options, const Json& quara
     }
   } else if (judged && judged->contains("errors") && !(*judged)["errors"].empty()) {
     const auto& first = (*judged)["errors"].front();
-    trial.good = refuse(Errc::invalid_value, first.value("at", origin.file),
+    const auto id = first.value("id", "");
+    trial.good = refuse(Reason{Errc::invalid_value, id.c_str()}, first.value("at", origin.file),
                         first.value("message", ""), first.value("hint", ""));
   } else if (judged) {
     trial.good = check_cores(judged->value("cores", Json::array()), quarantined);

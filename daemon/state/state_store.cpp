@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 #include "state/state_store.h"
 
-#include "base/thread_role.h"
-
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -12,6 +10,7 @@
 #include "arch/build/load.h"
 #include "arch/text/value_json.h"
 #include "base/mutex.h"
+#include "base/thread_role.h"
 #include "plugin/load/trust.h"
 #include "state/durable.h"
 
@@ -69,7 +68,7 @@ void StateStore::put_aside(const std::filesystem::path& folder) {
   }
   std::filesystem::rename(folder, other, failed);
   report(Event::generation_not_saved,
-         refuse(Errc::invalid_value, folder.string(),
+         refuse({Errc::invalid_value, "state_damaged"}, folder.string(),
                 failed ? "is no folder, and cannot be renamed: " + failed.message()
                        : "is no folder: it is now " + other + ", and no generation is known"));
 }
@@ -270,8 +269,9 @@ void StateStore::read_quarantine() {
                      std::all_of((*list)["cores"].begin(), (*list)["cores"].end(),
                                  [](const Json& entry) { return entry.is_object(); });
   if (!whole) {
+    const Reason damaged{Errc::invalid_value, "state_damaged"};
     return report(Event::quarantine_lost,
-                  text ? refuse(Errc::invalid_value, file.string(), "is damaged") : text.error());
+                  text ? refuse(damaged, file.string(), "is damaged") : text.error());
   }
   quarantined_ = std::move((*list)["cores"]);
 }
@@ -306,7 +306,8 @@ Status StateStore::rotate_audit() const {
     return ok();
   }
   std::filesystem::rename(file, file.string() + ".1", failed);
-  return failed ? refuse(Errc::system, file.string(), "cannot be renamed: " + failed.message())
+  return failed ? refuse({Errc::system, "state_not_written"}, file.string(),
+                         "cannot be renamed: " + failed.message())
                 : ok();
 }
 

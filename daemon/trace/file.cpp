@@ -128,8 +128,8 @@ Result<Json> page_of(const std::filesystem::path& file, std::size_t from, std::s
   auto header = first == std::string::npos ? Result<Json>(Json())
                                            : protocol::parse_json(head.substr(0, first));
   if (!header || !header->is_object()) {
-    return refuse(Errc::invalid_value, file.filename().string(), "cannot be read",
-                  "mauvectl trace list shows what is there");
+    return refuse({Errc::invalid_value, "recording_damaged"}, file.filename().string(),
+                  "cannot be read", "mauvectl trace list shows what is there");
   }
   std::size_t next = std::max(from, first + 1);
   const auto text = part_of(file, next, 2 * kMostBytes);

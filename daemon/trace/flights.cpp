@@ -166,8 +166,8 @@ Result<std::filesystem::path> Flights::find(const std::string& name) const {
   if (known) {
     return directory_ / (name + kExtension);
   }
-  return refuse(Errc::unknown_name, name.substr(0, 64), "there is no recording of this name",
-                "mauvectl trace list shows what is there");
+  return refuse({Errc::unknown_name, "unknown_recording"}, name.substr(0, 64),
+                "there is no recording of this name", "mauvectl trace list shows what is there");
 }
 
 }  // namespace mauve::daemon

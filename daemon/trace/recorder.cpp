@@ -206,7 +206,7 @@ Recording Recorder::cut(Instant from) const {
 Status Recorder::begin(bool detail, std::chrono::seconds kept) {
   MAUVE_ON_THREAD(control);
   if (kept < std::chrono::seconds(1) || kept > kMostKept) {
-    return refuse(Errc::invalid_value, "seconds",
+    return refuse({Errc::invalid_value, "value_out_of_range"}, "seconds",
                   "must be from 1 to " + std::to_string(kMostKept.count()));
   }
   auto about = running_->deployer.traced();
@@ -231,7 +231,8 @@ Status Recorder::end() {
   auto about = running_->deployer.traced();
   const MutexLock lock(mutex_);
   if (!on_) {
-    return refuse(Errc::wrong_state, "trace", "is not on", "mauvectl trace start begins one");
+    return refuse({Errc::wrong_state, "trace_is_off"}, "trace", "is not on",
+                  "mauvectl trace start begins one");
   }
   about_ = std::move(about);
   last_ = std::make_shared<Recording>(cut(since_));
@@ -251,7 +252,8 @@ Result<std::pair<std::string, RecordingPtr>> Recorder::snapshot(bool now) {
   const MutexLock lock(mutex_);
   const bool ended = !on_ && !now && last_ != nullptr;
   if (!on_ && !ended && !flights_wanted_) {
-    return refuse(Errc::wrong_state, "trace", "nothing is traced", "mauvectl trace start");
+    return refuse({Errc::wrong_state, "trace_is_off"}, "trace", "nothing is traced",
+                  "mauvectl trace start");
   }
   about_ = std::move(about);
   auto recording = std::make_shared<Recording>(ended ? *last_ : cut(on_ ? since_ : 0));

@@ -55,7 +55,7 @@ class Walk {
     longest.source = std::max(longest.source, path.source);
   }
   [[nodiscard]] Error endless(std::size_t state) const {
-    return refuse(Errc::cycle, machine_.states[state].name,
+    return refuse({Errc::cycle, "fsm_never_waits"}, machine_.states[state].name,
                   "execution states follow each other for ever without a wait",
                   "put a synchronization state into the cycle");
   }
@@ -67,15 +67,18 @@ class Walk {
 
 Status verify(const Machine& machine) {
   if (machine.initial >= machine.states.size()) {
-    return refuse(Errc::unknown_name, "", "the machine has no initial state");
+    return refuse({Errc::unknown_name, "fsm_leads_nowhere"}, "",
+                  "the machine has no initial state");
   }
   for (const Machine::State& state : machine.states) {
     if (state.waits && state.wait <= Duration{0}) {
-      return refuse(Errc::invalid_value, state.name, "a wait must be longer than zero");
+      return refuse({Errc::invalid_value, "fsm_incomplete"}, state.name,
+                    "a wait must be longer than zero");
     }
     for (const std::size_t next : state.next) {
       if (next < machine.states.size()) continue;
-      return refuse(Errc::unknown_name, state.name, "a transition leads to no state");
+      return refuse({Errc::unknown_name, "fsm_leads_nowhere"}, state.name,
+                    "a transition leads to no state");
     }
   }
   return ok();

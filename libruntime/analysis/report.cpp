@@ -58,7 +58,7 @@ Problem late(const TaskReport& task, const JobReport& job) {
                               : "may end " + above(job.response) + " after its release";
   const std::string aside = what_to_declare(task.guessed);
   return {Problem::Kind::late,
-          refuse(Errc::limit, task.name,
+          refuse({Errc::limit, "deadline_not_met"}, task.name,
                  "job " + name(job.job) + " " + end + ", its deadline is " + below(job.deadline),
                  what_would_pass(job) + aside),
           aside};
@@ -66,14 +66,15 @@ Problem late(const TaskReport& task, const JobReport& job) {
 
 void find(const TaskReport& task, std::vector<Problem>& found) {
   if (task.source == Source::unknown) {
-    found.push_back({Problem::Kind::unknown,
-                     refuse(Errc::limit, task.name, "the execution time of a job is not known",
-                            "declare a budget, or measure it"),
-                     {}});
+    found.push_back(
+        {Problem::Kind::unknown,
+         refuse({Errc::limit, "execution_time_unknown"}, task.name,
+                "the execution time of a job is not known", "declare a budget, or measure it"),
+         {}});
   }
   if (!task.cpu) {
     found.push_back({Problem::Kind::floating,
-                     refuse(Errc::limit, task.name,
+                     refuse({Errc::limit, "cpu_not_pinned"}, task.name,
                             "it may run on several CPUs, so no response time can be proved",
                             "pin it to one CPU"),
                      {}});
@@ -115,7 +116,7 @@ std::vector<Problem> problems(const Report& report) {
     if (!cpu.overloaded) continue;
     found.push_back(
         {Problem::Kind::overloaded,
-         refuse(Errc::limit, "cpu " + std::to_string(cpu.cpu),
+         refuse({Errc::limit, "cpu_overbooked"}, "cpu " + std::to_string(cpu.cpu),
                 "its tasks may ask for " + above(cpu.busiest_second) +
                     " of its time in a second, " + format_duration(kSecondLimit) + " are allowed",
                 "take " + above(cpu.busiest_second - kSecondLimit) + " off that"),
@@ -123,7 +124,7 @@ std::vector<Problem> problems(const Report& report) {
   }
   for (const SharedReport& shared : report.cross_cpu) {
     found.push_back({Problem::Kind::cross_cpu,
-                     refuse(Errc::limit, shared.resource,
+                     refuse({Errc::limit, "lock_across_cpus"}, shared.resource,
                             "its lock is shared across CPUs, by " + joined(shared.tasks),
                             "put them on one CPU"),
                      {}});

@@ -45,13 +45,14 @@ bool is_revised_name(std::string_view text) {
 
 Status check_name(std::string_view text, std::string_view at) {
   if (is_name(text)) return ok();
-  return refuse(Errc::invalid_value, std::string(at), "\"" + shortened(text) + "\" is not a name",
-                std::string(kNameHint));
+  return refuse({Errc::invalid_value, "not_a_name"}, std::string(at),
+                "\"" + shortened(text) + "\" is not a name", std::string(kNameHint));
 }
 
 Result<Address> Address::parse(std::string_view text) {
   if (text.size() > kLongestAddress) {
-    return refuse(Errc::limit, shortened(text), "an address has at most 255 characters");
+    return refuse({Errc::limit, "address_too_long"}, shortened(text),
+                  "an address has at most 255 characters");
   }
   Address address;
   address.text_ = text;

@@ -63,7 +63,8 @@ std::optional<std::uint64_t> fraction(std::string_view digits, std::uint64_t sca
 Error no_duration(std::string_view text, std::string_view why) {
   std::string message = "\"";
   message.append(text.substr(0, 40)).append("\" ").append(why);
-  return refuse(Errc::invalid_value, "", std::move(message), std::string(kHint));
+  return refuse({Errc::invalid_value, "not_a_duration"}, "", std::move(message),
+                std::string(kHint));
 }
 
 const Unit* find_unit(std::string_view name) {

@@ -15,7 +15,7 @@ constexpr std::array<std::pair<std::string_view, std::uint64_t>, 4> kSizeUnits{
 Error no_size(std::string_view text, std::string_view why) {
   std::string message = "\"";
   message.append(text.substr(0, 40)).append("\" ").append(why);
-  return refuse(Errc::invalid_value, "", std::move(message),
+  return refuse({Errc::invalid_value, "not_a_size"}, "", std::move(message),
                 "write a whole number and a unit, such as \"64KiB\" (B, KiB, MiB, GiB)");
 }
 

@@ -147,7 +147,7 @@ std::string in_words(const Values& values) {
 Status check_kind(const Comparison& comparison, Kind kind) {
   const Kind wanted = kind_of(comparison.operand);
   if (wanted != kind) {
-    return refuse(Errc::type_mismatch, comparison.address,
+    return refuse({Errc::type_mismatch, "comparison_not_possible"}, comparison.address,
                   "is " + std::string(to_string(kind)) + ", but is compared with " +
                       std::string(to_string(wanted)),
                   kind == Kind::duration ? "write a number and a unit, such as 20ms" : "");
@@ -155,7 +155,7 @@ Status check_kind(const Comparison& comparison, Kind kind) {
   const bool ordered = kind == Kind::number || kind == Kind::duration;
   if (!ordered && comparison.compare != Compare::equal &&
       comparison.compare != Compare::not_equal) {
-    return refuse(Errc::type_mismatch, comparison.address,
+    return refuse({Errc::type_mismatch, "comparison_not_possible"}, comparison.address,
                   "is " + std::string(to_string(kind)) + ", which \"" +
                       std::string(to_string(comparison.compare)) + "\" cannot compare",
                   "use == or !=");

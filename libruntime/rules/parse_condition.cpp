@@ -75,11 +75,11 @@ class Parser {
   Result<Condition> run() {
     if (text_.size() > Condition::kLongest) {
       return refuse(
-          Errc::limit, {},
+          {Errc::limit, "condition_too_large"}, {},
           "the condition is longer than " + std::to_string(Condition::kLongest) + " characters");
     }
     if (next_.is_end()) {
-      return refuse(Errc::invalid_value, {}, "the condition is empty",
+      return refuse({Errc::invalid_value, "condition_syntax"}, {}, "the condition is empty",
                     "write one, " + std::string(kAnExample));
     }
     if (either() && !next_.is_end()) {
@@ -107,7 +107,8 @@ class Parser {
 
   bool one() {
     if (next_.text != "not" && next_.text != "(") return comparison();
-    if (++depth_ > Condition::kDeepest) return fail("too deep within each other", {}, Errc::limit);
+    if (++depth_ > Condition::kDeepest)
+      return fail("too deep within each other", {}, {Errc::limit, "condition_too_large"});
     const bool negates = next_.text == "not";
     const std::size_t opened = next_.place;
     advance();
@@ -127,7 +128,7 @@ class Parser {
   bool comparison() {
     if (condition_.comparisons_.size() == Condition::kComparisons) {
       return fail("more than " + std::to_string(Condition::kComparisons) + " comparisons", {},
-                  Errc::limit);
+                  {Errc::limit, "condition_too_large"});
     }
     Comparison comparison;
     comparison.place = next_.place;
@@ -225,8 +226,9 @@ class Parser {
     return '"' + std::string(next_.text.substr(0, kLongest)) + '"';
   }
 
-  bool fail(const std::string& message, std::string hint = {}, Errc code = Errc::invalid_value) {
-    done_ = refuse(code, {}, message + ", at character " + std::to_string(next_.place),
+  bool fail(const std::string& message, std::string hint = {},
+            Reason reason = {Errc::invalid_value, "condition_syntax"}) {
+    done_ = refuse(reason, {}, message + ", at character " + std::to_string(next_.place),
                    std::move(hint));
     return false;
   }

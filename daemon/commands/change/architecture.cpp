@@ -78,7 +78,7 @@ class Application final : public ChangeHooks {
     if (wanted_->name() == running_.architecture.name()) {
       return ok();
     }
-    return refuse(Errc::unsupported, "name",
+    return refuse({Errc::unsupported, "other_architecture"}, "name",
                   "the file is of architecture \"" + wanted_->name() + "\", \"" +
                       running_.architecture.name() + "\" is running",
                   "keep the name, or start mauved with this file");
@@ -104,7 +104,7 @@ class Application final : public ChangeHooks {
 
   Status ready() override {
     if (running_.supervisor.adoptions() != compared_with_) {
-      return refuse(Errc::conflict, "rules",
+      return refuse({Errc::conflict, "changed_meanwhile"}, "rules",
                     "changed since the file was compared with them: a change was rolled back",
                     "look at what runs now, then apply the file again");
     }
@@ -203,7 +203,7 @@ Status check_nothing_to_prove(const Json& params) {
     if (!params.contains(option) || text_or(params, option) == "off") {
       continue;
     }
-    return refuse(Errc::invalid_value, option,
+    return refuse({Errc::invalid_value, "nothing_to_try"}, option,
                   "the file adds plugins and changes nothing that runs, so there is nothing to try "
                   "out or to take back",
                   "leave out " + std::string(option) + "; mauvectl unload takes a plugin away");

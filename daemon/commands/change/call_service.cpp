@@ -50,11 +50,12 @@ Result<ServiceBase*> service_at(const Running& running, const std::string& addre
     return target.error();
   }
   if (target->service == nullptr) {
-    return refuse(Errc::type_mismatch, address, "is no service",
+    return refuse({Errc::type_mismatch, "not_a_service"}, address, "is no service",
                   "a service is written RESOURCE.NAME; mauvectl show RESOURCE lists them");
   }
   if (target->service->signature().kind == PortKind::read) {
-    return refuse(Errc::type_mismatch, address, "is a read service, which takes nothing",
+    return refuse({Errc::type_mismatch, "service_takes_nothing"}, address,
+                  "is a read service, which takes nothing",
                   "mauvectl get " + address + " reads it");
   }
   return target->service;
@@ -80,7 +81,7 @@ Result<Rooms> rooms_for(const ServiceBase& service, const Json& given, Json& kep
   const auto types = arguments_of(service.signature());
   const auto address = service.address();
   if (given.size() != types.size()) {
-    return refuse(Errc::invalid_value, address,
+    return refuse({Errc::invalid_value, "argument_count"}, address,
                   "takes " + std::to_string(types.size()) +
                       (types.size() == 1 ? " argument" : " arguments") + ", got " +
                       std::to_string(given.size()),
@@ -89,7 +90,7 @@ Result<Rooms> rooms_for(const ServiceBase& service, const Json& given, Json& kep
   Rooms rooms;
   for (std::size_t i = 0; i < types.size(); ++i) {
     if (!can_be_given(*types[i])) {
-      return refuse(Errc::unsupported, address,
+      return refuse({Errc::unsupported, "type_not_plain"}, address,
                     "takes " + types[i]->name + ", which is not described or not plain bytes");
     }
     rooms.push_back(std::make_unique<Room>(*types[i]));
@@ -108,7 +109,7 @@ Result<std::unique_ptr<Room>> room_for_result(const ServiceBase& service) {
     return std::unique_ptr<Room>();
   }
   if (!type->flat || type->to_value == nullptr) {
-    return refuse(Errc::unsupported, service.address(),
+    return refuse({Errc::unsupported, "type_not_plain"}, service.address(),
                   "answers with " + type->name + ", which is not described or not plain bytes");
   }
   return std::make_unique<Room>(*type);
@@ -140,17 +141,20 @@ Status check_writer(const Running& running, const ServiceBase& service) {
   if (writer.empty()) {
     return ok();
   }
-  return refuse(Errc::conflict, service.address(),
+  return refuse({Errc::conflict, "writer_is_exclusive"}, service.address(),
                 "is an output of one writer, and " + writer + " writes into it",
                 "mauvectl disconnect " + writer + " first, or write where its component reads");
 }
 
 Status not_accepted(const ServiceBase& service) {
   const bool poisoned = service.resource().lock().poisoned();
-  return refuse(poisoned ? Errc::wrong_state : Errc::timed_out, service.address(),
-                poisoned ? "its resource is poisoned and takes nothing"
-                         : "its resource was busy for too long and took nothing",
-                poisoned ? "give " + service.resource().name() + " a new core" : "try again");
+  if (!poisoned) {
+    return refuse({Errc::timed_out, "resource_busy"}, service.address(),
+                  "its resource was busy for too long and took nothing", "try again");
+  }
+  return refuse({Errc::wrong_state, "resource_poisoned"}, service.address(),
+                "its resource is poisoned and takes nothing",
+                "give " + service.resource().name() + " a new core");
 }
 
 Status use(const Running& running, ServiceBase& service, const Rooms& rooms, void* result) {

@@ -76,9 +76,9 @@ void exchange_when_parked(Running& running, const CallPtr& call, ChangeRequestPt
   if (running.architecture.find_component(name)->bundle() == request->before.bundle) {
     return exchange_in_place(running, call, std::move(request), std::move(ticket));
   }
-  request->exchanged =
-      refuse(Errc::conflict, name, "its core failed, and another one took over meanwhile",
-             "mauvectl why " + name + ", then swap again");
+  request->exchanged = refuse({Errc::conflict, "failed_meanwhile"}, name,
+                              "its core failed, and another one took over meanwhile",
+                              "mauvectl why " + name + ", then swap again");
   resume_in_place(running, call, std::move(request), std::move(ticket));
 }
 

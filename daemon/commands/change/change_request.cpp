@@ -34,7 +34,7 @@ bool starts_something(const Change& change) {
 }
 
 Error stopped_meanwhile(const ChangeRequest& request) {
-  return refuse(Errc::conflict, request.change.edits[0].component,
+  return refuse({Errc::conflict, "stopped_meanwhile"}, request.change.edits[0].component,
                 "was stopped by request after this change was asked for", "start it again");
 }
 

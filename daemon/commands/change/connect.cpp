@@ -38,7 +38,7 @@ Status replace_connection(const Running& running, const Json& params, const std:
     return ok();
   }
   if (!flag(params, "replace")) {
-    return refuse(Errc::duplicate, address,
+    return refuse({Errc::duplicate, "port_connected"}, address,
                   "is connected to " + present->service().address() + " already",
                   "mauvectl connect --replace exchanges the connection at one instant");
   }
@@ -53,10 +53,11 @@ Result<Duration> limit_of(const Json& params) {
   }
   const auto limit = parse_duration(text_or(params, "max_age"));
   if (!limit) {
-    return refuse(limit.error().code, "max_age", limit.error().message, limit.error().hint);
+    return refuse(reason_of(limit.error()), "max_age", limit.error().message, limit.error().hint);
   }
   if (*limit == Duration{0}) {
-    return refuse(Errc::invalid_value, "max_age", "must be over 0", "leave it out for no limit");
+    return refuse({Errc::invalid_value, "max_age_invalid"}, "max_age", "must be over 0",
+                  "leave it out for no limit");
   }
   return *limit;
 }

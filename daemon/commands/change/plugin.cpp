@@ -122,10 +122,10 @@ void load_plugin(Running& running, const CallPtr& call, Ticket ticket) {
   auto load = std::make_shared<Load>();
   load->name = text_or(call->params, "plugin");
   if (const auto* there = running.catalog.find(load->name)) {
-    return answer(
-        running, *call,
-        refuse(Errc::duplicate, load->name, "is loaded already, version " + there->info().version,
-               "mauvectl reload " + load->name + " takes the file of now"));
+    return answer(running, *call,
+                  refuse({Errc::duplicate, "plugin_loaded_already"}, load->name,
+                         "is loaded already, version " + there->info().version,
+                         "mauvectl reload " + load->name + " takes the file of now"));
   }
   try_out(running, call, question_of_plugin(load->name), load->name,
           [&running, call, load, ticket = std::move(ticket)] {

@@ -13,7 +13,7 @@ Result<StatePolicy> state_policy(const Json& params) {
   if (text == "drop") {
     return StatePolicy::drop;
   }
-  return refuse(Errc::invalid_value, "state",
+  return refuse({Errc::invalid_value, "not_a_choice"}, "state",
                 "'" + text.substr(0, 64) + "' is no way to treat state",
                 "leave it out to hand the state over, or say drop");
 }
@@ -26,7 +26,7 @@ Result<std::optional<Sync>> sync_of(const Json& params) {
   if (text == "cut" || text == "barrier") {
     return std::optional(text == "cut" ? Sync::cut : Sync::barrier);
   }
-  return refuse(Errc::invalid_value, "sync",
+  return refuse({Errc::invalid_value, "not_a_choice"}, "sync",
                 "'" + text.substr(0, 64) + "' is no way to change together",
                 "say cut or barrier, or leave it out");
 }

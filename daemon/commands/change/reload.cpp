@@ -54,7 +54,7 @@ Status take_new(const std::map<std::string, T, std::less<>>& offered, std::optio
   }
   const auto found = offered.find(type->name);
   if (found == offered.end()) {
-    return refuse(Errc::plugin_refused, component,
+    return refuse({Errc::plugin_refused, "plugin_lacks_used_core"}, component,
                   "runs " + type->name + ", which the new file does not have any more",
                   "swap it for another one first");
   }
@@ -67,7 +67,7 @@ Status take_new_fallbacks(const LoadedPlugin& offered, Reload& reload) {
     const auto found = offered.cores.find(fallback->core.name);
     if (found == offered.cores.end()) {
       return refuse(
-          Errc::plugin_refused, component,
+          {Errc::plugin_refused, "plugin_lacks_used_core"}, component,
           "falls back on " + fallback->core.name + ", which the new file does not have any more",
           "name another fallback_core in the file and apply it first");
     }
@@ -360,8 +360,8 @@ void reload_plugin(Running& running, const CallPtr& call, Ticket ticket) {
   reload->name = text_or(call->params, "plugin");
   if (running.catalog.find(reload->name) == nullptr) {
     return answer(running, *call,
-                  refuse(Errc::unknown_name, reload->name, "no such plugin is loaded",
-                         "mauvectl load " + reload->name));
+                  refuse({Errc::unknown_name, "plugin_not_loaded"}, reload->name,
+                         "no such plugin is loaded", "mauvectl load " + reload->name));
   }
   const auto policy = state_policy(call->params);
   if (!policy) {

@@ -24,7 +24,8 @@ Result<Value> accepted_value(const Running& running, const std::string& address,
     return target.error();
   }
   if (target->property == nullptr) {
-    return refuse(Errc::unknown_name, address, "is no property, it cannot be set",
+    return refuse({Errc::unknown_name, "unknown_property"}, address,
+                  "is no property, it cannot be set",
                   "mauvectl show " + target->element.name() +
                       " lists the properties; attributes of a task are set as COMPONENT.task.NAME");
   }
@@ -94,7 +95,7 @@ Result<Change> change_of(const Running& running, const Json& params) {
     }
   }
   if (change.edits.empty()) {
-    return refuse(Errc::invalid_value, "values", "names no property to set");
+    return refuse({Errc::invalid_value, "change_empty"}, "values", "names no property to set");
   }
   return change;
 }

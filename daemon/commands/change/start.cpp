@@ -47,7 +47,7 @@ void start(Running& running, const CallPtr& call, Ticket ticket) {
       change.edits.push_back(edit_to_start(running, name, reset));
     } else if (reset && !flag(call->params, "all")) {
       return answer(running, *call,
-                    refuse(Errc::wrong_state, name,
+                    refuse({Errc::wrong_state, "runs_already"}, name,
                            "runs, and only a component that is stopped starts with a fresh state",
                            "mauvectl stop " + name + " first"));
     } else {

@@ -51,7 +51,7 @@ void answer_directly(const Running& running, const Call& call, const DirectStop&
       names += (names.empty() ? "" : ", ") + name;
     }
     return call.reply(protocol::fault_of(
-        refuse(Errc::partly, names,
+        refuse({Errc::partly, "stops_later"}, names,
                "did not end its job in time, while [control] is held up; it stops as soon as the "
                "job ends, all others are stopped",
                "end mauved with SIGTERM, which writes all safe values"),

@@ -30,7 +30,7 @@ Status declare_budget(const ComponentBase& component, const Json& params, Edit& 
   }
   const auto budget = parse_duration(text_or(params, "budget"));
   if (!budget) {
-    return refuse(budget.error().code, "budget", budget.error().message, budget.error().hint);
+    return refuse(reason_of(budget.error()), "budget", budget.error().message, budget.error().hint);
   }
   edit.task = component.bundle()->task;
   edit.task->budget = *budget;
@@ -124,13 +124,13 @@ class Properties final : public ChangeHooks {
 Status may_be_in_place(const Json& params) {
   if (flag(params, "dry_run")) {
     return refuse(
-        Errc::unsupported, "dry_run",
+        {Errc::unsupported, "in_place_not_foreseen"}, "dry_run",
         "a swap in place prepares the new core only when the old one has let go, so there "
         "is nothing to foresee",
         "leave out in_place to see what a swap beside the old core would do");
   }
   if (params.contains("misses")) {
-    return refuse(Errc::invalid_value, "misses",
+    return refuse({Errc::invalid_value, "in_place_without_misses"}, "misses",
                   "the rollback from a swap in place stops the component as long as the swap did, "
                   "so only a failure rolls back, not late jobs",
                   "leave out misses, or in_place");

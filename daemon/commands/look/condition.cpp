@@ -11,7 +11,8 @@ namespace mauve::daemon {
 Result<Json> condition(Running& running, const Call& call) {
   const auto wanted = rules::Condition::parse(text_or(call.params, "condition"));
   if (!wanted) {
-    return refuse(wanted.error().code, "condition", wanted.error().message, wanted.error().hint);
+    return refuse(reason_of(wanted.error()), "condition", wanted.error().message,
+                  wanted.error().hint);
   }
   const rules::Read reader = [&](const std::string& address) -> Result<Value> {
     const auto quantity = arch::find_quantity(running.architecture, address);

@@ -33,8 +33,8 @@ Json row(const Generation& one) {
 }
 
 Error nothing_kept(const Call& call) {
-  return refuse(Errc::unsupported, std::string(call.method->name), "no generation is kept",
-                "start mauved with --state-dir DIR");
+  return refuse({Errc::unsupported, "no_generation_kept"}, std::string(call.method->name),
+                "no generation is kept", "start mauved with --state-dir DIR");
 }
 
 /// Two saved generations, of which the files are read.

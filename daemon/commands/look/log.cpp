@@ -37,20 +37,21 @@ Result<logging::Filter> filter_from(const Running& running, const Json& params) 
   if (const auto name = text_or(params, "level"); !name.empty()) {
     const auto level = logging::level_from(name);
     if (!level) {
-      return refuse(Errc::invalid_value, "level", "'" + name.substr(0, 64) + "' is no level",
-                    "debug, info, warn or error");
+      return refuse({Errc::invalid_value, "not_a_choice"}, "level",
+                    "'" + name.substr(0, 64) + "' is no level", "debug, info, warn or error");
     }
     filter.level = *level;
   }
   filter.text = text_or(params, "grep");
   if (filter.text.size() > kLongestGrep) {
-    return refuse(Errc::limit, "grep", "is longer than " + std::to_string(kLongestGrep) + " bytes");
+    return refuse({Errc::limit, "text_too_long"}, "grep",
+                  "is longer than " + std::to_string(kLongestGrep) + " bytes");
   }
   if (const auto since = text_or(params, "since"); !since.empty()) {
     filter.since = logging::time_from(since);
     if (!filter.since) {
-      return refuse(Errc::invalid_value, "since", "'" + since.substr(0, 64) + "' is no time",
-                    "such as 2026-01-31T12:00:00Z");
+      return refuse({Errc::invalid_value, "not_a_time"}, "since",
+                    "'" + since.substr(0, 64) + "' is no time", "such as 2026-01-31T12:00:00Z");
     }
   }
   filter.component = text_or(params, "component");

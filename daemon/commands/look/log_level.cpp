@@ -31,7 +31,8 @@ Result<Wanted> wanted_from(const Running& running, const Json& params) {
   const auto name = text_or(params, "level");
   wanted.level = logging::level_from(name);
   if (!wanted.level && name != kUsual) {
-    return refuse(Errc::invalid_value, "level", "'" + name.substr(0, 64) + "' is no level",
+    return refuse({Errc::invalid_value, "not_a_choice"}, "level",
+                  "'" + name.substr(0, 64) + "' is no level",
                   "debug, info, warn, error or default");
   }
   wanted.component = text_or(params, "component");
@@ -43,7 +44,8 @@ Result<Wanted> wanted_from(const Running& running, const Json& params) {
   if (const auto text = text_or(params, "for"); !text.empty()) {
     const auto length = parse_duration(text);
     if (!length || *length <= Duration{0} || *length > kLongestLevel || !wanted.level) {
-      return refuse(Errc::invalid_value, "for", "'" + text.substr(0, 64) + "' is no time for this",
+      return refuse({Errc::invalid_value, "not_a_time"}, "for",
+                    "'" + text.substr(0, 64) + "' is no time for this",
                     "such as 10min, at most 24h; default has none");
     }
     wanted.length = *length;

@@ -24,7 +24,7 @@ Result<std::vector<std::string>> components_meant(const Running& running, const 
   auto names = names_in(call.params, "components");
   const bool all = flag(call.params, "all");
   if (all == !names.empty()) {
-    return refuse(Errc::invalid_value, "components",
+    return refuse({Errc::invalid_value, "components_or_all"}, "components",
                   all ? "names components and says all" : "names no component to " + verb,
                   "either components or all");
   }

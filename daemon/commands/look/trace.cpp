@@ -27,7 +27,7 @@ Result<Snapshot> snapshot_of(Running& running, const std::string& name, bool now
   }
   auto recording = running.recorder->find_snapshot(name);
   if (recording == nullptr) {
-    return refuse(Errc::unknown_name, name,
+    return refuse({Errc::unknown_name, "unknown_recording"}, name,
                   "there is no flight recording of this name (a snapshot of this name is gone when "
                   "others were read meanwhile)",
                   "mauvectl trace list; without a name the trace of now is read");
@@ -39,9 +39,9 @@ Result<Snapshot> snapshot_of(Running& running, const std::string& name, bool now
 void read_flight(Running& running, const CallPtr& call, const std::string& name, std::size_t from,
                  std::size_t count) {
   const auto* flights = running.recorder->flights();
-  const auto file = flights == nullptr
-                        ? refuse(Errc::unknown_name, name.substr(0, 64), "nothing is recorded")
-                        : flights->find(name);
+  const auto file = flights == nullptr ? refuse({Errc::unknown_name, "unknown_recording"},
+                                                name.substr(0, 64), "nothing is recorded")
+                                       : flights->find(name);
   if (!file) {
     return answer(running, *call, file.error());
   }

@@ -42,18 +42,19 @@ Result<Json> read_service(const Running& running, const std::string& address,
   if (kind != PortKind::read) {
     const auto word = std::string(to_string(kind));
     return refuse(
-        Errc::wrong_state, address,
+        {Errc::wrong_state, "service_has_no_value"}, address,
         (kind == PortKind::event ? "is an " : "is a ") + word + " service, it has no value to read",
         service.taps() != nullptr
             ? "mauvectl get " + service.resource().name() + ".read has the last value"
             : "mauvectl show " + address + " shows its types");
   }
   if (service.resource().type().name == arch::kRingBuffer) {
-    return refuse(Errc::unsupported, address, "is a queue: reading would take an item away",
+    return refuse({Errc::unsupported, "queue_not_readable"}, address,
+                  "is a queue: reading would take an item away",
                   "watch it, or get " + service.resource().name() + ".core.size");
   }
   if (type == nullptr || type->to_value == nullptr) {
-    return refuse(Errc::unsupported, address, "its type has no description",
+    return refuse({Errc::unsupported, "type_not_described"}, address, "its type has no description",
                   "describe it: specialise mauve::Described");
   }
   Slot slot(service);
@@ -254,8 +255,8 @@ Result<Value> read(const Running& running, const arch::Quantity& quantity) {
     return status ? Value(to_string(DataStatus::no_data)) : Value();
   }
   if (service->resource().type().name != arch::kSharedData) {
-    return refuse(Errc::unsupported, service->address(), "is not stored but made for each reader",
-                  "mauvectl get " + service->address());
+    return refuse({Errc::unsupported, "value_not_stored"}, service->address(),
+                  "is not stored but made for each reader", "mauvectl get " + service->address());
   }
   return look_at(running, quantity, *service);
 }

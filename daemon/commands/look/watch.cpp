@@ -19,7 +19,7 @@ Result<Json> watch(Running& running, const Call& call) {
 Result<Json> unwatch(Running& running, const Call& call) {
   const auto sub = call.params["sub"].get<std::uint64_t>();
   if (!running.watches.unsubscribe(call.caller, sub)) {
-    return refuse(Errc::unknown_name, "sub " + std::to_string(sub),
+    return refuse({Errc::unknown_name, "unknown_subscription"}, "sub " + std::to_string(sub),
                   "this connection has no such subscription");
   }
   return Json{{"sub", sub}};

@@ -66,8 +66,8 @@ Result<Json> states_of(const ComponentStatistics& one, const std::string& state)
     }
   }
   if (!state.empty() && rows.empty()) {
-    return refuse(Errc::unknown_name, one.name + "." + state, "is no execution state",
-                  known_names(state, names));
+    return refuse({Errc::unknown_name, "unknown_state"}, one.name + "." + state,
+                  "is no execution state", known_names(state, names));
   }
   return rows;
 }

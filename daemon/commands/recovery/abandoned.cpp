@@ -22,7 +22,7 @@ Status check_name(const Running& running, const std::string& name) {
   if (found == running.abandoned_in.end()) {
     return ok();
   }
-  return refuse(Errc::wrong_state, name,
+  return refuse({Errc::wrong_state, "component_abandoned"}, name,
                 "cannot be changed any more: mauved abandoned a thread that did not return from " +
                     found->second,
                 "restart mauved");
@@ -35,7 +35,7 @@ Error thread_abandoned(const Running& running, const std::string& hook, const st
   MAUVE_ON_THREAD(control);
   const auto space = hook.find(' ');
   const bool placed = space != std::string::npos;
-  return refuse(Errc::timed_out, placed ? hook.substr(0, space) : at,
+  return refuse({Errc::timed_out, "hook_did_not_return"}, placed ? hook.substr(0, space) : at,
                 (placed         ? hook.substr(space + 1)
                  : hook.empty() ? "user code"
                                 : hook) +
@@ -77,7 +77,7 @@ Status may_prepare(const std::vector<AbandonedThread>& left, std::optional<uid_t
   const auto of_user = std::ranges::count(left, user, &AbandonedThread::user);
   if (user && of_user >= kMostOfOneUser) {
     return refuse(
-        Errc::wrong_state, "mauved",
+        {Errc::wrong_state, "hooks_hang"}, "mauved",
         std::to_string(of_user) +
             " hooks of changes of yours have not returned, so no other change of yours is "
             "prepared; the components run on",
@@ -88,7 +88,7 @@ Status may_prepare(const std::vector<AbandonedThread>& left, std::optional<uid_t
     return ok();
   }
   return refuse(
-      Errc::wrong_state, "mauved",
+      {Errc::wrong_state, "hooks_hang"}, "mauved",
       std::to_string(left.size()) +
           " threads are abandoned in hooks that did not return, so no change is prepared; "
           "the components run on",

@@ -47,7 +47,7 @@ Status check_former(const Running& running, const std::string& plugin) {
   if (found == running.former.kept.end()) {
     return ok();
   }
-  return refuse(Errc::conflict, plugin,
+  return refuse({Errc::conflict, "build_on_probation"}, plugin,
                 "was reloaded in generation " + std::to_string(found->second.generation) +
                     ", which is on probation: the build before is kept for its rollback, and one "
                     "only can be kept",

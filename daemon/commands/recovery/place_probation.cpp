@@ -300,7 +300,7 @@ Status undo_place(Running& running, const PlaceTarget& target, const std::string
   if (found->rolls_back || roll_back(running, *found, undone)) {
     return ok();
   }
-  return refuse(Errc::conflict, target.component,
+  return refuse({Errc::conflict, "change_under_way_elsewhere"}, target.component,
                 "another change is being prepared, so the core before cannot be configured now",
                 "mauvectl undo again when that change has ended");
 }
@@ -312,7 +312,7 @@ Status is_back(const Running& running, const PlaceTarget& target) {
   if (now != nullptr && !target.before.owner_before(now) && !now.owner_before(target.before)) {
     return ok();
   }
-  return refuse(Errc::partly, target.component,
+  return refuse({Errc::partly, "undo_in_place_failed"}, target.component,
                 "the core before could not take over again; the component is " +
                     std::string(to_string(running.deployer.status(target.component).state)) +
                     " and its outputs have their safe values",

@@ -28,12 +28,12 @@ Status read_misses(const std::string& text, Probation& probation) {
   const bool sound = slash && second.ec == std::errc() && second.ptr == end && window >= 1 &&
                      window <= 64 && misses < window;
   if (!sound) {
-    return refuse(Errc::invalid_value, "misses",
+    return refuse({Errc::invalid_value, "probation_invalid"}, "misses",
                   "'" + text.substr(0, 64) + "' is no M/K with M below K, and K at most 64",
                   "2/64: two late jobs of the last 64 are tolerated");
   }
   if (misses == 0) {
-    return refuse(Errc::invalid_value, "misses",
+    return refuse({Errc::invalid_value, "probation_invalid"}, "misses",
                   "0 would roll back at a single late job, and a machine that stands still makes "
                   "any job late",
                   "1/" + std::to_string(std::max(window, 2U)) + " is the strictest");
@@ -47,7 +47,8 @@ Status read_misses(const std::string& text, Probation& probation) {
 Status nothing_else(const Json& params) {
   for (const char* option : {"misses", "confirm_within"}) {
     if (params.contains(option)) {
-      return refuse(Errc::invalid_value, option, "probation is off, so this would do nothing",
+      return refuse({Errc::invalid_value, "probation_invalid"}, option,
+                    "probation is off, so this would do nothing",
                     "leave out " + std::string(option) + ", or probation off");
     }
   }
@@ -129,7 +130,7 @@ Status may_undo(const Running& running, const Call& call, const Tried& newest, c
   if (running.lock == Lock::none && call.caller.role == server::Role::admin) {
     return ok();
   }
-  return refuse(Errc::conflict, "change.undo",
+  return refuse({Errc::conflict, "undo_too_far"}, "change.undo",
                 "goes back over so many changes that their differences are not all known any more, "
                 "so no lock and no role can judge them",
                 "an administrator may do it while nothing is locked");
@@ -170,7 +171,7 @@ Error not_the_newest(const Tried& wanted, const Tried& newest) {
   const auto now = newest.changes.empty() ? std::string("no change is on probation now")
                                           : "generation " + std::to_string(newest.changes.back()) +
                                                 " is the newest change on probation now";
-  return refuse(Errc::conflict, "change.undo",
+  return refuse({Errc::conflict, "changed_meanwhile"}, "change.undo",
                 "another change ended while undo waited: generation " +
                     std::to_string(wanted.changes.back()) + " was to be rolled back, but " + now +
                     "; nothing is rolled back",
@@ -229,7 +230,7 @@ Result<std::optional<Probation>> probation_of(const Json& params) {
     const bool digits =
         !text.empty() && text.size() < 10 && text.find_first_not_of("0123456789") == text.npos;
     if (!digits || std::stoul(text) == 0) {
-      return refuse(Errc::invalid_value, "probation",
+      return refuse({Errc::invalid_value, "probation_invalid"}, "probation",
                     "'" + text.substr(0, 64) + "' is no number of jobs",
                     "a number such as 3000, or off");
     }
@@ -244,7 +245,7 @@ Result<std::optional<Probation>> probation_of(const Json& params) {
   if (const auto text = text_or(params, "confirm_within"); !text.empty()) {
     const auto within = parse_duration(text);
     if (!within || *within <= Duration{0}) {
-      return refuse(Errc::invalid_value, "confirm_within",
+      return refuse({Errc::invalid_value, "not_a_time"}, "confirm_within",
                     "'" + text.substr(0, 64) + "' is no time", "write it with a unit: 30s");
     }
     probation.confirm_within = *within;

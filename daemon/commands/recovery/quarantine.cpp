@@ -79,7 +79,7 @@ Status check_core(const Running& running, const std::string& at, const std::stri
   if (found == running.quarantined.end()) {
     return ok();
   }
-  return refuse(Errc::wrong_state, at,
+  return refuse({Errc::wrong_state, "core_in_quarantine"}, at,
                 core + " is in quarantine, since it failed: " + found->second,
                 "load a corrected build, or release it: mauvectl quarantine release " + core);
 }
@@ -210,7 +210,7 @@ void release_quarantine(Running& running, const CallPtr& call, Ticket /*none*/) 
       running.quarantined, [&](const auto& entry) { return core_of(entry.first) == core; });
   if (released == 0) {
     return answer(running, *call,
-                  refuse(Errc::unknown_name, core, "is not in quarantine",
+                  refuse({Errc::unknown_name, "not_in_quarantine"}, core, "is not in quarantine",
                          "mauvectl quarantine lists what is"));
   }
   save(running);

@@ -173,8 +173,8 @@ class Builder {
       if (is_of_missing_part(parts, property.name)) continue;
       PropertyBase* const found = find_property(parts, property.name);
       if (found == nullptr) {
-        problems_.add(property.where, Errc::unknown_name, name + "." + property.name,
-                      name + " has no property of this name",
+        problems_.add(property.where, {Errc::unknown_name, "unknown_property"},
+                      name + "." + property.name, name + " has no property of this name",
                       did_you_mean(property.name, property_names(parts), "\""));
       } else if (Status done = found->set(property.value); !done) {
         problems_.add(property.value_where, std::move(done.error()));
@@ -190,8 +190,8 @@ class Builder {
       if (service == nullptr || owner == nullptr) continue;
       const PortBase* const port = owner->shell().find_port(connection.port);
       if (connection.max_age && port != nullptr && port->signature().kind != PortKind::read) {
-        problems_.add(connection.where, Errc::invalid_value, port->address(),
-                      "\"max_age\" has no meaning here: only read ports have it");
+        problems_.add(connection.where, {Errc::invalid_value, "file_key_without_meaning"},
+                      port->address(), "\"max_age\" has no meaning here: only read ports have it");
         continue;
       }
       Status done = owner->connect(connection.port, *service, service->resource().keep_alive(),
@@ -213,7 +213,8 @@ class Builder {
     Result<ServiceBase*> service = architecture_->find_service(connection.service);
     if (service) return *service;
     Error& error = service.error();
-    problems_.add(connection.service_where, error.code, spec.name + ".ports." + connection.port,
+    problems_.add(connection.service_where, reason_of(error),
+                  spec.name + ".ports." + connection.port,
                   connection.service + ": " + error.message, error.hint);
     return nullptr;
   }

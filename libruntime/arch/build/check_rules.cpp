@@ -59,7 +59,8 @@ class Checker {
       auto& known = supervision_.may_request[component.name];
       const std::string at = component.name + ".may_request";
       if (std::find(known.begin(), known.end(), name.value) != known.end()) {
-        problems_.add(name.where, Errc::duplicate, at, "\"" + name.value + "\" appears twice");
+        problems_.add(name.where, {Errc::duplicate, "file_says_twice"}, at,
+                      "\"" + name.value + "\" appears twice");
       }
       check_name(name, at);
       known.push_back(name.value);
@@ -70,7 +71,7 @@ class Checker {
     std::vector<std::string> names;
     for (const TransactionSpec& one : spec_.transactions) names.push_back(one.name);
     if (std::find(names.begin(), names.end(), name.value) != names.end()) return;
-    problems_.add(name.where, Errc::unknown_name, at,
+    problems_.add(name.where, {Errc::unknown_name, "unknown_transaction"}, at,
                   "there is no transaction \"" + name.value + "\"",
                   nearest_hint(name.value, names));
   }
@@ -81,7 +82,7 @@ class Checker {
       if (was_refused(spec_, architecture_, address.substr(0, address.find('.')))) continue;
       const Status good = check(comparison);
       if (good) continue;
-      problems_.add(condition.where, good.error().code, at,
+      problems_.add(condition.where, reason_of(good.error()), at,
                     address + " (at character " + std::to_string(comparison.place) +
                         "): " + good.error().message,
                     good.error().hint);
@@ -98,8 +99,8 @@ class Checker {
     const bool possible = word == nullptr || words.empty() ||
                           std::find(words.begin(), words.end(), *word) != words.end();
     if (possible) return ok();
-    return refuse(Errc::invalid_value, comparison.address, "is never \"" + *word + "\"",
-                  nearest_hint(*word, words));
+    return refuse({Errc::invalid_value, "condition_never_true"}, comparison.address,
+                  "is never \"" + *word + "\"", nearest_hint(*word, words));
   }
 
   /// A condition is looked at a hundred times a second, on a thread that runs no user code.
@@ -110,7 +111,7 @@ class Checker {
       if (binding != nullptr) service = &binding->service();
     }
     if (service == nullptr || service->resource().type().name == kSharedData) return ok();
-    return refuse(Errc::unsupported, service->address(),
+    return refuse({Errc::unsupported, "value_not_stored"}, service->address(),
                   service->address() + " is not stored but made for each reader",
                   "write a condition on an observable, or on shared_data");
   }

@@ -22,7 +22,7 @@ using rules::Step;
 Result<Target> port_of(const Architecture& architecture, const Step& step) {
   auto target = find_target(architecture, step.subject);
   if (target && target->port == nullptr) {
-    return refuse(Errc::type_mismatch, step.subject, "is no port");
+    return refuse({Errc::type_mismatch, "step_not_possible"}, step.subject, "is no port");
   }
   return target;
 }
@@ -58,8 +58,8 @@ Result<CoreType> core_of(const Built& built, const Step& step) {
 Error no_property(const Step& step, const Configurable& core, std::string_view name) {
   std::vector<std::string> names;
   for (const PropertyBase* known : core.properties()) names.emplace_back(known->name());
-  return refuse(Errc::unknown_name, step.subject, "the new core has no property of this name",
-                known_names(name, names));
+  return refuse({Errc::unknown_name, "unknown_property"}, step.subject,
+                "the new core has no property of this name", known_names(name, names));
 }
 
 /// Of a core that the same transaction puts in place.
@@ -84,10 +84,11 @@ Status check_set(const TransactionSpec& transaction, const Built& built, const S
   const auto target = find_target(built.architecture, step.subject);
   if (!target) return target.error();
   if (target->property == nullptr) {
-    return refuse(Errc::type_mismatch, step.subject, "is no property, it cannot be set");
+    return refuse({Errc::type_mismatch, "step_not_possible"}, step.subject,
+                  "is no property, it cannot be set");
   }
   if (target->element.resource != nullptr && !of_core) {
-    return refuse(Errc::unsupported, step.subject,
+    return refuse({Errc::unsupported, "resource_property_fixed"}, step.subject,
                   "of a resource only properties of its core can change while it runs");
   }
   return target->property->accepts(step.value);
@@ -137,7 +138,7 @@ void check_steps(const TransactionSpec& transaction, const std::string& at, cons
       return contradict(other.step, step);
     });
     if (earlier != spec) {
-      problems.add(spec->where, Errc::duplicate, at,
+      problems.add(spec->where, {Errc::duplicate, "changed_twice"}, at,
                    "all steps take effect at one instant, but another one changes " + step.subject +
                        " as well",
                    "it is in line " + std::to_string(earlier->where.line));
@@ -157,7 +158,7 @@ void check_steps(const TransactionSpec& transaction, const std::string& at, cons
     if (good) continue;
     const Error& error = good.error();
     const bool of_object = error.at != step.subject && step.action != Action::set;
-    problems.add(of_object ? spec->object_where : spec->where, error.code, at,
+    problems.add(of_object ? spec->object_where : spec->where, reason_of(error), at,
                  error.at + ": " + error.message, error.hint);
   }
 }

@@ -21,8 +21,9 @@ namespace mauve::arch {
 namespace {
 
 Error not_readable(const std::string& path) {
-  return errno == ENOENT ? refuse(Errc::unknown_name, path, "there is no such file")
-                         : refuse(Errc::system, path, std::strerror(errno));
+  return errno == ENOENT
+             ? refuse({Errc::unknown_name, "file_not_found"}, path, "there is no such file")
+             : refuse({Errc::system, "file_unreadable"}, path, std::strerror(errno));
 }
 
 }  // namespace
@@ -33,9 +34,11 @@ Result<std::string> read_file(const std::string& path, const plugin::Trust* trus
       ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC | follow));
   struct stat status {};
   if (!file || ::fstat(file.get(), &status) != 0) return not_readable(path);
-  if (!S_ISREG(status.st_mode)) return refuse(Errc::invalid_value, path, "is not a regular file");
+  if (!S_ISREG(status.st_mode))
+    return refuse({Errc::invalid_value, "file_not_regular"}, path, "is not a regular file");
   if (Status good = trust == nullptr ? ok() : trust->check(status, path); !good) {
     good.error().code = Errc::not_permitted;
+    good.error().id = "path_not_trusted";
     return good.error();
   }
   std::string text(JsonLimits{}.bytes + 1, '\0');
@@ -49,7 +52,7 @@ Result<std::string> read_file(const std::string& path, const plugin::Trust* trus
   }
   text.resize(done);
   if (text.size() > JsonLimits{}.bytes) {
-    return refuse(Errc::limit, path,
+    return refuse({Errc::limit, "file_too_large"}, path,
                   "is longer than " + std::to_string(JsonLimits{}.bytes) + " bytes");
   }
   return text;

@@ -40,7 +40,8 @@ Error unknown_attribute(const std::string& at, std::string_view name) {
   }
   const std::string nearest = nearest_name(name, names);
   return refuse(
-      Errc::unknown_name, at + "." + std::string(name), "a task has no attribute of this name",
+      {Errc::unknown_name, "unknown_attribute"}, at + "." + std::string(name),
+      "a task has no attribute of this name",
       nearest.empty() ? "its attributes are " + list : "did you mean " + at + "." + nearest + "?");
 }
 

@@ -33,7 +33,8 @@ std::optional<Duration> read_lock_budget(const Source& source) {
 void refuse_meaningless_lock_budget(const Source& source, const ResourceSpec& resource) {
   if (!resource.lock_budget || resource.type.value != kSharedData) return;
   source.problems.add(
-      resource.lock_budget->where, Errc::invalid_value, resource.name + ".lock_budget",
+      resource.lock_budget->where, {Errc::invalid_value, "file_key_without_meaning"},
+      resource.name + ".lock_budget",
       "has no meaning here: shared_data is held for some stores only", "remove this key");
 }
 
@@ -61,8 +62,8 @@ void read_resource(const Source& source, ResourceSpec& resource) {
 void require_fallback(const Source& source, const ComponentSpec& component) {
   if (component.fallback) return;
   const auto refuse = [&](const char* key, Position where) {
-    source.problems.add(where, Errc::invalid_value, component.name + ".task." + key,
-                        "\"fallback\" needs a fallback core",
+    source.problems.add(where, {Errc::invalid_value, "fallback_core_missing"},
+                        component.name + ".task." + key, "\"fallback\" needs a fallback core",
                         "write \"fallback_core\": \"plugin/name\" beside \"task\"");
   };
   const TaskSpec& task = component.task;
@@ -114,7 +115,8 @@ void read_plugins(const Source& source, std::vector<PlacedText>& plugins) {
       return plugin.value == name->value;
     });
     if (same != plugins.end()) {
-      return item.refuse("\"" + name->value + "\" appears twice", {}, Errc::duplicate);
+      return item.refuse("\"" + name->value + "\" appears twice", {},
+                         {Errc::duplicate, "file_says_twice"});
     }
     plugins.push_back(*name);
   });
@@ -124,7 +126,7 @@ void read_schema(const Source& source) {
   const auto text = read_text(source);
   if (text && *text != kSchema) {
     source.refuse("this version of mauve reads \"" + std::string(kSchema) + "\" only", {},
-                  Errc::unsupported);
+                  {Errc::unsupported, "file_not_supported"});
   }
 }
 
@@ -135,7 +137,7 @@ void refuse_shared_names(const Spec& spec, Problems& problems) {
         std::find_if(spec.resources.begin(), spec.resources.end(),
                      [&](const ResourceSpec& resource) { return resource.name == component.name; });
     if (same == spec.resources.end()) continue;
-    problems.add(component.where, Errc::duplicate, component.name,
+    problems.add(component.where, {Errc::duplicate, "file_says_twice"}, component.name,
                  "a resource has this name already",
                  "it is in line " + std::to_string(same->where.line));
   }

@@ -21,7 +21,7 @@ void read_properties(const Source& source, const std::vector<std::string>& group
         address && address->size() == 2 &&
         std::find(groups.begin(), groups.end(), address->element()) != groups.end();
     if (!grouped) {
-      property.problems.add(member.where, Errc::invalid_value, property.at,
+      property.problems.add(member.where, {Errc::invalid_value, "file_value_invalid"}, property.at,
                             "not the name of a property",
                             "write the part and the name, such as \"core.gain\"; " +
                                 nearest_hint(member.key.substr(0, member.key.find('.')), groups));
@@ -61,7 +61,9 @@ void read_connection(const Member& member, const Source& source,
                             connection.max_age = read_duration(value);
                             if (connection.max_age == Duration{0}) value.refuse("must be over 0");
                           }}});
-    if (!named) source.refuse("\"connect\" is missing", "write \"connect\": \"resource.service\"");
+    if (!named)
+      source.refuse("\"connect\" is missing", "write \"connect\": \"resource.service\"",
+                    {Errc::invalid_value, "file_key_missing"});
   } else {
     source.refuse_kind("\"resource.service\" or an object",
                        "write \"" + member.key + "\": \"resource.service\"");
@@ -146,7 +148,7 @@ Field unsupported_field(std::string_view key) {
 void refuse_unsupported(const Source& source, std::string_view what, std::string_view hint) {
   std::string message(what);
   source.refuse(message.append(" is not yet supported by this version of mauve"), std::string(hint),
-                Errc::unsupported);
+                {Errc::unsupported, "file_not_supported"});
 }
 
 void require_type(const Source& source, const ElementSpec& element) {
@@ -155,8 +157,8 @@ void require_type(const Source& source, const ElementSpec& element) {
   const bool named = std::any_of(members->begin(), members->end(),
                                  [](const Member& member) { return member.key == "type"; });
   if (!named) {
-    source.problems.add(element.where, Errc::invalid_value, element.name, "\"type\" is missing",
-                        "write \"type\": \"plugin/name\"");
+    source.problems.add(element.where, {Errc::invalid_value, "file_key_missing"}, element.name,
+                        "\"type\" is missing", "write \"type\": \"plugin/name\"");
   }
 }
 

@@ -74,7 +74,8 @@ void read_max_age(const Source& source, Duration& into) {
 
 void require(const Source& source, bool there, std::string_view key, std::string_view example) {
   if (there) return;
-  source.refuse("\"" + std::string(key) + "\" is missing", "write " + std::string(example));
+  source.refuse("\"" + std::string(key) + "\" is missing", "write " + std::string(example),
+                {Errc::invalid_value, "file_key_missing"});
 }
 
 bool has_key(const Source& source, std::string_view key) {
@@ -154,7 +155,7 @@ void read_condition(const Source& source, std::optional<ConditionSpec>& into) {
   auto condition = rules::Condition::parse(*text);
   if (!condition) {
     const Error& error = condition.error();
-    return source.refuse(error.message, error.hint, error.code);
+    return source.refuse(error.message, error.hint, reason_of(error));
   }
   into = ConditionSpec{*std::move(condition), source.node.where};
 }
@@ -240,8 +241,8 @@ void read_rules(const Source& source, std::vector<RuleSpec>& into) {
       return !rule.name.value.empty() && other.name.value == rule.name.value;
     });
     if (same != into.end()) {
-      item.problems.add(rule.name.where, Errc::duplicate, "rules." + rule.name.value,
-                        "a rule has this name already",
+      item.problems.add(rule.name.where, {Errc::duplicate, "file_says_twice"},
+                        "rules." + rule.name.value, "a rule has this name already",
                         "it is in line " + std::to_string(same->name.where.line));
     }
     into.push_back(std::move(rule));

@@ -19,7 +19,8 @@ void read_cpus(const Source& source, Placed<std::vector<int>>& cpus) {
     if (!cpu) {
       complete = false;
     } else if (std::find(cpus.value.begin(), cpus.value.end(), *cpu) != cpus.value.end()) {
-      item.refuse("CPU " + std::to_string(*cpu) + " appears twice", {}, Errc::duplicate);
+      item.refuse("CPU " + std::to_string(*cpu) + " appears twice", {},
+                  {Errc::duplicate, "file_says_twice"});
     } else {
       cpus.value.push_back(static_cast<int>(*cpu));
     }
@@ -109,7 +110,8 @@ void read_task(const Source& source, TaskSpec& task) {
                {"on_fault", placed(task.on_fault, read_on_fault)},
                {"watchdog", placed(task.watchdog, read_positive)}});
   if (task.overrun_limit && !counts) {
-    source.problems.add(task.overrun_limit->where, Errc::invalid_value,
+    source.problems.add(task.overrun_limit->where,
+                        {Errc::invalid_value, "file_key_without_meaning"},
                         source.at + ".overrun_limit", "has no meaning here",
                         "it belongs to \"on_overrun\": \"stop\" and \"fallback\"");
   }

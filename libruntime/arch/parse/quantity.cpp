@@ -82,9 +82,10 @@ class Finder {
     const Signature& signature =
         target->port != nullptr ? target->port->signature() : target->service->signature();
     if (signature.kind != PortKind::read) {
-      return refused(Errc::type_mismatch, "is a " + std::string(to_string(signature.kind)) +
-                                              (target->port != nullptr ? " port" : " service") +
-                                              ", it has no value to read");
+      return refused({Errc::type_mismatch, "no_value_to_read"},
+                     "is a " + std::string(to_string(signature.kind)) +
+                         (target->port != nullptr ? " port" : " service") +
+                         ", it has no value to read");
     }
     return of_readable(*signature.data);
   }
@@ -99,7 +100,8 @@ class Finder {
       for (const auto& [name, kind] : kStatistics) names.emplace_back(name);
       auto hint = did_you_mean(address_.part(1), names);
       if (hint.empty()) hint = "a component has: " + listed(names);
-      return refused(Errc::unknown_name, "there is nothing of this name", std::move(hint));
+      return refused({Errc::unknown_name, "unknown_address"}, "there is nothing of this name",
+                     std::move(hint));
     }
     quantity_.statistic = found->first;
     quantity_.kind = found->second;
@@ -148,7 +150,7 @@ class Finder {
 
   Result<Quantity> of_type(const DataType& type) {
     if (type.describe == nullptr) {
-      return refused(Errc::unsupported, "its type has no description",
+      return refused({Errc::unsupported, "type_not_described"}, "its type has no description",
                      "describe it: specialise mauve::Described");
     }
     Value described = type.describe();
@@ -160,7 +162,8 @@ class Finder {
     const auto kind = kind_of_type(described);
     if (!kind) {
       const auto names = field_names(described);
-      return refused(Errc::type_mismatch, "is no plain value that can be compared",
+      return refused({Errc::type_mismatch, "value_not_comparable"},
+                     "is no plain value that can be compared",
                      names.empty() ? "" : "name a field of it: " + listed(names));
     }
     quantity_.kind = *kind;
@@ -171,11 +174,12 @@ class Finder {
     const auto names = field_names(described);
     auto hint = did_you_mean(field, names);
     if (hint.empty() && !names.empty()) hint = "it has: " + listed(names);
-    return refused(Errc::unknown_name, "the value has no field " + field, std::move(hint));
+    return refused({Errc::unknown_name, "unknown_field"}, "the value has no field " + field,
+                   std::move(hint));
   }
 
-  Error refused(Errc code, std::string message, std::string hint = {}) {
-    return refuse(code, address_.text(), std::move(message), std::move(hint));
+  Error refused(Reason reason, std::string message, std::string hint = {}) {
+    return refuse(reason, address_.text(), std::move(message), std::move(hint));
   }
 
   const Architecture& architecture_;

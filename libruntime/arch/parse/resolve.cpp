@@ -42,7 +42,7 @@ std::optional<CoreType> Resolver::fallback(const ComponentSpec& component,
 bool Resolver::fits(const CoreType& core, const std::optional<FsmType>& fsm, Position where,
                     const std::string& at) {
   if (!fsm || core.contract.name == fsm->contract.name) return true;
-  problems_.add(where, Errc::type_mismatch, at,
+  problems_.add(where, {Errc::type_mismatch, "core_other_contract"}, at,
                 "core " + core.name + " fulfils contract " + core.contract.name +
                     ", but state machine " + fsm->name + " calls " + fsm->contract.name,
                 fitting_cores(fsm->contract));
@@ -57,7 +57,7 @@ std::optional<CoreType> Resolver::core_of(const ComponentSpec& component,
   if (!type->default_core.empty()) {
     return find({type->default_core, component.type.where}, at, &plugin::Catalog::core);
   }
-  problems_.add(component.where, Errc::invalid_value, at,
+  problems_.add(component.where, {Errc::invalid_value, "file_key_missing"}, at,
                 "\"core\" is missing: components of type " + type->name + " need one",
                 fitting_cores(type->fsm.contract));
   return std::nullopt;
@@ -69,7 +69,7 @@ std::optional<ResourceParts> Resolver::resource(const ResourceSpec& resource) {
   if (is_name(resource.type.value)) {
     const std::string nearest =
         nearest_name(resource.type.value, {std::string(kSharedData), std::string(kRingBuffer)});
-    problems_.add(resource.type.where, Errc::unknown_name, at,
+    problems_.add(resource.type.where, {Errc::unknown_name, "unknown_type"}, at,
                   "there is no built-in resource type \"" + resource.type.value + "\"",
                   nearest.empty() ? "there is: shared_data, ring_buffer; others are \"plugin/name\""
                                   : "did you mean \"" + nearest + "\"?");
@@ -78,8 +78,9 @@ std::optional<ResourceParts> Resolver::resource(const ResourceSpec& resource) {
   auto type = find(resource.type, at, &plugin::Catalog::resource);
   if (!type) return std::nullopt;
   if (resource.data) {
-    problems_.add(resource.data->where, Errc::invalid_value, resource.name + ".data",
-                  "has no meaning here", "only shared_data and ring_buffer take \"data\"");
+    problems_.add(resource.data->where, {Errc::invalid_value, "file_key_without_meaning"},
+                  resource.name + ".data", "has no meaning here",
+                  "only shared_data and ring_buffer take \"data\"");
   }
   return ResourceParts{std::move(type), nullptr};
 }
@@ -87,7 +88,7 @@ std::optional<ResourceParts> Resolver::resource(const ResourceSpec& resource) {
 std::optional<ResourceParts> Resolver::built_in(const ResourceSpec& resource) {
   const std::string at = resource.name + ".data";
   if (!resource.data) {
-    problems_.add(resource.where, Errc::invalid_value, at,
+    problems_.add(resource.where, {Errc::invalid_value, "file_key_missing"}, at,
                   "\"data\" is missing: " + resource.type.value + " needs a data type",
                   "write \"data\": \"velocity/1\"");
     return std::nullopt;
@@ -95,12 +96,12 @@ std::optional<ResourceParts> Resolver::built_in(const ResourceSpec& resource) {
   Result<std::shared_ptr<const DataType>> data = catalog_.type(resource.data->value);
   if (!data && !all_plugins_loaded()) return std::nullopt;  // it may be of the one refused
   if (!data) {
-    problems_.add(resource.data->where, Errc::unknown_name, at, data.error().message,
-                  data.error().hint);
+    problems_.add(resource.data->where, {Errc::unknown_name, "unknown_type"}, at,
+                  data.error().message, data.error().hint);
     return std::nullopt;
   }
   if (!(*data)->flat) {
-    problems_.add(resource.data->where, Errc::type_mismatch, at,
+    problems_.add(resource.data->where, {Errc::type_mismatch, "type_without_fixed_size"}, at,
                   "data of type " + (*data)->name + " has no fixed size and cannot be exchanged",
                   "use fixed-capacity members such as mauve::Bounded and mauve::Text");
     return std::nullopt;
@@ -114,7 +115,8 @@ std::optional<T> Resolver::find(const PlacedText& name, const std::string& at,
   if (name.value.empty() || !plugin_loaded(name, at)) return std::nullopt;
   Result<T> found = (catalog_.*lookup)(name.value);
   if (found) return *std::move(found);
-  problems_.add(name.where, found.error().code, at, found.error().message, found.error().hint);
+  problems_.add(name.where, reason_of(found.error()), at, found.error().message,
+                found.error().hint);
   return std::nullopt;
 }
 
@@ -131,7 +133,8 @@ bool Resolver::plugin_loaded(const PlacedText& name, const std::string& at) {
     known.push_back(loaded->info().name);
   for (const PlacedText& item : spec_.plugins) known.push_back(item.value);
   const std::string nearest = nearest_name(plugin, known);
-  problems_.add(name.where, Errc::unknown_name, at, "plugin \"" + plugin + "\" is not loaded",
+  problems_.add(name.where, {Errc::unknown_name, "plugin_not_loaded"}, at,
+                "plugin \"" + plugin + "\" is not loaded",
                 nearest.empty() ? "add \"" + plugin + "\" to \"plugins\""
                                 : "did you mean \"" + nearest + name.value.substr(slash) +
                                       "\"? Or add \"" + plugin + "\" to \"plugins\"");

@@ -36,7 +36,7 @@ Error unknown_value(const Element& element, std::string_view address) {
   if (hint.empty()) {
     hint = "mauvectl show " + element.name() + " lists what it has";
   }
-  return refuse(Errc::unknown_name, std::string(address.substr(0, 255)),
+  return refuse({Errc::unknown_name, "unknown_address"}, std::string(address.substr(0, 255)),
                 "there is nothing of this name", std::move(hint));
 }
 
@@ -79,7 +79,7 @@ Result<Element> find_element(const Architecture& architecture, std::string_view 
   for (const auto* resource : architecture.resources()) {
     names.push_back(resource->name());
   }
-  return refuse(Errc::unknown_name, std::string(name.substr(0, 255)),
+  return refuse({Errc::unknown_name, "unknown_element"}, std::string(name.substr(0, 255)),
                 "there is no component or resource of this name", known_names(name, names));
 }
 
@@ -92,8 +92,8 @@ Result<ComponentBase*> find_component(const Architecture& architecture, std::str
     return element.error();
   }
   if (element->component == nullptr) {
-    return refuse(Errc::type_mismatch, std::string(name), "is a resource, not a component",
-                  "mauvectl list components");
+    return refuse({Errc::type_mismatch, "not_a_component"}, std::string(name),
+                  "is a resource, not a component", "mauvectl list components");
   }
   return element->component;
 }
@@ -105,7 +105,8 @@ Result<Target> find_target(const Architecture& architecture, std::string_view ad
     return element.error();
   }
   if (dot == std::string_view::npos) {
-    return refuse(Errc::invalid_value, std::string(address), "has no value of its own",
+    return refuse({Errc::invalid_value, "no_own_value"}, std::string(address),
+                  "has no value of its own",
                   "mauvectl show " + std::string(address) + " lists what it has");
   }
   const auto rest = address.substr(dot + 1);
@@ -128,8 +129,8 @@ Result<std::pair<std::string, std::string>> split_port(std::string_view address)
   const auto first = address.find('.');
   constexpr std::string_view kPorts = ".ports.";
   if (first == std::string_view::npos || !address.substr(first).starts_with(kPorts)) {
-    return refuse(Errc::invalid_value, std::string(address.substr(0, 255)), "is no port",
-                  "a port is written COMPONENT.ports.NAME");
+    return refuse({Errc::invalid_value, "not_a_port"}, std::string(address.substr(0, 255)),
+                  "is no port", "a port is written COMPONENT.ports.NAME");
   }
   return std::pair{std::string(address.substr(0, first)),
                    std::string(address.substr(first + kPorts.size()))};

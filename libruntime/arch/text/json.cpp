@@ -43,7 +43,8 @@ class TreeBuilder {
   bool number_integer(nlohmann::json::number_integer_t value) { return put(std::int64_t{value}); }
   bool number_unsigned(nlohmann::json::number_unsigned_t value) {
     if (std::in_range<std::int64_t>(value)) return put(static_cast<std::int64_t>(value));
-    return stop(places_.next(), Errc::limit, "an integer beyond 64 bits signed");
+    return stop(places_.next(), {Errc::limit, "integer_too_large"},
+                "an integer beyond 64 bits signed");
   }
   bool number_float(nlohmann::json::number_float_t value, const std::string&) { return put(value); }
   bool string(std::string& value) { return put(std::move(value)); }
@@ -66,7 +67,7 @@ class TreeBuilder {
   bool parse_error(std::size_t offset, const std::string&, const nlohmann::json::exception& error) {
     const std::size_t last = offset == 0 ? 0 : offset - 1;
     const std::string message = plain_message(error.what());
-    return stop(TokenPlaces::place_of(text_, last), Errc::invalid_value, message,
+    return stop(TokenPlaces::place_of(text_, last), {Errc::invalid_value, "json_syntax"}, message,
                 json_hint(message, text_, last));
   }
 
@@ -86,15 +87,15 @@ class TreeBuilder {
                      [](const Member* a, const Member* b) { return a->key < b->key; });
     for (std::size_t i = 1; i < sorted.size(); ++i) {
       if (sorted[i]->key != sorted[i - 1]->key) continue;
-      problems_.add(sorted[i]->where, Errc::duplicate, "",
+      problems_.add(sorted[i]->where, {Errc::duplicate, "file_says_twice"}, "",
                     "the key \"" + shown(sorted[i]->key) + "\" appears twice",
                     "it is already in line " + std::to_string(sorted[i - 1]->where.line));
     }
   }
 
-  bool stop(Position where, Errc code, std::string message, std::string hint = {}) {
+  bool stop(Position where, Reason reason, std::string message, std::string hint = {}) {
     refused_ = true;
-    problems_.add(where, code, "", std::move(message), std::move(hint));
+    problems_.add(where, reason, "", std::move(message), std::move(hint));
     return false;
   }
 
@@ -118,7 +119,7 @@ class TreeBuilder {
   bool open(T container) {
     const Position where = places_.next();
     if (open_.size() == limits_.depth) {
-      return stop(where, Errc::limit,
+      return stop(where, {Errc::limit, "json_too_deep"},
                   "nested deeper than " + std::to_string(limits_.depth) + " levels");
     }
     Node& node = slot();
@@ -149,13 +150,13 @@ class TreeBuilder {
 std::optional<Node> parse_json(std::string_view text, Problems& problems,
                                const JsonLimits& limits) {
   if (text.size() > limits.bytes) {
-    problems.add({1, 1}, Errc::limit, "",
+    problems.add({1, 1}, {Errc::limit, "file_too_large"}, "",
                  "the text has " + std::to_string(text.size()) + " bytes, more than " +
                      std::to_string(limits.bytes));
     return std::nullopt;
   }
   if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
-    problems.add(TokenPlaces::place_of(text, zero), Errc::invalid_value, "",
+    problems.add(TokenPlaces::place_of(text, zero), {Errc::invalid_value, "json_syntax"}, "",
                  "a zero byte in the text");
     return std::nullopt;
   }

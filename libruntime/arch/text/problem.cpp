@@ -17,9 +17,9 @@ std::string to_string(const Problem& problem, std::string_view file) {
 
 void Problems::add(Position where, Error error) { found_.push_back({where, std::move(error)}); }
 
-void Problems::add(Position where, Errc code, std::string at, std::string message,
+void Problems::add(Position where, Reason reason, std::string at, std::string message,
                    std::string hint) {
-  add(where, Error{code, std::move(at), std::move(message), std::move(hint)});
+  add(where, refuse(reason, std::move(at), std::move(message), std::move(hint)));
 }
 
 std::vector<Problem> Problems::sorted() const {

@@ -34,7 +34,8 @@ struct Problem {
 class Problems {
  public:
   void add(Position where, Error error);
-  void add(Position where, Errc code, std::string at, std::string message, std::string hint = {});
+  void add(Position where, Reason reason, std::string at, std::string message,
+           std::string hint = {});
 
   [[nodiscard]] bool empty() const { return found_.empty(); }
   [[nodiscard]] std::size_t size() const { return found_.size(); }

@@ -34,8 +34,8 @@ const Field* find_field(std::initializer_list<Field> fields, std::string_view ke
 
 }  // namespace
 
-void Source::refuse(std::string message, std::string hint, Errc code) const {
-  problems.add(node.where, code, at, std::move(message), std::move(hint));
+void Source::refuse(std::string message, std::string hint, Reason reason) const {
+  problems.add(node.where, reason, at, std::move(message), std::move(hint));
 }
 
 void Source::refuse_kind(std::string_view wanted, std::string hint) const {
@@ -69,7 +69,7 @@ const Node::Object* read_object(const Source& source, std::initializer_list<Fiel
     if (const Field* field = find_field(fields, member.key)) {
       field->read(source.inner(member.value, member.key));
     } else {
-      source.problems.add(member.where, Errc::unknown_name, source.at,
+      source.problems.add(member.where, {Errc::unknown_name, "file_key_unknown"}, source.at,
                           "unknown key " + in_quotes(member.key), nearest_hint(member.key, known));
     }
   }
@@ -81,7 +81,8 @@ void require_key(const Source& source, const Node::Object& members, std::string_
   const bool there = std::any_of(members.begin(), members.end(),
                                  [&](const Member& member) { return member.key == key; });
   if (there) return;
-  source.refuse("\"" + std::string(key) + "\" is missing", "write " + std::string(example));
+  source.refuse("\"" + std::string(key) + "\" is missing", "write " + std::string(example),
+                {Errc::invalid_value, "file_key_missing"});
 }
 
 void read_members(const Source& source,
@@ -132,7 +133,7 @@ std::optional<Duration> read_duration(const Source& source) {
   }
   const Result<Duration> duration = parse_duration(*text);
   if (duration) return *duration;
-  source.refuse(duration.error().message, duration.error().hint);
+  source.refuse(duration.error().message, duration.error().hint, reason_of(duration.error()));
   return std::nullopt;
 }
 
@@ -151,7 +152,7 @@ std::optional<std::size_t> read_size(const Source& source, std::size_t low, std:
   }
   const Result<std::uint64_t> size = parse_size(*text);
   if (!size) {
-    source.refuse(size.error().message, size.error().hint);
+    source.refuse(size.error().message, size.error().hint, reason_of(size.error()));
     return std::nullopt;
   }
   if (*size < low || *size > high) {

@@ -23,7 +23,8 @@ struct Source {
   std::string at;
   Problems& problems;
 
-  void refuse(std::string message, std::string hint = {}, Errc code = Errc::invalid_value) const;
+  void refuse(std::string message, std::string hint = {},
+              Reason reason = {Errc::invalid_value, "file_value_invalid"}) const;
   /// "expected an integer, got a string".
   void refuse_kind(std::string_view wanted, std::string hint = {}) const;
   /// A value inside this one: its address is `at` and `name` joined by a dot.

@@ -69,7 +69,7 @@ Result<Value> from_json(const nlohmann::json& json) {
       return Value(json.get<std::int64_t>());
     case nlohmann::json::value_t::number_unsigned:
       if (!std::in_range<std::int64_t>(json.get<std::uint64_t>())) {
-        return refuse(Errc::limit, "", "an integer beyond 64 bits signed");
+        return refuse({Errc::limit, "integer_too_large"}, "", "an integer beyond 64 bits signed");
       }
       return Value(json.get<std::int64_t>());
     case nlohmann::json::value_t::number_float:

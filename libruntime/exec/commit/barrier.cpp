@@ -53,7 +53,7 @@ Status Barrier::check(const PreparedChange::Content& content) {
     if (replacement.from->shared_core() != replacement.base.core ||
         replacement.from->shared_bindings() != replacement.base.bindings ||
         replacement.from->lock().budget() != replacement.base_lock_budget) {
-      return refuse(Errc::conflict, name,
+      return refuse({Errc::conflict, "changed_meanwhile"}, name,
                     "was changed by somebody else while this change was prepared", "try again");
     }
     auto plan = plan_transfer(*replacement.from, *replacement.into, replacement.state,
@@ -64,7 +64,7 @@ Status Barrier::check(const PreparedChange::Content& content) {
   for (const ComponentBase* component : bystanders_of(system_, content)) {
     Deployed* const deployed = system_.find(component->name());
     if (deployed->changing) {
-      return refuse(Errc::conflict, component->name(),
+      return refuse({Errc::conflict, "job_not_ended"}, component->name(),
                     "has not ended the job it is in, and a change waits for that", "try again");
     }
     bystanders_.push_back({deployed, deployed->task->counters().missed.load()});
@@ -95,10 +95,10 @@ bool Barrier::advance() {
     if (state == SwapResult::State::committed) {
       phase_ = Phase::waiting;
     } else if (state == SwapResult::State::missed) {
-      call_off(refuse(Errc::timed_out, absent(),
+      call_off(refuse({Errc::timed_out, "instant_missed"}, absent(),
                       "every attempt missed its instant: the machine is overloaded", "try again"));
     } else {
-      call_off(refuse(Errc::timed_out, absent(),
+      call_off(refuse({Errc::timed_out, "barrier_not_reached"}, absent(),
                       "did not come to the barrier within " + std::to_string(kLongestWait / 1ms) +
                           " ms, so the change was revoked and all go on as before",
                       "look at `status`: a core that never returns holds its component"));
@@ -126,7 +126,7 @@ void Barrier::call_off(Error why) {
 
 void Barrier::give_way(const Deployed& stopped) {
   if (std::find(gathered_.begin(), gathered_.end(), &stopped) == gathered_.end()) return;
-  call_off(refuse(Errc::conflict, stopped.component->name(),
+  call_off(refuse({Errc::conflict, "stopped_meanwhile"}, stopped.component->name(),
                   "was to be stopped while others waited for it at the barrier, so the change was "
                   "revoked",
                   "try again"));
@@ -153,7 +153,7 @@ bool Barrier::hand_over(const std::vector<PreparedResource>& changed) {
     if (!is_free(*one.resource)) held = one.resource->name();
   }
   if (!held.empty()) {
-    call_off(refuse(Errc::timed_out, held,
+    call_off(refuse({Errc::timed_out, "resource_held"}, held,
                     "is held by a caller that does not leave it, so the change was revoked and "
                     "all go on as before",
                     "look at `status`: a core that never returns holds what it is inside"));

@@ -25,12 +25,12 @@ namespace {
 
 Status check_member(const PreparedMember& member, const Deployed& deployed) {
   if (deployed.changing) {
-    return refuse(Errc::conflict, member.component->name(),
+    return refuse({Errc::conflict, "job_not_ended"}, member.component->name(),
                   "has not ended the job it is in, and a change waits for that",
                   "try again; look at `status`: a core that never returns holds its component");
   }
   if (member.component->bundle() != member.base) {
-    return refuse(Errc::conflict, member.component->name(),
+    return refuse({Errc::conflict, "changed_meanwhile"}, member.component->name(),
                   "was changed by somebody else while this change was prepared", "try again");
   }
   return ok();
@@ -44,7 +44,7 @@ Status check_resource(const PreparedResource& change) {
       resource.shared_bindings() == change.base.bindings && same_lock_budget) {
     return ok();
   }
-  return refuse(Errc::conflict, resource.name(),
+  return refuse({Errc::conflict, "changed_meanwhile"}, resource.name(),
                 "was changed by somebody else while this change was prepared", "try again");
 }
 
@@ -62,8 +62,8 @@ bool leaves_newest_in_place(System& system, const Commit& next) {
 Status check_is_there(const Architecture& architecture, const ResourceBase* resource) {
   const auto& there = architecture.resources();
   if (std::find(there.begin(), there.end(), resource) != there.end()) return ok();
-  return refuse(Errc::conflict, resource->name(), "has left while this change was prepared",
-                "look at `status`");
+  return refuse({Errc::conflict, "left_meanwhile"}, resource->name(),
+                "has left while this change was prepared", "look at `status`");
 }
 
 /// A change that was prepared against an older revision of the model still fits to it.
@@ -73,7 +73,7 @@ Status check_fit_again(System& system, const PreparedChange::Content& content) {
     if (auto admitted = admit_change(system, content); !admitted) sound = admitted.error();
   }
   if (sound) return ok();
-  return refuse(Errc::conflict, sound.error().at,
+  return refuse({Errc::conflict, "changed_meanwhile"}, sound.error().at,
                 sound.error().message +
                     "; the architecture changed while this change was prepared, for example by a "
                     "rollback",
@@ -141,7 +141,7 @@ Status Commit::check(TwoPhaseCommit::Kind kind) {
     const bool there = deployed_.back() != nullptr &&
                        (kind == TwoPhaseCommit::Kind::order || !deployed_.back()->hidden);
     if (!there) {
-      return refuse(Errc::conflict, member.component->name(),
+      return refuse({Errc::conflict, "left_meanwhile"}, member.component->name(),
                     "has left while this change was prepared", "look at `status`");
     }
     if (Status current = check_member(member, *deployed_.back()); !current) return current;
@@ -171,7 +171,8 @@ Status Commit::check_probations(TwoPhaseCommit::Kind kind) {
   for (const auto& one : system_.probations) {
     if (one->reported() || !concerns(system_, *content_, one->content())) continue;
     if (one->awaits_confirmation()) {
-      return refuse(Errc::conflict, "generation " + std::to_string(one->changes().back()),
+      return refuse({Errc::conflict, "waits_for_confirmation"},
+                    "generation " + std::to_string(one->changes().back()),
                     "waits to be confirmed, so nothing of it is changed meanwhile",
                     "confirm it, or undo it");
     }
@@ -327,7 +328,7 @@ bool Commit::all_changed() {
 Result<Receipt> Commit::result() const {
   reported_ = answered();
   if (result_) return *result_;
-  return refuse(Errc::wrong_state, "commit", "is still under way",
+  return refuse({Errc::wrong_state, "change_under_way"}, "commit", "is still under way",
                 "call advance() until it is not");
 }
 

@@ -180,11 +180,11 @@ bool Commit::all_went_back() {
   if (under_way) one->report_after_all();
   result_ = not_applied();
   if (!under_way && !failed().empty()) {
-    result_ = refuse(Errc::hook_threw, failed(),
+    result_ = refuse({Errc::hook_threw, "conversion_failed"}, failed(),
                      "could not convert the state of the core before, so the change was revoked",
                      "mend its converter: the log says how it failed");
   } else if (!under_way) {
-    result_ = refuse(Errc::timed_out, result_->error().at,
+    result_ = refuse({Errc::timed_out, "component_hangs"}, result_->error().at,
                      "did not end its job within 2 s, so the change was revoked on all others",
                      "look at `status`: a core that never returns holds its component");
   }
@@ -275,7 +275,7 @@ std::string Commit::failed() const {
 Error Commit::not_applied() const {
   if (const std::string names = failed(); !names.empty() && rollback_ == nullptr) {
     return refuse(
-        Errc::partly, names,
+        {Errc::partly, "conversion_failed_in_force"}, names,
         "could not convert the state of the core before: a component failed with its safe "
         "values written, a resource is poisoned; the change is in force",
         content_->in_place ? "mend its converter, then swap again"
@@ -291,7 +291,7 @@ Error Commit::not_applied() const {
     names += (names.empty() ? "" : ", ") + one.resource->name();
   }
   if (swap_->members().empty() && swap_->result().state != SwapResult::State::overtaken) {
-    return refuse(Errc::timed_out, names,
+    return refuse({Errc::timed_out, "resource_held"}, names,
                   "is held by a caller that does not leave it, so it was not changed",
                   "look at `status`: a core that never returns holds its component");
   }
@@ -300,23 +300,23 @@ Error Commit::not_applied() const {
     case SwapResult::State::overtaken:
       return being_rolled_back(system_.generation);
     case SwapResult::State::missed:
-      return refuse(Errc::timed_out, names,
+      return refuse({Errc::timed_out, "instant_missed"}, names,
                     "every attempt missed its instant: the machine is overloaded", "try again");
     case SwapResult::State::revoked:
-      return refuse(Errc::timed_out, names,
+      return refuse({Errc::timed_out, "component_hangs"}, names,
                     "did not end its job within 2 s, so the change was revoked", look);
     case SwapResult::State::waiting:
-      return refuse(Errc::partly, names, "did not end its job in time; it will obey when it does",
-                    look);
+      return refuse({Errc::partly, "stops_later"}, names,
+                    "did not end its job in time; it will obey when it does", look);
     default:
       if (rollback_ != nullptr) {
         return refuse(
-            Errc::partly, names,
+            {Errc::partly, "rollback_incomplete"}, names,
             "did not end its job within 2 s: the change is rolled back on the others, but "
             "some of them do not end their job either",
             look);
       }
-      return refuse(Errc::partly, names,
+      return refuse({Errc::partly, "change_incomplete"}, names,
                     "did not end its job within 2 s: the change is in force on the others only, a "
                     "mixture that "
                     "is not safe to keep",

@@ -87,7 +87,8 @@ Status ready_standby_cores(System& system) {
 
 Status bring_up(System& system) {
   if (system.up)
-    return refuse(Errc::wrong_state, system.architecture.name(), "is deployed already");
+    return refuse({Errc::wrong_state, "deployed_already"}, system.architecture.name(),
+                  "is deployed already");
   if (Status configured = system.architecture.configure(); !configured) return configured;
   int highest = 1;
   for (ComponentBase* component : system.architecture.components()) {

@@ -40,7 +40,7 @@ Result<std::pair<std::string, std::string>> split_port(std::string_view address)
   auto [owner, rest] = split_owner(address);
   constexpr std::string_view kPorts = "ports.";
   if (rest.rfind(kPorts, 0) != 0) {
-    return refuse(Errc::unknown_name, std::string(address), "is no port",
+    return refuse({Errc::unknown_name, "unknown_port"}, std::string(address), "is no port",
                   "ports are written COMPONENT.ports.NAME");
   }
   return std::pair{owner, rest.substr(kPorts.size())};
@@ -185,7 +185,8 @@ Status Deployer::confirm() {
     exec::advance(*system_);
     return ok();
   }
-  return refuse(Errc::wrong_state, "generation " + std::to_string(generation()),
+  return refuse({Errc::wrong_state, "nothing_on_probation"},
+                "generation " + std::to_string(generation()),
                 "is not on probation, so there is nothing to confirm");
 }
 
@@ -196,7 +197,8 @@ Status Deployer::undo(const std::string& reason) {
     return one->open() && one->undo(reason);
   });
   if (newest != all.rend()) return ok();
-  return refuse(Errc::wrong_state, "generation " + std::to_string(generation()),
+  return refuse({Errc::wrong_state, "nothing_to_undo"},
+                "generation " + std::to_string(generation()),
                 "is not on probation: what was before it is no longer ready",
                 "roll back to a saved generation");
 }
@@ -245,7 +247,7 @@ Result<Receipt> Deployer::start(const std::vector<std::string>& components, bool
     const Result<ComponentBase*> component = system_->component(name);
     if (!component) return component.error();
     if (status(name).state == ComponentState::running) {
-      return refuse(Errc::wrong_state, name, "is running already");
+      return refuse({Errc::wrong_state, "runs_already"}, name, "is running already");
     }
     Edit edit;
     edit.component = name;

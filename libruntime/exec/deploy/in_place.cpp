@@ -61,7 +61,7 @@ Result<PreparedChange> prepare_back_in_place(System& system, std::string_view co
   MAUVE_ON_THREAD(factory);
   const ModelLock::Hold hold(system.model);
   if (!hold)
-    return refuse(Errc::timed_out, "deployer",
+    return refuse({Errc::timed_out, "preparation_abandoned"}, "deployer",
                   "the change was dropped before it began, since its thread was abandoned");
   const Result<ComponentBase*> found = system.component(component);
   if (!found) return found.error();
@@ -104,7 +104,7 @@ Status in_place_exchange(PreparedChange& change) {
   const std::array<Configurable*, 2> old{member.base->core.get(), member.base->fsm.get()};
   const Inside inside;
   if (!inside)
-    return refuse(Errc::timed_out, member.component->name(),
+    return refuse({Errc::timed_out, "preparation_abandoned"}, member.component->name(),
                   "was dropped before: its thread was abandoned");
   Status configured = cleanup_in_reverse(old);
   if (!abandoned_here()) configured = configure_pair(*member.next);
@@ -114,6 +114,7 @@ Status in_place_exchange(PreparedChange& change) {
     configured.error().message +=
         "; and the old core could not be configured again: " + back.error().message;
     configured.error().code = Errc::wrong_state;
+    configured.error().id = "core_lost_in_place";
   }
   return configured;
 }

@@ -207,7 +207,7 @@ Result<Receipt> Stop::result() const {
     names += (names.empty() ? "" : ", ") + one->task->name();
   }
   return refuse(
-      Errc::partly, names,
+      {Errc::partly, "stops_later"}, names,
       "did not end its job in time: its safe values are written, and it stops as soon as "
       "the job ends; all others are stopped",
       "mauved can only abandon the thread of a core that never returns: restart the daemon");

@@ -20,11 +20,12 @@ Result<ServiceBase*> Afterwards::find_service(std::string_view address) const {
     const auto dot = address.find('.');
     const std::string_view name = dot == std::string_view::npos ? "" : address.substr(dot + 1);
     if (ServiceBase* service = joining.resource->find_service(name)) return service;
-    return refuse(Errc::unknown_name, std::string(address),
+    return refuse({Errc::unknown_name, "unknown_service"}, std::string(address),
                   "resource " + joining.resource->name() + " has no service of this name");
   }
   if (leaves(owner)) {
-    return refuse(Errc::unknown_name, std::string(address), "is removed by this very change");
+    return refuse({Errc::unknown_name, "removed_by_this_change"}, std::string(address),
+                  "is removed by this very change");
   }
   return system_.architecture.find_service(address);
 }

@@ -21,8 +21,8 @@ Error no_property(const Configurable& element, std::string_view name) {
   std::vector<std::string> names;
   for (const PropertyBase* known : element.properties()) names.emplace_back(known->name());
   const std::string nearest = nearest_name(name, names);
-  return refuse(Errc::unknown_name, element.address() + "." + std::string(name),
-                "there is no property of this name",
+  return refuse({Errc::unknown_name, "unknown_property"},
+                element.address() + "." + std::string(name), "there is no property of this name",
                 nearest.empty() ? "" : "did you mean " + element.address() + "." + nearest + "?");
 }
 
@@ -31,20 +31,20 @@ Status can_stay(const PropertyBase& old, const PropertyBase& same, const Edit& e
   const std::string defaults = "--defaults begins with the values of the new core";
   const std::string hint = "--set " + std::string(same.name()) + "=... gives it one, " + defaults;
   if (same.type().to_value == nullptr) {
-    return refuse(Errc::unsupported, same.address(),
+    return refuse({Errc::unsupported, "type_not_described"}, same.address(),
                   "is " + same.type().name +
                       ", a type without a description, so its value cannot "
                       "stay",
                   defaults);
   }
   if (!same_type(same.type(), old.type())) {
-    return refuse(Errc::type_mismatch, same.address(),
+    return refuse({Errc::type_mismatch, "value_cannot_stay"}, same.address(),
                   "is " + same.type().name + " in the new core and " + old.type().name +
                       " in the one in force, so its value cannot stay",
                   hint);
   }
   if (same.unit() != old.unit()) {
-    return refuse(Errc::type_mismatch, same.address(),
+    return refuse({Errc::type_mismatch, "value_cannot_stay"}, same.address(),
                   "is in \"" + std::string(same.unit()) + "\" in the new core and in \"" +
                       std::string(old.unit()) + "\" in the one in force, so its value cannot stay",
                   hint);
@@ -52,7 +52,7 @@ Status can_stay(const PropertyBase& old, const PropertyBase& same, const Edit& e
   Status fits = same.accepts(old.value());
   if (fits && edit.allows && same.within() != old.within()) fits = edit.allows(same, old.value());
   if (fits) return fits;
-  return refuse(fits.error().code, same.address(),
+  return refuse(reason_of(fits.error()), same.address(),
                 "has a value now that the new core does not take: " + fits.error().message, hint);
 }
 
@@ -69,8 +69,8 @@ Status copy_properties(const Configurable& from, Configurable& into) {
     PropertyBase* same = into.find_property(old->name());
     if (same == nullptr || !same_type(same->type(), old->type())) continue;
     if (same->type().to_value == nullptr) {
-      return refuse(Errc::unsupported, old->address(), "its type has no description",
-                    "describe it: specialise mauve::Described");
+      return refuse({Errc::unsupported, "type_not_described"}, old->address(),
+                    "its type has no description", "describe it: specialise mauve::Described");
     }
     if (Status done = same->set(old->value()); !done) return done;
   }
@@ -113,8 +113,8 @@ Status check_paths(const Edit& edit, const std::vector<std::string_view>& elemen
     if (std::find(elements.begin(), elements.end(), owner) != elements.end()) continue;
     std::string list;
     for (const auto element : elements) list += (list.empty() ? "" : ", ") + std::string(element);
-    return refuse(Errc::unknown_name, edit.component + "." + path, "is no property",
-                  "properties that can change while it runs belong to: " + list);
+    return refuse({Errc::unknown_name, "unknown_property"}, edit.component + "." + path,
+                  "is no property", "properties that can change while it runs belong to: " + list);
   }
   return ok();
 }
@@ -124,7 +124,7 @@ Status check_state_survives(const CoreBase& core, const Edit& edit) {
   const bool same_core = !edit.core.has_value();
   if (!same_core || edit.state == StatePolicy::drop) return ok();
   if (core.state() != nullptr || core.slow_state() != nullptr || core.stateless()) return ok();
-  return refuse(Errc::unsupported, core.address(),
+  return refuse({Errc::unsupported, "state_not_declared"}, core.address(),
                 "declares neither a state to hand over nor that it has none, so this change would "
                 "silently reset it",
                 "say --state drop to start it fresh, or declare mauve::State or mauve::Stateless "

@@ -38,7 +38,8 @@ Status check_names(const System& system, const Change& change) {
   std::vector<std::string> joining;
   for (const Edit& edit : change.edits) {
     if (contains(changed, edit.component)) {
-      return refuse(Errc::duplicate, edit.component, "is changed twice in one transaction");
+      return refuse({Errc::duplicate, "changed_twice"}, edit.component,
+                    "is changed twice in one transaction");
     }
     changed.push_back(edit.component);
   }
@@ -50,14 +51,16 @@ Status check_names(const System& system, const Change& change) {
     const bool there = system.architecture.find_component(name) != nullptr ||
                        system.architecture.find_resource(name) != nullptr;
     if (twice || (there && !contains(change.remove, name))) {
-      return refuse(Errc::duplicate, name, "there is something of this name already",
+      return refuse({Errc::duplicate, "name_in_use"}, name,
+                    "there is something of this name already",
                     "choose another name, or remove the other one in the same change");
     }
   }
   for (const std::string& name : change.remove) {
     if (contains(changed, name) ||
         std::count(change.remove.begin(), change.remove.end(), name) > 1) {
-      return refuse(Errc::duplicate, name, "is removed and changed in one transaction");
+      return refuse({Errc::duplicate, "changed_twice"}, name,
+                    "is removed and changed in one transaction");
     }
   }
   return ok();
@@ -67,7 +70,8 @@ Status check_worth(const Change& change) {
   const bool empty = change.edits.empty() && change.new_resources.empty() &&
                      change.new_components.empty() && change.remove.empty();
   if (!empty || change.changes_rules) return ok();
-  return refuse(Errc::invalid_value, "change", "is empty: it says nothing that is to be different");
+  return refuse({Errc::invalid_value, "change_empty"}, "change",
+                "is empty: it says nothing that is to be different");
 }
 
 class Preparation {
@@ -191,10 +195,10 @@ Result<PreparedChange> prepare_locked(System& system, const Change& change, Chan
                                       Preparation& preparation, bool configure) {
   const ModelLock::Hold hold(system.model);
   if (!hold)
-    return refuse(Errc::timed_out, "deployer",
+    return refuse({Errc::timed_out, "preparation_abandoned"}, "deployer",
                   "the change was dropped before it began, since its thread was abandoned");
   if (change.made_from && *change.made_from != system.generation) {
-    return refuse(Errc::conflict, system.architecture.name(),
+    return refuse({Errc::conflict, "changed_meanwhile"}, system.architecture.name(),
                   "changed, for example by a rollback, after this change was made from what was in "
                   "force before",
                   "try again; `logs` and `history` show what came between");
@@ -209,8 +213,8 @@ Result<PreparedChange> prepare_locked(System& system, const Change& change, Chan
 Result<PreparedChange> prepare_change(System& system, const Change& change, bool configure) {
   if (Status outside = refuse_in_job("deployer", "a change"); !outside) return outside.error();
   if (!system.up) {
-    return refuse(Errc::wrong_state, system.architecture.name(), "is not deployed",
-                  "before deployment change the elements themselves");
+    return refuse({Errc::wrong_state, "not_deployed"}, system.architecture.name(),
+                  "is not deployed", "before deployment change the elements themselves");
   }
   if (Status sound = check_worth(change); !sound) return sound.error();
   Change whole = change;

@@ -67,8 +67,9 @@ class MemberBuilder {
  private:
   Status check() {
     if (edit_.lock_budget) {
-      return refuse(Errc::unsupported, component_.name() + ".lock_budget",
-                    "is a component: only a resource is held", "a job of it has a budget");
+      return refuse({Errc::unsupported, "attribute_not_applicable"},
+                    component_.name() + ".lock_budget", "is a component: only a resource is held",
+                    "a job of it has a budget");
     }
     if (Status paths = check_paths(edit_, {"shell", "core", "fsm"}); !paths) return paths;
     if (!remake_core_) return ok();
@@ -92,7 +93,7 @@ class MemberBuilder {
       if (binding == nullptr) continue;
       const PortBase* same = next_->shell->find_port(old->name());
       if (same == nullptr) {
-        return refuse(Errc::unknown_name, old->address(),
+        return refuse({Errc::unknown_name, "unknown_port"}, old->address(),
                       "is connected, but the new shell has no such port", "disconnect it first");
       }
       if (Status fits = check_connection(*same, nullptr, binding->service()); !fits) return fits;
@@ -155,7 +156,7 @@ class MemberBuilder {
   Status set_task() {
     if (!edit_.task) return ok();
     if (edit_.task->stack != base_.task.stack) {
-      return refuse(Errc::unsupported, component_.name() + ".task.stack",
+      return refuse({Errc::unsupported, "fixed_at_creation"}, component_.name() + ".task.stack",
                     "is chosen when the thread is made", "remove the component and add it anew");
     }
     next_->task = *edit_.task;

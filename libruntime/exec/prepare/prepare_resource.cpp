@@ -56,12 +56,12 @@ Status make_core(const Edit& edit, ResourceBase& resource, PreparedResource& pre
 Status check_lock_budget(const ResourceBase& resource, Duration budget) {
   const std::string at = resource.name() + ".lock_budget";
   if (budget < Duration{0} || budget > kLongestBudget) {
-    return refuse(Errc::invalid_value, at,
+    return refuse({Errc::invalid_value, "value_out_of_range"}, at,
                   "must be between 0 and " + format_duration(kLongestBudget),
                   "0 takes the declaration back");
   }
   if (!resource.lock().timed()) {
-    return refuse(Errc::unsupported, at,
+    return refuse({Errc::unsupported, "attribute_not_applicable"}, at,
                   "has no meaning here: it is held for some stores only, and not counted");
   }
   return ok();
@@ -70,7 +70,7 @@ Status check_lock_budget(const ResourceBase& resource, Duration budget) {
 Result<PreparedResource> prepare_resource(const Afterwards& after, const Edit& edit,
                                           ResourceBase& resource) {
   if (edit.mode != Mode::keep || edit.core || edit.fsm || edit.task) {
-    return refuse(Errc::unsupported, edit.component,
+    return refuse({Errc::unsupported, "resource_has_no_thread"}, edit.component,
                   "is a resource: it has no thread to start or stop, and its core is replaced by "
                   "changing its properties only");
   }

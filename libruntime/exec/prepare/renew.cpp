@@ -65,7 +65,7 @@ Status copy_all(const ResourceBase& from, const ResourceBase& into, const Edit& 
 
 Status make_replacement(const ResourceBase& resource, const Edit& edit, Change& change) {
   if (edit.mode != Mode::keep || edit.core || edit.fsm || edit.type || edit.task) {
-    return refuse(Errc::unsupported, edit.component,
+    return refuse({Errc::unsupported, "resource_has_no_thread"}, edit.component,
                   "is a resource: it has no thread, and its core comes with its type");
   }
   if (Status paths = check_paths(edit, {"shell", "core", "interface"}); !paths) return paths;

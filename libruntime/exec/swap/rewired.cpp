@@ -101,7 +101,7 @@ Status check_names(const Architecture& architecture, const Content& content) {
   }
   for (const std::string& name : joining) {
     if (!is_in_use(architecture, content, name)) continue;
-    return refuse(Errc::duplicate, name, "there is something of this name already",
+    return refuse({Errc::duplicate, "name_in_use"}, name, "there is something of this name already",
                   "choose another name, or remove the other one in the same change");
   }
   return ok();
@@ -133,12 +133,13 @@ class Reachable {
       if (!leaves && std::find(before.begin(), before.end(), binding) != before.end()) continue;
       const std::string address = owner + ".ports." + std::string(port->name());
       if (leaves) {
-        return refuse(Errc::wrong_state, address,
+        return refuse({Errc::wrong_state, "connection_left_over"}, address,
                       "is connected to " + binding->service().address() +
                           ", which is to be removed or made anew",
                       "disconnect it, or connect it elsewhere, in the same change");
       }
-      return refuse(Errc::wrong_state, address, "would be connected to a service that is gone",
+      return refuse({Errc::wrong_state, "connection_left_over"}, address,
+                    "would be connected to a service that is gone",
                     "look at `graph`, then connect it to one that is there");
     }
     return ok();

@@ -16,8 +16,8 @@
 namespace mauve::exec {
 
 Error being_rolled_back(std::uint64_t generation) {
-  return refuse(Errc::conflict, "generation " + std::to_string(generation), "is being rolled back",
-                "try again when it is over: see the log");
+  return refuse({Errc::conflict, "rollback_under_way"}, "generation " + std::to_string(generation),
+                "is being rolled back", "try again when it is over: see the log");
 }
 
 void retire(const Bundle& old, const Bundle& now, Retired& retired) {

@@ -61,7 +61,8 @@ Result<ComponentBase*> System::component(std::string_view name) const {
   std::vector<std::string> names;
   for (const ComponentBase* known : architecture.components()) names.push_back(known->name());
   const std::string nearest = nearest_name(name, names);
-  return refuse(Errc::unknown_name, std::string(name), "there is no component of this name",
+  return refuse({Errc::unknown_name, "unknown_element"}, std::string(name),
+                "there is no component of this name",
                 nearest.empty() ? "" : "did you mean " + nearest + "?");
 }
 

@@ -162,7 +162,8 @@ class Property final : public PropertyBase {
       Status done = Codec<T>::decode(value, data);
       return done ? in_range(data) : detail::inside(std::move(done), address());
     } else {
-      return refuse(Errc::unsupported, address(), "its type has no description");
+      return refuse({Errc::unsupported, "type_not_described"}, address(),
+                    "its type has no description");
     }
   }
   Status in_range([[maybe_unused]] const T& value) const {
@@ -172,13 +173,14 @@ class Property final : public PropertyBase {
       if (limits_.max && *limits_.max < value)
         return beyond(value, "above the maximum ", *limits_.max);
       if constexpr (std::is_floating_point_v<T>) {
-        if (value != value) return refuse(Errc::invalid_value, address(), "is not a number");
+        if (value != value)
+          return refuse({Errc::invalid_value, "value_out_of_range"}, address(), "is not a number");
       }
     }
     return ok();
   }
   Error beyond(const T& value, const char* relation, const T& limit) const {
-    return refuse(Errc::invalid_value, address(),
+    return refuse({Errc::invalid_value, "value_out_of_range"}, address(),
                   to_string(encode(value)) + " is " + relation + to_string(encode(limit)) +
                       (unit().empty() ? "" : " " + std::string(unit())));
   }

@@ -36,6 +36,13 @@ enum class Errc {
 /// "invalid_value", "unknown_name", ...
 [[nodiscard]] std::string_view to_string(Errc code);
 
+/// Why mauve refuses something: the kind, and the name of the entry that `mauvectl explain` prints.
+/// scripts/messages.py compares both with daemon/protocol/refusals.def.
+struct Reason {
+  Errc code;       ///< the kind
+  const char* id;  ///< name of the entry
+};
+
 /// One refusal: its kind, its place (a dotted address, or file:line:column), its reason, and the
 /// next step.
 struct Error {
@@ -43,6 +50,7 @@ struct Error {
   std::string at;       ///< address of the thing refused; may be filled by an outer layer
   std::string message;  ///< one sentence, lower case, no full stop
   std::string hint;     ///< one suggestion, may be empty
+  std::string id = {};  ///< name of the entry that explains it, may be empty
 };
 
 /// "control.core.gain: must be positive (hint)". For logs and exceptions; clients format the parts.
@@ -100,6 +108,15 @@ using Status = Result<void>;  ///< the answer of each hook
 [[nodiscard]] inline Error refuse(Errc code, std::string at, std::string message,
                                   std::string hint = {}) {
   return {code, std::move(at), std::move(message), std::move(hint)};
+}
+
+/// The reason of an error, for another one that says more. Valid as long as the error.
+[[nodiscard]] inline Reason reason_of(const Error& error) { return {error.code, error.id.c_str()}; }
+
+/// A refusal that `mauvectl explain` knows: refuse({Errc::duplicate, "id"}, at, message, hint).
+[[nodiscard]] inline Error refuse(Reason reason, std::string at, std::string message,
+                                  std::string hint = {}) {
+  return {reason.code, std::move(at), std::move(message), std::move(hint), reason.id};
 }
 
 }  // namespace mauve

@@ -62,7 +62,7 @@ Result<ServiceBase*> Architecture::find_service(std::string_view address) const 
   if (resource == nullptr) {
     std::vector<std::string> names;
     collect_names(names, resources_);
-    return refuse(Errc::unknown_name, std::string(address),
+    return refuse({Errc::unknown_name, "unknown_element"}, std::string(address),
                   "there is no resource " + std::string(owner), known_names(owner, names));
   }
   const std::string_view name = dot == std::string_view::npos ? "" : address.substr(dot + 1);
@@ -71,7 +71,7 @@ Result<ServiceBase*> Architecture::find_service(std::string_view address) const 
   for (const ServiceBase* service : resource->interface().services()) {
     names.push_back(service->address());
   }
-  return refuse(Errc::unknown_name, std::string(address),
+  return refuse({Errc::unknown_name, "unknown_service"}, std::string(address),
                 "resource " + resource->name() + " has no service of this name",
                 known_names(address, names));
 }
@@ -117,7 +117,8 @@ Status Architecture::configure() {
   collect_names(all, components_);
   collect_names(all, resources_);
   for (const std::string& name : all) {
-    if (!names.insert(name).second) return refuse(Errc::duplicate, name, "this name is used twice");
+    if (!names.insert(name).second)
+      return refuse({Errc::duplicate, "name_in_use"}, name, "this name is used twice");
   }
   // The hook uses the elements, so an element that could not be made is refused before it runs.
   for (const ResourceBase* resource : resources_) {

@@ -73,7 +73,7 @@ Status ComponentBase::cleanup_core() {
 
 Status ComponentBase::replace_core(const CoreType& core) {
   if (ComponentBase::core().configured()) {
-    return refuse(Errc::wrong_state, name_ + ".core", "is configured",
+    return refuse({Errc::wrong_state, "element_configured"}, name_ + ".core", "is configured",
                   "call cleanup_core() first, or let the deployer swap the core");
   }
   if (Status fits = check_contract(name_ + ".core", core, type_.fsm, type_.shell); !fits) {

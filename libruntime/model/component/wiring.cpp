@@ -97,7 +97,7 @@ Status Wiring::check() const {
     if (one.service->writers() != Writers::one && output == nullptr) continue;
     const std::string obeyed =
         output == nullptr ? "" : " (" + output->address + " obeys its values)";
-    return refuse(Errc::conflict, one.by.back()->address,
+    return refuse({Errc::conflict, "writer_is_exclusive"}, one.by.back()->address,
                   "would be the second writer of " + address + obeyed + ": " +
                       one.by.front()->address + " writes into it, and only one port may",
                   "disconnect one of the two in the same change, or let a resource choose between "

@@ -96,7 +96,7 @@ std::optional<std::string> difference(const Contract& a, const Contract& b) {
 }
 
 Error other_headers(const std::string& at, std::string message) {
-  return refuse(Errc::type_mismatch, at, std::move(message),
+  return refuse({Errc::type_mismatch, "contract_layout_differs"}, at, std::move(message),
                 "rebuild both plugins with the same header; a contract or shell that changes on "
                 "purpose gets a new revision in its name");
 }
@@ -152,7 +152,7 @@ Status check_same_members(const CoreBase& old, const CoreBase& now, const Contra
 Status check_contract(const std::string& at, const CoreType& core, const FsmType& fsm,
                       const ShellType& shell) {
   if (core.contract.name != fsm.contract.name) {
-    return refuse(Errc::type_mismatch, at,
+    return refuse({Errc::type_mismatch, "core_other_contract"}, at,
                   "core " + core.name + " fulfils contract " + core.contract.name +
                       ", but state machine " + fsm.name + " calls " + fsm.contract.name,
                   "choose a core of contract " + fsm.contract.name);

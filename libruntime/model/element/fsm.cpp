@@ -77,7 +77,7 @@ void FsmBase::reset() {
 
 Status FsmBase::verify() {
   if (initial_ == nullptr) {
-    return refuse(Errc::invalid_value, address(), "has no initial state",
+    return refuse({Errc::invalid_value, "fsm_incomplete"}, address(), "has no initial state",
                   "call start_at(state) in on_configure");
   }
   Marks reached(states_.size(), 0);
@@ -87,14 +87,17 @@ Status FsmBase::verify() {
     if (Status named = check_name(state->name(), address()); !named) return named;
     const std::string at = address() + "." + std::string(state->name());
     if (reached[state->index()] == 0) {
-      return refuse(Errc::invalid_value, at, "can never be reached from the initial state");
+      return refuse({Errc::invalid_value, "fsm_incomplete"}, at,
+                    "can never be reached from the initial state");
     }
     if (state->successor() == nullptr) {
-      return refuse(Errc::invalid_value, at, "has no default successor", "add .then(state)");
+      return refuse({Errc::invalid_value, "fsm_incomplete"}, at, "has no default successor",
+                    "add .then(state)");
     }
     std::vector<const FsmState*> path;
     if (std::string cycle = find_cycle(*state, path, done); !cycle.empty()) {
-      return refuse(Errc::cycle, at, "execution states form a cycle that never waits: " + cycle,
+      return refuse({Errc::cycle, "fsm_never_waits"}, at,
+                    "execution states form a cycle that never waits: " + cycle,
                     "put a synchronization state into it");
     }
   }

@@ -24,27 +24,27 @@ std::string shown(const DataType& type) {
 Error lost(const CoreBase& into, const Capsule& from, const Capsule* found, const char* member) {
   const std::string drop = "say --state drop to start it fresh, or declare ";
   if (found == nullptr) {
-    return refuse(Errc::type_mismatch, into.address(),
+    return refuse({Errc::type_mismatch, "state_would_be_lost"}, into.address(),
                   "has no place for the state " + shown(from.type()) +
                       " of the core in force, and does not say that it needs none",
                   drop + member + " or mauve::Stateless in the new core");
   }
   if (found->type().name == from.type().name && !from.type().vouched) {
     return refuse(
-        Errc::type_mismatch, into.address(),
+        {Errc::type_mismatch, "state_not_described"}, into.address(),
         "was built anew, and its state " + shown(from.type()) +
             " has no description: nobody knows whether its fields lie as in the core in force",
         "specialise mauve::Described for it (fields, or a name with a revision alone, by which "
         "you vouch for its layout) and build both again, or say --state drop to start it fresh");
   }
-  return refuse(Errc::type_mismatch, into.address(),
+  return refuse({Errc::type_mismatch, "state_not_convertible"}, into.address(),
                 "has the state " + shown(found->type()) + ", but the core in force has " +
                     shown(from.type()) + ", which it cannot convert",
                 drop + "a mauve::Converts in the new core");
 }
 
 Error state_would_vanish(const CoreBase& into, const Capsule& from) {
-  return refuse(Errc::type_mismatch, into.address(),
+  return refuse({Errc::type_mismatch, "state_would_be_lost"}, into.address(),
                 "takes no state, so " + shown(from.type()) + " of the core in force would be lost",
                 "say --state drop when that is meant");
 }
@@ -140,7 +140,7 @@ Status check_whole(const ResourceBase& from, StatePolicy policy) {
   if (policy == StatePolicy::drop || !from.lock().poisoned() || from.core().stateless()) {
     return ok();
   }
-  return refuse(Errc::wrong_state, from.name(),
+  return refuse({Errc::wrong_state, "resource_poisoned"}, from.name(),
                 "is poisoned: a caller was aborted in it, so its data may be half written",
                 "say --state drop to start it fresh");
 }

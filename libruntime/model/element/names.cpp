@@ -42,7 +42,7 @@ class NameSpace {
     // Only a property and an observable share a name space.
     const std::string which = known->second == noun ? "more than one " + std::string(noun)
                                                     : "a property and of an observable";
-    return refuse(Errc::duplicate, element_,
+    return refuse({Errc::duplicate, "address_not_unique"}, element_,
                   "\"" + std::string(name) + "\" is the name of " + which,
                   "rename one of them in the plugin: an address leads to one thing only");
   }

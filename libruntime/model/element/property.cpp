@@ -16,7 +16,8 @@ std::string PropertyBase::address() const {
 
 Status PropertyBase::writable() const {
   if (!owner_.configured()) return ok();
-  return refuse(Errc::wrong_state, address(), "cannot be written while its element is configured",
+  return refuse({Errc::wrong_state, "element_configured"}, address(),
+                "cannot be written while its element is configured",
                 "clean the element up first, or let the deployer swap it");
 }
 
@@ -37,7 +38,7 @@ Status PropertyBase::set(const Value& value) {
 void PropertyBase::defer(Error error) { owner_.pending_error_ = std::move(error); }
 
 Error invalid(const PropertyBase& property, std::string message) {
-  return refuse(Errc::invalid_value, property.address(), std::move(message),
+  return refuse({Errc::invalid_value, "value_refused"}, property.address(), std::move(message),
                 property.text().empty() ? "" : "it means: " + std::string(property.text()));
 }
 

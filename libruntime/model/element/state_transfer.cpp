@@ -36,11 +36,11 @@ Error not_made_from(const ResourceBase& from, const DataType& old, const Resourc
                     const ValueStore* place) {
   const std::string held = from.name() + " holds values of " + old.name;
   if (place == nullptr) {
-    return refuse(Errc::type_mismatch, into.core().address(),
+    return refuse({Errc::type_mismatch, "state_would_be_lost"}, into.core().address(),
                   "has no place for them: " + held + ", and it does not say that it needs none",
                   "say --state drop to start it fresh, or --sync cut");
   }
-  return refuse(Errc::type_mismatch, into.name(),
+  return refuse({Errc::type_mismatch, "state_not_convertible"}, into.name(),
                 held + ", and " + place->data().name + " cannot be made from them",
                 "say --state drop to start it empty, or give Described<> of the new type a Before "
                 "and a convert()");
@@ -48,7 +48,7 @@ Error not_made_from(const ResourceBase& from, const DataType& old, const Resourc
 
 Error undeclared(const CoreBase& core) {
   return refuse(
-      Errc::unsupported, core.address(),
+      {Errc::unsupported, "state_not_declared"}, core.address(),
       "declares neither a state to hand over nor that it has none, so what it holds would "
       "silently be lost",
       "say --state drop to start the next one fresh, or declare mauve::State or "
@@ -56,7 +56,7 @@ Error undeclared(const CoreBase& core) {
 }
 
 Error no_copy_back(const StateBase& state, const CoreBase& into) {
-  return refuse(Errc::unsupported, into.address(),
+  return refuse({Errc::unsupported, "state_not_plain"}, into.address(),
                 "takes the state " + state.type().name +
                     " over as it is; it is not plain bytes, so the old resource could not keep a "
                     "copy to come back with",

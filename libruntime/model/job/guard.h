@@ -38,9 +38,10 @@ struct HookRun {
     try {
       return body();
     } catch (const std::exception& error) {
-      return refuse(Errc::hook_threw, at, std::string(hook) + " threw: " + text_of(error));
+      return refuse({Errc::hook_threw, "hook_exception"}, at,
+                    std::string(hook) + " threw: " + text_of(error));
     } catch (...) {
-      return refuse(Errc::hook_threw, at,
+      return refuse({Errc::hook_threw, "hook_exception"}, at,
                     std::string(hook) + " threw something that is no std::exception");
     }
   }
@@ -63,7 +64,7 @@ Status call_hook(const std::string& at, const char* hook, Body&& body,
   const rt::Fault fault = rt::run_guarded(&detail::HookRun<Body>::run, &run, watched);
   Status done = fault.happened() ? Status(detail::crashed(at, hook, fault)) : std::move(run.done);
   if (in_hook.back()) return done;
-  return refuse(Errc::timed_out, at,
+  return refuse({Errc::timed_out, "hook_did_not_return"}, at,
                 std::string(hook) + " returned after mauved had abandoned its thread");
 }
 

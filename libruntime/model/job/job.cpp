@@ -15,7 +15,8 @@ Instant time_outside_jobs() { return MonotonicClock().now(); }
 
 Status refuse_in_job(const std::string& at, const char* what) {
   if (!this_job().running) return ok();
-  return refuse(Errc::wrong_state, at, std::string(what) + " was called from a real-time job",
+  return refuse({Errc::wrong_state, "called_from_job"}, at,
+                std::string(what) + " was called from a real-time job",
                 "call it from a thread that is no component's");
 }
 

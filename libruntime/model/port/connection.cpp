@@ -23,7 +23,7 @@ Result<PortBase*> find_port(const Shell& shell, std::string_view name) {
   if (PortBase* port = shell.find_port(name)) return port;
   std::string owner = shell.address().substr(0, shell.address().rfind('.'));
   const std::string nearest = nearest_name(name, port_names(shell));
-  return refuse(Errc::unknown_name, owner + ".ports." + std::string(name),
+  return refuse({Errc::unknown_name, "unknown_port"}, owner + ".ports." + std::string(name),
                 owner + " has no port of this name",
                 nearest.empty() ? "" : "did you mean " + owner + ".ports." + nearest + "?");
 }
@@ -33,21 +33,21 @@ Result<PortBase*> find_port(const Shell& shell, std::string_view name) {
 Status check_connection(const PortBase& port, const Binding* present, const ServiceBase& service,
                         Duration max_age) {
   if (present != nullptr) {
-    return refuse(Errc::duplicate, port.address(),
+    return refuse({Errc::duplicate, "port_connected"}, port.address(),
                   "is connected to " + present->service().address() + " already",
                   "disconnect it first");
   }
   if (!(port.signature() == service.signature())) {
     const bool same_name = port.signature().kind == service.signature().kind &&
                            port.signature().types == service.signature().types;
-    return refuse(Errc::type_mismatch, port.address(),
+    return refuse({Errc::type_mismatch, "port_does_not_fit"}, port.address(),
                   "is a " + to_string(port.signature()) + " port, but " + service.address() +
                       " is a " + to_string(service.signature()) + " service" +
                       (same_name ? " with another layout" : ""),
                   same_name ? "rebuild both plugins with the same headers" : "");
   }
   if (max_age < Duration{0} || (max_age > Duration{0} && port.signature().kind != PortKind::read)) {
-    return refuse(Errc::invalid_value, port.address(),
+    return refuse({Errc::invalid_value, "max_age_invalid"}, port.address(),
                   max_age < Duration{0} ? "max_age must not be negative"
                                         : "max_age has no meaning here: only read ports have it");
   }
@@ -76,7 +76,8 @@ Result<std::shared_ptr<const Bindings>> without_connection(const Shell& shell,
   if (!port) return port.error();
   const std::size_t index = (*port)->index();
   if (table[index] == nullptr) {
-    return refuse(Errc::wrong_state, (*port)->address(), "is not connected");
+    return refuse({Errc::wrong_state, "port_not_connected"}, (*port)->address(),
+                  "is not connected");
   }
   auto changed = std::make_shared<Bindings>(table);
   (*changed)[index] = nullptr;

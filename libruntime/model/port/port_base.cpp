@@ -37,7 +37,8 @@ Connected::~Connected() {
 
 Connected PortBase::connect(ServiceBase& service, Duration max_age) {
   if (shell_.bindings() != nullptr || shell_.configured()) {
-    return {shell_, refuse(Errc::wrong_state, address(), "its component is deployed or configured",
+    return {shell_, refuse({Errc::wrong_state, "element_configured"}, address(),
+                           "its component is deployed or configured",
                            "use the deployer to connect ports of a running component")};
   }
   std::shared_ptr<const Binding>& binding = shell_.initial_[index_];

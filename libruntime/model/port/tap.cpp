@@ -44,7 +44,7 @@ bool Tap::pop(const std::function<void(const void* value, Instant stamp)>& visit
 Status TapList::attach(std::shared_ptr<Tap> tap, ResourceLock& lock) {
   Taps closed;  // freed when the lock has been released: a writer may wait for it
   ScopedLock held(lock);
-  if (!held) return refuse(Errc::timed_out, "", "its resource is busy");
+  if (!held) return refuse({Errc::timed_out, "resource_busy"}, "", "its resource is busy");
   release_closed(closed);
   for (std::shared_ptr<Tap>& slot : taps_) {
     if (slot != nullptr) continue;
@@ -52,7 +52,7 @@ Status TapList::attach(std::shared_ptr<Tap> tap, ResourceLock& lock) {
     count_.fetch_add(1);  // from now on no writer passes by the lock
     return ok();
   }
-  return refuse(Errc::limit, "", "is watched by too many clients already");
+  return refuse({Errc::limit, "watched_by_too_many"}, "", "is watched by too many clients already");
 }
 
 void TapList::detach(Tap& tap, ResourceLock& lock) {

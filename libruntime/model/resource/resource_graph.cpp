@@ -56,13 +56,13 @@ class ResourceGraph::Walk {
     return ok();
   }
   [[nodiscard]] Error too_deep() const {
-    return refuse(Errc::limit, path_.back()->name(),
+    return refuse({Errc::limit, "resources_too_deep"}, path_.back()->name(),
                   "resources nest deeper than " + std::to_string(Job::kMaxHeld));
   }
   [[nodiscard]] Error cycle(std::size_t first) const {
     std::string text;
     for (std::size_t i = first; i < path_.size(); ++i) text += path_[i]->name() + " -> ";
-    return refuse(Errc::cycle, path_[first]->name(),
+    return refuse({Errc::cycle, "resources_wait_in_circle"}, path_[first]->name(),
                   "resources would wait for each other for ever: " + text + path_[first]->name(),
                   "disconnect one of these ports");
   }

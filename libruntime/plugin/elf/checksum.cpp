@@ -38,13 +38,13 @@ Result<std::size_t> find_manifest(const ElfFile& file) {
     return at.name == kEntry && at.symbol.st_shndx != SHN_UNDEF;
   });
   if (entry == symbols.end()) {
-    return refuse(Errc::plugin_refused, {},
+    return refuse({Errc::plugin_refused, "not_a_plugin"}, {},
                   "is not a mauve plugin: it does not export mauve_plugin",
                   "write MAUVE_PLUGIN(plugin) { ... } in one of its sources");
   }
   const auto section = file.section(".mauve.manifest");
   if (!section) {
-    return refuse(Errc::plugin_refused, {},
+    return refuse({Errc::plugin_refused, "not_a_plugin"}, {},
                   "is not a mauve plugin: it has no section .mauve.manifest",
                   "build it with mauve_add_plugin()");
   }
@@ -54,8 +54,8 @@ Result<std::size_t> find_manifest(const ElfFile& file) {
   const std::size_t size = section->bytes.size();
   if (symbol.st_value < section->header.sh_addr || offset > size ||
       size - offset < sizeof(PluginEntry) || symbol.st_size < sizeof(PluginEntry)) {
-    return refuse(Errc::plugin_refused, {}, "is damaged: its manifest is too short",
-                  "build or copy it again");
+    return refuse({Errc::plugin_refused, "plugin_damaged"}, {},
+                  "is damaged: its manifest is too short", "build or copy it again");
   }
   return section->header.sh_offset + offset;
 }

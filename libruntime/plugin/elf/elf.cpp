@@ -27,10 +27,6 @@ constexpr std::size_t kInitialisers = ~std::size_t{0};
 constexpr std::size_t kInitialisers = 1;
 #endif
 
-Error bad(std::string message, std::string hint) {
-  return refuse(Errc::plugin_refused, {}, std::move(message), std::move(hint));
-}
-
 /// The bytes may be anything, but messages are text.
 std::string printable(std::string_view bytes) {
   std::string text(bytes);
@@ -54,12 +50,14 @@ bool is_exported(const GElf_Sym& symbol) {
 Status check_damage(const ElfFile& file, std::span<const std::byte> bytes, std::size_t manifest,
                     std::uint64_t checksum) {
   if (checksum == 0) {
-    return bad("has no checksum, so damage of the file would not be noticed",
-               "mauve_add_plugin() writes one after linking; by hand: mauve-stamp FILE");
+    return refuse({Errc::plugin_refused, "plugin_without_checksum"}, {},
+                  "has no checksum, so damage of the file would not be noticed",
+                  "mauve_add_plugin() writes one after linking; by hand: mauve-stamp FILE");
   }
   if (checksum_of(file, bytes, manifest) != checksum) {
-    return bad("is damaged: its checksum does not fit",
-               "build or copy it again; after a tool that changed it: mauve-stamp FILE");
+    return refuse({Errc::plugin_refused, "plugin_damaged"}, {},
+                  "is damaged: its checksum does not fit",
+                  "build or copy it again; after a tool that changed it: mauve-stamp FILE");
   }
   return ok();
 }
@@ -68,10 +66,11 @@ Status check_exports(const std::vector<ElfSymbol>& symbols) {
   for (const ElfSymbol& at : symbols) {
     if (!is_exported(at.symbol) || at.name == kEntry) continue;
     const bool unique = GELF_ST_BIND(at.symbol.st_info) == STB_GNU_UNIQUE;
-    return bad("exports " + printable(at.name) +
-                   (unique ? ", a unique symbol that could never be unloaded"
-                           : ", but mauve_plugin must be its only exported symbol"),
-               kHouseBuild);
+    return refuse({Errc::plugin_refused, "plugin_exports"}, {},
+                  "exports " + printable(at.name) +
+                      (unique ? ", a unique symbol that could never be unloaded"
+                              : ", but mauve_plugin must be its only exported symbol"),
+                  kHouseBuild);
   }
   return ok();
 }
@@ -82,8 +81,10 @@ Error thread_local_variables(const ElfFile& file) {
     if (GELF_ST_TYPE(at.symbol.st_info) != STT_TLS) continue;
     names += (names.empty() ? ": " : ", ") + printable(readable_symbol(at.name));
   }
-  return bad("has thread-local variables, whose first use allocates on a real-time thread" + names,
-             "make them members of the core; a header or library that brings one cannot be used");
+  return refuse(
+      {Errc::plugin_refused, "plugin_thread_local"}, {},
+      "has thread-local variables, whose first use allocates on a real-time thread" + names,
+      "make them members of the core; a header or library that brings one cannot be used");
 }
 
 Status check_segments(const ElfFile& file) {
@@ -93,10 +94,13 @@ Status check_segments(const ElfFile& file) {
     if (segment.p_type == PT_TLS) return thread_local_variables(file);
     if (segment.p_type == PT_GNU_STACK && !executable) stack_declared = true;
     if (segment.p_type == PT_LOAD && executable && (segment.p_flags & PF_W) != 0) {
-      return bad("has a segment that is writable and executable", kHouseBuild);
+      return refuse({Errc::plugin_refused, "plugin_unsafe_memory"}, {},
+                    "has a segment that is writable and executable", kHouseBuild);
     }
   }
-  if (!stack_declared) return bad("asks for an executable stack", kHouseBuild);
+  if (!stack_declared)
+    return refuse({Errc::plugin_refused, "plugin_unsafe_memory"}, {},
+                  "asks for an executable stack", kHouseBuild);
   return ok();
 }
 
@@ -104,14 +108,15 @@ Status check_needed(const ElfFile& file) {
   const std::string runtime = "libmauve.so." + std::to_string(kVersionMajor);
   for (const std::string& name : file.needed()) {
     if (name.starts_with("libmauve.so") && name != runtime) {
-      return refuse(Errc::abi_mismatch, {},
+      return refuse({Errc::abi_mismatch, "plugin_other_version"}, {},
                     "needs " + printable(name) + ", but this runtime is " + runtime,
                     std::string("rebuild it with mauve ") + kVersion);
     }
     const bool system = name.starts_with("lib") || name.starts_with("ld-");
     if (!system || name.find('/') != std::string::npos) {
-      return bad("needs " + printable(name) + ", which is not a system library",
-                 "plugins share headers, not code: link the sources into each");
+      return refuse({Errc::plugin_refused, "plugin_needs_library"}, {},
+                    "needs " + printable(name) + ", which is not a system library",
+                    "plugins share headers, not code: link the sources into each");
     }
   }
   return ok();
@@ -138,7 +143,8 @@ Status check_initialisers(const ElfFile& file) {
   const std::size_t count = file.dynamic(DT_INIT_ARRAYSZ).value_or(0) / sizeof(GElf_Addr);
   if (count <= kInitialisers) return ok();
   if (has_symbol(file, SHT_SYMTAB, "set_fast_math")) {
-    return bad(
+    return refuse(
+        {Errc::plugin_refused, "plugin_fast_math"}, {},
         "is linked with -ffast-math (or -Ofast), whose start-up code crtfastmath would change the "
         "floating-point mode of mauved",
         "compile with the single options that you need, such as -fno-math-errno, or link without "
@@ -147,16 +153,18 @@ Status check_initialisers(const ElfFile& file) {
   const std::string where = initialised_by(file);
   const std::string in = where.empty() ? "" : " (in the source of " + where + ")";
   if (has_symbol(file, SHT_DYNSYM, "_ZNSt8ios_base4InitC1Ev")) {
-    return bad(
+    return refuse(
+        {Errc::plugin_refused, "plugin_static_initialiser"}, {},
         "includes <iostream>, which brings a static initialiser, std::ios_base::Init, that "
         "would run unguarded" +
             in,
         "include <ostream> or <iomanip> instead, and write with mauve::log");
   }
-  return bad("has static initialisers, which would run unguarded" +
-                 (where.empty() ? ": " + std::to_string(count - kInitialisers)
-                                : ": in the source of " + where),
-             "make the variables of that source constexpr, or static inside a function");
+  return refuse({Errc::plugin_refused, "plugin_static_initialiser"}, {},
+                "has static initialisers, which would run unguarded" +
+                    (where.empty() ? ": " + std::to_string(count - kInitialisers)
+                                   : ": in the source of " + where),
+                "make the variables of that source constexpr, or static inside a function");
 }
 
 /// Checks read the section, and the dynamic linker the segment.
@@ -170,13 +178,16 @@ bool is_one_dynamic(const ElfFile& file) {
 
 Status check_dynamic(const ElfFile& file) {
   if (file.dynamic().empty() || !is_one_dynamic(file)) {
-    return bad("is damaged: it has no dynamic section that is its dynamic segment", kHouseBuild);
+    return refuse({Errc::plugin_refused, "plugin_damaged"}, {},
+                  "is damaged: it has no dynamic section that is its dynamic segment", kHouseBuild);
   }
   if (file.dynamic(DT_TEXTREL) || (file.dynamic(DT_FLAGS).value_or(0) & DF_TEXTREL) != 0) {
-    return bad("has text relocations: its code would be writable", "compile it with -fPIC");
+    return refuse({Errc::plugin_refused, "plugin_unsafe_memory"}, {},
+                  "has text relocations: its code would be writable", "compile it with -fPIC");
   }
   if (file.dynamic(DT_RPATH) || file.dynamic(DT_RUNPATH)) {
-    return bad("has a search path for libraries of its own (RPATH or RUNPATH)", kHouseBuild);
+    return refuse({Errc::plugin_refused, "plugin_search_path"}, {},
+                  "has a search path for libraries of its own (RPATH or RUNPATH)", kHouseBuild);
   }
   if (Status good = check_needed(file); !good) return good;
   return check_initialisers(file);
@@ -227,22 +238,24 @@ Status check_manifest(const PluginManifest& manifest, std::string_view name) {
   const PluginManifest ours = detail::make_manifest("", kVersion);
   const std::string rebuild = std::string("rebuild it with mauve ") + kVersion;
   if (!std::equal(std::begin(ours.magic), std::end(ours.magic), std::begin(manifest.magic))) {
-    return bad("is not a mauve plugin: its manifest has no magic number", kHouseBuild);
+    return refuse({Errc::plugin_refused, "not_a_plugin"}, {},
+                  "is not a mauve plugin: its manifest has no magic number", kHouseBuild);
   }
   if (manifest.size != ours.size || manifest.abi != ours.abi) {
-    return refuse(Errc::abi_mismatch, {},
+    return refuse({Errc::abi_mismatch, "plugin_other_abi"}, {},
                   "has ABI " + std::to_string(manifest.abi) + ", this runtime has " +
                       std::to_string(ours.abi),
                   rebuild);
   }
   if (manifest.options != ours.options) {
-    return refuse(Errc::abi_mismatch, {}, differing_options(manifest.options, ours.options),
+    return refuse({Errc::abi_mismatch, "plugin_other_options"}, {},
+                  differing_options(manifest.options, ours.options),
                   "build it with the options of this runtime, so that both see the same classes");
   }
   if (manifest.fingerprint != ours.fingerprint) {
     const std::string theirs = text_of(manifest.compiler);
     const std::string own = text_of(ours.compiler);
-    return refuse(Errc::abi_mismatch, {},
+    return refuse({Errc::abi_mismatch, "plugin_other_headers"}, {},
                   "was built with other headers of mauve or of the standard library than this "
                   "runtime: its classes have other sizes (" +
                       (theirs == own ? "both by compiler " + own
@@ -251,8 +264,9 @@ Status check_manifest(const PluginManifest& manifest, std::string_view name) {
                   rebuild);
   }
   if (text_of(manifest.name) != name) {
-    return bad("says that its name is \"" + text_of(manifest.name) + "\"",
-               "file and plugin have the same name: " + text_of(manifest.name) + ".so");
+    return refuse({Errc::plugin_refused, "plugin_renamed"}, {},
+                  "says that its name is \"" + text_of(manifest.name) + "\"",
+                  "file and plugin have the same name: " + text_of(manifest.name) + ".so");
   }
   return ok();
 }

@@ -22,10 +22,6 @@ constexpr GElf_Half kMachine = EM_RISCV;
 constexpr unsigned char kByteOrder =
     __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ ? ELFDATA2LSB : ELFDATA2MSB;
 
-Error unreadable(std::string message, std::string hint = {}) {
-  return refuse(Errc::plugin_refused, {}, std::move(message), std::move(hint));
-}
-
 bool inside(std::size_t size, GElf_Off offset, GElf_Xword length) {
   return offset <= size && length <= size - offset;
 }
@@ -33,23 +29,28 @@ bool inside(std::size_t size, GElf_Off offset, GElf_Xword length) {
 Status check_header(std::span<const std::byte> bytes) {
   Elf64_Ehdr header;
   if (bytes.size() < sizeof header || std::memcmp(bytes.data(), ELFMAG, SELFMAG) != 0) {
-    return unreadable("is not a shared object", "build it with mauve_add_plugin()");
+    return refuse({Errc::plugin_refused, "plugin_not_elf"}, {}, "is not a shared object",
+                  "build it with mauve_add_plugin()");
   }
   std::memcpy(&header, bytes.data(), sizeof header);
   if (header.e_ident[EI_CLASS] != ELFCLASS64 || header.e_ident[EI_DATA] != kByteOrder ||
       header.e_machine != kMachine) {
-    return unreadable("is built for another machine", "build it with this machine's compiler");
+    return refuse({Errc::plugin_refused, "plugin_other_machine"}, {},
+                  "is built for another machine", "build it with this machine's compiler");
   }
   if (header.e_type != ET_DYN || header.e_version != EV_CURRENT) {
-    return unreadable("is not a shared object", "build it with mauve_add_plugin()");
+    return refuse({Errc::plugin_refused, "plugin_not_elf"}, {}, "is not a shared object",
+                  "build it with mauve_add_plugin()");
   }
   if (header.e_ehsize != sizeof(Elf64_Ehdr) || header.e_phentsize != sizeof(Elf64_Phdr) ||
       header.e_shentsize != sizeof(Elf64_Shdr)) {
-    return unreadable("is damaged: its ELF header has wrong sizes", "build or copy it again");
+    return refuse({Errc::plugin_refused, "plugin_damaged"}, {},
+                  "is damaged: its ELF header has wrong sizes", "build or copy it again");
   }
   if (!inside(bytes.size(), header.e_phoff, GElf_Xword{header.e_phnum} * sizeof(Elf64_Phdr)) ||
       !inside(bytes.size(), header.e_shoff, GElf_Xword{header.e_shnum} * sizeof(Elf64_Shdr))) {
-    return unreadable("is cut off: its tables lie behind its end", "build or copy it again");
+    return refuse({Errc::plugin_refused, "plugin_damaged"}, {},
+                  "is cut off: its tables lie behind its end", "build or copy it again");
   }
   return ok();
 }
@@ -57,7 +58,8 @@ Status check_header(std::span<const std::byte> bytes) {
 }  // namespace
 
 Error damaged(const char* way) {
-  return unreadable(std::string("is damaged: ") + way, "build or copy it again");
+  return refuse({Errc::plugin_refused, "plugin_damaged"}, {}, std::string("is damaged: ") + way,
+                "build or copy it again");
 }
 
 std::string readable_symbol(const std::string& symbol) {
@@ -77,7 +79,8 @@ Result<ElfFile> ElfFile::open(std::span<const std::byte> bytes) {
   auto* memory = const_cast<char*>(reinterpret_cast<const char*>(bytes.data()));
   file.elf_.reset(elf_memory(memory, bytes.size()));
   if (!file.elf_ || elf_kind(file.elf_.get()) != ELF_K_ELF) {
-    return unreadable("is damaged: libelf cannot read it", "build or copy it again");
+    return refuse({Errc::plugin_refused, "plugin_damaged"}, {}, "is damaged: libelf cannot read it",
+                  "build or copy it again");
   }
   if (Status good = file.read_segments(); !good) return good.error();
   if (Status good = file.check_sections(); !good) return good.error();
@@ -88,13 +91,15 @@ Result<ElfFile> ElfFile::open(std::span<const std::byte> bytes) {
 Status ElfFile::read_segments() {
   std::size_t count = 0;
   if (elf_getphdrnum(elf_.get(), &count) != 0 || count == 0) {
-    return unreadable("is damaged: it has no segments", "build or copy it again");
+    return refuse({Errc::plugin_refused, "plugin_damaged"}, {}, "is damaged: it has no segments",
+                  "build or copy it again");
   }
   for (std::size_t i = 0; i < count; ++i) {
     GElf_Phdr segment;
     if (gelf_getphdr(elf_.get(), static_cast<int>(i), &segment) == nullptr ||
         !inside(bytes_.size(), segment.p_offset, segment.p_filesz)) {
-      return unreadable("is cut off: a segment lies behind its end", "build or copy it again");
+      return refuse({Errc::plugin_refused, "plugin_damaged"}, {},
+                    "is cut off: a segment lies behind its end", "build or copy it again");
     }
     segments_.push_back(segment);
   }
@@ -107,7 +112,8 @@ Status ElfFile::check_sections() {
     if (gelf_getshdr(at, &header) == nullptr ||
         (header.sh_type != SHT_NOBITS &&
          !inside(bytes_.size(), header.sh_offset, header.sh_size))) {
-      return unreadable("is cut off: a section lies behind its end", "build or copy it again");
+      return refuse({Errc::plugin_refused, "plugin_damaged"}, {},
+                    "is cut off: a section lies behind its end", "build or copy it again");
     }
   }
   return ok();

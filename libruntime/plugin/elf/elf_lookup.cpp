@@ -71,7 +71,8 @@ Status check_hashes(const ElfFile& file, std::size_t symbols) {
   const auto bytes = file.mapped(file.dynamic(DT_GNU_HASH).value_or(0), kAll);
   const Table<std::uint32_t> head(bytes);
   if (!file.dynamic(DT_GNU_HASH)) {
-    return refuse(Errc::plugin_refused, {}, "has no table of symbols of the GNU style",
+    return refuse({Errc::plugin_refused, "plugin_unchecked_form"}, {},
+                  "has no table of symbols of the GNU style",
                   "link it with -Wl,--hash-style=gnu, or build it with mauve_add_plugin()");
   }
   constexpr const char* kBad = "its table of symbols leads behind its end";
@@ -127,7 +128,8 @@ Result<std::uint32_t> highest_version(const ElfFile& file) {
 Status check_versions(const ElfFile& file, std::size_t symbols) {
   if (!file.dynamic(DT_VERSYM)) return ok();
   if (file.dynamic(DT_VERDEF)) {
-    return refuse(Errc::plugin_refused, {}, "gives its symbols versions of its own",
+    return refuse({Errc::plugin_refused, "plugin_unchecked_form"}, {},
+                  "gives its symbols versions of its own",
                   "link it without names of versions, or build it with mauve_add_plugin()");
   }
   const auto highest = highest_version(file);

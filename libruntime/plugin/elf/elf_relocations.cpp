@@ -105,7 +105,8 @@ Status check_called(const ElfFile& file, const Pointers& made) {
 
 Status check_relocations(const ElfFile& file) {
   if (file.dynamic(DT_REL) || file.dynamic(kPackedRelocations)) {
-    return refuse(Errc::plugin_refused, {}, "has relocations of a form that is not checked",
+    return refuse({Errc::plugin_refused, "plugin_unchecked_form"}, {},
+                  "has relocations of a form that is not checked",
                   "link it without -z pack-relative-relocs");
   }
   const auto section = file.section(".dynsym");

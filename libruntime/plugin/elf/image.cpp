@@ -18,7 +18,8 @@ namespace mauve::plugin {
 namespace {
 
 Error failed(const char* doing) {
-  return refuse(Errc::system, {}, std::string("cannot ") + doing + ": " + std::strerror(errno));
+  return refuse({Errc::system, "plugin_not_copied"}, {},
+                std::string("cannot ") + doing + ": " + std::strerror(errno));
 }
 
 /// Kernels before 6.3 do not know MFD_EXEC; later ones may insist on it (vm.memfd_noexec).

@@ -67,7 +67,8 @@ Error Catalog::unknown(ByName<T> LoadedPlugin::*kind, std::string_view what,
     message += ": plugin " + quoted(owner) + " is not loaded";
     if (hint.empty()) hint = "load plugin " + quoted(owner);
   }
-  return refuse(Errc::unknown_name, std::string(name), std::move(message), std::move(hint));
+  return refuse({Errc::unknown_name, "unknown_type"}, std::string(name), std::move(message),
+                std::move(hint));
 }
 
 template <typename T>
@@ -139,14 +140,14 @@ Result<LoadedPlugin> Catalog::prepare_load(std::string_view plugin) const {
 Status Catalog::check_types(const LoadedPlugin& loaded) const {
   for (const auto& [name, type] : loaded.types) {
     if (built_in_types().contains(name)) {
-      return refuse(Errc::duplicate, name, "is a built-in data type");
+      return refuse({Errc::duplicate, "type_name_in_use"}, name, "is a built-in data type");
     }
     for (const auto& [plugin, other] : plugins_) {
       const auto found = other.types.find(name);
       if (plugin == loaded.info().name || found == other.types.end()) continue;
       if (same_type(*found->second, *type)) continue;
       return refuse(
-          Errc::type_mismatch, name,
+          {Errc::type_mismatch, "type_layout_differs"}, name,
           "has another layout in plugin " + loaded.info().name + " than in plugin " + plugin,
           "rebuild both with the same header, or raise the revision");
     }
@@ -178,8 +179,8 @@ Result<std::optional<LoadedPlugin>> Catalog::exchange(LoadedPlugin loaded) {
 Error Catalog::not_loaded(std::string_view plugin) const {
   std::vector<std::string> known;
   append_names(known, plugins_);
-  return refuse(Errc::unknown_name, std::string(plugin.substr(0, 255)), "no such plugin is loaded",
-                known_names(plugin, known));
+  return refuse({Errc::unknown_name, "plugin_not_loaded"}, std::string(plugin.substr(0, 255)),
+                "no such plugin is loaded", known_names(plugin, known));
 }
 
 Result<std::shared_ptr<Library>> Catalog::remove(std::string_view plugin) {
@@ -187,13 +188,14 @@ Result<std::shared_ptr<Library>> Catalog::remove(std::string_view plugin) {
   if (found == plugins_.end()) return not_loaded(plugin);
   std::shared_ptr<Library> library = found->second.library();
   if (library->info().file.empty()) {
-    return refuse(Errc::unsupported, std::string(plugin), "is part of the program");
+    return refuse({Errc::unsupported, "plugin_built_in"}, std::string(plugin),
+                  "is part of the program");
   }
   std::string users;
   for (const std::string& user : library->users()) users += (users.empty() ? "" : ", ") + user;
   if (!users.empty()) {
-    return refuse(Errc::wrong_state, std::string(plugin), "is in use by " + users,
-                  "swap or remove them first, or reload the plugin");
+    return refuse({Errc::wrong_state, "plugin_in_use"}, std::string(plugin),
+                  "is in use by " + users, "swap or remove them first, or reload the plugin");
   }
   library->retire();
   plugins_.erase(found);
@@ -202,7 +204,8 @@ Result<std::shared_ptr<Library>> Catalog::remove(std::string_view plugin) {
 
 Status Catalog::add(Plugin plugin) {
   if (find(plugin.name()) != nullptr) {
-    return refuse(Errc::duplicate, plugin.name(), "a plugin of this name is there already");
+    return refuse({Errc::duplicate, "plugin_loaded_already"}, plugin.name(),
+                  "a plugin of this name is there already");
   }
   Result<LoadedPlugin> loaded = LoadedPlugin::of(Library::compiled_in(std::move(plugin)));
   if (!loaded) return loaded.error();
@@ -212,7 +215,7 @@ Status Catalog::add(Plugin plugin) {
 
 Status Catalog::load(std::string_view plugin) {
   if (const LoadedPlugin* loaded = find(plugin)) {
-    return refuse(Errc::duplicate, std::string(plugin),
+    return refuse({Errc::duplicate, "plugin_loaded_already"}, std::string(plugin),
                   "is loaded already, version " + loaded->info().version,
                   "reload takes the file of now");
   }
@@ -232,7 +235,8 @@ Result<Unmapped> Catalog::reload(std::string_view plugin) {
   const LoadedPlugin* old = find(plugin);
   if (old == nullptr) return not_loaded(plugin);
   if (old->info().file.empty()) {
-    return refuse(Errc::unsupported, std::string(plugin), "is part of the program");
+    return refuse({Errc::unsupported, "plugin_built_in"}, std::string(plugin),
+                  "is part of the program");
   }
   Result<LoadedPlugin> loaded = prepare_load(plugin);
   if (!loaded) return loaded.error();

@@ -29,12 +29,12 @@ Error cannot_link(std::string text, const std::string& path) {
   if (text.starts_with(path + ": ")) text.erase(0, path.size() + 2);
   if (const std::size_t at = text.find(kUndefined); at != std::string::npos) {
     const std::string symbol = text.substr(at + kUndefined.size());
-    return refuse(Errc::plugin_refused, {},
+    return refuse({Errc::plugin_refused, "plugin_missing_symbol"}, {},
                   "needs a symbol that nobody has: " +
                       readable_symbol(symbol.substr(0, symbol.find_first_of(" ,"))),
                   "link the source that defines it into the plugin");
   }
-  return refuse(Errc::plugin_refused, {}, "cannot be linked: " + text,
+  return refuse({Errc::plugin_refused, "plugin_missing_library"}, {}, "cannot be linked: " + text,
                 "install the library it needs");
 }
 
@@ -96,8 +96,8 @@ Status Library::declare(const PluginManifest& checked) {
   const auto* entry = static_cast<const PluginEntry*>(dlsym(handle_, "mauve_plugin"));
   if (entry == nullptr || std::memcmp(&entry->manifest, &checked, sizeof checked) != 0 ||
       entry->declare == nullptr) {
-    return refuse(Errc::plugin_refused, {}, "is damaged: its entry is not the one in its manifest",
-                  "build or copy it again");
+    return refuse({Errc::plugin_refused, "plugin_damaged"}, {},
+                  "is damaged: its entry is not the one in its manifest", "build or copy it again");
   }
   Status declared = call_hook(info_.name, "its MAUVE_PLUGIN block", [&] {
     entry->declare(*declared_);

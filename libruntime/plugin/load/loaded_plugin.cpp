@@ -25,12 +25,12 @@ Result<LoadedPlugin> LoadedPlugin::of(std::shared_ptr<Library> library) {
 Status LoadedPlugin::check_name(const std::string& name, const char* kind, bool used) const {
   const std::string prefix = info().name + "/";
   if (!name.starts_with(prefix) || !is_name(std::string_view(name).substr(prefix.size()))) {
-    return refuse(Errc::invalid_value, name,
+    return refuse({Errc::invalid_value, "plugin_bad_name"}, name,
                   "is no name for a " + std::string(kind) + " of plugin " + info().name,
                   "names match [a-z][a-z0-9_]{0,63}; the plugin's own is put in front");
   }
   if (used) {
-    return refuse(Errc::duplicate, name,
+    return refuse({Errc::duplicate, "plugin_registers_twice"}, name,
                   "is registered twice as a " + std::string(kind) + " by plugin " + info().name);
   }
   return ok();
@@ -85,12 +85,12 @@ Status LoadedPlugin::collect_resources() {
 Status LoadedPlugin::collect_types() {
   for (const DataType* type : library_->declared().types) {
     if (!is_revised_name(type->name)) {
-      return refuse(Errc::invalid_value, type->name,
+      return refuse({Errc::invalid_value, "plugin_bad_name"}, type->name,
                     "is no name for a data type of plugin " + info().name,
                     "a described type is called like \"laser_scan/1\"");
     }
     if (!types.try_emplace(type->name, type).second) {
-      return refuse(Errc::duplicate, type->name,
+      return refuse({Errc::duplicate, "plugin_registers_twice"}, type->name,
                     "is registered twice as a data type by plugin " + info().name);
     }
   }
@@ -99,20 +99,20 @@ Status LoadedPlugin::collect_types() {
 
 Status LoadedPlugin::check_component(const ComponentType& component) const {
   if (component.fsm.contract.shell != component.shell.name) {
-    return refuse(Errc::type_mismatch, component.name,
+    return refuse({Errc::type_mismatch, "plugin_other_shell"}, component.name,
                   "its state machine is for cores with another shell",
                   "register the shell that the contract class names");
   }
   const auto core = cores.find(component.default_core);
   if (core == cores.end()) {
     if (!component.default_core.starts_with(info().name + "/")) return ok();
-    return refuse(Errc::unknown_name, component.name,
+    return refuse({Errc::unknown_name, "plugin_no_default_core"}, component.name,
                   "its default core " + component.default_core + " is not registered",
                   "add plugin.core<...>(...) for it");
   }
   if (core->second.contract != component.fsm.contract) {
     return refuse(
-        Errc::type_mismatch, component.name,
+        {Errc::type_mismatch, "plugin_other_contract"}, component.name,
         "its default core " + component.default_core + " has contract " +
             core->second.contract.name + ", its state machine calls " + component.fsm.contract.name,
         "let the core inherit `using Contract = ...;` from the class that the state machine "

@@ -23,7 +23,7 @@ namespace {
 constexpr std::string_view kSuffix = ".so";
 
 Error system_error(std::string at, std::string_view doing) {
-  return refuse(Errc::plugin_refused, std::move(at),
+  return refuse({Errc::plugin_refused, "plugin_unreadable"}, std::move(at),
                 "cannot be " + std::string(doing) + ": " + std::strerror(errno));
 }
 
@@ -60,12 +60,13 @@ Status check_file(int file, const std::string& path, const Trust& trust, std::si
   struct stat status {};
   if (fstat(file, &status) != 0) return system_error(path, "examined");
   if (!S_ISREG(status.st_mode)) {
-    return refuse(Errc::plugin_refused, path, "is not a regular file");
+    return refuse({Errc::plugin_refused, "plugin_not_a_file"}, path, "is not a regular file");
   }
   if (Status trusted = trust.check(status, path); !trusted) return trusted;
   size = static_cast<std::size_t>(status.st_size);
   if (size > kLargestPlugin) {
-    return refuse(Errc::limit, path, "is larger than 256 MiB", "strip its debug information");
+    return refuse({Errc::limit, "plugin_too_large"}, path, "is larger than 256 MiB",
+                  "strip its debug information");
   }
   return ok();
 }
@@ -99,7 +100,8 @@ std::optional<Result<PluginFile>> read_from(const std::string& directory, std::s
   const rt::Descriptor file(openat(folder->get(), file_name.c_str(),
                                    O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   if (!file && errno == ELOOP) {
-    return refuse(Errc::plugin_refused, plugin.path, "is a symbolic link", "copy the file itself");
+    return refuse({Errc::plugin_refused, "plugin_is_link"}, plugin.path, "is a symbolic link",
+                  "copy the file itself");
   }
   if (!file) return system_error(plugin.path, "opened");
   std::size_t size = 0;
@@ -134,7 +136,7 @@ Error not_found(const std::vector<std::string>& directories, std::string_view na
     where += (where.empty() ? "" : ", ") + directory;
     if (real_path(directory).empty()) where += " (no such directory)";
   }
-  return refuse(Errc::plugin_refused, std::string(name),
+  return refuse({Errc::plugin_refused, "plugin_not_found"}, std::string(name),
                 where.empty() ? "cannot be found: there is no plugin directory"
                               : "there is no " + std::string(name) + ".so in " + where,
                 did_you_mean(name, names_in(directories), "\""));
@@ -145,8 +147,8 @@ Error not_found(const std::vector<std::string>& directories, std::string_view na
 Result<PluginFile> read_plugin_file(const std::vector<std::string>& directories,
                                     std::string_view name, const Trust& trust) {
   if (!is_name(name)) {
-    return refuse(Errc::invalid_value, std::string(name.substr(0, kLongestAddress)),
-                  "is not the name of a plugin",
+    return refuse({Errc::invalid_value, "plugin_name_invalid"},
+                  std::string(name.substr(0, kLongestAddress)), "is not the name of a plugin",
                   "the name is the file's, without directory and without .so");
   }
   for (const std::string& directory : directories) {

@@ -47,7 +47,8 @@ void add_names(const std::string& path, std::vector<std::string>& names) {
 }
 
 Error cannot_be_examined(const std::string& path) {
-  return refuse(Errc::system, path, std::string("cannot be examined: ") + std::strerror(errno));
+  return refuse({Errc::system, "path_not_examined"}, path,
+                std::string("cannot be examined: ") + std::strerror(errno));
 }
 
 }  // namespace
@@ -70,16 +71,17 @@ Trust Trust::of(uid_t user, const std::string& library) {
 
 Status Trust::check(const struct stat& status, const std::string& path) const {
   if (!owners.contains(status.st_uid)) {
-    return refuse(Errc::plugin_refused, path,
+    return refuse({Errc::plugin_refused, "path_owned_by_other"}, path,
                   "belongs to user " + std::to_string(status.st_uid) +
                       ", who is neither root nor the user of this process",
                   "chown root " + path);
   }
   if (others_may_write(status.st_mode, S_IWOTH)) {
-    return refuse(Errc::plugin_refused, path, "may be written by everybody", "chmod o-w " + path);
+    return refuse({Errc::plugin_refused, "path_writable_by_others"}, path,
+                  "may be written by everybody", "chmod o-w " + path);
   }
   if (others_may_write(status.st_mode, S_IWGRP) && !groups.contains(status.st_gid)) {
-    return refuse(Errc::plugin_refused, path,
+    return refuse({Errc::plugin_refused, "path_writable_by_others"}, path,
                   "may be written by group " + std::to_string(status.st_gid), "chmod g-w " + path);
   }
   return ok();
@@ -111,7 +113,8 @@ Status Trust::check_path(const std::string& path) const {
     std::error_code failed;
     const auto target = std::filesystem::read_symlink(next, failed);
     if (failed || ++links > kMostLinks) {
-      return refuse(Errc::plugin_refused, next, "is a symbolic link that leads nowhere");
+      return refuse({Errc::plugin_refused, "path_link_broken"}, next,
+                    "is a symbolic link that leads nowhere");
     }
     if (target.is_absolute()) at.clear();
     add_names(target.string(), names);

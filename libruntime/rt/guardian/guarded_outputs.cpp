@@ -22,12 +22,13 @@ constexpr int kMostTimes = 10;
 
 Status check(const SafeOrder& order) {
   if (order.bytes.empty() || order.bytes.size() > guardian::kMostBytes) {
-    return refuse(Errc::invalid_value, {}, "a safe order has 1 to 256 bytes");
+    return refuse({Errc::invalid_value, "safe_order_invalid"}, {},
+                  "a safe order has 1 to 256 bytes");
   }
   const Duration most = std::chrono::milliseconds(guardian::kMostTimeMs);
   const bool in_time = order.apart >= Duration{0} && order.apart * (order.times - 1) < most;
   if (order.times < 1 || order.times > kMostTimes || !in_time) {
-    return refuse(Errc::invalid_value, {},
+    return refuse({Errc::invalid_value, "safe_order_invalid"}, {},
                   "a safe order is sent 1 to 10 times, all of them within 100 ms");
   }
   return ok();
@@ -75,11 +76,11 @@ Result<GuardedOutputs::Held> GuardedOutputs::made(const void* owner, const std::
     while (claimed()) ++held.slot;
   }
   if (held.slot >= guardian::kMostOutputs) {
-    return refuse(Errc::limit, {}, "a guardian holds no more than 32 outputs");
+    return refuse({Errc::limit, "guardian_full"}, {}, "a guardian holds no more than 32 outputs");
   }
   held.descriptor = Descriptor(fcntl(descriptor, F_DUPFD_CLOEXEC, 0));
   if (!held.descriptor) {
-    return refuse(Errc::system, {},
+    return refuse({Errc::system, "guardian_failed"}, {},
                   "its descriptor cannot be copied: " + std::generic_category().message(errno));
   }
   return held;
@@ -112,7 +113,8 @@ Status GuardedOutputs::hold(const void* owner, const std::string& name, int desc
   }
   if (why.empty()) return ok();
   held_.erase(found);
-  return refuse(Errc::invalid_value, {}, why, "see mauvectl doctor, and guardian/README.md");
+  return refuse({Errc::invalid_value, "output_not_guarded"}, {}, why,
+                "see mauvectl doctor, and guardian/README.md");
 }
 
 void GuardedOutputs::drop(const void* owner) {

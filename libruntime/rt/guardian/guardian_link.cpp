@@ -34,7 +34,8 @@ constexpr int kToEndMs = 500;  // of one that was started here
 constexpr int kBetweenLooksMs = 50;
 
 Error system_error(const std::string& doing) {
-  return refuse(Errc::system, "guardian", doing + ": " + std::generic_category().message(errno));
+  return refuse({Errc::system, "guardian_failed"}, "guardian",
+                doing + ": " + std::generic_category().message(errno));
 }
 
 /// Something to read, or the other end is gone.
@@ -148,7 +149,8 @@ Result<Descriptor> GuardianLink::connected() const {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (plan_.socket.empty() || plan_.socket.size() >= sizeof address.sun_path) {
-    return refuse(Errc::wrong_state, "guardian", "there is no socket of a guardian");
+    return refuse({Errc::wrong_state, "guardian_has_no_socket"}, "guardian",
+                  "there is no socket of a guardian");
   }
   plan_.socket.copy(address.sun_path, sizeof address.sun_path - 1);
   Descriptor socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
@@ -182,14 +184,15 @@ Status GuardianLink::greet(int socket) const {
   if (!guardian::send(socket, hello, page_.file())) return system_error("it takes no message");
   guardian::Answer answer;
   if (!readable_within(socket, kToGreetMs)) {
-    return refuse(Errc::timed_out, "guardian",
+    return refuse({Errc::timed_out, "guardian_silent"}, "guardian",
                   "it does not answer: it may serve another mauved at this moment");
   }
   if (recv(socket, &answer, sizeof answer, MSG_DONTWAIT) != sizeof answer) {
-    return refuse(Errc::system, "guardian", "it closed the connection");
+    return refuse({Errc::system, "guardian_failed"}, "guardian", "it closed the connection");
   }
   answer.text.back() = '\0';
-  if (answer.done == 0) return refuse(Errc::system, "guardian", answer.text.data());
+  if (answer.done == 0)
+    return refuse({Errc::system, "guardian_failed"}, "guardian", answer.text.data());
   return ok();
 }
 

@@ -20,7 +20,7 @@ std::atomic<guardian::Page*> heard_page{nullptr};
 robust_list_head page_list{};
 
 Error no_page(const char* doing) {
-  return refuse(Errc::system, "guardian",
+  return refuse({Errc::system, "guardian_failed"}, "guardian",
                 std::string("cannot ") + doing + ": " + std::generic_category().message(errno));
 }
 

@@ -34,7 +34,8 @@ constexpr int kCrashHandlerMs = 200;
 constexpr int kLessUrgent = 5;
 
 Error failed(const char* doing, int number) {
-  return refuse(Errc::system, {}, std::string("cannot ") + doing + ": " + std::strerror(number));
+  return refuse({Errc::system, "process_not_started"}, {},
+                std::string("cannot ") + doing + ": " + std::strerror(number));
 }
 
 void limit(__rlimit_resource resource, std::uint64_t most) {
@@ -129,7 +130,7 @@ Result<ChildEnd> ChildRunner::run(const std::vector<std::string>& command, const
 Result<pid_t> ChildRunner::spawn(const std::vector<std::string>& command, int input, int output,
                                  int errors) {
   const MutexLock lock(mutex_);
-  if (cancelled_) return refuse(Errc::wrong_state, {}, "mauved is about to end");
+  if (cancelled_) return refuse({Errc::wrong_state, "mauved_ends"}, {}, "mauved is about to end");
   auto child = rt::spawn(command, {input, output, errors});
   if (child) child_ = *child;
   return child;

@@ -10,7 +10,7 @@ namespace {
 
 Error refused_to_user(const FifoFacts& facts, const std::string& what) {
   if (facts.priority_limit > 0) {
-    return refuse(Errc::not_permitted, "realtime",
+    return refuse({Errc::not_permitted, "realtime_not_permitted"}, "realtime",
                   "no permission for " + what + ": RLIMIT_RTPRIO is " +
                       std::to_string(facts.priority_limit) + ", and CAP_SYS_NICE is missing",
                   "raise the limit: `@mauve - rtprio 99` in /etc/security/limits.conf, "
@@ -18,13 +18,13 @@ Error refused_to_user(const FifoFacts& facts, const std::string& what) {
   }
   if (facts.root) {
     return refuse(
-        Errc::not_permitted, "realtime",
+        {Errc::not_permitted, "realtime_not_permitted"}, "realtime",
         "no permission for " + what +
             ": CAP_SYS_NICE is missing, although the user is root, and RLIMIT_RTPRIO is 0",
         "keep CAP_SYS_NICE where it was dropped: CapabilityBoundingSet= in a unit, "
         "--cap-add=SYS_NICE for a container; or set LimitRTPRIO=99");
   }
-  return refuse(Errc::not_permitted, "realtime",
+  return refuse({Errc::not_permitted, "realtime_not_permitted"}, "realtime",
                 "no permission for " + what + ": CAP_SYS_NICE is missing, and RLIMIT_RTPRIO is 0",
                 "grant CAP_SYS_NICE, or a limit: `@mauve - rtprio 99` in "
                 "/etc/security/limits.conf, LimitRTPRIO=99 in a unit");
@@ -42,13 +42,13 @@ Error fifo_refusal(const FifoFacts& facts) {
   const bool within_limit = facts.priority_limit >= static_cast<std::uint64_t>(facts.priority);
   if (!facts.nice_capability && !within_limit) return refused_to_user(facts, what);
   if (facts.group_runtime == 0) {
-    return refuse(Errc::not_permitted, "realtime",
+    return refuse({Errc::not_permitted, "realtime_group_without_time"}, "realtime",
                   "the kernel refuses " + what +
                       ": the control group has no real-time run time (cpu.rt_runtime_us is 0)",
                   "give the group a budget (cpu.rt_runtime_us), start in the root group, or boot "
                   "with rt_group_sched=0");
   }
-  return refuse(Errc::not_permitted, "realtime",
+  return refuse({Errc::not_permitted, "realtime_group_without_time"}, "realtime",
                 "the kernel refuses " + what + " although " +
                     (facts.nice_capability ? "CAP_SYS_NICE is there" : "RLIMIT_RTPRIO allows it"),
                 "look for a control group without real-time run time (start in the root group, or "

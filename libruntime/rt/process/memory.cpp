@@ -43,7 +43,7 @@ Status lock_memory() {
   const std::string reason = limited ? "the limit is finite" : std::strerror(errno);
   munlockall();
   return refuse(
-      Errc::not_permitted, "realtime",
+      {Errc::not_permitted, "memory_not_locked"}, "realtime",
       "memory cannot be locked: " + reason + " (RLIMIT_MEMLOCK is " +
           (limit.rlim_cur == RLIM_INFINITY ? std::string("unlimited")
                                            : std::to_string(limit.rlim_cur / 1024) + " KiB") +

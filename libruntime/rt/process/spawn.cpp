@@ -62,7 +62,7 @@ Result<pid_t> spawn(const std::vector<std::string>& command, const std::vector<i
   const int refused = posix_spawn(&child, words.front(), &settings.files(), &settings.attributes(),
                                   words.data(), environ);
   if (refused == 0) return child;
-  return refuse(Errc::system, {},
+  return refuse({Errc::system, "process_not_started"}, {},
                 "cannot start " + command.front() + ": " + std::strerror(refused));
 }
 

@@ -58,7 +58,7 @@ int caller_policy() {
 
 Error no_fifo(int priority, int error) {
   if (error == EPERM) return fifo_refusal(fifo_facts(priority));
-  return refuse(Errc::system, "realtime",
+  return refuse({Errc::system, "thread_not_made"}, "realtime",
                 std::string("cannot create a SCHED_FIFO thread: ") + std::strerror(error));
 }
 
@@ -99,7 +99,7 @@ Status Thread::start(const ThreadAttributes& attributes, std::function<void()> b
   const int error = pthread_create(&handle_, &attr, &Thread::enter, this);
   pthread_attr_destroy(&attr);
   if (error == EAGAIN) {
-    return refuse(Errc::system, attributes.name,
+    return refuse({Errc::system, "thread_not_made"}, attributes.name,
                   "no memory or no room for one more thread (is RLIMIT_MEMLOCK too small for its "
                   "locked stack?)",
                   "raise RLIMIT_MEMLOCK (LimitMEMLOCK=infinity in a unit), or lower task.stack");
@@ -182,7 +182,8 @@ Status Thread::set_cpus(const std::vector<int>& cpus) {
   const cpu_set_t set = to_set(cpus);
   const int error = pthread_setaffinity_np(handle_, sizeof set, &set);
   if (error != 0) {
-    return refuse(Errc::system, "cpus", std::string("not possible: ") + std::strerror(error));
+    return refuse({Errc::system, "cpus_not_possible"}, "cpus",
+                  std::string("not possible: ") + std::strerror(error));
   }
   return ok();
 }
@@ -206,7 +207,7 @@ std::vector<int> usable_cpus() {
 Status check_cpu(int cpu, const std::string& at) {
   const std::vector<int> usable = usable_cpus();
   if (std::find(usable.begin(), usable.end(), cpu) != usable.end()) return ok();
-  return refuse(Errc::invalid_value, at,
+  return refuse({Errc::invalid_value, "cpu_not_usable"}, at,
                 "CPU " + std::to_string(cpu) + " is not one that this process may use",
                 "there are " + std::to_string(usable.size()) + " usable CPUs, from " +
                     std::to_string(usable.front()) + " to " + std::to_string(usable.back()));

@@ -138,12 +138,30 @@ TEST(Explain, PrintsTheAdviceOfEveryMessageWithoutADaemon) {
   EXPECT_EQ(run("/nowhere", {"logs", "--explain"}).out, run("/nowhere", {"explain"}).out);
 }
 
+TEST(Explain, SaysOfEachRefusalWhatItMeansForTheRunningSystem) {
+  const Json all = Json::parse(run("/nowhere", {"--json", "explain"}).out)["items"];
+  for (const Json& message : all) {
+    if (!message.contains("refusal")) continue;
+    EXPECT_NE(message["system"], "") << message;
+  }
+  EXPECT_EQ(
+      run("/nowhere", {"explain", "outcome_unknown"}).out,
+      "outcome_unknown\n"
+      "  kind   : refusal, timed_out\n"
+      "  meaning: The deadline of the command passed while its change was taking effect.\n"
+      "  system : The change may still take effect: `mauvectl history` shows whether it did.\n"
+      "  advice : Do not send it again at once: mauvectl history shows whether it made a "
+      "generation.\n");
+}
+
 /// The names on the wire are those of mauve::Errc, which ends where to_string() knows no name.
 TEST(Explain, KnowsEachReasonToRefuse) {
   std::vector<std::string> refusals;
   const Json all = Json::parse(run("/nowhere", {"--json", "explain"}).out)["items"];
   for (const Json& message : all) {
-    if (message["kind"] == "refusal") refusals.push_back(message["name"]);
+    if (message["kind"] == "refusal" && !message.contains("refusal")) {
+      refusals.push_back(message["name"]);
+    }
   }
   std::vector<std::string> names;
   for (int code = 0; to_string(static_cast<Errc>(code)) != "unknown"; ++code) {

@@ -17,7 +17,7 @@ using ::testing::IsEmpty;
 
 struct Fault {
   const char* plugin;
-  Errc code;
+  Reason reason;
   const char* words;
 };
 
@@ -31,7 +31,8 @@ TEST_P(Zoo, IsRefusedWithWordsThatHelp) {
   const Status loaded = catalog.load(GetParam().plugin);
 
   ASSERT_FALSE(loaded);
-  EXPECT_EQ(loaded.error().code, GetParam().code) << to_string(loaded.error());
+  EXPECT_EQ(loaded.error().code, GetParam().reason.code) << to_string(loaded.error());
+  EXPECT_EQ(loaded.error().id, GetParam().reason.id) << to_string(loaded.error());
   EXPECT_THAT(to_string(loaded.error()), HasSubstr(GetParam().words));
   EXPECT_FALSE(loaded.error().at.empty());
   EXPECT_THAT(catalog.plugins(), IsEmpty());
@@ -40,27 +41,46 @@ TEST_P(Zoo, IsRefusedWithWordsThatHelp) {
 INSTANTIATE_TEST_SUITE_P(
     Plugins, Zoo,
     ::testing::Values(
-        Fault{"no_entry", Errc::plugin_refused, "does not export mauve_plugin"},
-        Fault{"wrong_magic", Errc::plugin_refused, "no magic number"},
-        Fault{"wrong_abi", Errc::abi_mismatch, "rebuild it with mauve"},
-        Fault{"wrong_size", Errc::abi_mismatch, "rebuild it with mauve"},
-        Fault{"wrong_fingerprint", Errc::abi_mismatch, "was built with other headers"},
-        Fault{"no_declare", Errc::plugin_refused, "its entry is not the one"},
-        Fault{"missing_symbol", Errc::plugin_refused, "zoo::nobody_wrote_me(double)"},
-        Fault{"throwing_declare", Errc::hook_threw, "cannot declare throwing_declare"},
-        Fault{"duplicate_name", Errc::duplicate, "duplicate_name/number: is registered twice"},
-        Fault{"bad_name", Errc::invalid_value, "good/number: is no name"},
-        Fault{"no_default_core", Errc::unknown_name, "no_default_core/nubmer is not registered"},
-        Fault{"other_contract", Errc::type_mismatch, "its state machine calls zoo/number/1"},
-        Fault{"thread_local_data", Errc::plugin_refused,
+        Fault{"no_entry", {Errc::plugin_refused, "not_a_plugin"}, "does not export mauve_plugin"},
+        Fault{"wrong_magic", {Errc::plugin_refused, "not_a_plugin"}, "no magic number"},
+        Fault{"wrong_abi", {Errc::abi_mismatch, "plugin_other_abi"}, "rebuild it with mauve"},
+        Fault{"wrong_size", {Errc::abi_mismatch, "plugin_other_abi"}, "rebuild it with mauve"},
+        Fault{"wrong_fingerprint",
+              {Errc::abi_mismatch, "plugin_other_headers"},
+              "was built with other headers"},
+        Fault{"no_declare", {Errc::plugin_refused, "plugin_damaged"}, "its entry is not the one"},
+        Fault{"missing_symbol",
+              {Errc::plugin_refused, "plugin_missing_symbol"},
+              "zoo::nobody_wrote_me(double)"},
+        Fault{"throwing_declare",
+              {Errc::hook_threw, "hook_exception"},
+              "cannot declare throwing_declare"},
+        Fault{"duplicate_name",
+              {Errc::duplicate, "plugin_registers_twice"},
+              "duplicate_name/number: is registered twice"},
+        Fault{"bad_name", {Errc::invalid_value, "plugin_bad_name"}, "good/number: is no name"},
+        Fault{"no_default_core",
+              {Errc::unknown_name, "plugin_no_default_core"},
+              "no_default_core/nubmer is not registered"},
+        Fault{"other_contract",
+              {Errc::type_mismatch, "plugin_other_contract"},
+              "its state machine calls zoo/number/1"},
+        Fault{"thread_local_data",
+              {Errc::plugin_refused, "plugin_thread_local"},
               "real-time thread: (anonymous namespace)::calls"},
-        Fault{"debug_containers", Errc::abi_mismatch,
+        Fault{"debug_containers",
+              {Errc::abi_mismatch, "plugin_other_options"},
               "was built with _GLIBCXX_DEBUG, this runtime without"},
-        Fault{"search_path", Errc::plugin_refused, "RPATH or RUNPATH"},
-        Fault{"executable_stack", Errc::plugin_refused, "executable stack"},
-        Fault{"needs_neighbour", Errc::plugin_refused, "needs neighbour.so"},
-        Fault{"not_stamped", Errc::plugin_refused, "has no checksum"},
-        Fault{"two_symbols", Errc::plugin_refused, "must be its only exported symbol"}),
+        Fault{"search_path", {Errc::plugin_refused, "plugin_search_path"}, "RPATH or RUNPATH"},
+        Fault{
+            "executable_stack", {Errc::plugin_refused, "plugin_unsafe_memory"}, "executable stack"},
+        Fault{"needs_neighbour",
+              {Errc::plugin_refused, "plugin_needs_library"},
+              "needs neighbour.so"},
+        Fault{"not_stamped", {Errc::plugin_refused, "plugin_without_checksum"}, "has no checksum"},
+        Fault{"two_symbols",
+              {Errc::plugin_refused, "plugin_exports"},
+              "must be its only exported symbol"}),
     [](const auto& each) { return std::string(each.param.plugin); });
 
 TEST(ZooOfInitialisers, AreRefusedBeforeTheyRun) {
@@ -72,6 +92,7 @@ TEST(ZooOfInitialisers, AreRefusedBeforeTheyRun) {
   const Status loaded = catalog.load("static_initialiser");
 
   ASSERT_FALSE(loaded);
+  EXPECT_EQ(loaded.error().id, "plugin_static_initialiser");
   EXPECT_THAT(loaded.error().message, HasSubstr("static_initialiser"));
   EXPECT_THAT(loaded.error().hint, HasSubstr("constexpr"));
 }
@@ -90,6 +111,7 @@ TEST(ZooOfInitialisers, AreTracedToTheHeaderOrOptionThatBringsThem) {
   EXPECT_THAT(iostream.error().message, HasSubstr("std::ios_base::Init"));
   EXPECT_THAT(iostream.error().hint, HasSubstr("include <ostream>"));
   ASSERT_FALSE(fast_math);
+  EXPECT_EQ(fast_math.error().id, "plugin_fast_math");
   EXPECT_THAT(fast_math.error().message, HasSubstr("linked with -ffast-math"));
   EXPECT_THAT(fast_math.error().hint, HasSubstr("link without -ffast-math"));
 }
@@ -103,6 +125,7 @@ TEST(ZooOfTextRelocations, IsRefusedWhereItCanBeBuilt) {
   const Status loaded = catalog.load("text_relocation");
 
   ASSERT_FALSE(loaded);
+  EXPECT_EQ(loaded.error().id, "plugin_unsafe_memory");
   EXPECT_THAT(loaded.error().hint, HasSubstr("-fPIC"));
 }
 

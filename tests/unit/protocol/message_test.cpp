@@ -91,7 +91,8 @@ TEST(Request, IsReadBackAsItWasMade) {
 
 TEST(FaultOf, KeepsEveryErrorOverTheWire) {
   for (const Errc code : kAllErrc) {
-    const Error error = refuse(code, "control.core.gain", "must be positive", "try 0.2");
+    const Error error =
+        refuse({code, "value_refused"}, "control.core.gain", "must be positive", "try 0.2");
     const std::string line = to_line(make_error(1, fault_of(error, "unchanged", 41)));
 
     const auto message = parse_server_message(line);
@@ -107,6 +108,7 @@ TEST(FaultOf, KeepsEveryErrorOverTheWire) {
     EXPECT_EQ(back.at, error.at);
     EXPECT_EQ(back.message, error.message);
     EXPECT_EQ(back.hint, error.hint);
+    EXPECT_EQ(back.id, error.id);
   }
 }
 
@@ -120,6 +122,12 @@ TEST(Fault, TakesAllErrorsOfAFileOverTheWire) {
   ASSERT_TRUE(read);
   const auto& response = std::get<Response>(*read);
   EXPECT_EQ(std::get<Fault>(response.outcome).errors, fault.errors);
+}
+
+TEST(Fault, NamesNoEntryOnTheWireWhereItHasNone) {
+  const Fault fault = fault_of(refuse(Errc::hook_failed, "a.core", "the lamp is broken"));
+
+  EXPECT_FALSE(to_json(fault)["data"].contains("id"));
 }
 
 TEST(FaultOf, GivesEachCodeToOneErrorOnly) {

@@ -121,7 +121,7 @@ struct Codec<T> {
       return error;
     }
     for (const auto& member : *object) {
-      Status done = refuse(Errc::unknown_name, member.first,
+      Status done = refuse({Errc::unknown_name, "unknown_field"}, member.first,
                            "no field of " + std::string(Described<T>::name), fields_in_words());
       const auto try_fields = [&](const auto&... f) {
         static_cast<void>((decode_field(f, member, data, done) || ...));

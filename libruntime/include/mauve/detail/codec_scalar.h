@@ -55,7 +55,7 @@ concept HasFields = HasName<T> && requires {
 };
 
 [[nodiscard]] inline Error wrong_kind(std::string_view wanted, const Value& value) {
-  return refuse(Errc::invalid_value, {},
+  return refuse({Errc::invalid_value, "value_wrong_kind"}, {},
                 "expected " + std::string(wanted) + ", got " + to_string(value));
 }
 

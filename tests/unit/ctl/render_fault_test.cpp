@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: LGPL-3.0-or-later
+#include "render/render.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace mauve::ctl {
+namespace {
+
+TEST(RenderFault, HasFourParts) {
+  Fault fault = protocol::fault_of(refuse(Errc::abi_mismatch, "/usr/lib/mauve/plugins/pid.so",
+                                          "core 'pid' speaks ABI 2", "rebuild it"),
+                                   "unchanged", 41);
+
+  EXPECT_EQ(render_fault("swap-core arm", fault, {}),
+            "error: swap-core arm: core 'pid' speaks ABI 2\n"
+            "  where  : /usr/lib/mauve/plugins/pid.so\n"
+            "  state  : unchanged (generation 41 still running)\n"
+            "  hint   : rebuild it\n");
+}
+
+TEST(RenderFault, EndsWithTheCommandThatExplainsIt) {
+  const Fault fault = protocol::fault_of(
+      refuse({Errc::conflict, "locked"}, "a.core", "is locked", "mauvectl lock none"));
+
+  EXPECT_THAT(render_fault("", fault, {}),
+              testing::EndsWith("  hint   : mauvectl lock none\n"
+                                "  explain: mauvectl explain locked\n"));
+  EXPECT_EQ(fault_json(fault)["error"]["id"], "locked");
+}
+
+TEST(RenderFault, SaysWhatTheRobotIsInNow) {
+  Fault fault = protocol::fault_of(refuse(Errc::hook_failed, "", "no"), "rolled_back", 41);
+  EXPECT_NE(render_fault("", fault, {}).find("rolled back (generation 41 runs again)"),
+            std::string::npos);
+  fault.state = "safe";
+  EXPECT_NE(render_fault("", fault, {}).find("safe, outputs"), std::string::npos);
+  fault.state = "unknown";
+  EXPECT_NE(render_fault("", fault, {}).find("unknown"), std::string::npos);
+}
+
+TEST(RenderFault, LetsNoServerSteerTheTerminal) {
+  const Fault fault = protocol::fault_of(refuse(Errc::system, "", "\033[2Jgone\nerror: x"));
+
+  EXPECT_EQ(render_fault("", fault, {}).find('\033'), std::string::npos);
+}
+
+TEST(FaultJson, HasEverythingInOneObject) {
+  const Json error =
+      fault_json(protocol::fault_of(refuse(Errc::unknown_name, "a.b", "no such", "c")));
+
+  EXPECT_EQ(error, Json::parse(R"({"error": {"code": -32012, "name": "unknown_name",
+    "message": "no such", "state": "unchanged", "where": "a.b", "hint": "c", "exit": 4,
+    "generation": null}})"));
+}
+
+TEST(RenderErrors, PointAtLineAndColumn) {
+  const Json result = Json::parse(R"({"errors":[{"line":3,"column":5,"at":"control.core.gain",
+    "message":"must be positive","hint":"try 0.2"}]})");
+
+  EXPECT_EQ(render_errors("rover.json", result, {}),
+            "rover.json:3:5: error: control.core.gain: must be positive\n"
+            "  hint: try 0.2\n"
+            "1 error\n");
+  EXPECT_EQ(render_errors("rover.json", Json::parse(R"({"errors":[]})"), {}),
+            "rover.json: no error\n");
+}
+
+TEST(RenderErrors, NameTheEntryThatExplainsEach) {
+  const Json result = Json::parse(R"({"errors":[{"line":3,"column":5,"at":"control.core",
+    "message":"unknown key \"gian\"","hint":"","id":"file_key_unknown"}]})");
+
+  EXPECT_EQ(render_errors("rover.json", result, {}),
+            "rover.json:3:5: error: control.core: unknown key \"gian\" [file_key_unknown]\n"
+            "1 error\n");
+}
+
+}  // namespace
+}  // namespace mauve::ctl
