@@ -149,6 +149,7 @@ std::optional<Json> audit_refused(Running& running, const Call& call, const Faul
   auto line = begin(call);
   line.add("text", bounded((fault.where.empty() ? "" : fault.where + ": ") + fault.message));
   line.add("error", fault.name);
+  line.add("id", fault.id.empty() ? fault.name : fault.id);
   line.json["state"] = fault.state;
   line.json["outcome"] = "refused";
   line.json["generation"] = running.generation.load();

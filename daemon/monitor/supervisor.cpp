@@ -299,6 +299,7 @@ void Supervisor::conclude(const Order& order, const server::Outcome& outcome, bo
     const bool unsafe = fault->state != "unchanged";
     fields.push_back({"text", said(*fault)});
     fields.push_back({"error", fault->name});
+    fields.push_back({"id", fault->id.empty() ? fault->name : fault->id});
     running_->log.write(unsafe ? Event::transaction_unsafe : Event::transaction_refused,
                         std::move(fields));
     answer = (unsafe ? "unsafe: " : "refused: ") + said(*fault);
