@@ -192,6 +192,9 @@ std::string render_heading(const Json& status) {
   if (realtime.is_boolean()) text += realtime == true ? ", real time" : ", NOT real time";
   if (realtime.is_string()) text += ", real time: " + compact(realtime);
   if (member(status, "saved") == false) text += ", NOT saved";
+  if (status.contains("disk_silent_s")) {
+    text += ", the DISK has not answered for " + seconds_in_words(number(status, "disk_silent_s"));
+  }
   if (!list_in(status, "probations").empty()) text += ", on probation";
   if (const auto lock = word(status, "lock"); !lock.empty() && lock != "none") {
     text += ", " + lock + " locked";

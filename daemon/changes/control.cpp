@@ -87,10 +87,25 @@ void WorkerThread::run() {
       return;
     }
     if (job) {
-      job();
+      run_job(job);
     }
     look_at_awaited();
   }
+}
+
+void WorkerThread::run_job(const Job& job) {
+  {
+    const MutexLock lock(mutex_);
+    busy_since_ = std::chrono::steady_clock::now();
+  }
+  job();
+  const MutexLock lock(mutex_);
+  busy_since_.reset();
+}
+
+std::optional<std::chrono::steady_clock::time_point> WorkerThread::busy_since() {
+  const MutexLock lock(mutex_);
+  return busy_since_;
 }
 
 /// False: the end. No job: time to look at what is awaited.

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -39,6 +40,8 @@ class WorkerThread {
   bool post(Job job, const Asker& asker = {});
   bool post_urgent(Job job);
   [[nodiscard]] bool is_this_thread() const;
+  /// [any] When the job under way began; nothing: no job is under way.
+  [[nodiscard]] std::optional<std::chrono::steady_clock::time_point> busy_since();
   /// [this thread] Runs `then` once `over` says yes. It is asked between other jobs, soon at first,
   /// at least each millisecond later. Dropped when the thread ends.
   void await(std::function<bool()> over, Job then);
@@ -51,6 +54,7 @@ class WorkerThread {
 
   void run();
   bool take(Job& job);
+  void run_job(const Job& job);
   void look_at_awaited();
 
   const ThreadRole role_;
@@ -59,6 +63,7 @@ class WorkerThread {
   std::deque<Job> urgent_ MAUVE_GUARDED_BY(mutex_);
   FairQueue<Job> jobs_ MAUVE_GUARDED_BY(mutex_);
   bool stopping_ MAUVE_GUARDED_BY(mutex_) = false;
+  std::optional<std::chrono::steady_clock::time_point> busy_since_ MAUVE_GUARDED_BY(mutex_);
   std::vector<Awaited> awaited_;  // this thread's own
   std::chrono::microseconds pause_{0};
   std::thread thread_;

@@ -26,6 +26,7 @@
 #include "mauve/host/deploy_options.h"
 #include "mauve/host/deployer.h"
 #include "monitor/counts.h"
+#include "monitor/disk_watch.h"
 #include "plugin/load/catalog.h"
 #include "server/dispatcher.h"
 #include "server/server.h"
@@ -114,6 +115,7 @@ struct Running {
   Realtime realtime = Realtime::prefer;     ///< what mauved was started with
   std::vector<std::string> path_dirs = {};  ///< what path_rule() allows besides
   std::vector<DecidingPath> deciding = {};  ///< see deciding_paths.h
+  DiskWatch disk_watch = {};                ///< [control]
   Failures failures = {};                   ///< [control] see commands/look/notice.h
   server::Refusals refusals = {};           ///< [any]
   Counts counts = {};                       ///< [any]

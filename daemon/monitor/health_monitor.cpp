@@ -103,6 +103,11 @@ void HealthMonitor::look() {
   look_at_unproven(*running_);
   free_former(*running_);
   report_counted_refusals(*running_, std::chrono::steady_clock::now());
+  if (running_->store != nullptr) {
+    running_->disk_watch.look(running_->store->disk().busy_since(),
+                              std::chrono::steady_clock::now(), running_->store->directory(),
+                              running_->log);
+  }
   keep_out(*running_);
   make_standby_cores();
   looking_ = false;

@@ -82,8 +82,8 @@ class StateStore {
   void ran_long();
   /// The run is refused before it began. [main]
   void refused() { last_run_.refused(); }
-  /// Runs this on [disk], after what waits there. [any but rt]
-  void on_disk(std::function<void()> work) { disk_.post(std::move(work)); }
+  /// [any but rt] The thread [disk]: a posted job runs after those that wait there.
+  [[nodiscard]] WorkerThread& disk() { return disk_; }
   /// Saves the list of cores in quarantine. [any but rt]
   void quarantine(Json cores);
   /// [main] The list as the run before left it.

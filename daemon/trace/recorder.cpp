@@ -188,7 +188,7 @@ void Recorder::write_when_due(Reason& reason, bool now) {
   const Pending flight = *std::exchange(pending, std::nullopt);
   auto recording = std::make_shared<Recording>(cut(0));
   recording->why = flight.word + (flight.component.empty() ? "" : " " + flight.component);
-  running_->store->on_disk([this, recording, flight] {
+  running_->store->disk().post([this, recording, flight] {
     flights_->write(*recording, flight.word, flight.component, running_->boot);
   });
 }

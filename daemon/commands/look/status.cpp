@@ -146,6 +146,11 @@ Result<Json> status(Running& running, const Call& /*call*/) {
   }
   if (running.store != nullptr) {
     result["saved"] = running.store->saved();
+    const std::chrono::duration<double> silent =
+        running.disk_watch.silent_for(std::chrono::steady_clock::now());
+    if (silent.count() > 0) {
+      result["disk_silent_s"] = silent.count();
+    }
   }
   return result;
 }

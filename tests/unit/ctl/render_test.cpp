@@ -44,6 +44,10 @@ TEST(RenderStatus, SaysWhatIsLockedAndNotSaved) {
 
   EXPECT_EQ(render_status(status, {}),
             "a: 0 of 0 components running, generation 4, NOT saved, params locked\n");
+  EXPECT_THAT(render_status(Json::parse(R"({"generation":4,"architecture":"a","components":[],
+    "saved":true,"disk_silent_s":12.5})"),
+                            {}),
+              testing::HasSubstr("generation 4, the DISK has not answered for 12"));
 }
 
 TEST(RenderStatus, FitsInto80Columns) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <future>
 
+#include "monitor/disk_watch.h"
 #include "support/temp_dir.h"
 
 namespace mauve::daemon {
@@ -56,6 +57,44 @@ class StateStoreTest : public testing::Test {
   logging::Log log{logging::Level::debug};
   std::unique_ptr<StateStore> store;
 };
+
+TEST_F(StateStoreTest, ReportsADiskThatDoesNotAnswerAndItsReturnOnceEach) {
+  DiskWatch watch;
+  store->begin(with_number(1), named("robot"));
+  std::promise<void> begun;
+  std::promise<void> answers;
+  const auto before = std::chrono::steady_clock::now();
+  store->disk().post([&] {
+    begun.set_value();
+    answers.get_future().wait();
+  });
+  begun.get_future().wait();
+  const auto after = std::chrono::steady_clock::now();
+  const auto reported = [&](logging::Event event) {
+    log.flush();
+    const auto records = log.history().tail(100, {});
+    return std::ranges::count(records, event, &logging::Record::event);
+  };
+
+  const auto look = [&](DiskWatch::Instant now) {
+    watch.look(store->disk().busy_since(), now, store->directory(), log);
+  };
+
+  look(before + DiskWatch::kSlow - std::chrono::nanoseconds(1));
+  EXPECT_EQ(reported(logging::Event::disk_silent), 0);
+  EXPECT_EQ(watch.silent_for(after), Duration{0});
+  look(after + DiskWatch::kSlow);
+  look(after + 2 * DiskWatch::kSlow);
+  EXPECT_EQ(reported(logging::Event::disk_silent), 1);
+  EXPECT_GE(watch.silent_for(after + DiskWatch::kSlow), DiskWatch::kSlow);
+
+  answers.set_value();
+  store->flush();
+  look(after + 3 * DiskWatch::kSlow);
+  look(after + 3 * DiskWatch::kSlow);
+  EXPECT_EQ(reported(logging::Event::disk_answers), 1);
+  EXPECT_EQ(watch.silent_for(after + 3 * DiskWatch::kSlow), Duration{0});
+}
 
 TEST_F(StateStoreTest, DoesNotBelieveAMarkerThatOthersMayHaveWritten) {
   store->begin(with_number(1), named("robot"));
