@@ -77,20 +77,36 @@ std::string boot_line(const std::string& cpus) {
          " nohz_full=" + cpus + " rcu_nocbs=" + cpus;
 }
 
+/// Programs do not inherit isolated CPUs, so mauved refuses a file that names one unless its unit
+/// permits it. The unit permits all: the scheduler moves no ordinary thread to an isolated CPU.
+std::string permit_all(const Facts& facts) {
+  const std::size_t count = std::max<std::size_t>(facts.cpu_folders().size(), 1);
+  return "`systemctl edit mauved`: [Service] CPUAffinity=0-" + std::to_string(count - 1) +
+         " (otherwise mauved refuses a file that names an isolated CPU)";
+}
+
+/// A component on an isolated CPU shows that the unit permits them.
+std::string place_remedy(const Facts& facts, const Used& used, const std::vector<int>& isolated,
+                         int cpu) {
+  const bool permitted = without(used.cpus, isolated).size() < used.cpus.size();
+  return (permitted ? "" : permit_all(facts) + ", then restart it; ") +
+         "in the architecture file, for each of them: \"task\": {\"cpus\": [" +
+         std::to_string(cpu) + "]}";
+}
+
 Finding judge_isolated(const Facts& facts, const Used& used, const std::vector<int>& isolated) {
   const std::string found = "CPU " + cpu_list(isolated) + " set apart";
   const auto beside = without(used.cpus, isolated);
   if (!beside.empty() && !facts.status.is_null()) {
     return doubt(found + ", but components run on CPU " + cpu_list(beside),
-                 "in the architecture file, for each of them: \"task\": {\"cpus\": [" +
-                     std::to_string(isolated.front()) + "]}");
+                 place_remedy(facts, used, isolated, isolated.front()));
   }
   const std::set<int> all(isolated.begin(), isolated.end());
   const auto idle = without(all, {used.cpus.begin(), used.cpus.end()});
   if (!idle.empty() && !used.cpus.empty()) {
     return doubt(
-        found + ", but no component uses CPU " + cpu_list(idle),
-        "in the architecture file: \"task\": {\"cpus\": [" + std::to_string(idle.front()) + "]}");
+        found + ", but no component uses CPU " + cpu_list(idle) + ", and no other program may",
+        place_remedy(facts, used, isolated, idle.front()));
   }
   const auto full = cpus_in(facts.text(kCpus + "nohz_full").value_or(""));
   if (const auto ticking = without(all, full); !ticking.empty()) {
@@ -157,8 +173,7 @@ Finding check_isolation(const Facts& facts) {
   const Used used = used_cpus(facts);
   if (!isolated.empty() && !used.anywhere.empty()) {
     return doubt("CPU " + cpu_list(isolated) + " set apart, but not for " + used.anywhere,
-                 "in the architecture file, for each of them: \"task\": {\"cpus\": [" +
-                     std::to_string(isolated.front()) + "]}");
+                 place_remedy(facts, used, isolated, isolated.front()));
   }
   if (!isolated.empty()) return judge_isolated(facts, used, isolated);
   const std::size_t count = facts.cpu_folders().size();
@@ -167,7 +182,8 @@ Finding check_isolation(const Facts& facts) {
   const std::string theirs = cpu_list({used.cpus.begin(), used.cpus.end()});
   if (theirs.empty()) return good("none, and no component is bound to a CPU");
   if (used.cpus.size() == count) return good("none: components use all CPUs");
-  return doubt("none; components share CPU " + theirs + " with everything else", boot_line(theirs));
+  return doubt("none; components share CPU " + theirs + " with everything else",
+               permit_all(facts) + "; then " + boot_line(theirs));
 }
 
 Finding check_sleep(const Facts& facts) {

@@ -138,6 +138,7 @@ TEST_F(DoctorOfTheMachine, ComparesIsolatedCpusWithThoseOfComponents) {
   start_daemon();
   expect(check_isolation(facts), Grade::warn, "share CPU 2",
          "isolcpus=managed_irq,domain,2 nohz_full=2");
+  expect(check_isolation(facts), Grade::warn, "share CPU 2", "CPUAffinity=0-7");
   write(kCpus + "isolated", "2");
   write(kCpus + "nohz_full", "(null)");
   expect(check_isolation(facts), Grade::warn, "timer tick on CPU 2", "nohz_full=2");
@@ -147,6 +148,7 @@ TEST_F(DoctorOfTheMachine, ComparesIsolatedCpusWithThoseOfComponents) {
   expect(check_isolation(facts), Grade::warn, "no component uses CPU 3", "\"cpus\": [3]");
   write(kCpus + "isolated", "6-7");
   expect(check_isolation(facts), Grade::warn, "components run on CPU 2", "\"cpus\": [6]");
+  expect(check_isolation(facts), Grade::warn, "components run on CPU 2", "CPUAffinity=0-7");
   facts.status["components"][0]["cpus"] = Json::array();
   expect(check_isolation(facts), Grade::warn, "not for control", "\"cpus\": [6]");
 }
