@@ -52,7 +52,9 @@ Finding check_plugins(const Facts& facts) {
     }
   }
   if (!unsound.empty()) return bad("nothing is loaded from " + unsound, remedy);
-  if (!absent.empty()) return doubt("there is no " + absent, "mkdir --parents " + absent);
+  if (!absent.empty())
+    return doubt("there is no " + absent + ", so no plugin is found there",
+                 "mkdir --parents " + absent);
   return good(sound);
 }
 
@@ -88,7 +90,8 @@ Finding check_socket(const Facts& facts) {
         "chmod 0750 " + parent);
   }
   if ((its.st_mode & 0007U) != 0) {
-    return doubt(facts.socket + " is open to everybody (mode " + octal(its.st_mode) + ")",
+    return doubt(facts.socket + " is open to everybody (mode " + octal(its.st_mode) +
+                     "), so only the roles of mauved keep users out",
                  "chmod 0660 " + facts.socket);
   }
   return good(facts.socket + " (mode " + octal(its.st_mode) + ") in a directory of mode " +
@@ -103,12 +106,14 @@ Finding check_state(const Facts& facts) {
                  "start mauved with --state-dir /var/lib/mauve");
   }
   const std::string path = word(state, "path");
-  if (word(state, "exists") != "true") return bad("there is no " + path, "mkdir --parents " + path);
+  if (word(state, "exists") != "true")
+    return bad("there is no " + path + ": nothing is saved", "mkdir --parents " + path);
   if (anybody_writes(whole_number(state, "mode"))) {
     return bad("everybody may write " + listed(state), "chmod o-w " + path);
   }
   if (word(facts.status, "saved") == "false") {
-    return bad("the newest generation was not saved in " + listed(state),
+    return bad("the newest generation was not saved in " + listed(state) +
+                   ": after a crash an older one would start",
                "mauvectl logs --level warn says why");
   }
   return good(listed(state));

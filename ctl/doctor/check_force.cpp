@@ -48,7 +48,8 @@ Finding check_versions(const Facts& facts) {
   if (!speaks(facts.version) || whole_number(facts.version, "abi") != kAbi) {
     return bad("mauved " + word(facts.version, "version") + " has protocol " +
                    word(facts.version, "protocol") + " and plugin ABI " +
-                   word(facts.version, "abi") + ", not those of " + mine,
+                   word(facts.version, "abi") + ", not those of " + mine +
+                   ": commands may be refused",
                install);
   }
   if (word(facts.version, "version") != facts.client) {
@@ -69,7 +70,8 @@ Finding check_policy(const Facts& facts) {
     if (word(row, "realtime") == "true") continue;
     join(ordinary, word(row, "name"));
   }
-  if (!ordinary.empty()) return bad("without SCHED_FIFO: " + ordinary, kRequire);
+  if (!ordinary.empty())
+    return bad("without SCHED_FIFO: " + ordinary + ", so ordinary programs delay them", kRequire);
   return good("SCHED_FIFO: " + counted(facts.components().size(), "component"));
 }
 
@@ -105,7 +107,8 @@ Finding check_guardian(const Facts& facts) {
   std::string outputs;
   for (const Json& name : list_in(*guardian, "outputs")) join(outputs, name.get<std::string>());
   if (word(*guardian, "present") != "true") {
-    return bad("no guardian holds " + outputs + ": " + word(*guardian, "why"),
+    return bad("no guardian holds " + outputs +
+                   ", which stay as they are should mauved be killed: " + word(*guardian, "why"),
                "systemctl start mauve-guardian");
   }
   if (word(*guardian, "service") == "true") return good("a service holds " + outputs);

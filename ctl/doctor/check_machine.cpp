@@ -110,8 +110,9 @@ Finding judge_isolated(const Facts& facts, const Used& used, const std::vector<i
   }
   const auto full = cpus_in(facts.text(kCpus + "nohz_full").value_or(""));
   if (const auto ticking = without(all, full); !ticking.empty()) {
-    return doubt(found + ", but with a timer tick on CPU " + cpu_list(ticking),
-                 boot_line(cpu_list(isolated)));
+    return doubt(
+        found + ", but with a timer tick on CPU " + cpu_list(ticking) + ", which interrupts jobs",
+        boot_line(cpu_list(isolated)));
   }
   return good(found + ", without a timer tick");
 }
@@ -164,7 +165,7 @@ Finding check_frequency(const Facts& facts) {
   }
   if (scaled == 0) return good("the system does not change it");
   if (slow.empty()) return good("performance on " + counted(scaled, "CPU"));
-  return doubt("the governor lowers it: " + slow,
+  return doubt("the governor lowers it, and jobs take longer then: " + slow,
                "echo performance | tee /sys/devices/system/cpu/cpu*/cpufreq/scaling_governor");
 }
 
