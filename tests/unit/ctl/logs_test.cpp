@@ -163,7 +163,9 @@ TEST(Explain, KnowsEachReasonToRefuse) {
       refusals.push_back(message["name"]);
     }
   }
-  std::vector<std::string> names;
+  std::vector<std::string> names = {"unreachable",    "bad_answer",    "internal",
+                                    "usage",          "parse_error",   "invalid_request",
+                                    "unknown_method", "invalid_params"};
   for (int code = 0; to_string(static_cast<Errc>(code)) != "unknown"; ++code) {
     names.emplace_back(to_string(static_cast<Errc>(code)));
   }

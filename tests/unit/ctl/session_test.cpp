@@ -59,6 +59,7 @@ TEST(Wait, WithoutItADaemonThatDoesNotAnswerIsAnErrorAtOnce) {
   const Outcome waited = run("/nowhere/mauve.sock", {"ping", "--wait", "1ms"});
   EXPECT_EQ(waited.exit, 7);
   EXPECT_NE(waited.err.find("there is no socket; waited 1ms"), std::string::npos) << waited.err;
+  EXPECT_NE(waited.err.find("mauvectl explain unreachable"), std::string::npos) << waited.err;
 }
 
 TEST(ChangingCommands, AskForNothingMoreWhereTheyOnlyLook) {
